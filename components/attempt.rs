@@ -1,0 +1,84 @@
+//! State of the attempts at one increment: tentative, dropped when the increment is committed.
+
+use bevy_ecs::prelude::*;
+
+use crate::bond::Rupture;
+
+/// What to do after an attempt.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub enum Verdict {
+    /// Commit the solution.
+    #[default]
+    Accept,
+    /// Assemble and solve again: something was added to the program.
+    Again,
+    /// The attempt did not converge, for this reason: try harder.
+    Reject(String),
+}
+
+/// How an increment ended. The names are those of the history file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum IncrementStatus {
+    /// Converged.
+    #[default]
+    Solved,
+    /// No equilibrium exists.
+    Collapsed,
+    /// No motion exists.
+    Locked,
+    /// Not converged; nothing was committed.
+    Stalled,
+    /// Converged, but a cap (cascade, Coulomb's fixed point) was hit on the way.
+    Capped,
+}
+
+impl IncrementStatus {
+    /// The word that the history file uses.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Solved => "solved",
+            Self::Collapsed => "collapsed",
+            Self::Locked => "locked",
+            Self::Stalled => "stalled",
+            Self::Capped => "capped",
+        }
+    }
+}
+
+/// State of the attempts at the increment under way.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct Attempt {
+    /// Solves so far in this increment.
+    pub solves: u32,
+    /// Solver iterations so far in this increment.
+    pub iterations: u32,
+    /// Pairs that the pruning left out and that a solution closed, sorted.
+    pub added_pairs: Vec<(u32, u32)>,
+    /// Greatest distance that detection must look ahead, m; 0 lets it choose.
+    pub reach: f64,
+    /// Bonds that this increment breaks, in the order found; broken when it is committed.
+    pub ruptures: Vec<Rupture>,
+    /// Rounds of the cascade so far.
+    pub cascade_rounds: u32,
+    /// Opening that Coulomb's fixed point takes out, m, by contact (a, b), sorted.
+    pub openings: Vec<((u32, u32), f64)>,
+    /// Passes of the fixed point so far.
+    pub coulomb_passes: u32,
+    /// Change of the openings in the last pass over the greatest displacement.
+    pub coulomb_residual: f64,
+    /// 0 at first; every rejection raises it: other scales, regularisation, halving.
+    pub effort: u32,
+    /// Proximal centre of the regularised re-solves, by body.
+    pub centre: Vec<[f64; 3]>,
+    /// Magnitudes of the last rejected solution: greatest displacement (m) and force (N).
+    pub magnitudes: Option<(f64, f64)>,
+    /// Whether a cap was hit.
+    pub capped: bool,
+    /// What to do next.
+    pub verdict: Verdict,
+    /// Status under which the increment ended.
+    pub status: IncrementStatus,
+    /// Why it stalled, if it did.
+    pub complaint: String,
+}

@@ -1,0 +1,102 @@
+//! What particles and walls have in common: an identity, a place, a motion, loads.
+
+use bevy_ecs::prelude::*;
+use glam::DVec2;
+
+/// Dense identity of a body: particles first, in file order, then walls, in file order.
+///
+/// Everything that needs an order uses this one. `Entity` values and query order depend on the
+/// history of the world and order nothing.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[component(immutable)]
+pub struct BodyId(pub u32);
+
+impl BodyId {
+    /// The identity as an index into tables by body.
+    #[must_use]
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// Centre of a disk, or middle of a wall's drawn segment, m.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Default)]
+pub struct Position(pub DVec2);
+
+/// Position at the start of the stage list, m; displacements in the record count from here.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Default)]
+pub struct Origin(pub DVec2);
+
+/// Rotation since the start, rad, anticlockwise positive.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Default)]
+pub struct Rotation(pub f64);
+
+/// Velocity, m/s. Static analysis leaves it alone.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Default)]
+pub struct Velocity(pub DVec2);
+
+/// Angular velocity, rad/s.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Default)]
+pub struct AngularVelocity(pub f64);
+
+/// Displacement of the last committed increment: (x, y) in m and rotation in rad.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Default)]
+pub struct LastMotion(pub [f64; 3]);
+
+/// What the outside world does to one degree of freedom of a body during a whole increment.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub enum Drive {
+    /// Nothing: the motion is an unknown.
+    #[default]
+    Free,
+    /// The displacement (m) or rotation (rad) over the whole increment is imposed; 0 holds it.
+    Imposed(f64),
+}
+
+/// Drives of the three degrees of freedom of a particle: x, y, rotation.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Default)]
+pub struct Drives(pub [Drive; 3]);
+
+/// A load that goes linearly from its value at the start of an increment to that at its end.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct Ramp {
+    /// Value at the start of the increment.
+    pub from: f64,
+    /// Value at the end of the increment.
+    pub to: f64,
+}
+
+impl Ramp {
+    /// A load that does not change.
+    #[must_use]
+    pub fn constant(value: f64) -> Self {
+        Self { from: value, to: value }
+    }
+
+    /// The value after the given fraction of the increment.
+    #[must_use]
+    pub fn at(self, fraction: f64) -> f64 {
+        // The end is returned as it is, so that a full increment carries the exact target.
+        if fraction >= 1.0 { self.to } else { self.from + fraction * (self.to - self.from) }
+    }
+}
+
+/// Force (x, y; N) and moment (N m) that the outside world applies to a particle, gravity apart.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Default)]
+pub struct AppliedLoad(pub [Ramp; 3]);
+
+/// Force (x, y; N) and moment (N m) that the outside world exerted on the body in the last
+/// committed increment: applied loads, reactions of imposed motion, and for walls whatever
+/// holds or moves them. Gravity is not in it.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Default)]
+pub struct ExternalForce(pub [f64; 3]);
+
+/// Name under which the history records the body (`NAME.x_m`, ...).
+#[derive(Component, Clone, Debug, PartialEq, Eq)]
+#[component(immutable)]
+pub struct Probe(pub String);
+
+/// Name of a group of particles that stages and measures can select.
+#[derive(Component, Clone, Debug, PartialEq, Eq)]
+#[component(immutable)]
+pub struct Group(pub String);

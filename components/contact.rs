@@ -1,0 +1,136 @@
+//! The table of bodies and potential contacts of one attempt.
+
+use bevy_ecs::prelude::*;
+use glam::DVec2;
+
+use crate::body::{Drive, Ramp};
+use crate::bond::BondId;
+use crate::material::{BondLaw, ContactLaw};
+use crate::wall::WallDrive;
+
+/// Bodies and intact bonds gathered into identity order, so that nothing downstream depends on
+/// the order of a query. Tables by body have `particles + walls` entries.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct Bodies {
+    /// Number of particles; walls have the identities from here on.
+    pub particles: usize,
+    /// Entity of every body, `Entity::PLACEHOLDER` for a wall that is not there.
+    pub entities: Vec<Entity>,
+    /// Centres of particles and middles of walls, m.
+    pub positions: Vec<DVec2>,
+    /// Velocities, m/s.
+    pub velocities: Vec<DVec2>,
+    /// Angular velocities, rad/s.
+    pub angular_velocities: Vec<f64>,
+    /// Motion of the last committed increment, (m, m, rad).
+    pub last_motion: Vec<[f64; 3]>,
+    /// Radii of the particles, m.
+    pub radii: Vec<f64>,
+    /// Masses of the particles, kg.
+    pub masses: Vec<f64>,
+    /// Moments of inertia of the particles, kg m^2.
+    pub inertias: Vec<f64>,
+    /// Material indices of the particles.
+    pub materials: Vec<u32>,
+    /// Drives of the particles.
+    pub drives: Vec<[Drive; 3]>,
+    /// Applied loads of the particles.
+    pub loads: Vec<[Ramp; 3]>,
+    /// The walls that are there, in identity order.
+    pub walls: Vec<WallRow>,
+    /// The intact bonds, by (a, b).
+    pub bonds: Vec<BondRow>,
+    /// Mean radius of the particles, m (1 where there are none).
+    pub mean_radius: f64,
+}
+
+/// A wall of [`Bodies`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WallRow {
+    /// Body identity.
+    pub body: u32,
+    /// Unit normal into the specimen.
+    pub inward: DVec2,
+    /// Law of its contacts.
+    pub law: ContactLaw,
+    /// What it does in this increment.
+    pub drive: WallDrive,
+}
+
+/// An intact bond of [`Bodies`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BondRow {
+    /// Identity of the bond.
+    pub id: BondId,
+    /// Its entity.
+    pub entity: Entity,
+    /// First body (a particle).
+    pub a: u32,
+    /// Second body.
+    pub b: u32,
+    /// Gap at creation, m.
+    pub initial_gap: f64,
+    /// Its law.
+    pub law: BondLaw,
+}
+
+/// A pair that carries force or may come to carry it within the increment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// First body, always a particle.
+    pub a: u32,
+    /// Second body: a particle with `b > a`, or a wall.
+    pub b: u32,
+    /// Unit normal from a to b at the start of the increment.
+    pub normal: DVec2,
+    /// Gap `g_0` at the start of the increment, m; negative is overlap.
+    pub gap: f64,
+    /// Index into [`Bodies::bonds`] of the intact bond that joins the two.
+    pub bond: Option<u32>,
+}
+
+impl Contact {
+    /// The contact point, the middle of the gap, m.
+    #[must_use]
+    pub fn point(&self, bodies: &Bodies) -> DVec2 {
+        let a = self.a as usize;
+        bodies.positions[a] + self.normal * (bodies.radii[a] + 0.5 * self.gap)
+    }
+
+    /// The common radius r^I, m: the smaller of the two, or the particle's own at a wall.
+    #[must_use]
+    pub fn common_radius(&self, bodies: &Bodies) -> f64 {
+        let ra = bodies.radii[self.a as usize];
+        bodies.radii.get(self.b as usize).map_or(ra, |rb| ra.min(*rb))
+    }
+}
+
+/// The contacts of this attempt, sorted by (a, b).
+#[derive(Resource, Clone, Debug, Default)]
+pub struct Contacts(pub Vec<Contact>);
+
+/// What a contact remembers from one increment to the next.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactMemory {
+    /// First body.
+    pub a: u32,
+    /// Second body.
+    pub b: u32,
+    /// Normal force at the end of the last increment, N.
+    pub p: f64,
+    /// Shear force at the end of the last increment, N, in the contact's own frame: it turns
+    /// with the contact.
+    pub q: f64,
+}
+
+/// Memory of the contacts that carried force, sorted by (a, b).
+#[derive(Resource, Clone, Debug, Default)]
+pub struct ContactHistory(pub Vec<ContactMemory>);
+
+impl ContactHistory {
+    /// The memory of the pair (a, b), if it has any.
+    #[must_use]
+    pub fn get(&self, a: u32, b: u32) -> Option<&ContactMemory> {
+        self.0.binary_search_by_key(&(a, b), |m| (m.a, m.b)).ok().map(|k| &self.0[k])
+    }
+}

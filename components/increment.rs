@@ -1,0 +1,123 @@
+//! What is being analysed and how far it has come.
+
+use bevy_ecs::prelude::*;
+use glam::DVec2;
+
+/// How bodies resist motion.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub enum AnalysisKind {
+    /// No inertia: every increment is an equilibrium.
+    #[default]
+    Static,
+    /// Rigid, frictionless, and of all feasible motions the least: unit inertia from rest at
+    /// theta = 1. Prepares packings (4.4.1 of the paper).
+    LeastMotion,
+    /// Theta-method with theta-averaged elastic forces.
+    Dynamic {
+        /// Time step, s.
+        dt: f64,
+        /// Weight of the end of the increment, 0 < theta <= 1.
+        theta: f64,
+    },
+}
+
+/// Kind of analysis, gravity and thickness.
+#[derive(Resource, Clone, Copy, Debug, PartialEq)]
+pub struct Analysis {
+    /// Static, least motion or dynamic.
+    pub kind: AnalysisKind,
+    /// Acceleration of gravity, m/s^2.
+    pub gravity: DVec2,
+    /// Out-of-plane thickness h, m.
+    pub thickness: f64,
+}
+
+impl Default for Analysis {
+    fn default() -> Self {
+        Self { kind: AnalysisKind::Static, gravity: DVec2::ZERO, thickness: 1.0 }
+    }
+}
+
+/// Friction law of unbonded contacts.
+#[derive(Resource, Clone, Copy, Debug, PartialEq, Default)]
+pub enum FrictionLaw {
+    /// The paper's: convex, sliding opens the contact by mu |slip|.
+    #[default]
+    Associated,
+    /// Coulomb's: the fixed point `g <- g_0 + mu |slip| + mu_r r |d_r|` takes the opening out.
+    Coulomb {
+        /// Greatest change of an opening between two passes over the greatest displacement.
+        tolerance: f64,
+        /// Cap on the passes of one increment.
+        max_passes: u32,
+    },
+}
+
+/// What a bond does at its rolling limit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum RollingLimit {
+    /// It breaks: the letter of 3.4.2 of the paper.
+    #[default]
+    Breaks,
+    /// Its moment stays on the limit and the bond lives.
+    Yields,
+}
+
+/// Rules of rupture.
+#[derive(Resource, Clone, Copy, Debug, PartialEq)]
+pub struct RuptureRules {
+    /// At the rolling limit.
+    pub rolling: RollingLimit,
+    /// Solve again within the increment until no bond breaks, at most this many times; `None`
+    /// breaks after the increment.
+    pub cascade: Option<u32>,
+    /// A bond is on a limit when its slack is below this fraction of the limit.
+    pub slack: f64,
+    /// Relative rotation, rad, or slip over mean radius, above which a rigid limit counts as active.
+    pub multiplier: f64,
+}
+
+impl Default for RuptureRules {
+    fn default() -> Self {
+        Self { rolling: RollingLimit::Breaks, cascade: None, slack: 1e-7, multiplier: 1e-9 }
+    }
+}
+
+/// What an increment must satisfy before it is committed.
+#[derive(Resource, Clone, Copy, Debug, PartialEq)]
+pub struct Acceptance {
+    /// Greatest residual.
+    pub residual: f64,
+    /// Greatest motion of a grain about the mean field, in its radii; static analysis only.
+    pub throw: f64,
+    /// Greatest overlap of a pair that was not in the program, in mean radii.
+    pub overlap: f64,
+    /// How often an increment may be halved.
+    pub halvings: u32,
+}
+
+impl Default for Acceptance {
+    fn default() -> Self {
+        Self { residual: 1e-8, throw: 0.3, overlap: 1e-6, halvings: 6 }
+    }
+}
+
+/// How far the run has come. Increments count over all stages; an increment that had to be
+/// halved is committed as several with a smaller fraction each.
+#[derive(Resource, Clone, Debug, PartialEq, Default)]
+pub struct Progress {
+    /// Number of the increment under way, from 1.
+    pub increment: u64,
+    /// Index of the stage.
+    pub stage: usize,
+    /// Name of the stage.
+    pub stage_name: String,
+    /// Increments of the stage that are committed, counting fractions.
+    pub done: f64,
+    /// Number of increments of the stage.
+    pub total: f64,
+    /// Greatest fraction of an increment that the next attempt may take.
+    pub fraction: f64,
+    /// Time, s.
+    pub time: f64,
+}

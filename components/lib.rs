@@ -1,0 +1,15 @@
+//! Components and plain data of the clastic engine: no behaviour beyond accessors.
+//!
+//! Conventions that hold everywhere: SI units and `f64`; a plane problem of stated thickness;
+//! anticlockwise rotation and compressive force positive.
+
+pub mod attempt;
+pub mod body;
+pub mod bond;
+pub mod contact;
+pub mod increment;
+pub mod material;
+pub mod observation;
+pub mod particle;
+pub mod program;
+pub mod wall;

@@ -1,0 +1,83 @@
+//! Contact and bond laws.
+
+use bevy_ecs::prelude::*;
+
+/// Law of an unbonded contact.
+///
+/// `|q| <= mu p`, `|tau| <= mu_r r p`, `p >= 0`, with elastic compliances `C = 1/k` in the normal
+/// and the tangential direction; `C = 0` is a rigid contact.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Default)]
+pub struct ContactLaw {
+    /// Normal compliance `1/k_N`, m/N; 0 is rigid.
+    pub normal_compliance: f64,
+    /// Tangential compliance `1/k_T`, m/N; 0 is rigid.
+    pub tangential_compliance: f64,
+    /// Coefficient of friction mu.
+    pub friction: f64,
+    /// Coefficient of rolling friction mu_r.
+    pub rolling_friction: f64,
+}
+
+impl ContactLaw {
+    /// The law between two different materials when the scene names none: springs in series,
+    /// the smaller friction.
+    #[must_use]
+    pub fn between(self, other: Self) -> Self {
+        Self {
+            normal_compliance: 0.5 * (self.normal_compliance + other.normal_compliance),
+            tangential_compliance: 0.5 * (self.tangential_compliance + other.tangential_compliance),
+            friction: self.friction.min(other.friction),
+            rolling_friction: self.rolling_friction.min(other.rolling_friction),
+        }
+    }
+
+    /// The same law without compliance, friction and rolling resistance.
+    #[must_use]
+    pub fn rigid_frictionless() -> Self {
+        Self::default()
+    }
+}
+
+/// Law of an intact bond: `p >= -f_t`, `|q| <= c A + mu_b p`, `|tau| <= mu_r r (p + f_t)` with
+/// `f_t = 2 r h sigma_t`, `A = 2 r h`, r the smaller radius (equations 18, 26 and 28 of the paper).
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct BondLaw {
+    /// Normal compliance `1/k_N`, m/N; 0 is rigid.
+    pub normal_compliance: f64,
+    /// Tangential compliance `1/k_T`, m/N; 0 is rigid.
+    pub tangential_compliance: f64,
+    /// Internal friction coefficient mu_b.
+    pub friction: f64,
+    /// Coefficient of rolling friction mu_r; 0 switches the rolling limit off.
+    pub rolling_friction: f64,
+    /// Cohesion c, Pa.
+    pub cohesion: f64,
+    /// Tensile strength sigma_t, Pa.
+    pub tensile_strength: f64,
+}
+
+/// A particle material.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// Name in the scene.
+    pub name: String,
+    /// Density, kg/m^3.
+    pub density: f64,
+    /// Law of contacts between two particles of this material.
+    pub contact: ContactLaw,
+    /// Law of bonds between two particles of this material, where it cements.
+    pub bond: Option<BondLaw>,
+}
+
+/// All particle materials, in scene order.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct Materials(pub Vec<Material>);
+
+impl Materials {
+    /// The contact law of two particles with the given material indices.
+    #[must_use]
+    pub fn contact(&self, a: u32, b: u32) -> ContactLaw {
+        let (la, lb) = (self.0[a as usize].contact, self.0[b as usize].contact);
+        if a == b { la } else { la.between(lb) }
+    }
+}

@@ -1,0 +1,37 @@
+//! Disks.
+
+use bevy_ecs::prelude::*;
+
+use crate::body::{
+    AngularVelocity, AppliedLoad, Drives, ExternalForce, LastMotion, Origin, Position, Rotation,
+    Velocity,
+};
+
+/// A rigid disk.
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[component(immutable)]
+#[require(
+    Position, Origin, Rotation, Velocity, AngularVelocity, LastMotion, Drives, AppliedLoad,
+    ExternalForce, MaterialIndex
+)]
+pub struct Particle {
+    /// Radius, m.
+    pub radius: f64,
+    /// Mass, kg: density x pi r^2 h.
+    pub mass: f64,
+    /// Mass moment of inertia, kg m^2: m r^2 / 2.
+    pub inertia: f64,
+}
+
+impl Particle {
+    /// A homogeneous disk of the given radius (m), density (kg/m^3) and thickness (m).
+    #[must_use]
+    pub fn disk(radius: f64, density: f64, thickness: f64) -> Self {
+        let mass = density * std::f64::consts::PI * radius * radius * thickness;
+        Self { radius, mass, inertia: 0.5 * mass * radius * radius }
+    }
+}
+
+/// Index of a particle's material in [`Materials`](crate::material::Materials).
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct MaterialIndex(pub u32);

@@ -1,0 +1,301 @@
+//! The cone program of one increment, what every solver reads, and its solution.
+//!
+//! Unknowns are the forces (p, q, tau) of every interaction; the displacements are the
+//! multipliers of the balance rows. With m the inertia weights,
+//!
+//! ```text
+//! minimise   1/2 sum m u^2 + sum_c [ g p + 1/2 C_N p^2 - e_t q + 1/2 C_T (q - q_0)^2 - e_r tau ]
+//! subject to m u + G (p, q, tau) = f                    for every free degree of freedom
+//!            |q| <= c A + mu p,  |tau| <= mu_r r (p + f_t),  p >= -f_t
+//! ```
+//!
+//! G maps (p, q, tau) of contact c from body a to body b to the forces that a *resists*:
+//! rows of a: `p n + q t`, `l_a q + tau`; rows of b: `-(p n + q t)`, `l_b q - tau`, where
+//! `t = (-n_y, n_x)`. Its transpose gives the conjugate kinematics: closing
+//! `d_n = n.(u_a - u_b)`, slip `d_t = t.(u_a - u_b) + l_a alpha_a + l_b alpha_b`, relative
+//! rotation `d_r = alpha_a - alpha_b`.
+
+use bevy_ecs::prelude::*;
+use glam::DVec2;
+
+/// One degree of freedom of a body of the program.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Dof {
+    /// Its displacement is known: imposed, held, or zero because nothing acts on it.
+    Fixed(f64),
+    /// Its displacement is unknown and its balance is a row of the program.
+    Free(FreeDof),
+}
+
+/// A degree of freedom with a balance row `inertia u + proximal (u - reference) + G f = load`.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct FreeDof {
+    /// Load: applied force plus gravity plus, in dynamics, `inertia v_0 dt`; N or N m.
+    pub load: f64,
+    /// Inertia `m / (theta dt^2)`, N/m (moments: N m/rad); 0 in static analysis.
+    pub inertia: f64,
+    /// Weight of the regularisation of a motion without stiffness, N/m (N m/rad); 0 otherwise.
+    /// Its force is an error of the balance and is counted as such in the residuals.
+    pub proximal: f64,
+    /// Motion that the regularisation pulls to, m (rad).
+    pub reference: f64,
+}
+
+/// A body of the program. Its translations are along `axis` and along `axis` turned by +90
+/// degrees, so that a wall that moves along its normal has one translation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ProgramBody {
+    /// Unit vector of the first translation.
+    pub axis: DVec2,
+    /// First translation, second translation, rotation.
+    pub dofs: [Dof; 3],
+}
+
+/// Limits of an interaction: `|q| <= cohesion + friction p`, `|tau| <= rolling (p + tension)`,
+/// `p >= -tension`.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct Limits {
+    /// `c A`, N.
+    pub cohesion: f64,
+    /// Friction coefficient.
+    pub friction: f64,
+    /// `f_t`, N.
+    pub tension: f64,
+    /// `mu_r r`, m.
+    pub rolling: f64,
+}
+
+impl Limits {
+    /// Whether the interaction has a shear force.
+    #[must_use]
+    pub fn has_shear(&self) -> bool {
+        self.cohesion > 0.0 || self.friction > 0.0
+    }
+
+    /// Whether the interaction has a rolling moment.
+    #[must_use]
+    pub fn has_rolling(&self) -> bool {
+        self.rolling > 0.0
+    }
+
+    /// Whether `p >= -f_t` needs a row of its own. The two rolling rows imply it; so do the two
+    /// shear rows of a cohesionless, frictional contact without tension.
+    #[must_use]
+    pub fn has_tension_row(&self) -> bool {
+        !(self.has_rolling() || (self.friction > 0.0 && self.cohesion == 0.0 && self.tension == 0.0))
+    }
+}
+
+/// One interaction of the program: a contact or a bond.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Interaction {
+    /// First body.
+    pub a: u32,
+    /// Second body.
+    pub b: u32,
+    /// Unit normal from a to b.
+    pub normal: DVec2,
+    /// Lever arm at a, m.
+    pub arm_a: f64,
+    /// Lever arm at b, m; 0 at a wall.
+    pub arm_b: f64,
+    /// Offset g, m: gap, less the bond's initial gap, over theta where the contact is elastic.
+    pub offset: f64,
+    /// Normal compliance in the program, m/N.
+    pub normal_compliance: f64,
+    /// Tangential compliance in the program, m/N.
+    pub tangential_compliance: f64,
+    /// Shear force at the end of the last increment, N; 0 where the tangential compliance is 0.
+    pub previous_shear: f64,
+    /// Limits.
+    pub limits: Limits,
+}
+
+/// Closing, slip and relative rotation of an interaction.
+pub type Kinematics = [f64; 3];
+
+impl ProgramBody {
+    /// A displacement in the body's own axes turned into (x, y, rotation).
+    #[must_use]
+    pub fn to_global(&self, local: [f64; 3]) -> [f64; 3] {
+        let v = self.axis * local[0] + self.axis.perp() * local[1];
+        [v.x, v.y, local[2]]
+    }
+}
+
+impl Interaction {
+    /// Coefficients of (p, q, tau) in the three balance rows of body `a` (`first`) or `b`, in the
+    /// axes of that body: `rows[i][j]` belongs to degree of freedom i and force j.
+    #[must_use]
+    pub fn rows(&self, axis: DVec2, first: bool) -> [[f64; 3]; 3] {
+        let (sign, arm) = if first { (1.0, self.arm_a) } else { (-1.0, self.arm_b) };
+        let (n, t) = (self.normal * sign, self.normal.perp() * sign);
+        let other = axis.perp();
+        [
+            [n.dot(axis), t.dot(axis), 0.0],
+            [n.dot(other), t.dot(other), 0.0],
+            [0.0, arm, sign],
+        ]
+    }
+}
+
+/// The magnitudes that make the program non-dimensional inside a solver.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scales {
+    /// Length for moments and rotations, m: the mean radius.
+    pub length: f64,
+    /// Displacement, m.
+    pub displacement: f64,
+    /// Force, N.
+    pub force: f64,
+}
+
+impl Default for Scales {
+    fn default() -> Self {
+        Self { length: 1.0, displacement: 1.0, force: 1.0 }
+    }
+}
+
+/// One increment as a cone program, in SI units.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct ConeProgram {
+    /// Bodies, by identity.
+    pub bodies: Vec<ProgramBody>,
+    /// Interactions, sorted by (a, b).
+    pub interactions: Vec<Interaction>,
+    /// Expected magnitudes.
+    pub scales: Scales,
+    /// Increases when the bodies or the pairs change: a solver may keep what depends on them.
+    pub topology: u64,
+}
+
+impl ConeProgram {
+    /// Closing, slip and relative rotation of interaction `c` for the displacements `u` by body,
+    /// in the bodies' own axes.
+    #[must_use]
+    pub fn kinematics(&self, c: &Interaction, u: &[[f64; 3]]) -> Kinematics {
+        let (a, b) = (c.a as usize, c.b as usize);
+        let ua = self.bodies[a].to_global(u[a]);
+        let ub = self.bodies[b].to_global(u[b]);
+        let (d, t) = (DVec2::new(ua[0] - ub[0], ua[1] - ub[1]), c.normal.perp());
+        [
+            c.normal.dot(d),
+            t.dot(d) + c.arm_a * ua[2] + c.arm_b * ub[2],
+            ua[2] - ub[2],
+        ]
+    }
+
+    /// Adds `G f` to `rows`, indexed by body and degree of freedom in the bodies' own axes.
+    pub fn add_forces(&self, forces: &[[f64; 3]], rows: &mut [[f64; 3]]) {
+        for (c, f) in self.interactions.iter().zip(forces) {
+            for (body, first) in [(c.a as usize, true), (c.b as usize, false)] {
+                let g = c.rows(self.bodies[body].axis, first);
+                for (row, g) in rows[body].iter_mut().zip(&g) {
+                    *row += g[0] * f[0] + g[1] * f[1] + g[2] * f[2];
+                }
+            }
+        }
+    }
+
+    /// Number of force variables, balance rows and limit rows that a solver needs.
+    #[must_use]
+    pub fn size(&self) -> ProgramSize {
+        let mut size = ProgramSize { forces: 0, inertias: 0, balance_rows: 0, limit_rows: 0 };
+        for c in &self.interactions {
+            let l = &c.limits;
+            size.forces += 1 + usize::from(l.has_shear()) + usize::from(l.has_rolling());
+            size.limit_rows += 2 * usize::from(l.has_shear())
+                + 2 * usize::from(l.has_rolling())
+                + usize::from(l.has_tension_row());
+        }
+        for dof in self.bodies.iter().flat_map(|b| &b.dofs) {
+            if let Dof::Free(f) = dof {
+                size.balance_rows += 1;
+                size.inertias += usize::from(f.inertia + f.proximal > 0.0);
+            }
+        }
+        size
+    }
+}
+
+/// Size of a [`ConeProgram`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ProgramSize {
+    /// Variables p, q, tau.
+    pub forces: usize,
+    /// Variables t, r: degrees of freedom with inertia or regularisation.
+    pub inertias: usize,
+    /// Balance rows: free degrees of freedom.
+    pub balance_rows: usize,
+    /// Limit rows.
+    pub limit_rows: usize,
+}
+
+/// How a solve ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum SolveStatus {
+    /// Optimal to the residuals that stand beside it.
+    Solved,
+    /// No forces balance the loads within the limits: the certificate is the mechanism.
+    Collapsed,
+    /// Rigid bodies with no feasible motion: the forces are unbounded.
+    Locked,
+    /// Neither was reached.
+    #[default]
+    Stalled,
+}
+
+/// KKT residuals of a solution, each the greatest over its rows and without dimension.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct Residuals {
+    /// |balance row| over the greatest force (moments: over force x mean radius).
+    pub balance: f64,
+    /// |stationarity row| over the greatest displacement.
+    pub kinematics: f64,
+    /// Violation of a limit over the greatest force.
+    pub cone: f64,
+    /// Slack x multiplier over force x displacement.
+    pub complementarity: f64,
+}
+
+impl Residuals {
+    /// The greatest of the four; not a number if any of them is not.
+    #[must_use]
+    pub fn worst(&self) -> f64 {
+        let all = [self.balance, self.kinematics, self.cone, self.complementarity];
+        // f64::max drops NaN, which would turn a broken solution into a perfect one.
+        if all.iter().any(|r| !r.is_finite()) { f64::NAN } else { all.iter().copied().fold(0.0, f64::max) }
+    }
+}
+
+/// Proof that no forces balance the loads: a mechanism along which the loads do more work than
+/// the limits can dissipate.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct Certificate {
+    /// Displacements of the mechanism by body, in the bodies' own axes, greatest component 1.
+    pub mechanism: Vec<[f64; 3]>,
+    /// Work of the loads less greatest dissipation, over the work of the loads; positive proves
+    /// the collapse up to the defect.
+    pub margin: f64,
+    /// Greatest violation of the mechanism's kinematic conditions over its greatest motion.
+    pub defect: f64,
+}
+
+/// What a solver returns.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct ConeSolution {
+    /// How it ended.
+    pub status: SolveStatus,
+    /// (p, q, tau) of every interaction, N, N, N m.
+    pub forces: Vec<[f64; 3]>,
+    /// Displacements by body in the bodies' own axes, m, m, rad.
+    pub displacements: Vec<[f64; 3]>,
+    /// Residuals that our own code computed from the two tables above.
+    pub residuals: Residuals,
+    /// Iterations of the solver.
+    pub iterations: u32,
+    /// Mechanism of a collapse.
+    pub certificate: Option<Certificate>,
+    /// The solver's own words about how it ended.
+    pub message: String,
+}

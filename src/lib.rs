@@ -1,0 +1,2 @@
+//! clastic: granular contact dynamics with elastic bonds.
+pub mod scene;

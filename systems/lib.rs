@@ -1,0 +1,2 @@
+//! Scheduled systems of the clastic engine.
+pub mod detect_contacts;
