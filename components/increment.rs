@@ -11,7 +11,11 @@ pub enum AnalysisKind {
     Static,
     /// Rigid, frictionless, and of all feasible motions the least: unit inertia from rest at
     /// theta = 1. Prepares packings (4.4.1 of the paper).
-    LeastMotion,
+    LeastMotion {
+        /// Least about the mean motion, linear between the moving wall and the one opposite,
+        /// instead of about rest.
+        affine: bool,
+    },
     /// Theta-method with theta-averaged elastic forces.
     Dynamic {
         /// Time step, s.

@@ -1,2 +1,14 @@
-//! Scheduled systems of the clastic engine.
+//! Scheduled systems of the clastic engine, one per file, in the order of an increment:
+//! gather, detect contacts, assemble the cone program, solve it, judge the attempt, update the
+//! state, break bonds, control walls, record.
+
+pub mod assemble_program;
+pub mod attempt;
+pub mod control_walls;
 pub mod detect_contacts;
+pub mod gather_bodies;
+pub mod record;
+pub mod rupture_bonds;
+pub mod schedule;
+pub mod solve_program;
+pub mod update_state;

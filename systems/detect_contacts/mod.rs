@@ -1,1 +1,117 @@
-//! Contact detection.
+//! Contact detection: which pairs may carry force in this increment.
+//!
+//! Candidates come from the Delaunay triangulation of the centres where it provably holds every
+//! pair within reach, else from an exact cell grid ([`candidates`]). Of the candidates, those that
+//! cannot close within the increment are pruned by an estimate of the motion; the estimate may be
+//! wrong, so [`closed_pairs`](crate::attempt::closed_pairs) checks the solution against all pairs
+//! and asks for another attempt with those that it missed.
+
+pub mod candidates;
+pub mod delaunay;
+pub mod gaps;
+pub mod grid;
+
+use bevy_app::{App, Plugin};
+use bevy_ecs::prelude::*;
+use glam::DVec2;
+
+use clastic_components::attempt::Attempt;
+use clastic_components::contact::{Bodies, Contact, Contacts};
+use clastic_components::increment::{Analysis, Progress};
+
+use crate::detect_contacts::candidates::CandidatePairs;
+use crate::detect_contacts::gaps::{pair_contact, wall_contact};
+use crate::schedule::{AttemptIncrement, AttemptSystems, lap};
+
+mod expected_motion;
+
+/// Adds [`detect_contacts`].
+pub struct DetectContactsPlugin;
+
+impl Plugin for DetectContactsPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<Contacts>().init_resource::<Candidates>().add_systems(
+            AttemptIncrement,
+            (detect_contacts, lap(|t| &mut t.detect)).chain().in_set(AttemptSystems::Detect),
+        );
+    }
+}
+
+/// The candidate pairs, kept until motion makes them stale.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct Candidates(pub CandidatePairs);
+
+/// Fills [`Contacts`], sorted by (a, b): every intact bond, and every pair that may close.
+pub fn detect_contacts(
+    bodies: Res<Bodies>,
+    analysis: Res<Analysis>,
+    progress: Res<Progress>,
+    attempt: Res<Attempt>,
+    mut candidates: ResMut<Candidates>,
+    mut contacts: ResMut<Contacts>,
+) {
+    let expected = expected_motion::expected_motion(&bodies, &analysis, &progress);
+    let n = bodies.particles;
+    let (positions, radii) = (&bodies.positions[..n], &bodies.radii[..]);
+    candidates.0.ensure(positions, radii, expected.greatest_reach(n));
+
+    let list = &mut contacts.0;
+    list.clear();
+    let mut bonds = bodies.bonds.iter().enumerate().peekable();
+    let mut added = attempt.added_pairs.iter().peekable();
+    // Candidates, bonds and added pairs are each sorted by (a, b): one merge keeps all sorted.
+    let mut push = |a: u32, b: u32, wanted: bool, list: &mut Vec<Contact>| {
+        let bond = bonds.next_if(|(_, bond)| (bond.a, bond.b) == (a, b)).map(|(k, _)| k as u32);
+        let wanted = wanted | added.next_if(|pair| **pair == (a, b)).is_some();
+        if wanted || bond.is_some() {
+            let contact = if (b as usize) < n {
+                pair_contact(&bodies, a, b)
+            } else {
+                match bodies.walls.binary_search_by_key(&b, |w| w.body) {
+                    Ok(k) => wall_contact(&bodies, a, &bodies.walls[k]),
+                    Err(_) => return,
+                }
+            };
+            list.push(Contact { bond, ..contact });
+        }
+    };
+    for (a, b) in merged_pairs(&bodies, &attempt.added_pairs, candidates.0.pairs()) {
+        let wanted = if (b as usize) < n {
+            let d = bodies.positions[b as usize] - bodies.positions[a as usize];
+            d.length() - radii[a as usize] - radii[b as usize] <= expected.pair_reach(a, b)
+        } else {
+            match bodies.walls.binary_search_by_key(&b, |w| w.body) {
+                Ok(k) => wall_contact(&bodies, a, &bodies.walls[k]).gap <= expected.pair_reach(a, b),
+                Err(_) => false,
+            }
+        };
+        push(a, b, wanted, list);
+    }
+}
+
+/// Candidates, wall pairs, bonds and added pairs, sorted by (a, b) and without repeats.
+fn merged_pairs(
+    bodies: &Bodies,
+    added: &[(u32, u32)],
+    candidates: &[(u32, u32)],
+) -> Vec<(u32, u32)> {
+    let mut all =
+        Vec::with_capacity(candidates.len() + bodies.bonds.len() + bodies.particles * bodies.walls.len());
+    all.extend_from_slice(candidates);
+    all.extend(bodies.bonds.iter().map(|bond| (bond.a, bond.b)));
+    all.extend_from_slice(added);
+    for a in 0..bodies.particles as u32 {
+        let x: DVec2 = bodies.positions[a as usize];
+        let r = bodies.radii[a as usize];
+        for wall in &bodies.walls {
+            // Far from the wall by many radii: not even the expected motion needs to be asked.
+            let gap = (x - bodies.positions[wall.body as usize]).dot(wall.inward) - r;
+            if gap <= 4.0 * bodies.mean_radius.max(r) {
+                all.push((a, wall.body));
+            }
+        }
+    }
+    all.sort_unstable();
+    all.dedup();
+    all
+}

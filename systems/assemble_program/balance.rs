@@ -1,0 +1,131 @@
+//! Balance rows: which degrees of freedom are unknown, their loads and their inertia.
+//!
+//! Theta-method (equations 2 to 4 of the paper): `m/(theta dt^2) u + G f = f_ext + m/(theta dt^2) v_0 dt`.
+//! A degree of freedom that no interaction touches needs no row: its motion is known beforehand.
+
+use glam::DVec2;
+
+use clastic_components::body::Drive;
+use clastic_components::contact::Bodies;
+use clastic_components::increment::{Analysis, AnalysisKind, Progress};
+use clastic_components::program::{Dof, FreeDof, Interaction, ProgramBody};
+use clastic_components::wall::WallDrive;
+
+/// Fills `out` with one entry per body.
+pub fn assemble(
+    bodies: &Bodies,
+    analysis: &Analysis,
+    progress: &Progress,
+    interactions: &[Interaction],
+    out: &mut Vec<ProgramBody>,
+) {
+    let fraction = progress.fraction;
+    // What acts on a body at all: (translation, rotation).
+    let mut touched = vec![(false, false); bodies.positions.len()];
+    for c in interactions {
+        let turns = c.limits.has_shear() || c.limits.has_rolling();
+        for body in [c.a, c.b] {
+            let t = &mut touched[body as usize];
+            *t = (true, t.1 || turns);
+        }
+    }
+    let affine = Affine::of(bodies, analysis, fraction);
+    let still = ProgramBody { axis: DVec2::X, dofs: [Dof::Fixed(0.0); 3] };
+    out.clear();
+    out.resize(bodies.positions.len(), still);
+    for i in 0..bodies.particles {
+        for k in 0..3 {
+            out[i].dofs[k] = match bodies.drives[i][k] {
+                Drive::Imposed(u) => Dof::Fixed(fraction * u),
+                Drive::Free => {
+                    let free = particle_dof(bodies, analysis, fraction, &affine, i, k);
+                    let acted = if k < 2 { touched[i].0 } else { touched[i].1 };
+                    if acted || (free.inertia == 0.0 && free.load != 0.0) {
+                        Dof::Free(free)
+                    } else if free.inertia > 0.0 {
+                        Dof::Fixed(free.load / free.inertia)
+                    } else {
+                        Dof::Fixed(0.0)
+                    }
+                }
+            };
+        }
+    }
+    for wall in &bodies.walls {
+        let dofs = match wall.drive {
+            WallDrive::Imposed(u) => [
+                Dof::Fixed(fraction * u.dot(wall.inward)),
+                Dof::Fixed(fraction * u.dot(wall.inward.perp())),
+                Dof::Fixed(0.0),
+            ],
+            WallDrive::Loaded(force) => {
+                let load = FreeDof { load: force.at(fraction), ..FreeDof::default() };
+                // A wall that nothing touches waits for the specimen to come to it.
+                let waits = !touched[wall.body as usize].0 && load.load == 0.0;
+                let along = if waits { Dof::Fixed(0.0) } else { Dof::Free(load) };
+                [along, Dof::Fixed(0.0), Dof::Fixed(0.0)]
+            }
+        };
+        out[wall.body as usize] = ProgramBody { axis: wall.inward, dofs };
+    }
+}
+
+fn particle_dof(
+    bodies: &Bodies,
+    analysis: &Analysis,
+    fraction: f64,
+    affine: &Affine,
+    i: usize,
+    k: usize,
+) -> FreeDof {
+    let mass = if k < 2 { bodies.masses[i] } else { bodies.inertias[i] };
+    let weight = if k < 2 { mass * analysis.gravity[k] } else { 0.0 };
+    let applied = bodies.loads[i][k].at(fraction) + weight;
+    match analysis.kind {
+        AnalysisKind::Static => FreeDof { load: applied, ..FreeDof::default() },
+        AnalysisKind::LeastMotion { .. } => {
+            let u = if k < 2 { affine.displacement(bodies.positions[i])[k] } else { 0.0 };
+            FreeDof { load: u, inertia: 1.0, ..FreeDof::default() }
+        }
+        AnalysisKind::Dynamic { dt, theta } => {
+            let dt = dt * fraction;
+            let inertia = mass / (theta * dt * dt);
+            let v = if k < 2 { bodies.velocities[i][k] } else { bodies.angular_velocities[i] };
+            FreeDof { load: applied + inertia * v * dt, inertia, ..FreeDof::default() }
+        }
+    }
+}
+
+/// The mean motion of a compaction: nothing at the walls that stay, the wall's own motion at the
+/// one that moves, linear in between.
+struct Affine {
+    moving: Option<(DVec2, DVec2, DVec2, f64)>,
+}
+
+impl Affine {
+    fn of(bodies: &Bodies, analysis: &Analysis, fraction: f64) -> Self {
+        let AnalysisKind::LeastMotion { affine: true } = analysis.kind else { return Self { moving: None } };
+        let moving = bodies.walls.iter().find_map(|wall| match wall.drive {
+            WallDrive::Imposed(u) if u != DVec2::ZERO => Some((wall, fraction * u)),
+            _ => None,
+        });
+        let moving = moving.and_then(|(wall, u)| {
+            let x = bodies.positions[wall.body as usize];
+            // The wall opposite: the one that stays and faces the moving one most squarely.
+            let base = bodies
+                .walls
+                .iter()
+                .filter(|w| w.body != wall.body && w.inward.dot(wall.inward) < -0.5)
+                .min_by(|a, b| a.inward.dot(wall.inward).total_cmp(&b.inward.dot(wall.inward)))?;
+            let height = (x - bodies.positions[base.body as usize]).dot(base.inward);
+            (height > 0.0).then_some((bodies.positions[base.body as usize], base.inward, u, height))
+        });
+        Self { moving }
+    }
+
+    fn displacement(&self, x: DVec2) -> DVec2 {
+        self.moving.map_or(DVec2::ZERO, |(base, inward, u, height)| {
+            u * ((x - base).dot(inward) / height).clamp(0.0, 1.0)
+        })
+    }
+}

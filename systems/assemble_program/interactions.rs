@@ -1,0 +1,163 @@
+//! Contacts and bonds as interactions of the program.
+//!
+//! | | intact bond | unbonded or broken |
+//! |---|---|---|
+//! | offset g | g_0 - g_b0 | g_0 |
+//! | compliances | 1/k of the bond | 1/k of the contact |
+//! | c A, f_t, mu, mu_r | of the bond | 0, 0, mu and mu_r of the contact |
+//! | previous shear q_0 | of the last increment (0 where C_T = 0) | the same while the contact persists |
+//!
+//! In dynamics an elastic interaction enters with C/theta and g/theta, which makes the program's
+//! forces averages over the increment; a rigid one keeps g, no penetration at its end.
+
+use clastic_components::attempt::Attempt;
+use clastic_components::contact::{Bodies, BondRow, Contact, ContactHistory};
+use clastic_components::increment::{Analysis, AnalysisKind};
+use clastic_components::material::{ContactLaw, Materials};
+use clastic_components::program::{Interaction, Limits};
+
+/// Fills `out` with one interaction per contact, in the order of the contacts.
+pub fn assemble(
+    bodies: &Bodies,
+    contacts: &[Contact],
+    history: &ContactHistory,
+    materials: &Materials,
+    analysis: &Analysis,
+    attempt: &Attempt,
+    out: &mut Vec<Interaction>,
+) {
+    out.clear();
+    out.extend(contacts.iter().map(|contact| {
+        let law = contact_law(bodies, materials, analysis, contact);
+        let memory = history.get(contact.a, contact.b).map_or(0.0, |m| m.q);
+        let bond = contact.bond.map(|k| &bodies.bonds[k as usize]);
+        let broken = bond.is_some_and(|b| attempt.ruptures.iter().any(|r| r.bond == b.id));
+        match bond.filter(|_| !broken) {
+            Some(bond) => bonded(bodies, analysis, contact, bond, memory),
+            None => {
+                let memory = if broken { shear_after_rupture(memory, contact.gap, &law) } else { memory };
+                unbonded(bodies, analysis, attempt, contact, &law, memory)
+            }
+        }
+    }));
+}
+
+/// The law of a contact: that of the wall, or of the two materials.
+#[must_use]
+pub fn contact_law(
+    bodies: &Bodies,
+    materials: &Materials,
+    analysis: &Analysis,
+    contact: &Contact,
+) -> ContactLaw {
+    if matches!(analysis.kind, AnalysisKind::LeastMotion { .. }) {
+        return ContactLaw::rigid_frictionless();
+    }
+    let (a, b) = (contact.a as usize, contact.b as usize);
+    if b < bodies.particles {
+        materials.contact(bodies.materials[a], bodies.materials[b])
+    } else {
+        bodies
+            .walls
+            .binary_search_by_key(&contact.b, |w| w.body)
+            .map_or_else(|_| ContactLaw::default(), |k| bodies.walls[k].law)
+    }
+}
+
+/// The shear force that a contact starts with when its bond has broken: what its own friction
+/// can hold of it. A bond that spanned a gap leaves nothing.
+#[must_use]
+pub fn shear_after_rupture(q: f64, gap: f64, law: &ContactLaw) -> f64 {
+    if law.tangential_compliance <= 0.0 || law.normal_compliance <= 0.0 {
+        return 0.0;
+    }
+    let limit = law.friction * (-gap / law.normal_compliance).max(0.0);
+    q.clamp(-limit, limit)
+}
+
+fn bonded(
+    bodies: &Bodies,
+    analysis: &Analysis,
+    contact: &Contact,
+    bond: &BondRow,
+    memory: f64,
+) -> Interaction {
+    let law = &bond.law;
+    let radius = contact.common_radius(bodies);
+    let area = 2.0 * radius * analysis.thickness;
+    let limits = Limits {
+        cohesion: law.cohesion * area,
+        friction: law.friction,
+        tension: law.tensile_strength * area,
+        rolling: law.rolling_friction * radius,
+    };
+    interaction(
+        bodies,
+        analysis,
+        contact,
+        contact.gap - bond.initial_gap,
+        [law.normal_compliance, law.tangential_compliance],
+        memory,
+        limits,
+    )
+}
+
+fn unbonded(
+    bodies: &Bodies,
+    analysis: &Analysis,
+    attempt: &Attempt,
+    contact: &Contact,
+    law: &ContactLaw,
+    memory: f64,
+) -> Interaction {
+    let key = (contact.a, contact.b);
+    let opening = attempt.openings.binary_search_by_key(&key, |o| o.0).map_or(0.0, |k| attempt.openings[k].1);
+    let limits = Limits {
+        cohesion: 0.0,
+        friction: law.friction,
+        tension: 0.0,
+        rolling: law.rolling_friction * contact.common_radius(bodies),
+    };
+    let mut c = interaction(
+        bodies,
+        analysis,
+        contact,
+        contact.gap,
+        [law.normal_compliance, law.tangential_compliance],
+        memory,
+        limits,
+    );
+    c.offset += opening;
+    c
+}
+
+fn interaction(
+    bodies: &Bodies,
+    analysis: &Analysis,
+    contact: &Contact,
+    gap: f64,
+    [normal, tangential]: [f64; 2],
+    memory: f64,
+    limits: Limits,
+) -> Interaction {
+    let theta = match analysis.kind {
+        AnalysisKind::Dynamic { theta, .. } => theta,
+        AnalysisKind::Static | AnalysisKind::LeastMotion { .. } => 1.0,
+    };
+    // The contact point is the middle of the gap: the arms sum to the centre distance, and
+    // angular momentum is conserved to round-off.
+    let half_gap = 0.5 * contact.gap;
+    let arm_b = bodies.radii.get(contact.b as usize).map_or(0.0, |r| r + half_gap);
+    Interaction {
+        a: contact.a,
+        b: contact.b,
+        normal: contact.normal,
+        arm_a: bodies.radii[contact.a as usize] + half_gap,
+        arm_b,
+        offset: if normal > 0.0 { gap / theta } else { gap },
+        normal_compliance: normal / theta,
+        tangential_compliance: tangential / theta,
+        previous_shear: if tangential > 0.0 { memory } else { 0.0 },
+        limits,
+    }
+}

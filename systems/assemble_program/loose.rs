@@ -1,0 +1,241 @@
+//! Regularisation of what has no stiffness, and of nothing else.
+//!
+//! A static body that too few stiff interactions hold (a rattler, a loose cluster) has no
+//! determined displacement. It gets a proximal term: of all its displacements the least. Found by
+//! counting constraints: bodies with fewer of them than degrees of freedom are peeled off, again
+//! and again; of what remains, every connected cluster must be held by the ground against
+//! translation and rotation. The weight is a fraction [`WEIGHT`] of force scale over displacement
+//! scale, so that what it adds to a body that is pushed after all stays far below the accepted
+//! residual; the residuals count it as an error of the balance.
+
+use glam::DVec2;
+
+use clastic_components::attempt::Attempt;
+use clastic_components::contact::{Bodies, ContactHistory};
+use clastic_components::increment::{Analysis, AnalysisKind};
+use clastic_components::program::{ConeProgram, Dof, Interaction};
+
+/// Weight of the proximal term in units of force scale over displacement scale.
+pub const WEIGHT: f64 = 1e-9;
+/// The same in a repeated attempt, where it applies to every body and its centre follows the
+/// solution until nothing of it is left in the balance.
+pub const WEIGHT_OF_RETRY: f64 = 1e-6;
+/// The attempt from which on everything is regularised.
+pub const RETRY: u32 = 2;
+
+/// Sets the proximal weights of the program.
+pub fn regularise(
+    bodies: &Bodies,
+    history: &ContactHistory,
+    analysis: &Analysis,
+    attempt: &Attempt,
+    program: &mut ConeProgram,
+) {
+    if analysis.kind != AnalysisKind::Static {
+        return;
+    }
+    let retry = attempt.effort >= RETRY;
+    let loose =
+        if retry { vec![true; program.bodies.len()] } else { find_loose(bodies, history, program) };
+    let unit = program.scales.force / program.scales.displacement;
+    let weight = unit * if retry { WEIGHT_OF_RETRY } else { WEIGHT };
+    let length = program.scales.length;
+    for (i, body) in program.bodies.iter_mut().enumerate().filter(|(i, _)| loose[*i]) {
+        for (k, dof) in body.dofs.iter_mut().enumerate() {
+            if let Dof::Free(free) = dof {
+                free.proximal = if k < 2 { weight } else { weight * length * length };
+                free.reference = attempt.centre.get(i).map_or(0.0, |c| c[k]);
+            }
+        }
+    }
+}
+
+/// Whether an interaction is stiff at the start of the increment: a bond, or closed.
+fn is_stiff(c: &Interaction, history: &ContactHistory) -> bool {
+    c.limits.tension > 0.0
+        || c.limits.cohesion > 0.0
+        || c.offset <= 0.0
+        || history.get(c.a, c.b).is_some_and(|m| m.p > 0.0)
+}
+
+fn free_dofs(program: &ConeProgram, body: usize) -> usize {
+    program.bodies[body].dofs.iter().filter(|d| matches!(d, Dof::Free(_))).count()
+}
+
+/// Flags every body that needs regularisation.
+pub fn find_loose(bodies: &Bodies, history: &ContactHistory, program: &ConeProgram) -> Vec<bool> {
+    let n = program.bodies.len();
+    let stiff: Vec<&Interaction> =
+        program.interactions.iter().filter(|c| is_stiff(c, history)).collect();
+    let held = |c: &Interaction| {
+        1 + usize::from(c.limits.has_shear()) + usize::from(c.limits.has_rolling())
+    };
+    let mut neighbours = vec![Vec::new(); n];
+    let mut constraints = vec![0; n];
+    for (k, c) in stiff.iter().enumerate() {
+        for body in [c.a as usize, c.b as usize] {
+            neighbours[body].push(k);
+            constraints[body] += held(c);
+        }
+    }
+    let mut loose = vec![false; n];
+    let freedom: Vec<usize> = (0..n).map(|i| free_dofs(program, i)).collect();
+    let mut queue: Vec<usize> = (0..n).filter(|i| constraints[*i] < freedom[*i]).collect();
+    while let Some(i) = queue.pop() {
+        if std::mem::replace(&mut loose[i], true) {
+            continue;
+        }
+        for &k in &neighbours[i] {
+            let c = stiff[k];
+            let j = if c.a as usize == i { c.b } else { c.a } as usize;
+            constraints[j] = constraints[j].saturating_sub(held(c));
+            if !loose[j] && constraints[j] < freedom[j] {
+                queue.push(j);
+            }
+        }
+    }
+    for cluster in clusters(program, &stiff, &loose, &freedom) {
+        hold_cluster(bodies, program, &stiff, &neighbours, &freedom, &cluster, &mut loose);
+    }
+    loose
+}
+
+/// Connected clusters of bodies with free degrees of freedom.
+fn clusters(
+    program: &ConeProgram,
+    stiff: &[&Interaction],
+    loose: &[bool],
+    freedom: &[usize],
+) -> Vec<Vec<usize>> {
+    let n = program.bodies.len();
+    let mut parent: Vec<usize> = (0..n).collect();
+    fn root(parent: &mut [usize], mut i: usize) -> usize {
+        while parent[i] != i {
+            parent[i] = parent[parent[i]];
+            i = parent[i];
+        }
+        i
+    }
+    let takes_part = |i: usize| !loose[i] && freedom[i] > 0;
+    for c in stiff {
+        let (a, b) = (c.a as usize, c.b as usize);
+        if takes_part(a) && takes_part(b) {
+            let (a, b) = (root(&mut parent, a), root(&mut parent, b));
+            // The smaller index leads, so that clusters come in the order of their first body.
+            parent[a.max(b)] = a.min(b);
+        }
+    }
+    let mut members = vec![Vec::new(); n];
+    for i in (0..n).filter(|i| takes_part(*i)) {
+        members[root(&mut parent, i)].push(i);
+    }
+    members.retain(|m| !m.is_empty());
+    members
+}
+
+/// Flags what a cluster needs to be held: nothing where the ground holds it; its loaded walls
+/// where that is enough; else all of it.
+fn hold_cluster(
+    bodies: &Bodies,
+    program: &ConeProgram,
+    stiff: &[&Interaction],
+    neighbours: &[Vec<usize>],
+    freedom: &[usize],
+    cluster: &[usize],
+    loose: &mut [bool],
+) {
+    let walls: Vec<usize> = cluster.iter().copied().filter(|i| *i >= bodies.particles).collect();
+    let unknowns = 3 + walls.len();
+    let centre = cluster.iter().map(|i| bodies.positions[*i]).sum::<DVec2>() / cluster.len() as f64;
+    let extent = cluster
+        .iter()
+        .map(|i| bodies.positions[*i].distance(centre))
+        .fold(bodies.mean_radius, f64::max);
+    let mut gram = vec![vec![0.0; unknowns]; unknowns];
+    let mut add = |row: &[f64]| {
+        for (i, x) in row.iter().enumerate() {
+            for (j, y) in row.iter().enumerate() {
+                gram[i][j] += x * y;
+            }
+        }
+    };
+    for &i in cluster.iter().filter(|i| **i < bodies.particles) {
+        let arm = (bodies.positions[i] - centre) / extent;
+        // Rigid motion of the cluster along d at body i.
+        let along = |d: DVec2| [d.x, d.y, arm.x * d.y - arm.y * d.x];
+        for (k, dof) in program.bodies[i].dofs.iter().enumerate() {
+            let mut row = vec![0.0; unknowns];
+            match dof {
+                Dof::Free(_) => continue,
+                Dof::Fixed(_) if k < 2 => {
+                    row[..3].copy_from_slice(&along(if k == 0 { DVec2::X } else { DVec2::Y }));
+                }
+                // A disk without a rotation row turns freely; it does not hold the cluster.
+                Dof::Fixed(_) => continue,
+            }
+            add(&row);
+        }
+        for &k in &neighbours[i] {
+            let c = stiff[k];
+            if c.a as usize != i {
+                continue;
+            }
+            let b = c.b as usize;
+            let wall = walls.iter().position(|w| *w == b);
+            if wall.is_none() && freedom[b] > 0 {
+                continue;
+            }
+            let mut normal = vec![0.0; unknowns];
+            normal[..3].copy_from_slice(&along(c.normal));
+            if let Some(w) = wall {
+                normal[3 + w] = -c.normal.dot(program.bodies[b].axis);
+            }
+            add(&normal);
+            if c.limits.has_shear() {
+                let mut slip = vec![0.0; unknowns];
+                slip[..3].copy_from_slice(&along(c.normal.perp()));
+                slip[2] += c.arm_a / extent;
+                add(&slip);
+            }
+            if c.limits.has_rolling() {
+                let mut roll = vec![0.0; unknowns];
+                roll[2] = bodies.mean_radius / extent;
+                add(&roll);
+            }
+        }
+    }
+    if full_rank(gram.clone()) {
+        return;
+    }
+    for (w, &wall) in walls.iter().enumerate() {
+        gram[3 + w][3 + w] += 1.0;
+        loose[wall] = true;
+    }
+    if !full_rank(gram) {
+        for &i in cluster {
+            loose[i] = true;
+        }
+    }
+}
+
+/// Whether a Gram matrix has full rank, by elimination with diagonal pivots.
+fn full_rank(mut gram: Vec<Vec<f64>>) -> bool {
+    let n = gram.len();
+    let greatest = (0..n).map(|i| gram[i][i]).fold(0.0, f64::max);
+    let mut left: Vec<usize> = (0..n).collect();
+    while let Some(k) = (0..left.len()).max_by(|a, b| gram[left[*a]][left[*a]].total_cmp(&gram[left[*b]][left[*b]])) {
+        let pivot = left.swap_remove(k);
+        // Relative to the number of constraints that were summed up; a mechanism leaves round-off.
+        if gram[pivot][pivot] <= 1e-10 * greatest {
+            return false;
+        }
+        for &i in &left {
+            let factor = gram[i][pivot] / gram[pivot][pivot];
+            for j in 0..n {
+                let g = gram[pivot][j];
+                gram[i][j] -= factor * g;
+            }
+        }
+    }
+    greatest > 0.0
+}

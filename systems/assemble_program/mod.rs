@@ -1,0 +1,57 @@
+//! Assembly of the cone program: balance rows of bodies, interactions, expected magnitudes.
+
+pub mod balance;
+pub mod interactions;
+pub mod loose;
+pub mod scales;
+
+use bevy_app::{App, Plugin};
+use bevy_ecs::prelude::*;
+
+use clastic_components::attempt::Attempt;
+use clastic_components::contact::{Bodies, ContactHistory, Contacts};
+use clastic_components::increment::{Analysis, Progress};
+use clastic_components::material::Materials;
+use clastic_components::program::ConeProgram;
+
+use crate::schedule::{AttemptIncrement, AttemptSystems, lap};
+
+/// Adds [`assemble_program`].
+pub struct AssembleProgramPlugin;
+
+impl Plugin for AssembleProgramPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<ConeProgram>()
+            .init_resource::<ContactHistory>()
+            .init_resource::<Materials>()
+            .add_systems(
+                AttemptIncrement,
+                (assemble_program.in_set(AttemptSystems::Assemble),
+                lap(|t| &mut t.assemble).after(AttemptSystems::AssembleExtra).before(AttemptSystems::Solve)),
+            );
+    }
+}
+
+/// Fills [`ConeProgram`] from the gathered bodies, the contacts and their history.
+pub fn assemble_program(
+    bodies: Res<Bodies>,
+    contacts: Res<Contacts>,
+    history: Res<ContactHistory>,
+    materials: Res<Materials>,
+    analysis: Res<Analysis>,
+    progress: Res<Progress>,
+    attempt: Res<Attempt>,
+    mut program: ResMut<ConeProgram>,
+) {
+    let program = &mut *program;
+    let pairs_before: Vec<(u32, u32)> = program.interactions.iter().map(|c| (c.a, c.b)).collect();
+    interactions::assemble(
+        &bodies, &contacts.0, &history, &materials, &analysis, &attempt, &mut program.interactions,
+    );
+    balance::assemble(&bodies, &analysis, &progress, &program.interactions, &mut program.bodies);
+    program.scales = scales::estimate(&bodies, &history, &analysis, &progress, &attempt, program);
+    loose::regularise(&bodies, &history, &analysis, &attempt, program);
+    if !program.interactions.iter().map(|c| (c.a, c.b)).eq(pairs_before) {
+        program.topology += 1;
+    }
+}

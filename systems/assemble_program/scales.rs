@@ -1,0 +1,87 @@
+//! Expected magnitudes of displacement and force. Conic solvers have partly absolute tolerances
+//! and stall on raw rock stiffness: inside a solver everything is of the order of one.
+
+use glam::DVec2;
+
+use clastic_components::attempt::Attempt;
+use clastic_components::body::Drive;
+use clastic_components::contact::{Bodies, ContactHistory};
+use clastic_components::increment::{Analysis, AnalysisKind, Progress};
+use clastic_components::program::{ConeProgram, Dof, Scales};
+use clastic_components::wall::WallDrive;
+
+/// Estimates the scales of the program; a rejected attempt's own magnitudes come first.
+pub fn estimate(
+    bodies: &Bodies,
+    history: &ContactHistory,
+    analysis: &Analysis,
+    progress: &Progress,
+    attempt: &Attempt,
+    program: &ConeProgram,
+) -> Scales {
+    let length = bodies.mean_radius;
+    if let Some((displacement, force)) = attempt.magnitudes {
+        return Scales { length, displacement, force };
+    }
+    let displacement = displacement(bodies, analysis, progress).max(1e-9 * length);
+    let force = force(history, program, displacement);
+    Scales { length, displacement, force }
+}
+
+fn displacement(bodies: &Bodies, analysis: &Analysis, progress: &Progress) -> f64 {
+    let f = progress.fraction;
+    let imposed = bodies.drives.iter().flat_map(|d| &d[..2]).map(|d| match d {
+        Drive::Imposed(u) => f * u.abs(),
+        Drive::Free => 0.0,
+    });
+    let walls = bodies.walls.iter().map(|w| match w.drive {
+        WallDrive::Imposed(u) => f * u.length(),
+        WallDrive::Loaded(_) => 0.0,
+    });
+    let moved = bodies.last_motion.iter().map(|u| f * DVec2::new(u[0], u[1]).length());
+    let greatest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
+    match analysis.kind {
+        AnalysisKind::Dynamic { dt, .. } => {
+            let dt = dt * f;
+            let v = greatest(&mut bodies.velocities.iter().map(|v| v.length()));
+            greatest(&mut imposed.chain(walls)).max(v * dt).max(analysis.gravity.length() * dt * dt)
+        }
+        AnalysisKind::Static | AnalysisKind::LeastMotion { .. } => {
+            let driven = greatest(&mut imposed.chain(walls));
+            // A grain that jumped in the last increment must not set the scale of this one.
+            let last = greatest(&mut moved.into_iter()).min(0.1 * bodies.mean_radius);
+            driven.max(last)
+        }
+    }
+}
+
+fn force(history: &ContactHistory, program: &ConeProgram, displacement: f64) -> f64 {
+    let remembered = history.0.iter().map(|m| m.p.abs().max(m.q.abs())).fold(0.0, f64::max);
+    let mut loads = 0.0_f64;
+    let mut inertial = 0.0_f64;
+    for body in &program.bodies {
+        for dof in &body.dofs[..2] {
+            if let Dof::Free(f) = dof {
+                loads = loads.max(f.load.abs());
+                inertial = inertial.max(f.inertia * displacement);
+            }
+        }
+    }
+    let expected = remembered.max(0.1 * loads).max(0.1 * inertial);
+    if expected > 0.0 {
+        return expected;
+    }
+    // Driven from rest: a tenth of what the displacement would cost in one contact, or, where all
+    // is rigid, the strength.
+    let mut elastic = f64::INFINITY;
+    let mut strength = 0.0_f64;
+    for c in &program.interactions {
+        if c.normal_compliance > 0.0 {
+            elastic = elastic.min(0.1 * displacement / c.normal_compliance);
+        }
+        strength = strength.max(c.limits.cohesion).max(c.limits.tension);
+    }
+    let strength = if strength > 0.0 { strength } else { f64::INFINITY };
+    let force = elastic.min(strength);
+    if force.is_finite() { force } else { 1.0 }
+}

@@ -1,0 +1,146 @@
+//! The attempts at one increment, and the judges that accept, extend or reject them.
+//!
+//! Judges run in this order, each only while the verdict is still to accept: [`converged`],
+//! [`closed_pairs`], [`thrown_grains`], [`coulomb`], [`cascade`]. What an attempt finds out
+//! (pairs, openings, ruptures) is kept in [`Attempt`] until the increment is committed.
+//!
+//! A rejected increment is tried again: with the magnitudes that the failed attempt found as
+//! scales; then with every body regularised and the centre of the regularisation following the
+//! solution, so that no bias is left; then with half the increment, and so on.
+
+pub mod cascade;
+pub mod closed_pairs;
+pub mod converged;
+pub mod coulomb;
+pub mod thrown_grains;
+
+use bevy_app::{App, Plugin};
+use bevy_ecs::prelude::*;
+
+use clastic_components::attempt::{Attempt, IncrementStatus, Verdict};
+use clastic_components::increment::{Acceptance, Analysis, FrictionLaw, Progress, RuptureRules};
+use clastic_components::program::{ConeSolution, SolveStatus};
+
+use crate::assemble_program::loose;
+use crate::schedule::{
+    AttemptIncrement, AttemptSystems, Increment, IncrementSystems, start_clock,
+};
+
+/// Adds [`run_attempts`] and the judges.
+pub struct AttemptPlugin;
+
+impl Plugin for AttemptPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<Attempt>()
+            .init_resource::<Acceptance>()
+            .init_resource::<Analysis>()
+            .init_resource::<FrictionLaw>()
+            .init_resource::<RuptureRules>()
+            .init_resource::<Progress>()
+            .add_systems(
+                Increment,
+                (start_clock, run_attempts).chain().in_set(IncrementSystems::Attempts),
+            )
+            .add_systems(
+                AttemptIncrement,
+                (
+                    converged::judge,
+                    closed_pairs::judge.run_if(accepted),
+                    thrown_grains::judge.run_if(accepted),
+                    coulomb::judge.run_if(accepted),
+                    cascade::judge.run_if(accepted),
+                )
+                    .chain()
+                    .in_set(AttemptSystems::Judge),
+            );
+    }
+}
+
+/// Run condition: no judge has objected so far.
+fn accepted(attempt: Res<Attempt>) -> bool {
+    attempt.verdict == Verdict::Accept && attempt.status == IncrementStatus::Solved
+}
+
+/// More solves than this in one increment mean that the attempts go round in circles.
+const MAX_SOLVES: u32 = 1000;
+
+/// Runs [`AttemptIncrement`] until an attempt is accepted, the increment collapses, or nothing
+/// that helps is left.
+pub fn run_attempts(world: &mut World) {
+    let acceptance = *world.resource::<Acceptance>();
+    *world.resource_mut::<Attempt>() = Attempt::default();
+    {
+        let mut progress = world.resource_mut::<Progress>();
+        progress.increment += 1;
+        // Fractions end where whole increments do; what was halved may grow again.
+        let left = 1.0 - progress.done.fract();
+        progress.fraction = (2.0 * progress.fraction).clamp(f64::MIN_POSITIVE, left);
+    }
+    let mut halvings = 0;
+    loop {
+        world.run_schedule(AttemptIncrement);
+        let mut attempt = world.resource_mut::<Attempt>();
+        let verdict = if attempt.solves >= MAX_SOLVES {
+            Verdict::Reject(format!("{MAX_SOLVES} solves"))
+        } else {
+            std::mem::take(&mut attempt.verdict)
+        };
+        match verdict {
+            Verdict::Accept => {
+                if attempt.status == IncrementStatus::Solved && attempt.capped {
+                    attempt.status = IncrementStatus::Capped;
+                }
+                break;
+            }
+            Verdict::Again => {}
+            Verdict::Reject(reason) => {
+                if attempt.effort < loose::RETRY && attempt.solves < MAX_SOLVES {
+                    try_harder(&mut attempt, reason);
+                } else if halvings < acceptance.halvings && attempt.solves < MAX_SOLVES {
+                    halvings += 1;
+                    attempt.effort = 0;
+                    attempt.magnitudes = None;
+                    forget(&mut attempt, reason);
+                    world.resource_mut::<Progress>().fraction *= 0.5;
+                } else {
+                    attempt.status = final_status(attempt.status);
+                    attempt.complaint = reason;
+                    break;
+                }
+            }
+        }
+    }
+}
+
+/// A locked program that no halving unlocks stays locked; all else has stalled.
+fn final_status(status: IncrementStatus) -> IncrementStatus {
+    if status == IncrementStatus::Locked { status } else { IncrementStatus::Stalled }
+}
+
+fn try_harder(attempt: &mut Attempt, reason: String) {
+    attempt.effort += 1;
+    forget(attempt, reason);
+}
+
+/// Drops what a rejected attempt had concluded; pairs stay, they cost little.
+fn forget(attempt: &mut Attempt, reason: String) {
+    attempt.complaint = reason;
+    attempt.ruptures.clear();
+    attempt.cascade_rounds = 0;
+    attempt.openings.clear();
+    attempt.coulomb_passes = 0;
+    attempt.centre.clear();
+    attempt.status = IncrementStatus::Solved;
+}
+
+/// Greatest displacement and force of a solution, as scales for the next attempt.
+fn magnitudes(solution: &ConeSolution, mean_radius: f64) -> Option<(f64, f64)> {
+    if !matches!(solution.status, SolveStatus::Stalled | SolveStatus::Solved) {
+        return None;
+    }
+    let u = solution.displacements.iter().map(|u| u[0].hypot(u[1])).fold(0.0, f64::max);
+    let f = solution.forces.iter().map(|f| f[0].abs().max(f[1].abs())).fold(0.0, f64::max);
+    let sound = u.is_finite() && f.is_finite() && u > 0.0 && f > 0.0;
+    // A grain thrown far must not set the scale.
+    sound.then(|| (u.min(0.1 * mean_radius), f))
+}

@@ -1,0 +1,90 @@
+//! Judge: was a grain thrown? A barely supported grain may be moved by many radii in one static
+//! increment whose residuals are perfect; it lands on others, and the increments that follow lose
+//! load for no physical reason. Motion is judged about the affine field that fits all grains best.
+
+use bevy_ecs::prelude::*;
+use glam::DVec2;
+
+use clastic_components::attempt::{Attempt, Verdict};
+use clastic_components::contact::Bodies;
+use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
+use clastic_components::program::{ConeProgram, ConeSolution};
+
+use super::magnitudes;
+
+/// Rejects a static solution in which a grain moves further than [`Acceptance::throw`] radii
+/// about the mean field.
+pub fn judge(
+    bodies: Res<Bodies>,
+    program: Res<ConeProgram>,
+    solution: Res<ConeSolution>,
+    acceptance: Res<Acceptance>,
+    analysis: Res<Analysis>,
+    mut attempt: ResMut<Attempt>,
+) {
+    if analysis.kind != AnalysisKind::Static {
+        return;
+    }
+    let n = bodies.particles;
+    let motion: Vec<DVec2> = program.bodies[..n]
+        .iter()
+        .zip(&solution.displacements)
+        .map(|(body, u)| {
+            let u = body.to_global(*u);
+            DVec2::new(u[0], u[1])
+        })
+        .collect();
+    let field = MeanField::fit(&bodies.positions[..n], &motion);
+    for i in 0..n {
+        let about = motion[i] - field.at(bodies.positions[i]);
+        let far = about.length() / bodies.radii[i];
+        if !(far <= acceptance.throw) {
+            attempt.verdict = Verdict::Reject(format!(
+                "particle {i} was thrown by {far:.2} radii about the mean motion; accepted {}",
+                acceptance.throw
+            ));
+            attempt.magnitudes = magnitudes(&solution, bodies.mean_radius);
+            return;
+        }
+    }
+}
+
+/// An affine displacement field `u(x) = u_0 + H (x - x_0)`.
+struct MeanField {
+    origin: DVec2,
+    mean: DVec2,
+    along_x: DVec2,
+    along_y: DVec2,
+}
+
+impl MeanField {
+    /// Least squares over all bodies; of few or collinear bodies only the mean.
+    fn fit(x: &[DVec2], u: &[DVec2]) -> Self {
+        let n = x.len().max(1) as f64;
+        let origin = x.iter().sum::<DVec2>() / n;
+        let mean = u.iter().sum::<DVec2>() / n;
+        let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
+        let (mut ux, mut uy) = (DVec2::ZERO, DVec2::ZERO);
+        for (x, u) in x.iter().zip(u) {
+            let d = *x - origin;
+            xx += d.x * d.x;
+            xy += d.x * d.y;
+            yy += d.y * d.y;
+            ux += d.x * (*u - mean);
+            uy += d.y * (*u - mean);
+        }
+        let det = xx * yy - xy * xy;
+        let few = x.len() < 6 || det <= 1e-6 * (xx + yy) * (xx + yy);
+        let (along_x, along_y) = if few {
+            (DVec2::ZERO, DVec2::ZERO)
+        } else {
+            ((yy * ux - xy * uy) / det, (xx * uy - xy * ux) / det)
+        };
+        Self { origin, mean, along_x, along_y }
+    }
+
+    fn at(&self, x: DVec2) -> DVec2 {
+        let d = x - self.origin;
+        self.mean + d.x * self.along_x + d.y * self.along_y
+    }
+}

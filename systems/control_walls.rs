@@ -1,0 +1,82 @@
+//! Turns the control of walls into their drives for the next increment. Forces and stresses go
+//! into the program as the wall's own balance row: exact, and without a servo.
+
+use bevy_app::{App, Plugin};
+use bevy_ecs::prelude::*;
+
+use clastic_components::body::{Position, Ramp};
+use clastic_components::increment::{Analysis, AnalysisKind, Progress};
+use clastic_components::wall::{LoadedLength, Wall, WallControl, WallDrive};
+
+use crate::schedule::{ControlSystems, ControlWalls, Increment, IncrementSystems, lap};
+
+/// Adds [`control_walls`] and runs it in every increment.
+pub struct ControlWallsPlugin;
+
+impl Plugin for ControlWallsPlugin {
+    fn build(&self, app: &mut App) {
+        app.add_systems(ControlWalls, control_walls.in_set(ControlSystems::BuiltIn)).add_systems(
+            Increment,
+            (|world: &mut World| world.run_schedule(ControlWalls), lap(|t| &mut t.walls))
+                .chain()
+                .in_set(IncrementSystems::Walls),
+        );
+    }
+}
+
+/// Writes the [`WallDrive`] of every wall for the increment that starts at [`Progress::done`].
+pub fn control_walls(
+    progress: Res<Progress>,
+    analysis: Res<Analysis>,
+    geometry: Query<(&Wall, &Position)>,
+    mut walls: Query<(Entity, &WallControl, &mut WallDrive)>,
+) {
+    // Loads go linearly over the stage; at its end the target is met exactly.
+    let at = |from: f64, to: f64, done: f64| {
+        if done >= progress.total { to } else { from + (to - from) * (done / progress.total) }
+    };
+    let ramp = |from: f64, to: f64, factor: f64| Ramp {
+        from: factor * at(from, to, progress.done),
+        to: factor * at(from, to, progress.done + 1.0),
+    };
+    for (entity, control, mut drive) in &mut walls {
+        let next = match *control {
+            WallControl::Fixed => WallDrive::default(),
+            WallControl::Displacement(u) => WallDrive::Imposed(u),
+            WallControl::Velocity(v) => match analysis.kind {
+                AnalysisKind::Dynamic { dt, .. } => WallDrive::Imposed(v * dt),
+                AnalysisKind::Static | AnalysisKind::LeastMotion { .. } => WallDrive::default(),
+            },
+            WallControl::Force { from, to } => WallDrive::Loaded(ramp(from, to, 1.0)),
+            WallControl::Stress { from, to, length } => {
+                let length = loaded_length(entity, length, &geometry);
+                WallDrive::Loaded(ramp(from, to, length * analysis.thickness))
+            }
+            WallControl::Custom => continue,
+        };
+        drive.set_if_neq(next);
+    }
+}
+
+/// The length that a stress on `wall` acts on, m.
+pub fn loaded_length(
+    wall: Entity,
+    length: LoadedLength,
+    geometry: &Query<(&Wall, &Position)>,
+) -> f64 {
+    match length {
+        LoadedLength::Segment => geometry.get(wall).map_or(0.0, |(w, _)| 2.0 * w.half_length),
+        // Measured along the normal of the first of the two, so that opposite walls, which name
+        // the same two, get the same bits.
+        LoadedLength::Between(first, second) => wall_distance(first, second, geometry),
+    }
+}
+
+/// Distance of the line of `second` from the line of `first`, along the inward normal of `first`
+/// through the middle of `second`, m.
+pub fn wall_distance(first: Entity, second: Entity, geometry: &Query<(&Wall, &Position)>) -> f64 {
+    match (geometry.get(first), geometry.get(second)) {
+        (Ok((wall, x)), Ok((_, y))) => (y.0 - x.0).dot(wall.inward()),
+        _ => 0.0,
+    }
+}

@@ -1,0 +1,122 @@
+//! Gathers bodies and intact bonds from the world into tables by identity.
+
+use bevy_app::{App, Plugin};
+use bevy_ecs::prelude::*;
+use glam::DVec2;
+
+use clastic_components::body::{
+    AngularVelocity, AppliedLoad, BodyId, Drives, LastMotion, Position, Velocity,
+};
+use clastic_components::bond::{Bond, BondId, BondState};
+use clastic_components::contact::{Bodies, BondRow, WallRow};
+use clastic_components::material::ContactLaw;
+use clastic_components::particle::{MaterialIndex, Particle};
+use clastic_components::wall::{Wall, WallDrive};
+
+use crate::schedule::{AttemptIncrement, AttemptSystems};
+
+/// Adds [`gather_bodies`].
+pub struct GatherBodiesPlugin;
+
+impl Plugin for GatherBodiesPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<Bodies>()
+            .add_systems(AttemptIncrement, gather_bodies.in_set(AttemptSystems::Gather));
+    }
+}
+
+type ParticleQuery<'w, 's> = Query<
+    'w,
+    's,
+    (
+        Entity,
+        &'static BodyId,
+        &'static Particle,
+        &'static Position,
+        &'static Velocity,
+        &'static AngularVelocity,
+        &'static LastMotion,
+        &'static MaterialIndex,
+        &'static Drives,
+        &'static AppliedLoad,
+    ),
+>;
+
+type WallQuery<'w, 's> = Query<
+    'w,
+    's,
+    (
+        Entity,
+        &'static BodyId,
+        &'static Wall,
+        &'static Position,
+        &'static LastMotion,
+        &'static ContactLaw,
+        &'static WallDrive,
+    ),
+>;
+
+/// Fills [`Bodies`]. Ids of particles are dense from 0; walls follow, and a wall that has been
+/// taken away leaves an unused entry.
+pub fn gather_bodies(
+    mut bodies: ResMut<Bodies>,
+    particles: ParticleQuery,
+    walls: WallQuery,
+    bonds: Query<(Entity, &BondId, &Bond, &BondState)>,
+) {
+    let bodies = &mut *bodies;
+    let n = particles.iter().len();
+    let all = walls.iter().map(|w| w.1.index() + 1).max().unwrap_or(n).max(n);
+    bodies.particles = n;
+    bodies.entities.clear();
+    bodies.entities.resize(all, Entity::PLACEHOLDER);
+    bodies.positions.resize(all, DVec2::ZERO);
+    bodies.velocities.resize(all, DVec2::ZERO);
+    bodies.angular_velocities.resize(all, 0.0);
+    bodies.last_motion.resize(all, [0.0; 3]);
+    bodies.radii.resize(n, 0.0);
+    bodies.masses.resize(n, 0.0);
+    bodies.inertias.resize(n, 0.0);
+    bodies.materials.resize(n, 0);
+    bodies.drives.resize(n, Default::default());
+    bodies.loads.resize(n, Default::default());
+    for (entity, id, particle, position, velocity, spin, motion, material, drives, load) in &particles {
+        let i = id.index();
+        bodies.entities[i] = entity;
+        bodies.positions[i] = position.0;
+        bodies.velocities[i] = velocity.0;
+        bodies.angular_velocities[i] = spin.0;
+        bodies.last_motion[i] = motion.0;
+        bodies.radii[i] = particle.radius;
+        bodies.masses[i] = particle.mass;
+        bodies.inertias[i] = particle.inertia;
+        bodies.materials[i] = material.0;
+        bodies.drives[i] = drives.0;
+        bodies.loads[i] = load.0;
+    }
+    bodies.mean_radius =
+        if n == 0 { 1.0 } else { bodies.radii.iter().sum::<f64>() / n as f64 };
+
+    bodies.walls.clear();
+    for (entity, id, wall, position, motion, law, drive) in &walls {
+        let i = id.index();
+        bodies.entities[i] = entity;
+        bodies.positions[i] = position.0;
+        bodies.last_motion[i] = motion.0;
+        bodies.walls.push(WallRow { body: id.0, inward: wall.inward(), law: *law, drive: *drive });
+    }
+    bodies.walls.sort_unstable_by_key(|w| w.body);
+
+    bodies.bonds.clear();
+    bodies.bonds.extend(bonds.iter().filter(|(.., state)| **state == BondState::Intact).map(
+        |(entity, id, bond, _)| BondRow {
+            id: *id,
+            entity,
+            a: bond.a.0,
+            b: bond.b.0,
+            initial_gap: bond.initial_gap,
+            law: bond.law,
+        },
+    ));
+    bodies.bonds.sort_unstable_by_key(|b| (b.a, b.b));
+}

@@ -1,0 +1,237 @@
+//! Observables of the increment. Reading them changes nothing: without this plugin every number
+//! of the simulation is the same.
+
+use bevy_app::{App, Plugin};
+use bevy_ecs::prelude::*;
+use glam::DVec2;
+
+use clastic_components::attempt::{Attempt, IncrementStatus};
+use clastic_components::body::{
+    AngularVelocity, BodyId, ExternalForce, Origin, Position, Probe, Rotation, Velocity,
+};
+use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::increment::{Analysis, Progress};
+use clastic_components::observation::{
+    MeasureArea, MeasureLength, Measures, Observation, ProbeReading, RuptureCount, StrainMeasure,
+    StressComponent, StressMeasure,
+};
+use clastic_components::particle::Particle;
+use clastic_components::program::{ConeProgram, ConeSolution};
+use clastic_components::wall::Wall;
+
+use crate::control_walls::wall_distance;
+use crate::gather_bodies::gather_bodies;
+use crate::schedule::{Increment, IncrementSystems, lap};
+use crate::solve_program::residuals::force_scale;
+
+/// Adds the systems of the record.
+pub struct RecordPlugin;
+
+impl Plugin for RecordPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<Observation>().init_resource::<Measures>().add_systems(
+            Increment,
+            (
+                // Stress belongs to the geometry of the start of the increment, which `Bodies`
+                // still holds; readers of the record want that of its end.
+                record_stress,
+                gather_bodies,
+                record_strain,
+                record_state,
+                record_probes,
+                lap(|t| &mut t.record),
+            )
+                .chain()
+                .in_set(IncrementSystems::Record),
+        );
+    }
+}
+
+/// Average stress tensor `sum (p n + q t) (x) l / V` of Love and Weber, Pa, compression positive:
+/// branch l from centre to centre, at a wall from centre to contact point; area in m^2.
+#[must_use]
+pub fn average_stress(
+    bodies: &Bodies,
+    contacts: &Contacts,
+    solution: &ConeSolution,
+    area: f64,
+    thickness: f64,
+) -> [[f64; 2]; 2] {
+    let mut sum = [[0.0; 2]; 2];
+    for (contact, f) in contacts.0.iter().zip(&solution.forces) {
+        let (a, b) = (contact.a as usize, contact.b as usize);
+        let mut branch = bodies.radii[a] + contact.gap;
+        branch += bodies.radii.get(b).map_or(-0.5 * contact.gap, |r| *r);
+        let (force, l) = (contact.normal * f[0] + contact.normal.perp() * f[1], contact.normal * branch);
+        for i in 0..2 {
+            for j in 0..2 {
+                sum[i][j] += force[i] * l[j];
+            }
+        }
+    }
+    sum.map(|row| row.map(|s| s / (area * thickness)))
+}
+
+type Geometry<'w, 's> = Query<'w, 's, (&'static Wall, &'static Position)>;
+
+fn length(length: MeasureLength, geometry: &Geometry) -> f64 {
+    match length {
+        MeasureLength::Fixed(length) => length,
+        MeasureLength::Between(a, b) => wall_distance(a, b, geometry),
+    }
+}
+
+/// Stresses, at the geometry of the start of the increment where they are averages.
+fn record_stress(
+    bodies: Res<Bodies>,
+    contacts: Res<Contacts>,
+    solution: Res<ConeSolution>,
+    analysis: Res<Analysis>,
+    attempt: Res<Attempt>,
+    measures: Res<Measures>,
+    geometry: Geometry,
+    forces: Query<(&Wall, &ExternalForce)>,
+    mut out: ResMut<Observation>,
+) {
+    let carried = matches!(attempt.status, IncrementStatus::Solved | IncrementStatus::Capped);
+    let start = |wall: Entity| bodies.entities.iter().position(|e| *e == wall).map(|i| bodies.positions[i]);
+    let evaluate = |measure: &StressMeasure| -> Option<f64> {
+        match measure {
+            StressMeasure::Walls { walls, length: l } => {
+                let mut sum = 0.0;
+                for wall in walls {
+                    let (wall, force) = forces.get(*wall).ok()?;
+                    sum += DVec2::new(force.0[0], force.0[1]).dot(wall.inward());
+                }
+                Some(sum / walls.len() as f64 / (length(*l, &geometry) * analysis.thickness))
+            }
+            StressMeasure::Average { component, area } => {
+                let area = match area {
+                    MeasureArea::Fixed(area) => *area,
+                    MeasureArea::Box([a, b, c, d]) => {
+                        let distance = |first: Entity, second: Entity| {
+                            let (wall, _) = geometry.get(first).ok()?;
+                            Some((start(second)? - start(first)?).dot(wall.inward()))
+                        };
+                        distance(*a, *b)? * distance(*c, *d)?
+                    }
+                };
+                let s = average_stress(&bodies, &contacts, &solution, area, analysis.thickness);
+                Some(match component {
+                    StressComponent::Xx => s[0][0],
+                    StressComponent::Yy => s[1][1],
+                    StressComponent::Xy => 0.5 * (s[0][1] + s[1][0]),
+                })
+            }
+        }
+    };
+    out.axial_stress = measures.axial_stress.as_ref().filter(|_| carried).and_then(evaluate);
+    out.lateral_stress = measures.lateral_stress.as_ref().filter(|_| carried).and_then(evaluate);
+}
+
+/// Current value of the distance that a strain measure compares, m.
+#[must_use]
+pub fn strain_distance(
+    measure: &StrainMeasure,
+    walls: &Query<(&Wall, &Position)>,
+    particles: &Query<&Position, With<Particle>>,
+) -> Option<f64> {
+    let distance = match *measure {
+        StrainMeasure::Walls(a, b) => wall_distance(a, b, walls),
+        StrainMeasure::Particles(a, b) => {
+            particles.get(a).ok()?.0.distance(particles.get(b).ok()?.0)
+        }
+    };
+    Some(distance)
+}
+
+/// Sets the reference distances at the start of the reference stage; run once by the stages.
+pub fn take_reference(
+    walls: Query<(&Wall, &Position)>,
+    particles: Query<&Position, With<Particle>>,
+    mut measures: ResMut<Measures>,
+) {
+    let of = |m: &Option<StrainMeasure>| {
+        m.as_ref().and_then(|m| strain_distance(m, &walls, &particles)).unwrap_or(f64::NAN)
+    };
+    measures.reference = Some([of(&measures.axial_strain), of(&measures.lateral_strain)]);
+}
+
+/// Engineering strains; before the reference stage there are none.
+fn record_strain(
+    measures: Res<Measures>,
+    walls: Query<(&Wall, &Position)>,
+    particles: Query<&Position, With<Particle>>,
+    mut out: ResMut<Observation>,
+) {
+    let strain = |measure: &Option<StrainMeasure>, k: usize| {
+        let reference = measures.reference?[k];
+        let now = strain_distance(measure.as_ref()?, &walls, &particles)?;
+        Some((reference - now) / reference)
+    };
+    out.axial_strain = strain(&measures.axial_strain, 0);
+    out.lateral_strain = strain(&measures.lateral_strain, 1);
+    out.volumetric_strain = match (out.axial_strain, out.lateral_strain) {
+        (Some(a), Some(l)) => Some(1.0 - (1.0 - a) * (1.0 - l)),
+        _ => None,
+    };
+}
+
+/// Counters, residuals, energy, status.
+fn record_state(
+    bodies: Res<Bodies>,
+    contacts: Res<Contacts>,
+    program: Res<ConeProgram>,
+    solution: Res<ConeSolution>,
+    progress: Res<Progress>,
+    attempt: Res<Attempt>,
+    count: Res<RuptureCount>,
+    moving: Query<(&BodyId, &Particle, &Velocity, &AngularVelocity)>,
+    mut out: ResMut<Observation>,
+) {
+    out.increment = progress.increment;
+    out.stage.clone_from(&progress.stage_name);
+    out.fraction = progress.fraction;
+    out.time = progress.time;
+    let touching = 1e-9 * force_scale(&program, &solution.forces);
+    out.contacts = solution.forces.iter().filter(|f| f[0].abs() > touching).count();
+    out.potential_contacts = contacts.0.len();
+    out.bonds = bodies.bonds.len();
+    out.broken = count.0;
+    // Summed in identity order: a sum depends on its order, and query order on history.
+    let mut energy: Vec<(BodyId, f64)> = moving
+        .iter()
+        .map(|(id, p, v, w)| (*id, 0.5 * (p.mass * v.0.length_squared() + p.inertia * w.0 * w.0)))
+        .collect();
+    energy.sort_unstable_by_key(|(id, _)| *id);
+    out.kinetic_energy = energy.iter().map(|(_, e)| e).sum();
+    out.solves = attempt.solves;
+    out.iterations = attempt.iterations;
+    out.residuals = solution.residuals;
+    out.coulomb_residual = attempt.coulomb_residual;
+    out.status = attempt.status;
+    let carried = matches!(attempt.status, IncrementStatus::Solved | IncrementStatus::Capped);
+    out.ruptures.clear();
+    if carried {
+        out.ruptures.extend_from_slice(&attempt.ruptures);
+        out.ruptures.sort_unstable_by_key(|r| r.bond);
+    }
+}
+
+/// Probes: displacement since the start of the stage list, and the outside force.
+fn record_probes(
+    probes: Query<(&BodyId, &Probe, &Position, &Origin, Option<&Rotation>, &ExternalForce)>,
+    mut out: ResMut<Observation>,
+) {
+    let mut rows: Vec<(BodyId, ProbeReading)> = probes
+        .iter()
+        .map(|(id, probe, x, origin, rotation, force)| {
+            let d = x.0 - origin.0;
+            let motion = [d.x, d.y, rotation.map_or(0.0, |r| r.0)];
+            (*id, ProbeReading { name: probe.0.clone(), motion, force: force.0 })
+        })
+        .collect();
+    rows.sort_unstable_by_key(|(id, _)| *id);
+    out.probes.clear();
+    out.probes.extend(rows.into_iter().map(|(_, reading)| reading));
+}

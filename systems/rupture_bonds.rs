@@ -1,0 +1,129 @@
+//! Rupture: bonds on one of their three limits break for good (3.4.2 of the paper).
+//!
+//! A force is on its limit when its slack is below [`RuptureRules::slack`] of the limit. A limit
+//! with no compliance before it (rolling always, tension and shear of rigid bonds) can be met by
+//! forces that are not unique; there the bond breaks when the multiplier is active, that is when
+//! the two bodies really move against each other. At the apex of the tension limit more than one
+//! limit is active: tension is reported.
+
+use bevy_app::{App, Plugin};
+use bevy_ecs::prelude::*;
+
+use clastic_components::attempt::Attempt;
+use clastic_components::bond::{Bond, BondState, Rupture, RuptureMode};
+use clastic_components::contact::{Bodies, Contact, ContactHistory, Contacts};
+use clastic_components::increment::{Analysis, RollingLimit, RuptureRules};
+use clastic_components::material::Materials;
+use clastic_components::observation::RuptureCount;
+use clastic_components::program::{ConeProgram, ConeSolution, Interaction, Kinematics};
+
+use crate::assemble_program::interactions::{contact_law, shear_after_rupture};
+use crate::schedule::{Increment, IncrementSystems, lap};
+use crate::solve_program::residuals::multipliers;
+
+/// Adds [`rupture_bonds`]; it runs only where there are bonds.
+pub struct RuptureBondsPlugin;
+
+impl Plugin for RuptureBondsPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<RuptureCount>().add_message::<Rupture>().add_systems(
+            Increment,
+            (rupture_bonds.run_if(any_with_component::<Bond>), lap(|t| &mut t.rupture))
+                .chain()
+                .in_set(IncrementSystems::Rupture),
+        );
+    }
+}
+
+/// The bonds that the solution brings to a limit, in the order of the contacts.
+#[must_use]
+pub fn find_ruptures(
+    rules: &RuptureRules,
+    increment: u64,
+    bodies: &Bodies,
+    contacts: &[Contact],
+    program: &ConeProgram,
+    solution: &ConeSolution,
+) -> Vec<Rupture> {
+    let mut ruptures = Vec::new();
+    for ((contact, c), f) in contacts.iter().zip(&program.interactions).zip(&solution.forces) {
+        let Some(bond) = contact.bond.map(|k| &bodies.bonds[k as usize]) else { continue };
+        let e = program.kinematics(c, &solution.displacements);
+        let Some(mode) = mode(rules, program.scales.length, c, &e, f) else { continue };
+        ruptures.push(Rupture {
+            increment,
+            bond: bond.id,
+            a: clastic_components::body::BodyId(bond.a),
+            b: clastic_components::body::BodyId(bond.b),
+            mode,
+            position: contact.point(bodies),
+            normal: contact.normal,
+            p: f[0],
+            q: f[1],
+            tau: f[2],
+        });
+    }
+    ruptures
+}
+
+/// The limit that an intact bond has reached.
+fn mode(
+    rules: &RuptureRules,
+    length: f64,
+    c: &Interaction,
+    e: &Kinematics,
+    f: &[f64; 3],
+) -> Option<RuptureMode> {
+    let l = &c.limits;
+    let m = multipliers(c, e, f);
+    let [p, q, tau] = *f;
+    let moves = rules.multiplier * length;
+
+    let on_tension = l.tension > 0.0 && p + l.tension <= rules.slack * l.tension;
+    if on_tension && (c.normal_compliance > 0.0 || m.tension > moves) {
+        return Some(RuptureMode::Tension);
+    }
+    let shear = l.cohesion + l.friction * p;
+    let on_shear = l.has_shear() && shear - q.abs() <= rules.slack * (l.cohesion + l.friction * p.abs());
+    if on_shear && (c.tangential_compliance > 0.0 || m.slip.abs() > moves) {
+        return Some(RuptureMode::Shear);
+    }
+    let roll = l.rolling * (p + l.tension);
+    let on_rolling = l.has_rolling() && roll - tau.abs() <= rules.slack * l.rolling * (p.abs() + l.tension);
+    if rules.rolling == RollingLimit::Breaks && on_rolling && m.rotation.abs() > rules.multiplier {
+        return Some(RuptureMode::Rolling);
+    }
+    None
+}
+
+/// Breaks the bonds that the accepted attempt brought to a limit. Their contacts go on with what
+/// friction can hold of the shear force.
+pub fn rupture_bonds(
+    attempt: Res<Attempt>,
+    bodies: Res<Bodies>,
+    contacts: Res<Contacts>,
+    materials: Res<Materials>,
+    analysis: Res<Analysis>,
+    mut history: ResMut<ContactHistory>,
+    mut count: ResMut<RuptureCount>,
+    mut messages: MessageWriter<Rupture>,
+    mut bonds: Query<&mut BondState>,
+) {
+    for rupture in &attempt.ruptures {
+        let key = (rupture.a.0, rupture.b.0);
+        let Ok(k) = bodies.bonds.binary_search_by_key(&key, |b| (b.a, b.b)) else { continue };
+        if let Ok(mut state) = bonds.get_mut(bodies.bonds[k].entity) {
+            *state = BondState::Broken(rupture.mode);
+        }
+        count.0[rupture.mode as usize] += 1;
+        messages.write(*rupture);
+        let contact = contacts.0.binary_search_by_key(&key, |c| (c.a, c.b));
+        let memory = history.0.binary_search_by_key(&key, |m| (m.a, m.b));
+        if let (Ok(c), Ok(m)) = (contact, memory) {
+            let contact = &contacts.0[c];
+            let law = contact_law(&bodies, &materials, &analysis, contact);
+            let memory = &mut history.0[m];
+            memory.q = shear_after_rupture(memory.q, contact.gap, &law);
+        }
+    }
+}

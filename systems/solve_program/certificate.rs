@@ -1,0 +1,69 @@
+//! Certificates of collapse.
+//!
+//! By Farkas' lemma no forces within the limits balance the loads if there is a mechanism u,
+//! still where displacements are imposed and where there is inertia, with
+//!
+//! ```text
+//! load . u  >  sum_c  sup { (p, q, tau) . (d_n, d_t, d_r) : limits of c }
+//! ```
+//!
+//! The supremum is the dissipation `c A |d_t| + mu_r r f_t |d_r| + f_t lambda_T` where
+//! `lambda_T = -d_n - mu |d_t| - mu_r r |d_r|` is not negative, and infinite otherwise.
+
+use clastic_components::program::{Certificate, ConeProgram, Dof};
+
+/// A certificate proves a collapse when its margin is above this and its defect below.
+pub const TOLERANCE: f64 = 1e-6;
+
+/// Checks a mechanism (displacements by body in the bodies' own axes, any scale): its margin and
+/// its defect. `None` if it does not move at all.
+#[must_use]
+pub fn certificate(program: &ConeProgram, mechanism: &[[f64; 3]]) -> Option<Certificate> {
+    let length = program.scales.length;
+    let mut u = mechanism.to_vec();
+    for (body, u) in program.bodies.iter().zip(&mut u) {
+        for k in 0..3 {
+            // Inertia (and regularisation) takes up any load: no collapse along it.
+            let free = matches!(&body.dofs[k], Dof::Free(f) if f.inertia + f.proximal == 0.0);
+            if !free {
+                u[k] = 0.0;
+            }
+        }
+    }
+    let size = |u: &[f64; 3]| u[0].abs().max(u[1].abs()).max(length * u[2].abs());
+    let greatest = u.iter().map(size).fold(0.0, f64::max);
+    if !(greatest > 0.0 && greatest.is_finite()) {
+        return None;
+    }
+    for u in &mut u {
+        for x in u {
+            *x /= greatest;
+        }
+    }
+    let mut work = 0.0;
+    for (body, u) in program.bodies.iter().zip(&u) {
+        for k in 0..3 {
+            if let Dof::Free(f) = &body.dofs[k] {
+                work += f.load * u[k];
+            }
+        }
+    }
+    let mut dissipation = 0.0;
+    let mut defect = 0.0_f64;
+    for c in &program.interactions {
+        let e = program.kinematics(c, &u);
+        let l = &c.limits;
+        let slip = if l.has_shear() { e[1].abs() } else { 0.0 };
+        let roll = if l.has_rolling() { e[2].abs() } else { 0.0 };
+        let opening = -e[0] - l.friction * slip - l.rolling * roll;
+        defect = defect.max(-opening);
+        dissipation += l.cohesion * slip + l.rolling * l.tension * roll + l.tension * opening.max(0.0);
+    }
+    (work > 0.0).then(|| Certificate { mechanism: u, margin: (work - dissipation) / work, defect })
+}
+
+/// Whether a certificate proves the collapse.
+#[must_use]
+pub fn proves(certificate: &Certificate) -> bool {
+    certificate.margin > TOLERANCE && certificate.defect < TOLERANCE
+}

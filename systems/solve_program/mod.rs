@@ -1,0 +1,111 @@
+//! Solving the cone program: the trait, the registry, residuals and certificates.
+//!
+//! A solver reads the [`ConeProgram`] and writes a [`ConeSolution`]; how it ended is data. Whether
+//! it is a solution is not for the solver to say: residuals and certificates are computed here,
+//! from the forces and displacements alone.
+
+pub mod certificate;
+pub mod clarabel;
+pub mod residuals;
+
+use bevy_app::{App, Plugin};
+use bevy_ecs::prelude::*;
+
+use clastic_components::attempt::Attempt;
+use clastic_components::increment::Acceptance;
+use clastic_components::program::{ConeProgram, ConeSolution, SolveStatus};
+
+use crate::schedule::{AttemptIncrement, AttemptSystems, lap};
+
+/// A program that no solver can read: an error of whoever assembled it.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("malformed cone program: {0}")]
+pub struct MalformedProgram(pub String);
+
+/// Solves cone programs. A solver may keep what it likes between calls as long as its answer does
+/// not depend on it beyond its tolerance.
+pub trait ConeSolver: Send + Sync {
+    /// Name for the record.
+    fn name(&self) -> &'static str;
+
+    /// Solves the program. Every ending of a well-formed program is a [`ConeSolution`].
+    ///
+    /// # Errors
+    /// Only for a program that is malformed: indices out of range, numbers that are not finite.
+    fn solve(&mut self, program: &ConeProgram) -> Result<ConeSolution, MalformedProgram>;
+}
+
+/// The solver of this world.
+#[derive(Resource)]
+pub struct Solver(pub Box<dyn ConeSolver>);
+
+impl Default for Solver {
+    fn default() -> Self {
+        Self(Box::new(clarabel::Clarabel::default()))
+    }
+}
+
+/// Adds [`solve_program`].
+pub struct SolveProgramPlugin;
+
+impl Plugin for SolveProgramPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<ConeSolution>().init_resource::<Solver>().add_systems(
+            AttemptIncrement,
+            (solve_program, lap(|t| &mut t.solve)).chain().in_set(AttemptSystems::Solve),
+        );
+    }
+}
+
+/// Solves the program and computes the residuals of what came back.
+pub fn solve_program(
+    program: Res<ConeProgram>,
+    acceptance: Res<Acceptance>,
+    mut solver: ResMut<Solver>,
+    mut attempt: ResMut<Attempt>,
+    mut solution: ResMut<ConeSolution>,
+) {
+    *solution = match check(&program).and_then(|()| solver.0.solve(&program)) {
+        Ok(solution) => solution,
+        Err(malformed) => ConeSolution { message: malformed.to_string(), ..Default::default() },
+    };
+    if matches!(solution.status, SolveStatus::Solved | SolveStatus::Stalled)
+        && solution.forces.len() == program.interactions.len()
+        && solution.displacements.len() == program.bodies.len()
+    {
+        solution.residuals = residuals::residuals(&program, &solution.forces, &solution.displacements);
+        // The solver's word does not count, in either direction. NaN compares false.
+        let converged = solution.residuals.worst() <= acceptance.residual;
+        solution.status = if converged { SolveStatus::Solved } else { SolveStatus::Stalled };
+    }
+    attempt.solves += 1;
+    attempt.iterations += solution.iterations;
+}
+
+/// Refuses programs that are malformed.
+fn check(program: &ConeProgram) -> Result<(), MalformedProgram> {
+    let n = program.bodies.len();
+    for (k, c) in program.interactions.iter().enumerate() {
+        if c.a as usize >= n || c.b as usize >= n || c.a == c.b {
+            return Err(MalformedProgram(format!("interaction {k} joins bodies {} and {} of {n}", c.a, c.b)));
+        }
+        let l = &c.limits;
+        let numbers = [
+            c.normal.x, c.normal.y, c.arm_a, c.arm_b, c.offset, c.normal_compliance,
+            c.tangential_compliance, c.previous_shear, l.cohesion, l.friction, l.tension, l.rolling,
+        ];
+        if numbers.iter().any(|x| !x.is_finite()) {
+            return Err(MalformedProgram(format!(
+                "interaction {k} of bodies {} and {} has a number that is not finite", c.a, c.b
+            )));
+        }
+        let not_negative =
+            [c.normal_compliance, c.tangential_compliance, l.cohesion, l.friction, l.tension, l.rolling];
+        if not_negative.iter().any(|x| *x < 0.0) {
+            return Err(MalformedProgram(format!(
+                "interaction {k} of bodies {} and {} has a negative compliance or limit", c.a, c.b
+            )));
+        }
+    }
+    Ok(())
+}

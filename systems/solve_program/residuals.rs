@@ -1,0 +1,115 @@
+//! KKT residuals of a solution, from forces and displacements alone.
+//!
+//! The multipliers of the limits follow from the displacements: with `e = (d_n, d_t, d_r)` the
+//! kinematics of an interaction, stationarity (equation 34 of the paper) gives
+//!
+//! ```text
+//! s_t = d_t - C_T (q - q_0)                                  lambda_q = |s_t|, at the limit of its sign
+//! s_r = d_r                                                  lambda_r = |s_r|, at the limit of its sign
+//! lambda_T = g + C_N p - d_n - mu lambda_q - mu_r r lambda_r  of p >= -f_t
+//! ```
+//!
+//! so that what can be wrong is the sign of `lambda_T` (kinematics) and a multiplier at a limit
+//! with slack (complementarity).
+
+use clastic_components::program::{ConeProgram, Dof, Interaction, Kinematics, Residuals};
+
+/// Multipliers of the limits of one interaction, m, m, rad: tension, slip (signed), rotation
+/// (signed).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Multipliers {
+    /// `lambda_T` of `p >= -f_t`.
+    pub tension: f64,
+    /// Inelastic slip `s_t`.
+    pub slip: f64,
+    /// Inelastic rotation `s_r`.
+    pub rotation: f64,
+}
+
+/// The multipliers that belong to the kinematics `e` and the forces `f` of an interaction.
+#[must_use]
+pub fn multipliers(c: &Interaction, e: &Kinematics, f: &[f64; 3]) -> Multipliers {
+    let l = &c.limits;
+    let slip =
+        if l.has_shear() { e[1] - c.tangential_compliance * (f[1] - c.previous_shear) } else { 0.0 };
+    let rotation = if l.has_rolling() { e[2] } else { 0.0 };
+    let tension = c.offset + c.normal_compliance * f[0]
+        - e[0]
+        - l.friction * slip.abs()
+        - l.rolling * rotation.abs();
+    Multipliers { tension, slip, rotation }
+}
+
+/// Greatest force in the program: contact or applied, N; the scale where all are zero.
+#[must_use]
+pub fn force_scale(program: &ConeProgram, forces: &[[f64; 3]]) -> f64 {
+    let contact = forces.iter().map(|f| f[0].abs().max(f[1].abs())).fold(0.0, f64::max);
+    let applied = program
+        .bodies
+        .iter()
+        .flat_map(|b| &b.dofs[..2])
+        .map(|d| if let Dof::Free(f) = d { f.load.abs() } else { 0.0 })
+        .fold(0.0, f64::max);
+    // The floor is far below any load that a scene sets, and above what round-off leaves.
+    contact.max(applied).max(1e-6 * program.scales.force)
+}
+
+/// Greatest displacement, m, but at least 1e-6 mean radii.
+#[must_use]
+pub fn displacement_scale(program: &ConeProgram, displacements: &[[f64; 3]]) -> f64 {
+    displacements
+        .iter()
+        .map(|u| u[0].hypot(u[1]))
+        .fold(1e-6 * program.scales.length, f64::max)
+}
+
+/// The four residuals, each the greatest over its rows.
+#[must_use]
+pub fn residuals(program: &ConeProgram, forces: &[[f64; 3]], displacements: &[[f64; 3]]) -> Residuals {
+    let force = force_scale(program, forces);
+    let length = program.scales.length;
+    let displacement = displacement_scale(program, displacements);
+    let mut out = Residuals::default();
+
+    let mut rows = vec![[0.0; 3]; program.bodies.len()];
+    program.add_forces(forces, &mut rows);
+    for ((body, row), u) in program.bodies.iter().zip(&rows).zip(displacements) {
+        for k in 0..3 {
+            if let Dof::Free(f) = &body.dofs[k] {
+                let defect = f.inertia * u[k] + row[k] - f.load;
+                let unit = if k < 2 { force } else { force * length };
+                worsen(&mut out.balance, defect.abs() / unit);
+            }
+        }
+    }
+    for (c, f) in program.interactions.iter().zip(forces) {
+        let m = multipliers(c, &program.kinematics(c, displacements), f);
+        let l = &c.limits;
+        let [p, q, tau] = *f;
+        worsen(&mut out.kinematics, -m.tension / displacement);
+
+        let shear = l.cohesion + l.friction * p;
+        let roll = l.rolling * (p + l.tension);
+        worsen(&mut out.cone, (q.abs() - shear.max(0.0)) / force);
+        worsen(&mut out.cone, (tau.abs() - roll.max(0.0)) / (force * length));
+        worsen(&mut out.cone, -(p + l.tension) / force);
+        if l.has_shear() {
+            worsen(&mut out.cone, -shear / force);
+        }
+
+        let unit = force * displacement;
+        worsen(&mut out.complementarity, m.tension.max(0.0) * (p + l.tension).abs() / unit);
+        let slack = shear - q * m.slip.signum();
+        worsen(&mut out.complementarity, (m.slip * slack).abs() / unit);
+        let slack = roll - tau * m.rotation.signum();
+        worsen(&mut out.complementarity, (m.rotation * slack).abs() / unit);
+    }
+    out
+}
+
+/// Raises a residual; once it is not a number it stays so.
+fn worsen(residual: &mut f64, value: f64) {
+    if residual.is_finite() && (value > *residual || !value.is_finite()) {
+        *residual = if value.is_finite() { value } else { f64::NAN };
+    }
+}

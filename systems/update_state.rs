@@ -1,0 +1,196 @@
+//! Commits an accepted attempt: moves bodies, updates velocities and contact history, and takes
+//! down the forces that the outside world exerted.
+//!
+//! With the theta-method (equations 2 and 3 of the paper) `v = (u/dt - (1 - theta) v_0)/theta`;
+//! rotations alike. In dynamics u follows from the contact forces through the balance rows, not
+//! from the multipliers, so that momentum holds to round-off whatever the solver's tolerance.
+
+use bevy_app::{App, Plugin};
+use bevy_ecs::prelude::*;
+use glam::DVec2;
+
+use clastic_components::body::{
+    AngularVelocity, BodyId, ExternalForce, LastMotion, Position, Rotation, Velocity,
+};
+use clastic_components::contact::{Bodies, ContactHistory, ContactMemory, Contacts};
+use clastic_components::increment::{Analysis, AnalysisKind, Progress};
+use clastic_components::particle::Particle;
+use clastic_components::program::{ConeProgram, ConeSolution, Dof};
+use clastic_components::wall::Wall;
+
+use crate::schedule::{Increment, IncrementSystems, lap};
+use crate::solve_program::residuals::force_scale;
+
+/// Adds the systems of the update.
+pub struct UpdateStatePlugin;
+
+impl Plugin for UpdateStatePlugin {
+    fn build(&self, app: &mut App) {
+        app.add_systems(
+            Increment,
+            (
+                displacements_from_forces,
+                external_forces,
+                move_bodies,
+                remember_contacts,
+                advance_progress,
+                lap(|t| &mut t.update),
+            )
+                .chain()
+                .in_set(IncrementSystems::Update),
+        );
+    }
+}
+
+/// Replaces the multipliers of degrees of freedom with inertia by `u = (load - G f)/inertia`.
+pub fn displacements_from_forces(
+    analysis: Res<Analysis>,
+    program: Res<ConeProgram>,
+    mut solution: ResMut<ConeSolution>,
+) {
+    let AnalysisKind::Dynamic { .. } = analysis.kind else { return };
+    let mut rows = vec![[0.0; 3]; program.bodies.len()];
+    program.add_forces(&solution.forces, &mut rows);
+    for ((body, row), u) in program.bodies.iter().zip(&rows).zip(&mut solution.displacements) {
+        for k in 0..3 {
+            if let Dof::Free(free) = &body.dofs[k]
+                && free.inertia > 0.0
+            {
+                u[k] = (free.load - row[k]) / free.inertia;
+            }
+        }
+    }
+}
+
+/// Computes [`ExternalForce`]: what is needed besides contacts and gravity for the motion that
+/// happened.
+pub fn external_forces(
+    bodies: Res<Bodies>,
+    contacts: Res<Contacts>,
+    analysis: Res<Analysis>,
+    progress: Res<Progress>,
+    program: Res<ConeProgram>,
+    solution: Res<ConeSolution>,
+    mut out: Query<(&BodyId, &mut ExternalForce)>,
+) {
+    let mut rows = vec![[0.0; 3]; program.bodies.len()];
+    program.add_forces(&solution.forces, &mut rows);
+    // A wall's moment is about the middle of its drawn segment.
+    let mut moments = vec![0.0; program.bodies.len()];
+    for ((contact, c), f) in contacts.0.iter().zip(&program.interactions).zip(&solution.forces) {
+        if contact.b as usize >= bodies.particles {
+            let arm = contact.point(&bodies) - bodies.positions[contact.b as usize];
+            let resisted = -(c.normal * f[0] + c.normal.perp() * f[1]);
+            moments[contact.b as usize] += arm.perp_dot(resisted) - f[2];
+        }
+    }
+    for (id, mut external) in &mut out {
+        let i = id.index();
+        let body = &program.bodies[i];
+        if i >= bodies.particles {
+            let force = body.to_global(rows[i]);
+            external.0 = [force[0], force[1], moments[i]];
+            continue;
+        }
+        for k in 0..3 {
+            let applied = bodies.loads[i][k].at(progress.fraction);
+            external.0[k] = match body.dofs[k] {
+                Dof::Free(_) => applied,
+                Dof::Fixed(u) => match analysis.kind {
+                    AnalysisKind::Dynamic { dt, theta } if bodies.drives[i][k] != Default::default() => {
+                        let dt = dt * progress.fraction;
+                        let mass = if k < 2 { bodies.masses[i] } else { bodies.inertias[i] };
+                        let v = if k < 2 { bodies.velocities[i][k] } else { bodies.angular_velocities[i] };
+                        let weight = if k < 2 { mass * analysis.gravity[k] } else { 0.0 };
+                        mass * (u - v * dt) / (theta * dt * dt) + rows[i][k] - weight
+                    }
+                    AnalysisKind::Dynamic { .. } => applied,
+                    AnalysisKind::Static | AnalysisKind::LeastMotion { .. } => {
+                        let weight = if k < 2 { bodies.masses[i] * analysis.gravity[k] } else { 0.0 };
+                        if bodies.drives[i][k] == Default::default() { applied } else { rows[i][k] - weight }
+                    }
+                },
+            };
+        }
+    }
+}
+
+/// Moves particles and walls and updates velocities.
+pub fn move_bodies(
+    bodies: Res<Bodies>,
+    analysis: Res<Analysis>,
+    progress: Res<Progress>,
+    program: Res<ConeProgram>,
+    solution: Res<ConeSolution>,
+    mut particles: Query<
+        (&BodyId, &mut Position, &mut Rotation, &mut Velocity, &mut AngularVelocity, &mut LastMotion),
+        With<Particle>,
+    >,
+    mut walls: Query<(&BodyId, &mut Position, &mut LastMotion), (With<Wall>, Without<Particle>)>,
+) {
+    for (id, mut x, mut rotation, mut v, mut spin, mut last) in &mut particles {
+        let i = id.index();
+        let u = program.bodies[i].to_global(solution.displacements[i]);
+        let step = DVec2::new(u[0], u[1]);
+        x.0 += step;
+        rotation.0 += u[2];
+        last.0 = u;
+        if let AnalysisKind::Dynamic { dt, theta } = analysis.kind {
+            let dt = dt * progress.fraction;
+            let next = |u: f64, v: f64, imposed: bool| {
+                // Imposed motion has no inertia to speak of: its velocity is what was imposed.
+                if imposed { u / dt } else { (u / dt - (1.0 - theta) * v) / theta }
+            };
+            let imposed = bodies.drives[i].map(|d| d != Default::default());
+            v.0 = DVec2::new(next(step.x, v.0.x, imposed[0]), next(step.y, v.0.y, imposed[1]));
+            spin.0 = next(u[2], spin.0, imposed[2]);
+        }
+    }
+    for (id, mut x, mut last) in &mut walls {
+        let u = program.bodies[id.index()].to_global(solution.displacements[id.index()]);
+        x.0 += DVec2::new(u[0], u[1]);
+        last.0 = u;
+    }
+}
+
+/// Keeps the forces of contacts that persist. The program's shear is an average over the
+/// increment: `q = q_0 + (q_program - q_0)/theta` at its end.
+pub fn remember_contacts(
+    analysis: Res<Analysis>,
+    contacts: Res<Contacts>,
+    program: Res<ConeProgram>,
+    solution: Res<ConeSolution>,
+    mut history: ResMut<ContactHistory>,
+) {
+    let theta = match analysis.kind {
+        AnalysisKind::Dynamic { theta, .. } => theta,
+        AnalysisKind::Static | AnalysisKind::LeastMotion { .. } => 1.0,
+    };
+    // What an interior point leaves on an open contact is not a force.
+    let nothing = 1e-9 * force_scale(&program, &solution.forces);
+    history.0.clear();
+    for ((contact, c), f) in contacts.0.iter().zip(&program.interactions).zip(&solution.forces) {
+        let bonded = c.limits.tension > 0.0 || c.limits.cohesion > 0.0;
+        if !bonded && f[0] <= nothing {
+            continue;
+        }
+        let q = if c.tangential_compliance > 0.0 {
+            c.previous_shear + (f[1] - c.previous_shear) / theta
+        } else {
+            f[1]
+        };
+        history.0.push(ContactMemory { a: contact.a, b: contact.b, p: f[0], q });
+    }
+}
+
+/// Books the committed fraction of the increment.
+pub fn advance_progress(analysis: Res<Analysis>, mut progress: ResMut<Progress>) {
+    let fraction = progress.fraction;
+    progress.done += fraction;
+    if (progress.done - progress.done.round()).abs() < 1e-9 {
+        progress.done = progress.done.round();
+    }
+    if let AnalysisKind::Dynamic { dt, .. } = analysis.kind {
+        progress.time += dt * fraction;
+    }
+}
