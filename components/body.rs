@@ -67,10 +67,10 @@ pub struct Ramp {
 }
 
 impl Ramp {
-    /// A load that does not change.
+    /// The ramp times a factor.
     #[must_use]
-    pub fn constant(value: f64) -> Self {
-        Self { from: value, to: value }
+    pub fn times(self, factor: f64) -> Self {
+        Self { from: self.from * factor, to: self.to * factor }
     }
 
     /// The value after the given fraction of the increment.
@@ -84,6 +84,11 @@ impl Ramp {
 /// Force (x, y; N) and moment (N m) that the outside world applies to a particle, gravity apart.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Default)]
 pub struct AppliedLoad(pub [Ramp; 3]);
+
+/// Loads of a particle over the stage: (value at its start, value at its end) of force x, force y
+/// (N) and moment (N m). [`AppliedLoad`] follows from it.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Default)]
+pub struct LoadControl(pub [(f64, f64); 3]);
 
 /// Force (x, y; N) and moment (N m) that the outside world exerted on the body in the last
 /// committed increment: applied loads, reactions of imposed motion, and for walls whatever

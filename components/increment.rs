@@ -3,6 +3,8 @@
 use bevy_ecs::prelude::*;
 use glam::DVec2;
 
+use crate::body::Ramp;
+
 /// How bodies resist motion.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub enum AnalysisKind {
@@ -124,4 +126,16 @@ pub struct Progress {
     pub fraction: f64,
     /// Time, s.
     pub time: f64,
+}
+
+impl Progress {
+    /// The ramp, over the next increment, of a load that goes linearly from one value to another
+    /// over the stage. At the end of the stage the target is met exactly.
+    #[must_use]
+    pub fn ramp(&self, from: f64, to: f64) -> Ramp {
+        let at = |done: f64| {
+            if done >= self.total { to } else { from + (to - from) * (done / self.total) }
+        };
+        Ramp { from: at(self.done), to: at(self.done + 1.0) }
+    }
 }

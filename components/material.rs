@@ -56,6 +56,21 @@ pub struct BondLaw {
     pub tensile_strength: f64,
 }
 
+impl BondLaw {
+    /// The bond between two different materials: springs in series, the smaller of each strength.
+    #[must_use]
+    pub fn between(self, other: Self) -> Self {
+        Self {
+            normal_compliance: 0.5 * (self.normal_compliance + other.normal_compliance),
+            tangential_compliance: 0.5 * (self.tangential_compliance + other.tangential_compliance),
+            friction: self.friction.min(other.friction),
+            rolling_friction: self.rolling_friction.min(other.rolling_friction),
+            cohesion: self.cohesion.min(other.cohesion),
+            tensile_strength: self.tensile_strength.min(other.tensile_strength),
+        }
+    }
+}
+
 /// A particle material.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {

@@ -3,16 +3,16 @@
 use bevy_ecs::prelude::*;
 
 use crate::body::{
-    AngularVelocity, AppliedLoad, Drives, ExternalForce, LastMotion, Origin, Position, Rotation,
-    Velocity,
+    AngularVelocity, AppliedLoad, Drives, ExternalForce, LastMotion, LoadControl, Origin, Position,
+    Rotation, Velocity,
 };
 
 /// A rigid disk.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 #[component(immutable)]
 #[require(
-    Position, Origin, Rotation, Velocity, AngularVelocity, LastMotion, Drives, AppliedLoad,
-    ExternalForce, MaterialIndex
+    Position, Origin, Rotation, Velocity, AngularVelocity, LastMotion, Drives, LoadControl,
+    AppliedLoad, ExternalForce, MaterialIndex
 )]
 pub struct Particle {
     /// Radius, m.

@@ -1,2 +1,68 @@
-//! clastic: granular contact dynamics with elastic bonds.
+//! clastic: granular contact dynamics with elastic bonds, for cemented sand and rock.
+//!
+//! Each load increment is one convex cone program: its solution is the contact and bond forces,
+//! its multipliers are the displacements. Static analysis has no inertia and no damping; dynamic
+//! analysis is the same program with inertia. Particles, walls and bonds are entities, and
+//! scheduled systems do the work in a fixed order (see [`systems::schedule`]).
+//!
+//! - A researcher writes a [`scene`] in RON and runs it with the `clastic` program.
+//! - A simulation programmer adds systems to the public sets of [`systems::schedule`].
+//! - A Bevy developer adds [`ClasticPlugins`] to an app and runs the
+//!   [`Increment`](systems::schedule::Increment) schedule.
+
+pub use clastic_components as components;
+pub use clastic_systems as systems;
+
+pub mod run;
 pub mod scene;
+
+use bevy_app::{PluginGroup, PluginGroupBuilder};
+
+use clastic_systems::assemble_program::AssembleProgramPlugin;
+use clastic_systems::attempt::AttemptPlugin;
+use clastic_systems::control_loads::ControlLoadsPlugin;
+use clastic_systems::control_walls::ControlWallsPlugin;
+use clastic_systems::detect_contacts::DetectContactsPlugin;
+use clastic_systems::gather_bodies::GatherBodiesPlugin;
+use clastic_systems::record::RecordPlugin;
+use clastic_systems::rupture_bonds::RuptureBondsPlugin;
+use clastic_systems::schedule::SchedulePlugin;
+use clastic_systems::solve_program::SolveProgramPlugin;
+use clastic_systems::update_state::UpdateStatePlugin;
+
+/// Everything that an increment needs. The program uses the same group as an embedder.
+pub struct ClasticPlugins;
+
+impl PluginGroup for ClasticPlugins {
+    fn build(self) -> PluginGroupBuilder {
+        PluginGroupBuilder::start::<Self>()
+            .add(SchedulePlugin)
+            .add(GatherBodiesPlugin)
+            .add(DetectContactsPlugin)
+            .add(AssembleProgramPlugin)
+            .add(SolveProgramPlugin)
+            .add(AttemptPlugin)
+            .add(UpdateStatePlugin)
+            .add(RuptureBondsPlugin)
+            .add(ControlWallsPlugin)
+            .add(ControlLoadsPlugin)
+            .add(RecordPlugin)
+    }
+}
+
+/// What most programs that embed clastic need.
+pub mod prelude {
+    pub use crate::ClasticPlugins;
+    pub use crate::components::body::*;
+    pub use crate::components::bond::*;
+    pub use crate::components::increment::*;
+    pub use crate::components::material::{BondLaw, ContactLaw, Material, Materials};
+    pub use crate::components::observation::Observation;
+    pub use crate::components::particle::{MaterialIndex, Particle};
+    pub use crate::components::program::{ConeProgram, ConeSolution};
+    pub use crate::components::wall::*;
+    pub use crate::run::{Outcome, Simulation, Step};
+    pub use crate::systems::schedule::{
+        AttemptSystems, ControlSystems, ControlWalls, Increment, IncrementSystems,
+    };
+}

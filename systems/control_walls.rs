@@ -4,7 +4,7 @@
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use clastic_components::body::{Position, Ramp};
+use clastic_components::body::Position;
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::wall::{LoadedLength, Wall, WallControl, WallDrive};
 
@@ -31,14 +31,6 @@ pub fn control_walls(
     geometry: Query<(&Wall, &Position)>,
     mut walls: Query<(Entity, &WallControl, &mut WallDrive)>,
 ) {
-    // Loads go linearly over the stage; at its end the target is met exactly.
-    let at = |from: f64, to: f64, done: f64| {
-        if done >= progress.total { to } else { from + (to - from) * (done / progress.total) }
-    };
-    let ramp = |from: f64, to: f64, factor: f64| Ramp {
-        from: factor * at(from, to, progress.done),
-        to: factor * at(from, to, progress.done + 1.0),
-    };
     for (entity, control, mut drive) in &mut walls {
         let next = match *control {
             WallControl::Fixed => WallDrive::default(),
@@ -47,10 +39,10 @@ pub fn control_walls(
                 AnalysisKind::Dynamic { dt, .. } => WallDrive::Imposed(v * dt),
                 AnalysisKind::Static | AnalysisKind::LeastMotion { .. } => WallDrive::default(),
             },
-            WallControl::Force { from, to } => WallDrive::Loaded(ramp(from, to, 1.0)),
+            WallControl::Force { from, to } => WallDrive::Loaded(progress.ramp(from, to)),
             WallControl::Stress { from, to, length } => {
                 let length = loaded_length(entity, length, &geometry);
-                WallDrive::Loaded(ramp(from, to, length * analysis.thickness))
+                WallDrive::Loaded(progress.ramp(from, to).times(length * analysis.thickness))
             }
             WallControl::Custom => continue,
         };

@@ -4,6 +4,7 @@
 
 pub mod assemble_program;
 pub mod attempt;
+pub mod control_loads;
 pub mod control_walls;
 pub mod detect_contacts;
 pub mod gather_bodies;

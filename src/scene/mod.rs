@@ -1,2 +1,3 @@
 //! Scenes.
 pub mod format;
+pub mod specimen_file;

@@ -125,7 +125,7 @@ fn lower(program: &ConeProgram) -> Lowered {
         low.columns.push(first);
         let e = program.kinematics(c, &fixed);
         let l = &c.limits;
-        let mut column = |low: &mut Lowered, force: usize, quadratic: f64, linear: f64| {
+        let column = |low: &mut Lowered, force: usize, quadratic: f64, linear: f64| {
             let k = low.linear.len();
             low.linear.push(linear);
             low.quadratic.push(k, k, quadratic);

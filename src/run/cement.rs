@@ -1,0 +1,72 @@
+//! Cementing (3.4.1 of the paper): bonds between pairs that are close enough, free of stress.
+
+use bevy_ecs::prelude::*;
+
+use clastic_components::body::BodyId;
+use clastic_components::bond::{Bond, BondId};
+use clastic_components::contact::{Bodies, Contact};
+use clastic_components::material::{BondLaw, Materials};
+use clastic_systems::detect_contacts::gaps::{pair_contact, wall_contact};
+use clastic_systems::detect_contacts::grid::pairs_within;
+use clastic_systems::gather_bodies::gather_bodies;
+
+use crate::scene::format::Cement;
+
+/// Number of bonds ever created: the next bond's identity.
+#[derive(Resource, Clone, Copy, Debug, Default)]
+pub struct BondCounter(pub u32);
+
+/// Bonds every pair with `g_0 < length` whose materials cement and that has no intact bond.
+pub fn cement(world: &mut World, stage: &Cement) {
+    gather(world);
+    let bodies = world.resource::<Bodies>().clone();
+    let n = bodies.particles;
+    let mut pairs = Vec::new();
+    pairs_within(&bodies.positions[..n], &bodies.radii, stage.length, &mut pairs);
+    let mut contacts: Vec<Contact> = pairs.iter().map(|(a, b)| pair_contact(&bodies, *a, *b)).collect();
+    if stage.walls {
+        for wall in &bodies.walls {
+            contacts.extend((0..n as u32).map(|a| wall_contact(&bodies, a, wall)));
+        }
+    }
+    contacts.retain(|c| c.gap < stage.length);
+    contacts.sort_unstable_by_key(|c| (c.a, c.b));
+    for contact in contacts {
+        add(world, &bodies, &contact);
+    }
+}
+
+/// Bonds pairs of particles as they lie.
+pub fn bond_pairs(world: &mut World, pairs: impl Iterator<Item = (u32, u32)>) {
+    gather(world);
+    let bodies = world.resource::<Bodies>().clone();
+    for (a, b) in pairs {
+        let contact = pair_contact(&bodies, a.min(b), a.max(b));
+        add(world, &bodies, &contact);
+    }
+}
+
+fn gather(world: &mut World) {
+    // The system is registered once and cached; running it by itself keeps one way to gather.
+    let _ = world.run_system_cached(gather_bodies);
+}
+
+fn add(world: &mut World, bodies: &Bodies, contact: &Contact) {
+    let (a, b) = (contact.a, contact.b);
+    if bodies.bonds.binary_search_by_key(&(a, b), |bond| (bond.a, bond.b)).is_ok() {
+        return;
+    }
+    let materials = world.resource::<Materials>();
+    let law_of = |body: u32| {
+        bodies.materials.get(body as usize).and_then(|m| materials.0[*m as usize].bond)
+    };
+    let law = match (law_of(a), law_of(b)) {
+        (Some(la), Some(lb)) => BondLaw::between(la, lb),
+        (Some(law), None) if b as usize >= bodies.particles => law,
+        _ => return,
+    };
+    let mut counter = world.get_resource_or_init::<BondCounter>();
+    let id = BondId(counter.0);
+    counter.0 += 1;
+    world.spawn((id, Bond { a: BodyId(a), b: BodyId(b), initial_gap: contact.gap, law }));
+}

@@ -1,0 +1,74 @@
+//! Compaction (4.4.1 of the paper): rigid, frictionless, static, and of all feasible motions the
+//! least.
+//!
+//! The linearised non-penetration condition is on the safe side (`|x| >= n.x`), so that no
+//! increment, however large, makes listed disks overlap.
+
+use bevy_ecs::prelude::*;
+
+use clastic_components::body::{AngularVelocity, LastMotion, Position, Velocity};
+use clastic_components::contact::ContactHistory;
+use clastic_components::increment::{Analysis, AnalysisKind, Progress};
+use clastic_components::particle::Particle;
+use clastic_components::wall::{Wall, WallControl};
+
+use super::spawn::find_wall;
+use crate::scene::format::{Compact, CompactRest, CompactTarget};
+
+/// Sets the walls in motion towards the target, in equal steps.
+pub fn begin(world: &mut World, stage: &Compact) {
+    world.resource_mut::<Analysis>().kind =
+        AnalysisKind::LeastMotion { affine: stage.rest == CompactRest::Affine };
+    let (Some(wall), Some(base)) = (find_wall(world, &stage.wall), find_wall(world, &stage.base)) else {
+        return;
+    };
+    let mut walls = world.query::<&mut WallControl>();
+    for mut control in walls.iter_mut(world) {
+        *control = WallControl::Fixed;
+    }
+    let target = match stage.target {
+        CompactTarget::Height(height) => height,
+        CompactTarget::Porosity(porosity) => {
+            let length = world.get::<Wall>(base).map_or(1.0, |w| 2.0 * w.half_length);
+            disk_area(world) / ((1.0 - porosity) * length)
+        }
+    };
+    let inward = world.get::<Wall>(base).map(Wall::inward).unwrap_or_default();
+    let place = |world: &World, wall| world.get::<Position>(wall).map(|x| x.0).unwrap_or_default();
+    let height = (place(world, wall) - place(world, base)).dot(inward);
+    let distance = height - target;
+    if distance <= 0.0 {
+        return;
+    }
+    let steps = (distance / stage.step).ceil().max(1.0);
+    world.resource_mut::<Progress>().total = steps;
+    world.entity_mut(wall).insert(WallControl::Displacement(-inward * (distance / steps)));
+}
+
+fn disk_area(world: &mut World) -> f64 {
+    let mut particles = world.query::<(&clastic_components::body::BodyId, &Particle)>();
+    let mut radii: Vec<_> = particles.iter(world).map(|(id, p)| (*id, p.radius)).collect();
+    radii.sort_unstable_by_key(|(id, _)| *id);
+    radii.iter().map(|(_, r)| std::f64::consts::PI * r * r).sum()
+}
+
+/// The packing is at rest and free of stress: forces of the compaction are those of its
+/// regularisation and mean nothing.
+pub fn end(world: &mut World) {
+    world.resource_mut::<ContactHistory>().0.clear();
+    let mut bodies =
+        world.query::<(&mut LastMotion, Option<&mut Velocity>, Option<&mut AngularVelocity>)>();
+    for (mut motion, velocity, spin) in bodies.iter_mut(world) {
+        *motion = LastMotion::default();
+        if let Some(mut velocity) = velocity {
+            *velocity = Velocity::default();
+        }
+        if let Some(mut spin) = spin {
+            *spin = AngularVelocity::default();
+        }
+    }
+    let mut walls = world.query::<&mut WallControl>();
+    for mut control in walls.iter_mut(world) {
+        *control = WallControl::Fixed;
+    }
+}

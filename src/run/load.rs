@@ -1,0 +1,236 @@
+//! Beginning of a loading stage: walls that go and come, their control, what is done to
+//! particles, and what strain and stress are measured on.
+
+use bevy_ecs::prelude::*;
+use bevy_ecs::system::RunSystemOnce;
+use glam::DVec2;
+
+use clastic_components::body::{
+    BodyId, Drive, Drives, ExternalForce, Group, LoadControl, Position, Probe,
+};
+use clastic_components::contact::ContactHistory;
+use clastic_components::increment::{Analysis, AnalysisKind, Progress};
+use clastic_components::observation::{
+    MeasureArea, MeasureLength, Measures, StrainMeasure, StressComponent, StressMeasure,
+};
+use clastic_components::particle::Particle;
+use clastic_components::wall::{LoadedLength, Wall, WallControl, WallName};
+use clastic_systems::control_walls::loaded_length;
+
+use super::spawn::{analysis, find_wall, spawn_wall};
+use super::stages::Script;
+use crate::scene::format as scene;
+
+/// Sets up a loading stage.
+pub fn begin(world: &mut World, stage: &scene::Load) {
+    let scene = &world.resource::<Script>().scene;
+    let kind = stage.analysis.unwrap_or(scene.analysis);
+    let gravity = stage.gravity.unwrap_or(scene.gravity);
+    let analysis = analysis(scene, kind, gravity);
+    world.insert_resource(analysis);
+    world.resource_mut::<Progress>().total = f64::from(stage.increments);
+
+    for name in &stage.remove_walls {
+        if let Some(wall) = find_wall(world, name) {
+            if let Some(id) = world.get::<BodyId>(wall).map(|id| id.0) {
+                world.resource_mut::<ContactHistory>().0.retain(|m| m.b != id);
+            }
+            world.despawn(wall);
+        }
+    }
+    for name in &stage.add_walls {
+        if find_wall(world, name).is_none() {
+            spawn_wall(world, name);
+        }
+    }
+    control_walls(world, stage);
+    control_particles(world, stage, &analysis);
+}
+
+fn control_walls(world: &mut World, stage: &scene::Load) {
+    let mut query = world.query_filtered::<(Entity, &BodyId, &WallName), With<Wall>>();
+    let mut walls: Vec<_> = query.iter(world).map(|(e, id, name)| (*id, e, name.0.clone())).collect();
+    walls.sort_unstable_by_key(|(id, ..)| *id);
+    let lengths: Vec<_> = walls.iter().map(|(_, wall, name)| stress_length(world, *wall, stage.walls.get(name))).collect();
+    for ((_, wall, name), (length, metres)) in walls.into_iter().zip(lengths) {
+        let before = world.get::<WallControl>(wall).copied().unwrap_or_default();
+        let control = match stage.walls.get(&name) {
+            None => match before {
+                WallControl::Force { to, .. } => WallControl::Force { from: to, to },
+                WallControl::Stress { to, length, .. } => WallControl::Stress { from: to, to, length },
+                WallControl::Custom => WallControl::Custom,
+                _ => WallControl::Fixed,
+            },
+            Some(scene::WallControl::Fixed) => WallControl::Fixed,
+            Some(scene::WallControl::Displacement(x, y)) => WallControl::Displacement(DVec2::new(*x, *y)),
+            Some(scene::WallControl::Velocity(x, y)) => WallControl::Velocity(DVec2::new(*x, *y)),
+            Some(scene::WallControl::Force(to)) => {
+                let from = match before {
+                    WallControl::Force { to, .. } => to,
+                    _ => reaction(world, wall),
+                };
+                WallControl::Force { from, to: *to }
+            }
+            Some(scene::WallControl::Stress { stress, .. }) => {
+                let from = match before {
+                    WallControl::Stress { to, .. } => to,
+                    _ => reaction(world, wall) / metres,
+                };
+                WallControl::Stress { from, to: *stress, length }
+            }
+            Some(scene::WallControl::Custom) => WallControl::Custom,
+        };
+        world.entity_mut(wall).insert(control);
+    }
+}
+
+/// What a stress control acts on, and its current size in m times the thickness.
+fn stress_length(
+    world: &mut World,
+    wall: Entity,
+    control: Option<&scene::WallControl>,
+) -> (LoadedLength, f64) {
+    let Some(scene::WallControl::Stress { between, .. }) = control else {
+        return (LoadedLength::Segment, 1.0);
+    };
+    let between = between.as_ref().and_then(|(a, b)| Some((find_wall(world, a)?, find_wall(world, b)?)));
+    let length = between.map_or(LoadedLength::Segment, |(a, b)| LoadedLength::Between(a, b));
+    let measure = move |geometry: Query<(&Wall, &Position)>| loaded_length(wall, length, &geometry);
+    let metres = world.run_system_once(measure).unwrap_or(1.0);
+    (length, metres * world.resource::<Analysis>().thickness)
+}
+
+/// Force that the wall exerts on the specimen along its inward normal, N: a wall that was held
+/// and is to be loaded starts from there.
+fn reaction(world: &World, wall: Entity) -> f64 {
+    match (world.get::<Wall>(wall), world.get::<ExternalForce>(wall)) {
+        (Some(wall), Some(force)) => DVec2::new(force.0[0], force.0[1]).dot(wall.inward()),
+        _ => 0.0,
+    }
+}
+
+fn control_particles(world: &mut World, stage: &scene::Load, analysis: &Analysis) {
+    let dt = match analysis.kind {
+        AnalysisKind::Dynamic { dt, .. } => dt,
+        AnalysisKind::Static | AnalysisKind::LeastMotion { .. } => 0.0,
+    };
+    let drive = |motion: scene::Motion| match motion {
+        scene::Motion::Free => Drive::Free,
+        scene::Motion::Held => Drive::Imposed(0.0),
+        scene::Motion::Displacement(u) => Drive::Imposed(u),
+        scene::Motion::Velocity(v) => Drive::Imposed(v * dt),
+    };
+    let mut particles = world.query::<(
+        &BodyId,
+        &Particle,
+        &Position,
+        Option<&Group>,
+        Option<&Probe>,
+        &mut Drives,
+        &mut LoadControl,
+    )>();
+    for (id, _, x, group, probe, mut drives, mut loads) in particles.iter_mut(world) {
+        drives.0 = [Drive::Free; 3];
+        for load in &mut loads.0 {
+            load.0 = load.1;
+        }
+        for control in &stage.particles {
+            if !selects(&control.select, *id, x.0, group, probe) {
+                continue;
+            }
+            for (k, motion) in [control.x, control.y, control.rotation].into_iter().enumerate() {
+                if motion != scene::Motion::Free {
+                    drives.0[k] = drive(motion);
+                }
+            }
+            if let Some(((xx, xy), (yx, yy))) = control.affine {
+                drives.0[0] = Drive::Imposed(xx * x.0.x + xy * x.0.y);
+                drives.0[1] = Drive::Imposed(yx * x.0.x + yy * x.0.y);
+            }
+            if let Some((fx, fy)) = control.force {
+                loads.0[0].1 = fx;
+                loads.0[1].1 = fy;
+            }
+            if let Some(moment) = control.moment {
+                loads.0[2].1 = moment;
+            }
+        }
+    }
+}
+
+fn selects(
+    select: &scene::Select,
+    id: BodyId,
+    x: DVec2,
+    group: Option<&Group>,
+    probe: Option<&Probe>,
+) -> bool {
+    match select {
+        scene::Select::All => true,
+        scene::Select::Index(list) => list.contains(&id.0),
+        scene::Select::Group(name) => group.is_some_and(|g| g.0 == *name),
+        scene::Select::Probe(name) => probe.is_some_and(|p| p.0 == *name),
+        scene::Select::Box { min, max } => {
+            x.x >= min.0 && x.y >= min.1 && x.x <= max.0 && x.y <= max.1
+        }
+    }
+}
+
+/// Resolves the names in the scene's measures; what is not there (yet) measures nothing.
+pub fn resolve_measures(world: &mut World) {
+    let script = world.resource::<Script>();
+    let wanted = script.scene.measures.clone();
+    let reference_stage = script.reference_stage();
+    let axial_strain = wanted.axial_strain.and_then(|m| strain(world, &m));
+    let lateral_strain = wanted.lateral_strain.and_then(|m| strain(world, &m));
+    let axial_stress = wanted.axial_stress.and_then(|m| stress(world, &m));
+    let lateral_stress = wanted.lateral_stress.and_then(|m| stress(world, &m));
+    let mut measures = world.resource_mut::<Measures>();
+    let reference = measures.reference;
+    *measures =
+        Measures { reference_stage, axial_strain, lateral_strain, axial_stress, lateral_stress, reference };
+}
+
+fn particle(world: &mut World, index: u32) -> Option<Entity> {
+    let mut particles = world.query_filtered::<(Entity, &BodyId), With<Particle>>();
+    particles.iter(world).find(|(_, id)| id.0 == index).map(|(e, _)| e)
+}
+
+fn strain(world: &mut World, measure: &scene::Strain) -> Option<StrainMeasure> {
+    Some(match measure {
+        scene::Strain::Walls(a, b) => StrainMeasure::Walls(find_wall(world, a)?, find_wall(world, b)?),
+        scene::Strain::Particles(a, b) => {
+            StrainMeasure::Particles(particle(world, *a)?, particle(world, *b)?)
+        }
+    })
+}
+
+fn stress(world: &mut World, measure: &scene::Stress) -> Option<StressMeasure> {
+    Some(match measure {
+        scene::Stress::Walls { walls, length } => StressMeasure::Walls {
+            walls: walls.iter().map(|w| find_wall(world, w)).collect::<Option<_>>()?,
+            length: match length {
+                scene::Length::Fixed(length) => MeasureLength::Fixed(*length),
+                scene::Length::Between(a, b) => {
+                    MeasureLength::Between(find_wall(world, a)?, find_wall(world, b)?)
+                }
+            },
+        },
+        scene::Stress::Average { component, area } => StressMeasure::Average {
+            component: match component {
+                scene::Component::Xx => StressComponent::Xx,
+                scene::Component::Yy => StressComponent::Yy,
+                scene::Component::Xy => StressComponent::Xy,
+            },
+            area: match area {
+                scene::Area::Fixed(area) => MeasureArea::Fixed(*area),
+                scene::Area::Box((a, b), (c, d)) => MeasureArea::Box([
+                    find_wall(world, a)?,
+                    find_wall(world, b)?,
+                    find_wall(world, c)?,
+                    find_wall(world, d)?,
+                ]),
+            },
+        },
+    })
+}

@@ -1,0 +1,145 @@
+//! The particles of a specimen, before any stage: explicit, lattice, loose packing, stored.
+
+use glam::DVec2;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+
+use crate::scene::format::{Sizes, Specimen};
+use crate::scene::specimen_file::StoredSpecimen;
+
+/// Name of the group of the outermost particles of a lattice.
+pub const BOUNDARY: &str = "boundary";
+
+/// One particle to be spawned.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ParticleSeed {
+    /// Centre, m.
+    pub position: DVec2,
+    /// Radius, m.
+    pub radius: f64,
+    /// Material; none is the scene's only one.
+    pub material: Option<String>,
+    /// Initial velocity, m/s.
+    pub velocity: DVec2,
+    /// Initial angular velocity, rad/s.
+    pub angular_velocity: f64,
+    /// Group.
+    pub group: Option<String>,
+    /// Probe.
+    pub probe: Option<String>,
+}
+
+impl ParticleSeed {
+    fn still(position: DVec2, radius: f64, material: Option<&String>) -> Self {
+        Self {
+            position,
+            radius,
+            material: material.cloned(),
+            velocity: DVec2::ZERO,
+            angular_velocity: 0.0,
+            group: None,
+            probe: None,
+        }
+    }
+}
+
+/// The particles of a specimen in identity order.
+#[must_use]
+pub fn particles(specimen: &Specimen, stored: Option<&StoredSpecimen>) -> Vec<ParticleSeed> {
+    match specimen {
+        Specimen::Particles(list) => list
+            .iter()
+            .map(|p| ParticleSeed {
+                velocity: p.velocity.into(),
+                angular_velocity: p.angular_velocity,
+                group: p.group.clone(),
+                probe: p.probe.clone(),
+                ..ParticleSeed::still(p.position.into(), p.radius, p.material.as_ref())
+            })
+            .collect(),
+        Specimen::Lattice { columns, rows, radius, origin, material } => {
+            lattice(*columns, *rows, *radius, (*origin).into(), material.as_ref())
+        }
+        Specimen::Packing { count, columns, spacing, origin, sizes, seed, material } => {
+            let mut random = Random::new(*seed);
+            (0..*count)
+                .map(|k| {
+                    let cell = DVec2::new(f64::from(k % columns) + 0.5, f64::from(k / columns) + 0.5);
+                    let radius = random.radius(sizes);
+                    // Anywhere in its cell, so that cells never overlap: disks on a regular grid
+                    // would form straight columns, which rigid frictionless walls cannot buckle.
+                    let room = 0.5 * spacing - radius;
+                    let jitter = DVec2::new(random.between(-room, room), random.between(-room, room));
+                    let centre = DVec2::from(*origin) + *spacing * cell + jitter;
+                    ParticleSeed::still(centre, radius, material.as_ref())
+                })
+                .collect()
+        }
+        Specimen::File { material, .. } => stored.map_or_else(Vec::new, |stored| {
+            stored
+                .rows
+                .iter()
+                .map(|row| {
+                    let material = row.material.as_ref().or(material.as_ref());
+                    ParticleSeed::still(DVec2::new(row.x, row.y), row.r, material)
+                })
+                .collect()
+        }),
+    }
+}
+
+fn lattice(columns: u32, rows: u32, radius: f64, origin: DVec2, material: Option<&String>) -> Vec<ParticleSeed> {
+    let mut out = Vec::new();
+    for row in 0..rows {
+        let odd = row % 2 == 1;
+        let width = if odd { columns.saturating_sub(1) } else { columns };
+        for column in 0..width {
+            let x = 2.0 * radius * f64::from(column) + if odd { radius } else { 0.0 };
+            let y = 3.0_f64.sqrt() * radius * f64::from(row);
+            let outer = row == 0 || row + 1 == rows || column == 0 || column + 1 == width;
+            out.push(ParticleSeed {
+                group: outer.then(|| BOUNDARY.to_owned()),
+                ..ParticleSeed::still(origin + DVec2::new(x, y), radius, material)
+            });
+        }
+    }
+    out
+}
+
+/// Random numbers of a specimen: the same for a seed on every machine.
+struct Random(ChaCha8Rng);
+
+impl Random {
+    fn new(seed: u64) -> Self {
+        Self(ChaCha8Rng::seed_from_u64(seed))
+    }
+
+    /// Uniform in [0, 1): the upper 53 bits.
+    fn unit(&mut self) -> f64 {
+        (self.0.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit()
+    }
+
+    fn radius(&mut self, sizes: &Sizes) -> f64 {
+        match *sizes {
+            Sizes::Equal { radius } => radius,
+            Sizes::Uniform { radius: (low, high) } => self.between(low, high),
+            Sizes::LogNormal { radius, deviation, limits: (low, high) } => {
+                // Box and Muller's transform; values beyond the limits are drawn again, and after
+                // many misses (limits far from the median) put on them.
+                for _ in 0..1000 {
+                    let (u, v) = (1.0 - self.unit(), self.unit());
+                    let normal = (-2.0 * u.ln()).sqrt() * (std::f64::consts::TAU * v).cos();
+                    let r = radius * (deviation * normal).exp();
+                    if (low..=high).contains(&r) {
+                        return r;
+                    }
+                }
+                radius.clamp(low, high)
+            }
+        }
+    }
+}

@@ -1,0 +1,165 @@
+//! Fills a world with a scene: settings, materials, particles, walls, explicit bonds, stages.
+
+use bevy_ecs::prelude::*;
+use glam::DVec2;
+
+use clastic_components::body::{
+    AngularVelocity, BodyId, Group, Origin, Position, Probe, Velocity,
+};
+use clastic_components::increment as inc;
+use clastic_components::material::{BondLaw, ContactLaw, Material, Materials};
+use clastic_components::particle::{MaterialIndex, Particle};
+use clastic_components::wall::{Wall, WallName};
+use clastic_systems::solve_program::Solver;
+use clastic_systems::solve_program::clarabel::Clarabel;
+
+use super::cement::bond_pairs;
+use super::particles::particles;
+use super::stages::Script;
+use crate::scene::format as scene;
+use crate::scene::specimen_file::StoredSpecimen;
+
+/// The walls of a scene, for stages that bring them in, with the identity of the first one.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct WallCatalogue {
+    /// Identity of the first wall: the number of particles.
+    pub first: u32,
+    /// All walls of the scene, present or not.
+    pub walls: Vec<scene::Wall>,
+}
+
+/// Fills `world` with a scene. The world must have the resources of
+/// [`ClasticPlugins`](crate::ClasticPlugins).
+pub fn spawn_scene(world: &mut World, scene: &scene::Scene, stored: Option<&StoredSpecimen>) {
+    world.insert_resource(analysis(scene, scene.analysis, scene.gravity));
+    world.insert_resource(match scene.friction_law {
+        scene::FrictionLaw::Associated => inc::FrictionLaw::Associated,
+        scene::FrictionLaw::Coulomb { tolerance, max_passes } => {
+            inc::FrictionLaw::Coulomb { tolerance, max_passes }
+        }
+    });
+    world.insert_resource(inc::RuptureRules {
+        rolling: match scene.rupture.rolling {
+            scene::RollingLimit::Breaks => inc::RollingLimit::Breaks,
+            scene::RollingLimit::Yields => inc::RollingLimit::Yields,
+        },
+        cascade: scene.rupture.cascade,
+        ..Default::default()
+    });
+    world.insert_resource(inc::Acceptance {
+        residual: scene.acceptance.residual,
+        throw: scene.acceptance.throw,
+        halvings: scene.acceptance.halvings,
+        ..Default::default()
+    });
+    let scene::Solver::Clarabel { tolerance, max_iterations } = scene.solver;
+    world.insert_resource(Solver(Box::new(Clarabel { tolerance, max_iterations })));
+    world.insert_resource(Materials(
+        scene
+            .materials
+            .iter()
+            .map(|(name, m)| Material {
+                name: name.clone(),
+                density: m.density,
+                contact: contact_law(&m.contact),
+                bond: m.bond.as_ref().map(bond_law),
+            })
+            .collect(),
+    ));
+
+    let seeds = particles(&scene.specimen, stored);
+    let names: Vec<&String> = scene.materials.keys().collect();
+    for (i, seed) in seeds.iter().enumerate() {
+        let index = seed.material.as_ref().and_then(|m| names.iter().position(|n| *n == m)).unwrap_or(0);
+        let density = scene.materials.get(names[index]).map_or(0.0, |m| m.density);
+        let mut entity = world.spawn((
+            BodyId(i as u32),
+            Particle::disk(seed.radius, density, scene.thickness),
+            Position(seed.position),
+            Origin(seed.position),
+            Velocity(seed.velocity),
+            AngularVelocity(seed.angular_velocity),
+            MaterialIndex(index as u32),
+        ));
+        if let Some(group) = &seed.group {
+            entity.insert(Group(group.clone()));
+        }
+        if let Some(probe) = &seed.probe {
+            entity.insert(Probe(probe.clone()));
+        }
+    }
+
+    world.insert_resource(WallCatalogue { first: seeds.len() as u32, walls: scene.walls.clone() });
+    for wall in scene.walls.iter().filter(|w| w.present) {
+        spawn_wall(world, &wall.name);
+    }
+    bond_pairs(world, scene.bonds.iter().map(|bond| (bond.a, bond.b)));
+    world.insert_resource(Script::new(scene));
+}
+
+/// Analysis of a stage.
+#[must_use]
+pub fn analysis(scene: &scene::Scene, kind: scene::Analysis, gravity: (f64, f64)) -> inc::Analysis {
+    inc::Analysis {
+        kind: match kind {
+            scene::Analysis::Static => inc::AnalysisKind::Static,
+            scene::Analysis::Dynamic { dt, theta } => inc::AnalysisKind::Dynamic { dt, theta },
+        },
+        gravity: gravity.into(),
+        thickness: scene.thickness,
+    }
+}
+
+fn compliance(stiffness: Option<f64>) -> f64 {
+    stiffness.map_or(0.0, f64::recip)
+}
+
+/// The engine's law for a scene's contact.
+#[must_use]
+pub fn contact_law(contact: &scene::Contact) -> ContactLaw {
+    ContactLaw {
+        normal_compliance: compliance(contact.normal_stiffness),
+        tangential_compliance: compliance(contact.tangential_stiffness),
+        friction: contact.friction,
+        rolling_friction: contact.rolling_friction,
+    }
+}
+
+fn bond_law(bond: &scene::Bond) -> BondLaw {
+    BondLaw {
+        normal_compliance: compliance(bond.normal_stiffness),
+        tangential_compliance: compliance(bond.tangential_stiffness),
+        friction: bond.friction,
+        rolling_friction: bond.rolling_friction,
+        cohesion: bond.cohesion,
+        tensile_strength: bond.tensile_strength,
+    }
+}
+
+/// Spawns a wall of the catalogue by name.
+pub fn spawn_wall(world: &mut World, name: &str) -> Option<Entity> {
+    let catalogue = world.resource::<WallCatalogue>();
+    let index = catalogue.walls.iter().position(|w| w.name == name)?;
+    let id = BodyId(catalogue.first + index as u32);
+    let wall = catalogue.walls[index].clone();
+    let (start, end) = (DVec2::from(wall.start), DVec2::from(wall.end));
+    let middle = 0.5 * (start + end);
+    let mut entity = world.spawn((
+        id,
+        Wall { tangent: (end - start).normalize_or(DVec2::X), half_length: 0.5 * start.distance(end) },
+        WallName(wall.name),
+        Position(middle),
+        Origin(middle),
+        contact_law(&wall.contact),
+    ));
+    if let Some(probe) = wall.probe {
+        entity.insert(Probe(probe));
+    }
+    Some(entity.id())
+}
+
+/// The wall with the given name, if it is there.
+pub fn find_wall(world: &mut World, name: &str) -> Option<Entity> {
+    let mut walls = world.query::<(Entity, &WallName)>();
+    walls.iter(world).find(|(_, n)| n.0 == name).map(|(e, _)| e)
+}

@@ -1,0 +1,25 @@
+//! Turns the loads of particles over a stage into their loads over the next increment.
+
+use bevy_app::{App, Plugin};
+use bevy_ecs::prelude::*;
+
+use clastic_components::body::{AppliedLoad, LoadControl};
+use clastic_components::increment::Progress;
+
+use crate::schedule::{ControlSystems, ControlWalls};
+
+/// Adds [`control_loads`].
+pub struct ControlLoadsPlugin;
+
+impl Plugin for ControlLoadsPlugin {
+    fn build(&self, app: &mut App) {
+        app.add_systems(ControlWalls, control_loads.in_set(ControlSystems::BuiltIn));
+    }
+}
+
+/// Writes [`AppliedLoad`] for the increment that starts at [`Progress::done`].
+pub fn control_loads(progress: Res<Progress>, mut particles: Query<(&LoadControl, &mut AppliedLoad)>) {
+    for (control, mut load) in &mut particles {
+        load.set_if_neq(AppliedLoad(control.0.map(|(from, to)| progress.ramp(from, to))));
+    }
+}
