@@ -14,6 +14,8 @@ pub enum Verdict {
     Again,
     /// The attempt did not converge, for this reason: try harder.
     Reject(String),
+    /// It converged, but threw a grain, for this reason: let loose grains settle first.
+    Thrown(String),
 }
 
 /// How an increment ended. The names are those of the history file.
@@ -69,8 +71,15 @@ pub struct Attempt {
     pub coulomb_residual: f64,
     /// 0 at first; every rejection raises it: other scales, regularisation, halving.
     pub effort: u32,
+    /// Weight of the proximal term while loose grains settle, in units of force scale over
+    /// displacement scale; `None` outside of settling.
+    pub settling: Option<f64>,
+    /// Solves that settled loose grains in this increment.
+    pub settled: u32,
     /// Proximal centre of the regularised re-solves, by body.
     pub centre: Vec<[f64; 3]>,
+    /// Moves of that centre in this attempt.
+    pub centres: u32,
     /// Magnitudes of the last rejected solution: greatest displacement (m) and force (N).
     pub magnitudes: Option<(f64, f64)>,
     /// Whether a cap was hit.

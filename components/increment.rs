@@ -17,6 +17,10 @@ pub enum AnalysisKind {
         /// Least about the mean motion, linear between the moving wall and the one opposite,
         /// instead of about rest.
         affine: bool,
+        /// Greatest random part of the reference motion, m: shakes the packing.
+        agitation: f64,
+        /// Seed of the random part.
+        seed: u64,
     },
     /// Theta-method with theta-averaged elastic forces.
     Dynamic {

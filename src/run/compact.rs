@@ -6,7 +6,7 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::body::{AngularVelocity, LastMotion, Position, Velocity};
+use clastic_components::body::{AngularVelocity, BodyId, LastMotion, Position, Velocity};
 use clastic_components::contact::ContactHistory;
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::particle::Particle;
@@ -17,8 +17,12 @@ use crate::scene::format::{Compact, CompactRest, CompactTarget};
 
 /// Sets the walls in motion towards the target, in equal steps.
 pub fn begin(world: &mut World, stage: &Compact) {
-    world.resource_mut::<Analysis>().kind =
-        AnalysisKind::LeastMotion { affine: stage.rest == CompactRest::Affine };
+    let (area, mean_radius) = disks(world);
+    world.resource_mut::<Analysis>().kind = AnalysisKind::LeastMotion {
+        affine: stage.rest == CompactRest::Affine,
+        agitation: stage.agitation * mean_radius,
+        seed: stage.seed,
+    };
     let (Some(wall), Some(base)) = (find_wall(world, &stage.wall), find_wall(world, &stage.base)) else {
         return;
     };
@@ -30,7 +34,7 @@ pub fn begin(world: &mut World, stage: &Compact) {
         CompactTarget::Height(height) => height,
         CompactTarget::Porosity(porosity) => {
             let length = world.get::<Wall>(base).map_or(1.0, |w| 2.0 * w.half_length);
-            disk_area(world) / ((1.0 - porosity) * length)
+            area / ((1.0 - porosity) * length)
         }
     };
     let inward = world.get::<Wall>(base).map(Wall::inward).unwrap_or_default();
@@ -45,11 +49,14 @@ pub fn begin(world: &mut World, stage: &Compact) {
     world.entity_mut(wall).insert(WallControl::Displacement(-inward * (distance / steps)));
 }
 
-fn disk_area(world: &mut World) -> f64 {
-    let mut particles = world.query::<(&clastic_components::body::BodyId, &Particle)>();
+/// Total area and mean radius of the particles, summed in identity order.
+fn disks(world: &mut World) -> (f64, f64) {
+    let mut particles = world.query::<(&BodyId, &Particle)>();
     let mut radii: Vec<_> = particles.iter(world).map(|(id, p)| (*id, p.radius)).collect();
     radii.sort_unstable_by_key(|(id, _)| *id);
-    radii.iter().map(|(_, r)| std::f64::consts::PI * r * r).sum()
+    let area = radii.iter().map(|(_, r)| std::f64::consts::PI * r * r).sum();
+    let mean = radii.iter().map(|(_, r)| r).sum::<f64>() / radii.len().max(1) as f64;
+    (area, mean)
 }
 
 /// The packing is at rest and free of stress: forces of the compaction are those of its

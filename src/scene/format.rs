@@ -395,6 +395,13 @@ pub struct Compact {
     /// What the particles do where nothing pushes them.
     #[serde(default)]
     pub rest: CompactRest,
+    /// Shaking: greatest random part of the motion that particles tend to in an increment, in mean
+    /// radii. Without it a random packing jams before it is dense.
+    #[serde(default)]
+    pub agitation: f64,
+    /// Seed of the shaking.
+    #[serde(default)]
+    pub seed: u64,
 }
 
 /// When a compaction is done.

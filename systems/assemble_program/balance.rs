@@ -38,7 +38,7 @@ pub fn assemble(
             out[i].dofs[k] = match bodies.drives[i][k] {
                 Drive::Imposed(u) => Dof::Fixed(fraction * u),
                 Drive::Free => {
-                    let free = particle_dof(bodies, analysis, fraction, &affine, i, k);
+                    let free = particle_dof(bodies, analysis, progress.increment, fraction, &affine, i, k);
                     let acted = if k < 2 { touched[i].0 } else { touched[i].1 };
                     if acted || (free.inertia == 0.0 && free.load != 0.0) {
                         Dof::Free(free)
@@ -73,6 +73,7 @@ pub fn assemble(
 fn particle_dof(
     bodies: &Bodies,
     analysis: &Analysis,
+    increment: u64,
     fraction: f64,
     affine: &Affine,
     i: usize,
@@ -83,8 +84,9 @@ fn particle_dof(
     let applied = bodies.loads[i][k].at(fraction) + weight;
     match analysis.kind {
         AnalysisKind::Static => FreeDof { load: applied, ..FreeDof::default() },
-        AnalysisKind::LeastMotion { .. } => {
-            let u = if k < 2 { affine.displacement(bodies.positions[i])[k] } else { 0.0 };
+        AnalysisKind::LeastMotion { agitation, seed, .. } => {
+            let mean = if k < 2 { affine.displacement(bodies.positions[i])[k] } else { 0.0 };
+            let u = mean + agitation * shake(seed, increment, i, k);
             FreeDof { load: u, inertia: 1.0, ..FreeDof::default() }
         }
         AnalysisKind::Dynamic { dt, theta } => {
@@ -96,6 +98,20 @@ fn particle_dof(
     }
 }
 
+/// A number in [-1, 1) that depends on its arguments alone: the same in every attempt, and after a
+/// restart. Mixing function of SplitMix64 (Steele, Lea and Flood 2014).
+fn shake(seed: u64, increment: u64, body: usize, dof: usize) -> f64 {
+    let mix = |mut z: u64| {
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    };
+    let step = 0x9e37_79b9_7f4a_7c15_u64;
+    let state = mix(mix(seed.wrapping_add(step)).wrapping_add(step.wrapping_mul(increment)));
+    let bits = mix(state.wrapping_add(step.wrapping_mul(3 * body as u64 + dof as u64 + 1)));
+    (bits >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+}
+
 /// The mean motion of a compaction: nothing at the walls that stay, the wall's own motion at the
 /// one that moves, linear in between.
 struct Affine {
@@ -104,7 +120,7 @@ struct Affine {
 
 impl Affine {
     fn of(bodies: &Bodies, analysis: &Analysis, fraction: f64) -> Self {
-        let AnalysisKind::LeastMotion { affine: true } = analysis.kind else { return Self { moving: None } };
+        let AnalysisKind::LeastMotion { affine: true, .. } = analysis.kind else { return Self { moving: None } };
         let moving = bodies.walls.iter().find_map(|wall| match wall.drive {
             WallDrive::Imposed(u) if u != DVec2::ZERO => Some((wall, fraction * u)),
             _ => None,

@@ -34,11 +34,11 @@ pub fn regularise(
     if analysis.kind != AnalysisKind::Static {
         return;
     }
-    let retry = attempt.effort >= RETRY;
+    let retry = attempt.effort >= RETRY || attempt.settling.is_some();
     let loose =
         if retry { vec![true; program.bodies.len()] } else { find_loose(bodies, history, program) };
     let unit = program.scales.force / program.scales.displacement;
-    let weight = unit * if retry { WEIGHT_OF_RETRY } else { WEIGHT };
+    let weight = unit * attempt.settling.unwrap_or(if retry { WEIGHT_OF_RETRY } else { WEIGHT });
     let length = program.scales.length;
     for (i, body) in program.bodies.iter_mut().enumerate().filter(|(i, _)| loose[*i]) {
         for (k, dof) in body.dofs.iter_mut().enumerate() {

@@ -20,6 +20,9 @@ pub fn judge(
     solution: Res<ConeSolution>,
     mut attempt: ResMut<Attempt>,
 ) {
+    if attempt.settling.is_some() {
+        return;
+    }
     let broken: Vec<_> = attempt.ruptures.iter().map(|r| r.bond).collect();
     let mut found = find_ruptures(&rules, progress.increment, &bodies, &contacts.0, &program, &solution);
     found.retain(|r| !broken.contains(&r.bond));

@@ -4,24 +4,24 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, IncrementStatus, Verdict};
 use clastic_components::contact::Bodies;
-use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
-use clastic_components::program::{ConeSolution, SolveStatus};
+use clastic_components::increment::Acceptance;
+use clastic_components::program::{ConeProgram, ConeSolution, SolveStatus};
 
 use super::magnitudes;
-use crate::assemble_program::loose;
+use super::thrown_grains::thrown;
+use crate::solve_program::residuals::regularised_residuals;
 
 /// Moves of the centre of the regularisation in one attempt.
-const MAX_CENTRES: u32 = 30;
+const MAX_CENTRES: u32 = 6;
 
-/// Accepts solved and collapsed programs, moves the centre of a regularised one until its bias is
-/// gone, rejects the rest.
+/// Accepts solved and collapsed programs, moves the centre of the regularisation until its bias is
+/// gone, rejects the rest. A bias because grains move far is a throw.
 pub fn judge(
+    program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
     acceptance: Res<Acceptance>,
-    analysis: Res<Analysis>,
     bodies: Res<Bodies>,
     mut attempt: ResMut<Attempt>,
-    mut centres: Local<u32>,
 ) {
     attempt.status = match solution.status {
         SolveStatus::Solved => IncrementStatus::Solved,
@@ -29,35 +29,43 @@ pub fn judge(
         SolveStatus::Locked => IncrementStatus::Locked,
         SolveStatus::Stalled => IncrementStatus::Stalled,
     };
-    let r = &solution.residuals;
     attempt.verdict = match solution.status {
         SolveStatus::Solved | SolveStatus::Collapsed => Verdict::Accept,
         SolveStatus::Locked => {
             Verdict::Reject("locked: rigid bodies have no feasible motion".into())
         }
-        SolveStatus::Stalled => {
-            let biased = analysis.kind == AnalysisKind::Static
-                && attempt.effort >= loose::RETRY
-                && r.balance > acceptance.residual
-                && r.kinematics.max(r.cone).max(r.complementarity) <= acceptance.residual;
-            if attempt.centre.is_empty() {
-                *centres = 0;
-            }
-            if biased && *centres < MAX_CENTRES {
-                *centres += 1;
+        SolveStatus::Stalled if biased(&program, &solution, &acceptance) => {
+            if let Some(reason) = thrown(&bodies, &program, &solution, &acceptance) {
+                Verdict::Thrown(reason)
+            } else if attempt.centres < MAX_CENTRES {
+                attempt.centres += 1;
                 attempt.centre.clone_from(&solution.displacements);
                 Verdict::Again
             } else {
-                Verdict::Reject(format!(
-                    "the solver ended with {:?}; residuals: balance {:.1e}, kinematics {:.1e}, \
-                     cone {:.1e}, complementarity {:.1e}; accepted {:.0e}",
-                    solution.message, r.balance, r.kinematics, r.cone, r.complementarity,
-                    acceptance.residual
-                ))
+                Verdict::Reject(complaint(&solution, &acceptance))
             }
         }
+        SolveStatus::Stalled => Verdict::Reject(complaint(&solution, &acceptance)),
     };
     if matches!(attempt.verdict, Verdict::Reject(_)) {
         attempt.magnitudes = magnitudes(&solution, bodies.mean_radius);
     }
+}
+
+/// Whether a solution would have converged but for what the regularisation adds to the balance.
+fn biased(program: &ConeProgram, solution: &ConeSolution, acceptance: &Acceptance) -> bool {
+    let sound = solution.forces.len() == program.interactions.len()
+        && solution.displacements.len() == program.bodies.len();
+    sound
+        && regularised_residuals(program, &solution.forces, &solution.displacements).worst()
+            <= acceptance.residual
+}
+
+fn complaint(solution: &ConeSolution, acceptance: &Acceptance) -> String {
+    let r = &solution.residuals;
+    format!(
+        "the solver ended with \"{}\"; residuals: balance {:.1e}, kinematics {:.1e}, cone {:.1e}, \
+         complementarity {:.1e}; accepted {:.0e}",
+        solution.message, r.balance, r.kinematics, r.cone, r.complementarity, acceptance.residual
+    )
 }

@@ -23,6 +23,9 @@ pub fn judge(
     mut attempt: ResMut<Attempt>,
 ) {
     let FrictionLaw::Coulomb { tolerance, max_passes } = *law else { return };
+    if attempt.settling.is_some() {
+        return;
+    }
     let force = force_scale(&program, &solution.forces);
     let mut openings = Vec::new();
     let mut change = 0.0_f64;

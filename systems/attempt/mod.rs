@@ -6,12 +6,14 @@
 //!
 //! A rejected increment is tried again: with the magnitudes that the failed attempt found as
 //! scales; then with every body regularised and the centre of the regularisation following the
-//! solution, so that no bias is left; then with half the increment, and so on.
+//! solution, so that no bias is left; then with half the increment, and so on. Where a solution
+//! would throw grains, they [`settle`] first.
 
 pub mod cascade;
 pub mod closed_pairs;
 pub mod converged;
 pub mod coulomb;
+pub mod settle;
 pub mod thrown_grains;
 
 use bevy_app::{App, Plugin};
@@ -76,6 +78,7 @@ pub fn run_attempts(world: &mut World) {
         let left = 1.0 - progress.done.fract();
         progress.fraction = (2.0 * progress.fraction).clamp(f64::MIN_POSITIVE, left);
     }
+    let before = settle::Snapshot::take(world);
     let mut halvings = 0;
     loop {
         world.run_schedule(AttemptIncrement);
@@ -85,41 +88,51 @@ pub fn run_attempts(world: &mut World) {
         } else {
             std::mem::take(&mut attempt.verdict)
         };
-        match verdict {
+        let reason = match verdict {
             Verdict::Accept => {
                 if attempt.status == IncrementStatus::Solved && attempt.capped {
                     attempt.status = IncrementStatus::Capped;
                 }
-                break;
+                return;
             }
-            Verdict::Again => {}
+            Verdict::Again => continue,
             Verdict::Reject(reason) => {
                 if attempt.effort < loose::RETRY && attempt.solves < MAX_SOLVES {
-                    try_harder(&mut attempt, reason);
-                } else if halvings < acceptance.halvings && attempt.solves < MAX_SOLVES {
-                    halvings += 1;
-                    attempt.effort = 0;
-                    attempt.magnitudes = None;
+                    attempt.effort += 1;
                     forget(&mut attempt, reason);
-                    world.resource_mut::<Progress>().fraction *= 0.5;
-                } else {
-                    attempt.status = final_status(attempt.status);
-                    attempt.complaint = reason;
-                    break;
+                    continue;
                 }
+                reason
             }
+            Verdict::Thrown(reason) => {
+                if attempt.settled < settle::MAX_STEPS {
+                    forget(&mut attempt, reason.clone());
+                    if settle::settle(world) {
+                        continue;
+                    }
+                    world.resource_mut::<Attempt>().settled = settle::MAX_STEPS;
+                }
+                reason
+            }
+        };
+        let mut attempt = world.resource_mut::<Attempt>();
+        if halvings >= acceptance.halvings || attempt.solves >= MAX_SOLVES {
+            attempt.status = final_status(attempt.status);
+            attempt.complaint = reason;
+            before.restore(world);
+            return;
         }
+        halvings += 1;
+        attempt.effort = 0;
+        attempt.magnitudes = None;
+        forget(&mut attempt, reason);
+        world.resource_mut::<Progress>().fraction *= 0.5;
     }
 }
 
 /// A locked program that no halving unlocks stays locked; all else has stalled.
 fn final_status(status: IncrementStatus) -> IncrementStatus {
     if status == IncrementStatus::Locked { status } else { IncrementStatus::Stalled }
-}
-
-fn try_harder(attempt: &mut Attempt, reason: String) {
-    attempt.effort += 1;
-    forget(attempt, reason);
 }
 
 /// Drops what a rejected attempt had concluded; pairs stay, they cost little.
@@ -130,6 +143,7 @@ fn forget(attempt: &mut Attempt, reason: String) {
     attempt.openings.clear();
     attempt.coulomb_passes = 0;
     attempt.centre.clear();
+    attempt.centres = 0;
     attempt.status = IncrementStatus::Solved;
 }
 

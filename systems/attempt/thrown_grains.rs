@@ -10,8 +10,6 @@ use clastic_components::contact::Bodies;
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
 use clastic_components::program::{ConeProgram, ConeSolution};
 
-use super::magnitudes;
-
 /// Rejects a static solution in which a grain moves further than [`Acceptance::throw`] radii
 /// about the mean field.
 pub fn judge(
@@ -25,6 +23,19 @@ pub fn judge(
     if analysis.kind != AnalysisKind::Static {
         return;
     }
+    if let Some(reason) = thrown(&bodies, &program, &solution, &acceptance) {
+        attempt.verdict = Verdict::Thrown(reason);
+    }
+}
+
+/// The grain that a solution throws furthest about the mean field, if it throws any too far.
+#[must_use]
+pub fn thrown(
+    bodies: &Bodies,
+    program: &ConeProgram,
+    solution: &ConeSolution,
+    acceptance: &Acceptance,
+) -> Option<String> {
     let n = bodies.particles;
     let motion: Vec<DVec2> = program.bodies[..n]
         .iter()
@@ -35,18 +46,14 @@ pub fn judge(
         })
         .collect();
     let field = MeanField::fit(&bodies.positions[..n], &motion);
-    for i in 0..n {
-        let about = motion[i] - field.at(bodies.positions[i]);
-        let far = about.length() / bodies.radii[i];
-        if !(far <= acceptance.throw) {
-            attempt.verdict = Verdict::Reject(format!(
-                "particle {i} was thrown by {far:.2} radii about the mean motion; accepted {}",
-                acceptance.throw
-            ));
-            attempt.magnitudes = magnitudes(&solution, bodies.mean_radius);
-            return;
-        }
-    }
+    let far = |i: usize| (motion[i] - field.at(bodies.positions[i])).length() / bodies.radii[i];
+    let (i, far) = (0..n).map(|i| (i, far(i))).max_by(|a, b| a.1.total_cmp(&b.1))?;
+    (!(far <= acceptance.throw)).then(|| {
+        format!(
+            "particle {i} was thrown by {far:.2} radii about the mean motion; accepted {}",
+            acceptance.throw
+        )
+    })
 }
 
 /// An affine displacement field `u(x) = u_0 + H (x - x_0)`.

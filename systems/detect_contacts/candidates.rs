@@ -1,8 +1,410 @@
-//! temporary
+//! Candidate pairs of disks, kept from one increment to the next while the disks move little (a
+//! Verlet list).
+
 use glam::DVec2;
-#[derive(Default, Clone, Debug)]
-pub struct CandidatePairs { pairs: Vec<(u32,u32)> }
+
+use super::delaunay;
+use super::grid::{self, ROUNDING};
+
+/// Part of the wished skin that the Delaunay bound must leave for the triangulation to be used: a
+/// thinner skin would cost more rebuilds than it saves.
+const LEAST_SKIN: f64 = 0.5;
+
+/// A list wider than wished by more mean radii than this is rebuilt although complete: after one
+/// violent increment, all quiet ones would otherwise drag its many pairs along.
+const GREATEST_EXCESS: f64 = 1.0;
+
+/// How a list of candidate pairs was found. The pairs do not depend on it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SearchMethod {
+    /// Edges of the Delaunay triangulation of the centres, where [`delaunay::complete_reach`]
+    /// proves them complete.
+    Delaunay,
+    /// Exact search by [`grid::pairs_within`], which asks for nothing.
+    Grid,
+}
+
+/// Pairs of disks that are, or may soon be, within reach of each other.
+///
+/// The list is built with a *skin*: it holds every pair with gap <= reach + skin, and so every pair
+/// with gap <= reach for as long as no two disks have together moved farther than the skin. What
+/// [`within`](Self::within) yields does not depend on when the list was built: a resumed run sees
+/// the pairs of an uninterrupted one.
+#[derive(Clone, Debug)]
+pub struct CandidatePairs {
+    /// Skin as a part of the mean radius. A thicker one is rebuilt less often and is longer to go
+    /// through.
+    pub skin: f64,
+    /// [`Delaunay`](SearchMethod::Delaunay) to triangulate where that is provably complete, else
+    /// search by grid; [`Grid`](SearchMethod::Grid) never to triangulate.
+    pub preferred: SearchMethod,
+    pairs: Vec<(u32, u32)>,
+    /// Reach (m) that the list was complete to when it was built, skin included.
+    built_reach: f64,
+    built_positions: Vec<DVec2>,
+    built_radii: Vec<f64>,
+    mean_radius: f64,
+    /// Greatest overlap (m) at the last build: a forecast of whether triangulating will be worth it.
+    overlap: f64,
+    method: SearchMethod,
+    rebuilds: u64,
+}
+
+impl Default for CandidatePairs {
+    fn default() -> Self {
+        Self {
+            skin: 0.1,
+            preferred: SearchMethod::Delaunay,
+            pairs: Vec::new(),
+            built_reach: f64::NEG_INFINITY,
+            built_positions: Vec::new(),
+            built_radii: Vec::new(),
+            mean_radius: 0.0,
+            overlap: 0.0,
+            method: SearchMethod::Grid,
+            rebuilds: 0,
+        }
+    }
+}
+
 impl CandidatePairs {
-  pub fn ensure(&mut self, positions:&[DVec2], radii:&[f64], reach: f64) -> bool { super::grid::pairs_within(positions, radii, reach, &mut self.pairs); self.pairs.sort_unstable(); true }
-  pub fn pairs(&self) -> &[(u32,u32)] { &self.pairs }
+    /// Makes sure that every pair with gap <= `reach` (m) is listed, and returns whether the list
+    /// had to be rebuilt.
+    ///
+    /// It is rebuilt where the disks are others than it was built for, or `reach + d₁ + d₂` exceeds
+    /// what it was built to, with d₁ and d₂ the two greatest displacements since: no gap has closed
+    /// by more than their sum. It is also rebuilt where it has become much wider than asked for. A
+    /// disk whose position or radius is not finite is in no pair for as long.
+    pub fn ensure(&mut self, positions: &[DVec2], radii: &[f64], reach: f64) -> bool {
+        let same_disks = positions.len() == self.built_positions.len() && radii == self.built_radii;
+        let excess = self.built_reach - reach - self.skin * self.mean_radius;
+        let too_wide = excess > GREATEST_EXCESS * self.mean_radius;
+        if same_disks
+            && !too_wide
+            && reach + greatest_approach(&self.built_positions, positions) <= self.built_reach
+        {
+            return false;
+        }
+        self.rebuild(positions, radii, reach);
+        true
+    }
+
+    /// The listed pairs `(a, b)`, `a < b`, sorted.
+    pub fn pairs(&self) -> &[(u32, u32)] {
+        &self.pairs
+    }
+
+    /// The listed pairs with gap <= `reach` (m) at these positions, sorted: all there are, if
+    /// [`ensure`](Self::ensure) was called with these positions and a reach no less.
+    ///
+    /// # Panics
+    ///
+    /// Where there are fewer disks than `ensure` was last given.
+    pub fn within(
+        &self,
+        positions: &[DVec2],
+        radii: &[f64],
+        reach: f64,
+    ) -> impl Iterator<Item = (u32, u32)> {
+        self.pairs.iter().copied().filter(move |&pair| gap(positions, radii, pair) <= reach)
+    }
+
+    /// How the list was found.
+    pub fn method(&self) -> SearchMethod {
+        self.method
+    }
+
+    /// Number of times the list has been built.
+    pub fn rebuilds(&self) -> u64 {
+        self.rebuilds
+    }
+
+    fn rebuild(&mut self, positions: &[DVec2], radii: &[f64], reach: f64) {
+        // A disk without a proper radius is in no pair, and must not spoil the skin of the others.
+        let usable = || radii.iter().copied().filter(|r| r.is_finite());
+        self.mean_radius = usable().sum::<f64>() / usable().count().max(1) as f64;
+        let skin = self.skin * self.mean_radius;
+        // The list reaches farther than is claimed by what rounding may do to gaps and
+        // displacements.
+        let largest = usable().fold(0.0, f64::max);
+        let guard = ROUNDING * (2.0 * largest + reach.abs() + skin);
+
+        let least = reach + LEAST_SKIN * skin + guard;
+        match self.triangulate(positions, radii, least) {
+            Some(bound) => {
+                self.method = SearchMethod::Delaunay;
+                self.built_reach = (reach + skin).min(bound - guard);
+                let listed = self.built_reach + guard;
+                self.pairs.retain(|&pair| gap(positions, radii, pair) <= listed);
+                self.pairs.sort_unstable();
+            }
+            None => {
+                self.method = SearchMethod::Grid;
+                self.built_reach = reach + skin;
+                grid::pairs_within(positions, radii, self.built_reach + guard, &mut self.pairs);
+                self.overlap = greatest_overlap(positions, radii, &self.pairs);
+            }
+        }
+        self.built_positions.clear();
+        self.built_positions.extend_from_slice(positions);
+        self.built_radii.clear();
+        self.built_radii.extend_from_slice(radii);
+        self.rebuilds += 1;
+    }
+
+    /// Fills the list with the edges of the triangulation and returns the reach (m) to which they
+    /// are complete, if that is `least` or more.
+    fn triangulate(&mut self, positions: &[DVec2], radii: &[f64], least: f64) -> Option<f64> {
+        let complete =
+            |overlap| delaunay::complete_reach(radii, overlap).filter(|bound| *bound >= least);
+        if self.preferred == SearchMethod::Grid {
+            return None;
+        }
+        complete(self.overlap)?;
+        if !delaunay::edges(positions, &mut self.pairs) {
+            return None;
+        }
+        self.overlap = greatest_overlap(positions, radii, &self.pairs);
+        complete(self.overlap)
+    }
+}
+
+fn gap(positions: &[DVec2], radii: &[f64], (a, b): (u32, u32)) -> f64 {
+    let (a, b) = (a as usize, b as usize);
+    grid::gap((positions[a], positions[b]), (radii[a], radii[b]))
+}
+
+fn greatest_overlap(positions: &[DVec2], radii: &[f64], pairs: &[(u32, u32)]) -> f64 {
+    pairs.iter().fold(0.0, |greatest, &pair| f64::max(greatest, -gap(positions, radii, pair)))
+}
+
+/// Sum of the two greatest displacements (m): the most by which any gap can have closed. Infinite
+/// where a disk has come back from a position that was not finite.
+fn greatest_approach(before: &[DVec2], now: &[DVec2]) -> f64 {
+    let (mut first, mut second) = (0.0_f64, 0.0_f64);
+    for (before, now) in before.iter().zip(now) {
+        let squared = if now.is_finite() { (now - before).length_squared() } else { 0.0 };
+        let squared = if squared.is_nan() { f64::INFINITY } else { squared };
+        second = second.max(squared.min(first));
+        first = first.max(squared);
+    }
+    first.sqrt() + second.sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::detect_contacts::test_packings::*;
+    use proptest::prelude::*;
+    use std::time::Instant;
+
+    /// Brings the list up to date and checks it against all pairs.
+    fn check(list: &mut CandidatePairs, positions: &[DVec2], radii: &[f64], reach: f64) -> bool {
+        let rebuilt = list.ensure(positions, radii, reach);
+        let near: Vec<_> = list.within(positions, radii, reach).collect();
+        assert_eq!(near, brute_force(positions, radii, reach));
+        assert!(list.pairs().is_sorted() && list.pairs().iter().all(|(a, b)| a < b));
+        rebuilt
+    }
+
+    #[test]
+    fn built_once_while_nothing_moves() {
+        for skin in [0.1, 0.0] {
+            let (positions, radii) = lattice(10, 1.0);
+            let mut list = CandidatePairs { skin, ..Default::default() };
+            assert!(check(&mut list, &positions, &radii, 0.05));
+            for _ in 0..3 {
+                assert!(!check(&mut list, &positions, &radii, 0.05));
+            }
+            assert_eq!(list.rebuilds(), 1);
+        }
+    }
+
+    #[test]
+    fn rebuilt_when_the_disks_are_others() {
+        let (mut positions, mut radii) = lattice(6, 1.0);
+        let mut list = CandidatePairs::default();
+        assert!(check(&mut list, &positions, &radii, 0.05));
+        radii[4] *= 1.5;
+        assert!(check(&mut list, &positions, &radii, 0.05));
+        radii.pop();
+        positions.pop();
+        assert!(check(&mut list, &positions, &radii, 0.05));
+        assert!(check(&mut list, &[], &[], 0.05));
+        assert!(!check(&mut list, &[], &[], 0.05));
+    }
+
+    #[test]
+    fn rebuilt_when_the_reach_outgrows_the_skin() {
+        let (positions, radii) = lattice(6, 1.0);
+        let mut list = CandidatePairs::default();
+        check(&mut list, &positions, &radii, 0.05);
+        assert!(!check(&mut list, &positions, &radii, 0.09));
+        assert!(check(&mut list, &positions, &radii, 0.2));
+        assert!(!check(&mut list, &positions, &radii, 0.05), "a wider list stays good");
+    }
+
+    #[test]
+    fn a_radius_that_is_not_finite_spoils_no_other_pair() {
+        let (positions, mut radii) = lattice(5, 1.0);
+        for bad in [f64::NAN, f64::INFINITY] {
+            radii[7] = bad;
+            let mut list = CandidatePairs::default();
+            list.ensure(&positions, &radii, 0.05);
+            assert_eq!(list.pairs().len(), 2 * 5 * 4 - 4);
+        }
+    }
+
+    #[test]
+    fn rebuilt_when_much_too_wide() {
+        let (positions, radii) = lattice(6, 1.0);
+        let mut list = CandidatePairs::default();
+        check(&mut list, &positions, &radii, 3.0);
+        let wide = list.pairs().len();
+        assert!(check(&mut list, &positions, &radii, 0.05));
+        assert!(list.pairs().len() < wide / 4);
+        assert!(check(&mut list, &positions, &radii, f64::INFINITY));
+        assert!(!check(&mut list, &positions, &radii, f64::INFINITY));
+        assert!(check(&mut list, &positions, &radii, 0.05));
+    }
+
+    #[test]
+    fn disks_lost_and_found() {
+        let (mut positions, radii) = lattice(5, 1.0);
+        let mut list = CandidatePairs::default();
+        let home = positions[7];
+        for position in [home, DVec2::NAN, home, DVec2::INFINITY, home + 0.01, home] {
+            positions[7] = position;
+            check(&mut list, &positions, &radii, 0.05);
+        }
+    }
+
+    #[test]
+    fn method_follows_from_the_bound() {
+        let mut list = CandidatePairs::default();
+        let (positions, radii) = lattice(8, 1.0); // bound: √2 - 1 = 0.414, all of radius 0.5
+        check(&mut list, &positions, &radii, 0.1);
+        assert_eq!(list.method(), SearchMethod::Delaunay);
+        check(&mut list, &positions, &radii, 0.38);
+        assert_eq!(list.method(), SearchMethod::Delaunay, "with a thinner skin");
+        check(&mut list, &positions, &radii, 0.45);
+        assert_eq!(list.method(), SearchMethod::Grid);
+
+        let swollen = vec![0.9; radii.len()];
+        check(&mut list, &positions, &swollen, 0.0);
+        assert_eq!(list.method(), SearchMethod::Grid, "overlaps of 0.8");
+        check(&mut list, &positions, &radii, 0.1);
+        check(&mut list, &(positions.iter().map(|x| 2.0 * x).collect::<Vec<_>>()), &radii, 0.1);
+        assert_eq!(list.method(), SearchMethod::Delaunay, "back once they are gone");
+
+        let mut list = CandidatePairs { preferred: SearchMethod::Grid, ..Default::default() };
+        check(&mut list, &positions, &radii, 0.1);
+        assert_eq!(list.method(), SearchMethod::Grid);
+        let line: Vec<_> = (0..9).map(|i| f64::from(i) * DVec2::X).collect();
+        for few in [0, 1, 2, 9] {
+            let mut list = CandidatePairs::default();
+            check(&mut list, &line[..few], &vec![0.5; few], 0.1);
+            assert_eq!(list.method(), SearchMethod::Grid);
+        }
+    }
+
+    #[test]
+    fn methods_list_the_same_pairs() {
+        let (positions, radii) = touching(&mut Random(11), 300, 1.5);
+        let mut lists = [SearchMethod::Delaunay, SearchMethod::Grid]
+            .map(|preferred| CandidatePairs { preferred, ..Default::default() });
+        for list in &mut lists {
+            list.ensure(&positions, &radii, 0.01);
+            assert_eq!(list.method(), list.preferred);
+        }
+        assert!(lists[0].pairs().len() > 300);
+        assert_eq!(lists[0].pairs(), lists[1].pairs());
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(60))]
+
+        /// Random walks, with now and then a leap.
+        #[test]
+        fn no_pair_is_missed_in_motion(
+            seed: u64, ratio in 1.0..4.0, step in -4.0..0.0, reach in 0.0..0.3, skin in 0.0..0.5,
+        ) {
+            let mut random = Random(seed);
+            let (mut positions, radii) = touching(&mut random, 50, ratio);
+            let mut list = CandidatePairs { skin, ..Default::default() };
+            for _ in 0..30 {
+                check(&mut list, &positions, &radii, reach);
+                let leap = if random.unit() < 0.1 { 10.0 } else { 1.0 };
+                for position in &mut positions {
+                    *position += leap * 10_f64.powf(step) * (random.point() - 0.5);
+                }
+            }
+            let rebuilds = list.rebuilds();
+            check(&mut list, &positions, &radii, reach);
+            prop_assert!(rebuilds <= 30 && (step > -3.0 || skin < 0.1 || rebuilds <= 3));
+        }
+
+        /// Two disks head on, the fastest way to use up a skin, beside one at rest.
+        #[test]
+        fn no_pair_is_missed_head_on(step in 1e-3..0.1, reach in 0.0..0.2) {
+            let mut list = CandidatePairs::default();
+            for i in 0..200 {
+                let x = DVec2::new(3.0 - f64::from(i) * step, 0.0);
+                check(&mut list, &[-x, x, 9.0 * DVec2::Y], &[0.5; 3], reach);
+            }
+        }
+    }
+
+    #[test]
+    #[ignore = "prints times: cargo test --release -- --ignored --nocapture"]
+    fn measure() {
+        let time = |name: &str, run: &mut dyn FnMut() -> usize| {
+            let mut found = 0;
+            let mut times: Vec<f64> = (0..9)
+                .map(|_| {
+                    let start = Instant::now();
+                    found = run();
+                    start.elapsed().as_secs_f64() * 1e3
+                })
+                .collect();
+            times.sort_by(f64::total_cmp);
+            println!("{name}: {:.3} ms, {found} pairs", times[times.len() / 2]);
+        };
+        for n in [7380_usize, 100_000] {
+            let side = (n as f64).sqrt();
+            for ratio in [2.0, 10.0, 100.0] {
+                let (positions, radii) = uniform(&mut Random(1), n, side, ratio);
+                let radii: Vec<_> = radii.iter().map(|r| 0.4 * r).collect();
+                let mut out = Vec::new();
+                time(&format!("{n} random, radii 1:{ratio}, grid"), &mut || {
+                    grid::pairs_within(&positions, &radii, 0.04, &mut out);
+                    out.len()
+                });
+                time(&format!("{n} random, radii 1:{ratio}, edges"), &mut || {
+                    delaunay::edges(&positions, &mut out);
+                    out.len()
+                });
+            }
+            let mut random = Random(2);
+            let (mut positions, radii) = lattice(side as u32, 1.0);
+            for position in &mut positions {
+                *position += 0.02 * random.point();
+            }
+            for preferred in [SearchMethod::Delaunay, SearchMethod::Grid] {
+                let mut list = CandidatePairs { preferred, ..Default::default() };
+                let mut shift = 0.0;
+                time(&format!("{n} shaken lattice, rebuild by {preferred:?}"), &mut || {
+                    shift += 1.0;
+                    let moved: Vec<_> = positions.iter().map(|x| x + shift).collect();
+                    assert!(list.ensure(&moved, &radii, 0.02) && list.method() == preferred);
+                    list.pairs().len()
+                });
+                let moved: Vec<_> = positions.iter().map(|x| x + shift + 1e-3).collect();
+                time(&format!("{n} shaken lattice, no rebuild"), &mut || {
+                    assert!(!list.ensure(&moved, &radii, 0.02));
+                    list.within(&moved, &radii, 0.02).count()
+                });
+            }
+        }
+    }
 }

@@ -10,6 +10,8 @@ pub mod candidates;
 pub mod delaunay;
 pub mod gaps;
 pub mod grid;
+#[cfg(test)]
+mod test_packings;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;

@@ -14,7 +14,14 @@ use clarabel::solver::{
 use clastic_components::program::{ConeProgram, ConeSolution, Dof, SolveStatus};
 
 use super::certificate::{certificate, proves};
+use super::polish::{Point, QuadraticProgram};
+use super::residuals::regularised_residuals;
 use super::{ConeSolver, MalformedProgram};
+
+/// Polishes of one solution at most.
+const POLISHES: usize = 8;
+/// Residual at which polishing stops.
+const POLISHED: f64 = 1e-11;
 
 /// Clarabel and its settings.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,7 +62,8 @@ impl Triplets {
 
 /// The program as Clarabel reads it, with the way back.
 struct Lowered {
-    quadratic: Triplets,
+    /// Diagonal of P.
+    quadratic: Vec<f64>,
     linear: Vec<f64>,
     matrix: Triplets,
     right: Vec<f64>,
@@ -85,7 +93,7 @@ fn lower(program: &ConeProgram) -> Lowered {
         .map(|b| b.dofs.map(|d| if let Dof::Fixed(u) = d { u } else { 0.0 }))
         .collect();
     let mut low = Lowered {
-        quadratic: Triplets::default(),
+        quadratic: Vec::new(),
         linear: Vec::new(),
         matrix: Triplets::default(),
         right: Vec::new(),
@@ -128,7 +136,7 @@ fn lower(program: &ConeProgram) -> Lowered {
         let column = |low: &mut Lowered, force: usize, quadratic: f64, linear: f64| {
             let k = low.linear.len();
             low.linear.push(linear);
-            low.quadratic.push(k, k, quadratic);
+            low.quadratic.push(quadratic);
             for (body, first) in [(c.a as usize, true), (c.b as usize, false)] {
                 let rows = c.rows(program.bodies[body].axis, first);
                 for dof in 0..3 {
@@ -172,7 +180,7 @@ fn lower(program: &ConeProgram) -> Lowered {
                 if weight > 0.0 {
                     let column = low.linear.len();
                     low.linear.push(0.0);
-                    low.quadratic.push(column, column, 1.0);
+                    low.quadratic.push(1.0);
                     low.matrix.push(row, column, weight.sqrt());
                 }
             }
@@ -192,7 +200,7 @@ impl ConeSolver for Clarabel {
     }
 
     fn solve(&mut self, program: &ConeProgram) -> Result<ConeSolution, MalformedProgram> {
-        let low = lower(program);
+        let mut low = lower(program);
         if let Some((body, dof)) = low.unbalanced {
             return Ok(lonely_collapse(program, body, dof));
         }
@@ -204,8 +212,8 @@ impl ConeSolver for Clarabel {
                 ..Default::default()
             });
         }
-        let p = low.quadratic.matrix(variables, variables);
-        let a = low.matrix.matrix(rows, variables);
+        let p = diagonal(&low.quadratic);
+        let a = std::mem::take(&mut low.matrix).matrix(rows, variables);
         let cones =
             [ZeroConeT(low.balance_rows), NonnegativeConeT(rows - low.balance_rows)];
         let settings = DefaultSettings {
@@ -238,6 +246,7 @@ impl ConeSolver for Clarabel {
         match raw.status {
             SolverStatus::Solved | SolverStatus::AlmostSolved => {
                 solution.status = SolveStatus::Solved;
+                polish(program, &low, &a, Point { x: raw.x.clone(), z: raw.z.clone() }, &mut solution);
             }
             SolverStatus::DualInfeasible | SolverStatus::AlmostDualInfeasible => {
                 solution.status = SolveStatus::Locked;
@@ -249,11 +258,59 @@ impl ConeSolver for Clarabel {
                 if mechanism.is_some() {
                     solution.status = SolveStatus::Collapsed;
                     solution.certificate = mechanism;
+                } else {
+                    polish(program, &low, &a, Point { x: raw.x.clone(), z: raw.z.clone() }, &mut solution);
                 }
             }
         }
         Ok(solution)
     }
+}
+
+/// Improves a solution while its residuals improve.
+fn polish(
+    program: &ConeProgram,
+    low: &Lowered,
+    matrix: &CscMatrix<f64>,
+    start: Point,
+    solution: &mut ConeSolution,
+) {
+    let qp = QuadraticProgram {
+        quadratic: &low.quadratic,
+        linear: &low.linear,
+        matrix,
+        right: &low.right,
+        equalities: low.balance_rows,
+    };
+    let worst = |s: &ConeSolution| regularised_residuals(program, &s.forces, &s.displacements).worst();
+    let mut best = worst(solution);
+    let mut active = qp.active(&start);
+    for pass in 0..POLISHES {
+        let Some(point) = qp.solve_active(&active, &start) else { return };
+        let forces = forces(program, &low.columns, &point.x);
+        let displacements = displacements(program, &low.rows, &point.z);
+        let polished = ConeSolution { forces, displacements, ..Default::default() };
+        let now = worst(&polished);
+        // Also true where the interior point left something that is not a number.
+        if !(best <= now) {
+            best = now;
+            solution.forces = polished.forces;
+            solution.displacements = polished.displacements;
+            solution.message = format!("{}, polished {}", solution.message.split(',').next().unwrap_or_default(), pass + 1);
+        }
+        if best <= POLISHED {
+            return;
+        }
+        match qp.corrected(&active, &point) {
+            Some(next) => active = next,
+            None => return,
+        }
+    }
+}
+
+fn diagonal(entries: &[f64]) -> CscMatrix<f64> {
+    let n = entries.len();
+    CscMatrix::new(n, n, (0..=n).collect(), (0..n).collect(), entries.to_vec())
 }
 
 fn known_displacements(program: &ConeProgram) -> Vec<[f64; 3]> {

@@ -6,6 +6,7 @@
 
 pub mod certificate;
 pub mod clarabel;
+pub mod polish;
 pub mod residuals;
 
 use bevy_app::{App, Plugin};
@@ -73,7 +74,12 @@ pub fn solve_program(
         && solution.forces.len() == program.interactions.len()
         && solution.displacements.len() == program.bodies.len()
     {
-        solution.residuals = residuals::residuals(&program, &solution.forces, &solution.displacements);
+        let evaluate = if attempt.settling.is_some() {
+            residuals::regularised_residuals
+        } else {
+            residuals::residuals
+        };
+        solution.residuals = evaluate(&program, &solution.forces, &solution.displacements);
         // The solver's word does not count, in either direction. NaN compares false.
         let converged = solution.residuals.worst() <= acceptance.residual;
         solution.status = if converged { SolveStatus::Solved } else { SolveStatus::Stalled };

@@ -50,8 +50,9 @@ pub fn force_scale(program: &ConeProgram, forces: &[[f64; 3]]) -> f64 {
         .flat_map(|b| &b.dofs[..2])
         .map(|d| if let Dof::Free(f) = d { f.load.abs() } else { 0.0 })
         .fold(0.0, f64::max);
-    // The floor is far below any load that a scene sets, and above what round-off leaves.
-    contact.max(applied).max(1e-6 * program.scales.force)
+    // Where all are zero (a bond has broken, a specimen is unloaded) round-off of what was there
+    // before must not count as an error.
+    contact.max(applied).max(1e-2 * program.scales.force)
 }
 
 /// Greatest displacement, m, but at least 1e-6 mean radii.
@@ -63,9 +64,29 @@ pub fn displacement_scale(program: &ConeProgram, displacements: &[[f64; 3]]) -> 
         .fold(1e-6 * program.scales.length, f64::max)
 }
 
-/// The four residuals, each the greatest over its rows.
+/// The four residuals, each the greatest over its rows. What a regularisation adds to the balance
+/// is an error of it.
 #[must_use]
 pub fn residuals(program: &ConeProgram, forces: &[[f64; 3]], displacements: &[[f64; 3]]) -> Residuals {
+    evaluate(program, forces, displacements, 0.0)
+}
+
+/// The residuals of the program as it was posed to the solver, regularisation included.
+#[must_use]
+pub fn regularised_residuals(
+    program: &ConeProgram,
+    forces: &[[f64; 3]],
+    displacements: &[[f64; 3]],
+) -> Residuals {
+    evaluate(program, forces, displacements, 1.0)
+}
+
+fn evaluate(
+    program: &ConeProgram,
+    forces: &[[f64; 3]],
+    displacements: &[[f64; 3]],
+    regularisation: f64,
+) -> Residuals {
     let force = force_scale(program, forces);
     let length = program.scales.length;
     let displacement = displacement_scale(program, displacements);
@@ -76,7 +97,8 @@ pub fn residuals(program: &ConeProgram, forces: &[[f64; 3]], displacements: &[[f
     for ((body, row), u) in program.bodies.iter().zip(&rows).zip(displacements) {
         for k in 0..3 {
             if let Dof::Free(f) = &body.dofs[k] {
-                let defect = f.inertia * u[k] + row[k] - f.load;
+                let pull = regularisation * f.proximal * (u[k] - f.reference);
+                let defect = f.inertia * u[k] + pull + row[k] - f.load;
                 let unit = if k < 2 { force } else { force * length };
                 worsen(&mut out.balance, defect.abs() / unit);
             }
