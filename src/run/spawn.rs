@@ -12,6 +12,7 @@ use clastic_components::particle::{MaterialIndex, Particle};
 use clastic_components::wall::{Wall, WallName};
 use clastic_systems::solve_program::Solver;
 use clastic_systems::solve_program::clarabel::Clarabel;
+use clastic_systems::solve_program::condensed::Condensed;
 
 use super::cement::bond_pairs;
 use super::particles::particles;
@@ -52,8 +53,12 @@ pub fn spawn_scene(world: &mut World, scene: &scene::Scene, stored: Option<&Stor
         halvings: scene.acceptance.halvings,
         ..Default::default()
     });
-    let scene::Solver::Clarabel { tolerance, max_iterations } = scene.solver;
-    world.insert_resource(Solver(Box::new(Clarabel { tolerance, max_iterations })));
+    world.insert_resource(Solver(match scene.solver {
+        scene::Solver::Condensed => Box::new(Condensed::default()),
+        scene::Solver::Clarabel { tolerance, max_iterations } => {
+            Box::new(Clarabel { tolerance, max_iterations })
+        }
+    }));
     world.insert_resource(Materials(
         scene
             .materials

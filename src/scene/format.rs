@@ -131,6 +131,8 @@ pub enum RollingLimit {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub enum Solver {
+    /// The engine's own condensed solver, with Clarabel as its last resort.
+    Condensed,
     /// The interior-point solver Clarabel.
     Clarabel {
         /// Feasibility and gap tolerance that Clarabel is asked for.

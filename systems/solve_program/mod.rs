@@ -6,6 +6,8 @@
 
 pub mod certificate;
 pub mod clarabel;
+pub mod condensed;
+mod lowering;
 pub mod polish;
 pub mod residuals;
 
