@@ -64,12 +64,7 @@ impl fmt::Display for Diagnostic {
     }
 }
 
-fn say(
-    f: &mut fmt::Formatter<'_>,
-    path: &str,
-    message: &str,
-    help: Option<&str>,
-) -> fmt::Result {
+fn say(f: &mut fmt::Formatter<'_>, path: &str, message: &str, help: Option<&str>) -> fmt::Result {
     if !path.is_empty() {
         write!(f, "{path}: ")?;
     }

@@ -17,6 +17,7 @@ mod stand_in;
 mod suggest;
 #[cfg(test)]
 mod tests;
+mod tree_reader;
 mod unique_keys;
 pub mod validate;
 

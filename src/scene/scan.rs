@@ -283,7 +283,11 @@ impl<'t> Scanner<'t> {
             match self.peek() {
                 None => {
                     let message = format!("this `{open}` is never closed");
-                    return Err(self.fault(opened, message, "close it, or check the brackets after it"));
+                    return Err(self.fault(
+                        opened,
+                        message,
+                        "close it, or check the brackets after it",
+                    ));
                 }
                 Some(c) if c == close => break,
                 Some(c @ (')' | ']' | '}')) => {

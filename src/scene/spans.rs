@@ -11,8 +11,8 @@
 
 use std::fmt::Write;
 
-pub use super::scan::{Entry, Key, Node, Shape, Span};
-use super::scan::{scan, unquote};
+pub use super::scan::Span;
+use super::scan::{Entry, Key, Node, Shape, scan, unquote};
 
 /// The places of all fields of a text.
 #[derive(Clone, Debug)]

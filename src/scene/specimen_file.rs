@@ -125,7 +125,8 @@ impl Reading {
             let Some(columns) = columns else {
                 if fields != COLUMNS && fields != COLUMNS[..3] {
                     let message = format!("unknown columns `{line}`");
-                    let help = "the first line is `x_m,y_m,radius_m` or `x_m,y_m,radius_m,material`";
+                    let help =
+                        "the first line is `x_m,y_m,radius_m` or `x_m,y_m,radius_m,material`";
                     return self.note(start, "", &message, help);
                 }
                 columns = Some(fields.len());

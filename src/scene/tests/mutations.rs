@@ -2,8 +2,8 @@
 
 use proptest::prelude::*;
 
-use super::samples::FULL;
 use super::read;
+use super::samples::FULL;
 use crate::scene::LoadError;
 use crate::scene::overrides::apply;
 use crate::scene::spans::Spans;

@@ -25,9 +25,11 @@ fn refused(setting: &str, message: &str) {
 #[test]
 fn a_value_is_replaced_and_comments_stay() {
     let text = set(FULL, &["materials.grain.contact.friction=0.7", "stages.shear.increments = 20"]);
-    let expected = FULL
-        .replace("friction: 0.5)", "friction: 0.7)")
-        .replacen("\"shear\",\n            increments: 10", "\"shear\",\n            increments: 20", 1);
+    let expected = FULL.replace("friction: 0.5)", "friction: 0.7)").replacen(
+        "\"shear\",\n            increments: 10",
+        "\"shear\",\n            increments: 20",
+        1,
+    );
     assert_eq!(text, expected);
 }
 
@@ -76,16 +78,16 @@ fn a_setting_that_does_not_fit_is_refused() {
     );
     refused("specimen[2].radius=1.0", "no such field; there is `specimen[0]`, `specimen[1]`");
     refused("materials.sand.density=1.0", "no such field; there is `materials.grain`");
-    refused(
-        "title.x=1",
-        "no such field; `title` is `\"Small\"`, which has no fields",
-    );
+    refused("title.x=1", "no such field; `title` is `\"Small\"`, which has no fields");
     refused(
         "materials.grain.contact.frictoin=0.3",
         "unknown field `frictoin`; did you mean `friction`? the fields here are \
          `normal_stiffness`, `tangential_stiffness`, `friction`, `rolling_friction`",
     );
-    refused("stages.load.increments=many", "expected a whole number from 0 to 4294967295, found `many`");
+    refused(
+        "stages.load.increments=many",
+        "expected a whole number from 0 to 4294967295, found `many`",
+    );
     refused("thickness=1.0, version: 2", "`1.0, version: 2` is not a value in RON");
     refused("thickness=1.0 // thin", "`1.0 // thin` is not a value in RON");
     refused("thickness=", "`` is not a value in RON");

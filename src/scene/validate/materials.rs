@@ -26,7 +26,11 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
             findings,
         );
         frictions(format_args!("{path}.bond"), (bond.friction, bond.rolling_friction), findings);
-        findings.not_negative(format_args!("{path}.bond.cohesion"), bond.cohesion, "a cohesion in Pa");
+        findings.not_negative(
+            format_args!("{path}.bond.cohesion"),
+            bond.cohesion,
+            "a cohesion in Pa",
+        );
         findings.not_negative(
             format_args!("{path}.bond.tensile_strength"),
             bond.tensile_strength,

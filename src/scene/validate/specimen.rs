@@ -29,7 +29,7 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
             material_of(context, format_args!("specimen"), material.as_deref(), findings);
             if fine && *columns > 0 && *rows > 0 {
                 let last = f64::from(rows - 1);
-                let indent = if rows % 2 == 0 { *radius } else { 0.0 };
+                let indent = if rows % 2 == 0 && *columns > 1 { *radius } else { 0.0 };
                 let low = (origin.0, origin.0 + 2.0 * radius * f64::from(columns - 1));
                 let high = (low.0 + indent, low.1 - indent);
                 let heights = (origin.1, origin.1 + 3_f64.sqrt() * radius * last);
@@ -51,7 +51,11 @@ fn particles(context: &Context, list: &[Particle], findings: &mut Findings) {
         let path = format_args!("specimen[{i}]");
         let fine =
             findings.positive(format_args!("{path}.radius"), particle.radius, "a radius in m")
-                & findings.vector(format_args!("{path}.position"), particle.position, "a place in m");
+                & findings.vector(
+                    format_args!("{path}.position"),
+                    particle.position,
+                    "a place in m",
+                );
         findings.vector(format_args!("{path}.velocity"), particle.velocity, "a velocity in m/s");
         let spin = particle.angular_velocity;
         findings.finite(format_args!("{path}.angular_velocity"), spin, "a velocity in rad/s");
@@ -68,7 +72,8 @@ fn particles(context: &Context, list: &[Particle], findings: &mut Findings) {
         let disk = |p: &Particle| (p.position.0, p.position.1, p.radius);
         let disks: Vec<_> = list.iter().map(disk).collect();
         for (earlier, later) in coincident(&disks, MOST) {
-            let message = format!("the same place as particle {earlier} {:?}", list[later].position);
+            let message =
+                format!("the same place as particle {earlier} {:?}", list[later].position);
             let path = format_args!("specimen[{later}].position");
             findings.add(path, message, "leave one of them out");
         }
@@ -126,16 +131,19 @@ fn packing(context: &Context, findings: &mut Findings) {
     }
 }
 
-fn rows(context: &Context, stored: &StoredSpecimen, default: Option<&str>, findings: &mut Findings) {
+fn rows(
+    context: &Context,
+    stored: &StoredSpecimen,
+    default: Option<&str>,
+    findings: &mut Findings,
+) {
     let name_list = &context.materials;
     if default.is_some() || stored.rows.iter().any(|row| row.material.is_none()) {
         material_of(context, format_args!("specimen"), default, findings);
     }
     let mut shown = 0;
     for (i, row) in stored.rows.iter().enumerate() {
-        let behind = |wall: &&Wall| {
-            wall.present && is_behind(wall, (row.x, row.y), row.r)
-        };
+        let behind = |wall: &&Wall| wall.present && is_behind(wall, (row.x, row.y), row.r);
         let known = row.material.as_deref().is_none_or(|name| name_list.contains(&name));
         if known && !context.scene.walls.iter().any(|wall| behind(&wall)) {
             continue;
@@ -162,9 +170,8 @@ fn outline(
     findings: &mut Findings,
 ) {
     let corners = [(low.0, bottom), (low.1, bottom), (high.0, top), (high.1, top)];
-    let outside = |wall: &Wall| {
-        wall.present && corners.iter().any(|corner| is_behind(wall, *corner, radius))
-    };
+    let outside =
+        |wall: &Wall| wall.present && corners.iter().any(|corner| is_behind(wall, *corner, radius));
     if let Some(wall) = context.scene.walls.iter().find(|wall| outside(wall)) {
         let message = format!("the specimen reaches behind wall `{}`", wall.name);
         let help = "move its origin or the wall; a wall has its inside on the left of start to end";

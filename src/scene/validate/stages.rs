@@ -213,11 +213,8 @@ fn control_of_particles(
     findings: &mut Findings,
 ) {
     select(context, format_args!("{path}.select"), &control.select, findings);
-    let motions = [
-        ("x", control.x, "m"),
-        ("y", control.y, "m"),
-        ("rotation", control.rotation, "rad"),
-    ];
+    let motions =
+        [("x", control.x, "m"), ("y", control.y, "m"), ("rotation", control.rotation, "rad")];
     for (field, motion, unit) in motions {
         let path = format_args!("{path}.{field}");
         match motion {
@@ -227,7 +224,11 @@ fn control_of_particles(
                 findings.finite(format_args!("{path}[0]"), value, &what);
             }
             Motion::Velocity(value) => {
-                findings.finite(format_args!("{path}[0]"), value, &format!("a velocity in {unit}/s"));
+                findings.finite(
+                    format_args!("{path}[0]"),
+                    value,
+                    &format!("a velocity in {unit}/s"),
+                );
                 if timeless {
                     no_time(path, "a velocity", findings);
                 }
@@ -317,7 +318,8 @@ fn stops(context: &Context, path: Arguments, stop: Stop, timeless: bool, finding
             findings.positive(number, speed, "a speed in m/s");
         }
     }
-    if timeless && matches!(stop, Stop::Time(_) | Stop::Rest(_)) && findings.is_sure_of("analysis") {
+    if timeless && matches!(stop, Stop::Time(_) | Stop::Rest(_)) && findings.is_sure_of("analysis")
+    {
         let message = "a stop by time or speed in a static stage, which has no time";
         findings.add(path, message, "use a dynamic analysis");
     }

@@ -29,9 +29,10 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
     let of_particles = particles.iter().enumerate().filter_map(|(i, particle)| {
         Some((format!("specimen[{i}].probe"), particle.probe.as_deref()?))
     });
-    let of_walls = walls.iter().enumerate().filter_map(|(i, wall)| {
-        Some((format!("walls[{i}].probe"), wall.probe.as_deref()?))
-    });
+    let of_walls = walls
+        .iter()
+        .enumerate()
+        .filter_map(|(i, wall)| Some((format!("walls[{i}].probe"), wall.probe.as_deref()?)));
     findings.unique("name of a probe", of_particles.chain(of_walls));
 }
 
