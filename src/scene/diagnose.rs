@@ -50,7 +50,7 @@ pub(super) fn diagnose(text: &str) -> Diagnosis {
         let notes = cx.notes.into_inner();
         let failure = result.as_ref().err().map(Failure::placed);
         match failure {
-            Some(Some((path, placed))) if missing.len() < MOST => {
+            Some(Some((path, placed))) if missing.len() <= MOST => {
                 missing.push(placed);
                 absent.push(path);
             }

@@ -79,7 +79,7 @@ pub struct SceneErrors {
     pub file: PathBuf,
     /// The diagnostics, at most [`MOST`] of them.
     pub list: Vec<Diagnostic>,
-    /// Number of further ones.
+    /// Number of further ones, as far as they were looked for.
     pub omitted: usize,
 }
 
