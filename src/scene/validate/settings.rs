@@ -27,11 +27,12 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
     if let Some(rounds) = scene.rupture.cascade {
         findings.at_least_one(format_args!("rupture.cascade"), rounds, "a number of rounds");
     }
-    let Solver::Clarabel { tolerance, max_iterations } = scene.solver;
-    let allowed = |value| value > 0.0 && value <= 1e-2;
-    let what = "a tolerance above 0 and up to 1e-2";
-    findings.number(format_args!("solver.tolerance"), tolerance, allowed, what);
-    findings.at_least_one(format_args!("solver.max_iterations"), max_iterations, "a number");
+    if let Solver::Clarabel { tolerance, max_iterations } = scene.solver {
+        let allowed = |value| value > 0.0 && value <= 1e-2;
+        let what = "a tolerance above 0 and up to 1e-2";
+        findings.number(format_args!("solver.tolerance"), tolerance, allowed, what);
+        findings.at_least_one(format_args!("solver.max_iterations"), max_iterations, "a number");
+    }
     let acceptance = scene.acceptance;
     findings.positive(format_args!("acceptance.residual"), acceptance.residual, "a residual");
     findings.positive(format_args!("acceptance.throw"), acceptance.throw, "a number of radii");
