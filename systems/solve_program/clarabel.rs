@@ -53,8 +53,7 @@ impl ConeSolver for Clarabel {
         }
         let p = diagonal(&low.quadratic);
         let a = std::mem::take(&mut low.matrix).matrix(rows, variables);
-        let cones =
-            [ZeroConeT(low.balance_rows), NonnegativeConeT(rows - low.balance_rows)];
+        let cones = [ZeroConeT(low.balance_rows), NonnegativeConeT(rows - low.balance_rows)];
         let settings = DefaultSettings {
             verbose: false,
             max_iter: self.max_iterations,
@@ -85,7 +84,13 @@ impl ConeSolver for Clarabel {
         match raw.status {
             SolverStatus::Solved | SolverStatus::AlmostSolved => {
                 solution.status = SolveStatus::Solved;
-                polish(program, &low, &a, Point { x: raw.x.clone(), z: raw.z.clone() }, &mut solution);
+                polish(
+                    program,
+                    &low,
+                    &a,
+                    Point { x: raw.x.clone(), z: raw.z.clone() },
+                    &mut solution,
+                );
             }
             SolverStatus::DualInfeasible | SolverStatus::AlmostDualInfeasible => {
                 solution.status = SolveStatus::Locked;
@@ -98,7 +103,13 @@ impl ConeSolver for Clarabel {
                     solution.status = SolveStatus::Collapsed;
                     solution.certificate = mechanism;
                 } else {
-                    polish(program, &low, &a, Point { x: raw.x.clone(), z: raw.z.clone() }, &mut solution);
+                    polish(
+                        program,
+                        &low,
+                        &a,
+                        Point { x: raw.x.clone(), z: raw.z.clone() },
+                        &mut solution,
+                    );
                 }
             }
         }

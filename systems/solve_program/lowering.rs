@@ -184,7 +184,8 @@ pub(super) fn polish(
         right: &low.right,
         equalities: low.balance_rows,
     };
-    let worst = |s: &ConeSolution| regularised_residuals(program, &s.forces, &s.displacements).worst();
+    let worst =
+        |s: &ConeSolution| regularised_residuals(program, &s.forces, &s.displacements).worst();
     let mut best = worst(solution);
     let mut active = qp.active(&start);
     for pass in 0..POLISHES {
@@ -198,7 +199,11 @@ pub(super) fn polish(
             best = now;
             solution.forces = polished.forces;
             solution.displacements = polished.displacements;
-            solution.message = format!("{}, polished {}", solution.message.split(',').next().unwrap_or_default(), pass + 1);
+            solution.message = format!(
+                "{}, polished {}",
+                solution.message.split(',').next().unwrap_or_default(),
+                pass + 1
+            );
         }
         if best <= POLISHED {
             return;
@@ -211,10 +216,18 @@ pub(super) fn polish(
 }
 
 pub(super) fn known_displacements(program: &ConeProgram) -> Vec<[f64; 3]> {
-    program.bodies.iter().map(|b| b.dofs.map(|d| if let Dof::Fixed(u) = d { u } else { 0.0 })).collect()
+    program
+        .bodies
+        .iter()
+        .map(|b| b.dofs.map(|d| if let Dof::Fixed(u) = d { u } else { 0.0 }))
+        .collect()
 }
 
-pub(super) fn displacements(program: &ConeProgram, rows: &[[Option<usize>; 3]], z: &[f64]) -> Vec<[f64; 3]> {
+pub(super) fn displacements(
+    program: &ConeProgram,
+    rows: &[[Option<usize>; 3]],
+    z: &[f64],
+) -> Vec<[f64; 3]> {
     let (du, _) = units(program);
     let mut out = known_displacements(program);
     for (u, rows) in out.iter_mut().zip(rows) {
@@ -241,4 +254,3 @@ pub(super) fn forces(program: &ConeProgram, columns: &[usize], x: &[f64]) -> Vec
         })
         .collect()
 }
-

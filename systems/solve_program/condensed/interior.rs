@@ -94,7 +94,11 @@ fn start_local(local: &Local, u: &[[f64; 3]]) -> ([f64; 3], Slacks) {
         .filter(|q| local.limits[*q][1] == 0.0 && local.limits[*q][2] == 0.0)
         .map(|q| -local.right[q])
         .fold(f64::NEG_INFINITY, f64::max);
-    trial[0] = trial[0].max(lowest.max(if local.count > 0 && lowest == f64::NEG_INFINITY { 0.0 } else { lowest }));
+    trial[0] = trial[0].max(lowest.max(if local.count > 0 && lowest == f64::NEG_INFINITY {
+        0.0
+    } else {
+        lowest
+    }));
     (trial, s)
 }
 
@@ -103,12 +107,16 @@ fn start_local(local: &Local, u: &[[f64; 3]]) -> ([f64; 3], Slacks) {
 pub fn solve(program: &Scaled, matrix: &mut BodyMatrix, start: &[[f64; 3]]) -> Option<Interior> {
     let n = program.free.len();
     let mut u: Vec<[f64; 3]> = (0..n)
-        .map(|i| [0, 1, 2].map(|k| if program.free[i][k] { start[i][k] } else { program.known[i][k] }))
+        .map(|i| {
+            [0, 1, 2].map(|k| if program.free[i][k] { start[i][k] } else { program.known[i][k] })
+        })
         .collect();
-    let (mut s, mut slacks): (Vec<_>, Vec<_>) = program.locals.iter().map(|l| start_local(l, &u)).unzip();
+    let (mut s, mut slacks): (Vec<_>, Vec<_>) =
+        program.locals.iter().map(|l| start_local(l, &u)).unzip();
     let limits: usize = program.locals.iter().map(|l| l.count).sum();
     let m = program.locals.len();
-    let (mut stationarity, mut h, mut ds) = (vec![[0.0; 3]; m], vec![[0.0; 3]; m], vec![[0.0; 3]; m]);
+    let (mut stationarity, mut h, mut ds) =
+        (vec![[0.0; 3]; m], vec![[0.0; 3]; m], vec![[0.0; 3]; m]);
     let mut inverses = vec![[[0.0; 3]; 3]; m];
     let mut best: Option<(f64, Interior)> = None;
     let mut since_best = 0;
@@ -118,7 +126,11 @@ pub fn solve(program: &Scaled, matrix: &mut BodyMatrix, start: &[[f64; 3]]) -> O
         let mut balance: Vec<[f64; 3]> = (0..n)
             .map(|i| {
                 [0, 1, 2].map(|k| {
-                    if program.free[i][k] { program.weight[i][k] * u[i][k] - program.right[i][k] } else { 0.0 }
+                    if program.free[i][k] {
+                        program.weight[i][k] * u[i][k] - program.right[i][k]
+                    } else {
+                        0.0
+                    }
                 })
             })
             .collect();
@@ -133,7 +145,8 @@ pub fn solve(program: &Scaled, matrix: &mut BodyMatrix, start: &[[f64; 3]]) -> O
                 for f in 0..3 {
                     r[f] += a[f] * sl.lambda[q];
                 }
-                sl.defect[q] = a[0] * s[k][0] + a[1] * s[k][1] + a[2] * s[k][2] + sl.w[q] - local.right[q];
+                sl.defect[q] =
+                    a[0] * s[k][0] + a[1] * s[k][1] + a[2] * s[k][2] + sl.w[q] - local.right[q];
                 primal = primal.max(sl.defect[q].abs());
                 mu += sl.w[q] * sl.lambda[q];
             }
@@ -157,7 +170,11 @@ pub fn solve(program: &Scaled, matrix: &mut BodyMatrix, start: &[[f64; 3]]) -> O
         } else {
             since_best += 1;
         }
-        if merit <= GOAL || iterations >= MAX_ITERATIONS || (since_best > 8 && merit > 1e3 * best.as_ref().map_or(0.0, |b| b.0)) || since_best > 15 {
+        if merit <= GOAL
+            || iterations >= MAX_ITERATIONS
+            || (since_best > 8 && merit > 1e3 * best.as_ref().map_or(0.0, |b| b.0))
+            || since_best > 15
+        {
             break;
         }
         iterations += 1;
@@ -167,7 +184,11 @@ pub fn solve(program: &Scaled, matrix: &mut BodyMatrix, start: &[[f64; 3]]) -> O
         for i in 0..n {
             for k in 0..3 {
                 // A vanishing proximal weight keeps what nothing holds from going to infinity.
-                let weight = if program.free[i][k] { program.weight[i][k] + 1e-10 + 1e-3 * mu.min(1.0) } else { 1.0 };
+                let weight = if program.free[i][k] {
+                    program.weight[i][k] + 1e-10 + 1e-3 * mu.min(1.0)
+                } else {
+                    1.0
+                };
                 matrix.values[matrix.diagonal[i][k]] += weight;
             }
         }
@@ -250,7 +271,8 @@ pub fn solve(program: &Scaled, matrix: &mut BodyMatrix, start: &[[f64; 3]]) -> O
                 let mut after = 0.0;
                 for (sl, local) in slacks.iter().zip(&program.locals) {
                     for q in 0..local.count {
-                        after += (sl.w[q] + step * sl.dw[q]) * (sl.lambda[q] + step * sl.dlambda[q]);
+                        after +=
+                            (sl.w[q] + step * sl.dw[q]) * (sl.lambda[q] + step * sl.dlambda[q]);
                     }
                 }
                 after /= limits.max(1) as f64;
@@ -350,7 +372,9 @@ fn refine(
             .iter()
             .enumerate()
             .map(|(i, r)| {
-                [0, 1, 2].map(|k| if program.free[i][k] { r[k] - program.weight[i][k] * du[i][k] } else { 0.0 })
+                [0, 1, 2].map(|k| {
+                    if program.free[i][k] { r[k] - program.weight[i][k] * du[i][k] } else { 0.0 }
+                })
             })
             .collect();
         for (local, inv) in program.locals.iter().zip(inverses) {

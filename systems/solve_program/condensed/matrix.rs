@@ -75,9 +75,8 @@ impl BodyMatrix {
                 column_starts.push(row_indices.len());
             }
         }
-        let diagonal = (0..bodies)
-            .map(|i| [0, 1, 2].map(|c| column_starts[3 * place[i] + c]))
-            .collect();
+        let diagonal =
+            (0..bodies).map(|i| [0, 1, 2].map(|c| column_starts[3 * place[i] + c])).collect();
         let places = pairs
             .iter()
             .map(|&(a, b)| {
@@ -89,7 +88,8 @@ impl BodyMatrix {
                 for i in 0..3 {
                     for j in 0..3 {
                         let (column, row) = if a < b { (i, j) } else { (j, i) };
-                        entries[3 * i + j] = column_starts[3 * low + column] + (3 - column) + 3 * k + row;
+                        entries[3 * i + j] =
+                            column_starts[3 * low + column] + (3 - column) + 3 * k + row;
                     }
                 }
                 BlockPlace { entries }
@@ -126,11 +126,18 @@ impl BodyMatrix {
     /// Factorises; whether the matrix was positive definite.
     pub fn factorise(&mut self) -> bool {
         let n = 3 * self.bodies;
-        let pattern =
-            SymbolicSparseColMatRef::<usize>::new_checked(n, n, &self.column_starts, None, &self.row_indices);
+        let pattern = SymbolicSparseColMatRef::<usize>::new_checked(
+            n,
+            n,
+            &self.column_starts,
+            None,
+            &self.row_indices,
+        );
         let matrix = SparseColMatRef::new(pattern, &self.values[..]);
-        let regularisation =
-            LltRegularization { dynamic_regularization_delta: 0.0, dynamic_regularization_epsilon: 0.0 };
+        let regularisation = LltRegularization {
+            dynamic_regularization_delta: 0.0,
+            dynamic_regularization_epsilon: 0.0,
+        };
         self.symbolic
             .factorize_numeric_llt(
                 &mut self.factor,
@@ -236,7 +243,11 @@ fn postorder(n: usize, order: &[usize], starts: &[usize], neighbours: &[usize]) 
     post
 }
 
-fn symbolic(n: usize, column_starts: &[usize], row_indices: &[usize]) -> Option<SymbolicCholesky<usize>> {
+fn symbolic(
+    n: usize,
+    column_starts: &[usize],
+    row_indices: &[usize],
+) -> Option<SymbolicCholesky<usize>> {
     // With an identity ordering faer reads the upper triangle here and the lower one in the
     // numeric part: the transposed pattern.
     let mut starts = vec![0; n + 1];

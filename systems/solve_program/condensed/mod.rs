@@ -90,7 +90,8 @@ impl Condensed {
                 message: message.to_owned(),
                 ..Default::default()
             };
-            let r = regularised_residuals(program, &solution.forces, &solution.displacements).worst();
+            let r =
+                regularised_residuals(program, &solution.forces, &solution.displacements).worst();
             if r <= TARGET {
                 solution.status = SolveStatus::Solved;
             }
@@ -124,7 +125,11 @@ impl Condensed {
 }
 
 /// The interior point in the numbering of the lowered program.
-fn lowered_point(scaled: &Scaled, low: &super::lowering::Lowered, result: &interior::Interior) -> Point {
+fn lowered_point(
+    scaled: &Scaled,
+    low: &super::lowering::Lowered,
+    result: &interior::Interior,
+) -> Point {
     let mut x = vec![0.0; low.linear.len()];
     let mut z = vec![0.0; low.right.len()];
     let mut row = low.balance_rows;
@@ -139,9 +144,10 @@ fn lowered_point(scaled: &Scaled, low: &super::lowering::Lowered, result: &inter
             row += 1;
         }
     }
-    let mut column = low.columns.last().map_or(0, |_| {
-        scaled.locals.iter().map(|l| l.has.iter().filter(|h| **h).count()).sum()
-    });
+    let mut column = low
+        .columns
+        .last()
+        .map_or(0, |_| scaled.locals.iter().map(|l| l.has.iter().filter(|h| **h).count()).sum());
     for (i, rows) in low.rows.iter().enumerate() {
         for k in 0..3 {
             if let Some(r) = rows[k] {

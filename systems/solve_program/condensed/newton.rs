@@ -28,9 +28,10 @@ pub struct Newton {
 /// Whether every force of the program has a compliance.
 #[must_use]
 pub fn applies(program: &Scaled) -> bool {
-    program.locals.iter().all(|l| {
-        !l.has[2] && l.compliance[0] > 0.0 && (!l.has[1] || l.compliance[1] > 0.0)
-    })
+    program
+        .locals
+        .iter()
+        .all(|l| !l.has[2] && l.compliance[0] > 0.0 && (!l.has[1] || l.compliance[1] > 0.0))
 }
 
 /// Projection of the elastic trial (p, q), with the derivative of (p, q) by (e_n, e_t).
@@ -94,7 +95,9 @@ fn project(l: &Local, e: &[f64; 3]) -> ([f64; 3], [[f64; 3]; 3]) {
 pub fn solve(program: &Scaled, matrix: &mut BodyMatrix, start: &[[f64; 3]]) -> Newton {
     let n = program.free.len();
     let mut u: Vec<[f64; 3]> = (0..n)
-        .map(|i| [0, 1, 2].map(|k| if program.free[i][k] { start[i][k] } else { program.known[i][k] }))
+        .map(|i| {
+            [0, 1, 2].map(|k| if program.free[i][k] { start[i][k] } else { program.known[i][k] })
+        })
         .collect();
     let m = program.locals.len();
     let (mut s, mut d) = (vec![[0.0; 3]; m], vec![[[0.0; 3]; 3]; m]);
@@ -108,7 +111,11 @@ pub fn solve(program: &Scaled, matrix: &mut BodyMatrix, start: &[[f64; 3]]) -> N
         let mut gradient: Vec<[f64; 3]> = (0..n)
             .map(|i| {
                 [0, 1, 2].map(|k| {
-                    if program.free[i][k] { program.weight[i][k] * u[i][k] - program.right[i][k] } else { 0.0 }
+                    if program.free[i][k] {
+                        program.weight[i][k] * u[i][k] - program.right[i][k]
+                    } else {
+                        0.0
+                    }
                 })
             })
             .collect();
@@ -177,7 +184,8 @@ fn line_search(
         for ((l, e), de) in program.locals.iter().zip(e).zip(&de) {
             let (s, d) = project(l, &[0, 1, 2].map(|f| e[f] + a * de[f]));
             value += s[0] * de[0] + s[1] * de[1];
-            curvature += de[0] * (d[0][0] * de[0] + d[0][1] * de[1]) + de[1] * (d[1][0] * de[0] + d[1][1] * de[1]);
+            curvature += de[0] * (d[0][0] * de[0] + d[0][1] * de[1])
+                + de[1] * (d[1][0] * de[0] + d[1][1] * de[1]);
         }
         (value, curvature)
     };
@@ -188,7 +196,11 @@ fn line_search(
         if value.abs() <= 0.02 * slope.abs() {
             break;
         }
-        if value > 0.0 { high = a } else { low = a }
+        if value > 0.0 {
+            high = a
+        } else {
+            low = a
+        }
         let newton = a - value / curvature;
         a = if newton > low && newton < high {
             newton

@@ -57,7 +57,8 @@ impl Scaled {
         let stiffness = s.force / s.displacement;
         let mut out = Self::default();
         for body in &program.bodies {
-            let (mut free, mut weight, mut right, mut known) = ([false; 3], [0.0; 3], [0.0; 3], [0.0; 3]);
+            let (mut free, mut weight, mut right, mut known) =
+                ([false; 3], [0.0; 3], [0.0; 3], [0.0; 3]);
             for k in 0..3 {
                 match &body.dofs[k] {
                     Dof::Fixed(u) => known[k] = u / du[k],
@@ -95,7 +96,11 @@ impl Scaled {
                 rows,
                 all_rows,
                 has,
-                compliance: [c.normal_compliance * stiffness, c.tangential_compliance * stiffness, 0.0],
+                compliance: [
+                    c.normal_compliance * stiffness,
+                    c.tangential_compliance * stiffness,
+                    0.0,
+                ],
                 linear: [
                     c.offset / du[0],
                     -c.tangential_compliance * stiffness * c.previous_shear / df[0],
