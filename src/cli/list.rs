@@ -9,7 +9,9 @@ use super::resolve::{SCENES, scenes};
 pub fn list() -> Result<Exit, Failure> {
     let paths = scenes().map_err(|error| Failure {
         exit: Exit::Files,
-        message: format!("{SCENES}: {error}; go to a directory that has scenes, or give `run` a path"),
+        message: format!(
+            "{SCENES}: {error}; go to a directory that has scenes, or give `run` a path"
+        ),
     })?;
     let names: Vec<_> = paths
         .iter()

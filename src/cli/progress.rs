@@ -70,7 +70,8 @@ impl Progress {
                 bar.set_message(state(o));
             }
             Self::Lines { last, stages } => {
-                let due = last.is_none_or(|(stage, time)| stage != place.stage || time.elapsed() >= PAUSE);
+                let due = last
+                    .is_none_or(|(stage, time)| stage != place.stage || time.elapsed() >= PAUSE);
                 if due {
                     *last = Some((place.stage, Instant::now()));
                     let (done, total) = (place.done.floor(), place.total.ceil());

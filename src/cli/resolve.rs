@@ -21,11 +21,13 @@ pub fn resolve(scene: &Path) -> Result<PathBuf, Failure> {
             return Ok(path);
         }
         if let Some(near) = nearest(stem) {
-            let message = format!("no scene `{name}`, here or in {SCENES}/; did you mean `{near}`?");
+            let message =
+                format!("no scene `{name}`, here or in {SCENES}/; did you mean `{near}`?");
             return Err(Failure { exit: Exit::Files, message });
         }
     }
-    let message = format!("no scene `{name}`, here or in {SCENES}/; `clastic list` shows what is there");
+    let message =
+        format!("no scene `{name}`, here or in {SCENES}/; `clastic list` shows what is there");
     Err(Failure { exit: Exit::Files, message })
 }
 
@@ -40,7 +42,10 @@ pub fn scenes() -> std::io::Result<Vec<PathBuf>> {
 
 /// The scene whose name is nearest to a misspelt one.
 fn nearest(name: &str) -> Option<String> {
-    let names = scenes().ok()?.into_iter().filter_map(|p| Some(p.file_stem()?.to_string_lossy().into_owned()));
+    let names = scenes()
+        .ok()?
+        .into_iter()
+        .filter_map(|p| Some(p.file_stem()?.to_string_lossy().into_owned()));
     names
         .map(|candidate| (strsim::damerau_levenshtein(name, &candidate), candidate))
         .filter(|(distance, candidate)| 3 * distance <= candidate.chars().count())

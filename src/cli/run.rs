@@ -46,7 +46,9 @@ pub fn run(args: &RunArgs) -> Result<Exit, Failure> {
     let results = writer.finish(simulation.world_mut(), &ending)?;
     let increments = simulation.world().resource::<Observation>().increment;
     for missed in args.dump_programs.iter().filter(|n| **n > increments) {
-        complain(format_args!("--dump-program {missed}: the run ended with increment {increments}"));
+        complain(format_args!(
+            "--dump-program {missed}: the run ended with increment {increments}"
+        ));
     }
     say(summary(&ending, increments, &results, &directory));
     match ending {

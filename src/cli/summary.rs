@@ -13,7 +13,9 @@ pub fn summary(ending: &Ending, increment: u64, results: &Results, directory: &P
         Ending::Finished(Outcome::Collapsed { stage, increment }) => {
             format!("collapsed in increment {increment} of stage {stage}")
         }
-        Ending::Finished(Outcome::Stalled { increment, .. }) => format!("stalled at increment {increment}"),
+        Ending::Finished(Outcome::Stalled { increment, .. }) => {
+            format!("stalled at increment {increment}")
+        }
     };
     let r = results;
     let mut parts = Vec::new();

@@ -39,7 +39,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_failed_write_leaves_the_old_file_and_no_litter() -> Result<(), Box<dyn std::error::Error>> {
+    fn a_failed_write_leaves_the_old_file_and_no_litter() -> Result<(), Box<dyn std::error::Error>>
+    {
         let dir = tempfile::tempdir()?;
         let path = dir.path().join("run.json");
         write_atomic(&path, "old")?;

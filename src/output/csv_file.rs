@@ -117,10 +117,14 @@ mod tests {
 
     #[test]
     fn rows_are_plain_csv_and_numbers_read_back() -> Result<(), Box<dyn std::error::Error>> {
-        let row = Row::default().count(3_u32).text("a, \"b\"").optional(None).numbers([0.1, -0.0, 1e-9]);
+        let row =
+            Row::default().count(3_u32).text("a, \"b\"").optional(None).numbers([0.1, -0.0, 1e-9]);
         assert_eq!(row.line(), "3,\"a, \"\"b\"\"\",,0.1,0.0,1e-9\n");
         let third = 1.0 / 3.0;
-        assert_eq!(Row::default().number(third).line().trim().parse::<f64>()?.to_bits(), third.to_bits());
+        assert_eq!(
+            Row::default().number(third).line().trim().parse::<f64>()?.to_bits(),
+            third.to_bits()
+        );
         Ok(())
     }
 

@@ -62,7 +62,8 @@ struct Units {
     compliance: &'static str,
 }
 
-const UNITS: Units = Units { length: "m", rotation: "rad", force: "N", moment: "N m", compliance: "m/N" };
+const UNITS: Units =
+    Units { length: "m", rotation: "rad", force: "N", moment: "N m", compliance: "m/N" };
 
 #[derive(Serialize)]
 struct BodyDump {
@@ -146,7 +147,11 @@ pub fn write_program(path: &Path, world: &World) -> Result<(), OutputError> {
             .bodies
             .iter()
             .enumerate()
-            .map(|(id, body)| BodyDump { id, axis: DVec2::to_array(&body.axis), dofs: body.dofs.map(dof) })
+            .map(|(id, body)| BodyDump {
+                id,
+                axis: DVec2::to_array(&body.axis),
+                dofs: body.dofs.map(dof),
+            })
             .collect(),
         interactions: program.interactions.iter().map(interaction).collect(),
         solution: SolutionDump {

@@ -9,8 +9,19 @@ use super::csv_file::Row;
 
 /// Columns.
 pub const COLUMNS: [&str; 13] = [
-    "increment", "stage", "bond", "a", "b", "mode", "x_m", "y_m", "normal_x", "normal_y", "p_n",
-    "q_n", "tau_nm",
+    "increment",
+    "stage",
+    "bond",
+    "a",
+    "b",
+    "mode",
+    "x_m",
+    "y_m",
+    "normal_x",
+    "normal_y",
+    "p_n",
+    "q_n",
+    "tau_nm",
 ];
 
 /// The row of a rupture.

@@ -14,8 +14,7 @@ use super::snapshot::Snapshot;
 use crate::scene::specimen_file::{self, StoredParticle};
 
 /// Columns of a frame; displacements count from the start of the stage list.
-pub const COLUMNS: [&str; 7] =
-    ["id", "x_m", "y_m", "radius_m", "rotation_rad", "ux_m", "uy_m"];
+pub const COLUMNS: [&str; 7] = ["id", "x_m", "y_m", "radius_m", "rotation_rad", "ux_m", "uy_m"];
 
 /// Writes a frame.
 ///

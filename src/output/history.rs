@@ -11,11 +11,31 @@ use crate::scene::format::{Scene, Specimen};
 
 /// Columns before those of the probes.
 pub const COLUMNS: [&str; 25] = [
-    "increment", "stage", "time_s", "axial_strain", "lateral_strain", "volumetric_strain",
-    "axial_stress_pa", "lateral_stress_pa", "contacts", "bonds", "broken_tension",
-    "broken_shear", "broken_rolling", "solver_iterations", "residual_balance",
-    "residual_kinematics", "residual_cone", "residual_complementarity", "status", "fraction",
-    "potential_contacts", "solves", "settled", "kinetic_energy_j", "coulomb_residual",
+    "increment",
+    "stage",
+    "time_s",
+    "axial_strain",
+    "lateral_strain",
+    "volumetric_strain",
+    "axial_stress_pa",
+    "lateral_stress_pa",
+    "contacts",
+    "bonds",
+    "broken_tension",
+    "broken_shear",
+    "broken_rolling",
+    "solver_iterations",
+    "residual_balance",
+    "residual_kinematics",
+    "residual_cone",
+    "residual_complementarity",
+    "status",
+    "fraction",
+    "potential_contacts",
+    "solves",
+    "settled",
+    "kinetic_energy_j",
+    "coulomb_residual",
 ];
 
 /// Columns of each probe, after its name: displacement since the start of the stage list, and
@@ -103,7 +123,8 @@ mod tests {
 
     #[test]
     fn rows_match_the_header_and_absent_probes_are_empty() {
-        let there = ProbeReading { name: "b".to_owned(), motion: [1.0, 2.0, 3.0], force: [4.0, 5.0, 6.0] };
+        let there =
+            ProbeReading { name: "b".to_owned(), motion: [1.0, 2.0, 3.0], force: [4.0, 5.0, 6.0] };
         let observation = Observation { probes: vec![there], ..Default::default() };
         let names = ["a".to_owned(), "b".to_owned()];
         let line = row(&observation, &names).line();

@@ -163,7 +163,8 @@ impl RunWriter {
         if self.options.dump_programs.contains(&increment) {
             dump::write_program(&directory::program(&self.options.directory, increment), world)?;
         }
-        let row = timings::row(increment, world.resource::<Timings>(), clock.elapsed().as_secs_f64());
+        let row =
+            timings::row(increment, world.resource::<Timings>(), clock.elapsed().as_secs_f64());
         self.timings.push(row)
     }
 
@@ -190,10 +191,15 @@ impl RunWriter {
         if self.scene.output.plots {
             let history = plots::history::History::read(&dir.join(directory::HISTORY))?;
             plots::curves(&dir, &self.scene.title, &history)?;
-            plots::specimens(&dir, &self.scene.title, &self.start, [
-                (plots::SPECIMEN_PEAK, self.peak.as_ref().map(|(s, c)| (s, c.as_str()))),
-                (plots::SPECIMEN, Some((&last, caption.as_str()))),
-            ])?;
+            plots::specimens(
+                &dir,
+                &self.scene.title,
+                &self.start,
+                [
+                    (plots::SPECIMEN_PEAK, self.peak.as_ref().map(|(s, c)| (s, c.as_str()))),
+                    (plots::SPECIMEN, Some((&last, caption.as_str()))),
+                ],
+            )?;
         }
         Ok(results)
     }
@@ -214,7 +220,8 @@ impl RunWriter {
 }
 
 fn caption(o: &Observation) -> String {
-    let strain = o.axial_strain.map(|e| format!(", axial strain {:.3} % (contraction positive)", 100.0 * e));
+    let strain =
+        o.axial_strain.map(|e| format!(", axial strain {:.3} % (contraction positive)", 100.0 * e));
     format!("increment {} of stage {}{}", o.increment, o.stage, strain.unwrap_or_default())
 }
 
@@ -225,7 +232,9 @@ fn is_rigid(scene: &Scene) -> bool {
         && scene.materials.values().all(|m| {
             let bond = m.bond.as_ref();
             rigid(&m.contact)
-                && bond.is_none_or(|b| b.normal_stiffness.is_none() && b.tangential_stiffness.is_none())
+                && bond.is_none_or(|b| {
+                    b.normal_stiffness.is_none() && b.tangential_stiffness.is_none()
+                })
         })
 }
 
@@ -302,13 +311,23 @@ mod tests {
         assert_eq!(written, files(&second)?);
         let names: Vec<_> = written.iter().map(|(name, _)| name.as_str()).collect();
         let expected = [
-            "events.csv", "final_particles.csv", "frame_000002.csv", "frame_000004.csv",
-            "history.csv", "probes.svg", "program_000003.json", "run.json", "scene.ron",
-            "specimen.csv", "specimen.svg",
+            "events.csv",
+            "final_particles.csv",
+            "frame_000002.csv",
+            "frame_000004.csv",
+            "history.csv",
+            "probes.svg",
+            "program_000003.json",
+            "run.json",
+            "scene.ron",
+            "specimen.csv",
+            "specimen.svg",
         ];
         assert_eq!(names, expected);
         let here = parent.path().to_string_lossy();
-        assert!(written.iter().all(|(_, text)| !text.contains(&*here) && !text.contains("elsewhere")));
+        assert!(
+            written.iter().all(|(_, text)| !text.contains(&*here) && !text.contains("elsewhere"))
+        );
         Ok(())
     }
 

@@ -12,7 +12,9 @@ use super::atomic::write_atomic;
 use super::key_results::Results;
 use crate::run::Outcome;
 use crate::scene::LoadedScene;
-use crate::scene::format::{self, Acceptance, Analysis, FrictionLaw, Rupture, Solver, Specimen, Stage};
+use crate::scene::format::{
+    self, Acceptance, Analysis, FrictionLaw, Rupture, Solver, Specimen, Stage,
+};
 
 /// Content of `run.json`.
 #[derive(Clone, Debug, Serialize)]

@@ -40,7 +40,8 @@ impl Snapshot {
         let bodies = world.resource::<Bodies>();
         let n = bodies.particles;
         let particles = || bodies.entities[..n].iter();
-        let place = |i: usize, from: DVec2| match bodies.walls.iter().find(|w| w.body as usize == i) {
+        let place = |i: usize, from: DVec2| match bodies.walls.iter().find(|w| w.body as usize == i)
+        {
             Some(wall) => Some(from - wall.inward * (from - bodies.positions[i]).dot(wall.inward)),
             // A wall that was taken away has no place.
             None => (i < n).then(|| bodies.positions[i]),
@@ -57,7 +58,9 @@ impl Snapshot {
         Self {
             positions: bodies.positions[..n].to_vec(),
             radii: bodies.radii.clone(),
-            rotations: particles().map(|e| world.get::<Rotation>(*e).map_or(0.0, |r| r.0)).collect(),
+            rotations: particles()
+                .map(|e| world.get::<Rotation>(*e).map_or(0.0, |r| r.0))
+                .collect(),
             displacements: particles()
                 .zip(&bodies.positions)
                 .map(|(e, x)| world.get::<Origin>(*e).map_or(DVec2::ZERO, |origin| *x - origin.0))
@@ -76,8 +79,8 @@ impl Snapshot {
     #[must_use]
     pub fn bounds(&self) -> Option<(DVec2, DVec2)> {
         let boxes = self.positions.iter().zip(&self.radii);
-        boxes.map(|(x, r)| (*x - DVec2::splat(*r), *x + DVec2::splat(*r))).reduce(|(low, high), (l, h)| {
-            (low.min(l), high.max(h))
-        })
+        boxes
+            .map(|(x, r)| (*x - DVec2::splat(*r), *x + DVec2::splat(*r)))
+            .reduce(|(low, high), (l, h)| (low.min(l), high.max(h)))
     }
 }

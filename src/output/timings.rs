@@ -6,8 +6,15 @@ use super::csv_file::Row;
 
 /// Columns.
 pub const COLUMNS: [&str; 9] = [
-    "increment", "detect_s", "assemble_s", "solve_s", "update_s", "rupture_s", "walls_s",
-    "record_s", "output_s",
+    "increment",
+    "detect_s",
+    "assemble_s",
+    "solve_s",
+    "update_s",
+    "rupture_s",
+    "walls_s",
+    "record_s",
+    "output_s",
 ];
 
 /// The row of an increment; `output` is the time that its other files took.

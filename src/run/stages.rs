@@ -217,9 +217,8 @@ fn stopped(world: &mut World, stage: &Stage) -> bool {
     let peak = script.peak;
     load.stop.iter().any(|stop| match *stop {
         // Strains are sums of increments: the last bits must not cost one more of them.
-        Stop::AxialStrain(limit) => {
-            strain.is_some_and(|e| if limit < 0.0 { e <= limit + 1e-12 } else { e >= limit - 1e-12 })
-        }
+        Stop::AxialStrain(limit) => strain
+            .is_some_and(|e| if limit < 0.0 { e <= limit + 1e-12 } else { e >= limit - 1e-12 }),
         Stop::StressDrop(fraction) => stress.is_some_and(|s| peak > 0.0 && s < fraction * peak),
         Stop::Time(limit) => time >= limit * (1.0 - 1e-12),
         Stop::Rest(speed) => world.query::<&Velocity>().iter(world).all(|v| v.0.length() < speed),

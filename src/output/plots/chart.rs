@@ -116,7 +116,10 @@ impl Chart {
                 .y_label_formatter(&|v| tick(*v))
                 .draw()?;
             chart
-                .draw_secondary_series(LineSeries::new(thin(&second.points), SECONDARY.stroke_width(ZOOM)))?
+                .draw_secondary_series(LineSeries::new(
+                    thin(&second.points),
+                    SECONDARY.stroke_width(ZOOM),
+                ))?
                 .label(&second.name)
                 .legend(|at| sample(at, SECONDARY.stroke_width(ZOOM)));
         }
@@ -196,7 +199,12 @@ mod tests {
     fn a_chart_is_drawn_whatever_the_data() -> io::Result<()> {
         let flat = Line { name: "a & b".to_owned(), points: vec![(0.0, 3.0); 3] };
         for lines in [vec![], vec![flat.clone()], vec![flat.clone(), Line::default()]] {
-            let chart = Chart { title: "<t>".to_owned(), lines, second: Some(flat.clone()), ..Default::default() };
+            let chart = Chart {
+                title: "<t>".to_owned(),
+                lines,
+                second: Some(flat.clone()),
+                ..Default::default()
+            };
             let svg = chart.svg()?;
             assert!(svg.ends_with("</svg>\n") && !svg.contains("<t>"));
             assert_eq!(svg, chart.svg()?);

@@ -64,7 +64,11 @@ fn worked(title: &str, history: &History) -> Option<Chart> {
         caption: "force of the outside world on the probe; axes of the scene, rotation positive \
                   anticlockwise"
             .to_owned(),
-        x: if turning { "rotation, rad".to_owned() } else { format!("displacement along {}, {unit}", axis.2) },
+        x: if turning {
+            "rotation, rad".to_owned()
+        } else {
+            format!("displacement along {}, {unit}", axis.2)
+        },
         y: if turning { "moment, N m".to_owned() } else { format!("force along {}, N", axis.2) },
         lines: lines.into_iter().map(scaled).collect(),
         second: None,
@@ -77,7 +81,8 @@ fn moved(title: &str, history: &History) -> Option<Chart> {
     for probe in history.probes() {
         for (motion, _, axis) in &AXES[..2] {
             let points = history.points("time_s", &format!("{probe}{motion}"));
-            let moves = points.iter().any(|p| p.1 != 0.0) && points.windows(2).any(|w| w[0].0 < w[1].0);
+            let moves =
+                points.iter().any(|p| p.1 != 0.0) && points.windows(2).any(|w| w[0].0 < w[1].0);
             if moves {
                 lines.push(Line { name: format!("{probe} {axis}"), points });
             }

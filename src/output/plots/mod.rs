@@ -55,7 +55,9 @@ pub fn specimens<const N: usize>(
     pictures: [(&str, Option<(&Snapshot, &str)>); N],
 ) -> Result<(), OutputError> {
     for (name, picture) in pictures {
-        if let Some(svg) = picture.and_then(|(now, caption)| specimen::svg(now, start, title, caption)) {
+        if let Some(svg) =
+            picture.and_then(|(now, caption)| specimen::svg(now, start, title, caption))
+        {
             write_atomic(&directory.join(name), svg)?;
         }
     }

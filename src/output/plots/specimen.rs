@@ -9,9 +9,8 @@ use glam::DVec2;
 use crate::output::snapshot::Snapshot;
 
 /// Colours of the classes, from the smallest to the greatest value.
-const COLORS: [&str; 8] = [
-    "#f2f0eb", "#dde3e6", "#c3d0da", "#a5bacd", "#84a1bf", "#6286af", "#426a9b", "#274e83",
-];
+const COLORS: [&str; 8] =
+    ["#f2f0eb", "#dde3e6", "#c3d0da", "#a5bacd", "#84a1bf", "#6286af", "#426a9b", "#274e83"];
 /// The box into which a specimen is fitted, px.
 const FIT: DVec2 = DVec2::new(900.0, 820.0);
 const MARGIN: f64 = 24.0;
@@ -52,7 +51,8 @@ pub fn svg(now: &Snapshot, start: &Snapshot, title: &str, caption: &str) -> Opti
         size.y * scale + 1.4 * MARGIN,
     );
     for (class, color) in COLORS.iter().enumerate() {
-        let mut members = (0..now.positions.len()).filter(|i| colouring.class(*i) == class).peekable();
+        let mut members =
+            (0..now.positions.len()).filter(|i| colouring.class(*i) == class).peekable();
         if members.peek().is_none() {
             continue;
         }
@@ -144,7 +144,11 @@ impl Colouring {
             ("magnitude of rotation since the start of the reference stage", "rad", rotations)
         } else {
             let moved = now.positions.iter().zip(&start.positions).map(|(x, x0)| x.distance(*x0));
-            ("magnitude of displacement since the start of the reference stage", "m", moved.collect())
+            (
+                "magnitude of displacement since the start of the reference stage",
+                "m",
+                moved.collect(),
+            )
         };
         let mut sorted: Vec<f64> = values.clone();
         sorted.sort_unstable_by(f64::total_cmp);

@@ -40,12 +40,14 @@ pub fn stress(title: &str, history: &History) -> Option<Chart> {
 /// Broken bonds against axial strain; none where none broke.
 fn broken(history: &History) -> Option<Line> {
     let strain = history.column("axial_strain");
-    let modes = ["broken_tension", "broken_shear", "broken_rolling"].map(|name| history.column(name));
+    let modes =
+        ["broken_tension", "broken_shear", "broken_rolling"].map(|name| history.column(name));
     let points: Vec<_> = strain
         .iter()
         .enumerate()
         .filter_map(|(row, strain)| {
-            let broken: Option<f64> = modes.iter().map(|mode| mode.get(row).copied().flatten()).sum();
+            let broken: Option<f64> =
+                modes.iter().map(|mode| mode.get(row).copied().flatten()).sum();
             Some((100.0 * (*strain)?, broken?))
         })
         .collect();

@@ -25,7 +25,7 @@ const MAX_ITERATIONS: u32 = 80;
 /// Complementarity product of the starting point.
 const START: f64 = 0.1;
 /// Where the polish takes over.
-const GOAL: f64 = 1e-9;
+const GOAL: f64 = 1e-10;
 /// The best iterate of a stalled iteration is worth polishing when it is this good.
 const WORTH: f64 = 1e-3;
 
@@ -56,21 +56,28 @@ fn start_local(local: &Local, u: &[[f64; 3]]) -> ([f64; 3], Slacks) {
         dlambda: [0.0; ROWS],
         defect: [0.0; ROWS],
     };
+    // The trial clamped to the limits: normal force first, then shear at that normal force.
+    let lowest = (0..local.count)
+        .filter(|q| local.limits[*q][0] < 0.0)
+        .map(|q| local.right[q] / local.limits[q][0])
+        .fold(f64::NEG_INFINITY, f64::max);
+    let mut force = [trial[0].max(lowest), 0.0, 0.0];
+    if local.has[1] {
+        let strength = local.right[0] - local.limits[0][0] * force[0];
+        force[1] = trial[1].clamp(-strength.max(0.0), strength.max(0.0));
+    }
+    // Slack where it is inside; where it was clamped, the excess is the multiplier.
     let stiffness = if local.compliance[0] > 0.0 { 1.0 / local.compliance[0] } else { 1.0 };
     for q in 0..local.count {
         let a = &local.limits[q];
-        let x = local.right[q] - a[0] * trial[0] - a[1] * trial[1];
+        let slack = local.right[q] - a[0] * force[0] - a[1] * force[1];
+        let excess = a[0] * (trial[0] - force[0]) + a[1] * (trial[1] - force[1]);
+        let x = slack.max(0.0) - excess.max(0.0);
         let root = x.hypot(2.0 * START);
         s.w[q] = 0.5 * if x > 0.0 { x + root } else { 4.0 * START * START / (root - x) };
         s.lambda[q] = START * START / s.w[q] / stiffness;
     }
-    // No lower than the limit on tension, where the forces of a start are far off.
-    let lowest = (0..local.count)
-        .filter(|q| local.limits[*q][1] == 0.0 && local.limits[*q][2] == 0.0)
-        .map(|q| -local.right[q])
-        .fold(f64::NEG_INFINITY, f64::max);
-    trial[0] = trial[0].max(if lowest.is_finite() { lowest } else { 0.0 });
-    (trial, s)
+    (force, s)
 }
 
 /// Runs the method from the displacements `start`. `None` if it fails far from a solution.
@@ -184,11 +191,7 @@ pub fn solve(program: &Scaled, matrix: &mut BodyMatrix, start: &[[f64; 3]]) -> O
                     let second = if corrector { sl.dw[q] * sl.dlambda[q] } else { 0.0 };
                     sl.w[q] * sl.lambda[q] - target + second
                 });
-                rights[k] = Right {
-                    stationarity: stationarity[k],
-                    defects: sl.defect,
-                    products,
-                };
+                rights[k] = Right { stationarity: stationarity[k], defects: sl.defect, products };
                 let (s0, _) = systems[k].solve(local, &[0.0; 3], &rights[k], &sl.w, &sl.lambda);
                 Scaled::add_forces(local, &s0, -1.0, &mut right);
             }

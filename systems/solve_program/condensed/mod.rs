@@ -24,7 +24,7 @@ use super::residuals::regularised_residuals;
 use super::{ConeSolver, MalformedProgram};
 
 /// Residual that a solution is accepted with before the next method is tried.
-const TARGET: f64 = 5e-9;
+const TARGET: f64 = 9e-9;
 
 /// A starting point with greater displacements, in units of the scale, is not used.
 const FAR: f64 = 20.0;
