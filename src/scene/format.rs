@@ -131,10 +131,11 @@ pub enum RollingLimit {
 }
 
 /// The solver and its settings.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub enum Solver {
     /// The engine's own condensed solver, with Clarabel as its last resort.
+    #[default]
     Condensed,
     /// The interior-point solver Clarabel.
     Clarabel {
@@ -153,12 +154,6 @@ fn clarabel_tolerance() -> f64 {
 
 fn clarabel_iterations() -> u32 {
     200
-}
-
-impl Default for Solver {
-    fn default() -> Self {
-        Self::Clarabel { tolerance: clarabel_tolerance(), max_iterations: clarabel_iterations() }
-    }
 }
 
 /// What an increment must satisfy to be committed.
