@@ -20,13 +20,18 @@ pub fn estimate(
     program: &ConeProgram,
 ) -> Scales {
     let length = bodies.mean_radius;
-    if let Some((displacement, force)) = attempt.magnitudes {
-        return Scales { length, displacement, force };
-    }
     let displacement = displacement(bodies, analysis, progress).max(1e-9 * length);
     let force = force(history, program, displacement);
-    Scales { length, displacement, force }
+    match attempt.magnitudes {
+        // What a failed attempt found, as long as it found something: noise is no scale.
+        Some((u, f)) => Scales { length, displacement: u, force: f.max(LEAST * force) },
+        None => Scales { length, displacement, force },
+    }
 }
+
+/// The least force scale, as a fraction of what the displacement would cost in one contact or of
+/// the strength. Forces that are far smaller are what is left of zero.
+const LEAST: f64 = 1e-3;
 
 fn displacement(bodies: &Bodies, analysis: &Analysis, progress: &Progress) -> f64 {
     let f = progress.fraction;
@@ -68,9 +73,6 @@ fn force(history: &ContactHistory, program: &ConeProgram, displacement: f64) -> 
         }
     }
     let expected = remembered.max(0.1 * loads).max(0.1 * inertial);
-    if expected > 0.0 {
-        return expected;
-    }
     // Driven from rest: a tenth of what the displacement would cost in one contact, or, where all
     // is rigid, the strength.
     let mut elastic = f64::INFINITY;
@@ -81,7 +83,11 @@ fn force(history: &ContactHistory, program: &ConeProgram, displacement: f64) -> 
         }
         strength = strength.max(c.limits.cohesion).max(c.limits.tension);
     }
-    let strength = if strength > 0.0 { strength } else { f64::INFINITY };
-    let force = elastic.min(strength);
-    if force.is_finite() { force } else { 1.0 }
+    let driven = elastic.min(if strength > 0.0 { strength } else { f64::INFINITY });
+    match (expected > 0.0, driven.is_finite()) {
+        (true, true) => expected.max(LEAST * driven),
+        (true, false) => expected,
+        (false, true) => driven,
+        (false, false) => 1.0,
+    }
 }
