@@ -11,8 +11,17 @@ use crate::body::{
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 #[component(immutable)]
 #[require(
-    Position, Origin, Rotation, Velocity, AngularVelocity, LastMotion, Drives, LoadControl,
-    AppliedLoad, ExternalForce, MaterialIndex
+    Position,
+    Origin,
+    Rotation,
+    Velocity,
+    AngularVelocity,
+    LastMotion,
+    Drives,
+    LoadControl,
+    AppliedLoad,
+    ExternalForce,
+    MaterialIndex
 )]
 pub struct Particle {
     /// Radius, m.

@@ -82,7 +82,8 @@ impl Limits {
     /// shear rows of a cohesionless, frictional contact without tension.
     #[must_use]
     pub fn has_tension_row(&self) -> bool {
-        !(self.has_rolling() || (self.friction > 0.0 && self.cohesion == 0.0 && self.tension == 0.0))
+        !(self.has_rolling()
+            || (self.friction > 0.0 && self.cohesion == 0.0 && self.tension == 0.0))
     }
 }
 
@@ -131,11 +132,7 @@ impl Interaction {
         let (sign, arm) = if first { (1.0, self.arm_a) } else { (-1.0, self.arm_b) };
         let (n, t) = (self.normal * sign, self.normal.perp() * sign);
         let other = axis.perp();
-        [
-            [n.dot(axis), t.dot(axis), 0.0],
-            [n.dot(other), t.dot(other), 0.0],
-            [0.0, arm, sign],
-        ]
+        [[n.dot(axis), t.dot(axis), 0.0], [n.dot(other), t.dot(other), 0.0], [0.0, arm, sign]]
     }
 }
 
@@ -178,11 +175,7 @@ impl ConeProgram {
         let ua = self.bodies[a].to_global(u[a]);
         let ub = self.bodies[b].to_global(u[b]);
         let (d, t) = (DVec2::new(ua[0] - ub[0], ua[1] - ub[1]), c.normal.perp());
-        [
-            c.normal.dot(d),
-            t.dot(d) + c.arm_a * ua[2] + c.arm_b * ub[2],
-            ua[2] - ub[2],
-        ]
+        [c.normal.dot(d), t.dot(d) + c.arm_a * ua[2] + c.arm_b * ub[2], ua[2] - ub[2]]
     }
 
     /// Adds `G f` to `rows`, indexed by body and degree of freedom in the bodies' own axes.
@@ -264,7 +257,11 @@ impl Residuals {
     pub fn worst(&self) -> f64 {
         let all = [self.balance, self.kinematics, self.cone, self.complementarity];
         // f64::max drops NaN, which would turn a broken solution into a perfect one.
-        if all.iter().any(|r| !r.is_finite()) { f64::NAN } else { all.iter().copied().fold(0.0, f64::max) }
+        if all.iter().any(|r| !r.is_finite()) {
+            f64::NAN
+        } else {
+            all.iter().copied().fold(0.0, f64::max)
+        }
     }
 }
 

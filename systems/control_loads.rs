@@ -18,7 +18,10 @@ impl Plugin for ControlLoadsPlugin {
 }
 
 /// Writes [`AppliedLoad`] for the increment that starts at [`Progress::done`].
-pub fn control_loads(progress: Res<Progress>, mut particles: Query<(&LoadControl, &mut AppliedLoad)>) {
+pub fn control_loads(
+    progress: Res<Progress>,
+    mut particles: Query<(&LoadControl, &mut AppliedLoad)>,
+) {
     for (control, mut load) in &mut particles {
         load.set_if_neq(AppliedLoad(control.0.map(|(from, to)| progress.ramp(from, to))));
     }

@@ -80,7 +80,9 @@ pub fn gather_bodies(
     bodies.materials.resize(n, 0);
     bodies.drives.resize(n, Default::default());
     bodies.loads.resize(n, Default::default());
-    for (entity, id, particle, position, velocity, spin, motion, material, drives, load) in &particles {
+    for (entity, id, particle, position, velocity, spin, motion, material, drives, load) in
+        &particles
+    {
         let i = id.index();
         bodies.entities[i] = entity;
         bodies.positions[i] = position.0;
@@ -94,8 +96,7 @@ pub fn gather_bodies(
         bodies.drives[i] = drives.0;
         bodies.loads[i] = load.0;
     }
-    bodies.mean_radius =
-        if n == 0 { 1.0 } else { bodies.radii.iter().sum::<f64>() / n as f64 };
+    bodies.mean_radius = if n == 0 { 1.0 } else { bodies.radii.iter().sum::<f64>() / n as f64 };
 
     bodies.walls.clear();
     for (entity, id, wall, position, motion, law, drive) in &walls {

@@ -62,7 +62,8 @@ pub fn average_stress(
         let (a, b) = (contact.a as usize, contact.b as usize);
         let mut branch = bodies.radii[a] + contact.gap;
         branch += bodies.radii.get(b).map_or(-0.5 * contact.gap, |r| *r);
-        let (force, l) = (contact.normal * f[0] + contact.normal.perp() * f[1], contact.normal * branch);
+        let (force, l) =
+            (contact.normal * f[0] + contact.normal.perp() * f[1], contact.normal * branch);
         for i in 0..2 {
             for j in 0..2 {
                 sum[i][j] += force[i] * l[j];
@@ -73,13 +74,6 @@ pub fn average_stress(
 }
 
 type Geometry<'w, 's> = Query<'w, 's, (&'static Wall, &'static Position)>;
-
-fn length(length: MeasureLength, geometry: &Geometry) -> f64 {
-    match length {
-        MeasureLength::Fixed(length) => length,
-        MeasureLength::Between(a, b) => wall_distance(a, b, geometry),
-    }
-}
 
 /// Stresses, at the geometry of the start of the increment where they are averages.
 fn record_stress(
@@ -94,7 +88,14 @@ fn record_stress(
     mut out: ResMut<Observation>,
 ) {
     let carried = matches!(attempt.status, IncrementStatus::Solved | IncrementStatus::Capped);
-    let start = |wall: Entity| bodies.entities.iter().position(|e| *e == wall).map(|i| bodies.positions[i]);
+    let start =
+        |wall: Entity| bodies.entities.iter().position(|e| *e == wall).map(|i| bodies.positions[i]);
+    // A stress-controlled wall was loaded over the length at the start of the increment: so is the
+    // stress measured.
+    let distance = |first: Entity, second: Entity| {
+        let (wall, _) = geometry.get(first).ok()?;
+        Some((start(second)? - start(first)?).dot(wall.inward()))
+    };
     let evaluate = |measure: &StressMeasure| -> Option<f64> {
         match measure {
             StressMeasure::Walls { walls, length: l } => {
@@ -103,18 +104,16 @@ fn record_stress(
                     let (wall, force) = forces.get(*wall).ok()?;
                     sum += DVec2::new(force.0[0], force.0[1]).dot(wall.inward());
                 }
-                Some(sum / walls.len() as f64 / (length(*l, &geometry) * analysis.thickness))
+                let length = match *l {
+                    MeasureLength::Fixed(length) => length,
+                    MeasureLength::Between(a, b) => distance(a, b)?,
+                };
+                Some(sum / walls.len() as f64 / (length * analysis.thickness))
             }
             StressMeasure::Average { component, area } => {
                 let area = match area {
                     MeasureArea::Fixed(area) => *area,
-                    MeasureArea::Box([a, b, c, d]) => {
-                        let distance = |first: Entity, second: Entity| {
-                            let (wall, _) = geometry.get(first).ok()?;
-                            Some((start(second)? - start(first)?).dot(wall.inward()))
-                        };
-                        distance(*a, *b)? * distance(*c, *d)?
-                    }
+                    MeasureArea::Box([a, b, c, d]) => distance(*a, *b)? * distance(*c, *d)?,
                 };
                 let s = average_stress(&bodies, &contacts, &solution, area, analysis.thickness);
                 Some(match component {

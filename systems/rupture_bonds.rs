@@ -84,12 +84,14 @@ fn mode(
         return Some(RuptureMode::Tension);
     }
     let shear = l.cohesion + l.friction * p;
-    let on_shear = l.has_shear() && shear - q.abs() <= rules.slack * (l.cohesion + l.friction * p.abs());
+    let on_shear =
+        l.has_shear() && shear - q.abs() <= rules.slack * (l.cohesion + l.friction * p.abs());
     if on_shear && (c.tangential_compliance > 0.0 || m.slip.abs() > moves) {
         return Some(RuptureMode::Shear);
     }
     let roll = l.rolling * (p + l.tension);
-    let on_rolling = l.has_rolling() && roll - tau.abs() <= rules.slack * l.rolling * (p.abs() + l.tension);
+    let on_rolling =
+        l.has_rolling() && roll - tau.abs() <= rules.slack * l.rolling * (p.abs() + l.tension);
     if rules.rolling == RollingLimit::Breaks && on_rolling && m.rotation.abs() > rules.multiplier {
         return Some(RuptureMode::Rolling);
     }

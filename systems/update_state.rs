@@ -97,17 +97,28 @@ pub fn external_forces(
             external.0[k] = match body.dofs[k] {
                 Dof::Free(_) => applied,
                 Dof::Fixed(u) => match analysis.kind {
-                    AnalysisKind::Dynamic { dt, theta } if bodies.drives[i][k] != Default::default() => {
+                    AnalysisKind::Dynamic { dt, theta }
+                        if bodies.drives[i][k] != Default::default() =>
+                    {
                         let dt = dt * progress.fraction;
                         let mass = if k < 2 { bodies.masses[i] } else { bodies.inertias[i] };
-                        let v = if k < 2 { bodies.velocities[i][k] } else { bodies.angular_velocities[i] };
+                        let v = if k < 2 {
+                            bodies.velocities[i][k]
+                        } else {
+                            bodies.angular_velocities[i]
+                        };
                         let weight = if k < 2 { mass * analysis.gravity[k] } else { 0.0 };
                         mass * (u - v * dt) / (theta * dt * dt) + rows[i][k] - weight
                     }
                     AnalysisKind::Dynamic { .. } => applied,
                     AnalysisKind::Static | AnalysisKind::LeastMotion { .. } => {
-                        let weight = if k < 2 { bodies.masses[i] * analysis.gravity[k] } else { 0.0 };
-                        if bodies.drives[i][k] == Default::default() { applied } else { rows[i][k] - weight }
+                        let weight =
+                            if k < 2 { bodies.masses[i] * analysis.gravity[k] } else { 0.0 };
+                        if bodies.drives[i][k] == Default::default() {
+                            applied
+                        } else {
+                            rows[i][k] - weight
+                        }
                     }
                 },
             };
@@ -123,7 +134,14 @@ pub fn move_bodies(
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
     mut particles: Query<
-        (&BodyId, &mut Position, &mut Rotation, &mut Velocity, &mut AngularVelocity, &mut LastMotion),
+        (
+            &BodyId,
+            &mut Position,
+            &mut Rotation,
+            &mut Velocity,
+            &mut AngularVelocity,
+            &mut LastMotion,
+        ),
         With<Particle>,
     >,
     mut walls: Query<(&BodyId, &mut Position, &mut LastMotion), (With<Wall>, Without<Particle>)>,

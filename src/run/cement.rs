@@ -23,7 +23,8 @@ pub fn cement(world: &mut World, stage: &Cement) {
     let n = bodies.particles;
     let mut pairs = Vec::new();
     pairs_within(&bodies.positions[..n], &bodies.radii, stage.length, &mut pairs);
-    let mut contacts: Vec<Contact> = pairs.iter().map(|(a, b)| pair_contact(&bodies, *a, *b)).collect();
+    let mut contacts: Vec<Contact> =
+        pairs.iter().map(|(a, b)| pair_contact(&bodies, *a, *b)).collect();
     if stage.walls {
         for wall in &bodies.walls {
             contacts.extend((0..n as u32).map(|a| wall_contact(&bodies, a, wall)));
@@ -57,9 +58,8 @@ fn add(world: &mut World, bodies: &Bodies, contact: &Contact) {
         return;
     }
     let materials = world.resource::<Materials>();
-    let law_of = |body: u32| {
-        bodies.materials.get(body as usize).and_then(|m| materials.0[*m as usize].bond)
-    };
+    let law_of =
+        |body: u32| bodies.materials.get(body as usize).and_then(|m| materials.0[*m as usize].bond);
     let law = match (law_of(a), law_of(b)) {
         (Some(la), Some(lb)) => BondLaw::between(la, lb),
         (Some(law), None) if b as usize >= bodies.particles => law,

@@ -23,7 +23,8 @@ pub fn begin(world: &mut World, stage: &Compact) {
         agitation: stage.agitation * mean_radius,
         seed: stage.seed,
     };
-    let (Some(wall), Some(base)) = (find_wall(world, &stage.wall), find_wall(world, &stage.base)) else {
+    let (Some(wall), Some(base)) = (find_wall(world, &stage.wall), find_wall(world, &stage.base))
+    else {
         return;
     };
     let mut walls = world.query::<&mut WallControl>();

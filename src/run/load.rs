@@ -49,20 +49,28 @@ pub fn begin(world: &mut World, stage: &scene::Load) {
 
 fn control_walls(world: &mut World, stage: &scene::Load) {
     let mut query = world.query_filtered::<(Entity, &BodyId, &WallName), With<Wall>>();
-    let mut walls: Vec<_> = query.iter(world).map(|(e, id, name)| (*id, e, name.0.clone())).collect();
+    let mut walls: Vec<_> =
+        query.iter(world).map(|(e, id, name)| (*id, e, name.0.clone())).collect();
     walls.sort_unstable_by_key(|(id, ..)| *id);
-    let lengths: Vec<_> = walls.iter().map(|(_, wall, name)| stress_length(world, *wall, stage.walls.get(name))).collect();
+    let lengths: Vec<_> = walls
+        .iter()
+        .map(|(_, wall, name)| stress_length(world, *wall, stage.walls.get(name)))
+        .collect();
     for ((_, wall, name), (length, metres)) in walls.into_iter().zip(lengths) {
         let before = world.get::<WallControl>(wall).copied().unwrap_or_default();
         let control = match stage.walls.get(&name) {
             None => match before {
                 WallControl::Force { to, .. } => WallControl::Force { from: to, to },
-                WallControl::Stress { to, length, .. } => WallControl::Stress { from: to, to, length },
+                WallControl::Stress { to, length, .. } => {
+                    WallControl::Stress { from: to, to, length }
+                }
                 WallControl::Custom => WallControl::Custom,
                 _ => WallControl::Fixed,
             },
             Some(scene::WallControl::Fixed) => WallControl::Fixed,
-            Some(scene::WallControl::Displacement(x, y)) => WallControl::Displacement(DVec2::new(*x, *y)),
+            Some(scene::WallControl::Displacement(x, y)) => {
+                WallControl::Displacement(DVec2::new(*x, *y))
+            }
             Some(scene::WallControl::Velocity(x, y)) => WallControl::Velocity(DVec2::new(*x, *y)),
             Some(scene::WallControl::Force(to)) => {
                 let from = match before {
@@ -93,7 +101,8 @@ fn stress_length(
     let Some(scene::WallControl::Stress { between, .. }) = control else {
         return (LoadedLength::Segment, 1.0);
     };
-    let between = between.as_ref().and_then(|(a, b)| Some((find_wall(world, a)?, find_wall(world, b)?)));
+    let between =
+        between.as_ref().and_then(|(a, b)| Some((find_wall(world, a)?, find_wall(world, b)?)));
     let length = between.map_or(LoadedLength::Segment, |(a, b)| LoadedLength::Between(a, b));
     let measure = move |geometry: Query<(&Wall, &Position)>| loaded_length(wall, length, &geometry);
     let metres = world.run_system_once(measure).unwrap_or(1.0);
@@ -187,8 +196,14 @@ pub fn resolve_measures(world: &mut World) {
     let lateral_stress = wanted.lateral_stress.and_then(|m| stress(world, &m));
     let mut measures = world.resource_mut::<Measures>();
     let reference = measures.reference;
-    *measures =
-        Measures { reference_stage, axial_strain, lateral_strain, axial_stress, lateral_stress, reference };
+    *measures = Measures {
+        reference_stage,
+        axial_strain,
+        lateral_strain,
+        axial_stress,
+        lateral_stress,
+        reference,
+    };
 }
 
 fn particle(world: &mut World, index: u32) -> Option<Entity> {
@@ -198,7 +213,9 @@ fn particle(world: &mut World, index: u32) -> Option<Entity> {
 
 fn strain(world: &mut World, measure: &scene::Strain) -> Option<StrainMeasure> {
     Some(match measure {
-        scene::Strain::Walls(a, b) => StrainMeasure::Walls(find_wall(world, a)?, find_wall(world, b)?),
+        scene::Strain::Walls(a, b) => {
+            StrainMeasure::Walls(find_wall(world, a)?, find_wall(world, b)?)
+        }
         scene::Strain::Particles(a, b) => {
             StrainMeasure::Particles(particle(world, *a)?, particle(world, *b)?)
         }

@@ -64,12 +64,14 @@ pub fn particles(specimen: &Specimen, stored: Option<&StoredSpecimen>) -> Vec<Pa
             let mut random = Random::new(*seed);
             (0..*count)
                 .map(|k| {
-                    let cell = DVec2::new(f64::from(k % columns) + 0.5, f64::from(k / columns) + 0.5);
+                    let cell =
+                        DVec2::new(f64::from(k % columns) + 0.5, f64::from(k / columns) + 0.5);
                     let radius = random.radius(sizes);
                     // Anywhere in its cell, so that cells never overlap: disks on a regular grid
                     // would form straight columns, which rigid frictionless walls cannot buckle.
                     let room = 0.5 * spacing - radius;
-                    let jitter = DVec2::new(random.between(-room, room), random.between(-room, room));
+                    let jitter =
+                        DVec2::new(random.between(-room, room), random.between(-room, room));
                     let centre = DVec2::from(*origin) + *spacing * cell + jitter;
                     ParticleSeed::still(centre, radius, material.as_ref())
                 })
@@ -88,7 +90,13 @@ pub fn particles(specimen: &Specimen, stored: Option<&StoredSpecimen>) -> Vec<Pa
     }
 }
 
-fn lattice(columns: u32, rows: u32, radius: f64, origin: DVec2, material: Option<&String>) -> Vec<ParticleSeed> {
+fn lattice(
+    columns: u32,
+    rows: u32,
+    radius: f64,
+    origin: DVec2,
+    material: Option<&String>,
+) -> Vec<ParticleSeed> {
     let mut out = Vec::new();
     for row in 0..rows {
         let odd = row % 2 == 1;

@@ -3,15 +3,14 @@
 use bevy_ecs::prelude::*;
 use glam::DVec2;
 
-use clastic_components::body::{
-    AngularVelocity, BodyId, Group, Origin, Position, Probe, Velocity,
-};
+use clastic_components::body::{AngularVelocity, BodyId, Group, Origin, Position, Probe, Velocity};
 use clastic_components::increment as inc;
 use clastic_components::material::{BondLaw, ContactLaw, Material, Materials};
 use clastic_components::particle::{MaterialIndex, Particle};
 use clastic_components::wall::{Wall, WallName};
 use clastic_systems::solve_program::Solver;
 use clastic_systems::solve_program::clarabel::Clarabel;
+use clastic_systems::solve_program::condensed::Condensed;
 
 use super::cement::bond_pairs;
 use super::particles::particles;
@@ -52,8 +51,12 @@ pub fn spawn_scene(world: &mut World, scene: &scene::Scene, stored: Option<&Stor
         halvings: scene.acceptance.halvings,
         ..Default::default()
     });
-    let scene::Solver::Clarabel { tolerance, max_iterations } = scene.solver;
-    world.insert_resource(Solver(Box::new(Clarabel { tolerance, max_iterations })));
+    world.insert_resource(Solver(match scene.solver {
+        scene::Solver::Condensed => Box::new(Condensed::default()),
+        scene::Solver::Clarabel { tolerance, max_iterations } => {
+            Box::new(Clarabel { tolerance, max_iterations })
+        }
+    }));
     world.insert_resource(Materials(
         scene
             .materials
@@ -70,7 +73,8 @@ pub fn spawn_scene(world: &mut World, scene: &scene::Scene, stored: Option<&Stor
     let seeds = particles(&scene.specimen, stored);
     let names: Vec<&String> = scene.materials.keys().collect();
     for (i, seed) in seeds.iter().enumerate() {
-        let index = seed.material.as_ref().and_then(|m| names.iter().position(|n| *n == m)).unwrap_or(0);
+        let index =
+            seed.material.as_ref().and_then(|m| names.iter().position(|n| *n == m)).unwrap_or(0);
         let density = scene.materials.get(names[index]).map_or(0.0, |m| m.density);
         let mut entity = world.spawn((
             BodyId(i as u32),
@@ -146,7 +150,10 @@ pub fn spawn_wall(world: &mut World, name: &str) -> Option<Entity> {
     let middle = 0.5 * (start + end);
     let mut entity = world.spawn((
         id,
-        Wall { tangent: (end - start).normalize_or(DVec2::X), half_length: 0.5 * start.distance(end) },
+        Wall {
+            tangent: (end - start).normalize_or(DVec2::X),
+            half_length: 0.5 * start.distance(end),
+        },
         WallName(wall.name),
         Position(middle),
         Origin(middle),

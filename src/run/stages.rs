@@ -217,8 +217,6 @@ fn stopped(world: &mut World, stage: &Stage) -> bool {
         Stop::AxialStrain(limit) => strain.is_some_and(|e| e >= limit - 1e-12),
         Stop::StressDrop(fraction) => stress.is_some_and(|s| peak > 0.0 && s < fraction * peak),
         Stop::Time(limit) => time >= limit * (1.0 - 1e-12),
-        Stop::Rest(speed) => {
-            world.query::<&Velocity>().iter(world).all(|v| v.0.length() < speed)
-        }
+        Stop::Rest(speed) => world.query::<&Velocity>().iter(world).all(|v| v.0.length() < speed),
     })
 }

@@ -8,6 +8,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::unique_keys;
+
 /// Version of the format that this build reads.
 pub const VERSION: u32 = 1;
 
@@ -41,6 +43,7 @@ pub struct Scene {
     #[serde(default)]
     pub acceptance: Acceptance,
     /// Particle materials by name.
+    #[serde(deserialize_with = "unique_keys::deserialize")]
     pub materials: BTreeMap<String, Material>,
     /// The particles.
     pub specimen: Specimen,
@@ -131,6 +134,8 @@ pub enum RollingLimit {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub enum Solver {
+    /// The engine's own condensed solver, with Clarabel as its last resort.
+    Condensed,
     /// The interior-point solver Clarabel.
     Clarabel {
         /// Feasibility and gap tolerance that Clarabel is asked for.
@@ -452,7 +457,7 @@ pub struct Load {
     pub gravity: Option<(f64, f64)>,
     /// Control of walls by name. A wall that is not named keeps its load if it is loaded, else
     /// stays where it is.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "unique_keys::deserialize")]
     pub walls: BTreeMap<String, WallControl>,
     /// Walls that are taken away at the start.
     #[serde(default)]

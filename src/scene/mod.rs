@@ -1,3 +1,27 @@
-//! Scenes.
+//! Scenes: the text format, how it is read and what is checked before anything runs.
+//!
+//! A scene goes from text to [`LoadedScene`] in four steps, one file each: [`overrides`] edits the
+//! text, `ron` reads it into the types of [`format`](mod@format), [`specimen_file`] reads a stored
+//! specimen, and [`validate`] checks the meaning. A text that `ron` refuses is read a second time
+//! by `diagnose`, which does not stop at the first mistake.
+
+mod diagnose;
+pub mod diagnostic;
 pub mod format;
+pub mod load;
+pub mod overrides;
+mod scan;
+pub mod spans;
 pub mod specimen_file;
+mod stand_in;
+mod suggest;
+#[cfg(test)]
+mod tests;
+mod tree_reader;
+mod unique_keys;
+pub mod validate;
+
+pub use diagnostic::{Diagnostic, Finding, SceneErrors};
+pub use load::{LoadError, LoadedScene, from_str, load};
+pub use overrides::SetError;
+pub use specimen_file::{StoredParticle, StoredSpecimen};

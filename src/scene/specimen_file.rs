@@ -1,12 +1,184 @@
-//! Stored specimens.
-/// One row.
-#[derive(Clone, Debug)]
-pub struct StoredParticle { /// m
-pub x: f64, /// m
-pub y: f64, /// m
-pub r: f64, /// name
-pub material: Option<String> }
-/// A stored specimen.
-#[derive(Clone, Debug)]
-pub struct StoredSpecimen { /// rows
-pub rows: Vec<StoredParticle> }
+//! Stored specimens: CSV with the columns `x_m`, `y_m`, `radius_m` and optionally `material`.
+//!
+//! Lines that begin with `#` are comments. Names of materials hold no commas or quotes.
+
+use std::fs;
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+
+use super::diagnostic::{Finding, MOST, Placed, SceneErrors};
+use super::validate::{MOST_PARTICLES, coincident};
+
+const COLUMNS: [&str; 4] = ["x_m", "y_m", "radius_m", "material"];
+
+/// A specimen that is stored in a file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct StoredSpecimen {
+    /// Its particles.
+    pub rows: Vec<StoredParticle>,
+}
+
+/// A particle of a stored specimen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StoredParticle {
+    /// Centre, m.
+    pub x: f64,
+    /// Centre, m.
+    pub y: f64,
+    /// Radius, m.
+    pub r: f64,
+    /// Material; without one, that of the scene's specimen.
+    pub material: Option<String>,
+}
+
+/// Why there is no stored specimen.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum ReadError {
+    /// The file cannot be read.
+    #[error("{0}")]
+    File(String),
+    /// Something in it is wrong.
+    #[error(transparent)]
+    Rows(SceneErrors),
+}
+
+/// Reads a stored specimen.
+///
+/// # Errors
+/// Where the file cannot be read, and for each row that makes no particle.
+pub fn read(path: &Path) -> Result<StoredSpecimen, ReadError> {
+    let refuse = |why: &str| ReadError::File(format!("cannot read `{}`: {why}", path.display()));
+    let kind = fs::metadata(path).map_err(|error| refuse(&error.to_string()))?;
+    if !kind.is_file() {
+        return Err(refuse(if kind.is_dir() { "it is a directory" } else { "it is no file" }));
+    }
+    let bytes = fs::read(path).map_err(|error| refuse(&error.to_string()))?;
+    let mut reading = Reading::default();
+    let text = String::from_utf8(bytes).unwrap_or_else(|error| {
+        reading.note(error.utf8_error().valid_up_to(), "", "not UTF-8 text", "save it as UTF-8");
+        String::from_utf8_lossy(error.as_bytes()).into_owned()
+    });
+    if reading.placed.is_empty() {
+        reading.text(&text);
+        let disks: Vec<_> = reading.rows.iter().map(|row| (row.x, row.y, row.r)).collect();
+        for (earlier, later) in coincident(&disks, MOST) {
+            let (line, _) = super::diagnostic::line_and_column(&text, reading.starts[earlier]);
+            let message = format!("the same place as the particle of line {line}");
+            reading.note(reading.starts[later], "x_m", &message, "leave one of them out");
+        }
+    }
+    if reading.placed.is_empty() {
+        Ok(StoredSpecimen { rows: reading.rows })
+    } else {
+        Err(ReadError::Rows(SceneErrors::new(path, &text, reading.placed)))
+    }
+}
+
+/// Writes a stored specimen. Numbers read back as they are.
+///
+/// # Errors
+/// Where the file cannot be written or the name of a material does not fit the format.
+pub fn write(path: &Path, rows: &[StoredParticle]) -> io::Result<()> {
+    let names = || rows.iter().filter_map(|row| row.material.as_deref());
+    let unfit = |name: &&str| name.contains([',', '"', '\n', '\r']) || name.trim() != *name;
+    if let Some(name) = names().find(unfit) {
+        let message = format!("material `{name}` does not fit into a stored specimen");
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
+    }
+    let columns = if names().next().is_some() { &COLUMNS[..] } else { &COLUMNS[..3] };
+    let mut file = BufWriter::new(fs::File::create(path)?);
+    writeln!(file, "{}", columns.join(","))?;
+    for StoredParticle { x, y, r, material } in rows {
+        write!(file, "{x:?},{y:?},{r:?}")?;
+        if columns.len() == COLUMNS.len() {
+            write!(file, ",{}", material.as_deref().unwrap_or_default())?;
+        }
+        writeln!(file)?;
+    }
+    file.flush()
+}
+
+#[derive(Default)]
+struct Reading {
+    rows: Vec<StoredParticle>,
+    /// Byte at which each row begins.
+    starts: Vec<usize>,
+    placed: Vec<Placed>,
+}
+
+impl Reading {
+    fn note(&mut self, at: usize, column: &str, message: &str, help: &str) {
+        self.placed.push(Placed { at, finding: Finding::new(column, message, help) });
+    }
+
+    fn text(&mut self, text: &str) {
+        let mut at = 0;
+        let mut columns = None;
+        for whole in text.split_inclusive('\n') {
+            let start = at;
+            at += whole.len();
+            let line = whole.trim_end().trim_start_matches('\u{feff}');
+            if line.trim().is_empty() || line.starts_with('#') {
+                continue;
+            }
+            let fields: Vec<_> = line.split(',').map(str::trim).collect();
+            let Some(columns) = columns else {
+                if fields != COLUMNS && fields != COLUMNS[..3] {
+                    let message = format!("unknown columns `{line}`");
+                    let help =
+                        "the first line is `x_m,y_m,radius_m` or `x_m,y_m,radius_m,material`";
+                    return self.note(start, "", &message, help);
+                }
+                columns = Some(fields.len());
+                continue;
+            };
+            if self.rows.len() as u64 == MOST_PARTICLES {
+                let message = format!("more than {MOST_PARTICLES} particles");
+                return self.note(start, "", &message, "take a smaller specimen");
+            }
+            if fields.len() == columns {
+                self.row(line, start, &fields);
+            } else {
+                let message = format!("{} values (`{line}`)", fields.len());
+                self.note(start, "", &message, &format!("this file has {columns} columns"));
+            }
+        }
+        if columns.is_none() {
+            self.note(0, "", "no header", "the first line is `x_m,y_m,radius_m`");
+        }
+    }
+
+    fn row(&mut self, line: &str, start: usize, fields: &[&str]) {
+        let before = self.placed.len();
+        let mut numbers = [0.0; 3];
+        // Each field is looked for behind the one before, so that equal ones keep their places.
+        let mut at = 0;
+        for (i, number) in numbers.iter_mut().enumerate() {
+            let Some(field) = fields.get(i) else { return };
+            let column = at + line.get(at..).and_then(|rest| rest.find(field)).unwrap_or_default();
+            at += line.get(at..).and_then(|rest| rest.find(',')).map_or(0, |comma| comma + 1);
+            match field.parse::<f64>() {
+                Ok(value) if !value.is_finite() => {
+                    let message = format!("not finite ({value})");
+                    self.note(start + column, COLUMNS[i], &message, "give a number in m");
+                }
+                Ok(value) if i == 2 && value <= 0.0 => {
+                    let message = format!("not greater than 0 ({value:?})");
+                    self.note(start + column, COLUMNS[i], &message, "give a radius in m");
+                }
+                Ok(value) => *number = value,
+                Err(_) => {
+                    let message = format!("not a number (`{field}`)");
+                    self.note(start + column, COLUMNS[i], &message, "give a number in m");
+                }
+            }
+        }
+        if self.placed.len() == before {
+            let [x, y, r] = numbers;
+            let name = fields.get(3).filter(|name| !name.is_empty());
+            let material = name.map(|name| (*name).to_owned());
+            self.rows.push(StoredParticle { x, y, r, material });
+            self.starts.push(start);
+        }
+    }
+}

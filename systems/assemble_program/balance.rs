@@ -38,7 +38,8 @@ pub fn assemble(
             out[i].dofs[k] = match bodies.drives[i][k] {
                 Drive::Imposed(u) => Dof::Fixed(fraction * u),
                 Drive::Free => {
-                    let free = particle_dof(bodies, analysis, progress.increment, fraction, &affine, i, k);
+                    let free =
+                        particle_dof(bodies, analysis, progress.increment, fraction, &affine, i, k);
                     let acted = if k < 2 { touched[i].0 } else { touched[i].1 };
                     if acted || (free.inertia == 0.0 && free.load != 0.0) {
                         Dof::Free(free)
@@ -120,7 +121,9 @@ struct Affine {
 
 impl Affine {
     fn of(bodies: &Bodies, analysis: &Analysis, fraction: f64) -> Self {
-        let AnalysisKind::LeastMotion { affine: true, .. } = analysis.kind else { return Self { moving: None } };
+        let AnalysisKind::LeastMotion { affine: true, .. } = analysis.kind else {
+            return Self { moving: None };
+        };
         let moving = bodies.walls.iter().find_map(|wall| match wall.drive {
             WallDrive::Imposed(u) if u != DVec2::ZERO => Some((wall, fraction * u)),
             _ => None,

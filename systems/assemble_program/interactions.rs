@@ -35,7 +35,8 @@ pub fn assemble(
         match bond.filter(|_| !broken) {
             Some(bond) => bonded(bodies, analysis, contact, bond, memory),
             None => {
-                let memory = if broken { shear_after_rupture(memory, contact.gap, &law) } else { memory };
+                let memory =
+                    if broken { shear_after_rupture(memory, contact.gap, &law) } else { memory };
                 unbonded(bodies, analysis, attempt, contact, &law, memory)
             }
         }
@@ -111,7 +112,8 @@ fn unbonded(
     memory: f64,
 ) -> Interaction {
     let key = (contact.a, contact.b);
-    let opening = attempt.openings.binary_search_by_key(&key, |o| o.0).map_or(0.0, |k| attempt.openings[k].1);
+    let opening =
+        attempt.openings.binary_search_by_key(&key, |o| o.0).map_or(0.0, |k| attempt.openings[k].1);
     let limits = Limits {
         cohesion: 0.0,
         friction: law.friction,

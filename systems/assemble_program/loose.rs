@@ -223,7 +223,9 @@ fn full_rank(mut gram: Vec<Vec<f64>>) -> bool {
     let n = gram.len();
     let greatest = (0..n).map(|i| gram[i][i]).fold(0.0, f64::max);
     let mut left: Vec<usize> = (0..n).collect();
-    while let Some(k) = (0..left.len()).max_by(|a, b| gram[left[*a]][left[*a]].total_cmp(&gram[left[*b]][left[*b]])) {
+    while let Some(k) =
+        (0..left.len()).max_by(|a, b| gram[left[*a]][left[*a]].total_cmp(&gram[left[*b]][left[*b]]))
+    {
         let pivot = left.swap_remove(k);
         // Relative to the number of constraints that were summed up; a mechanism leaves round-off.
         if gram[pivot][pivot] <= 1e-10 * greatest {

@@ -26,8 +26,12 @@ impl Plugin for AssembleProgramPlugin {
             .init_resource::<Materials>()
             .add_systems(
                 AttemptIncrement,
-                (assemble_program.in_set(AttemptSystems::Assemble),
-                lap(|t| &mut t.assemble).after(AttemptSystems::AssembleExtra).before(AttemptSystems::Solve)),
+                (
+                    assemble_program.in_set(AttemptSystems::Assemble),
+                    lap(|t| &mut t.assemble)
+                        .after(AttemptSystems::AssembleExtra)
+                        .before(AttemptSystems::Solve),
+                ),
             );
     }
 }
@@ -46,7 +50,13 @@ pub fn assemble_program(
     let program = &mut *program;
     let pairs_before: Vec<(u32, u32)> = program.interactions.iter().map(|c| (c.a, c.b)).collect();
     interactions::assemble(
-        &bodies, &contacts.0, &history, &materials, &analysis, &attempt, &mut program.interactions,
+        &bodies,
+        &contacts.0,
+        &history,
+        &materials,
+        &analysis,
+        &attempt,
+        &mut program.interactions,
     );
     balance::assemble(&bodies, &analysis, &progress, &program.interactions, &mut program.bodies);
     program.scales = scales::estimate(&bodies, &history, &analysis, &progress, &attempt, program);

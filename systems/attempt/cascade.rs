@@ -24,7 +24,8 @@ pub fn judge(
         return;
     }
     let broken: Vec<_> = attempt.ruptures.iter().map(|r| r.bond).collect();
-    let mut found = find_ruptures(&rules, progress.increment, &bodies, &contacts.0, &program, &solution);
+    let mut found =
+        find_ruptures(&rules, progress.increment, &bodies, &contacts.0, &program, &solution);
     found.retain(|r| !broken.contains(&r.bond));
     if found.is_empty() {
         return;

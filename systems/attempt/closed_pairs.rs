@@ -51,7 +51,11 @@ pub fn judge(
 }
 
 /// Positions of all bodies after the displacements of the solution, m.
-pub fn moved_positions(bodies: &Bodies, program: &ConeProgram, solution: &ConeSolution) -> Vec<DVec2> {
+pub fn moved_positions(
+    bodies: &Bodies,
+    program: &ConeProgram,
+    solution: &ConeSolution,
+) -> Vec<DVec2> {
     bodies
         .positions
         .iter()

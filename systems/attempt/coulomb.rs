@@ -39,7 +39,10 @@ pub fn judge(
         let opening = c.limits.friction * m.slip.abs() + c.limits.rolling * m.rotation.abs();
         let opening = if closed { opening } else { 0.0 };
         let key = (contact.a, contact.b);
-        let before = attempt.openings.binary_search_by_key(&key, |o| o.0).map_or(0.0, |k| attempt.openings[k].1);
+        let before = attempt
+            .openings
+            .binary_search_by_key(&key, |o| o.0)
+            .map_or(0.0, |k| attempt.openings[k].1);
         change = change.max((opening - before).abs());
         if opening > 0.0 {
             openings.push((key, opening));

@@ -24,9 +24,7 @@ use clastic_components::increment::{Acceptance, Analysis, FrictionLaw, Progress,
 use clastic_components::program::{ConeSolution, SolveStatus};
 
 use crate::assemble_program::loose;
-use crate::schedule::{
-    AttemptIncrement, AttemptSystems, Increment, IncrementSystems, start_clock,
-};
+use crate::schedule::{AttemptIncrement, AttemptSystems, Increment, IncrementSystems, start_clock};
 
 /// Adds [`run_attempts`] and the judges.
 pub struct AttemptPlugin;

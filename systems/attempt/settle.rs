@@ -13,9 +13,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::RunSystemOnce;
 
 use clastic_components::attempt::{Attempt, IncrementStatus, Verdict};
-use clastic_components::body::{
-    AppliedLoad, Drive, Drives, LastMotion, Position, Ramp, Rotation,
-};
+use clastic_components::body::{AppliedLoad, Drive, Drives, LastMotion, Position, Ramp, Rotation};
 use clastic_components::contact::ContactHistory;
 use clastic_components::wall::{Wall, WallDrive};
 

@@ -35,7 +35,11 @@ impl ExpectedMotion {
 }
 
 /// Imposed motion where there is one; in dynamics free flight; else the last increment again.
-pub fn expected_motion(bodies: &Bodies, analysis: &Analysis, progress: &Progress) -> ExpectedMotion {
+pub fn expected_motion(
+    bodies: &Bodies,
+    analysis: &Analysis,
+    progress: &Progress,
+) -> ExpectedMotion {
     let f = progress.fraction;
     let mut displacement: Vec<DVec2> = match analysis.kind {
         AnalysisKind::Dynamic { dt, .. } => bodies

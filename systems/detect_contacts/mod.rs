@@ -83,7 +83,9 @@ pub fn detect_contacts(
             d.length() - radii[a as usize] - radii[b as usize] <= expected.pair_reach(a, b)
         } else {
             match bodies.walls.binary_search_by_key(&b, |w| w.body) {
-                Ok(k) => wall_contact(&bodies, a, &bodies.walls[k]).gap <= expected.pair_reach(a, b),
+                Ok(k) => {
+                    wall_contact(&bodies, a, &bodies.walls[k]).gap <= expected.pair_reach(a, b)
+                }
                 Err(_) => false,
             }
         };
@@ -97,8 +99,9 @@ fn merged_pairs(
     added: &[(u32, u32)],
     candidates: &[(u32, u32)],
 ) -> Vec<(u32, u32)> {
-    let mut all =
-        Vec::with_capacity(candidates.len() + bodies.bonds.len() + bodies.particles * bodies.walls.len());
+    let mut all = Vec::with_capacity(
+        candidates.len() + bodies.bonds.len() + bodies.particles * bodies.walls.len(),
+    );
     all.extend_from_slice(candidates);
     all.extend(bodies.bonds.iter().map(|bond| (bond.a, bond.b)));
     all.extend_from_slice(added);

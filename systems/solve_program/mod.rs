@@ -6,6 +6,8 @@
 
 pub mod certificate;
 pub mod clarabel;
+pub mod condensed;
+mod lowering;
 pub mod polish;
 pub mod residuals;
 
@@ -93,23 +95,44 @@ fn check(program: &ConeProgram) -> Result<(), MalformedProgram> {
     let n = program.bodies.len();
     for (k, c) in program.interactions.iter().enumerate() {
         if c.a as usize >= n || c.b as usize >= n || c.a == c.b {
-            return Err(MalformedProgram(format!("interaction {k} joins bodies {} and {} of {n}", c.a, c.b)));
+            return Err(MalformedProgram(format!(
+                "interaction {k} joins bodies {} and {} of {n}",
+                c.a, c.b
+            )));
         }
         let l = &c.limits;
         let numbers = [
-            c.normal.x, c.normal.y, c.arm_a, c.arm_b, c.offset, c.normal_compliance,
-            c.tangential_compliance, c.previous_shear, l.cohesion, l.friction, l.tension, l.rolling,
+            c.normal.x,
+            c.normal.y,
+            c.arm_a,
+            c.arm_b,
+            c.offset,
+            c.normal_compliance,
+            c.tangential_compliance,
+            c.previous_shear,
+            l.cohesion,
+            l.friction,
+            l.tension,
+            l.rolling,
         ];
         if numbers.iter().any(|x| !x.is_finite()) {
             return Err(MalformedProgram(format!(
-                "interaction {k} of bodies {} and {} has a number that is not finite", c.a, c.b
+                "interaction {k} of bodies {} and {} has a number that is not finite",
+                c.a, c.b
             )));
         }
-        let not_negative =
-            [c.normal_compliance, c.tangential_compliance, l.cohesion, l.friction, l.tension, l.rolling];
+        let not_negative = [
+            c.normal_compliance,
+            c.tangential_compliance,
+            l.cohesion,
+            l.friction,
+            l.tension,
+            l.rolling,
+        ];
         if not_negative.iter().any(|x| *x < 0.0) {
             return Err(MalformedProgram(format!(
-                "interaction {k} of bodies {} and {} has a negative compliance or limit", c.a, c.b
+                "interaction {k} of bodies {} and {} has a negative compliance or limit",
+                c.a, c.b
             )));
         }
     }

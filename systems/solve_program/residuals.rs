@@ -30,8 +30,11 @@ pub struct Multipliers {
 #[must_use]
 pub fn multipliers(c: &Interaction, e: &Kinematics, f: &[f64; 3]) -> Multipliers {
     let l = &c.limits;
-    let slip =
-        if l.has_shear() { e[1] - c.tangential_compliance * (f[1] - c.previous_shear) } else { 0.0 };
+    let slip = if l.has_shear() {
+        e[1] - c.tangential_compliance * (f[1] - c.previous_shear)
+    } else {
+        0.0
+    };
     let rotation = if l.has_rolling() { e[2] } else { 0.0 };
     let tension = c.offset + c.normal_compliance * f[0]
         - e[0]
@@ -58,16 +61,17 @@ pub fn force_scale(program: &ConeProgram, forces: &[[f64; 3]]) -> f64 {
 /// Greatest displacement, m, but at least 1e-6 mean radii.
 #[must_use]
 pub fn displacement_scale(program: &ConeProgram, displacements: &[[f64; 3]]) -> f64 {
-    displacements
-        .iter()
-        .map(|u| u[0].hypot(u[1]))
-        .fold(1e-6 * program.scales.length, f64::max)
+    displacements.iter().map(|u| u[0].hypot(u[1])).fold(1e-6 * program.scales.length, f64::max)
 }
 
 /// The four residuals, each the greatest over its rows. What a regularisation adds to the balance
 /// is an error of it.
 #[must_use]
-pub fn residuals(program: &ConeProgram, forces: &[[f64; 3]], displacements: &[[f64; 3]]) -> Residuals {
+pub fn residuals(
+    program: &ConeProgram,
+    forces: &[[f64; 3]],
+    displacements: &[[f64; 3]],
+) -> Residuals {
     evaluate(program, forces, displacements, 0.0)
 }
 

@@ -1,0 +1,26 @@
+//! `clastic check`: reads a scene and says whether it is sound.
+
+use clastic::run::particles::particles;
+use clastic::scene::load;
+
+use super::SceneArgs;
+use super::exit::{Exit, Failure, say};
+use super::resolve::resolve;
+
+/// Checks a scene.
+pub fn check(args: &SceneArgs) -> Result<Exit, Failure> {
+    let loaded = load(&resolve(&args.scene)?, &args.sets)?;
+    let scene = &loaded.scene;
+    say(format_args!(
+        "ok: {}, {}, {}, {}",
+        scene.title,
+        number(particles(&scene.specimen, loaded.specimen.as_ref()).len(), "particle"),
+        number(scene.walls.len(), "wall"),
+        number(scene.stages.len(), "stage"),
+    ));
+    Ok(Exit::Ok)
+}
+
+fn number(n: usize, of: &str) -> String {
+    format!("{n} {of}{}", if n == 1 { "" } else { "s" })
+}

@@ -1,0 +1,67 @@
+//! Exit codes, and what is said on the way out.
+
+use std::fmt::Display;
+use std::io::{self, Write};
+use std::process::ExitCode;
+
+use clastic::output::OutputError;
+use clastic::scene::LoadError;
+
+/// How the program ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Exit {
+    /// Done.
+    Ok = 0,
+    /// Input or output failed.
+    Files = 1,
+    /// The command line is wrong.
+    Usage = 2,
+    /// The scene is wrong.
+    Scene = 3,
+    /// An increment could not be solved.
+    Solver = 4,
+    /// Ctrl-C.
+    Interrupted = 130,
+}
+
+impl From<Exit> for ExitCode {
+    fn from(exit: Exit) -> Self {
+        Self::from(exit as u8)
+    }
+}
+
+/// Why a command could not do what it was asked for.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Failure {
+    /// How to end.
+    pub exit: Exit,
+    /// What to say.
+    pub message: String,
+}
+
+impl From<LoadError> for Failure {
+    fn from(error: LoadError) -> Self {
+        let exit = match error {
+            LoadError::Read { .. } => Exit::Files,
+            LoadError::Set(_) => Exit::Usage,
+            LoadError::Scene(_) => Exit::Scene,
+        };
+        Self { exit, message: error.to_string() }
+    }
+}
+
+impl From<OutputError> for Failure {
+    fn from(error: OutputError) -> Self {
+        Self { exit: Exit::Files, message: error.to_string() }
+    }
+}
+
+/// Says something on standard output. Who closes it does not want to read it: no error.
+pub fn say(what: impl Display) {
+    let _ = writeln!(io::stdout(), "{what}");
+}
+
+/// Says something on standard error.
+pub fn complain(what: impl Display) {
+    let _ = writeln!(io::stderr(), "{what}");
+}

@@ -1,0 +1,96 @@
+//! The command line: what can be typed, and which file does it.
+
+mod check;
+mod exit;
+mod interrupt;
+mod list;
+mod progress;
+mod resolve;
+mod run;
+mod summary;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Args, Parser, Subcommand};
+
+const EXAMPLES: &str = "\
+Examples:
+  clastic list                                  scenes that are here
+  clastic check uniaxial                        is scenes/uniaxial.ron sound?
+  clastic run uniaxial                          run it; results go to runs/uniaxial
+  clastic run my_rig.ron --out out --set gravity='(0.0, -9.81)'
+
+Exit codes:
+  0    done; a collapse of the specimen is a result
+  1    input or output failed: no such file, directory in use, disk full
+  2    wrong usage, or a --set that leads nowhere
+  3    the scene is wrong
+  4    an increment could not be solved; results up to there are written
+  130  interrupted (Ctrl-C); results up to there are written";
+
+/// Granular contact dynamics with elastic bonds: runs scenes written in RON.
+#[derive(Parser)]
+#[command(version, after_help = EXAMPLES, arg_required_else_help = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Run a scene and write its results
+    #[command(after_help = EXAMPLES)]
+    Run(RunArgs),
+    /// Read a scene and report everything that is wrong with it
+    Check(SceneArgs),
+    /// List the scenes in ./scenes
+    List,
+}
+
+/// Which scene.
+#[derive(Args)]
+struct SceneArgs {
+    /// A scene file, or the name of one in ./scenes
+    scene: PathBuf,
+    /// Set a field of the scene, e.g. --set stages[0].increments=10; may be repeated
+    #[arg(long = "set", value_name = "PATH=VALUE")]
+    sets: Vec<String>,
+}
+
+#[derive(Args)]
+struct RunArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// Directory for the results [default: runs/<name of the scene>]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Write over the results of an earlier run
+    #[arg(long)]
+    force: bool,
+    /// Threads to use at most; results do not depend on it (this version always uses one)
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    threads: Option<u32>,
+    /// Write the cone program and solution of increment N as JSON; may be repeated
+    #[arg(long = "dump-program", value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    dump_programs: Vec<u64>,
+    /// No progress, only the result
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+/// Runs the program.
+pub fn main() -> ExitCode {
+    let done = match Cli::parse().command {
+        Command::Run(args) => run::run(&args),
+        Command::Check(args) => check::check(&args),
+        Command::List => list::list(),
+    };
+    match done {
+        Ok(exit) => exit.into(),
+        Err(failure) => {
+            exit::complain(&failure.message);
+            failure.exit.into()
+        }
+    }
+}

@@ -1,0 +1,101 @@
+//! How far the run is: a bar on a terminal, plain lines elsewhere.
+
+use std::io::{self, IsTerminal};
+use std::time::{Duration, Instant};
+
+use clastic::components::increment::Progress as Place;
+use clastic::components::observation::Observation;
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::exit::complain;
+use super::summary::stress;
+
+/// Plain lines are at least this far apart, except at the start of a stage.
+const PAUSE: Duration = Duration::from_secs(1);
+
+/// What the user sees during a run.
+pub enum Progress {
+    /// Nothing.
+    Quiet,
+    /// A bar for the stage under way.
+    Bar {
+        /// The bar.
+        bar: ProgressBar,
+        /// Its stage.
+        stage: Option<usize>,
+        /// Number of stages.
+        stages: usize,
+    },
+    /// Lines on standard error.
+    Lines {
+        /// Stage and time of the last line.
+        last: Option<(usize, Instant)>,
+        /// Number of stages.
+        stages: usize,
+    },
+}
+
+impl Progress {
+    /// Begins; `stages` is their number.
+    pub fn new(quiet: bool, stages: usize) -> Self {
+        if quiet {
+            return Self::Quiet;
+        }
+        if !io::stderr().is_terminal() {
+            return Self::Lines { last: None, stages };
+        }
+        let bar = ProgressBar::new(0);
+        let template = "{prefix} [{bar:24}] {pos}/{len}, {msg}, {eta} left";
+        if let Ok(style) = ProgressStyle::with_template(template) {
+            bar.set_style(style.progress_chars("=> "));
+        }
+        bar.enable_steady_tick(Duration::from_millis(200));
+        Self::Bar { bar, stage: None, stages }
+    }
+
+    /// Shows an increment.
+    pub fn show(&mut self, place: &Place, o: &Observation) {
+        let title = |stages| format!("stage {}/{stages} {}", place.stage + 1, place.stage_name);
+        match self {
+            Self::Quiet => {}
+            Self::Bar { bar, stage, stages } => {
+                if *stage != Some(place.stage) {
+                    *stage = Some(place.stage);
+                    bar.reset();
+                    bar.set_prefix(title(*stages));
+                }
+                // Increments may come in fractions: the bar counts whole ones.
+                bar.set_length(place.total.ceil() as u64);
+                bar.set_position(place.done as u64);
+                bar.set_message(state(o));
+            }
+            Self::Lines { last, stages } => {
+                let due = last.is_none_or(|(stage, time)| stage != place.stage || time.elapsed() >= PAUSE);
+                if due {
+                    *last = Some((place.stage, Instant::now()));
+                    let (done, total) = (place.done.floor(), place.total.ceil());
+                    complain(format_args!("{} {done}/{total}, {}", title(*stages), state(o)));
+                }
+            }
+        }
+    }
+
+    /// Clears the bar.
+    pub fn end(self) {
+        if let Self::Bar { bar, .. } = self {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+/// Strain, stress and broken bonds of an increment, as far as they are defined.
+fn state(o: &Observation) -> String {
+    let mut parts = vec![format!("increment {}", o.increment)];
+    parts.extend(o.axial_strain.map(|e| format!("strain {:.3} %", 100.0 * e)));
+    parts.extend(o.axial_stress.map(|s| format!("stress {}", stress(s))));
+    let broken: usize = o.broken.iter().sum();
+    if o.bonds + broken > 0 {
+        parts.push(format!("{broken} of {} bonds broken", o.bonds + broken));
+    }
+    parts.join(", ")
+}

@@ -1,0 +1,9 @@
+//! The `clastic` program.
+
+mod cli;
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    cli::main()
+}

@@ -1,0 +1,57 @@
+//! Files that are there whole or not at all.
+
+use std::ffi::OsString;
+use std::fs;
+use std::io;
+use std::path::Path;
+
+use super::OutputError;
+
+/// Lets `write` fill a temporary file beside `path` and renames it to `path` once it is complete.
+///
+/// # Errors
+/// Where the file cannot be written; what was at `path` before is then still there.
+pub fn atomically(
+    path: &Path,
+    write: impl FnOnce(&Path) -> io::Result<()>,
+) -> Result<(), OutputError> {
+    let mut name = path.file_name().map_or_else(OsString::new, OsString::from);
+    name.push(".part");
+    let temporary = path.with_file_name(name);
+    let done = write(&temporary).and_then(|()| fs::rename(&temporary, path));
+    if done.is_err() {
+        // It may not even be there; the error that counts is the one above.
+        let _ = fs::remove_file(&temporary);
+    }
+    done.map_err(OutputError::at(path))
+}
+
+/// Writes a whole file, see [`atomically`].
+///
+/// # Errors
+/// Where the file cannot be written.
+pub fn write_atomic(path: &Path, content: impl AsRef<[u8]>) -> Result<(), OutputError> {
+    atomically(path, |temporary| fs::write(temporary, content))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_failed_write_leaves_the_old_file_and_no_litter() -> Result<(), Box<dyn std::error::Error>> {
+        let dir = tempfile::tempdir()?;
+        let path = dir.path().join("run.json");
+        write_atomic(&path, "old")?;
+        let failed = atomically(&path, |temporary| {
+            fs::write(temporary, "half")?;
+            Err(io::Error::other("disk full"))
+        });
+        assert!(failed.is_err_and(|e| e.to_string().ends_with("run.json: disk full")));
+        assert_eq!(fs::read_to_string(&path)?, "old");
+        assert_eq!(fs::read_dir(dir.path())?.count(), 1);
+        write_atomic(&path, "new")?;
+        assert_eq!(fs::read_to_string(&path)?, "new");
+        Ok(())
+    }
+}

@@ -1,0 +1,138 @@
+//! CSV files that grow row by row.
+
+use std::fmt::{Display, Write as _};
+use std::fs::File;
+use std::io::Write as _;
+use std::path::PathBuf;
+
+use super::OutputError;
+
+/// A CSV file of which every row is written whole.
+#[derive(Debug)]
+pub struct CsvFile {
+    path: PathBuf,
+    file: File,
+    length: u64,
+}
+
+impl CsvFile {
+    /// Creates the file with its header.
+    ///
+    /// # Errors
+    /// Where the file cannot be written.
+    pub fn create(
+        path: PathBuf,
+        header: impl IntoIterator<Item = impl AsRef<str>>,
+    ) -> Result<Self, OutputError> {
+        let file = File::create(&path).map_err(OutputError::at(&path))?;
+        let mut csv = Self { path, file, length: 0 };
+        let row = header.into_iter().fold(Row::default(), |row, name| row.text(name.as_ref()));
+        csv.push(row)?;
+        Ok(csv)
+    }
+
+    /// Appends a row, in one write.
+    ///
+    /// # Errors
+    /// Where the row cannot be written; the file then ends with the row before.
+    pub fn push(&mut self, row: Row) -> Result<(), OutputError> {
+        let line = row.line();
+        if let Err(error) = self.file.write_all(line.as_bytes()).and_then(|()| self.file.flush()) {
+            // Half a row would make the file unreadable to whoever wants the rest of it.
+            let _ = self.file.set_len(self.length);
+            return Err(OutputError::at(&self.path)(error));
+        }
+        self.length += line.len() as u64;
+        Ok(())
+    }
+}
+
+/// A row of a CSV file.
+#[derive(Clone, Debug, Default)]
+pub struct Row(String);
+
+impl Row {
+    /// Adds a text, quoted where it has to be.
+    #[must_use]
+    pub fn text(mut self, text: &str) -> Self {
+        if text.contains([',', '"', '\n', '\r']) {
+            self.field(format_args!("\"{}\"", text.replace('"', "\"\"")));
+        } else {
+            self.field(text);
+        }
+        self
+    }
+
+    /// Adds an integer.
+    #[must_use]
+    pub fn count(mut self, count: impl Into<u64>) -> Self {
+        self.field(count.into());
+        self
+    }
+
+    /// Adds a number with the fewest digits that read back as the same number.
+    #[must_use]
+    pub fn number(mut self, number: f64) -> Self {
+        // Adding zero turns -0 into 0: its sign says nothing, but would show.
+        self.field(format_args!("{:?}", number + 0.0));
+        self
+    }
+
+    /// Adds several numbers.
+    #[must_use]
+    pub fn numbers(self, numbers: impl IntoIterator<Item = f64>) -> Self {
+        numbers.into_iter().fold(self, Self::number)
+    }
+
+    /// Adds a number, or an empty field where it is not defined.
+    #[must_use]
+    pub fn optional(mut self, number: Option<f64>) -> Self {
+        match number {
+            Some(number) => self.number(number),
+            None => {
+                self.field("");
+                self
+            }
+        }
+    }
+
+    /// The row as a line of text.
+    #[must_use]
+    pub fn line(mut self) -> String {
+        // Every field ends with a comma; the last one's becomes the end of the line.
+        self.0.pop();
+        self.0.push('\n');
+        self.0
+    }
+
+    fn field(&mut self, value: impl Display) {
+        // Writing to a string does not fail.
+        let _ = write!(self.0, "{value},");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_are_plain_csv_and_numbers_read_back() -> Result<(), Box<dyn std::error::Error>> {
+        let row = Row::default().count(3_u32).text("a, \"b\"").optional(None).numbers([0.1, -0.0, 1e-9]);
+        assert_eq!(row.line(), "3,\"a, \"\"b\"\"\",,0.1,0.0,1e-9\n");
+        let third = 1.0 / 3.0;
+        assert_eq!(Row::default().number(third).line().trim().parse::<f64>()?.to_bits(), third.to_bits());
+        Ok(())
+    }
+
+    #[test]
+    fn an_empty_last_field_stays_a_field() {
+        assert_eq!(Row::default().number(1.0).optional(None).line(), "1.0,\n");
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn a_full_disk_is_an_error_that_names_the_file() {
+        let full = CsvFile::create("/dev/full".into(), ["a"]);
+        assert!(full.is_err_and(|e| e.to_string().starts_with("/dev/full: ")));
+    }
+}

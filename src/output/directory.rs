@@ -1,0 +1,131 @@
+//! The directory itself: where it is, whether it is free, names of files in it.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use super::OutputError;
+
+/// Facts about the run.
+pub const RUN: &str = "run.json";
+/// The scene as run.
+pub const SCENE: &str = "scene.ron";
+/// One row an increment.
+pub const HISTORY: &str = "history.csv";
+/// One row a rupture.
+pub const EVENTS: &str = "events.csv";
+/// Wall clock.
+pub const TIMINGS: &str = "timings.csv";
+/// The prepared specimen.
+pub const SPECIMEN: &str = "specimen.csv";
+/// All particles at the end.
+pub const FINAL_PARTICLES: &str = "final_particles.csv";
+/// Directory of the frames.
+pub const FRAMES: &str = "frames";
+
+/// Where the results of a scene go by default: `runs/<name of the scene>`.
+#[must_use]
+pub fn default_directory(scene: &Path) -> PathBuf {
+    Path::new("runs").join(scene.file_stem().unwrap_or("scene".as_ref()))
+}
+
+/// Path of a frame.
+#[must_use]
+pub fn frame(directory: &Path, increment: u64) -> PathBuf {
+    directory.join(FRAMES).join(format!("frame_{increment:06}.csv"))
+}
+
+/// Path of a dumped program.
+#[must_use]
+pub fn program(directory: &Path, increment: u64) -> PathBuf {
+    directory.join(format!("program_{increment:06}.json"))
+}
+
+/// Makes `directory` ready for a run: it must be empty or not be there, unless `force`, which
+/// removes what an earlier run wrote and nothing else.
+///
+/// # Errors
+/// [`OutputError::Exists`] where there is something and `force` is not given.
+pub fn claim(directory: &Path, force: bool) -> Result<(), OutputError> {
+    fs::create_dir_all(directory).map_err(OutputError::at(directory))?;
+    let names = entries(directory)?;
+    if !force && !names.is_empty() {
+        return Err(OutputError::Exists(directory.to_owned()));
+    }
+    // A directory that was given by mistake may hold anything: only known names are removed.
+    for name in names.iter().filter(|name| is_ours(name)) {
+        remove(&directory.join(name))?;
+    }
+    let frames = directory.join(FRAMES);
+    if frames.is_dir() {
+        for name in entries(&frames)?.iter().filter(|name| numbered(name, "frame_", ".csv")) {
+            remove(&frames.join(name))?;
+        }
+    }
+    Ok(())
+}
+
+fn entries(directory: &Path) -> Result<Vec<String>, OutputError> {
+    let names = || -> io::Result<Vec<String>> {
+        fs::read_dir(directory)?
+            .map(|entry| Ok(entry?.file_name().to_string_lossy().into_owned()))
+            .collect()
+    };
+    names().map_err(OutputError::at(directory))
+}
+
+fn remove(path: &Path) -> Result<(), OutputError> {
+    fs::remove_file(path).map_err(OutputError::at(path))
+}
+
+fn is_ours(name: &str) -> bool {
+    [RUN, SCENE, HISTORY, EVENTS, TIMINGS, SPECIMEN, FINAL_PARTICLES].contains(&name)
+        || super::plots::FILES.contains(&name)
+        || numbered(name, "program_", ".json")
+}
+
+fn numbered(name: &str, prefix: &str, suffix: &str) -> bool {
+    let digits = name.strip_prefix(prefix).and_then(|rest| rest.strip_suffix(suffix));
+    digits.is_some_and(|d| !d.is_empty() && d.bytes().all(|b| b.is_ascii_digit()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn results_are_not_written_over_without_force() -> Result<(), Box<dyn std::error::Error>> {
+        let parent = tempfile::tempdir()?;
+        let dir = parent.path().join("a/b");
+        claim(&dir, false)?;
+        claim(&dir, false)?;
+        fs::create_dir(dir.join(FRAMES))?;
+        for path in [dir.join(RUN), dir.join("notes.txt"), frame(&dir, 7), program(&dir, 1)] {
+            fs::write(path, "")?;
+        }
+        let refused = claim(&dir, false);
+        let message = refused.err().map(|e| e.to_string()).unwrap_or_default();
+        assert!(message.contains("a/b") && message.contains("--force"), "{message}");
+        assert!(dir.join(RUN).exists());
+        claim(&dir, true)?;
+        let mut left = entries(&dir)?;
+        left.sort();
+        assert_eq!(left, [FRAMES, "notes.txt"]);
+        assert!(entries(&dir.join(FRAMES))?.is_empty());
+        Ok(())
+    }
+
+    #[test]
+    fn a_file_in_the_way_is_named() -> Result<(), Box<dyn std::error::Error>> {
+        let parent = tempfile::tempdir()?;
+        let file = parent.path().join("taken");
+        fs::write(&file, "")?;
+        assert!(claim(&file, true).is_err_and(|e| e.to_string().contains("taken")));
+        Ok(())
+    }
+
+    #[test]
+    fn default_directory_is_named_after_the_scene() {
+        assert_eq!(default_directory(Path::new("scenes/uniaxial.ron")), Path::new("runs/uniaxial"));
+    }
+}

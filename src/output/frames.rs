@@ -1,0 +1,59 @@
+//! All particles at one moment as CSV, and the prepared specimen as scenes read it.
+
+use std::path::Path;
+
+use bevy_ecs::prelude::*;
+
+use clastic_components::contact::Bodies;
+use clastic_components::material::Materials;
+
+use super::OutputError;
+use super::atomic::{atomically, write_atomic};
+use super::csv_file::Row;
+use super::snapshot::Snapshot;
+use crate::scene::specimen_file::{self, StoredParticle};
+
+/// Columns of a frame; displacements count from the start of the stage list.
+pub const COLUMNS: [&str; 7] =
+    ["id", "x_m", "y_m", "radius_m", "rotation_rad", "ux_m", "uy_m"];
+
+/// Writes a frame.
+///
+/// # Errors
+/// Where the file cannot be written.
+pub fn write_frame(path: &Path, snapshot: &Snapshot) -> Result<(), OutputError> {
+    let mut text = COLUMNS.join(",") + "\n";
+    for (i, x) in snapshot.positions.iter().enumerate() {
+        let row = Row::default()
+            .count(i as u64)
+            .numbers(x.to_array())
+            .numbers([snapshot.radii[i], snapshot.rotations[i]])
+            .numbers(snapshot.displacements[i].to_array());
+        text.push_str(&row.line());
+    }
+    write_atomic(path, text)
+}
+
+/// The particles as a stored specimen. Materials are named only where there are several: a scene
+/// that reads the file can then call its only material as it likes.
+#[must_use]
+pub fn specimen_rows(world: &World) -> Vec<StoredParticle> {
+    let (bodies, materials) = (world.resource::<Bodies>(), world.resource::<Materials>());
+    let name = |i: usize| materials.0.get(bodies.materials[i] as usize).map(|m| m.name.clone());
+    (0..bodies.particles)
+        .map(|i| StoredParticle {
+            x: bodies.positions[i].x,
+            y: bodies.positions[i].y,
+            r: bodies.radii[i],
+            material: if materials.0.len() > 1 { name(i) } else { None },
+        })
+        .collect()
+}
+
+/// Writes a stored specimen.
+///
+/// # Errors
+/// Where the file cannot be written.
+pub fn write_specimen(path: &Path, rows: &[StoredParticle]) -> Result<(), OutputError> {
+    atomically(path, |temporary| specimen_file::write(temporary, rows))
+}

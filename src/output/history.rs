@@ -1,0 +1,113 @@
+//! `history.csv`: one row an increment.
+//!
+//! Strains and stresses are positive in contraction and compression. Empty fields are values
+//! that the scene does not define, or that do not exist yet: strains count from the start of the
+//! reference stage.
+
+use clastic_components::observation::Observation;
+
+use super::csv_file::Row;
+use crate::scene::format::{Scene, Specimen};
+
+/// Columns before those of the probes.
+pub const COLUMNS: [&str; 24] = [
+    "increment", "stage", "time_s", "axial_strain", "lateral_strain", "volumetric_strain",
+    "axial_stress_pa", "lateral_stress_pa", "contacts", "bonds", "broken_tension",
+    "broken_shear", "broken_rolling", "solver_iterations", "residual_balance",
+    "residual_kinematics", "residual_cone", "residual_complementarity", "status", "fraction",
+    "potential_contacts", "solves", "kinetic_energy_j", "coulomb_residual",
+];
+
+/// Columns of each probe, after its name: displacement since the start of the stage list, and
+/// what the outside world exerts on the body.
+pub const PROBE_COLUMNS: [&str; 6] =
+    [".x_m", ".y_m", ".rotation_rad", ".force_x_n", ".force_y_n", ".moment_nm"];
+
+/// Names of a scene's probes: particles in the order of the specimen, then walls.
+#[must_use]
+pub fn probes(scene: &Scene) -> Vec<String> {
+    let particles = match &scene.specimen {
+        Specimen::Particles(list) => list.as_slice(),
+        _ => &[],
+    };
+    let of_particles = particles.iter().filter_map(|p| p.probe.clone());
+    of_particles.chain(scene.walls.iter().filter_map(|w| w.probe.clone())).collect()
+}
+
+/// The header.
+#[must_use]
+pub fn header(probes: &[String]) -> Vec<String> {
+    let mut header: Vec<String> = COLUMNS.iter().map(|c| (*c).to_owned()).collect();
+    for name in probes {
+        header.extend(PROBE_COLUMNS.iter().map(|column| format!("{name}{column}")));
+    }
+    header
+}
+
+/// The row of an increment.
+#[must_use]
+pub fn row(o: &Observation, probes: &[String]) -> Row {
+    let r = &o.residuals;
+    let mut row = Row::default()
+        .count(o.increment)
+        .text(&o.stage)
+        .number(o.time)
+        .optional(o.axial_strain)
+        .optional(o.lateral_strain)
+        .optional(o.volumetric_strain)
+        .optional(o.axial_stress)
+        .optional(o.lateral_stress)
+        .count(o.contacts as u64)
+        .count(o.bonds as u64)
+        .count(o.broken[0] as u64)
+        .count(o.broken[1] as u64)
+        .count(o.broken[2] as u64)
+        .count(o.iterations)
+        .numbers([r.balance, r.kinematics, r.cone, r.complementarity])
+        .text(o.status.name())
+        .number(o.fraction)
+        .count(o.potential_contacts as u64)
+        .count(o.solves)
+        .numbers([o.kinetic_energy, o.coulomb_residual]);
+    for name in probes {
+        // A wall that a stage took away leaves its columns empty.
+        let reading = o.probes.iter().find(|reading| reading.name == *name);
+        for k in 0..3 {
+            row = row.optional(reading.map(|reading| reading.motion[k]));
+        }
+        for k in 0..3 {
+            row = row.optional(reading.map(|reading| reading.force[k]));
+        }
+    }
+    row
+}
+
+#[cfg(test)]
+mod tests {
+    use clastic_components::observation::ProbeReading;
+
+    use super::*;
+
+    #[test]
+    fn header_is_the_documented_one() {
+        let header = header(&["top".to_owned()]).join(",");
+        let expected = "increment,stage,time_s,axial_strain,lateral_strain,volumetric_strain,\
+            axial_stress_pa,lateral_stress_pa,contacts,bonds,broken_tension,broken_shear,\
+            broken_rolling,solver_iterations,residual_balance,residual_kinematics,residual_cone,\
+            residual_complementarity,status,fraction,potential_contacts,solves,kinetic_energy_j,\
+            coulomb_residual,top.x_m,top.y_m,top.rotation_rad,top.force_x_n,top.force_y_n,\
+            top.moment_nm";
+        assert_eq!(header, expected);
+    }
+
+    #[test]
+    fn rows_match_the_header_and_absent_probes_are_empty() {
+        let there = ProbeReading { name: "b".to_owned(), motion: [1.0, 2.0, 3.0], force: [4.0, 5.0, 6.0] };
+        let observation = Observation { probes: vec![there], ..Default::default() };
+        let names = ["a".to_owned(), "b".to_owned()];
+        let line = row(&observation, &names).line();
+        assert_eq!(line.split(',').count(), header(&names).len());
+        assert!(line.ends_with(",,,,,,,1.0,2.0,3.0,4.0,5.0,6.0\n"), "{line}");
+        assert!(line.starts_with("0,,0.0,,,,,,0,0,"), "{line}");
+    }
+}

@@ -1,0 +1,39 @@
+//! The run directory: what a run leaves behind.
+//!
+//! | file | content |
+//! |---|---|
+//! | `run.json` | version, scene and its hash, settings, outcome, key results, conventions |
+//! | `scene.ron` | the scene as run, overrides applied |
+//! | `history.csv` | one row an increment |
+//! | `events.csv` | one row a rupture |
+//! | `timings.csv` | wall clock; it lives here alone, all other files are the same bytes on every run |
+//! | `specimen.csv` | the prepared specimen at the start of the reference stage: scenes can read it |
+//! | `frames/frame_000123.csv` | all particles after increment 123, where the scene asks for frames |
+//! | `final_particles.csv` | all particles at the end |
+//! | `program_000123.json` | cone program and solution of increment 123, where asked for |
+//! | `*.svg` | pictures, drawn at the end |
+//!
+//! Compression and contraction are positive, rotation is positive anticlockwise, units stand in the
+//! names of columns, and a value that the scene does not define is an empty field. Numbers read
+//! back as they were. Rows are written whole, one write each; whole files appear under their name
+//! only when they are complete. Output reads the world and changes no number of the simulation.
+
+pub mod atomic;
+pub mod csv_file;
+pub mod directory;
+pub mod dump;
+mod error;
+pub mod events;
+pub mod frames;
+pub mod history;
+pub mod key_results;
+pub mod plots;
+pub mod porosity;
+pub mod run_directory;
+pub mod run_record;
+pub mod snapshot;
+pub mod timings;
+
+pub use error::OutputError;
+pub use key_results::Results;
+pub use run_directory::{Ending, RunOptions, RunWriter};

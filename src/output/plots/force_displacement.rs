@@ -1,0 +1,94 @@
+//! Probes, for rigs that define no stress: force against displacement where the outside world
+//! does work on them, otherwise motion against time.
+
+use super::chart::{Chart, Line};
+use super::history::History;
+
+/// Columns of motion, their force and what the axes call them.
+const AXES: [(&str, &str, &str); 3] = [
+    (".x_m", ".force_x_n", "x"),
+    (".y_m", ".force_y_n", "y"),
+    (".rotation_rad", ".moment_nm", "rotation"),
+];
+
+/// The chart of the probes, if there is anything to show.
+#[must_use]
+pub fn probes(title: &str, history: &History) -> Option<Chart> {
+    let mut chart = worked(title, history).or_else(|| moved(title, history))?;
+    // One line alone has no legend.
+    if let [line] = chart.lines.as_slice() {
+        chart.caption = format!("{}: {}", line.name, chart.caption);
+    }
+    Some(chart)
+}
+
+/// Work done along a path: |integral of force over displacement|, trapezoidal.
+fn work(points: &[(f64, f64)]) -> f64 {
+    points.windows(2).map(|w| 0.5 * (w[0].1 + w[1].1) * (w[1].0 - w[0].0)).sum::<f64>().abs()
+}
+
+/// Force against displacement along the one axis on which the most work is done: in the rigs that
+/// this is for, the one that is driven.
+fn worked(title: &str, history: &History) -> Option<Chart> {
+    let probes = history.probes();
+    let along = |(motion, force, _): (&str, &str, &str), probe: &str| {
+        let points = history.points(&format!("{probe}{motion}"), &format!("{probe}{force}"));
+        // Displacements count from the start: so does the curve.
+        std::iter::once((0.0, 0.0)).chain(points).collect::<Vec<_>>()
+    };
+    let total = |axis| probes.iter().map(|probe| work(&along(axis, probe))).fold(0.0, f64::max);
+    let axis = AXES.into_iter().max_by(|a, b| total(*a).total_cmp(&total(*b)))?;
+    let most = total(axis);
+    if most <= 0.0 {
+        return None;
+    }
+    let lines: Vec<_> = probes
+        .iter()
+        .map(|probe| Line { name: (*probe).to_owned(), points: along(axis, probe) })
+        .filter(|line| work(&line.points) > 1e-6 * most)
+        .collect();
+    let turning = axis.2 == "rotation";
+    let greatest = lines.iter().flat_map(|l| &l.points).map(|p| p.0.abs()).fold(0.0, f64::max);
+    let (unit, metres) = match greatest {
+        _ if turning => ("rad", 1.0),
+        u if u >= 0.1 => ("m", 1.0),
+        u if u >= 1e-4 => ("mm", 1e-3),
+        _ => ("um", 1e-6),
+    };
+    let scaled = |line: Line| Line {
+        points: line.points.into_iter().map(|(u, f)| (u / metres, f)).collect(),
+        ..line
+    };
+    Some(Chart {
+        title: title.to_owned(),
+        caption: "force of the outside world on the probe; axes of the scene, rotation positive \
+                  anticlockwise"
+            .to_owned(),
+        x: if turning { "rotation, rad".to_owned() } else { format!("displacement along {}, {unit}", axis.2) },
+        y: if turning { "moment, N m".to_owned() } else { format!("force along {}, N", axis.2) },
+        lines: lines.into_iter().map(scaled).collect(),
+        second: None,
+    })
+}
+
+/// Displacements against time.
+fn moved(title: &str, history: &History) -> Option<Chart> {
+    let mut lines = Vec::new();
+    for probe in history.probes() {
+        for (motion, _, axis) in &AXES[..2] {
+            let points = history.points("time_s", &format!("{probe}{motion}"));
+            let moves = points.iter().any(|p| p.1 != 0.0) && points.windows(2).any(|w| w[0].0 < w[1].0);
+            if moves {
+                lines.push(Line { name: format!("{probe} {axis}"), points });
+            }
+        }
+    }
+    (!lines.is_empty()).then(|| Chart {
+        title: title.to_owned(),
+        caption: "displacement since the start, axes of the scene".to_owned(),
+        x: "time, s".to_owned(),
+        y: "displacement, m".to_owned(),
+        lines,
+        second: None,
+    })
+}

@@ -1,0 +1,52 @@
+//! Reading `history.csv` back.
+
+use std::path::Path;
+
+use crate::output::OutputError;
+use crate::output::history::PROBE_COLUMNS;
+
+/// The numbers of a history, by column; texts and empty fields are none.
+#[derive(Clone, Debug, Default)]
+pub struct History {
+    names: Vec<String>,
+    rows: Vec<Vec<Option<f64>>>,
+}
+
+impl History {
+    /// Reads a history.
+    ///
+    /// # Errors
+    /// Where it cannot be read or is not CSV.
+    pub fn read(path: &Path) -> Result<Self, OutputError> {
+        let mut reader = csv::Reader::from_path(path).map_err(OutputError::at(path))?;
+        let names = reader.headers().map_err(OutputError::at(path))?;
+        let names = names.iter().map(str::to_owned).collect();
+        let mut rows = Vec::new();
+        for row in reader.records() {
+            let row = row.map_err(OutputError::at(path))?;
+            let number = |field: &str| field.parse().ok().filter(|x: &f64| x.is_finite());
+            rows.push(row.iter().map(number).collect());
+        }
+        Ok(Self { names, rows })
+    }
+
+    /// A column; empty where there is none of that name.
+    #[must_use]
+    pub fn column(&self, name: &str) -> Vec<Option<f64>> {
+        let Some(k) = self.names.iter().position(|n| n == name) else { return Vec::new() };
+        self.rows.iter().map(|row| row.get(k).copied().flatten()).collect()
+    }
+
+    /// The points of one column against another, where both are defined.
+    #[must_use]
+    pub fn points(&self, x: &str, y: &str) -> Vec<(f64, f64)> {
+        let pairs = self.column(x).into_iter().zip(self.column(y));
+        pairs.filter_map(|(x, y)| Some((x?, y?))).collect()
+    }
+
+    /// Names of the probes.
+    #[must_use]
+    pub fn probes(&self) -> Vec<&str> {
+        self.names.iter().filter_map(|name| name.strip_suffix(PROBE_COLUMNS[0])).collect()
+    }
+}

@@ -1,0 +1,63 @@
+//! Pictures of a run, drawn at its end. Curves are read back from `history.csv`, so that a
+//! picture shows what the file says.
+
+mod chart;
+pub mod force_displacement;
+pub mod history;
+pub mod specimen;
+pub mod stress_strain;
+
+use std::path::Path;
+
+use super::OutputError;
+use super::atomic::write_atomic;
+use super::snapshot::Snapshot;
+use history::History;
+
+/// Stress and broken bonds against strain.
+pub const CURVES: &str = "curves.svg";
+/// Volumetric against axial strain.
+pub const VOLUMETRIC: &str = "volumetric.svg";
+/// Probes: force against displacement, or motion against time.
+pub const PROBES: &str = "probes.svg";
+/// The specimen at the end.
+pub const SPECIMEN: &str = "specimen.svg";
+/// The specimen at the peak of the axial stress.
+pub const SPECIMEN_PEAK: &str = "specimen_peak.svg";
+/// All pictures.
+pub const FILES: [&str; 5] = [CURVES, VOLUMETRIC, PROBES, SPECIMEN, SPECIMEN_PEAK];
+
+/// Draws the curves that the history defines; of the probes only where no stress is defined.
+///
+/// # Errors
+/// Where a picture cannot be written.
+pub fn curves(directory: &Path, title: &str, history: &History) -> Result<(), OutputError> {
+    let stress = stress_strain::stress(title, history);
+    let probes = if stress.is_none() { force_displacement::probes(title, history) } else { None };
+    let volumetric = stress_strain::volumetric(title, history);
+    for (name, chart) in [(CURVES, stress), (VOLUMETRIC, volumetric), (PROBES, probes)] {
+        if let Some(chart) = chart {
+            let path = directory.join(name);
+            write_atomic(&path, chart.svg().map_err(OutputError::at(&path))?)?;
+        }
+    }
+    Ok(())
+}
+
+/// Draws specimens, each with its caption; `start` is the state that rotations count from.
+///
+/// # Errors
+/// Where a picture cannot be written.
+pub fn specimens<const N: usize>(
+    directory: &Path,
+    title: &str,
+    start: &Snapshot,
+    pictures: [(&str, Option<(&Snapshot, &str)>); N],
+) -> Result<(), OutputError> {
+    for (name, picture) in pictures {
+        if let Some(svg) = picture.and_then(|(now, caption)| specimen::svg(now, start, title, caption)) {
+            write_atomic(&directory.join(name), svg)?;
+        }
+    }
+    Ok(())
+}

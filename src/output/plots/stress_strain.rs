@@ -1,0 +1,70 @@
+//! Stress and volumetric strain against axial strain.
+
+use super::chart::{Chart, Line};
+use super::history::History;
+
+const SIGNS: &str = "compression and contraction positive";
+const STRAIN: &str = "axial strain, %";
+
+/// Stress and broken bonds against axial strain, where both are defined.
+#[must_use]
+pub fn stress(title: &str, history: &History) -> Option<Chart> {
+    let axial = history.points("axial_strain", "axial_stress_pa");
+    let lateral = history.points("axial_strain", "lateral_stress_pa");
+    if axial.is_empty() {
+        return None;
+    }
+    let greatest = axial.iter().chain(&lateral).map(|p| p.1.abs()).fold(0.0, f64::max);
+    let (unit, pascals) = match greatest {
+        s if s >= 1e6 => ("MPa", 1e6),
+        s if s >= 1e3 => ("kPa", 1e3),
+        _ => ("Pa", 1.0),
+    };
+    let mut lines = Vec::new();
+    for (name, points) in [("axial stress", axial), ("lateral stress", lateral)] {
+        if !points.is_empty() {
+            let points = points.into_iter().map(|(e, s)| (100.0 * e, s / pascals)).collect();
+            lines.push(Line { name: name.to_owned(), points });
+        }
+    }
+    Some(Chart {
+        title: title.to_owned(),
+        caption: SIGNS.to_owned(),
+        x: STRAIN.to_owned(),
+        y: format!("stress, {unit}"),
+        lines,
+        second: broken(history),
+    })
+}
+
+/// Broken bonds against axial strain; none where none broke.
+fn broken(history: &History) -> Option<Line> {
+    let strain = history.column("axial_strain");
+    let modes = ["broken_tension", "broken_shear", "broken_rolling"].map(|name| history.column(name));
+    let points: Vec<_> = strain
+        .iter()
+        .enumerate()
+        .filter_map(|(row, strain)| {
+            let broken: Option<f64> = modes.iter().map(|mode| mode.get(row).copied().flatten()).sum();
+            Some((100.0 * (*strain)?, broken?))
+        })
+        .collect();
+    let any = points.iter().any(|p| p.1 > 0.0);
+    any.then(|| Line { name: "broken bonds".to_owned(), points })
+}
+
+/// Volumetric strain against axial strain.
+#[must_use]
+pub fn volumetric(title: &str, history: &History) -> Option<Chart> {
+    let points = history.points("axial_strain", "volumetric_strain");
+    let points: Vec<_> = points.into_iter().map(|(a, v)| (100.0 * a, 100.0 * v)).collect();
+    let line = Line { name: "volumetric strain".to_owned(), points };
+    (!line.points.is_empty()).then(|| Chart {
+        title: title.to_owned(),
+        caption: SIGNS.to_owned(),
+        x: STRAIN.to_owned(),
+        y: "volumetric strain, %".to_owned(),
+        lines: vec![line],
+        second: None,
+    })
+}

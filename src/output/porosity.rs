@@ -1,0 +1,52 @@
+//! Porosity of a specimen.
+
+use std::f64::consts::PI;
+
+use bevy_ecs::prelude::*;
+use glam::DVec2;
+
+use clastic_components::observation::{Measures, StrainMeasure};
+use clastic_components::wall::Wall;
+
+use super::snapshot::Snapshot;
+
+/// Porosity at the start of the reference stage: one less the area of the disks over that of the
+/// specimen. An extent is the distance of the two walls that a strain measure names; where it
+/// names none, that of the box around the disks in the other direction. None without disks.
+#[must_use]
+pub fn porosity(world: &World, start: &Snapshot) -> Option<f64> {
+    let measures = world.resource::<Measures>();
+    let normal = |measure: &Option<StrainMeasure>| match measure {
+        Some(StrainMeasure::Walls(wall, _)) => world.get::<Wall>(*wall).map(Wall::inward),
+        _ => None,
+    };
+    let (axial, lateral) = (normal(&measures.axial_strain), normal(&measures.lateral_strain));
+    let axis = axial.or_else(|| lateral.map(DVec2::perp)).unwrap_or(DVec2::Y);
+    let [height, width] = measures.reference.unwrap_or([f64::NAN; 2]);
+    let height = if axial.is_some() { height } else { extent(start, axis)? };
+    let width = if lateral.is_some() { width } else { extent(start, axis.perp())? };
+    let disks: f64 = start.radii.iter().map(|r| PI * r * r).sum();
+    Some(1.0 - disks / (height * width)).filter(|p| p.is_finite())
+}
+
+/// Extent of the disks along a direction, m.
+fn extent(snapshot: &Snapshot, axis: DVec2) -> Option<f64> {
+    let disks = snapshot.positions.iter().zip(&snapshot.radii);
+    let spans = disks.map(|(x, r)| (x.dot(axis) - r, x.dot(axis) + r));
+    spans.reduce(|(low, high), (l, h)| (low.min(l), high.max(h))).map(|(low, high)| high - low)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_disk_in_its_box() {
+        let mut world = World::new();
+        world.init_resource::<Measures>();
+        let one = Snapshot { positions: vec![DVec2::ONE], radii: vec![0.5], ..Default::default() };
+        let found = porosity(&world, &one).unwrap_or(f64::NAN);
+        assert!((found - (1.0 - PI / 4.0)).abs() < 1e-15, "{found}");
+        assert_eq!(porosity(&world, &Snapshot::default()), None);
+    }
+}

@@ -1,0 +1,191 @@
+//! `run.json`: what was run, how it ended, what came out.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use serde::Serialize;
+use sha2::{Digest, Sha256};
+
+use super::OutputError;
+use super::atomic::write_atomic;
+use super::key_results::Results;
+use crate::run::Outcome;
+use crate::scene::LoadedScene;
+use crate::scene::format::{self, Acceptance, Analysis, FrictionLaw, Rupture, Solver, Specimen, Stage};
+
+/// Content of `run.json`.
+#[derive(Clone, Debug, Serialize)]
+pub struct RunRecord {
+    clastic_version: &'static str,
+    format_version: u32,
+    title: String,
+    scene_file: String,
+    scene_sha256: String,
+    /// Of the stored specimen, where the scene names one.
+    specimen_sha256: Option<String>,
+    overrides: Vec<String>,
+    settings: Settings,
+    /// By what they are for: the specimen, or `stage NAME` of a compaction.
+    seeds: BTreeMap<String, u64>,
+    /// How the run ended.
+    pub outcome: OutcomeRecord,
+    /// Rows of the history.
+    pub increments: u64,
+    /// Key results.
+    pub results: Results,
+    conventions: Conventions,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct Settings {
+    analysis: Analysis,
+    friction_law: FrictionLaw,
+    rupture: Rupture,
+    solver: Solver,
+    acceptance: Acceptance,
+    thickness_m: f64,
+    gravity_m_s2: (f64, f64),
+    reference_stage: String,
+}
+
+/// How a run ended.
+#[derive(Clone, Debug, Serialize)]
+pub struct OutcomeRecord {
+    /// `running`, `completed`, `collapsed`, `interrupted` or `stalled`.
+    pub status: &'static str,
+    /// Stage of the ending; of the first collapse where there was one.
+    pub stage: Option<String>,
+    /// Its increment.
+    pub increment: Option<u64>,
+    /// What a reader should know.
+    pub message: Option<String>,
+}
+
+impl OutcomeRecord {
+    /// Of a run under way, or of one that was killed.
+    pub const RUNNING: Self =
+        Self { status: "running", stage: None, increment: None, message: None };
+
+    /// How a run ended whose last increment is given.
+    #[must_use]
+    pub fn new(outcome: Option<&Outcome>, stage: String, increment: u64) -> Self {
+        let at = |status, stage, increment, message: Option<String>| Self {
+            status,
+            stage: Some(stage),
+            increment: Some(increment),
+            message,
+        };
+        match outcome {
+            None => at("interrupted", stage, increment, None),
+            Some(Outcome::Completed) => at("completed", stage, increment, None),
+            Some(Outcome::Collapsed { stage, increment }) => {
+                at("collapsed", stage.clone(), *increment, None)
+            }
+            Some(Outcome::Stalled { increment, message }) => {
+                at("stalled", stage, *increment, Some(message.clone()))
+            }
+        }
+    }
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct Conventions {
+    strain: &'static str,
+    stress: &'static str,
+    rotation: &'static str,
+    units: &'static str,
+    residuals: &'static str,
+}
+
+const CONVENTIONS: Conventions = Conventions {
+    strain: "positive in contraction; engineering strain from distances at the start of the \
+             reference stage; volumetric strain 1 - (1 - axial)(1 - lateral)",
+    stress: "positive in compression; Pa, over the out-of-plane thickness",
+    rotation: "positive anticlockwise",
+    units: "SI, as the names say; null and empty fields are values that the scene does not define",
+    residuals: "greatest over all rows, without dimension: balance over the greatest force \
+                (moments: force x mean radius), kinematics over the greatest displacement, \
+                violation of a limit over the greatest force, slack x multiplier over force x \
+                displacement",
+};
+
+impl RunRecord {
+    /// The record of a run that begins.
+    ///
+    /// # Errors
+    /// Where the stored specimen can no longer be read.
+    pub fn new(
+        loaded: &LoadedScene,
+        overrides: &[String],
+        reference_stage: usize,
+    ) -> Result<Self, OutputError> {
+        let scene = &loaded.scene;
+        let specimen = match &scene.specimen {
+            Specimen::File { path, .. } => {
+                let path = loaded.path.parent().unwrap_or(Path::new("")).join(path);
+                Some(fs::read(&path).map_err(OutputError::at(&path))?)
+            }
+            _ => None,
+        };
+        let mut seeds = BTreeMap::new();
+        if let Specimen::Packing { seed, .. } = scene.specimen {
+            seeds.insert("specimen".to_owned(), seed);
+        }
+        for stage in &scene.stages {
+            if let Stage::Compact(compact) = stage {
+                seeds.insert(format!("stage {}", compact.name), compact.seed);
+            }
+        }
+        let file = loaded.path.file_name().unwrap_or_default();
+        Ok(Self {
+            clastic_version: env!("CARGO_PKG_VERSION"),
+            format_version: format::VERSION,
+            title: scene.title.clone(),
+            scene_file: file.to_string_lossy().into_owned(),
+            scene_sha256: sha256(loaded.text.as_bytes()),
+            specimen_sha256: specimen.as_deref().map(sha256),
+            overrides: overrides.to_vec(),
+            settings: Settings {
+                analysis: scene.analysis,
+                friction_law: scene.friction_law,
+                rupture: scene.rupture,
+                solver: scene.solver,
+                acceptance: scene.acceptance,
+                thickness_m: scene.thickness,
+                gravity_m_s2: scene.gravity,
+                reference_stage: scene.stages.get(reference_stage).map_or("", |s| s.name()).into(),
+            },
+            seeds,
+            outcome: OutcomeRecord::RUNNING,
+            increments: 0,
+            results: Results::default(),
+            conventions: CONVENTIONS,
+        })
+    }
+
+    /// Writes the record; a reader sees the old one or the new one, never half of it.
+    ///
+    /// # Errors
+    /// Where the file cannot be written.
+    pub fn write(&self, path: &Path) -> Result<(), OutputError> {
+        let mut text = serde_json::to_string_pretty(self).map_err(OutputError::at(path))?;
+        text.push('\n');
+        write_atomic(path, text)
+    }
+}
+
+fn sha256(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hashes_are_those_of_sha256sum() {
+        let empty = "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855";
+        assert_eq!(sha256(b""), empty);
+    }
+}

@@ -1,0 +1,83 @@
+//! Particles, walls and cracks at one moment, for frames and pictures.
+
+use bevy_ecs::prelude::*;
+use glam::DVec2;
+
+use clastic_components::body::{Origin, Rotation};
+use clastic_components::bond::{Bond, BondId, BondState};
+use clastic_components::contact::Bodies;
+use clastic_components::wall::Wall;
+
+/// A moment of a run. Tables by particle are in identity order.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Snapshot {
+    /// Centres, m.
+    pub positions: Vec<DVec2>,
+    /// Radii, m.
+    pub radii: Vec<f64>,
+    /// Rotations since the start, rad.
+    pub rotations: Vec<f64>,
+    /// Displacements since the start of the stage list, m.
+    pub displacements: Vec<DVec2>,
+    /// Ends of the walls' drawn segments, m.
+    pub walls: Vec<[DVec2; 2]>,
+    /// Broken bonds, from centre to centre, or to the foot on the wall, m.
+    pub cracks: Vec<[DVec2; 2]>,
+}
+
+impl Snapshot {
+    /// Takes a snapshot of a world whose [`Bodies`] are up to date, as they are after an
+    /// increment.
+    pub fn take(world: &mut World) -> Self {
+        let mut broken = world.query::<(&BondId, &Bond, &BondState)>();
+        let mut broken: Vec<_> = broken
+            .iter(world)
+            .filter(|(.., state)| **state != BondState::Intact)
+            .map(|(id, bond, _)| (*id, bond.a.index(), bond.b.index()))
+            .collect();
+        broken.sort_unstable_by_key(|(id, ..)| *id);
+
+        let bodies = world.resource::<Bodies>();
+        let n = bodies.particles;
+        let particles = || bodies.entities[..n].iter();
+        let place = |i: usize, from: DVec2| match bodies.walls.iter().find(|w| w.body as usize == i) {
+            Some(wall) => Some(from - wall.inward * (from - bodies.positions[i]).dot(wall.inward)),
+            // A wall that was taken away has no place.
+            None => (i < n).then(|| bodies.positions[i]),
+        };
+        let crack = |a: usize, b: usize| {
+            let from = bodies.positions[a];
+            Some([from, place(b, from)?])
+        };
+        let ends = |entity: Entity, middle: DVec2| {
+            let wall = world.get::<Wall>(entity)?;
+            let half = wall.tangent * wall.half_length;
+            Some([middle - half, middle + half])
+        };
+        Self {
+            positions: bodies.positions[..n].to_vec(),
+            radii: bodies.radii.clone(),
+            rotations: particles().map(|e| world.get::<Rotation>(*e).map_or(0.0, |r| r.0)).collect(),
+            displacements: particles()
+                .zip(&bodies.positions)
+                .map(|(e, x)| world.get::<Origin>(*e).map_or(DVec2::ZERO, |origin| *x - origin.0))
+                .collect(),
+            walls: bodies
+                .walls
+                .iter()
+                .map(|row| row.body as usize)
+                .filter_map(|i| ends(bodies.entities[i], bodies.positions[i]))
+                .collect(),
+            cracks: broken.into_iter().filter_map(|(_, a, b)| crack(a, b)).collect(),
+        }
+    }
+
+    /// Lower left and upper right corner of the box around all disks, m; none without disks.
+    #[must_use]
+    pub fn bounds(&self) -> Option<(DVec2, DVec2)> {
+        let boxes = self.positions.iter().zip(&self.radii);
+        boxes.map(|(x, r)| (*x - DVec2::splat(*r), *x + DVec2::splat(*r))).reduce(|(low, high), (l, h)| {
+            (low.min(l), high.max(h))
+        })
+    }
+}

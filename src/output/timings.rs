@@ -1,0 +1,19 @@
+//! `timings.csv`: wall-clock seconds of the parts of every increment.
+
+use clastic_components::observation::Timings;
+
+use super::csv_file::Row;
+
+/// Columns.
+pub const COLUMNS: [&str; 9] = [
+    "increment", "detect_s", "assemble_s", "solve_s", "update_s", "rupture_s", "walls_s",
+    "record_s", "output_s",
+];
+
+/// The row of an increment; `output` is the time that its other files took.
+#[must_use]
+pub fn row(increment: u64, t: &Timings, output: f64) -> Row {
+    Row::default()
+        .count(increment)
+        .numbers([t.detect, t.assemble, t.solve, t.update, t.rupture, t.walls, t.record, output])
+}

@@ -1,0 +1,162 @@
+//! What is wrong with a scene, and where.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+use super::spans::Spans;
+
+/// Most diagnostics that are shown at once.
+pub const MOST: usize = 20;
+
+/// A field of a scene that cannot be right, not yet tied to a place in a text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Finding {
+    /// Path of the field; see [`spans`](super::spans).
+    pub path: String,
+    /// What is wrong, with the offending value.
+    pub message: String,
+    /// What would be right.
+    pub help: Option<String>,
+    /// Whether the key of the field is meant rather than its value.
+    pub at_key: bool,
+}
+
+impl Finding {
+    /// A finding about the value of a field.
+    #[must_use]
+    pub fn new(
+        path: impl Into<String>,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) -> Self {
+        let help = Some(help.into()).filter(|help| !help.is_empty());
+        Self { path: path.into(), message: message.into(), help, at_key: false }
+    }
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        say(f, &self.path, &self.message, self.help.as_deref())
+    }
+}
+
+/// A finding and its place.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Diagnostic {
+    /// File: the scene, or a stored specimen that it names.
+    pub file: PathBuf,
+    /// Line, from 1.
+    pub line: usize,
+    /// Column in characters, from 1.
+    pub column: usize,
+    /// Path of the field, or name of the column of a stored specimen.
+    pub path: String,
+    /// What is wrong, with the offending value.
+    pub message: String,
+    /// What would be right.
+    pub help: Option<String>,
+}
+
+impl fmt::Display for Diagnostic {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:{}:{}: ", self.file.display(), self.line, self.column)?;
+        say(f, &self.path, &self.message, self.help.as_deref())
+    }
+}
+
+fn say(f: &mut fmt::Formatter<'_>, path: &str, message: &str, help: Option<&str>) -> fmt::Result {
+    if !path.is_empty() {
+        write!(f, "{path}: ")?;
+    }
+    f.write_str(message)?;
+    help.map_or(Ok(()), |help| write!(f, "; {help}"))
+}
+
+/// Everything that is wrong with a scene, in the order of the text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SceneErrors {
+    /// The scene file.
+    pub file: PathBuf,
+    /// The diagnostics, at most [`MOST`] of them.
+    pub list: Vec<Diagnostic>,
+    /// Number of further ones, as far as they were looked for.
+    pub omitted: usize,
+}
+
+impl fmt::Display for SceneErrors {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (i, diagnostic) in self.list.iter().enumerate() {
+            let newline = if i > 0 { "\n" } else { "" };
+            write!(f, "{newline}{diagnostic}")?;
+        }
+        if self.omitted > 0 {
+            write!(f, "\n{}: and {} more", self.file.display(), self.omitted)?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for SceneErrors {}
+
+/// A finding at a byte of a text.
+#[derive(Clone, Debug)]
+pub(super) struct Placed {
+    pub at: usize,
+    pub finding: Finding,
+}
+
+/// Gives findings their places in a text. `renamed` are misspelt fields of the text: the path as
+/// it was meant and as it is written, outer ones first.
+pub(super) fn place(
+    text: &str,
+    findings: Vec<Finding>,
+    renamed: &[(String, String)],
+) -> Vec<Placed> {
+    if findings.is_empty() {
+        return Vec::new();
+    }
+    let spans = Spans::of(text);
+    let written = |path: &str| {
+        renamed.iter().rev().fold(path.to_owned(), |path, (meant, written)| {
+            let rest = path.strip_prefix(meant).filter(|_| within(&path, meant));
+            rest.map_or(path.clone(), |rest| format!("{written}{rest}"))
+        })
+    };
+    findings
+        .into_iter()
+        .map(|finding| {
+            let at = spans.nearest(&written(&finding.path), finding.at_key);
+            Placed { at, finding }
+        })
+        .collect()
+}
+
+/// Whether a path is another one or a part of it.
+pub(super) fn within(path: &str, whole: &str) -> bool {
+    let rest = path.strip_prefix(whole);
+    rest.is_some_and(|rest| whole.is_empty() || rest.is_empty() || rest.starts_with(['.', '[']))
+}
+
+impl SceneErrors {
+    /// Sorts findings by their place, and counts lines and columns for those that are shown.
+    pub(super) fn new(file: &Path, text: &str, mut placed: Vec<Placed>) -> Self {
+        placed.sort_by_key(|placed| placed.at);
+        let omitted = placed.len().saturating_sub(MOST);
+        placed.truncate(MOST);
+        let list = placed
+            .into_iter()
+            .map(|Placed { at, finding: Finding { path, message, help, .. } }| {
+                let (line, column) = line_and_column(text, at);
+                Diagnostic { file: file.to_owned(), line, column, path, message, help }
+            })
+            .collect();
+        Self { file: file.to_owned(), list, omitted }
+    }
+}
+
+/// Line and column, from 1, of a byte of a text.
+pub(super) fn line_and_column(text: &str, at: usize) -> (usize, usize) {
+    let before = text.get(..at).unwrap_or(text);
+    let start = before.rfind('\n').map_or(0, |newline| newline + 1);
+    (1 + before.matches('\n').count(), 1 + before[start..].chars().count())
+}

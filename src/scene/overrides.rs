@@ -1,0 +1,182 @@
+//! `--set path=value`: edits of the scene's text before it is read.
+//!
+//! The text is edited, not the values, so that comments survive and every later message still
+//! points at a place. A value is RON; a bare word is taken for a text where only a text fits. A
+//! field that is left out is inserted, together with the structs around it.
+
+use std::fmt;
+
+use super::diagnose::diagnose;
+use super::format::Scene;
+use super::load::ron_options;
+use super::scan::{Entry, Node, Shape, Span, scan};
+use super::spans::{Step, descend, is_group, item_name, join, parse_path, unwrapped, write_path};
+use super::suggest;
+
+/// A `--set` that cannot be applied.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SetError {
+    /// The setting, `path=value`.
+    pub set: String,
+    /// What is wrong with it.
+    pub message: String,
+    /// What would be right.
+    pub help: Option<String>,
+}
+
+impl fmt::Display for SetError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "--set {}: {}", self.set, self.message)?;
+        self.help.as_ref().map_or(Ok(()), |help| write!(f, "; {help}"))
+    }
+}
+
+impl std::error::Error for SetError {}
+
+/// Applies settings in order and returns the new text.
+///
+/// A text whose brackets do not match is returned as it is: reading it says what is wrong.
+///
+/// # Errors
+/// Where a path leads nowhere or a value does not fit there.
+pub fn apply(text: &str, sets: &[impl AsRef<str>]) -> Result<String, SetError> {
+    sets.iter().try_fold(text.to_owned(), |text, set| apply_one(text, set.as_ref()))
+}
+
+fn apply_one(text: String, set: &str) -> Result<String, SetError> {
+    let error = |message: &str, help: String| SetError {
+        set: set.to_owned(),
+        message: message.to_owned(),
+        help: Some(help).filter(|help| !help.is_empty()),
+    };
+    let parts = set.split_once('=').map(|(path, value)| (parse_path(path.trim()), value.trim()));
+    let Some((Some(steps), value)) = parts.filter(|(steps, _)| steps != &Some(Vec::new())) else {
+        let help = "write path=value, as in `materials.grain.contact.friction=0.3`";
+        return Err(error("not a setting", help.to_owned()));
+    };
+    let Some(root) = scan(&text).0 else { return Ok(text) };
+    let place = Place::find(&root, &text, &steps).map_err(|help| error("no such field", help))?;
+
+    let plain = is_one_value(value).then(|| place.edit(&text, value));
+    let refusal = match &plain {
+        Some(edited) => refusal(edited),
+        None => Some((format!("`{value}` is not a value in RON"), None)),
+    };
+    let Some((message, help)) = refusal else { return Ok(plain.map_or(text, |edit| edit.text)) };
+    if !value.starts_with('"') {
+        let quoted = place.edit(&text, &format!("{value:?}"));
+        if self::refusal(&quoted).is_none() {
+            return Ok(quoted.text);
+        }
+    }
+    Err(SetError { set: set.to_owned(), message, help })
+}
+
+/// Whether a text is one whole value, so that it cannot spill into what follows it.
+fn is_one_value(value: &str) -> bool {
+    let (node, faults) = scan(value);
+    let whole = |node: Node| node.span == (0..value.len()) && node.shape != Shape::Nothing;
+    faults.is_empty() && node.is_some_and(whole)
+}
+
+/// The first mistake that an edit brings in. Mistakes elsewhere are the scene's own.
+fn refusal(edit: &Edit) -> Option<(String, Option<String>)> {
+    if ron_options().from_str::<Scene>(&edit.text).is_ok() {
+        return None;
+    }
+    let mut placed = diagnose(&edit.text).placed;
+    placed.retain(|placed| edit.span.contains(&placed.at));
+    let finding = placed.into_iter().min_by_key(|placed| placed.at)?.finding;
+    Some((finding.message, finding.help))
+}
+
+/// A changed text and the bytes of it that are new.
+struct Edit {
+    text: String,
+    span: Span,
+}
+
+/// Where a value goes: `span` is replaced by `before`, the value and `after`.
+struct Place {
+    span: Span,
+    before: String,
+    after: String,
+}
+
+impl Place {
+    /// The place of a field, or help about the fields that there are.
+    fn find(root: &Node, text: &str, steps: &[Step]) -> Result<Self, String> {
+        let found = descend(root, text, steps);
+        let Some(next) = steps.get(found.depth) else {
+            let span = found.node.span.clone();
+            return Ok(Self { span, before: String::new(), after: String::new() });
+        };
+        let parent = unwrapped(found.node);
+        let absent = &steps[found.depth..];
+        let names: Option<Vec<&str>> = absent.iter().map(name_of).collect();
+        let no_field = || nearest_paths(parent, text, &steps[..found.depth], next);
+        let names = names.ok_or_else(no_field)?;
+        // A new entry of a map must be complete, or a misspelt name would start a second one.
+        let fits = match parent.shape {
+            Shape::Struct => true,
+            Shape::Tuple => parent.entries.is_empty(),
+            Shape::Map => names.len() == 1,
+            _ => false,
+        };
+        if !fits {
+            return Err(no_field());
+        }
+        let (at, comma) = match parent.entries.last() {
+            Some(last) => (last.value.span.end, ", "),
+            None => (parent.span.end.saturating_sub(1), ""),
+        };
+        let names: Vec<String> = match parent.shape {
+            Shape::Map => names.iter().map(|name| format!("{name:?}: ")).collect(),
+            _ => names.iter().map(|name| format!("{name}: ")).collect(),
+        };
+        let (before, after) = (names.join("("), ")".repeat(names.len() - 1));
+        Ok(Self { span: at..at, before: format!("{comma}{before}"), after })
+    }
+
+    fn edit(&self, text: &str, value: &str) -> Edit {
+        let Self { span, before, after } = self;
+        let new = format!("{before}{value}{after}");
+        let (head, tail) = (text.get(..span.start), text.get(span.end..));
+        let (head, tail) = (head.unwrap_or_default(), tail.unwrap_or_default());
+        let span = span.start..span.start + new.len();
+        Edit { text: format!("{head}{new}{tail}"), span }
+    }
+}
+
+fn name_of(step: &Step) -> Option<&str> {
+    match step {
+        Step::Name(name) => Some(name),
+        Step::Index(_) => None,
+    }
+}
+
+/// Help that names the existing paths next to one that does not exist.
+fn nearest_paths(parent: &Node, text: &str, path: &[Step], next: &Step) -> String {
+    let path = write_path(path);
+    if !is_group(parent) || parent.entries.is_empty() {
+        let value = text.get(parent.span.clone()).unwrap_or_default();
+        return format!("`{path}` is `{value}`, which has no fields");
+    }
+    let name = |(i, entry): (usize, &Entry)| match (&entry.key, item_name(&entry.value, text)) {
+        (Some(key), _) => Step::Name(key.text.clone()),
+        (None, Some(name)) if parent.shape == Shape::List => Step::Name(name),
+        _ => Step::Index(i),
+    };
+    let steps: Vec<Step> = parent.entries.iter().enumerate().map(name).collect();
+    let whole = |step: &Step| match step {
+        Step::Name(name) => join(&path, name),
+        Step::Index(i) => format!("{path}[{i}]"),
+    };
+    let wanted = name_of(next).unwrap_or_default();
+    let meant = suggest::nearest(wanted, steps.iter().filter_map(name_of));
+    let meant = meant.map(|name| Step::Name(name.to_owned()));
+    let meant = meant.map(|step| format!("did you mean `{}`? ", whole(&step))).unwrap_or_default();
+    let paths: Vec<String> = steps.iter().map(whole).collect();
+    let paths: Vec<&str> = paths.iter().map(String::as_str).collect();
+    format!("{meant}there is {}", suggest::list(&paths))
+}

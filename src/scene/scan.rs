@@ -1,0 +1,384 @@
+//! A tolerant scanner of RON text: shape and place of everything, meaning of nothing.
+//!
+//! It knows no types, so it reads texts that `ron` refuses, and it keeps what `ron` forgets: where
+//! each value stands. Small slips (a missing comma, `=` for `:`) are noted and passed over.
+
+use std::ops::Range;
+
+/// Bytes of the text.
+pub type Span = Range<usize>;
+
+/// Nesting beyond this is refused, as `ron` does, to keep the recursion off the end of the stack.
+const DEEPEST: usize = 128;
+
+/// A slip of syntax.
+#[derive(Clone, Debug)]
+pub(super) struct Fault {
+    /// Byte at which it shows.
+    pub at: usize,
+    /// What is wrong.
+    pub message: String,
+    /// What would be right.
+    pub help: &'static str,
+}
+
+/// Shape of a value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shape {
+    /// No value where one is due.
+    Nothing,
+    /// An identifier: a variant without payload, `true`, `None`.
+    Word,
+    /// A number.
+    Number,
+    /// A string.
+    Text,
+    /// A character.
+    Char,
+    /// `(name: value, ...)`.
+    Struct,
+    /// `(value, ...)` or `()`.
+    Tuple,
+    /// `[value, ...]`.
+    List,
+    /// `{key: value, ...}`.
+    Map,
+}
+
+/// A value of the text.
+#[derive(Clone, Debug)]
+pub struct Node {
+    /// All of it, with the name in front of its brackets.
+    pub span: Span,
+    /// Name in front of the brackets: a struct or a variant with payload.
+    pub name: Option<Span>,
+    /// Shape.
+    pub shape: Shape,
+    /// What is inside its brackets.
+    pub entries: Vec<Entry>,
+}
+
+/// A value inside brackets.
+#[derive(Clone, Debug)]
+pub struct Entry {
+    /// Its key, in structs and maps.
+    pub key: Option<Key>,
+    /// The value.
+    pub value: Node,
+}
+
+/// A field name or a map key.
+#[derive(Clone, Debug)]
+pub struct Key {
+    /// Where it stands.
+    pub span: Span,
+    /// What it says, without quotes.
+    pub text: String,
+    /// Whether it stands in quotes.
+    pub quoted: bool,
+}
+
+/// Scans a text: its value, unless a fault left nothing to go on from, and all faults.
+pub(super) fn scan(text: &str) -> (Option<Node>, Vec<Fault>) {
+    let mut scanner = Scanner { text, at: 0, depth: 0, faults: Vec::new() };
+    let root = scanner.document();
+    let mut faults = scanner.faults;
+    let root = root.map_err(|fault| faults.push(fault)).ok();
+    (root, faults)
+}
+
+/// What a string literal says.
+pub(super) fn unquote(literal: &str) -> Option<String> {
+    ron::from_str(literal).ok()
+}
+
+struct Scanner<'t> {
+    text: &'t str,
+    at: usize,
+    depth: usize,
+    faults: Vec<Fault>,
+}
+
+impl<'t> Scanner<'t> {
+    fn document(&mut self) -> Result<Node, Fault> {
+        self.blank()?;
+        while self.rest().starts_with("#!") {
+            let end = self.rest().find(']').ok_or_else(|| {
+                self.fault(self.at, "this attribute is never closed", "end it with `)]`")
+            })?;
+            self.at += end + 1;
+            self.blank()?;
+        }
+        let root = self.value()?;
+        self.blank()?;
+        if let Some(c) = self.peek() {
+            let message = format!("`{c}` after the end of the scene");
+            let fault = self.fault(self.at, message, "a scene is one value: check the brackets");
+            self.faults.push(fault);
+        }
+        Ok(root)
+    }
+
+    fn rest(&self) -> &'t str {
+        self.text.get(self.at..).unwrap_or_default()
+    }
+
+    fn peek(&self) -> Option<char> {
+        self.rest().chars().next()
+    }
+
+    /// Takes characters as long as they satisfy a condition.
+    fn take(&mut self, accept: impl Fn(char) -> bool) -> Span {
+        let start = self.at;
+        self.at += self.rest().find(|c| !accept(c)).unwrap_or(self.rest().len());
+        start..self.at
+    }
+
+    fn fault(&self, at: usize, message: impl Into<String>, help: &'static str) -> Fault {
+        Fault { at, message: message.into(), help }
+    }
+
+    /// Passes over white space and comments.
+    fn blank(&mut self) -> Result<(), Fault> {
+        loop {
+            self.take(char::is_whitespace);
+            if self.rest().starts_with("//") {
+                self.take(|c| c != '\n');
+            } else if self.rest().starts_with("/*") {
+                self.block_comment()?;
+            } else {
+                return Ok(());
+            }
+        }
+    }
+
+    /// Block comments nest.
+    fn block_comment(&mut self) -> Result<(), Fault> {
+        let start = self.at;
+        let mut open = 0_usize;
+        loop {
+            let rest = self.rest();
+            if rest.starts_with("/*") {
+                open += 1;
+                self.at += 2;
+            } else if rest.starts_with("*/") {
+                open -= 1;
+                self.at += 2;
+                if open == 0 {
+                    return Ok(());
+                }
+            } else if let Some(c) = rest.chars().next() {
+                self.at += c.len_utf8();
+            } else {
+                return Err(self.fault(start, "this comment is never closed", "end it with `*/`"));
+            }
+        }
+    }
+
+    fn value(&mut self) -> Result<Node, Fault> {
+        let start = self.at;
+        let rest = self.rest();
+        let Some(first) = rest.chars().next() else { return Ok(self.leaf(start, Shape::Nothing)) };
+        let raw = rest.strip_prefix("br").or_else(|| rest.strip_prefix('r'));
+        if let Some(hashes) = raw.and_then(raw_string_hashes) {
+            return self.raw_string(start, hashes);
+        }
+        match first {
+            '(' | '[' | '{' => self.group(start, None, first),
+            '"' => self.quoted(start, '"', Shape::Text),
+            '\'' => self.quoted(start, '\'', Shape::Char),
+            'b' if rest.starts_with("b\"") => self.quoted(start + 1, '"', Shape::Text),
+            'b' if rest.starts_with("b'") => self.quoted(start + 1, '\'', Shape::Number),
+            '0'..='9' | '+' | '-' | '.' => {
+                self.take(|c| c.is_alphanumeric() || matches!(c, '.' | '_' | '+' | '-'));
+                Ok(self.leaf(start, Shape::Number))
+            }
+            ',' | ')' | ']' | '}' => Ok(self.leaf(start, Shape::Nothing)),
+            _ => match self.identifier() {
+                Some(name) => {
+                    self.blank()?;
+                    if self.peek() == Some('(') {
+                        return self.group(start, Some(name), '(');
+                    }
+                    self.at = name.end;
+                    Ok(self.leaf(start, Shape::Word))
+                }
+                None => {
+                    let message = format!("unexpected character `{first}`");
+                    Err(self.fault(start, message, "a value was due here"))
+                }
+            },
+        }
+    }
+
+    fn leaf(&self, start: usize, shape: Shape) -> Node {
+        Node { span: start..self.at, name: None, shape, entries: Vec::new() }
+    }
+
+    fn identifier(&mut self) -> Option<Span> {
+        let first = self.peek()?;
+        (first.is_alphabetic() || first == '_').then(|| {
+            if self.rest().starts_with("r#") {
+                self.at += 2;
+            }
+            self.take(|c| c.is_alphanumeric() || c == '_')
+        })
+    }
+
+    fn quoted(&mut self, open: usize, quote: char, shape: Shape) -> Result<Node, Fault> {
+        let start = self.at;
+        self.at = open + 1;
+        loop {
+            match self.peek() {
+                Some('\\') => {
+                    self.at += 1;
+                    self.at += self.peek().map_or(0, char::len_utf8);
+                }
+                Some(c) => {
+                    self.at += c.len_utf8();
+                    if c == quote {
+                        return Ok(self.leaf(start, shape));
+                    }
+                }
+                None => {
+                    return Err(self.fault(start, "this quote is never closed", "close the quote"));
+                }
+            }
+        }
+    }
+
+    fn is_multiline_text(&self, node: &Node) -> bool {
+        let literal = self.text.get(node.span.clone()).unwrap_or_default();
+        node.shape == Shape::Text && literal.starts_with('"') && literal.contains('\n')
+    }
+
+    fn raw_string(&mut self, start: usize, hashes: usize) -> Result<Node, Fault> {
+        let end = format!("\"{}", "#".repeat(hashes));
+        let open = start + self.rest().find('"').unwrap_or_default() + 1;
+        match self.text.get(open..).and_then(|body| body.find(&end)) {
+            Some(length) => {
+                self.at = open + length + end.len();
+                Ok(self.leaf(start, Shape::Text))
+            }
+            None => Err(self.fault(start, "this raw string is never closed", "close the string")),
+        }
+    }
+
+    fn group(&mut self, start: usize, name: Option<Span>, open: char) -> Result<Node, Fault> {
+        let opened = self.at;
+        self.depth += 1;
+        if self.depth > DEEPEST {
+            return Err(self.fault(opened, "too many brackets within brackets", "nest less"));
+        }
+        let close = match open {
+            '(' => ')',
+            '[' => ']',
+            _ => '}',
+        };
+        self.at += 1;
+        let mut entries: Vec<Entry> = Vec::new();
+        let mut missing_comma = false;
+        loop {
+            self.blank()?;
+            match self.peek() {
+                None => {
+                    let message = format!("this `{open}` is never closed");
+                    return Err(self.fault(
+                        opened,
+                        message,
+                        "close it, or check the brackets after it",
+                    ));
+                }
+                Some(c) if c == close => break,
+                Some(c @ (')' | ']' | '}')) => {
+                    let line = 1 + self.text[..opened].matches('\n').count();
+                    let message =
+                        format!("`{c}` where the `{open}` of line {line} wants its `{close}`");
+                    return Err(self.fault(self.at, message, "check the brackets"));
+                }
+                Some(_) => {}
+            }
+            let entry = self.entry(open)?;
+            // A leftover of the slip that was noted already would only confuse what follows.
+            let leftover = missing_comma
+                && entry.key.is_none() != entries.last().is_none_or(|last| last.key.is_none());
+            if !leftover {
+                entries.push(entry);
+            }
+            let end = self.at;
+            self.blank()?;
+            missing_comma = false;
+            match self.peek() {
+                Some(',') => self.at += 1,
+                Some(c) if !matches!(c, ')' | ']' | '}') => {
+                    if c == ':' || c == '=' {
+                        let message = format!("unexpected character `{c}`");
+                        return Err(self.fault(self.at, message, "a comma was due here"));
+                    }
+                    missing_comma = true;
+                    // A text that runs on over lines up to here has most likely lost its quote.
+                    let last = entries.last().map(|entry| &entry.value).filter(|_| !leftover);
+                    let lost = last.filter(|node| self.is_multiline_text(node));
+                    if let Some(start) = lost.map(|node| node.span.start) {
+                        let message = "this quote is not closed on its line";
+                        return Err(self.fault(start, message, "close the quote"));
+                    }
+                    let fault = self.fault(end, "missing comma", "put a comma between two values");
+                    self.faults.push(fault);
+                }
+                _ => {}
+            }
+        }
+        self.at += 1;
+        self.depth -= 1;
+        let shape = match open {
+            '(' if entries.iter().any(|entry| entry.key.is_some()) => Shape::Struct,
+            '(' => Shape::Tuple,
+            '[' => Shape::List,
+            _ => Shape::Map,
+        };
+        Ok(Node { span: start..self.at, name, shape, entries })
+    }
+
+    fn entry(&mut self, open: char) -> Result<Entry, Fault> {
+        let start = self.at;
+        if open == '[' {
+            return Ok(Entry { key: None, value: self.value()? });
+        }
+        let first = self.value()?;
+        let end = self.at;
+        self.blank()?;
+        match self.peek() {
+            Some(':') => {}
+            Some('=') if first.shape == Shape::Word => {
+                let fault = self.fault(self.at, "`=` after a field name", "write `:`");
+                self.faults.push(fault);
+            }
+            _ if open == '{' => {
+                return Err(self.fault(end, "missing `:` after a key", "write `key: value`"));
+            }
+            _ => {
+                self.at = end;
+                return Ok(Entry { key: None, value: first });
+            }
+        }
+        self.at += 1;
+        let quoted = first.shape == Shape::Text;
+        if quoted && open == '(' {
+            let fault = self.fault(start, "a field name in quotes", "leave the quotes out");
+            self.faults.push(fault);
+        }
+        let literal = self.text.get(first.span.clone()).unwrap_or_default();
+        let text = if quoted { unquote(literal) } else { None };
+        let text = text.unwrap_or_else(|| literal.trim_start_matches("r#").to_owned());
+        let key = Key { span: first.span, text, quoted };
+        self.blank()?;
+        Ok(Entry { key: Some(key), value: self.value()? })
+    }
+}
+
+/// Number of `#` before the quote, where a raw string begins here.
+fn raw_string_hashes(rest: &str) -> Option<usize> {
+    let body = rest.trim_start_matches('#');
+    body.starts_with('"').then(|| rest.len() - body.len())
+}

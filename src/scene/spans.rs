@@ -1,0 +1,182 @@
+//! Where each field of a scene stands in its text.
+//!
+//! A path names a field: `materials.grain.contact.friction`, `stages[3].increments`.
+//!
+//! - Names of structs and variants do not show: `analysis.dt`, `specimen.sizes.radius`.
+//! - An item of a list, a tuple or a positional payload is `[0]`, `[1]`: `walls.top[0]` is the
+//!   number in `Force(2.0)`. Where a payload is itself a list or a struct it is the payload that is
+//!   indexed: in `Particles([...])`, `specimen[3].radius` is a particle's.
+//! - An item of a list that has a `name` answers to it as well: `stages.shear.increments`.
+//! - A name that is no plain word stands in quotes: `materials["fine sand"].density`.
+
+use std::fmt::Write;
+
+pub use super::scan::Span;
+use super::scan::{Entry, Key, Node, Shape, scan, unquote};
+
+/// The places of all fields of a text.
+#[derive(Clone, Debug)]
+pub struct Spans {
+    text: String,
+    root: Option<Node>,
+}
+
+impl Spans {
+    /// Scans a text. A text with unbalanced brackets has no places.
+    #[must_use]
+    pub fn of(text: &str) -> Self {
+        Self { text: text.to_owned(), root: scan(text).0 }
+    }
+
+    /// Span of a value.
+    #[must_use]
+    pub fn value(&self, path: &str) -> Option<Span> {
+        Some(self.find(path)?.0.span.clone())
+    }
+
+    /// Span of the key of a value.
+    #[must_use]
+    pub fn key(&self, path: &str) -> Option<Span> {
+        Some(self.find(path)?.1?.span.clone())
+    }
+
+    /// Byte at which a field stands: its value or its key, or the innermost value around it if it
+    /// is left out.
+    #[must_use]
+    pub fn nearest(&self, path: &str, at_key: bool) -> usize {
+        let (Some(root), Some(steps)) = (&self.root, parse_path(path)) else { return 0 };
+        let found = descend(root, &self.text, &steps);
+        match found.key {
+            Some(key) if at_key && found.depth == steps.len() => key.span.start,
+            _ => found.node.span.start,
+        }
+    }
+
+    fn find(&self, path: &str) -> Option<(&Node, Option<&Key>)> {
+        let steps = parse_path(path)?;
+        let found = descend(self.root.as_ref()?, &self.text, &steps);
+        (found.depth == steps.len()).then_some((found.node, found.key))
+    }
+}
+
+/// A step of a path.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Step {
+    /// A field, a map key or the name of a list item.
+    Name(String),
+    /// A place in a list or a tuple.
+    Index(usize),
+}
+
+/// Takes a path apart; nothing if it is malformed. The empty path is the scene itself.
+#[must_use]
+pub fn parse_path(path: &str) -> Option<Vec<Step>> {
+    let mut steps = Vec::new();
+    let mut rest = path;
+    while !rest.is_empty() {
+        if let Some(inner) = rest.strip_prefix("[\"") {
+            let (name, after) = inner.split_once("\"]")?;
+            steps.push(Step::Name(name.to_owned()));
+            rest = after;
+        } else if let Some(inner) = rest.strip_prefix('[') {
+            let (index, after) = inner.split_once(']')?;
+            steps.push(Step::Index(index.parse().ok()?));
+            rest = after;
+        } else {
+            let name = match rest.strip_prefix('.') {
+                Some(name) if !steps.is_empty() => name,
+                None if steps.is_empty() => rest,
+                _ => return None,
+            };
+            let end = name.find(['.', '[']).unwrap_or(name.len());
+            if end == 0 {
+                return None;
+            }
+            steps.push(Step::Name(name[..end].to_owned()));
+            rest = &name[end..];
+        }
+    }
+    Some(steps)
+}
+
+/// The path of a named part of `path`.
+#[must_use]
+pub fn join(path: &str, name: &str) -> String {
+    let plain = |c: char| c.is_alphanumeric() || matches!(c, '_' | '-');
+    if name.is_empty() || !name.chars().all(plain) {
+        format!("{path}[\"{name}\"]")
+    } else if path.is_empty() {
+        name.to_owned()
+    } else {
+        format!("{path}.{name}")
+    }
+}
+
+/// Writes a path; the opposite of [`parse_path`].
+#[must_use]
+pub fn write_path(steps: &[Step]) -> String {
+    steps.iter().fold(String::new(), |mut path, step| match step {
+        Step::Name(name) => join(&path, name),
+        Step::Index(index) => {
+            // Writing to a string cannot fail.
+            let _ = write!(path, "[{index}]");
+            path
+        }
+    })
+}
+
+/// How far a path could be followed.
+pub(super) struct Found<'n> {
+    /// The last value on the way.
+    pub node: &'n Node,
+    /// Its key.
+    pub key: Option<&'n Key>,
+    /// Number of steps that were taken.
+    pub depth: usize,
+}
+
+/// Follows a path as far as it goes.
+pub(super) fn descend<'n>(root: &'n Node, text: &str, steps: &[Step]) -> Found<'n> {
+    let mut found = Found { node: root, key: None, depth: 0 };
+    for step in steps {
+        let Some(entry) = child(found.node, text, step) else { break };
+        found = Found { node: &entry.value, key: entry.key.as_ref(), depth: found.depth + 1 };
+    }
+    found
+}
+
+/// The value whose parts a path addresses: the payload of a variant that wraps one value in
+/// brackets, else the value itself.
+pub(super) fn unwrapped(node: &Node) -> &Node {
+    match (node.shape, node.entries.as_slice()) {
+        (Shape::Tuple, [only]) if is_group(&only.value) => unwrapped(&only.value),
+        _ => node,
+    }
+}
+
+pub(super) fn is_group(node: &Node) -> bool {
+    matches!(node.shape, Shape::Struct | Shape::Tuple | Shape::List | Shape::Map)
+}
+
+/// The `name` of a list item.
+pub(super) fn item_name(node: &Node, text: &str) -> Option<String> {
+    let key_is_name = |entry: &&Entry| entry.key.as_ref().is_some_and(|key| key.text == "name");
+    let name = &unwrapped(node).entries.iter().find(key_is_name)?.value;
+    unquote(text.get(name.span.clone())?)
+}
+
+fn child<'n>(node: &'n Node, text: &str, step: &Step) -> Option<&'n Entry> {
+    let node = unwrapped(node);
+    match step {
+        Step::Index(index) => {
+            matches!(node.shape, Shape::Tuple | Shape::List).then(|| node.entries.get(*index))?
+        }
+        Step::Name(name) if node.shape == Shape::List => {
+            node.entries.iter().find(|entry| item_name(&entry.value, text).as_ref() == Some(name))
+        }
+        Step::Name(name) => node
+            .entries
+            .iter()
+            .find(|entry| entry.key.as_ref().is_some_and(|key| key.text == *name)),
+    }
+}

@@ -1,0 +1,119 @@
+//! Scene files and stored specimens.
+
+use std::fs;
+use std::path::Path;
+
+use super::samples::SMALL;
+use crate::scene::specimen_file::{StoredParticle, read, write};
+use crate::scene::{LoadError, load};
+
+const STORED: &str = r#"specimen: File(path: "stored.csv")"#;
+
+fn stored_scene() -> String {
+    let (head, rest) = SMALL.split_once("specimen: Particles").unwrap();
+    let (_, tail) = rest.split_once("]),").unwrap();
+    format!("{head}{STORED},{tail}")
+}
+
+/// What loading a scene with this stored specimen says.
+fn complaint(csv: impl AsRef<[u8]>) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("scene.ron"), stored_scene()).unwrap();
+    fs::write(folder.path().join("stored.csv"), csv).unwrap();
+    let error = load(&folder.path().join("scene.ron"), &[]).unwrap_err();
+    assert_eq!(error.exit_code(), 3);
+    let folder = format!("{}/", folder.path().display());
+    error.to_string().replace(&folder, "")
+}
+
+#[test]
+fn numbers_read_back_as_they_were() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("s.csv");
+    let row = |x, y, r, material: Option<&str>| StoredParticle {
+        x,
+        y,
+        r,
+        material: material.map(str::to_owned),
+    };
+    for named in [None, Some("fine sand")] {
+        let rows = vec![
+            row(0.1 + 0.2, -1.0 / 3.0, 1e-300, named),
+            row(f64::MIN_POSITIVE, 1e300, 5e-324, None),
+        ];
+        write(&path, &rows).unwrap();
+        assert_eq!(read(&path).unwrap().rows, rows);
+    }
+    assert!(write(&path, &[row(0.0, 0.0, 1.0, Some("a,b"))]).is_err());
+}
+
+#[test]
+fn a_stored_specimen_is_found_beside_the_scene() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("scene.ron");
+    fs::write(&scene, stored_scene()).unwrap();
+    fs::write(folder.path().join("stored.csv"), "# two\nx_m,y_m,radius_m\n0,1,1\n\n2,1,1\n")
+        .unwrap();
+    let loaded = load(&scene, &[]).unwrap();
+    assert_eq!(loaded.specimen.unwrap().rows.len(), 2);
+}
+
+#[test]
+fn each_bad_row_is_named() {
+    assert_eq!(
+        complaint("x_m,y_m,radius_m\n0,NaN,1\n# note\n2, 2,-1\n4,1\n6,x,1\n"),
+        "stored.csv:2:3: y_m: not finite (NaN); give a number in m\n\
+         stored.csv:4:6: radius_m: not greater than 0 (-1.0); give a radius in m\n\
+         stored.csv:5:1: 2 values (`4,1`); this file has 3 columns\n\
+         stored.csv:6:3: y_m: not a number (`x`); give a number in m"
+    );
+    assert_eq!(
+        complaint("x_m,y_m,radius_m\n0,1,1\n2,1,1\n0,1,1\n"),
+        "stored.csv:4:1: x_m: the same place as the particle of line 2; leave one of them out"
+    );
+    assert_eq!(
+        complaint("x,y,r\n"),
+        "stored.csv:1:1: unknown columns `x,y,r`; \
+         the first line is `x_m,y_m,radius_m` or `x_m,y_m,radius_m,material`"
+    );
+    assert_eq!(complaint(""), "stored.csv:1:1: no header; the first line is `x_m,y_m,radius_m`");
+    assert_eq!(
+        complaint(b"x_m,y_m,radius_m\n0,\xff,1\n"),
+        "stored.csv:2:3: not UTF-8 text; save it as UTF-8"
+    );
+}
+
+#[test]
+fn rows_are_checked_against_the_scene() {
+    assert_eq!(
+        complaint("x_m,y_m,radius_m,material\n0,1,1,\n2,-1,1,grain\n3,1,1,sand\n"),
+        "scene.ron:10:26: specimen.path: particle 1 of the file is behind wall `bottom` \
+         (2.0, -1.0); move it inside; a wall has its inside on the left of start to end\n\
+         scene.ron:10:26: specimen.path: unknown material (`sand`); there is only `grain`"
+    );
+}
+
+#[test]
+fn a_missing_specimen_is_placed_in_the_scene() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("scene.ron");
+    fs::write(&scene, stored_scene()).unwrap();
+    let message = load(&scene, &[]).unwrap_err().to_string();
+    assert!(message.contains("scene.ron:10:26: specimen.path: cannot read"), "{message}");
+    fs::create_dir(folder.path().join("stored.csv")).unwrap();
+    let message = load(&scene, &[]).unwrap_err().to_string();
+    assert!(message.contains("it is a directory"), "{message}");
+}
+
+#[test]
+fn a_scene_file_that_cannot_be_read() {
+    let error = load(Path::new("no/such/scene.ron"), &[]).unwrap_err();
+    assert!(matches!(error, LoadError::Read { .. }));
+    assert_eq!(error.exit_code(), 1);
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("scene.ron");
+    fs::write(&scene, b"(\n  title: \"\xe9\")").unwrap();
+    let error = load(&scene, &[]).unwrap_err();
+    assert_eq!(error.exit_code(), 3);
+    assert!(error.to_string().contains("scene.ron:2:11: not UTF-8 text"), "{error}");
+}

@@ -1,0 +1,113 @@
+//! `--set path=value`.
+
+use super::read;
+use super::samples::{FULL, SMALL};
+use crate::scene::LoadError;
+use crate::scene::format::{Specimen, Stage, WallControl};
+use crate::scene::overrides::apply;
+
+#[track_caller]
+fn set(text: &str, sets: &[&str]) -> String {
+    apply(text, sets).unwrap_or_else(|error| panic!("{error}"))
+}
+
+#[track_caller]
+fn refused(setting: &str, message: &str) {
+    match read(SMALL, &[setting]) {
+        Err(error @ LoadError::Set(_)) => {
+            assert_eq!(error.to_string(), format!("--set {setting}: {message}"));
+            assert_eq!(error.exit_code(), 2);
+        }
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn a_value_is_replaced_and_comments_stay() {
+    let text = set(FULL, &["materials.grain.contact.friction=0.7", "stages.shear.increments = 20"]);
+    let expected = FULL.replace("friction: 0.5)", "friction: 0.7)").replacen(
+        "\"shear\",\n            increments: 10",
+        "\"shear\",\n            increments: 20",
+        1,
+    );
+    assert_eq!(text, expected);
+}
+
+#[test]
+fn later_settings_see_earlier_ones() {
+    let sets = ["analysis=Dynamic(dt: 1.0)", "analysis.dt=1e-3", "analysis.theta=0.5"];
+    let text = set(SMALL, &sets);
+    assert!(text.contains("analysis: Dynamic(dt: 1e-3, theta: 0.5)"), "{text}");
+}
+
+#[test]
+fn an_absent_field_is_inserted_with_what_is_around_it() {
+    let loaded = read(SMALL, &["acceptance.throw=0.1", "walls.top.contact.friction=0.3"]).unwrap();
+    assert_eq!(loaded.scene.acceptance.throw, 0.1);
+    assert_eq!(loaded.scene.walls[1].contact.friction, 0.3);
+}
+
+#[test]
+fn a_map_entry_is_inserted() {
+    let loaded = read(SMALL, &["stages.load.walls.bottom=Fixed"]).unwrap();
+    let Stage::Load(load) = &loaded.scene.stages[0] else { panic!() };
+    assert_eq!(load.walls["bottom"], WallControl::Fixed);
+}
+
+#[test]
+fn a_bare_word_is_a_text_where_only_a_text_fits() {
+    let loaded = read(SMALL, &["title=A title, (unbalanced", "specimen[0].group=low"]).unwrap();
+    assert_eq!(loaded.scene.title, "A title, (unbalanced");
+    let Specimen::Particles(list) = &loaded.scene.specimen else { panic!() };
+    assert_eq!(list[0].group.as_deref(), Some("low"));
+}
+
+#[test]
+fn a_setting_that_does_not_fit_is_refused() {
+    refused(
+        "thickness",
+        "not a setting; write path=value, as in `materials.grain.contact.friction=0.3`",
+    );
+    refused(
+        "stages.laod.increments=3",
+        "no such field; did you mean `stages.load`? there is `stages.load`",
+    );
+    refused(
+        "walls.tpo.contact.friction=3",
+        "no such field; did you mean `walls.top`? there is `walls.bottom`, `walls.top`",
+    );
+    refused("specimen[2].radius=1.0", "no such field; there is `specimen[0]`, `specimen[1]`");
+    refused("materials.sand.density=1.0", "no such field; there is `materials.grain`");
+    refused("title.x=1", "no such field; `title` is `\"Small\"`, which has no fields");
+    refused(
+        "materials.grain.contact.frictoin=0.3",
+        "unknown field `frictoin`; did you mean `friction`? the fields here are \
+         `normal_stiffness`, `tangential_stiffness`, `friction`, `rolling_friction`",
+    );
+    refused(
+        "stages.load.increments=many",
+        "expected a whole number from 0 to 4294967295, found `many`",
+    );
+    refused("thickness=1.0, version: 2", "`1.0, version: 2` is not a value in RON");
+    refused("thickness=1.0 // thin", "`1.0 // thin` is not a value in RON");
+    refused("thickness=", "`` is not a value in RON");
+    refused("analysis=Dynamic", "missing field `dt`; add `dt: ...`, in s");
+    refused("solver.tolerance=1e-9", "expected one of `Clarabel`, found `(tolerance: 1e-9)`");
+}
+
+#[test]
+fn a_wrong_value_is_known_to_come_from_a_setting() {
+    let error = read(SMALL, &["walls.top.contact.friction=-0.3"]).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "s.ron:16:80: walls[1].contact.friction: negative (-0.3) \
+         (from --set walls.top.contact.friction=-0.3); give a coefficient of 0 or more"
+    );
+    assert_eq!(error.exit_code(), 3);
+}
+
+#[test]
+fn a_broken_scene_is_reported_as_such() {
+    let error = read(&SMALL.replace("Force(1.0)", "Force(1.0"), &["version=1"]).unwrap_err();
+    assert_eq!(error.exit_code(), 3);
+}

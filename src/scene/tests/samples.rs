@@ -1,0 +1,132 @@
+//! Valid scenes for the tests.
+
+use super::read;
+
+/// A scene with every feature of the format.
+pub(super) const FULL: &str = r##"#![enable(implicit_some)]
+// A comment with a ( bracket and a "quote.
+Scene(
+    version: 1,
+    title: r#"Everything "at once" (and more)"#,
+    thickness: 0.5, /* nested /* comment ) */ here */
+    gravity: (0.0, -9.81),
+    analysis: Dynamic(dt: 1e-4, theta: 0.5),
+    friction_law: Coulomb(tolerance: 1e-8, max_passes: 20),
+    rupture: (rolling: Yields, cascade: Some(5)),
+    solver: Clarabel(tolerance: 1e-11, max_iterations: 100),
+    acceptance: (residual: 1e-8, throw: 0.3, halvings: 6),
+    materials: {
+        "grain": Material(
+            density: 2_650.0,
+            contact: (normal_stiffness: 1e8, tangential_stiffness: 5e7, friction: 0.5),
+            bond: (normal_stiffness: 1e9, friction: 0.3, cohesion: 1e5, tensile_strength: 5e4),
+        ),
+        "fine sand": (contact: (rolling_friction: 0.1)),
+    },
+    specimen: Particles([
+        (position: (0.25, 0.25), radius: 0.25, material: "grain", group: "low", probe: "p"),
+        (position: (0.75, 0.25), radius: 0.25, material: "grain", velocity: (0.0, 1.0)),
+        (position: (0.5, 0.75), radius: 0.2, material: Some("fine sand"), angular_velocity: -1.0),
+    ]),
+    bonds: [(a: 0, b: 1)],
+    walls: [
+        (name: "bottom", start: (0.0, 0.0), end: (1.0, 0.0), contact: (friction: 0.2), probe: "w"),
+        (name: "top", start: (1.0, 1.0), end: (0.0, 1.0)),
+        (name: "left", start: (0.0, 1.0), end: (0.0, 0.0)),
+        (name: "right", start: (1.0, 0.0), end: (1.0, 1.0)),
+        (name: "lid", start: (1.0, 2.0), end: (0.0, 2.0), present: false),
+    ],
+    stages: [
+        Compact(
+            name: "press", wall: "top", base: "bottom", target: Porosity(0.2), step: 1e-3,
+            rest: Still, agitation: 0.1, seed: 3,
+        ),
+        Cement(name: "glue", length: 0.01, walls: true),
+        Load(
+            name: "shear",
+            increments: 10,
+            analysis: Static,
+            gravity: (0.0, 0.0),
+            walls: {
+                "top": Stress(stress: 1e5, between: ("left", "right")),
+                "left": Displacement(1e-3, 0.0),
+                "right": Force(2.0),
+                "bottom": Fixed,
+                "lid": Custom,
+            },
+            add_walls: ["lid"],
+            particles: [
+                (select: All, rotation: Held),
+                (select: Index([0, 2]), x: Displacement(1e-3), force: (1.0, 2.0), moment: 3.0),
+                (select: Group("low"), affine: ((0.1, 0.0), (0.0, -0.1))),
+                (select: Probe("p"), y: Free),
+                (select: Box(min: (0.0, 0.0), max: (1.0, 1.0))),
+            ],
+            stop: [AxialStrain(0.05), StressDrop(0.5)],
+        ),
+        Load(
+            name: "let go",
+            increments: 10,
+            walls: {"left": Velocity(0.1, 0.0)},
+            remove_walls: ["right"],
+            particles: [(select: Index([1]), x: Velocity(0.5))],
+            stop: [Time(3.0), Rest(1e-6)],
+        ),
+    ],
+    measures: (
+        reference_stage: "shear",
+        axial_strain: Walls("top", "bottom"),
+        lateral_strain: Particles(0, 1),
+        axial_stress: Walls(walls: ["top"], length: Between("left", "right")),
+        lateral_stress: Average(component: Xx, area: Box(("left", "right"), ("top", "bottom"))),
+    ),
+    output: (frames_every: 5, plots: false),
+)
+"##;
+
+/// A small scene for edits; each field on a line of its own.
+pub(super) const SMALL: &str = r#"(
+    version: 1,
+    title: "Small",
+    materials: {
+        "grain": (
+            density: 2650.0,
+            contact: (friction: 0.5),
+        ),
+    },
+    specimen: Particles([
+        (position: (0.0, 1.0), radius: 1.0),
+        (position: (2.0, 1.0), radius: 1.0),
+    ]),
+    walls: [
+        (name: "bottom", start: (-5.0, 0.0), end: (5.0, 0.0)),
+        (name: "top", start: (5.0, 2.0), end: (-5.0, 2.0)),
+    ],
+    stages: [
+        Load(
+            name: "load",
+            increments: 4,
+            walls: {"top": Force(1.0)},
+        ),
+    ],
+)
+"#;
+
+#[test]
+fn samples_are_valid() {
+    for text in [FULL, SMALL] {
+        if let Err(error) = read(text, &[]) {
+            panic!("{error}");
+        }
+    }
+}
+
+#[test]
+fn the_second_reading_agrees_with_ron() {
+    for text in [FULL, SMALL] {
+        let diagnosis = super::super::diagnose::diagnose(text);
+        assert!(diagnosis.placed.is_empty(), "{:?}", diagnosis.placed);
+        let first = read(text, &[]).unwrap().scene;
+        assert_eq!(format!("{:?}", diagnosis.scene.unwrap()), format!("{first:?}"));
+    }
+}

@@ -1,0 +1,137 @@
+//! The list of findings and the checks that all topics share.
+
+use std::collections::BTreeMap;
+use std::fmt::Arguments;
+
+use crate::scene::diagnostic::{Finding, within};
+use crate::scene::suggest;
+
+/// Collects findings. Paths are given unformatted, since most checks find nothing.
+pub(super) struct Findings<'a> {
+    list: Vec<Finding>,
+    made_up: &'a [String],
+}
+
+impl<'a> Findings<'a> {
+    pub(super) fn new(made_up: &'a [String]) -> Self {
+        Self { list: Vec::new(), made_up }
+    }
+
+    pub(super) fn into_list(self) -> Vec<Finding> {
+        self.list
+    }
+
+    /// Whether all of a part of the scene is its own: else nothing may be concluded from it.
+    pub(super) fn is_sure_of(&self, path: &str) -> bool {
+        !self.made_up.iter().any(|made_up| within(made_up, path))
+    }
+
+    pub(super) fn add(&mut self, path: Arguments, message: impl Into<String>, help: &str) {
+        self.list.push(Finding::new(path.to_string(), message, help));
+    }
+
+    /// A finding at the key of a field.
+    pub(super) fn add_at_key(&mut self, path: Arguments, message: String, help: &str) {
+        let finding = Finding::new(path.to_string(), message, help);
+        self.list.push(Finding { at_key: true, ..finding });
+    }
+
+    /// Checks a number; `what` completes "give ...".
+    pub(super) fn number(
+        &mut self,
+        path: Arguments,
+        value: f64,
+        allowed: impl FnOnce(f64) -> bool,
+        what: &str,
+    ) -> bool {
+        let fine = value.is_finite() && allowed(value);
+        if !fine {
+            let problem = match value {
+                _ if !value.is_finite() => "not finite",
+                _ if value < 0.0 => "negative",
+                _ if value == 0.0 => "zero",
+                _ => "out of range",
+            };
+            self.add(path, format!("{problem} ({value:?})"), &format!("give {what}"));
+        }
+        fine
+    }
+
+    pub(super) fn positive(&mut self, path: Arguments, value: f64, what: &str) -> bool {
+        self.number(path, value, |value| value > 0.0, &format!("{what} greater than 0"))
+    }
+
+    pub(super) fn not_negative(&mut self, path: Arguments, value: f64, what: &str) -> bool {
+        self.number(path, value, |value| value >= 0.0, &format!("{what} of 0 or more"))
+    }
+
+    pub(super) fn finite(&mut self, path: Arguments, value: f64, what: &str) -> bool {
+        self.number(path, value, |_| true, what)
+    }
+
+    pub(super) fn vector(&mut self, path: Arguments, (x, y): (f64, f64), what: &str) -> bool {
+        self.finite(format_args!("{path}[0]"), x, what)
+            & self.finite(format_args!("{path}[1]"), y, what)
+    }
+
+    /// Two numbers in order, the first greater than 0.
+    pub(super) fn range(&mut self, path: Arguments, (min, max): (f64, f64), what: &str) -> bool {
+        let fine = self.positive(format_args!("{path}[0]"), min, what)
+            & self.positive(format_args!("{path}[1]"), max, what);
+        if fine && min > max {
+            let message = format!("smallest above greatest ({min:?} > {max:?})");
+            self.add(path, message, "give (smallest, greatest)");
+        }
+        fine && min <= max
+    }
+
+    /// A whole number of at least 1.
+    pub(super) fn at_least_one(&mut self, path: Arguments, value: u32, what: &str) {
+        if value == 0 {
+            self.add(path, "zero (0)", &format!("give {what} of 1 or more"));
+        }
+    }
+
+    /// A reference to a named part of the scene; `topic` is where such parts are defined.
+    pub(super) fn reference(
+        &mut self,
+        path: Arguments,
+        name: &str,
+        (kind, topic): (&str, &str),
+        names: &[&str],
+    ) -> bool {
+        let known = names.contains(&name);
+        if !known && self.is_sure_of(topic) {
+            let help = suggest::help(name, names, &format!("{kind}s"));
+            self.add(path, format!("unknown {kind} (`{name}`)"), &help);
+        }
+        known
+    }
+
+    /// Two references to parts that must differ.
+    pub(super) fn pair<T: PartialEq>(&mut self, path: Arguments, (a, b): (T, T), kind: &str) {
+        if a == b {
+            self.add(path, format!("twice the same {kind}"), &format!("name two {kind}s"));
+        }
+    }
+
+    /// Names that are given, and given once.
+    pub(super) fn unique<'n>(
+        &mut self,
+        kind: &str,
+        names: impl IntoIterator<Item = (String, &'n str)>,
+    ) {
+        let mut seen: BTreeMap<&str, String> = BTreeMap::new();
+        for (path, name) in names {
+            if name.trim().is_empty() {
+                self.add(format_args!("{path}"), format!("empty {kind}"), "give a name");
+            } else if let Some(first) = seen.get(name) {
+                let message = format!("{kind} given twice (`{name}`)");
+                let help = format!("it is also that of {first}");
+                self.add(format_args!("{path}"), message, &help);
+            } else {
+                seen.insert(name, path);
+            }
+        }
+    }
+}

@@ -1,0 +1,54 @@
+//! Version, analysis, solver and acceptance.
+
+use crate::scene::format::{Analysis, FrictionLaw, Solver, VERSION};
+
+use super::Context;
+use super::findings::Findings;
+
+/// More halvings than this shrink an increment to nothing.
+const MOST_HALVINGS: u32 = 30;
+
+pub(super) fn check(context: &Context, findings: &mut Findings) {
+    let scene = context.scene;
+    if scene.version != VERSION {
+        let message = format!("unknown version ({})", scene.version);
+        let help = format!("this build reads version {VERSION}");
+        findings.add(format_args!("version"), message, &help);
+    }
+    findings.positive(format_args!("thickness"), scene.thickness, "a thickness in m");
+    findings.vector(format_args!("gravity"), scene.gravity, "an acceleration in m/s^2");
+    analysis(format_args!("analysis"), scene.analysis, findings);
+    if let FrictionLaw::Coulomb { tolerance, max_passes } = scene.friction_law {
+        let what = "a tolerance between 0 and 1";
+        let allowed = |value| value > 0.0 && value < 1.0;
+        findings.number(format_args!("friction_law.tolerance"), tolerance, allowed, what);
+        findings.at_least_one(format_args!("friction_law.max_passes"), max_passes, "a number");
+    }
+    if let Some(rounds) = scene.rupture.cascade {
+        findings.at_least_one(format_args!("rupture.cascade"), rounds, "a number of rounds");
+    }
+    if let Solver::Clarabel { tolerance, max_iterations } = scene.solver {
+        let allowed = |value| value > 0.0 && value <= 1e-2;
+        let what = "a tolerance above 0 and up to 1e-2";
+        findings.number(format_args!("solver.tolerance"), tolerance, allowed, what);
+        findings.at_least_one(format_args!("solver.max_iterations"), max_iterations, "a number");
+    }
+    let acceptance = scene.acceptance;
+    findings.positive(format_args!("acceptance.residual"), acceptance.residual, "a residual");
+    findings.positive(format_args!("acceptance.throw"), acceptance.throw, "a number of radii");
+    if acceptance.halvings > MOST_HALVINGS {
+        let message = format!("out of range ({})", acceptance.halvings);
+        let help = format!("give a number up to {MOST_HALVINGS}");
+        findings.add(format_args!("acceptance.halvings"), message, &help);
+    }
+}
+
+/// The analysis of the scene or of a stage.
+pub(super) fn analysis(path: std::fmt::Arguments, analysis: Analysis, findings: &mut Findings) {
+    if let Analysis::Dynamic { dt, theta } = analysis {
+        findings.positive(format_args!("{path}.dt"), dt, "a time step in s");
+        let allowed = |theta| theta > 0.0 && theta <= 1.0;
+        let what = "a theta above 0 and up to 1";
+        findings.number(format_args!("{path}.theta"), theta, allowed, what);
+    }
+}

@@ -1,0 +1,293 @@
+//! Particles, the recipes that make them, and their bonds.
+
+use std::collections::BTreeMap;
+use std::fmt::Arguments;
+
+use crate::scene::diagnostic::MOST;
+use crate::scene::format::{Particle, Sizes, Specimen, Wall};
+use crate::scene::spans::join;
+use crate::scene::specimen_file::StoredSpecimen;
+use crate::scene::suggest;
+
+use super::findings::Findings;
+use super::places::{coincident, is_behind};
+use super::{Context, MOST_PARTICLES};
+
+pub(super) fn check(context: &Context, findings: &mut Findings) {
+    if context.particles.is_some_and(|count| count > MOST_PARTICLES) {
+        let message = format!("{} particles", context.particles.unwrap_or_default());
+        let help = format!("give at most {MOST_PARTICLES}");
+        findings.add(format_args!("specimen"), message, &help);
+    }
+    match &context.scene.specimen {
+        Specimen::Particles(list) => particles(context, list, findings),
+        Specimen::Lattice { columns, rows, radius, origin, material } => {
+            findings.at_least_one(format_args!("specimen.columns"), *columns, "a number");
+            findings.at_least_one(format_args!("specimen.rows"), *rows, "a number");
+            let fine = findings.positive(format_args!("specimen.radius"), *radius, "a radius in m")
+                & findings.vector(format_args!("specimen.origin"), *origin, "a place in m");
+            material_of(context, format_args!("specimen"), material.as_deref(), findings);
+            if fine && *columns > 0 && *rows > 0 {
+                let last = f64::from(rows - 1);
+                let indent = if rows % 2 == 0 && *columns > 1 { *radius } else { 0.0 };
+                let low = (origin.0, origin.0 + 2.0 * radius * f64::from(columns - 1));
+                let high = (low.0 + indent, low.1 - indent);
+                let heights = (origin.1, origin.1 + 3_f64.sqrt() * radius * last);
+                outline(context, low, high, heights, *radius, findings);
+            }
+        }
+        Specimen::Packing { .. } => packing(context, findings),
+        Specimen::File { material, .. } => {
+            if let Some(stored) = context.specimen {
+                rows(context, stored, material.as_deref(), findings);
+            }
+        }
+    }
+    bonds(context, findings);
+}
+
+fn particles(context: &Context, list: &[Particle], findings: &mut Findings) {
+    for (i, particle) in list.iter().enumerate() {
+        let path = format_args!("specimen[{i}]");
+        let fine =
+            findings.positive(format_args!("{path}.radius"), particle.radius, "a radius in m")
+                & findings.vector(
+                    format_args!("{path}.position"),
+                    particle.position,
+                    "a place in m",
+                );
+        findings.vector(format_args!("{path}.velocity"), particle.velocity, "a velocity in m/s");
+        let spin = particle.angular_velocity;
+        findings.finite(format_args!("{path}.angular_velocity"), spin, "a velocity in rad/s");
+        material_of(context, path, particle.material.as_deref(), findings);
+        if particle.group.as_ref().is_some_and(|group| group.trim().is_empty()) {
+            findings.add(format_args!("{path}.group"), "empty name of a group", "give a name");
+        }
+        if fine {
+            let path = format_args!("{path}.position");
+            not_behind(context, path, "the centre", particle.position, particle.radius, findings);
+        }
+    }
+    if findings.is_sure_of("specimen") {
+        let disk = |p: &Particle| (p.position.0, p.position.1, p.radius);
+        let disks: Vec<_> = list.iter().map(disk).collect();
+        for (earlier, later) in coincident(&disks, MOST) {
+            let message =
+                format!("the same place as particle {earlier} {:?}", list[later].position);
+            let path = format_args!("specimen[{later}].position");
+            findings.add(path, message, "leave one of them out");
+        }
+    }
+}
+
+fn packing(context: &Context, findings: &mut Findings) {
+    let Specimen::Packing { count, columns, spacing, origin, sizes, material, .. } =
+        &context.scene.specimen
+    else {
+        return;
+    };
+    findings.at_least_one(format_args!("specimen.count"), *count, "a number");
+    findings.at_least_one(format_args!("specimen.columns"), *columns, "a number");
+    let fine = findings.positive(format_args!("specimen.spacing"), *spacing, "a spacing in m")
+        & findings.vector(format_args!("specimen.origin"), *origin, "a place in m");
+    material_of(context, format_args!("specimen"), material.as_deref(), findings);
+    let radius = format_args!("specimen.sizes.radius");
+    let what = "a radius in m";
+    let limits = match *sizes {
+        Sizes::Equal { radius: r } => findings.positive(radius, r, what).then_some((r, r)),
+        Sizes::Uniform { radius: range } => findings.range(radius, range, what).then_some(range),
+        Sizes::LogNormal { radius: median, deviation, limits } => {
+            let ranged = findings.range(format_args!("specimen.sizes.limits"), limits, what);
+            findings.not_negative(
+                format_args!("specimen.sizes.deviation"),
+                deviation,
+                "a standard deviation of ln(radius)",
+            );
+            if findings.positive(radius, median, what)
+                && ranged
+                && !(limits.0..=limits.1).contains(&median)
+            {
+                let message = format!("the median is outside of the limits ({median:?})");
+                findings.add(radius, message, "give a median between the limits");
+            }
+            ranged.then_some(limits)
+        }
+    };
+    let Some((smallest, greatest)) = limits.filter(|_| fine) else { return };
+    if *spacing < 2.0 * greatest {
+        let message = format!("smaller than the greatest diameter ({spacing:?})");
+        let help = format!("give a spacing in m of {:?} or more", 2.0 * greatest);
+        findings.add(format_args!("specimen.spacing"), message, &help);
+    }
+    if *count > 0 && *columns > 0 {
+        // Every disk stays in its cell, so the outermost centres are a radius inside the grid.
+        let rows = count.div_ceil(*columns);
+        let in_last = count - (rows - 1) * columns;
+        let right = |columns: u32| origin.0 + spacing * f64::from(columns) - smallest;
+        let left = origin.0 + smallest;
+        let top = origin.1 + spacing * f64::from(rows) - smallest;
+        let (low, high) = ((left, right(*count.min(columns))), (left, right(in_last)));
+        outline(context, low, high, (origin.1 + smallest, top), smallest, findings);
+    }
+}
+
+fn rows(
+    context: &Context,
+    stored: &StoredSpecimen,
+    default: Option<&str>,
+    findings: &mut Findings,
+) {
+    let name_list = &context.materials;
+    if default.is_some() || stored.rows.iter().any(|row| row.material.is_none()) {
+        material_of(context, format_args!("specimen"), default, findings);
+    }
+    let mut shown = 0;
+    for (i, row) in stored.rows.iter().enumerate() {
+        let behind = |wall: &&Wall| wall.present && is_behind(wall, (row.x, row.y), row.r);
+        let known = row.material.as_deref().is_none_or(|name| name_list.contains(&name));
+        if known && !context.scene.walls.iter().any(|wall| behind(&wall)) {
+            continue;
+        }
+        shown += 1;
+        let (path, whose) = (format_args!("specimen.path"), format!("particle {i} of the file"));
+        if let Some(name) = row.material.as_deref().filter(|_| !known) {
+            findings.reference(path, name, ("material", "materials"), name_list);
+        }
+        not_behind(context, path, &whose, (row.x, row.y), row.r, findings);
+        if shown == MOST {
+            return;
+        }
+    }
+}
+
+/// Checks the corners of a specimen that a recipe makes.
+fn outline(
+    context: &Context,
+    low: (f64, f64),
+    high: (f64, f64),
+    (bottom, top): (f64, f64),
+    radius: f64,
+    findings: &mut Findings,
+) {
+    let corners = [(low.0, bottom), (low.1, bottom), (high.0, top), (high.1, top)];
+    let outside =
+        |wall: &Wall| wall.present && corners.iter().any(|corner| is_behind(wall, *corner, radius));
+    if let Some(wall) = context.scene.walls.iter().find(|wall| outside(wall)) {
+        let message = format!("the specimen reaches behind wall `{}`", wall.name);
+        let help = "move its origin or the wall; a wall has its inside on the left of start to end";
+        findings.add(format_args!("specimen"), message, help);
+    }
+}
+
+fn not_behind(
+    context: &Context,
+    path: Arguments,
+    what: &str,
+    place: (f64, f64),
+    radius: f64,
+    findings: &mut Findings,
+) {
+    let present = context.scene.walls.iter().filter(|wall| wall.present);
+    for wall in present.filter(|wall| is_behind(wall, place, radius)) {
+        let message = format!("{what} is behind wall `{}` {place:?}", wall.name);
+        let help = "move it inside; a wall has its inside on the left of start to end";
+        findings.add(path, message, help);
+    }
+}
+
+/// Checks the material of a particle or of a recipe.
+fn material_of(
+    context: &Context,
+    path: Arguments,
+    material: Option<&str>,
+    findings: &mut Findings,
+) {
+    let names = &context.materials;
+    match material {
+        Some(name) => {
+            let path = format_args!("{path}.material");
+            findings.reference(path, name, ("material", "materials"), names);
+        }
+        None if names.len() != 1 && findings.is_sure_of("materials") => {
+            let (message, help) = match names.len() {
+                0 => ("missing material: the scene has none", "add one to `materials`".to_owned()),
+                _ => {
+                    let help = format!("name one of {}", suggest::list(names));
+                    ("missing material: the scene has several", help)
+                }
+            };
+            findings.add(format_args!("{path}.material"), message, &help);
+        }
+        None => {}
+    }
+}
+
+fn bonds(context: &Context, findings: &mut Findings) {
+    let scene = context.scene;
+    if !findings.is_sure_of("specimen") || !findings.is_sure_of("bonds") {
+        return;
+    }
+    let mut seen = BTreeMap::new();
+    for (i, bond) in scene.bonds.iter().enumerate() {
+        let mut exist = true;
+        for (end, index) in [("a", bond.a), ("b", bond.b)] {
+            exist &= index_exists(context, format_args!("bonds[{i}].{end}"), index, findings);
+        }
+        let path = format_args!("bonds[{i}]");
+        if bond.a == bond.b {
+            let message = format!("a bond of particle {} to itself", bond.a);
+            findings.add(path, message, "name two particles");
+        } else if let Some(first) = seen.insert((bond.a.min(bond.b), bond.a.max(bond.b)), i) {
+            let message = format!("a second bond of particles {} and {}", bond.a, bond.b);
+            findings.add(path, message, &format!("the first is bonds[{first}]"));
+        } else if exist {
+            bond_law(context, path, (bond.a, bond.b), findings);
+        }
+    }
+}
+
+fn bond_law(context: &Context, path: Arguments, (a, b): (u32, u32), findings: &mut Findings) {
+    let only = (context.materials.len() == 1).then(|| context.materials[0]);
+    let of = |index: u32| {
+        let index = index as usize;
+        let named = match &context.scene.specimen {
+            Specimen::Particles(list) => list.get(index)?.material.as_deref(),
+            Specimen::Lattice { material, .. } | Specimen::Packing { material, .. } => {
+                material.as_deref()
+            }
+            Specimen::File { material, .. } => {
+                let row = context.specimen?.rows.get(index)?;
+                row.material.as_deref().or(material.as_deref())
+            }
+        };
+        named.or(only)
+    };
+    // A material that is missing or unknown is reported where the particle is.
+    let lawless = |name: &&str| {
+        context.scene.materials.get(*name).is_some_and(|material| material.bond.is_none())
+    };
+    let material = [of(a), of(b)].into_iter().flatten().find(lawless);
+    if let Some(name) = material.filter(|_| findings.is_sure_of("materials")) {
+        let help = format!("add `bond: (...)` to {}", join("materials", name));
+        findings.add(path, format!("material `{name}` has no bond law"), &help);
+    }
+}
+
+/// Checks the index of a particle.
+pub(super) fn index_exists(
+    context: &Context,
+    path: Arguments,
+    index: u32,
+    findings: &mut Findings,
+) -> bool {
+    let exists = context.particles.is_none_or(|count| u64::from(index) < count);
+    if !exists && findings.is_sure_of("specimen") {
+        let count = context.particles.unwrap_or_default();
+        let help = match count {
+            0 => "the specimen has no particles".to_owned(),
+            _ => format!("the particles are 0 to {}", count - 1),
+        };
+        findings.add(path, format!("no such particle ({index})"), &help);
+    }
+    exists
+}

@@ -1,0 +1,326 @@
+//! Stages, in order: each meets the walls that the ones before it have left.
+
+use std::fmt::Arguments;
+
+use crate::scene::format::{
+    Analysis, Cement, Compact, CompactTarget, Load, Motion, ParticleControl, Select, Specimen,
+    Stage, Stop, Wall, WallControl,
+};
+use crate::scene::spans::join;
+use crate::scene::suggest;
+
+use super::findings::Findings;
+use super::specimen::index_exists;
+use super::{Context, stage_name, walls};
+
+const WALL: (&str, &str) = ("wall", "walls");
+
+/// Normals of opposite walls may deviate from each other by this much (1 - cos).
+const ASKEW: f64 = 1e-9;
+
+pub(super) fn check(context: &Context, findings: &mut Findings) {
+    let scene = context.scene;
+    let names = scene.stages.iter().enumerate();
+    let names = names.map(|(i, stage)| (format!("stages[{i}].name"), stage_name(stage)));
+    if findings.is_sure_of("stages") {
+        findings.unique("name of a stage", names);
+    }
+    let mut present: Vec<bool> = scene.walls.iter().map(|wall| wall.present).collect();
+    for (i, stage) in scene.stages.iter().enumerate() {
+        let path = format_args!("stages[{i}]");
+        match stage {
+            Stage::Compact(stage) => compact(context, path, stage, &present, findings),
+            Stage::Cement(stage) => cement(context, path, stage, findings),
+            Stage::Load(stage) => load(context, path, stage, &mut present, findings),
+        }
+    }
+}
+
+/// Checks a wall that a stage needs; it is returned if it is there.
+fn wall_there<'a>(
+    context: &Context<'a>,
+    path: Arguments,
+    name: &str,
+    present: &[bool],
+    findings: &mut Findings,
+) -> Option<&'a Wall> {
+    if !findings.reference(path, name, WALL, &context.walls) {
+        return None;
+    }
+    let index = context.walls.iter().position(|wall| *wall == name)?;
+    if present.get(index) == Some(&true) {
+        return context.scene.walls.get(index);
+    }
+    if findings.is_sure_of("stages") && findings.is_sure_of("walls") {
+        let message = format!("wall `{name}` is not there in this stage");
+        findings.add(path, message, "bring it in with `add_walls`");
+    }
+    None
+}
+
+fn compact(
+    context: &Context,
+    path: Arguments,
+    stage: &Compact,
+    present: &[bool],
+    findings: &mut Findings,
+) {
+    let Compact { wall, base, target, step, agitation, .. } = stage;
+    let wall_path = format_args!("{path}.wall");
+    let moving = wall_there(context, wall_path, wall, present, findings);
+    let fixed = wall_there(context, format_args!("{path}.base"), base, present, findings);
+    if wall == base && !wall.is_empty() {
+        findings.add(
+            format_args!("{path}.base"),
+            format!("the wall that moves (`{base}`)"),
+            "name the fixed wall opposite",
+        );
+    } else if let (Some(moving), Some(fixed)) = (moving, fixed) {
+        let along = |wall: &Wall| (wall.end.0 - wall.start.0, wall.end.1 - wall.start.1);
+        let (a, b) = (along(moving), along(fixed));
+        let lengths = walls::length(moving) * walls::length(fixed);
+        let cosine = (a.0 * b.0 + a.1 * b.1) / lengths;
+        if lengths > 0.0 && cosine > ASKEW - 1.0 {
+            let message = format!("wall `{base}` does not face wall `{wall}`");
+            let help = "the two walls must be parallel, with their insides towards each other";
+            findings.add(format_args!("{path}.base"), message, help);
+        }
+    }
+    let target_path = format_args!("{path}.target[0]");
+    match *target {
+        CompactTarget::Height(height) => {
+            findings.positive(target_path, height, "a height in m");
+        }
+        CompactTarget::Porosity(porosity) => {
+            let allowed = |value| value > 0.0 && value < 1.0;
+            findings.number(target_path, porosity, allowed, "a porosity between 0 and 1");
+        }
+    }
+    findings.positive(format_args!("{path}.step"), *step, "a step in m");
+    findings.not_negative(format_args!("{path}.agitation"), *agitation, "a number of radii");
+}
+
+fn cement(context: &Context, path: Arguments, stage: &Cement, findings: &mut Findings) {
+    findings.not_negative(format_args!("{path}.length"), stage.length, "a bond length in m");
+    let no_law = context.scene.materials.values().all(|material| material.bond.is_none());
+    if no_law && findings.is_sure_of("materials") {
+        let help = "add `bond: (...)` to the material that is to be cemented";
+        findings.add(path, "no material has a bond law", help);
+    }
+}
+
+fn load(
+    context: &Context,
+    path: Arguments,
+    stage: &Load,
+    present: &mut [bool],
+    findings: &mut Findings,
+) {
+    findings.at_least_one(format_args!("{path}.increments"), stage.increments, "a number");
+    if let Some(analysis) = stage.analysis {
+        super::settings::analysis(format_args!("{path}.analysis"), analysis, findings);
+    }
+    if let Some(gravity) = stage.gravity {
+        findings.vector(format_args!("{path}.gravity"), gravity, "an acceleration in m/s^2");
+    }
+    let timeless = stage.analysis.unwrap_or(context.scene.analysis) == Analysis::Static;
+    for (field, names, there) in
+        [("remove_walls", &stage.remove_walls, false), ("add_walls", &stage.add_walls, true)]
+    {
+        for (i, name) in names.iter().enumerate() {
+            let path = format_args!("{path}.{field}[{i}]");
+            findings.reference(path, name, WALL, &context.walls);
+            let index = context.walls.iter().position(|wall| wall == name);
+            let Some(is_there) = index.and_then(|index| present.get_mut(index)) else { continue };
+            if *is_there == there && findings.is_sure_of("stages") && findings.is_sure_of("walls") {
+                let state = if there { "already" } else { "not" };
+                let message = format!("wall `{name}` is {state} there");
+                findings.add(path, message, "leave it out of this list");
+            }
+            *is_there = there;
+        }
+    }
+    for (name, control) in &stage.walls {
+        let walls = format!("{path}.walls");
+        let control_path = join(&walls, name);
+        let control_path = format_args!("{control_path}");
+        control_of_wall(context, control_path, (name, control), (present, timeless), findings);
+    }
+    for (i, control) in stage.particles.iter().enumerate() {
+        let path = format_args!("{path}.particles[{i}]");
+        control_of_particles(context, path, control, timeless, findings);
+    }
+    for (i, stop) in stage.stop.iter().enumerate() {
+        stops(context, format_args!("{path}.stop[{i}]"), *stop, timeless, findings);
+    }
+}
+
+fn no_time(path: Arguments, what: &str, findings: &mut Findings) {
+    if findings.is_sure_of("analysis") {
+        let help = "use `Displacement`, in every increment, or a dynamic analysis";
+        findings.add(path, format!("{what} in a static stage, which has no time"), help);
+    }
+}
+
+fn control_of_wall(
+    context: &Context,
+    path: Arguments,
+    (name, control): (&str, &WallControl),
+    (present, timeless): (&[bool], bool),
+    findings: &mut Findings,
+) {
+    if context.walls.contains(&name) {
+        wall_there(context, path, name, present, findings);
+    } else if findings.is_sure_of("walls") {
+        let help = suggest::help(name, &context.walls, "walls");
+        findings.add_at_key(path, format!("unknown wall (`{name}`)"), &help);
+    }
+    match control {
+        WallControl::Fixed | WallControl::Custom => {}
+        WallControl::Displacement(x, y) => {
+            findings.vector(path, (*x, *y), "a displacement in m");
+        }
+        WallControl::Velocity(x, y) => {
+            findings.vector(path, (*x, *y), "a velocity in m/s");
+            if timeless {
+                no_time(path, "a velocity", findings);
+            }
+        }
+        WallControl::Force(force) => {
+            findings.finite(format_args!("{path}[0]"), *force, "a force in N");
+        }
+        WallControl::Stress { stress, between } => {
+            findings.finite(format_args!("{path}.stress"), *stress, "a stress in Pa");
+            let Some((a, b)) = between else { return };
+            for (i, other) in [a, b].into_iter().enumerate() {
+                let path = format_args!("{path}.between[{i}]");
+                wall_there(context, path, other, present, findings);
+                if other == name {
+                    let help = "name the two walls that bound its loaded length";
+                    findings.add(path, format!("the wall itself (`{name}`)"), help);
+                }
+            }
+            findings.pair(format_args!("{path}.between"), (a, b), "wall");
+        }
+    }
+}
+
+fn control_of_particles(
+    context: &Context,
+    path: Arguments,
+    control: &ParticleControl,
+    timeless: bool,
+    findings: &mut Findings,
+) {
+    select(context, format_args!("{path}.select"), &control.select, findings);
+    let motions =
+        [("x", control.x, "m"), ("y", control.y, "m"), ("rotation", control.rotation, "rad")];
+    for (field, motion, unit) in motions {
+        let path = format_args!("{path}.{field}");
+        match motion {
+            Motion::Free | Motion::Held => {}
+            Motion::Displacement(value) => {
+                let what = format!("a displacement in {unit}");
+                findings.finite(format_args!("{path}[0]"), value, &what);
+            }
+            Motion::Velocity(value) => {
+                findings.finite(
+                    format_args!("{path}[0]"),
+                    value,
+                    &format!("a velocity in {unit}/s"),
+                );
+                if timeless {
+                    no_time(path, "a velocity", findings);
+                }
+            }
+        }
+        if control.affine.is_some() && field != "rotation" && motion != Motion::Free {
+            let message = format!("{field} is imposed twice");
+            findings.add(path, message, "`affine` imposes x and y: leave it out here");
+        }
+    }
+    if let Some((x, y)) = control.affine {
+        for (i, row) in [x, y].into_iter().enumerate() {
+            findings.vector(format_args!("{path}.affine[{i}]"), row, "a displacement gradient");
+        }
+    }
+    if let Some(force) = control.force {
+        findings.vector(format_args!("{path}.force"), force, "a force in N");
+    }
+    if let Some(moment) = control.moment {
+        findings.finite(format_args!("{path}.moment"), moment, "a moment in N m");
+    }
+}
+
+fn select(context: &Context, path: Arguments, select: &Select, findings: &mut Findings) {
+    let particles = match &context.scene.specimen {
+        Specimen::Particles(list) => list.as_slice(),
+        _ => &[],
+    };
+    match select {
+        Select::All => {}
+        Select::Index(list) => {
+            if list.is_empty() {
+                findings.add(path, "selects no particle", "name particles by index, from 0");
+            }
+            for (i, index) in list.iter().enumerate() {
+                index_exists(context, format_args!("{path}[{i}]"), *index, findings);
+            }
+        }
+        Select::Group(name) => {
+            let mut names: Vec<_> = particles.iter().filter_map(|p| p.group.as_deref()).collect();
+            if matches!(context.scene.specimen, Specimen::Lattice { .. }) {
+                names.push("boundary");
+            }
+            names.sort_unstable();
+            names.dedup();
+            findings.reference(format_args!("{path}[0]"), name, ("group", "specimen"), &names);
+        }
+        Select::Probe(name) => {
+            let names: Vec<_> = particles.iter().filter_map(|p| p.probe.as_deref()).collect();
+            findings.reference(format_args!("{path}[0]"), name, ("probe", "specimen"), &names);
+        }
+        Select::Box { min, max } => {
+            let fine = findings.vector(format_args!("{path}.min"), *min, "a place in m")
+                & findings.vector(format_args!("{path}.max"), *max, "a place in m");
+            if fine && (min.0 > max.0 || min.1 > max.1) {
+                let message = format!("not above and to the right of min ({max:?})");
+                findings.add(format_args!("{path}.max"), message, "swap the corners");
+            }
+        }
+    }
+}
+
+fn stops(context: &Context, path: Arguments, stop: Stop, timeless: bool, findings: &mut Findings) {
+    let number = format_args!("{path}[0]");
+    let measures = &context.scene.measures;
+    let sure = findings.is_sure_of("measures");
+    match stop {
+        Stop::AxialStrain(strain) => {
+            findings.number(number, strain, |strain| strain != 0.0, "a strain other than 0");
+            if measures.axial_strain.is_none() && sure {
+                let help = "add `axial_strain` to `measures`";
+                findings.add(path, "no axial strain is measured", help);
+            }
+        }
+        Stop::StressDrop(fraction) => {
+            let allowed = |value| value > 0.0 && value < 1.0;
+            findings.number(number, fraction, allowed, "a fraction between 0 and 1");
+            if measures.axial_stress.is_none() && sure {
+                let help = "add `axial_stress` to `measures`";
+                findings.add(path, "no axial stress is measured", help);
+            }
+        }
+        Stop::Time(time) => {
+            findings.positive(number, time, "a time in s");
+        }
+        Stop::Rest(speed) => {
+            findings.positive(number, speed, "a speed in m/s");
+        }
+    }
+    if timeless && matches!(stop, Stop::Time(_) | Stop::Rest(_)) && findings.is_sure_of("analysis")
+    {
+        let message = "a stop by time or speed in a static stage, which has no time";
+        findings.add(path, message, "use a dynamic analysis");
+    }
+}

@@ -1,0 +1,163 @@
+//! The dedicated solver: contact forces eliminated contact by contact, one sparse symmetric
+//! positive definite matrix of three unknowns per body.
+//!
+//! Where everything is elastic a warm [`newton`] iteration in the displacements comes first: near
+//! the last increment's solution it needs a few factorisations. Otherwise, and where it does not
+//! converge, a primal-dual [`interior`] point method finds the active limits, and the
+//! [`polish`](super::polish) makes the solution exact. Clarabel is the last resort, and its word
+//! on infeasible programs stands only with a certificate.
+
+pub mod interior;
+pub mod matrix;
+pub mod newton;
+pub mod scaled;
+
+use clastic_components::program::{ConeProgram, ConeSolution, SolveStatus};
+
+use self::matrix::BodyMatrix;
+use self::scaled::Scaled;
+use super::clarabel::Clarabel;
+use super::lowering::{lower, polish, units};
+use super::polish::Point;
+use super::residuals::regularised_residuals;
+use super::{ConeSolver, MalformedProgram};
+
+/// Residual that a solution is accepted with before the next method is tried.
+const TARGET: f64 = 5e-9;
+
+/// The condensed solver with what it keeps between increments.
+#[derive(Default)]
+pub struct Condensed {
+    pairs: Vec<(u32, u32)>,
+    matrix: Option<BodyMatrix>,
+    /// Displacements of the last solution, m and rad: a starting point.
+    last: Vec<[f64; 3]>,
+    fallback: Clarabel,
+}
+
+impl Condensed {
+    fn prepare(&mut self, program: &ConeProgram) -> Option<()> {
+        let bodies = program.bodies.len();
+        let known = program.interactions.iter().map(|c| (c.a, c.b)).eq(self.pairs.iter().copied())
+            && self.matrix.as_ref().is_some_and(|m| m.diagonal.len() == bodies);
+        if !known {
+            self.pairs = program.interactions.iter().map(|c| (c.a, c.b)).collect();
+            self.matrix = BodyMatrix::new(bodies, &self.pairs);
+        }
+        self.matrix.as_ref().map(|_| ())
+    }
+}
+
+impl ConeSolver for Condensed {
+    fn name(&self) -> &'static str {
+        "Condensed"
+    }
+
+    fn solve(&mut self, program: &ConeProgram) -> Result<ConeSolution, MalformedProgram> {
+        let solution = self.try_condensed(program);
+        let solution = match solution {
+            Some(solution) => solution,
+            None => self.fallback.solve(program)?,
+        };
+        if solution.status == SolveStatus::Solved {
+            self.last.clone_from(&solution.displacements);
+        }
+        Ok(solution)
+    }
+}
+
+impl Condensed {
+    /// `None` where only the fallback can tell what is the matter.
+    fn try_condensed(&mut self, program: &ConeProgram) -> Option<ConeSolution> {
+        if program.interactions.is_empty() {
+            return None;
+        }
+        self.prepare(program)?;
+        let matrix = self.matrix.as_mut()?;
+        let scaled = Scaled::new(program);
+        let (du, df) = units(program);
+        let start: Vec<[f64; 3]> = if self.last.len() == program.bodies.len() {
+            self.last.iter().map(|u| [0, 1, 2].map(|k| u[k] / du[k])).collect()
+        } else {
+            vec![[0.0; 3]; program.bodies.len()]
+        };
+        let back = |u: &[[f64; 3]], s: &[[f64; 3]], iterations: u32, message: &str| {
+            let mut solution = ConeSolution {
+                status: SolveStatus::Stalled,
+                forces: s.iter().map(|s| [s[0] * df[0], s[1] * df[0], s[2] * df[2]]).collect(),
+                displacements: u.iter().map(|u| [0, 1, 2].map(|k| u[k] * du[k])).collect(),
+                iterations,
+                message: message.to_owned(),
+                ..Default::default()
+            };
+            let r =
+                regularised_residuals(program, &solution.forces, &solution.displacements).worst();
+            if r <= TARGET {
+                solution.status = SolveStatus::Solved;
+            }
+            solution
+        };
+        let mut iterations = 0;
+        if newton::applies(&scaled) {
+            let result = newton::solve(&scaled, matrix, &start);
+            iterations += result.iterations;
+            let solution = back(&result.u, &result.s, iterations, "newton");
+            if solution.status == SolveStatus::Solved {
+                return Some(solution);
+            }
+        }
+        let result = interior::solve(&scaled, matrix, &start)?;
+        iterations += result.iterations;
+        let mut solution = back(&result.u, &result.s, iterations, "interior");
+        let low = lower(program);
+        let point = lowered_point(&scaled, &low, &result);
+        let mut low = low;
+        let (rows, variables) = (low.right.len(), low.linear.len());
+        let a = std::mem::take(&mut low.matrix).matrix(rows, variables);
+        polish(program, &low, &a, point, &mut solution);
+        let r = regularised_residuals(program, &solution.forces, &solution.displacements).worst();
+        if r <= TARGET {
+            solution.status = SolveStatus::Solved;
+            return Some(solution);
+        }
+        None
+    }
+}
+
+/// The interior point in the numbering of the lowered program.
+fn lowered_point(
+    scaled: &Scaled,
+    low: &super::lowering::Lowered,
+    result: &interior::Interior,
+) -> Point {
+    let mut x = vec![0.0; low.linear.len()];
+    let mut z = vec![0.0; low.right.len()];
+    let mut row = low.balance_rows;
+    for (k, local) in scaled.locals.iter().enumerate() {
+        let mut column = low.columns[k];
+        for f in (0..3).filter(|f| local.has[*f]) {
+            x[column] = result.s[k][f];
+            column += 1;
+        }
+        for q in 0..local.count {
+            z[row] = result.lambda[k][q];
+            row += 1;
+        }
+    }
+    let mut column = low
+        .columns
+        .last()
+        .map_or(0, |_| scaled.locals.iter().map(|l| l.has.iter().filter(|h| **h).count()).sum());
+    for (i, rows) in low.rows.iter().enumerate() {
+        for k in 0..3 {
+            if let Some(r) = rows[k] {
+                z[r] = -result.u[i][k];
+                if scaled.weight[i][k] > 0.0 {
+                    x[column] = scaled.weight[i][k].sqrt() * result.u[i][k];
+                    column += 1;
+                }
+            }
+        }
+    }
+    Point { x, z }
+}

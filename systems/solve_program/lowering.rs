@@ -1,0 +1,256 @@
+//! Lowering: the cone program as a quadratic program in matrix form, in units of its scales, and
+//! the way back. See [`clarabel`](super::clarabel) for the form.
+
+use clarabel::algebra::CscMatrix;
+
+use clastic_components::program::{ConeProgram, ConeSolution, Dof};
+
+use super::polish::{Point, QuadraticProgram};
+use super::residuals::regularised_residuals;
+
+/// Polishes of one solution at most.
+const POLISHES: usize = 8;
+/// Residual at which polishing stops.
+const POLISHED: f64 = 1e-11;
+
+/// Triplets of a sparse matrix.
+#[derive(Default)]
+pub(super) struct Triplets {
+    rows: Vec<usize>,
+    columns: Vec<usize>,
+    values: Vec<f64>,
+}
+
+impl Triplets {
+    fn push(&mut self, row: usize, column: usize, value: f64) {
+        if value != 0.0 {
+            self.rows.push(row);
+            self.columns.push(column);
+            self.values.push(value);
+        }
+    }
+
+    pub(super) fn matrix(self, rows: usize, columns: usize) -> CscMatrix<f64> {
+        CscMatrix::new_from_triplets(rows, columns, self.rows, self.columns, self.values)
+    }
+}
+
+/// The program as Clarabel reads it, with the way back.
+pub(super) struct Lowered {
+    /// Diagonal of P.
+    pub(super) quadratic: Vec<f64>,
+    pub(super) linear: Vec<f64>,
+    pub(super) matrix: Triplets,
+    pub(super) right: Vec<f64>,
+    /// Row of every degree of freedom, where it has one.
+    pub(super) rows: Vec<[Option<usize>; 3]>,
+    /// First column of every interaction.
+    pub(super) columns: Vec<usize>,
+    pub(super) balance_rows: usize,
+    /// A free degree of freedom that carries a load and that nothing touches.
+    pub(super) unbalanced: Option<(usize, usize)>,
+}
+
+/// Units of the three degrees of freedom: displacement and force.
+pub(super) fn units(program: &ConeProgram) -> ([f64; 3], [f64; 3]) {
+    let s = &program.scales;
+    let (u, f, l) = (s.displacement, s.force, s.length);
+    ([u, u, u / l], [f, f, f * l])
+}
+
+pub(super) fn lower(program: &ConeProgram) -> Lowered {
+    let (du, df) = units(program);
+    let length = program.scales.length;
+    let stiffness = program.scales.force / program.scales.displacement;
+    let fixed: Vec<[f64; 3]> = program
+        .bodies
+        .iter()
+        .map(|b| b.dofs.map(|d| if let Dof::Fixed(u) = d { u } else { 0.0 }))
+        .collect();
+    let mut low = Lowered {
+        quadratic: Vec::new(),
+        linear: Vec::new(),
+        matrix: Triplets::default(),
+        right: Vec::new(),
+        rows: vec![[None; 3]; program.bodies.len()],
+        columns: Vec::with_capacity(program.interactions.len()),
+        balance_rows: 0,
+        unbalanced: None,
+    };
+
+    // A balance row without a single coefficient is either trivial or a collapse by itself.
+    let mut touched = vec![[false; 3]; program.bodies.len()];
+    for c in &program.interactions {
+        let has = [true, c.limits.has_shear(), c.limits.has_rolling()];
+        for (body, first) in [(c.a as usize, true), (c.b as usize, false)] {
+            let rows = c.rows(program.bodies[body].axis, first);
+            for k in 0..3 {
+                touched[body][k] |= (0..3).any(|f| has[f] && rows[k][f] != 0.0);
+            }
+        }
+    }
+    for (i, body) in program.bodies.iter().enumerate() {
+        for k in 0..3 {
+            if let Dof::Free(free) = &body.dofs[k] {
+                if touched[i][k] || free.inertia + free.proximal > 0.0 {
+                    low.rows[i][k] = Some(low.right.len());
+                    low.right.push((free.load + free.proximal * free.reference) / df[k]);
+                } else if free.load != 0.0 {
+                    low.unbalanced.get_or_insert((i, k));
+                }
+            }
+        }
+    }
+    low.balance_rows = low.right.len();
+
+    for c in &program.interactions {
+        let first = low.linear.len();
+        low.columns.push(first);
+        let e = program.kinematics(c, &fixed);
+        let l = &c.limits;
+        let column = |low: &mut Lowered, force: usize, quadratic: f64, linear: f64| {
+            let k = low.linear.len();
+            low.linear.push(linear);
+            low.quadratic.push(quadratic);
+            for (body, first) in [(c.a as usize, true), (c.b as usize, false)] {
+                let rows = c.rows(program.bodies[body].axis, first);
+                for dof in 0..3 {
+                    if let Some(row) = low.rows[body][dof] {
+                        // Moments and arms in units of length: rows over df, columns times df.
+                        low.matrix.push(row, k, rows[dof][force] * df[force_unit(force)] / df[dof]);
+                    }
+                }
+            }
+            k
+        };
+        let p = column(&mut low, 0, c.normal_compliance * stiffness, (c.offset - e[0]) / du[0]);
+        if l.has_shear() {
+            let linear = -(e[1] + c.tangential_compliance * c.previous_shear) / du[0];
+            let q = column(&mut low, 1, c.tangential_compliance * stiffness, linear);
+            for sign in [1.0, -1.0] {
+                let row = low.right.len();
+                low.matrix.push(row, q, sign);
+                low.matrix.push(row, p, -l.friction);
+                low.right.push(l.cohesion / df[0]);
+            }
+        }
+        if l.has_rolling() {
+            let tau = column(&mut low, 2, 0.0, -e[2] / du[2]);
+            for sign in [1.0, -1.0] {
+                let row = low.right.len();
+                low.matrix.push(row, tau, sign);
+                low.matrix.push(row, p, -l.rolling / length);
+                low.right.push(l.rolling * l.tension / df[2]);
+            }
+        }
+        if l.has_tension_row() {
+            low.matrix.push(low.right.len(), p, -1.0);
+            low.right.push(l.tension / df[0]);
+        }
+    }
+    for (i, body) in program.bodies.iter().enumerate() {
+        for k in 0..3 {
+            if let (Dof::Free(free), Some(row)) = (&body.dofs[k], low.rows[i][k]) {
+                let weight = (free.inertia + free.proximal) * du[k] / df[k];
+                if weight > 0.0 {
+                    let column = low.linear.len();
+                    low.linear.push(0.0);
+                    low.quadratic.push(1.0);
+                    low.matrix.push(row, column, weight.sqrt());
+                }
+            }
+        }
+    }
+    low
+}
+
+/// Which unit a force variable has: forces, or moments.
+fn force_unit(force: usize) -> usize {
+    if force == 2 { 2 } else { 0 }
+}
+
+/// Improves a solution while its residuals improve.
+pub(super) fn polish(
+    program: &ConeProgram,
+    low: &Lowered,
+    matrix: &CscMatrix<f64>,
+    start: Point,
+    solution: &mut ConeSolution,
+) {
+    let qp = QuadraticProgram {
+        quadratic: &low.quadratic,
+        linear: &low.linear,
+        matrix,
+        right: &low.right,
+        equalities: low.balance_rows,
+    };
+    let worst =
+        |s: &ConeSolution| regularised_residuals(program, &s.forces, &s.displacements).worst();
+    let mut best = worst(solution);
+    let mut active = qp.active(&start);
+    for pass in 0..POLISHES {
+        let Some(point) = qp.solve_active(&active, &start) else { return };
+        let forces = forces(program, &low.columns, &point.x);
+        let displacements = displacements(program, &low.rows, &point.z);
+        let polished = ConeSolution { forces, displacements, ..Default::default() };
+        let now = worst(&polished);
+        // Also true where the interior point left something that is not a number.
+        if !(best <= now) {
+            best = now;
+            solution.forces = polished.forces;
+            solution.displacements = polished.displacements;
+            solution.message = format!(
+                "{}, polished {}",
+                solution.message.split(',').next().unwrap_or_default(),
+                pass + 1
+            );
+        }
+        if best <= POLISHED {
+            return;
+        }
+        match qp.corrected(&active, &point) {
+            Some(next) => active = next,
+            None => return,
+        }
+    }
+}
+
+pub(super) fn known_displacements(program: &ConeProgram) -> Vec<[f64; 3]> {
+    program
+        .bodies
+        .iter()
+        .map(|b| b.dofs.map(|d| if let Dof::Fixed(u) = d { u } else { 0.0 }))
+        .collect()
+}
+
+pub(super) fn displacements(
+    program: &ConeProgram,
+    rows: &[[Option<usize>; 3]],
+    z: &[f64],
+) -> Vec<[f64; 3]> {
+    let (du, _) = units(program);
+    let mut out = known_displacements(program);
+    for (u, rows) in out.iter_mut().zip(rows) {
+        for k in 0..3 {
+            if let Some(row) = rows[k] {
+                u[k] = -z[row] * du[k];
+            }
+        }
+    }
+    out
+}
+
+pub(super) fn forces(program: &ConeProgram, columns: &[usize], x: &[f64]) -> Vec<[f64; 3]> {
+    let (_, df) = units(program);
+    program
+        .interactions
+        .iter()
+        .zip(columns)
+        .map(|(c, &first)| {
+            let (shear, rolling) = (c.limits.has_shear(), c.limits.has_rolling());
+            let q = if shear { x[first + 1] * df[0] } else { 0.0 };
+            let tau = if rolling { x[first + 1 + usize::from(shear)] * df[2] } else { 0.0 };
+            [x[first] * df[0], q, tau]
+        })
+        .collect()
+}
