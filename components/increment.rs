@@ -114,7 +114,7 @@ impl Default for Acceptance {
 
 /// How far the run has come. Increments count over all stages; an increment that had to be
 /// halved is committed as several with a smaller fraction each.
-#[derive(Resource, Clone, Debug, PartialEq, Default)]
+#[derive(Resource, Clone, Debug, PartialEq)]
 pub struct Progress {
     /// Number of the increment under way, from 1.
     pub increment: u64,
@@ -130,6 +130,20 @@ pub struct Progress {
     pub fraction: f64,
     /// Time, s.
     pub time: f64,
+}
+
+impl Default for Progress {
+    fn default() -> Self {
+        Self {
+            increment: 0,
+            stage: 0,
+            stage_name: String::new(),
+            done: 0.0,
+            total: 0.0,
+            fraction: 1.0,
+            time: 0.0,
+        }
+    }
 }
 
 impl Progress {

@@ -12,7 +12,7 @@ use crate::program::Residuals;
 pub enum StrainMeasure {
     /// Engineering strain of the distance of two walls along the first one's normal.
     Walls(Entity, Entity),
-    /// Engineering strain of the distance of two particles' centres, less their radii if `gap`.
+    /// Engineering strain of the distance of two particles' centres.
     Particles(Entity, Entity),
 }
 
@@ -126,6 +126,8 @@ pub struct Observation {
     pub kinetic_energy: f64,
     /// Solves of the increment.
     pub solves: u32,
+    /// Steps that settled loose grains before the increment.
+    pub settled: u32,
     /// Solver iterations of the increment.
     pub iterations: u32,
     /// KKT residuals.

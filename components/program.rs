@@ -4,10 +4,12 @@
 //! multipliers of the balance rows. With m the inertia weights,
 //!
 //! ```text
-//! minimise   1/2 sum m u^2 + sum_c [ g p + 1/2 C_N p^2 - e_t q + 1/2 C_T (q - q_0)^2 - e_r tau ]
+//! minimise   1/2 sum m u^2 + sum_c [ (g - e_n) p + 1/2 C_N p^2 - e_t q + 1/2 C_T (q - q_0)^2 - e_r tau ]
 //! subject to m u + G (p, q, tau) = f                    for every free degree of freedom
 //!            |q| <= c A + mu p,  |tau| <= mu_r r (p + f_t),  p >= -f_t
 //! ```
+//!
+//! with e the kinematics of the imposed displacements.
 //!
 //! G maps (p, q, tau) of contact c from body a to body b to the forces that a *resists*:
 //! rows of a: `p n + q t`, `l_a q + tau`; rows of b: `-(p n + q t)`, `l_b q - tau`, where
@@ -162,8 +164,6 @@ pub struct ConeProgram {
     pub interactions: Vec<Interaction>,
     /// Expected magnitudes.
     pub scales: Scales,
-    /// Increases when the bodies or the pairs change: a solver may keep what depends on them.
-    pub topology: u64,
 }
 
 impl ConeProgram {

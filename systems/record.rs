@@ -205,6 +205,7 @@ fn record_state(
     energy.sort_unstable_by_key(|(id, _)| *id);
     out.kinetic_energy = energy.iter().map(|(_, e)| e).sum();
     out.solves = attempt.solves;
+    out.settled = attempt.settled;
     out.iterations = attempt.iterations;
     out.residuals = solution.residuals;
     out.coulomb_residual = attempt.coulomb_residual;

@@ -10,12 +10,12 @@ use super::csv_file::Row;
 use crate::scene::format::{Scene, Specimen};
 
 /// Columns before those of the probes.
-pub const COLUMNS: [&str; 24] = [
+pub const COLUMNS: [&str; 25] = [
     "increment", "stage", "time_s", "axial_strain", "lateral_strain", "volumetric_strain",
     "axial_stress_pa", "lateral_stress_pa", "contacts", "bonds", "broken_tension",
     "broken_shear", "broken_rolling", "solver_iterations", "residual_balance",
     "residual_kinematics", "residual_cone", "residual_complementarity", "status", "fraction",
-    "potential_contacts", "solves", "kinetic_energy_j", "coulomb_residual",
+    "potential_contacts", "solves", "settled", "kinetic_energy_j", "coulomb_residual",
 ];
 
 /// Columns of each probe, after its name: displacement since the start of the stage list, and
@@ -68,6 +68,7 @@ pub fn row(o: &Observation, probes: &[String]) -> Row {
         .number(o.fraction)
         .count(o.potential_contacts as u64)
         .count(o.solves)
+        .count(o.settled)
         .numbers([o.kinetic_energy, o.coulomb_residual]);
     for name in probes {
         // A wall that a stage took away leaves its columns empty.
@@ -94,7 +95,7 @@ mod tests {
         let expected = "increment,stage,time_s,axial_strain,lateral_strain,volumetric_strain,\
             axial_stress_pa,lateral_stress_pa,contacts,bonds,broken_tension,broken_shear,\
             broken_rolling,solver_iterations,residual_balance,residual_kinematics,residual_cone,\
-            residual_complementarity,status,fraction,potential_contacts,solves,kinetic_energy_j,\
+            residual_complementarity,status,fraction,potential_contacts,solves,settled,kinetic_energy_j,\
             coulomb_residual,top.x_m,top.y_m,top.rotation_rad,top.force_x_n,top.force_y_n,\
             top.moment_nm";
         assert_eq!(header, expected);

@@ -6,6 +6,7 @@ use glam::DVec2;
 use clastic_components::body::{AngularVelocity, BodyId, Group, Origin, Position, Probe, Velocity};
 use clastic_components::increment as inc;
 use clastic_components::material::{BondLaw, ContactLaw, Material, Materials};
+use clastic_components::observation::{Measures, Observation};
 use clastic_components::particle::{MaterialIndex, Particle};
 use clastic_components::wall::{Wall, WallName};
 use clastic_systems::solve_program::Solver;
@@ -98,6 +99,9 @@ pub fn spawn_scene(world: &mut World, scene: &scene::Scene, stored: Option<&Stor
         spawn_wall(world, &wall.name);
     }
     bond_pairs(world, scene.bonds.iter().map(|bond| (bond.a, bond.b)));
+    // The stages look at the record, whoever writes it.
+    world.init_resource::<Observation>();
+    world.init_resource::<Measures>();
     world.insert_resource(Script::new(scene));
 }
 

@@ -4,6 +4,7 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, IncrementStatus};
 use clastic_components::body::Velocity;
+use clastic_components::bond::Rupture;
 use clastic_components::increment::Progress;
 use clastic_components::observation::{Measures, Observation};
 use clastic_systems::record::take_reference;
@@ -109,6 +110,8 @@ pub fn advance(world: &mut World) -> Step {
             end(world, &stage);
             continue;
         }
+        // Nobody else calls `Messages::update` where no app runs.
+        world.resource_mut::<Messages<Rupture>>().update();
         world.run_schedule(Increment);
         after_increment(world, &stage);
         return Step::Increment;
@@ -214,7 +217,9 @@ fn stopped(world: &mut World, stage: &Stage) -> bool {
     let peak = script.peak;
     load.stop.iter().any(|stop| match *stop {
         // Strains are sums of increments: the last bits must not cost one more of them.
-        Stop::AxialStrain(limit) => strain.is_some_and(|e| e >= limit - 1e-12),
+        Stop::AxialStrain(limit) => {
+            strain.is_some_and(|e| if limit < 0.0 { e <= limit + 1e-12 } else { e >= limit - 1e-12 })
+        }
         Stop::StressDrop(fraction) => stress.is_some_and(|s| peak > 0.0 && s < fraction * peak),
         Stop::Time(limit) => time >= limit * (1.0 - 1e-12),
         Stop::Rest(speed) => world.query::<&Velocity>().iter(world).all(|v| v.0.length() < speed),

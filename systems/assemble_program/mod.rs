@@ -48,7 +48,6 @@ pub fn assemble_program(
     mut program: ResMut<ConeProgram>,
 ) {
     let program = &mut *program;
-    let pairs_before: Vec<(u32, u32)> = program.interactions.iter().map(|c| (c.a, c.b)).collect();
     interactions::assemble(
         &bodies,
         &contacts.0,
@@ -61,7 +60,4 @@ pub fn assemble_program(
     balance::assemble(&bodies, &analysis, &progress, &program.interactions, &mut program.bodies);
     program.scales = scales::estimate(&bodies, &history, &analysis, &progress, &attempt, program);
     loose::regularise(&bodies, &history, &analysis, &attempt, program);
-    if !program.interactions.iter().map(|c| (c.a, c.b)).eq(pairs_before) {
-        program.topology += 1;
-    }
 }

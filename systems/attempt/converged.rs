@@ -9,6 +9,7 @@ use clastic_components::program::{ConeProgram, ConeSolution, SolveStatus};
 
 use super::magnitudes;
 use super::thrown_grains::thrown;
+use crate::solve_program::certificate::{certificate, proves};
 use crate::solve_program::residuals::regularised_residuals;
 
 /// Moves of the centre of the regularisation in one attempt.
@@ -18,7 +19,7 @@ const MAX_CENTRES: u32 = 6;
 /// gone, rejects the rest. A bias because grains move far is a throw.
 pub fn judge(
     program: Res<ConeProgram>,
-    solution: Res<ConeSolution>,
+    mut solution: ResMut<ConeSolution>,
     acceptance: Res<Acceptance>,
     bodies: Res<Bodies>,
     mut attempt: ResMut<Attempt>,
@@ -36,7 +37,7 @@ pub fn judge(
         }
         SolveStatus::Stalled if biased(&program, &solution, &acceptance) => {
             if let Some(reason) = thrown(&bodies, &program, &solution, &acceptance) {
-                Verdict::Thrown(reason)
+                thrown_or_collapsed(&program, &mut solution, &mut attempt, reason)
             } else if attempt.centres < MAX_CENTRES {
                 attempt.centres += 1;
                 attempt.centre.clone_from(&solution.displacements);
@@ -49,6 +50,25 @@ pub fn judge(
     };
     if matches!(attempt.verdict, Verdict::Reject(_)) {
         attempt.magnitudes = magnitudes(&solution, bodies.mean_radius);
+    }
+}
+
+/// What a regularised solution throws may be the mechanism of a collapse: loads that nothing
+/// balances move without end.
+fn thrown_or_collapsed(
+    program: &ConeProgram,
+    solution: &mut ConeSolution,
+    attempt: &mut Attempt,
+    reason: String,
+) -> Verdict {
+    match certificate(program, &solution.displacements).filter(proves) {
+        Some(mechanism) => {
+            solution.status = SolveStatus::Collapsed;
+            solution.certificate = Some(mechanism);
+            attempt.status = IncrementStatus::Collapsed;
+            Verdict::Accept
+        }
+        None => Verdict::Thrown(reason),
     }
 }
 

@@ -23,8 +23,9 @@ pub fn certificate(program: &ConeProgram, mechanism: &[[f64; 3]]) -> Option<Cert
     let mut u = mechanism.to_vec();
     for (body, u) in program.bodies.iter().zip(&mut u) {
         for k in 0..3 {
-            // Inertia (and regularisation) takes up any load: no collapse along it.
-            let free = matches!(&body.dofs[k], Dof::Free(f) if f.inertia + f.proximal == 0.0);
+            // Inertia takes up any load: no collapse along it. Regularisation does too, but is not
+            // part of the problem.
+            let free = matches!(&body.dofs[k], Dof::Free(f) if f.inertia == 0.0);
             if !free {
                 u[k] = 0.0;
             }

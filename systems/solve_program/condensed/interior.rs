@@ -1,10 +1,11 @@
 //! Primal-dual interior-point method on the condensed system (predictor and corrector after
 //! Mehrotra).
 //!
-//! With slacks w and multipliers lambda of the limits, `theta = lambda / w`, an interaction's
-//! forces are eliminated through its own small matrix `K = C + A' diag(theta) A`:
-//! `ds = K^-1 (G' du - h)`, which leaves `(M + G K^-1 G') du = r` for the bodies.
+//! An interaction's forces and multipliers are eliminated through its own small system
+//! ([`local_system`](super::local_system)): `ds = T (G' du) + ds_0`, which leaves
+//! `(M + G T G') du = r` for the bodies.
 
+use super::local_system::{LocalSystem, Right};
 use super::matrix::BodyMatrix;
 use super::scaled::{Local, ROWS, Scaled};
 
@@ -26,7 +27,7 @@ const START: f64 = 0.1;
 /// Where the polish takes over.
 const GOAL: f64 = 1e-9;
 /// The best iterate of a stalled iteration is worth polishing when it is this good.
-const WORTH: f64 = 1e-4;
+const WORTH: f64 = 1e-3;
 
 struct Slacks {
     w: [f64; ROWS],
@@ -34,32 +35,6 @@ struct Slacks {
     dw: [f64; ROWS],
     dlambda: [f64; ROWS],
     defect: [f64; ROWS],
-}
-
-/// Inverse of a symmetric positive definite 3 x 3 matrix by its factors L D L'.
-fn inverse(k: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
-    let l10 = k[1][0] / k[0][0];
-    let l20 = k[2][0] / k[0][0];
-    let d1 = k[1][1] - l10 * k[1][0];
-    let x = k[2][1] - l20 * k[1][0];
-    let l21 = x / d1;
-    let d2 = k[2][2] - l20 * k[2][0] - l21 * x;
-    let mut out = [[0.0; 3]; 3];
-    for c in 0..3 {
-        let mut y = [0.0; 3];
-        y[c] = 1.0;
-        y[1] -= l10 * y[0];
-        y[2] -= l20 * y[0] + l21 * y[1];
-        y[0] /= k[0][0];
-        y[1] /= d1;
-        y[2] /= d2;
-        y[1] -= l21 * y[2];
-        y[0] -= l10 * y[1] + l20 * y[2];
-        for r in 0..3 {
-            out[r][c] = y[r];
-        }
-    }
-    out
 }
 
 fn times(k: &[[f64; 3]; 3], v: &[f64; 3]) -> [f64; 3] {
@@ -89,16 +64,12 @@ fn start_local(local: &Local, u: &[[f64; 3]]) -> ([f64; 3], Slacks) {
         s.w[q] = 0.5 * if x > 0.0 { x + root } else { 4.0 * START * START / (root - x) };
         s.lambda[q] = START * START / s.w[q] / stiffness;
     }
-    // Inside the limits where the trial is not.
+    // No lower than the limit on tension, where the forces of a start are far off.
     let lowest = (0..local.count)
         .filter(|q| local.limits[*q][1] == 0.0 && local.limits[*q][2] == 0.0)
         .map(|q| -local.right[q])
         .fold(f64::NEG_INFINITY, f64::max);
-    trial[0] = trial[0].max(lowest.max(if local.count > 0 && lowest == f64::NEG_INFINITY {
-        0.0
-    } else {
-        lowest
-    }));
+    trial[0] = trial[0].max(if lowest.is_finite() { lowest } else { 0.0 });
     (trial, s)
 }
 
@@ -115,9 +86,9 @@ pub fn solve(program: &Scaled, matrix: &mut BodyMatrix, start: &[[f64; 3]]) -> O
         program.locals.iter().map(|l| start_local(l, &u)).unzip();
     let limits: usize = program.locals.iter().map(|l| l.count).sum();
     let m = program.locals.len();
-    let (mut stationarity, mut h, mut ds) =
-        (vec![[0.0; 3]; m], vec![[0.0; 3]; m], vec![[0.0; 3]; m]);
-    let mut inverses = vec![[[0.0; 3]; 3]; m];
+    let (mut stationarity, mut ds) = (vec![[0.0; 3]; m], vec![[0.0; 3]; m]);
+    let mut rights = vec![Right::default(); m];
+    let mut systems = vec![LocalSystem::default(); m];
     let mut best: Option<(f64, Interior)> = None;
     let mut since_best = 0;
     let mut iterations = 0;
@@ -193,29 +164,8 @@ pub fn solve(program: &Scaled, matrix: &mut BodyMatrix, start: &[[f64; 3]]) -> O
             }
         }
         for (k, local) in program.locals.iter().enumerate() {
-            let sl = &slacks[k];
-            let mut block = [[0.0; 3]; 3];
-            for f in 0..3 {
-                block[f][f] = if local.has[f] { local.compliance[f] } else { 1.0 };
-            }
-            for q in 0..local.count {
-                let theta = sl.lambda[q] / sl.w[q];
-                let a = &local.limits[q];
-                for i in 0..3 {
-                    for j in 0..3 {
-                        block[i][j] += theta * a[i] * a[j];
-                    }
-                }
-            }
-            let mut inv = inverse(&block);
-            for f in (0..3).filter(|f| !local.has[*f]) {
-                for g in 0..3 {
-                    inv[f][g] = 0.0;
-                    inv[g][f] = 0.0;
-                }
-            }
-            inverses[k] = inv;
-            add_blocks(matrix, k, local, &inv);
+            systems[k] = LocalSystem::new(local, &slacks[k].w, &slacks[k].lambda);
+            add_blocks(matrix, k, local, &systems[k].compliance_inverse());
         }
         if !factorise(matrix) {
             break;
@@ -226,37 +176,33 @@ pub fn solve(program: &Scaled, matrix: &mut BodyMatrix, start: &[[f64; 3]]) -> O
         let mut step = 1.0;
         let mut du = vec![[0.0; 3]; n];
         for corrector in [false, true] {
-            for (k, local) in program.locals.iter().enumerate() {
-                let sl = &slacks[k];
-                let mut v = stationarity[k];
-                for q in 0..local.count {
-                    let second = if corrector { sl.dw[q] * sl.dlambda[q] } else { 0.0 };
-                    let rc = sl.w[q] * sl.lambda[q] - target + second;
-                    let t = (sl.lambda[q] * sl.defect[q] - rc) / sl.w[q];
-                    for f in 0..3 {
-                        v[f] += local.limits[q][f] * t;
-                    }
-                }
-                h[k] = v;
-            }
             let mut right: Vec<[f64; 3]> = balance.iter().map(|r| r.map(|r| -r)).collect();
             for (k, local) in program.locals.iter().enumerate() {
-                Scaled::add_forces(local, &times(&inverses[k], &h[k]), 1.0, &mut right);
+                let sl = &slacks[k];
+                // Complementarity that is to be left: w lambda + ... = target, less second order.
+                let products = [0, 1, 2, 3, 4].map(|q| {
+                    let second = if corrector { sl.dw[q] * sl.dlambda[q] } else { 0.0 };
+                    sl.w[q] * sl.lambda[q] - target + second
+                });
+                rights[k] = Right {
+                    stationarity: stationarity[k],
+                    defects: sl.defect,
+                    products,
+                };
+                let (s0, _) = systems[k].solve(local, &[0.0; 3], &rights[k], &sl.w, &sl.lambda);
+                Scaled::add_forces(local, &s0, -1.0, &mut right);
             }
             du.clone_from(&right);
             matrix.solve(&mut du);
-            refine(program, matrix, &inverses, &right, &mut du);
+            refine(program, matrix, &systems, &right, &mut du);
             step = 1.0;
             for (k, local) in program.locals.iter().enumerate() {
                 let e = kinematics_free(local, &du);
-                ds[k] = times(&inverses[k], &[0, 1, 2].map(|f| e[f] - h[k][f]));
                 let sl = &mut slacks[k];
+                let (step_s, steps) = systems[k].solve(local, &e, &rights[k], &sl.w, &sl.lambda);
+                ds[k] = step_s;
                 for q in 0..local.count {
-                    let a = &local.limits[q];
-                    let second = if corrector { sl.dw[q] * sl.dlambda[q] } else { 0.0 };
-                    let rc = sl.w[q] * sl.lambda[q] - target + second;
-                    let dw = -sl.defect[q] - (a[0] * ds[k][0] + a[1] * ds[k][1] + a[2] * ds[k][2]);
-                    let dl = (-rc - sl.lambda[q] * dw) / sl.w[q];
+                    let (dw, dl) = steps[q];
                     sl.dw[q] = dw;
                     sl.dlambda[q] = dl;
                     if dw < 0.0 {
@@ -363,7 +309,7 @@ pub(super) fn factorise(matrix: &mut BodyMatrix) -> bool {
 fn refine(
     program: &Scaled,
     matrix: &mut BodyMatrix,
-    inverses: &[[[f64; 3]; 3]],
+    systems: &[LocalSystem],
     right: &[[f64; 3]],
     du: &mut [[f64; 3]],
 ) {
@@ -377,9 +323,9 @@ fn refine(
                 })
             })
             .collect();
-        for (local, inv) in program.locals.iter().zip(inverses) {
+        for (local, system) in program.locals.iter().zip(systems) {
             let e = kinematics_free(local, du);
-            Scaled::add_forces(local, &times(inv, &e), -1.0, &mut defect);
+            Scaled::add_forces(local, &times(&system.compliance_inverse(), &e), -1.0, &mut defect);
         }
         matrix.solve(&mut defect);
         for (du, d) in du.iter_mut().zip(&defect) {

@@ -8,6 +8,7 @@
 //! on infeasible programs stands only with a certificate.
 
 pub mod interior;
+pub mod local_system;
 pub mod matrix;
 pub mod newton;
 pub mod scaled;
@@ -24,6 +25,9 @@ use super::{ConeSolver, MalformedProgram};
 
 /// Residual that a solution is accepted with before the next method is tried.
 const TARGET: f64 = 5e-9;
+
+/// A starting point with greater displacements, in units of the scale, is not used.
+const FAR: f64 = 20.0;
 
 /// The condensed solver with what it keeps between increments.
 #[derive(Default)]
@@ -76,7 +80,9 @@ impl Condensed {
         let matrix = self.matrix.as_mut()?;
         let scaled = Scaled::new(program);
         let (du, df) = units(program);
-        let start: Vec<[f64; 3]> = if self.last.len() == program.bodies.len() {
+        // A start far away (grains that settled, another increment) is worse than none.
+        let near = self.last.iter().all(|u| u[0].hypot(u[1]) <= FAR * du[0]);
+        let start: Vec<[f64; 3]> = if near && self.last.len() == program.bodies.len() {
             self.last.iter().map(|u| [0, 1, 2].map(|k| u[k] / du[k])).collect()
         } else {
             vec![[0.0; 3]; program.bodies.len()]
