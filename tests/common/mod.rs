@@ -2,29 +2,26 @@
 //! particles.
 #![allow(dead_code, reason = "every test program uses its own part of this")]
 
+use std::path::Path;
+
 use clastic::components::attempt::IncrementStatus;
 use clastic::components::body::{AngularVelocity, BodyId, Position, Rotation, Velocity};
 use clastic::components::observation::{Observation, ProbeReading};
 use clastic::components::particle::Particle;
 use clastic::run::{Outcome, Simulation, Step};
+use clastic::scene;
 use clastic::scene::format::{Load, Scene, Stage};
 use glam::DVec2;
-use ron::extensions::Extensions;
 
 /// A scene from its text.
 pub fn parse(text: &str) -> Scene {
-    ron::Options::default()
-        .with_default_extension(
-            Extensions::IMPLICIT_SOME | Extensions::UNWRAP_NEWTYPES | Extensions::UNWRAP_VARIANT_NEWTYPES,
-        )
-        .from_str(text)
-        .unwrap_or_else(|e| panic!("{e}\n{text}"))
+    scene::from_str(text, Path::new("test.ron"), Path::new(""), &[]).unwrap_or_else(|e| panic!("{e}")).scene
 }
 
 /// A scene of `scenes/` by name.
 pub fn load(name: &str) -> Scene {
     let path = format!("{}/scenes/{name}.ron", env!("CARGO_MANIFEST_DIR"));
-    parse(&std::fs::read_to_string(path).unwrap())
+    scene::load(Path::new(&path), &[]).unwrap_or_else(|e| panic!("{e}")).scene
 }
 
 /// The loading stage with the given name, to change it.
