@@ -111,3 +111,52 @@ pub fn assert_within(actual: f64, expected: f64, tolerance: f64) {
     let error = (actual - expected).abs();
     assert!(error <= tolerance, "{actual:e} instead of {expected:e}: off by {error:.2e}, accepted {tolerance:.1e}");
 }
+
+/// A cemented specimen of 60 disks in a biaxial cell, prepared, confined and loaded within a
+/// second. `wall` and `grain` are what stands in the contact law of walls and of grains.
+pub fn small_cell(wall: &str, grain: &str) -> Scene {
+    parse(&format!(
+        "(
+            version: 1,
+            title: \"cell of 60 disks\",
+            materials: {{ \"sand\": (
+                contact: ({grain}),
+                bond: (normal_stiffness: 60.0e6, tangential_stiffness: 30.0e6, friction: 0.5,
+                    cohesion: 200.0e3, tensile_strength: 100.0e3),
+            ) }},
+            specimen: Packing(count: 60, columns: 6, spacing: 10.0e-3, origin: (1.0e-3, 0.0),
+                sizes: Uniform(radius: (3.0e-3, 5.0e-3)), seed: 3),
+            walls: [
+                (name: \"bottom\", start: (0.0, 0.0), end: (0.062, 0.0), probe: \"bottom\", contact: ({wall})),
+                (name: \"top\", start: (0.062, 0.1), end: (0.0, 0.1), probe: \"top\", contact: ({wall})),
+                (name: \"left\", start: (0.0, 0.1), end: (0.0, 0.0), probe: \"left\", contact: ({wall})),
+                (name: \"right\", start: (0.062, 0.0), end: (0.062, 0.1), probe: \"right\", contact: ({wall})),
+            ],
+            stages: [
+                Compact(name: \"compact\", wall: \"top\", base: \"bottom\", target: Porosity(0.24),
+                    step: 4.0e-3, agitation: 0.1, seed: 1),
+                Cement(name: \"cement\", length: 0.4e-3),
+                Load(name: \"confine\", increments: 5, walls: {{
+                    \"bottom\": Stress(stress: 200.0e3, between: (\"left\", \"right\")),
+                    \"top\": Stress(stress: 200.0e3, between: (\"left\", \"right\")),
+                    \"left\": Stress(stress: 200.0e3, between: (\"bottom\", \"top\")),
+                    \"right\": Stress(stress: 200.0e3, between: (\"bottom\", \"top\")),
+                }}),
+                Load(name: \"load\", increments: 30, walls: {{
+                    \"bottom\": Displacement(0.0, 0.01e-3),
+                    \"top\": Displacement(0.0, -0.01e-3),
+                }}),
+            ],
+            measures: (
+                axial_strain: Walls(\"bottom\", \"top\"),
+                lateral_strain: Walls(\"left\", \"right\"),
+                axial_stress: Average(component: Yy, area: Box((\"bottom\", \"top\"), (\"left\", \"right\"))),
+                lateral_stress: Average(component: Xx, area: Box((\"bottom\", \"top\"), (\"left\", \"right\"))),
+            ),
+        )"
+    ))
+}
+
+/// Elastic contacts of the small cell without friction, and with it.
+pub const SMOOTH: &str = "normal_stiffness: 60.0e6, tangential_stiffness: 30.0e6";
+pub const ROUGH: &str = "normal_stiffness: 60.0e6, tangential_stiffness: 30.0e6, friction: 0.3";
