@@ -48,7 +48,8 @@ impl Plugin for RecordPlugin {
 }
 
 /// Average stress tensor `sum (p n + q t) (x) l / V` of Love and Weber, Pa, compression positive:
-/// branch l from centre to centre, at a wall from centre to contact point; area in m^2.
+/// branch l from centre to centre, at a wall from centre to the wall's line, so that the stress is
+/// that of the forces on the walls whatever the gap or overlap there; area in m^2.
 #[must_use]
 pub fn average_stress(
     bodies: &Bodies,
@@ -60,8 +61,7 @@ pub fn average_stress(
     let mut sum = [[0.0; 2]; 2];
     for (contact, f) in contacts.0.iter().zip(&solution.forces) {
         let (a, b) = (contact.a as usize, contact.b as usize);
-        let mut branch = bodies.radii[a] + contact.gap;
-        branch += bodies.radii.get(b).map_or(-0.5 * contact.gap, |r| *r);
+        let branch = bodies.radii[a] + contact.gap + bodies.radii.get(b).copied().unwrap_or(0.0);
         let (force, l) =
             (contact.normal * f[0] + contact.normal.perp() * f[1], contact.normal * branch);
         for i in 0..2 {

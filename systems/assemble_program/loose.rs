@@ -177,24 +177,24 @@ fn hold_cluster(
         }
         for &k in &neighbours[i] {
             let c = stiff[k];
-            if c.a as usize != i {
-                continue;
-            }
-            let b = c.b as usize;
-            let wall = walls.iter().position(|w| *w == b);
-            if wall.is_none() && freedom[b] > 0 {
+            let first = c.a as usize == i;
+            let other = if first { c.b } else { c.a } as usize;
+            let wall = walls.iter().position(|w| *w == other);
+            if wall.is_none() && freedom[other] > 0 {
                 continue;
             }
             let mut normal = vec![0.0; unknowns];
             normal[..3].copy_from_slice(&along(c.normal));
             if let Some(w) = wall {
-                normal[3 + w] = -c.normal.dot(program.bodies[b].axis);
+                normal[3 + w] = -c.normal.dot(program.bodies[other].axis);
             }
             add(&normal);
             if c.limits.has_shear() {
+                let (tangent, arm) =
+                    if first { (c.normal.perp(), c.arm_a) } else { (-c.normal.perp(), c.arm_b) };
                 let mut slip = vec![0.0; unknowns];
-                slip[..3].copy_from_slice(&along(c.normal.perp()));
-                slip[2] += c.arm_a / extent;
+                slip[..3].copy_from_slice(&along(tangent));
+                slip[2] += arm / extent;
                 add(&slip);
             }
             if c.limits.has_rolling() {

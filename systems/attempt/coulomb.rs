@@ -12,7 +12,7 @@ use clastic_components::contact::Contacts;
 use clastic_components::increment::FrictionLaw;
 use clastic_components::program::{ConeProgram, ConeSolution};
 
-use crate::solve_program::residuals::{displacement_scale, force_scale, multipliers};
+use crate::solve_program::residuals::{displacement_scale, multipliers};
 
 /// Asks for another pass until the openings stand still or the cap is reached.
 pub fn judge(
@@ -26,7 +26,6 @@ pub fn judge(
     if attempt.settling.is_some() {
         return;
     }
-    let force = force_scale(&program, &solution.forces);
     let mut openings = Vec::new();
     let mut change = 0.0_f64;
     for ((c, f), contact) in program.interactions.iter().zip(&solution.forces).zip(&contacts.0) {
@@ -34,10 +33,9 @@ pub fn judge(
             continue;
         }
         let m = multipliers(c, &program.kinematics(c, &solution.displacements), f);
-        // A contact that carries nothing is open: it may move as it likes.
-        let closed = f[0] > 1e-9 * force;
+        // Open contacts too: the associated law holds a grain that passes at a distance below its
+        // opening, Coulomb's does not.
         let opening = c.limits.friction * m.slip.abs() + c.limits.rolling * m.rotation.abs();
-        let opening = if closed { opening } else { 0.0 };
         let key = (contact.a, contact.b);
         let before = attempt
             .openings

@@ -1,0 +1,162 @@
+//! What the tests share: scenes by name or text, runs that record every increment, states of
+//! particles.
+#![allow(dead_code, reason = "every test program uses its own part of this")]
+
+use std::path::Path;
+
+use clastic::components::attempt::IncrementStatus;
+use clastic::components::body::{AngularVelocity, BodyId, Position, Rotation, Velocity};
+use clastic::components::observation::{Observation, ProbeReading};
+use clastic::components::particle::Particle;
+use clastic::run::{Outcome, Simulation, Step};
+use clastic::scene;
+use clastic::scene::format::{Load, Scene, Stage};
+use glam::DVec2;
+
+/// A scene from its text.
+pub fn parse(text: &str) -> Scene {
+    scene::from_str(text, Path::new("test.ron"), Path::new(""), &[]).unwrap_or_else(|e| panic!("{e}")).scene
+}
+
+/// A scene of `scenes/` by name.
+pub fn load(name: &str) -> Scene {
+    let path = format!("{}/scenes/{name}.ron", env!("CARGO_MANIFEST_DIR"));
+    scene::load(Path::new(&path), &[]).unwrap_or_else(|e| panic!("{e}")).scene
+}
+
+/// The loading stage with the given name, to change it.
+pub fn stage<'a>(scene: &'a mut Scene, name: &str) -> &'a mut Load {
+    scene
+        .stages
+        .iter_mut()
+        .find_map(|s| match s {
+            Stage::Load(load) if load.name == name => Some(load),
+            _ => None,
+        })
+        .unwrap()
+}
+
+/// Runs one increment and returns its record, or nothing at the end.
+///
+/// # Panics
+/// Where a solved increment leaves a residual above 1e-8: no test accepts one.
+pub fn next(simulation: &mut Simulation) -> Option<Observation> {
+    let Step::Increment = simulation.step() else { return None };
+    let record = simulation.world().resource::<Observation>().clone();
+    let n = record.increment;
+    if record.status == IncrementStatus::Solved {
+        assert!(record.residuals.worst() <= 1e-8, "increment {n}: {:?}", record.residuals);
+    }
+    assert_ne!(record.status, IncrementStatus::Capped, "increment {n}");
+    Some(record)
+}
+
+/// Runs a scene to its end: the record of every increment, and the outcome.
+pub fn run(scene: &Scene) -> (Vec<Observation>, Outcome) {
+    let mut simulation = Simulation::new(scene, None);
+    let records = std::iter::from_fn(|| next(&mut simulation)).collect();
+    (records, simulation.run())
+}
+
+/// The reading of a probe.
+pub fn probe<'a>(record: &'a Observation, name: &str) -> &'a ProbeReading {
+    record.probes.iter().find(|p| p.name == name).unwrap()
+}
+
+/// State of a particle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct State {
+    pub position: DVec2,
+    pub rotation: f64,
+    pub velocity: DVec2,
+    pub spin: f64,
+    pub radius: f64,
+    pub mass: f64,
+    pub inertia: f64,
+}
+
+/// States of all particles by identity.
+pub fn states(simulation: &mut Simulation) -> Vec<State> {
+    let world = simulation.world_mut();
+    let mut query =
+        world.query::<(&BodyId, &Particle, &Position, &Rotation, &Velocity, &AngularVelocity)>();
+    let mut rows: Vec<_> = query
+        .iter(world)
+        .map(|(id, p, x, rotation, v, spin)| {
+            let state = State {
+                position: x.0,
+                rotation: rotation.0,
+                velocity: v.0,
+                spin: spin.0,
+                radius: p.radius,
+                mass: p.mass,
+                inertia: p.inertia,
+            };
+            (*id, state)
+        })
+        .collect();
+    rows.sort_by_key(|(id, _)| *id);
+    rows.into_iter().map(|(_, state)| state).collect()
+}
+
+/// Asserts that two numbers agree to a fraction of the expected one.
+#[track_caller]
+pub fn assert_relative(actual: f64, expected: f64, tolerance: f64) {
+    assert_within(actual, expected, tolerance * expected.abs());
+}
+
+/// Asserts that two numbers agree to an absolute tolerance.
+#[track_caller]
+pub fn assert_within(actual: f64, expected: f64, tolerance: f64) {
+    let error = (actual - expected).abs();
+    assert!(error <= tolerance, "{actual:e} instead of {expected:e}: off by {error:.2e}, accepted {tolerance:.1e}");
+}
+
+/// A cemented specimen of 60 disks in a biaxial cell, prepared, confined and loaded within a
+/// second. `wall` and `grain` are what stands in the contact law of walls and of grains.
+pub fn small_cell(wall: &str, grain: &str) -> Scene {
+    parse(&format!(
+        "(
+            version: 1,
+            title: \"cell of 60 disks\",
+            materials: {{ \"sand\": (
+                contact: ({grain}),
+                bond: (normal_stiffness: 60.0e6, tangential_stiffness: 30.0e6, friction: 0.5,
+                    cohesion: 200.0e3, tensile_strength: 100.0e3),
+            ) }},
+            specimen: Packing(count: 60, columns: 6, spacing: 10.0e-3, origin: (1.0e-3, 0.0),
+                sizes: Uniform(radius: (3.0e-3, 5.0e-3)), seed: 3),
+            walls: [
+                (name: \"bottom\", start: (0.0, 0.0), end: (0.062, 0.0), probe: \"bottom\", contact: ({wall})),
+                (name: \"top\", start: (0.062, 0.1), end: (0.0, 0.1), probe: \"top\", contact: ({wall})),
+                (name: \"left\", start: (0.0, 0.1), end: (0.0, 0.0), probe: \"left\", contact: ({wall})),
+                (name: \"right\", start: (0.062, 0.0), end: (0.062, 0.1), probe: \"right\", contact: ({wall})),
+            ],
+            stages: [
+                Compact(name: \"compact\", wall: \"top\", base: \"bottom\", target: Porosity(0.24),
+                    step: 4.0e-3, agitation: 0.1, seed: 1),
+                Cement(name: \"cement\", length: 0.4e-3),
+                Load(name: \"confine\", increments: 5, walls: {{
+                    \"bottom\": Stress(stress: 200.0e3, between: (\"left\", \"right\")),
+                    \"top\": Stress(stress: 200.0e3, between: (\"left\", \"right\")),
+                    \"left\": Stress(stress: 200.0e3, between: (\"bottom\", \"top\")),
+                    \"right\": Stress(stress: 200.0e3, between: (\"bottom\", \"top\")),
+                }}),
+                Load(name: \"load\", increments: 30, walls: {{
+                    \"bottom\": Displacement(0.0, 0.01e-3),
+                    \"top\": Displacement(0.0, -0.01e-3),
+                }}),
+            ],
+            measures: (
+                axial_strain: Walls(\"bottom\", \"top\"),
+                lateral_strain: Walls(\"left\", \"right\"),
+                axial_stress: Average(component: Yy, area: Box((\"bottom\", \"top\"), (\"left\", \"right\"))),
+                lateral_stress: Average(component: Xx, area: Box((\"bottom\", \"top\"), (\"left\", \"right\"))),
+            ),
+        )"
+    ))
+}
+
+/// Elastic contacts of the small cell without friction, and with it.
+pub const SMOOTH: &str = "normal_stiffness: 60.0e6, tangential_stiffness: 30.0e6";
+pub const ROUGH: &str = "normal_stiffness: 60.0e6, tangential_stiffness: 30.0e6, friction: 0.3";
