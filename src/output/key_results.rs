@@ -19,8 +19,8 @@ pub enum Phase {
 /// The key results, as `run.json` has them; none where a run does not define them.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Results {
-    /// Tangent of the first increment of the reference stage: (stress - stress at its
-    /// start)/strain. None for a rigid specimen.
+    /// Tangent of the first increment of the reference stage that gains at least a thousandth of
+    /// the peak: before that a platen may still be on its way. None for a rigid specimen.
     pub youngs_modulus_pa: Option<f64>,
     /// Secant from the start of the reference stage to half the peak.
     pub youngs_modulus_secant_half_peak_pa: Option<f64>,
@@ -175,8 +175,15 @@ impl KeyResults {
     }
 
     fn tangent(&self) -> Option<f64> {
-        let [strain, stress] = self.curve.iter().find(|[strain, _]| *strain != 0.0)?;
-        Some((stress - self.start) / strain)
+        let touch = 1e-3 * (self.results.peak_stress_pa? - self.start).abs();
+        let mut before = [0.0, self.start];
+        for [strain, stress] in &self.curve {
+            if *strain != before[0] && (stress - before[1]).abs() >= touch {
+                return Some((stress - before[1]) / (strain - before[0]));
+            }
+            before = [*strain, *stress];
+        }
+        None
     }
 
     fn secant(&self) -> Option<f64> {

@@ -95,7 +95,9 @@ pub fn run_attempts(world: &mut World) {
             }
             Verdict::Again => continue,
             Verdict::Reject(reason) => {
-                if attempt.effort < loose::RETRY && attempt.solves < MAX_SOLVES {
+                // Rigid bodies that have no motion have none with other scales either.
+                let locked = attempt.status == IncrementStatus::Locked;
+                if !locked && attempt.effort < loose::RETRY && attempt.solves < MAX_SOLVES {
                     attempt.effort += 1;
                     forget(&mut attempt, reason);
                     continue;
