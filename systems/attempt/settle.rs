@@ -15,17 +15,24 @@ use bevy_ecs::system::RunSystemOnce;
 use clastic_components::attempt::{Attempt, IncrementStatus, Verdict};
 use clastic_components::body::{AppliedLoad, Drive, Drives, LastMotion, Position, Ramp, Rotation};
 use clastic_components::contact::ContactHistory;
+use clastic_components::increment::Acceptance;
 use clastic_components::wall::{Wall, WallDrive};
 
+use super::thrown_grains::furthest;
 use crate::schedule::AttemptIncrement;
 use crate::update_state::{move_bodies, remember_contacts};
 
 /// Settling steps of one increment at most.
-pub const MAX_STEPS: u32 = 60;
+pub const MAX_STEPS: u32 = 200;
 /// Weight of the first step, in units of force scale over displacement scale.
 const FIRST_WEIGHT: f64 = 1e-4;
-/// Factor between a weight that throws grains and the next one tried.
+/// Factor between a weight that throws grains and the next one tried, and the greatest between two
+/// steps the other way.
 const FACTOR: f64 = 10.0;
+/// Failures in a row that end the settling.
+const MAX_FAILURES: u32 = 8;
+/// At this weight the increment itself is tried.
+const LAST_WEIGHT: f64 = 1e-8;
 
 /// What settling changes, to be put back.
 pub struct Snapshot {
@@ -103,34 +110,38 @@ fn still(ramp: Ramp) -> Ramp {
     Ramp { from: ramp.from, to: ramp.from }
 }
 
-/// Takes one settling step with the smallest weight that throws no grain, and then steps with
-/// ever smaller weights for as long as these do not either. Returns whether anything moved.
+/// Takes settling steps of about the same motion: the weight follows from how far grains moved in
+/// the step before. Ends when grains hardly move at a vanishing weight: then the increment itself
+/// may be tried again. Returns whether anything moved.
 pub fn settle(world: &mut World) -> bool {
     let rest = Rest::begin(world);
+    let wanted = 0.7 * world.resource::<Acceptance>().throw;
     let mut weight = FIRST_WEIGHT;
+    let mut failures = 0;
     let mut moved = false;
     loop {
         let mut attempt = world.resource_mut::<Attempt>();
-        if attempt.settled >= MAX_STEPS {
+        if attempt.settled >= MAX_STEPS || failures > MAX_FAILURES {
             break;
         }
         attempt.settled += 1;
         attempt.settling = Some(weight);
         if !solves(world) {
-            if moved || weight > FIRST_WEIGHT * FACTOR.powi(8) {
-                break;
-            }
+            failures += 1;
             weight *= FACTOR;
             continue;
         }
+        failures = 0;
+        let far =
+            furthest(world.resource(), world.resource(), world.resource()).map_or(0.0, |f| f.1);
         // The two systems run outside of their schedule: the step is no increment.
         let _ = world.run_system_once(move_bodies);
         let _ = world.run_system_once(remember_contacts);
         moved = true;
-        weight /= FACTOR;
-        if weight < 1e-8 {
+        if weight <= LAST_WEIGHT {
             break;
         }
+        weight = (weight * (far / wanted).clamp(1.0 / FACTOR, 1.0)).max(LAST_WEIGHT);
     }
     let mut attempt = world.resource_mut::<Attempt>();
     attempt.settling = None;

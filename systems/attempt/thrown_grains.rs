@@ -28,7 +28,7 @@ pub fn judge(
     }
 }
 
-/// The grain that a solution throws furthest about the mean field, if it throws any too far.
+/// Complaint about the grain that a solution throws furthest, if it throws any too far.
 #[must_use]
 pub fn thrown(
     bodies: &Bodies,
@@ -36,6 +36,22 @@ pub fn thrown(
     solution: &ConeSolution,
     acceptance: &Acceptance,
 ) -> Option<String> {
+    let (i, far) = furthest(bodies, program, solution)?;
+    (!(far <= acceptance.throw)).then(|| {
+        format!(
+            "particle {i} was thrown by {far:.2} radii about the mean motion; accepted {}",
+            acceptance.throw
+        )
+    })
+}
+
+/// The grain that moves furthest about the mean field, and how far in its radii.
+#[must_use]
+pub fn furthest(
+    bodies: &Bodies,
+    program: &ConeProgram,
+    solution: &ConeSolution,
+) -> Option<(usize, f64)> {
     let n = bodies.particles;
     let motion: Vec<DVec2> = program.bodies[..n]
         .iter()
@@ -47,13 +63,7 @@ pub fn thrown(
         .collect();
     let field = MeanField::fit(&bodies.positions[..n], &motion);
     let far = |i: usize| (motion[i] - field.at(bodies.positions[i])).length() / bodies.radii[i];
-    let (i, far) = (0..n).map(|i| (i, far(i))).max_by(|a, b| a.1.total_cmp(&b.1))?;
-    (!(far <= acceptance.throw)).then(|| {
-        format!(
-            "particle {i} was thrown by {far:.2} radii about the mean motion; accepted {}",
-            acceptance.throw
-        )
-    })
+    (0..n).map(|i| (i, far(i))).max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 /// An affine displacement field `u(x) = u_0 + H (x - x_0)`.
