@@ -183,6 +183,19 @@ fn associated_law_slows_a_point_impact_too_much() {
     }
 }
 
+/// The associated law stops a grain that passes a wall nearer than its opening; Coulomb's lets it by.
+#[test]
+fn a_disk_that_passes_a_wall_closely_touches_it_under_the_associated_law_alone() {
+    let passing = |law| {
+        let mut scene = impact((3.0, 0.0), 0.5, law, 1.0, "");
+        // It moves 3 mm: the opening would be 1.5 mm.
+        only_disk(&mut scene).position.1 += 0.2e-3;
+        after_one_increment(&scene).velocity
+    };
+    assert!(passing(FrictionLaw::Associated).x < 2.9);
+    assert_within(passing(COULOMB).distance(DVec2::new(3.0, 0.0)), 0.0, EXACT);
+}
+
 #[test]
 fn associated_law_lags_a_sliding_block_and_lets_it_hover() {
     for friction in [0.2, 0.5] {

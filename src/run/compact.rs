@@ -6,7 +6,7 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::body::{AngularVelocity, BodyId, LastMotion, Position, Velocity};
+use clastic_components::body::{AngularVelocity, BodyId, ExternalForce, LastMotion, Position, Velocity};
 use clastic_components::contact::ContactHistory;
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::particle::Particle;
@@ -64,10 +64,16 @@ fn disks(world: &mut World) -> (f64, f64) {
 /// regularisation and mean nothing.
 pub fn end(world: &mut World) {
     world.resource_mut::<ContactHistory>().0.clear();
-    let mut bodies =
-        world.query::<(&mut LastMotion, Option<&mut Velocity>, Option<&mut AngularVelocity>)>();
-    for (mut motion, velocity, spin) in bodies.iter_mut(world) {
+    let mut bodies = world.query::<(
+        &mut LastMotion,
+        &mut ExternalForce,
+        Option<&mut Velocity>,
+        Option<&mut AngularVelocity>,
+    )>();
+    for (mut motion, mut force, velocity, spin) in bodies.iter_mut(world) {
         *motion = LastMotion::default();
+        // A wall that is to be loaded next starts from what it carries: from nothing.
+        *force = ExternalForce::default();
         if let Some(mut velocity) = velocity {
             *velocity = Velocity::default();
         }

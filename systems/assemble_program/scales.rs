@@ -7,7 +7,7 @@ use clastic_components::attempt::Attempt;
 use clastic_components::body::Drive;
 use clastic_components::contact::{Bodies, ContactHistory};
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
-use clastic_components::program::{ConeProgram, Dof, Scales};
+use clastic_components::program::{ConeProgram, Dof, FreeDof, Scales};
 use clastic_components::wall::WallDrive;
 
 /// Estimates the scales of the program; a rejected attempt's own magnitudes come first.
@@ -20,7 +20,10 @@ pub fn estimate(
     program: &ConeProgram,
 ) -> Scales {
     let length = bodies.mean_radius;
-    let displacement = displacement(bodies, analysis, progress).max(1e-9 * length);
+    let known = displacement(bodies, analysis, progress);
+    // Loaded from rest: what the loads do to one contact.
+    let displacement = if known > 0.0 { known } else { greatest_load(program) * softest(program) };
+    let displacement = displacement.max(1e-9 * length);
     let force = force(history, program, displacement);
     match attempt.magnitudes {
         // What a failed attempt found, as long as it found something: noise is no scale.
@@ -60,18 +63,26 @@ fn displacement(bodies: &Bodies, analysis: &Analysis, progress: &Progress) -> f6
     }
 }
 
+fn free_translations(program: &ConeProgram) -> impl Iterator<Item = &FreeDof> {
+    program.bodies.iter().flat_map(|body| &body.dofs[..2]).filter_map(|dof| match dof {
+        Dof::Free(free) => Some(free),
+        Dof::Fixed(_) => None,
+    })
+}
+
+fn greatest_load(program: &ConeProgram) -> f64 {
+    free_translations(program).map(|f| f.load.abs()).fold(0.0, f64::max)
+}
+
+/// The greatest normal compliance, m/N.
+fn softest(program: &ConeProgram) -> f64 {
+    program.interactions.iter().map(|c| c.normal_compliance).fold(0.0, f64::max)
+}
+
 fn force(history: &ContactHistory, program: &ConeProgram, displacement: f64) -> f64 {
     let remembered = history.0.iter().map(|m| m.p.abs().max(m.q.abs())).fold(0.0, f64::max);
-    let mut loads = 0.0_f64;
-    let mut inertial = 0.0_f64;
-    for body in &program.bodies {
-        for dof in &body.dofs[..2] {
-            if let Dof::Free(f) = dof {
-                loads = loads.max(f.load.abs());
-                inertial = inertial.max(f.inertia * displacement);
-            }
-        }
-    }
+    let loads = greatest_load(program);
+    let inertial = free_translations(program).map(|f| f.inertia * displacement).fold(0.0, f64::max);
     let expected = remembered.max(0.1 * loads).max(0.1 * inertial);
     // Driven from rest: a tenth of what the displacement would cost in one contact, or, where all
     // is rigid, the strength.

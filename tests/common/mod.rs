@@ -124,10 +124,11 @@ pub fn small_cell(wall: &str, grain: &str) -> Scene {
         "(
             version: 1,
             title: \"cell of 60 disks\",
+            rupture: (rolling: Yields),
             materials: {{ \"sand\": (
                 contact: ({grain}),
                 bond: (normal_stiffness: 60.0e6, tangential_stiffness: 30.0e6, friction: 0.5,
-                    cohesion: 200.0e3, tensile_strength: 100.0e3),
+                    rolling_friction: 0.1, cohesion: 200.0e3, tensile_strength: 100.0e3),
             ) }},
             specimen: Packing(count: 60, columns: 6, spacing: 10.0e-3, origin: (1.0e-3, 0.0),
                 sizes: Uniform(radius: (3.0e-3, 5.0e-3)), seed: 3),

@@ -1,0 +1,165 @@
+//! A curve does not depend on how the specimen lies, on how its particles are numbered, or on when
+//! it is computed.
+
+mod common;
+
+use clastic::run::Simulation;
+use clastic::scene::format::{Particle, Scene, Specimen, Stage, WallControl};
+use common::*;
+use glam::{DMat2, DVec2};
+
+/// The small cell with its prepared specimen listed particle by particle, every fifth of a material
+/// that does not cement, side walls fixed, driven by its lid.
+fn prepared() -> Scene {
+    let mut scene = small_cell(ROUGH, ROUGH);
+    let compact = scene.stages.remove(0);
+    let stages = std::mem::replace(&mut scene.stages, vec![compact]);
+    let mut simulation = Simulation::new(&scene, None);
+    while next(&mut simulation).is_some() {}
+    let top = simulation.world().resource::<clastic::components::observation::Observation>();
+    let lid = probe(top, "top").motion[1];
+    scene.walls[1].start.1 += lid;
+    scene.walls[1].end.1 += lid;
+    let mut gravel = scene.materials["sand"];
+    gravel.bond = None;
+    scene.materials.insert("gravel".into(), gravel);
+    scene.specimen = Specimen::Particles(
+        states(&mut simulation)
+            .iter()
+            .enumerate()
+            .map(|(i, s)| Particle {
+                position: s.position.into(),
+                radius: s.radius,
+                material: Some(if i % 5 == 0 { "gravel" } else { "sand" }.into()),
+                velocity: (0.0, 0.0),
+                angular_velocity: 0.0,
+                group: None,
+                probe: Some(format!("{i}")),
+            })
+            .collect(),
+    );
+    scene.stages = stages;
+    scene.stages.retain(|s| s.name() != "confine");
+    let load = stage(&mut scene, "load");
+    load.walls.clear();
+    load.walls.insert("top".into(), WallControl::Displacement(0.0, -2e-6));
+    load.increments = 60;
+    scene
+}
+
+/// The scene seen through a linear map, a rotation or a reflection. A reflection swaps the ends of
+/// walls, since material lies on their left.
+fn mapped(scene: &Scene, map: DMat2) -> Scene {
+    let of = |x: (f64, f64)| (map * DVec2::from(x)).into();
+    let mut scene = scene.clone();
+    let Specimen::Particles(list) = &mut scene.specimen else { unreachable!() };
+    for particle in list {
+        particle.position = of(particle.position);
+    }
+    for wall in &mut scene.walls {
+        (wall.start, wall.end) = (of(wall.start), of(wall.end));
+        if map.determinant() < 0.0 {
+            std::mem::swap(&mut wall.start, &mut wall.end);
+        }
+    }
+    for control in stage(&mut scene, "load").walls.values_mut() {
+        if let WallControl::Displacement(x, y) = control {
+            (*x, *y) = of((*x, *y));
+        }
+    }
+    scene
+}
+
+/// What is compared of an increment: forces on bottom and top and where every grain moved, all
+/// mapped back, and the pairs of grains, by probe, whose bond broke.
+struct Row {
+    forces: [DVec2; 2],
+    motion: Vec<DVec2>,
+    broken: Vec<(String, String)>,
+}
+
+/// The curve up to and with the first rupture.
+fn curve(scene: &Scene, map: DMat2) -> Vec<Row> {
+    let Specimen::Particles(list) = &scene.specimen else { unreachable!() };
+    let name = |i: u32| list[i as usize].probe.clone().unwrap();
+    let back = map.transpose();
+    let mut simulation = Simulation::new(scene, None);
+    let mut rows = Vec::new();
+    while let Some(record) = next(&mut simulation) {
+        let vector = |v: [f64; 3]| back * DVec2::new(v[0], v[1]);
+        let motion = (0..list.len()).map(|i| vector(probe(&record, &i.to_string()).motion)).collect();
+        let mut broken: Vec<_> = record
+            .ruptures
+            .iter()
+            .map(|r| {
+                let (a, b) = (name(r.a.0), name(r.b.0));
+                if a < b { (a, b) } else { (b, a) }
+            })
+            .collect();
+        broken.sort();
+        let forces = ["bottom", "top"].map(|wall| vector(probe(&record, wall).force));
+        let done = !broken.is_empty();
+        rows.push(Row { forces, motion, broken });
+        if done {
+            return rows;
+        }
+    }
+    panic!("nothing broke");
+}
+
+fn assert_same_curve(scene: &Scene, map: DMat2, reference: &[Row]) {
+    let rows = curve(scene, map);
+    assert_eq!(rows.len(), reference.len());
+    let greatest = reference.iter().map(|r| r.forces[1].length()).fold(0.0, f64::max);
+    for (n, (row, expected)) in rows.iter().zip(reference).enumerate() {
+        assert_eq!(row.broken, expected.broken);
+        for (force, expected) in row.forces.iter().zip(&expected.forces) {
+            assert_within(force.distance(*expected), 0.0, 1e-8 * greatest);
+        }
+        let moved = 2e-6 * (n + 1) as f64;
+        for (motion, expected) in row.motion.iter().zip(&expected.motion) {
+            assert_within(motion.distance(*expected), 0.0, 1e-6 * moved);
+        }
+    }
+}
+
+#[test]
+fn curve_is_the_same_turned_mirrored_and_renumbered() {
+    let scene = prepared();
+    let reference = curve(&scene, DMat2::IDENTITY);
+    assert!(reference.len() > 5, "an elastic range of {} increments", reference.len());
+    assert!(!reference.last().unwrap().broken.is_empty());
+
+    for degrees in [30.0_f64, 137.0] {
+        let turn = DMat2::from_angle(degrees.to_radians());
+        assert_same_curve(&mapped(&scene, turn), turn, &reference);
+    }
+    let mirror = DMat2::from_diagonal(DVec2::new(-1.0, 1.0));
+    assert_same_curve(&mapped(&scene, mirror), mirror, &reference);
+
+    // Another order: every index times a number without a common factor.
+    let mut renumbered = scene.clone();
+    let Specimen::Particles(list) = &mut renumbered.specimen else { unreachable!() };
+    *list = (0..list.len()).map(|i| list[i * 37 % list.len()].clone()).collect();
+    assert_same_curve(&renumbered, DMat2::IDENTITY, &reference);
+}
+
+#[test]
+fn two_runs_agree_to_the_last_bit() {
+    let bits = |name: &str, increments: usize| {
+        let mut simulation = Simulation::new(&load(name), None);
+        let mut out = Vec::new();
+        for _ in 0..increments {
+            let Some(record) = next(&mut simulation) else { break };
+            out.push(format!("{record:?}"));
+        }
+        out.push(format!("{:?}", states(&mut simulation)));
+        out
+    };
+    // Statics with compaction, cement and rupture; dynamics.
+    for (name, increments) in [("uniaxial_small", 60), ("column_collapse_small", 70)] {
+        let (first, second) = (bits(name, increments), bits(name, increments));
+        assert!(first.len() > 20);
+        assert!(first == second, "{name}");
+    }
+}
