@@ -6,7 +6,9 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::body::{AngularVelocity, BodyId, ExternalForce, LastMotion, Position, Velocity};
+use clastic_components::body::{
+    AngularVelocity, BodyId, ExternalForce, LastMotion, Position, Velocity,
+};
 use clastic_components::contact::ContactHistory;
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::particle::Particle;

@@ -166,3 +166,41 @@ pub fn small_cell(wall: &str, grain: &str) -> Scene {
 /// Elastic contacts of the small cell without friction, and with it.
 pub const SMOOTH: &str = "normal_stiffness: 60.0e6, tangential_stiffness: 30.0e6";
 pub const ROUGH: &str = "normal_stiffness: 60.0e6, tangential_stiffness: 30.0e6, friction: 0.3";
+
+/// Nineteen disks of three sizes on a jittered hexagonal grid fly into each other, turning.
+pub fn swarm(law: &str, contact: &str, dt: f64, theta: f64, increments: u32) -> Scene {
+    let mut disks = String::new();
+    let mut k = 0;
+    for row in -2_i32..=2 {
+        for column in 0..(5 - row.abs()) {
+            let x = 0.021 * (f64::from(column) - 0.5 * f64::from(4 - row.abs()));
+            let y = 0.021 * 0.75_f64.sqrt() * f64::from(row);
+            // Any deterministic disorder will do.
+            let wiggle = |p: f64| 4e-4 * (p * f64::from(k + 1)).sin();
+            let (x, y) = (x + wiggle(12.9), y + wiggle(78.2));
+            let radius = 0.01 - 4e-4 * f64::from(k % 3);
+            let (vx, vy) = (-20.0 * x + 0.3 * wiggle(3.7) * 1e3, -20.0 * y + 8.0 * x);
+            let spin = 3e4 * wiggle(5.3);
+            disks += &format!(
+                "(position: ({x:?}, {y:?}), radius: {radius:?}, velocity: ({vx:?}, {vy:?}), angular_velocity: {spin:?}),"
+            );
+            k += 1;
+        }
+    }
+    parse(&format!(
+        "(
+            version: 1,
+            title: \"swarm\",
+            analysis: Dynamic(dt: {dt:?}, theta: {theta:?}),
+            friction_law: {law},
+            materials: {{ \"stone\": (contact: ({contact})) }},
+            specimen: Particles([{disks}]),
+            stages: [Load(name: \"free\", increments: {increments})],
+        )"
+    ))
+}
+
+/// Contact laws of a swarm.
+pub const RIGID: &str = "friction: 0.4, rolling_friction: 0.05";
+pub const ELASTIC: &str =
+    "normal_stiffness: 1.0e7, tangential_stiffness: 5.0e6, friction: 0.4, rolling_friction: 0.05";
