@@ -10,7 +10,7 @@ use clastic_components::body::{
     AngularVelocity, BodyId, ExternalForce, Origin, Position, Probe, Rotation, Velocity,
 };
 use clastic_components::contact::{Bodies, Contacts};
-use clastic_components::increment::{Analysis, Progress};
+use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::observation::{
     MeasureArea, MeasureLength, Measures, Observation, ProbeReading, RuptureCount, StrainMeasure,
     StressComponent, StressMeasure,
@@ -87,7 +87,9 @@ fn record_stress(
     forces: Query<(&Wall, &ExternalForce)>,
     mut out: ResMut<Observation>,
 ) {
-    let carried = matches!(attempt.status, IncrementStatus::Solved | IncrementStatus::Capped);
+    // The forces of a compaction are those of its regularisation: no stress.
+    let carried = !matches!(analysis.kind, AnalysisKind::LeastMotion { .. })
+        && matches!(attempt.status, IncrementStatus::Solved | IncrementStatus::Capped);
     let start =
         |wall: Entity| bodies.entities.iter().position(|e| *e == wall).map(|i| bodies.positions[i]);
     // A stress-controlled wall was loaded over the length at the start of the increment: so is the

@@ -141,11 +141,10 @@ impl RunWriter {
         if progress.stage >= self.reference_stage {
             self.begin_reference(world)?;
         } else {
-            let prepared = Prepared::of(world);
-            if compacting && progress.done >= progress.total {
-                self.write_specimen(&prepared)?;
-            }
-            self.prepared = Some(prepared);
+            self.prepared = Some(Prepared::of(world));
+        }
+        if compacting && progress.done >= progress.total {
+            self.write_specimen(&Prepared::of(world))?;
         }
         let phase = match (compacting, progress.stage >= self.reference_stage) {
             (true, _) => Phase::Preparation,

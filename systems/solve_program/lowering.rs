@@ -12,6 +12,15 @@ use super::residuals::regularised_residuals;
 const POLISHES: usize = 8;
 /// Residual at which polishing stops.
 const POLISHED: f64 = 1e-11;
+/// The same for programs with more variables than [`LARGE`], where every polish costs as much as
+/// the solution.
+const POLISHED_LARGE: f64 = 1e-9;
+const LARGE: usize = 5000;
+
+/// Residual at which a solution of a program of this size is as good as polishing makes it.
+pub(super) fn polished(low: &Lowered) -> f64 {
+    if low.linear.len() > LARGE { POLISHED_LARGE } else { POLISHED }
+}
 
 /// Triplets of a sparse matrix.
 #[derive(Default)]
@@ -187,6 +196,10 @@ pub(super) fn polish(
     let worst =
         |s: &ConeSolution| regularised_residuals(program, &s.forces, &s.displacements).worst();
     let mut best = worst(solution);
+    let goal = polished(low);
+    if best <= goal {
+        return;
+    }
     let mut active = qp.active(&start);
     for pass in 0..POLISHES {
         let Some(point) = qp.solve_active(&active, &start) else { return };
@@ -205,7 +218,7 @@ pub(super) fn polish(
                 pass + 1
             );
         }
-        if best <= POLISHED {
+        if best <= goal {
             return;
         }
         match qp.corrected(&active, &point) {
