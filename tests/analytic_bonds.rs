@@ -66,8 +66,11 @@ fn tension_by_force_is_feasible_below_24_n_and_collapses_above() {
     assert_eq!(probe(&records[0], "pulled").motion[0], 0.0, "a collapse commits nothing");
 }
 
-const SHEAR: [(&str, f64, f64); 3] =
-    [("direct_shear_-10N", -10.0, 42.0), ("direct_shear_0N", 0.0, 48.0), ("direct_shear_10N", 10.0, 54.0)];
+const SHEAR: [(&str, f64, f64); 3] = [
+    ("direct_shear_-10N", -10.0, 42.0),
+    ("direct_shear_0N", 0.0, 48.0),
+    ("direct_shear_10N", 10.0, 54.0),
+];
 
 #[test]
 fn direct_shear_has_slope_4_mn_per_m_and_breaks_at_42_48_and_54_n() {
@@ -110,7 +113,11 @@ fn direct_shear_has_slope_4_mn_per_m_and_breaks_at_42_48_and_54_n() {
                 let elastic = TANGENTIAL_STIFFNESS * 2.0 * RADIUS * turn * (k + 1) as f64;
                 let held = probe(record, "loaded").force[1].abs();
                 // Arms are shorter by P/(2 k_N) now: 1e-4 of the radius.
-                assert_within(held, elastic.min(0.6 * normal), 1.1e-4 * 0.6 * normal + EXACT * strength);
+                assert_within(
+                    held,
+                    elastic.min(0.6 * normal),
+                    1.1e-4 * 0.6 * normal + EXACT * strength,
+                );
             }
             let last = probe(shear.last().unwrap(), "loaded").force[1].abs();
             assert_within(last, 0.6 * normal, EXACT * strength);
@@ -164,7 +171,8 @@ fn rolling_moment_is_limited_by_plate_or_bond_and_the_branches_meet_at_24_n() {
     }
     // Pairs (0, 1), (2, 3), ...: bonds of more than 24 N break in rolling, at the first turn.
     assert!(turn.iter().flat_map(|r| &r.ruptures).all(|r| r.mode == RuptureMode::Rolling));
-    let broken: Vec<u32> = turn[0].ruptures.iter().map(|r| r.a.0 / 2).filter(|pair| *pair != 4).collect();
+    let broken: Vec<u32> =
+        turn[0].ruptures.iter().map(|r| r.a.0 / 2).filter(|pair| *pair != 4).collect();
     assert_eq!(broken, [5, 6, 7, 8]);
 }
 
@@ -172,7 +180,13 @@ fn rolling_moment_is_limited_by_plate_or_bond_and_the_branches_meet_at_24_n() {
 fn chain(bonds: usize, tip: &str) -> Scene {
     let disks: String = (0..=bonds)
         .map(|i| {
-            let end = if i == 0 { ", probe: \"root\"" } else if i == bonds { ", probe: \"tip\"" } else { "" };
+            let end = if i == 0 {
+                ", probe: \"root\""
+            } else if i == bonds {
+                ", probe: \"tip\""
+            } else {
+                ""
+            };
             format!("(position: ({}, 0.0), radius: 6.0e-3{end}),", 12e-3 * i as f64)
         })
         .collect();
@@ -226,7 +240,8 @@ fn bonded_chain_fails_at_its_root_in_rolling() {
         assert_eq!(modes, [(0, RuptureMode::Rolling)]);
         assert_relative(records[0].ruptures[0].tau.abs(), 0.1 * RADIUS * TENSILE_STRENGTH, EXACT);
 
-        let loaded = |factor: f64| run(&chain(bonds, &format!("force: (0.0, {:?})", factor * limit))).1;
+        let loaded =
+            |factor: f64| run(&chain(bonds, &format!("force: (0.0, {:?})", factor * limit))).1;
         assert_eq!(loaded(1.0 - 1e-5), Outcome::Completed);
         assert!(matches!(loaded(1.0 + 1e-3), Outcome::Collapsed { .. }));
     }

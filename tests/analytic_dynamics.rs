@@ -170,7 +170,8 @@ fn associated_law_slows_a_point_impact_too_much() {
     for friction in [0.1, 0.5, 1.0] {
         let held = ", particles: [(select: All, rotation: Held)]";
         let (vt, vn) = (3.0, 2.0);
-        let after = |law| after_one_increment(&impact((vt, -vn), friction, law, 1.0, held)).velocity;
+        let after =
+            |law| after_one_increment(&impact((vt, -vn), friction, law, 1.0, held)).velocity;
         let associated = after(FrictionLaw::Associated);
         let expected = (vt - friction * vn) / (1.0 + friction * friction);
         assert_relative(associated.x, expected, EXACT);

@@ -13,7 +13,10 @@ use glam::DVec2;
 /// E and nu of the lattice (thickness 1 m).
 fn elastic_constants(normal: f64, tangential: f64) -> (f64, f64) {
     let denominator = 3.0 * normal + tangential;
-    (2.0 * 3.0_f64.sqrt() * normal * (normal + tangential) / denominator, (normal - tangential) / denominator)
+    (
+        2.0 * 3.0_f64.sqrt() * normal * (normal + tangential) / denominator,
+        (normal - tangential) / denominator,
+    )
 }
 
 /// The lattice scene with other stiffnesses, size and displacement gradient, for one increment.
@@ -21,8 +24,13 @@ fn lattice(stiffness: (f64, f64), columns: u32, gradient: [[f64; 2]; 2]) -> Scen
     let mut scene = load("lattice");
     let bond = scene.materials.get_mut("cemented").unwrap().bond.as_mut().unwrap();
     (bond.normal_stiffness, bond.tangential_stiffness) = (Some(stiffness.0), Some(stiffness.1));
-    scene.specimen =
-        Specimen::Lattice { columns, rows: 2 * columns - 1, radius: 5e-3, origin: (0.3, -0.2), material: None };
+    scene.specimen = Specimen::Lattice {
+        columns,
+        rows: 2 * columns - 1,
+        radius: 5e-3,
+        origin: (0.3, -0.2),
+        material: None,
+    };
     scene.stages.retain(|s| matches!(s, Stage::Cement(_) | Stage::Load(_)));
     let load = stage(&mut scene, "load");
     load.increments = 1;

@@ -52,7 +52,10 @@ fn momentum(states: &[State]) -> (DVec2, f64) {
 fn scales(states: &[State]) -> (f64, f64) {
     (
         states.iter().map(|s| s.mass * s.velocity.length()).sum(),
-        states.iter().map(|s| s.mass * s.position.length() * s.velocity.length() + s.inertia * s.spin.abs()).sum(),
+        states
+            .iter()
+            .map(|s| s.mass * s.position.length() * s.velocity.length() + s.inertia * s.spin.abs())
+            .sum(),
     )
 }
 
@@ -78,7 +81,9 @@ fn drift(scene: &Scene) -> (f64, f64) {
 
 #[test]
 fn momentum_is_conserved_to_round_off_for_every_theta() {
-    for (law, contact) in [("Associated", RIGID), ("Associated", ELASTIC), ("Coulomb(tolerance: 1e-6)", RIGID)] {
+    for (law, contact) in
+        [("Associated", RIGID), ("Associated", ELASTIC), ("Coulomb(tolerance: 1e-6)", RIGID)]
+    {
         for theta in [0.5, 0.7, 1.0] {
             let (p, _) = drift(&swarm(law, contact, 2e-4, theta, 60));
             assert!(p < 1e-14, "{law}, {contact}, theta {theta}: {p:e}");
@@ -88,7 +93,9 @@ fn momentum_is_conserved_to_round_off_for_every_theta() {
 
 #[test]
 fn angular_momentum_is_conserved_to_round_off_at_theta_one() {
-    for (law, contact) in [("Associated", RIGID), ("Associated", ELASTIC), ("Coulomb(tolerance: 1e-6)", RIGID)] {
+    for (law, contact) in
+        [("Associated", RIGID), ("Associated", ELASTIC), ("Coulomb(tolerance: 1e-6)", RIGID)]
+    {
         let (_, l) = drift(&swarm(law, contact, 2e-4, 1.0, 60));
         assert!(l < 1e-13, "{law}, {contact}: {l:e}");
     }
@@ -99,7 +106,11 @@ fn wheel(dt: f64, theta: f64, increments: u32) -> Scene {
     let spin = 10.0;
     let (mut disks, mut bonds) = (String::new(), String::new());
     for k in 0..7_u32 {
-        let at = if k == 0 { DVec2::ZERO } else { 0.02 * DVec2::from_angle(f64::from(k) * std::f64::consts::FRAC_PI_3) };
+        let at = if k == 0 {
+            DVec2::ZERO
+        } else {
+            0.02 * DVec2::from_angle(f64::from(k) * std::f64::consts::FRAC_PI_3)
+        };
         let v = spin * at.perp();
         disks += &format!(
             "(position: ({:?}, {:?}), radius: 0.01, velocity: ({:?}, {:?}), angular_velocity: {spin:?}),",

@@ -36,8 +36,10 @@ fn accepted(record: &Observation) -> f64 {
 fn walls_and_contacts_give_one_stress_in_a_frictionless_cell() {
     every_increment(&small_cell(SMOOTH, ROUGH), |record, _, width, height| {
         // Stress-controlled or driven, elastic overlap at the walls or not.
-        let axial = [-probe(record, "top").force[1] / width, probe(record, "bottom").force[1] / width];
-        let lateral = [-probe(record, "right").force[0] / height, probe(record, "left").force[0] / height];
+        let axial =
+            [-probe(record, "top").force[1] / width, probe(record, "bottom").force[1] / width];
+        let lateral =
+            [-probe(record, "right").force[0] / height, probe(record, "left").force[0] / height];
         let scale = record.axial_stress.unwrap().abs().max(record.lateral_stress.unwrap().abs());
         for wall in axial {
             assert_within(record.axial_stress.unwrap(), wall, accepted(record) * scale);
@@ -52,8 +54,11 @@ fn walls_and_contacts_give_one_stress_in_a_frictionless_cell() {
 fn walls_and_contacts_give_one_stress_tensor_in_a_frictional_cell() {
     every_increment(&small_cell(ROUGH, ROUGH), |record, simulation, width, height| {
         let world = simulation.world();
-        let (bodies, contacts, solution) =
-            (world.resource::<Bodies>(), world.resource::<Contacts>(), world.resource::<ConeSolution>());
+        let (bodies, contacts, solution) = (
+            world.resource::<Bodies>(),
+            world.resource::<Contacts>(),
+            world.resource::<ConeSolution>(),
+        );
         let average = average_stress(bodies, contacts, solution, width * height, 1.0);
         // Forces on the walls times the places on the walls where they act, at the start of the
         // increment: forces on the grains have the opposite sign, as has stress.

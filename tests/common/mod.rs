@@ -15,7 +15,9 @@ use glam::DVec2;
 
 /// A scene from its text.
 pub fn parse(text: &str) -> Scene {
-    scene::from_str(text, Path::new("test.ron"), Path::new(""), &[]).unwrap_or_else(|e| panic!("{e}")).scene
+    scene::from_str(text, Path::new("test.ron"), Path::new(""), &[])
+        .unwrap_or_else(|e| panic!("{e}"))
+        .scene
 }
 
 /// A scene of `scenes/` by name.
@@ -109,7 +111,10 @@ pub fn assert_relative(actual: f64, expected: f64, tolerance: f64) {
 #[track_caller]
 pub fn assert_within(actual: f64, expected: f64, tolerance: f64) {
     let error = (actual - expected).abs();
-    assert!(error <= tolerance, "{actual:e} instead of {expected:e}: off by {error:.2e}, accepted {tolerance:.1e}");
+    assert!(
+        error <= tolerance,
+        "{actual:e} instead of {expected:e}: off by {error:.2e}, accepted {tolerance:.1e}"
+    );
 }
 
 /// A cemented specimen of 60 disks in a biaxial cell, prepared, confined and loaded within a
