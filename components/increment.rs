@@ -104,11 +104,14 @@ pub struct Acceptance {
     pub overlap: f64,
     /// How often an increment may be halved.
     pub halvings: u32,
+    /// Weight of the proximal term on bodies that nothing holds, in units of force scale over
+    /// displacement scale: small enough that results do not depend on it.
+    pub regularisation: f64,
 }
 
 impl Default for Acceptance {
     fn default() -> Self {
-        Self { residual: 1e-8, throw: 0.3, overlap: 1e-6, halvings: 6 }
+        Self { residual: 1e-8, throw: 0.3, overlap: 1e-6, halvings: 6, regularisation: 1e-9 }
     }
 }
 

@@ -4,20 +4,18 @@
 //! determined displacement. It gets a proximal term: of all its displacements the least. Found by
 //! counting constraints: bodies with fewer of them than degrees of freedom are peeled off, again
 //! and again; of what remains, every connected cluster must be held by the ground against
-//! translation and rotation. The weight is a fraction [`WEIGHT`] of force scale over displacement
-//! scale, so that what it adds to a body that is pushed after all stays far below the accepted
-//! residual; the residuals count it as an error of the balance.
+//! translation and rotation. The weight is a fraction [`Acceptance::regularisation`] of force scale
+//! over displacement scale, so that what it adds to a body that is pushed after all stays far below
+//! the accepted residual; the residuals count it as an error of the balance.
 
 use glam::DVec2;
 
 use clastic_components::attempt::Attempt;
 use clastic_components::contact::{Bodies, ContactHistory};
-use clastic_components::increment::{Analysis, AnalysisKind};
+use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
 use clastic_components::program::{ConeProgram, Dof, Interaction};
 
-/// Weight of the proximal term in units of force scale over displacement scale.
-pub const WEIGHT: f64 = 1e-9;
-/// The same in a repeated attempt, where it applies to every body and its centre follows the
+/// Weight in a repeated attempt, where it applies to every body and its centre follows the
 /// solution until nothing of it is left in the balance.
 pub const WEIGHT_OF_RETRY: f64 = 1e-6;
 /// The attempt from which on everything is regularised.
@@ -28,6 +26,7 @@ pub fn regularise(
     bodies: &Bodies,
     history: &ContactHistory,
     analysis: &Analysis,
+    acceptance: &Acceptance,
     attempt: &Attempt,
     program: &mut ConeProgram,
 ) {
@@ -38,7 +37,8 @@ pub fn regularise(
     let loose =
         if retry { vec![true; program.bodies.len()] } else { find_loose(bodies, history, program) };
     let unit = program.scales.force / program.scales.displacement;
-    let weight = unit * attempt.settling.unwrap_or(if retry { WEIGHT_OF_RETRY } else { WEIGHT });
+    let usual = if retry { WEIGHT_OF_RETRY } else { acceptance.regularisation };
+    let weight = unit * attempt.settling.unwrap_or(usual);
     let length = program.scales.length;
     for (i, body) in program.bodies.iter_mut().enumerate().filter(|(i, _)| loose[*i]) {
         for (k, dof) in body.dofs.iter_mut().enumerate() {

@@ -10,7 +10,7 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::Attempt;
 use clastic_components::contact::{Bodies, ContactHistory, Contacts};
-use clastic_components::increment::{Analysis, Progress};
+use clastic_components::increment::{Acceptance, Analysis, Progress};
 use clastic_components::material::Materials;
 use clastic_components::program::ConeProgram;
 
@@ -43,6 +43,7 @@ pub fn assemble_program(
     history: Res<ContactHistory>,
     materials: Res<Materials>,
     analysis: Res<Analysis>,
+    acceptance: Res<Acceptance>,
     progress: Res<Progress>,
     attempt: Res<Attempt>,
     mut program: ResMut<ConeProgram>,
@@ -59,5 +60,5 @@ pub fn assemble_program(
     );
     balance::assemble(&bodies, &analysis, &progress, &program.interactions, &mut program.bodies);
     program.scales = scales::estimate(&bodies, &history, &analysis, &progress, &attempt, program);
-    loose::regularise(&bodies, &history, &analysis, &attempt, program);
+    loose::regularise(&bodies, &history, &analysis, &acceptance, &attempt, program);
 }

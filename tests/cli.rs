@@ -1,0 +1,497 @@
+//! The `clastic` program as its user meets it: commands, exit codes, what a run leaves behind.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command as Process, Stdio};
+use std::time::{Duration, Instant};
+
+use assert_cmd::Command;
+use assert_cmd::assert::Assert;
+use serde_json::Value;
+use tempfile::TempDir;
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_clastic");
+const ROOT: &str = env!("CARGO_MANIFEST_DIR");
+
+/// `clastic` with arguments, in the directory of the package, where `scenes/` is.
+fn clastic(arguments: &[&str]) -> Assert {
+    Command::new(PROGRAM).current_dir(ROOT).args(arguments).assert()
+}
+
+fn stdout(run: &Assert) -> String {
+    String::from_utf8_lossy(&run.get_output().stdout).into_owned()
+}
+
+fn stderr(run: &Assert) -> String {
+    String::from_utf8_lossy(&run.get_output().stderr).into_owned()
+}
+
+/// Runs a scene into a directory of its own.
+fn run(scene: &str, settings: &[&str]) -> (Assert, TempDir) {
+    let directory = tempfile::tempdir().unwrap();
+    let out = directory.path().to_str().unwrap();
+    let mut arguments = vec!["run", scene, "--out", out];
+    arguments.extend(settings);
+    (clastic(&arguments), directory)
+}
+
+/// A scene of `scenes/` with one text in it replaced by another, as a file.
+fn edited(name: &str, from: &str, to: &str) -> (PathBuf, TempDir) {
+    let directory = tempfile::tempdir().unwrap();
+    let text = fs::read_to_string(Path::new(ROOT).join("scenes").join(name)).unwrap();
+    assert!(text.contains(from), "{name} has no `{from}`");
+    let path = directory.path().join(name);
+    fs::write(&path, text.replacen(from, to, 1)).unwrap();
+    (path, directory)
+}
+
+fn read(directory: &Path, name: &str) -> String {
+    fs::read_to_string(directory.join(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+}
+
+fn json(directory: &Path, name: &str) -> Value {
+    serde_json::from_str(&read(directory, name)).unwrap()
+}
+
+/// Rows of a file, each by column; every one is whole.
+fn rows(directory: &Path, name: &str) -> Vec<BTreeMap<String, String>> {
+    let text = read(directory, name);
+    assert!(text.ends_with('\n'), "{name} ends within a row");
+    let mut lines = text.lines();
+    let header: Vec<_> = lines.next().unwrap().split(',').collect();
+    lines
+        .map(|line| {
+            let fields: Vec<_> = line.split(',').collect();
+            assert_eq!(fields.len(), header.len(), "{name}: {line}");
+            header.iter().zip(fields).map(|(h, f)| ((*h).to_owned(), f.to_owned())).collect()
+        })
+        .collect()
+}
+
+/// What every run leaves, however it ended.
+fn assert_complete(directory: &Path, status: &str) {
+    let record = json(directory, "run.json");
+    assert_eq!(record["outcome"]["status"], status);
+    assert_eq!(record["increments"], rows(directory, "history.csv").len());
+    assert_eq!(rows(directory, "timings.csv").len(), rows(directory, "history.csv").len());
+    for name in ["scene.ron", "events.csv", "final_particles.csv"] {
+        assert!(!read(directory, name).is_empty(), "{name} is empty");
+    }
+}
+
+#[test]
+fn without_an_argument_it_says_what_to_type() {
+    let help = stderr(&clastic(&[]).code(2));
+    for what in ["Usage: clastic", "run", "check", "list", "clastic run uniaxial", "130"] {
+        assert!(help.contains(what), "no `{what}` in\n{help}");
+    }
+}
+
+#[test]
+fn list_names_every_scene_with_its_title() {
+    let listed = stdout(&clastic(&["list"]).code(0));
+    for entry in fs::read_dir(Path::new(ROOT).join("scenes")).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_some_and(|e| e == "ron") {
+            let name = path.file_stem().unwrap().to_str().unwrap();
+            assert!(listed.lines().any(|l| l.split(' ').next() == Some(name)), "no {name}");
+        }
+    }
+    assert!(listed.contains("Tension test of one bond (4.1)"), "{listed}");
+}
+
+#[test]
+fn check_says_what_a_sound_scene_is() {
+    let said = stdout(&clastic(&["check", "tension"]).code(0));
+    assert_eq!(said, "ok: Tension test of one bond (4.1), 2 particles, 0 walls, 1 stage\n");
+}
+
+#[test]
+fn exit_1_files() {
+    let missing = stderr(&clastic(&["run", "no_such_place/no_such_scene.ron"]).code(1));
+    assert!(missing.contains("no_such_place/no_such_scene.ron"), "{missing}");
+    let misspelt = stderr(&clastic(&["check", "tenison"]).code(1));
+    assert!(misspelt.contains("did you mean `tension`?"), "{misspelt}");
+
+    // No directory of scenes.
+    let empty = tempfile::tempdir().unwrap();
+    let list = Command::new(PROGRAM).current_dir(empty.path()).arg("list").assert().code(1);
+    assert!(stderr(&list).contains("scenes"), "{}", stderr(&list));
+
+    // A file where a directory should be.
+    let file = empty.path().join("file");
+    fs::write(&file, "").unwrap();
+    let out = file.join("out");
+    let blocked = clastic(&["run", "tension", "--out", out.to_str().unwrap()]).code(1);
+    assert!(stderr(&blocked).contains("file"), "{}", stderr(&blocked));
+}
+
+#[test]
+fn an_existing_run_is_written_over_by_force_only() {
+    let (first, directory) = run("tension", &[]);
+    first.code(0);
+    let before = read(directory.path(), "history.csv");
+    let out = directory.path().to_str().unwrap();
+    let half = ["run", "tension", "--out", out, "--set", "stages.pull.increments=12"];
+    let refused = stderr(&clastic(&half).code(1));
+    assert!(refused.contains(out) && refused.contains("--force"), "{refused}");
+    assert_eq!(read(directory.path(), "history.csv"), before);
+
+    clastic(&[&half[..], &["--force"]].concat()).code(0);
+    assert_eq!(rows(directory.path(), "history.csv").len(), 12);
+    assert_eq!(json(directory.path(), "run.json")["overrides"][0], "stages.pull.increments=12");
+    assert!(read(directory.path(), "scene.ron").contains("increments: 12,"));
+}
+
+#[test]
+fn exit_2_usage() {
+    clastic(&["fly"]).code(2);
+    clastic(&["run"]).code(2);
+    clastic(&["run", "tension", "--threads", "0"]).code(2);
+    let nowhere =
+        stderr(&clastic(&["check", "tension", "--set", "stages.push.increments=1"]).code(2));
+    assert!(nowhere.contains("stages.push.increments") && nowhere.contains("pull"), "{nowhere}");
+    let no_value = stderr(&clastic(&["check", "tension", "--set", "thickness"]).code(2));
+    assert!(no_value.contains("thickness"), "{no_value}");
+}
+
+#[test]
+fn a_setting_that_does_not_fit_is_a_wrong_scene_and_is_named() {
+    let set = "materials.cemented.contact.friction=-0.5";
+    let said = stderr(&clastic(&["check", "tension", "--set", set]).code(3));
+    assert!(said.contains("friction") && said.contains(set), "{said}");
+}
+
+/// `clastic check` of a misspelt radius: names file, line, column, the field and what is right.
+fn misspelt_radius(name: &str, field: &str) {
+    let wrong = field.replace("radius", "raduis");
+    let (path, _directory) = edited(name, field, &wrong);
+    let text = fs::read_to_string(&path).unwrap();
+    let at = text.find("raduis").unwrap();
+    let line = text[..at].lines().count();
+    let column = at - text[..at].rfind('\n').unwrap();
+    let path = path.to_str().unwrap();
+    for command in ["check", "run"] {
+        let said = stderr(&clastic(&[command, path]).code(3));
+        let place = format!("{path}:{line}:{column}");
+        for what in [place.as_str(), "raduis", "`radius`"] {
+            assert!(said.contains(what), "no `{what}` in\n{said}");
+        }
+    }
+}
+
+#[test]
+fn exit_3_misspelt_radius_of_a_particle() {
+    misspelt_radius("tension.ron", "position: (12.0e-3, 0.0), radius: 6.0e-3");
+}
+
+#[test]
+fn exit_3_misspelt_radius_of_a_size_distribution() {
+    misspelt_radius("biaxial_small.ron", "sizes: Uniform(radius: (3.0e-3, 5.0e-3))");
+}
+
+/// A rigid disk between rigid walls that close in on it: no motion is feasible.
+const SQUEEZED: &str = r#"// A rigid disk in a rigid vice.
+(
+    version: 1,
+    title: "vice",
+    materials: { "steel": (contact: ()) },
+    specimen: Particles([(position: (0.0, 5.0e-3), radius: 4.0e-3, probe: "disk")]),
+    walls: [
+        (name: "bottom", start: (-0.01, 0.0), end: (0.01, 0.0)),
+        (name: "top", start: (0.01, 0.01), end: (-0.01, 0.01)),
+    ],
+    stages: [
+        // Touches the disk after two increments.
+        Load(name: "close", increments: 10, walls: { "top": Displacement(0.0, -1.0e-3) }),
+    ],
+)"#;
+
+#[test]
+fn exit_4_leaves_everything_up_to_there() {
+    let directory = tempfile::tempdir().unwrap();
+    let scene = directory.path().join("vice.ron");
+    fs::write(&scene, SQUEEZED).unwrap();
+    let (stalled, out) = run(scene.to_str().unwrap(), &[]);
+    let said = stderr(&stalled.code(4));
+    for what in ["increment 3", "`close`", "locked", "try:"] {
+        assert!(said.contains(what), "no `{what}` in\n{said}");
+    }
+    assert_complete(out.path(), "stalled");
+    let history = rows(out.path(), "history.csv");
+    let statuses: Vec<_> = history.iter().map(|row| row["status"].as_str()).collect();
+    assert_eq!(statuses, ["solved", "solved", "locked"]);
+    let record = json(out.path(), "run.json");
+    assert!(said.contains(record["outcome"]["message"].as_str().unwrap()));
+    // Nothing of the increment that failed is committed.
+    let last = rows(out.path(), "final_particles.csv");
+    assert_eq!(last[0]["y_m"].parse(), Ok(0.004));
+}
+
+#[test]
+fn a_collapse_is_a_result() {
+    // Pulled by 1 N more in every increment; the bond carries 24 N.
+    let (collapsed, out) = run(
+        "tension",
+        &[
+            "--set",
+            "stages.pull.particles[1].x=Free",
+            "--set",
+            "stages.pull.particles[1].force=(35.0, 0.0)",
+        ],
+    );
+    let said = stdout(&collapsed.code(0));
+    assert!(said.contains("collapsed in increment 25 of stage pull"), "{said}");
+    assert_complete(out.path(), "collapsed");
+    let record = json(out.path(), "run.json");
+    assert_eq!(
+        (&record["outcome"]["stage"], &record["outcome"]["increment"]),
+        (&"pull".into(), &25.into())
+    );
+    let events = rows(out.path(), "events.csv");
+    assert_eq!((events.len(), events[0]["mode"].as_str()), (1, "tension"));
+    let p: f64 = events[0]["p_n"].parse().unwrap();
+    assert!((p + 24.0).abs() < 1e-6, "{p} N");
+    assert_eq!(rows(out.path(), "history.csv").last().unwrap()["status"], "collapsed");
+}
+
+#[test]
+fn headers_are_the_documented_ones() {
+    let (done, out) = run("tension", &["--quiet", "--set", "stages.pull.increments=1"]);
+    assert_eq!(stderr(&done.code(0)), "");
+    let header = |name| read(out.path(), name).lines().next().unwrap().to_owned();
+    let history = header("history.csv");
+    let columns = "increment,stage,time_s,axial_strain,lateral_strain,volumetric_strain,\
+        axial_stress_pa,lateral_stress_pa,contacts,bonds,broken_tension,broken_shear,\
+        broken_rolling,solver_iterations,residual_balance,residual_kinematics,residual_cone,\
+        residual_complementarity,status,";
+    assert!(history.starts_with(columns), "{history}");
+    let probes = "held.x_m,held.y_m,held.rotation_rad,held.force_x_n,held.force_y_n,held.moment_nm,\
+        pulled.x_m,pulled.y_m,pulled.rotation_rad,pulled.force_x_n,pulled.force_y_n,pulled.moment_nm";
+    assert!(history.ends_with(probes), "{history}");
+    let events = "increment,stage,bond,a,b,mode,x_m,y_m,normal_x,normal_y,p_n,q_n,tau_nm";
+    assert_eq!(header("events.csv"), events);
+    let timings =
+        "increment,detect_s,assemble_s,solve_s,update_s,rupture_s,walls_s,record_s,output_s";
+    assert_eq!(header("timings.csv"), timings);
+}
+
+/// Starts a run that would take hours; returns once its history has some rows.
+fn long_run(out: &Path) -> std::process::Child {
+    let mut child = Process::new(PROGRAM)
+        .current_dir(ROOT)
+        .args(["run", "tension", "--set", "stages.pull.increments=100000000", "--out"])
+        .arg(out)
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let begun = Instant::now();
+    while fs::read_to_string(out.join("history.csv")).map_or(0, |text| text.lines().count()) < 10 {
+        assert_eq!(child.try_wait().unwrap(), None, "it ended by itself");
+        assert!(begun.elapsed() < Duration::from_secs(60), "no rows after a minute");
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    child
+}
+
+#[cfg(unix)]
+#[test]
+fn exit_130_interrupted_with_whole_rows() {
+    let out = tempfile::tempdir().unwrap();
+    let mut child = long_run(out.path());
+    let interrupt = format!("kill -INT {}", child.id());
+    assert!(Process::new("sh").args(["-c", &interrupt]).status().unwrap().success());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert_complete(out.path(), "interrupted");
+}
+
+#[test]
+fn a_killed_run_leaves_whole_rows() {
+    let out = tempfile::tempdir().unwrap();
+    let mut child = long_run(out.path());
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert!(rows(out.path(), "history.csv").len() >= 9);
+    rows(out.path(), "timings.csv");
+    rows(out.path(), "events.csv");
+    assert_eq!(json(out.path(), "run.json")["outcome"]["status"], "running");
+}
+
+/// All files below a directory but the timings.
+fn files(directory: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    let mut left = vec![directory.to_owned()];
+    while let Some(next) = left.pop() {
+        for entry in fs::read_dir(next).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                left.push(path);
+            } else if !path.ends_with("timings.csv") {
+                let name = path.strip_prefix(directory).unwrap().to_owned();
+                found.insert(name, fs::read(&path).unwrap());
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn two_runs_leave_the_same_bytes() {
+    // Compaction, bonds that break, walls that a stage takes away, frames, pictures, a dump.
+    let settings = [
+        "--set",
+        "stages.load.walls.top[1]=-14.0e-6",
+        "--set",
+        "stages.load.increments=8",
+        "--set",
+        "output=(frames_every: 3)",
+        "--dump-program",
+        "40",
+    ];
+    let (first, a) = run("uniaxial_small", &settings);
+    let (second, b) =
+        run("uniaxial_small", &[&settings[..], &["--quiet", "--threads", "2"]].concat());
+    let (first, second) = (first.code(0), second.code(0));
+    let last = |run: &Assert| stdout(run).lines().rev().nth(1).map(str::to_owned);
+    assert_eq!(last(&first), last(&second));
+    let (a, b) = (files(a.path()), files(b.path()));
+    assert!(a.keys().eq(b.keys()), "{:?}\n{:?}", a.keys(), b.keys());
+    for (name, bytes) in &a {
+        assert!(*bytes == b[name], "{} differs", name.display());
+    }
+    let events = String::from_utf8_lossy(&a[Path::new("events.csv")]);
+    assert!(events.lines().count() > 1, "no bond broke");
+    for name in ["frames/frame_000003.csv", "program_000040.json", "curves.svg", "specimen.csv"] {
+        assert!(a.contains_key(Path::new(name)), "no {name}");
+    }
+}
+
+/// The number at a key, or the numbers of a table.
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+fn numbers<const N: usize>(value: &Value) -> [f64; N] {
+    let list = value.as_array().unwrap();
+    assert_eq!(list.len(), N);
+    std::array::from_fn(|k| number(&list[k]))
+}
+
+/// Balance and complementarity of a dumped program, from the words of its `format` alone.
+fn check_dump(dump: &Value) -> [f64; 2] {
+    let table = |value: &Value| -> Vec<[f64; 3]> {
+        value.as_array().unwrap().iter().map(numbers).collect()
+    };
+    let forces = table(&dump["solution"]["forces"]);
+    let u = table(&dump["solution"]["displacements"]);
+    let bodies = dump["bodies"].as_array().unwrap();
+    let axes: Vec<[f64; 2]> = bodies.iter().map(|b| numbers(&b["axis"])).collect();
+    // Forces along x and y and moments about the centre that every body resists.
+    let mut resisted = vec![[0.0; 3]; bodies.len()];
+    let mut greatest = [f64::MIN_POSITIVE; 2];
+    for f in &forces {
+        greatest[0] = greatest[0].max(f[0].abs()).max(f[1].abs());
+    }
+    let global = |i: usize| {
+        let (a, v) = (axes[i], u[i]);
+        [a[0] * v[0] - a[1] * v[1], a[1] * v[0] + a[0] * v[1], v[2]]
+    };
+    for i in 0..bodies.len() {
+        let v = global(i);
+        greatest[1] = greatest[1].max(v[0].hypot(v[1]));
+    }
+    let mut product = 0.0_f64;
+    let mut lever = 0.0_f64;
+    for (c, [p, q, tau]) in dump["interactions"].as_array().unwrap().iter().zip(&forces) {
+        let get = |key: &str| number(&c[key]);
+        let limit = |key: &str| number(&c["limits"][key]);
+        let (a, b) = (c["a"].as_u64().unwrap() as usize, c["b"].as_u64().unwrap() as usize);
+        let [nx, ny]: [f64; 2] = numbers(&c["normal"]);
+        let (x, y) = (p * nx - q * ny, p * ny + q * nx);
+        let (arm_a, arm_b) = (get("arm_a"), get("arm_b"));
+        lever = lever.max(arm_a).max(arm_b);
+        for (body, add) in [(a, [x, y, arm_a * q + tau]), (b, [-x, -y, arm_b * q - tau])] {
+            for k in 0..3 {
+                resisted[body][k] += add[k];
+            }
+        }
+        let (ua, ub) = (global(a), global(b));
+        let (dx, dy) = (ua[0] - ub[0], ua[1] - ub[1]);
+        let closing = nx * dx + ny * dy;
+        let sheared = limit("cohesion") > 0.0 || limit("friction") > 0.0;
+        let slip = if sheared {
+            let elastic = get("tangential_compliance") * (q - get("previous_shear"));
+            nx * dy - ny * dx + arm_a * ua[2] + arm_b * ub[2] - elastic
+        } else {
+            0.0
+        };
+        let rotation = if limit("rolling") > 0.0 { ua[2] - ub[2] } else { 0.0 };
+        let opening = get("offset") + get("normal_compliance") * p
+            - closing
+            - limit("friction") * slip.abs()
+            - limit("rolling") * rotation.abs();
+        for (multiplier, slack) in [
+            (slip, limit("cohesion") + limit("friction") * p - q * slip.signum()),
+            (rotation, limit("rolling") * (p + limit("tension")) - tau * rotation.signum()),
+            (opening, p + limit("tension")),
+        ] {
+            product = product.max((multiplier * slack).abs());
+        }
+    }
+    let mut balance = 0.0_f64;
+    for (i, body) in bodies.iter().enumerate() {
+        let (a, r) = (axes[i], resisted[i]);
+        let own = [a[0] * r[0] + a[1] * r[1], a[0] * r[1] - a[1] * r[0], r[2]];
+        for k in 0..3 {
+            let free = &body["dofs"][k]["free"];
+            if free.is_object() {
+                let defect = number(&free["inertia"]) * u[i][k] + own[k] - number(&free["load"]);
+                let unit = if k < 2 { greatest[0] } else { greatest[0] * lever };
+                balance = balance.max(defect.abs() / unit);
+            }
+        }
+    }
+    [balance, product / (greatest[0] * greatest[1])]
+}
+
+#[test]
+fn a_dumped_program_can_be_checked_by_anyone() {
+    // The last increments of the confinement: bonds, contacts, four loaded walls.
+    let (done, out) = run("biaxial_small", &["--set", "stages.load.increments=2"]);
+    done.code(0);
+    let history = rows(out.path(), "history.csv");
+    let dumped = ["confine", "load"].map(|stage| {
+        let row = history.iter().rev().find(|row| row["stage"] == stage).unwrap();
+        assert_eq!(row["status"], "solved");
+        row["increment"].clone()
+    });
+    let (done, out) = run(
+        "biaxial_small",
+        &[
+            "--set",
+            "stages.load.increments=2",
+            "--dump-program",
+            &dumped[0],
+            "--dump-program",
+            &dumped[1],
+        ],
+    );
+    done.code(0);
+    for increment in dumped {
+        let mut dump = json(out.path(), &format!("program_{increment:0>6}.json"));
+        assert!(dump["interactions"].as_array().unwrap().len() > 400);
+        let [balance, complementarity] = check_dump(&dump);
+        assert!(balance <= 1e-8, "increment {increment}: balance {balance:e}");
+        assert!(complementarity <= 1e-8, "increment {increment}: {complementarity:e}");
+        // The check sees what is wrong: a force that is off by 1 %.
+        let forces = dump["solution"]["forces"].as_array_mut().unwrap();
+        let greatest = (0..forces.len())
+            .max_by(|i, j| number(&forces[*i][0]).total_cmp(&number(&forces[*j][0])))
+            .unwrap();
+        forces[greatest][0] = (1.01 * number(&forces[greatest][0])).into();
+        let [balance, complementarity] = check_dump(&dump);
+        assert!(balance > 1e-4 && complementarity > 1e-8, "{balance:e}, {complementarity:e}");
+    }
+}

@@ -1,0 +1,146 @@
+//! Every scene of `scenes/` as it is shipped. Quantities up to the peak stand here with the values
+//! that they had when they were last looked at; after the peak a specimen of 400 grains may take
+//! another way on another machine, and only residuals and statuses count.
+//!
+//! Scenes at full size take minutes to hours: `cargo test --release --test scenes -- --ignored`.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use clastic::components::attempt::IncrementStatus;
+use clastic::components::observation::Observation;
+use clastic::output::{Ending, RunOptions, RunWriter};
+use clastic::run::{Outcome, Simulation, Step};
+use clastic::scene;
+
+/// Greatest residual that any increment may have.
+const RESIDUAL: f64 = 1e-8;
+/// Relative difference of a quantity from its stored value.
+const TOLERANCE: f64 = 1e-6;
+
+/// Entries of `results` in `run.json` with their values.
+type Quantities = &'static [(&'static str, f64)];
+
+/// Makes a test of every line, and the list of all scenes.
+macro_rules! scenes {
+    ($($(#[$attribute:meta])* $test:ident: $file:literal, $quantities:expr;)*) => {
+        const LISTED: &[&str] = &[$($file),*];
+        $(
+            #[test]
+            $(#[$attribute])*
+            fn $test() {
+                run($file, $quantities);
+            }
+        )*
+    };
+}
+
+scenes! {
+    // Analytic values are in analytic_bonds.rs, analytic_dynamics.rs and analytic_lattice.rs.
+    tension: "tension", &[("bonds_created", 1.0)];
+    direct_shear_under_tension: "direct_shear_-10N", &[("bonds_created", 1.0)];
+    direct_shear: "direct_shear_0N", &[("bonds_created", 1.0)];
+    direct_shear_under_compression: "direct_shear_10N", &[("bonds_created", 1.0)];
+    rolling: "rolling", &[("bonds_created", 1.0)];
+    lattice: "lattice", &[];
+    bounce: "bounce", &[];
+    incline_held: "incline_held", &[];
+    incline_rests: "incline_rests", &[];
+    incline_rolls: "incline_rolls", &[];
+    incline_rolls_with_resistance: "incline_rolls_with_resistance", &[];
+    incline_slips: "incline_slips", &[];
+    stack: "stack", &[];
+    column_collapse_small: "column_collapse_small", &[];
+
+    uniaxial_small: "uniaxial_small", &[];
+    uniaxial_rigid_small: "uniaxial_rigid_small", &[];
+    biaxial_small: "biaxial_small", &[];
+
+    #[ignore = "7380 disks, 120 increments"]
+    uniaxial: "uniaxial", &[];
+    #[ignore = "7380 disks, 120 increments"]
+    uniaxial_as_printed: "uniaxial_as_printed", &[];
+    #[ignore = "7380 disks, rigid"]
+    uniaxial_rigid: "uniaxial_rigid", &[];
+    #[ignore = "compacts 6160 disks"]
+    prepare_biaxial: "prepare_biaxial", &[];
+    #[ignore = "6160 disks, 165 increments"]
+    biaxial_0_kpa: "biaxial_0kPa", &[];
+    #[ignore = "6160 disks, 165 increments"]
+    biaxial_10_kpa: "biaxial_10kPa", &[];
+    #[ignore = "6160 disks, 165 increments"]
+    biaxial_10_kpa_letter: "biaxial_10kPa_letter", &[];
+    #[ignore = "6160 disks, 165 increments"]
+    biaxial_50_kpa: "biaxial_50kPa", &[];
+    #[ignore = "6160 disks, 165 increments"]
+    biaxial_100_kpa: "biaxial_100kPa", &[];
+    #[ignore = "2000 disks and more, dynamic"]
+    column_collapse: "column_collapse", &[];
+}
+
+fn directory() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes")
+}
+
+/// Runs a scene as `clastic run` does: every increment must be solved, and no further from it than
+/// [`RESIDUAL`].
+fn run(name: &str, quantities: Quantities) {
+    let path = directory().join(name).with_extension("ron");
+    let mut loaded = scene::load(&path, &[]).unwrap_or_else(|e| panic!("{e}"));
+    loaded.scene.output.plots = false;
+    let mut simulation = Simulation::new(&loaded.scene, loaded.specimen.as_ref());
+    let out = tempfile::tempdir().unwrap();
+    let options = RunOptions { directory: out.path().to_owned(), ..Default::default() };
+    let mut writer = RunWriter::create(options, &loaded, simulation.world_mut()).unwrap();
+    let outcome = loop {
+        if let Step::Finished(outcome) = simulation.step() {
+            break outcome;
+        }
+        writer.record(simulation.world_mut()).unwrap();
+        let record = simulation.world().resource::<Observation>();
+        let (n, r) = (record.increment, &record.residuals);
+        assert_eq!(record.status, IncrementStatus::Solved, "increment {n}");
+        assert!(r.worst() <= RESIDUAL, "increment {n}: {r:?}");
+    };
+    assert_eq!(outcome, Outcome::Completed);
+    let ending = Ending::Finished(outcome);
+    let results = writer.finish(simulation.world_mut(), &ending).unwrap();
+    let results = serde_json::to_value(&results).unwrap();
+    for (quantity, expected) in quantities {
+        let value = results[quantity].as_f64().unwrap_or(f64::NAN);
+        let difference = (value - expected).abs() / expected.abs();
+        assert!(difference <= TOLERANCE, "{quantity}: {value:?} instead of {expected:?}");
+    }
+}
+
+/// The scene files by name, with their text.
+fn shipped() -> Vec<(String, String)> {
+    let paths = fs::read_dir(directory()).unwrap().map(|entry| entry.unwrap().path());
+    let scenes = paths.filter(|path| path.extension().is_some_and(|e| e == "ron"));
+    let name = |path: &Path| path.file_stem().unwrap().to_str().unwrap().to_owned();
+    scenes.map(|path| (name(&path), fs::read_to_string(&path).unwrap())).collect()
+}
+
+#[test]
+fn every_scene_has_a_line_in_this_file() {
+    let shipped: BTreeSet<_> = shipped().into_iter().map(|(name, _)| name).collect();
+    let listed: BTreeSet<_> = LISTED.iter().map(|name| (*name).to_owned()).collect();
+    assert_eq!(shipped, listed);
+}
+
+#[test]
+fn every_scene_is_sound_and_opens_with_what_it_shows() {
+    let mut wrong = Vec::new();
+    for (name, text) in shipped() {
+        if let Err(error) = scene::load(&directory().join(&name).with_extension("ron"), &[]) {
+            wrong.push(error.to_string());
+        }
+        // More than a title: what it shows and where its numbers come from.
+        let comment = text.lines().take_while(|line| line.starts_with("//"));
+        if comment.map(str::len).sum::<usize>() < 80 {
+            wrong.push(format!("{name} says too little about itself"));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}

@@ -1,0 +1,523 @@
+//! The cone program and its solvers: what they must agree on, what a program needs, and what the
+//! residuals and certificates see.
+
+mod common;
+
+use clastic::components::program::{
+    ConeProgram, ConeSolution, Dof, FreeDof, Interaction, Limits, ProgramBody, ProgramSize, Scales,
+    SolveStatus,
+};
+use clastic::run::{Simulation, Step};
+use clastic::systems::solve_program::ConeSolver;
+use clastic::systems::solve_program::certificate::{certificate, proves};
+use clastic::systems::solve_program::clarabel::Clarabel;
+use clastic::systems::solve_program::condensed::Condensed;
+use clastic::systems::solve_program::residuals::{
+    displacement_scale, force_scale, regularised_residuals, residuals,
+};
+use glam::DVec2;
+
+/// Greatest residual of a solution that counts.
+const RESIDUAL: f64 = 1e-8;
+
+/// A kind of scene: law of contacts, law of bonds, analysis, stages after the compaction.
+struct Kind {
+    name: &'static str,
+    contact: &'static str,
+    bond: &'static str,
+    scene: &'static str,
+    stages: &'static str,
+}
+
+const ELASTIC: &str = "normal_stiffness: 6.0e7, tangential_stiffness: 3.0e7, ";
+const STRENGTH: &str = "cohesion: 5.0e4, tensile_strength: 5.0e4, friction: 0.5, ";
+const PRESS: &str =
+    r#"Load(name: "load", increments: 5, walls: { "top": Displacement(0.0, -5.0e-5) })"#;
+const CEMENT_AND_CRUSH: &str = r#"Cement(name: "cement", length: 2.0e-3),
+    Load(name: "load", increments: 6, remove_walls: ["left", "right"],
+        walls: { "top": Displacement(0.0, -2.0e-5) })"#;
+
+const KINDS: &[Kind] = &[
+    Kind { name: "frictionless", contact: ELASTIC, bond: "", scene: "", stages: PRESS },
+    Kind {
+        name: "friction",
+        contact: "normal_stiffness: 6.0e7, tangential_stiffness: 3.0e7, friction: 0.3",
+        bond: "",
+        scene: "",
+        stages: PRESS,
+    },
+    Kind {
+        name: "rolling",
+        contact: "normal_stiffness: 6.0e7, tangential_stiffness: 3.0e7, friction: 0.3, rolling_friction: 0.1",
+        bond: "",
+        scene: "",
+        stages: PRESS,
+    },
+    Kind {
+        name: "rigid under a force",
+        contact: "friction: 0.4",
+        bond: "",
+        scene: "",
+        stages: r#"Load(name: "load", increments: 4, walls: { "top": Force(500.0) })"#,
+    },
+    Kind {
+        name: "elastic bonds",
+        contact: "normal_stiffness: 6.0e7, tangential_stiffness: 3.0e7, friction: 0.3",
+        bond: ELASTIC,
+        scene: "",
+        stages: CEMENT_AND_CRUSH,
+    },
+    Kind {
+        name: "elastic bonds with rolling",
+        contact: "normal_stiffness: 6.0e7, friction: 0.3",
+        bond: "normal_stiffness: 6.0e7, tangential_stiffness: 3.0e7, rolling_friction: 0.05, ",
+        scene: "rupture: (rolling: Yields),",
+        stages: CEMENT_AND_CRUSH,
+    },
+    Kind {
+        name: "rigid bonds",
+        contact: "friction: 0.3",
+        bond: " ",
+        scene: "",
+        stages: CEMENT_AND_CRUSH,
+    },
+    Kind {
+        name: "stress on all sides",
+        contact: "normal_stiffness: 6.0e7, tangential_stiffness: 3.0e7, friction: 0.3",
+        bond: ELASTIC,
+        scene: "",
+        stages: r#"Cement(name: "cement", length: 2.0e-3),
+            Load(name: "load", increments: 5, walls: {
+                "bottom": Stress(stress: 2.0e4, between: ("left", "right")),
+                "top": Stress(stress: 2.0e4, between: ("left", "right")),
+                "left": Stress(stress: 2.0e4, between: ("bottom", "top")),
+                "right": Stress(stress: 2.0e4, between: ("bottom", "top")),
+            })"#,
+    },
+    Kind {
+        name: "dynamic, rigid",
+        contact: "friction: 0.3",
+        bond: "",
+        scene: "analysis: Dynamic(dt: 5.0e-3), gravity: (0.0, -9.81),",
+        stages: r#"Load(name: "load", increments: 6, remove_walls: ["top", "right"])"#,
+    },
+    Kind {
+        name: "dynamic, elastic, bonds",
+        contact: "normal_stiffness: 1.0e5, tangential_stiffness: 1.0e5, friction: 0.3, rolling_friction: 0.1",
+        bond: "normal_stiffness: 1.0e5, tangential_stiffness: 1.0e5, ",
+        scene: "analysis: Dynamic(dt: 1.0e-3, theta: 0.6), gravity: (3.0, -9.81),",
+        stages: r#"Cement(name: "cement", length: 0.5e-3),
+            Load(name: "load", increments: 6, remove_walls: ["top", "right"])"#,
+    },
+    Kind {
+        name: "infeasible",
+        contact: "normal_stiffness: 6.0e7, friction: 0.3",
+        bond: ELASTIC,
+        scene: "",
+        stages: r#"Cement(name: "cement", length: 2.0e-3, walls: true),
+            Load(name: "load", increments: 1, remove_walls: ["top", "right"],
+                particles: [(select: All, force: (900.0, 2000.0))])"#,
+    },
+    Kind {
+        name: "jammed",
+        contact: "",
+        bond: "",
+        scene: "acceptance: (halvings: 0),",
+        stages: r#"Load(name: "load", increments: 6, walls: { "top": Displacement(0.0, -1.5e-3) })"#,
+    },
+    Kind {
+        name: "no contacts",
+        contact: "",
+        bond: "",
+        scene: "",
+        stages: r#"Load(name: "spread", increments: 2, remove_walls: ["bottom", "top", "left", "right"],
+            particles: [(select: All, affine: ((1.0, 0.0), (0.0, 1.0)))]),
+            Load(name: "rest", increments: 2)"#,
+    },
+];
+
+/// The cone programs of a small random specimen, loaded as its kind says: the last one of every
+/// increment, compaction included.
+fn programs(kind: &Kind, seed: u32) -> Vec<ConeProgram> {
+    let Kind { contact, scene, stages, .. } = kind;
+    let bond = if kind.bond.is_empty() {
+        String::new()
+    } else {
+        format!("bond: ({STRENGTH}{})", kind.bond.trim())
+    };
+    let scene = common::parse(&format!(
+        "(
+            version: 1,
+            title: \"small specimen\",
+            {scene}
+            materials: {{ \"sand\": (contact: ({contact}), {bond}) }},
+            specimen: Packing(count: 12, columns: 4, spacing: 10.0e-3, origin: (0.5e-3, 0.0),
+                sizes: Uniform(radius: (3.0e-3, 5.0e-3)), seed: {seed}),
+            walls: [
+                (name: \"bottom\", start: (0.0, 0.0), end: (0.041, 0.0), contact: ({contact})),
+                (name: \"top\", start: (0.041, 0.0305), end: (0.0, 0.0305), contact: ({contact})),
+                (name: \"left\", start: (0.0, 0.0305), end: (0.0, 0.0), contact: ({contact})),
+                (name: \"right\", start: (0.041, 0.0), end: (0.041, 0.0305), contact: ({contact})),
+            ],
+            stages: [
+                Compact(name: \"compact\", wall: \"top\", base: \"bottom\", target: Porosity(0.34),
+                    step: 1.0e-3, agitation: 0.1, seed: {seed}),
+                {stages},
+            ],
+        )"
+    ));
+    let mut simulation = Simulation::new(&scene, None);
+    let mut programs = Vec::new();
+    while let Step::Increment = simulation.step() {
+        programs.push(simulation.world().resource::<ConeProgram>().clone());
+    }
+    programs
+}
+
+/// All programs of all kinds, with where they come from.
+fn random_programs() -> Vec<(String, ConeProgram)> {
+    let mut all = Vec::new();
+    for kind in KINDS {
+        for seed in 1..=3 {
+            for (k, program) in programs(kind, seed).into_iter().enumerate() {
+                all.push((format!("{}, seed {seed}, increment {}", kind.name, k + 1), program));
+            }
+        }
+    }
+    all
+}
+
+/// Solves; the status is what residuals and certificate say, whatever the solver does.
+fn solve(solver: &mut dyn ConeSolver, program: &ConeProgram) -> ConeSolution {
+    let mut solution = solver.solve(program).unwrap_or_else(|e| panic!("{e}"));
+    match solution.status {
+        SolveStatus::Solved | SolveStatus::Stalled => {
+            let r = regularised_residuals(program, &solution.forces, &solution.displacements);
+            let converged = r.worst() <= RESIDUAL;
+            solution.status = if converged { SolveStatus::Solved } else { SolveStatus::Stalled };
+        }
+        SolveStatus::Collapsed => assert!(solution.certificate.as_ref().is_some_and(proves)),
+        SolveStatus::Locked => {}
+    }
+    solution
+}
+
+/// Value of what is minimised, and the sum of the magnitudes of its terms.
+fn objective(program: &ConeProgram, solution: &ConeSolution) -> (f64, f64) {
+    let (mut value, mut magnitude) = (0.0, 0.0_f64);
+    let mut add = |term: f64| {
+        value += term;
+        magnitude += term.abs();
+    };
+    let mut imposed = vec![[0.0; 3]; program.bodies.len()];
+    for (i, body) in program.bodies.iter().enumerate() {
+        for k in 0..3 {
+            match body.dofs[k] {
+                Dof::Fixed(u) => imposed[i][k] = u,
+                Dof::Free(f) => {
+                    add(0.5 * (f.inertia + f.proximal) * solution.displacements[i][k].powi(2));
+                }
+            }
+        }
+    }
+    for (c, [p, q, tau]) in program.interactions.iter().zip(&solution.forces) {
+        let e = program.kinematics(c, &imposed);
+        add(c.offset * p + 0.5 * c.normal_compliance * p * p);
+        add(0.5 * c.tangential_compliance * (q - c.previous_shear).powi(2));
+        add(-e[0] * p);
+        add(-e[1] * q);
+        add(-e[2] * tau);
+    }
+    let (force, u) = (
+        force_scale(program, &solution.forces),
+        displacement_scale(program, &solution.displacements),
+    );
+    (value, magnitude + force * u)
+}
+
+#[test]
+fn condensed_and_clarabel_agree() {
+    let programs = random_programs();
+    assert!(programs.len() >= 200, "{} programs", programs.len());
+    let (mut ended, mut own, mut failures) = ([0; 4], 0, Vec::new());
+    for (name, program) in &programs {
+        let a = solve(&mut Condensed::default(), program);
+        let b = solve(&mut Clarabel::default(), program);
+        if a.status != b.status {
+            failures.push(format!("{name}: {:?} and {:?}", a.status, b.status));
+            continue;
+        }
+        ended[a.status as usize] += 1;
+        if a.status != SolveStatus::Solved {
+            continue;
+        }
+        own += usize::from(a.message.starts_with("newton") || a.message.starts_with("interior"));
+        let ((value, magnitude), (other, _)) = (objective(program, &a), objective(program, &b));
+        if !((value - other).abs() <= 1e-7 * magnitude) {
+            failures.push(format!("{name}: objective {value:e} and {other:e} of {magnitude:e}"));
+        }
+        // Forces behind a compliance are unique, and so are motions against inertia.
+        let force = force_scale(program, &a.forces);
+        for (k, c) in program.interactions.iter().enumerate() {
+            for (f, compliance) in [(0, c.normal_compliance), (1, c.tangential_compliance)] {
+                let difference = (a.forces[k][f] - b.forces[k][f]).abs();
+                if compliance > 0.0 && !(difference <= 1e-6 * force) {
+                    failures.push(format!("{name}: force {f} of {k}: {difference:e} of {force:e}"));
+                }
+            }
+        }
+        let u = displacement_scale(program, &a.displacements);
+        for (i, body) in program.bodies.iter().enumerate() {
+            for k in 0..2 {
+                let difference = (a.displacements[i][k] - b.displacements[i][k]).abs();
+                let unique = matches!(body.dofs[k], Dof::Free(f) if f.inertia > 0.0);
+                if unique && !(difference <= 1e-6 * u) {
+                    failures.push(format!("{name}: motion {k} of {i}: {difference:e} of {u:e}"));
+                }
+            }
+        }
+    }
+    assert!(failures.is_empty(), "{} programs\n{}", programs.len(), failures.join("\n"));
+    let [solved, collapsed, locked, stalled] = ended;
+    assert!(collapsed >= 3 && locked >= 3 && stalled == 0, "{ended:?}");
+    assert!(20 * own >= 19 * solved, "Clarabel had to solve {} of {solved}", solved - own);
+}
+
+#[test]
+fn nothing_that_is_solved_proves_a_collapse() {
+    for (name, program) in random_programs() {
+        let solution = solve(&mut Condensed::default(), &program);
+        if solution.status == SolveStatus::Solved {
+            let false_proof = certificate(&program, &solution.displacements).filter(proves);
+            assert_eq!(false_proof, None, "{name}");
+        }
+    }
+}
+
+#[test]
+fn polish_makes_a_coarse_solution_exact() {
+    let (mut polished, mut solved) = (0, 0);
+    for (_, program) in random_programs() {
+        let fine = solve(&mut Clarabel::default(), &program);
+        if fine.status != SolveStatus::Solved || fine.forces.is_empty() {
+            continue;
+        }
+        let coarse = solve(&mut Clarabel { tolerance: 1e-5, max_iterations: 200 }, &program);
+        solved += 1;
+        polished += usize::from(
+            coarse.status == SolveStatus::Solved
+                && coarse.message.contains("polished")
+                && coarse.iterations <= fine.iterations,
+        );
+    }
+    assert!(10 * polished >= 9 * solved, "{polished} of {solved}");
+}
+
+/// The program of two disks in a vertical row between two plates. `x` says how they may move
+/// sideways, `contact` and `plate` are laws, `bonds` and `top` stand in the scene.
+fn column(scene: &str, contact: &str, plate: &str, bonds: &str, top: &str) -> ConeProgram {
+    let scene = common::parse(&format!(
+        "(
+            version: 1,
+            title: \"column of two\",
+            {scene}
+            materials: {{ \"stone\": (contact: ({contact}),
+                bond: (cohesion: 1.0e5, tensile_strength: 1.0e5, friction: 0.5)) }},
+            specimen: Particles([(position: (0.0, 5.0e-3), radius: 5.0e-3), (position: (0.0, 15.0e-3), radius: 5.0e-3)]),
+            bonds: [{bonds}],
+            walls: [
+                (name: \"bottom\", start: (-0.01, 0.0), end: (0.01, 0.0), contact: ({plate})),
+                (name: \"top\", start: (0.01, 0.02), end: (-0.01, 0.02), contact: ({plate})),
+            ],
+            stages: [Load(name: \"load\", increments: 1, walls: {{ \"top\": {top} }},
+                particles: [(select: All, x: Held)])],
+        )"
+    ));
+    let mut simulation = Simulation::new(&scene, None);
+    assert_eq!(simulation.step(), Step::Increment);
+    simulation.world().resource::<ConeProgram>().clone()
+}
+
+#[test]
+fn a_program_has_only_what_the_scene_has() {
+    const STIFF: &str = "normal_stiffness: 1.0e7";
+    const ROUGH: &str = "normal_stiffness: 1.0e7, tangential_stiffness: 1.0e7, friction: 0.3";
+    const ROLLING: &str = "normal_stiffness: 1.0e7, tangential_stiffness: 1.0e7, friction: 0.3, rolling_friction: 0.1";
+    const DOWN: &str = "Displacement(0.0, -1.0e-6)";
+    const BOND: &str = "(a: 0, b: 1)";
+    let size = |forces, inertias, balance_rows, limit_rows| ProgramSize {
+        forces,
+        inertias,
+        balance_rows,
+        limit_rows,
+    };
+    for (what, program, expected) in [
+        // Three normal forces, two heights.
+        ("frictionless", column("", STIFF, STIFF, "", DOWN), size(3, 0, 2, 3)),
+        // And three shear forces and two rotations; |q| <= mu p implies p >= 0.
+        ("friction", column("", ROUGH, ROUGH, "", DOWN), size(6, 0, 4, 6)),
+        ("smooth plates", column("", ROUGH, STIFF, "", DOWN), size(4, 0, 4, 4)),
+        ("rolling", column("", ROLLING, ROLLING, "", DOWN), size(9, 0, 4, 12)),
+        // A bond has a tension row and, without mu_r, no moment.
+        ("bond", column("", ROUGH, ROUGH, BOND, DOWN), size(6, 0, 4, 7)),
+        ("bond, rolling", column("", ROLLING, ROLLING, BOND, DOWN), size(8, 0, 4, 11)),
+        // A loaded wall is one more balance row.
+        ("force", column("", ROUGH, ROUGH, "", "Force(100.0)"), size(6, 0, 5, 6)),
+        // Inertia of every free degree of freedom that something touches.
+        (
+            "dynamic",
+            column("analysis: Dynamic(dt: 1.0e-3),", STIFF, STIFF, "", DOWN),
+            size(3, 2, 2, 3),
+        ),
+        (
+            "dynamic, friction",
+            column("analysis: Dynamic(dt: 1.0e-3),", ROUGH, ROUGH, "", DOWN),
+            size(6, 4, 4, 6),
+        ),
+    ] {
+        assert_eq!(program.size(), expected, "{what}");
+    }
+    let nothing = programs(KINDS.last().unwrap(), 1);
+    assert_eq!(nothing.last().unwrap().size(), size(0, 0, 0, 0), "no contacts");
+}
+
+/// A disk on a plate: 100 N press it down; k_N = k_T = 1 MN/m, mu = 0.5, mu_r r = 1 mm. It sinks by
+/// 0.1 mm.
+fn disk_on_plate() -> (ConeProgram, Vec<[f64; 3]>, Vec<[f64; 3]>) {
+    let free = |load| Dof::Free(FreeDof { load, ..Default::default() });
+    let program = ConeProgram {
+        bodies: vec![
+            ProgramBody { axis: DVec2::X, dofs: [free(0.0), free(-100.0), free(0.0)] },
+            ProgramBody { axis: DVec2::X, dofs: [Dof::Fixed(0.0); 3] },
+        ],
+        interactions: vec![Interaction {
+            a: 0,
+            b: 1,
+            normal: DVec2::NEG_Y,
+            arm_a: 0.01,
+            arm_b: 0.0,
+            offset: 0.0,
+            normal_compliance: 1e-6,
+            tangential_compliance: 1e-6,
+            previous_shear: 0.0,
+            limits: Limits { cohesion: 0.0, friction: 0.5, tension: 0.0, rolling: 1e-3 },
+        }],
+        scales: Scales { length: 0.01, displacement: 1e-4, force: 100.0 },
+    };
+    (program, vec![[100.0, 0.0, 0.0]], vec![[0.0, -1e-4, 0.0], [0.0; 3]])
+}
+
+#[test]
+fn residuals_see_what_is_wrong() {
+    let (program, forces, u) = disk_on_plate();
+    let exact = residuals(&program, &forces, &u);
+    assert!(exact.worst() <= 1e-15, "{exact:?}");
+    let force = |k: usize, by: f64| {
+        let mut forces = forces.clone();
+        forces[0][k] += by;
+        residuals(&program, &forces, &u)
+    };
+    let motion = |k: usize, by: f64| {
+        let mut u = u.clone();
+        u[0][k] += by;
+        residuals(&program, &forces, &u)
+    };
+    let close = |value: f64, expected: f64| (value - expected).abs() <= 1e-9 * expected;
+    // 1 N too much: 1 N is not balanced, and the spring is 1 um off while it carries 101 N.
+    let r = force(0, 1.0);
+    assert!(close(r.balance, 1.0 / 101.0) && close(r.complementarity, 1e-6 / 1e-4), "{r:?}");
+    // 1 um too deep, and too high: penetration of the spring, and a force across a gap.
+    let r = motion(1, -1e-6);
+    assert!(close(r.kinematics, 1.0 / 101.0) && r.balance == 0.0, "{r:?}");
+    let r = motion(1, 1e-6);
+    assert!(close(r.complementarity, 1.0 / 99.0) && r.kinematics == 0.0, "{r:?}");
+    // 51 N of shear, where friction holds 50 N; 0.11 N m where 0.1 N m is the limit.
+    let r = force(1, 51.0);
+    assert!(close(r.cone, 0.01) && close(r.balance, 0.51), "{r:?}");
+    let r = force(2, 0.11);
+    assert!(close(r.cone, 0.01) && close(r.balance, 0.11), "{r:?}");
+    // Tension; and rolling below its limit: 0.1 N m of slack times 1e-3 rad, over 100 N x 0.1 mm.
+    let r = force(0, -101.0);
+    assert!(close(r.cone, 0.01), "{r:?}");
+    let r = motion(2, 1e-3);
+    assert!(r.complementarity > 1e-2, "{r:?}");
+    assert!(force(0, f64::NAN).worst().is_nan() && motion(0, f64::NAN).worst().is_nan());
+}
+
+#[test]
+fn residuals_see_any_wrong_force_or_motion_of_a_specimen() {
+    // A force of every contact that carries one, and a motion of every disk that is held.
+    let kind = KINDS.iter().find(|k| k.name == "stress on all sides").unwrap();
+    let program = programs(kind, 1).pop().unwrap();
+    let solution = solve(&mut Condensed::default(), &program);
+    assert_eq!(solution.status, SolveStatus::Solved);
+    let (force, u) = (
+        force_scale(&program, &solution.forces),
+        displacement_scale(&program, &solution.displacements),
+    );
+    let mut seen = 0;
+    for k in (0..program.interactions.len()).filter(|k| solution.forces[*k][0].abs() > 0.01 * force)
+    {
+        let mut wrong = solution.clone();
+        wrong.forces[k][0] += 1e-4 * force;
+        let r = residuals(&program, &wrong.forces, &wrong.displacements);
+        assert!(r.balance > 1e-5 && r.complementarity > 1e-7, "{k}: {r:?}");
+        let body = program.interactions[k].a as usize;
+        for by in [1e-3 * u, -1e-3 * u] {
+            let mut wrong = solution.clone();
+            wrong.displacements[body][0] += by;
+            let r = residuals(&program, &wrong.forces, &wrong.displacements);
+            assert!(r.kinematics.max(r.complementarity) > 1e-6, "{body}: {r:?}");
+        }
+        seen += 1;
+    }
+    assert!(seen > 10, "{seen}");
+}
+
+#[test]
+fn a_collapse_comes_with_a_mechanism_that_proves_it() {
+    // 10 N pull the disk off its plate.
+    let (mut program, ..) = disk_on_plate();
+    if let Dof::Free(f) = &mut program.bodies[0].dofs[1] {
+        f.load = 10.0;
+    }
+    for solver in [&mut Condensed::default() as &mut dyn ConeSolver, &mut Clarabel::default()] {
+        let solution = solve(solver, &program);
+        assert_eq!(solution.status, SolveStatus::Collapsed, "{}", solver.name());
+        let proof = solution.certificate.unwrap();
+        assert!(proof.margin > 0.999 && proof.defect < 1e-6, "{proof:?}");
+        assert!((proof.mechanism[0][1] - 1.0).abs() < 1e-6, "{proof:?}");
+        // Any scale will do; the way back does no work; a way into the plate is none.
+        let check = |u: [f64; 3]| certificate(&program, &[u, [0.0; 3]]);
+        assert!(check([0.0, 3e-5, 0.0]).as_ref().is_some_and(proves));
+        assert_eq!(check([0.0, -1.0, 0.0]), None);
+        assert_eq!(check([0.0; 3]), None);
+        // Sliding faster than the opening that goes with it.
+        assert!(check([1.0, 0.49, 0.0]).is_some_and(|c| !proves(&c)));
+        assert!(check([1.0, 0.51, 0.0]).is_some_and(|c| proves(&c)));
+    }
+    // A bond of 20 N holds the 10 N: the same mechanism dissipates more than the load does.
+    program.interactions[0].limits.tension = 20.0;
+    let held = certificate(&program, &[[0.0, 1.0, 0.0], [0.0; 3]]).unwrap();
+    assert!((held.margin + 1.0).abs() < 1e-12 && !proves(&held), "{held:?}");
+    assert_eq!(solve(&mut Condensed::default(), &program).status, SolveStatus::Solved);
+}
+
+#[test]
+fn a_vice_that_closes_on_a_rigid_disk_is_locked() {
+    let (mut program, ..) = disk_on_plate();
+    program.interactions[0].normal_compliance = 0.0;
+    // The lid presses the disk 0.1 mm into the plate.
+    let lid = [Dof::Fixed(0.0), Dof::Fixed(-1e-4), Dof::Fixed(0.0)];
+    program.bodies.push(ProgramBody { axis: DVec2::X, dofs: lid });
+    program.interactions.push(Interaction { b: 2, normal: DVec2::Y, ..program.interactions[0] });
+    for solver in [&mut Condensed::default() as &mut dyn ConeSolver, &mut Clarabel::default()] {
+        assert_eq!(solve(solver, &program).status, SolveStatus::Locked, "{}", solver.name());
+    }
+    // One spring in the way unlocks it, whatever it takes.
+    program.interactions[1].normal_compliance = 1e-9;
+    let solution = solve(&mut Condensed::default(), &program);
+    assert_eq!(solution.status, SolveStatus::Solved);
+    let p = solution.forces[1][0];
+    assert!((p - 1e5).abs() < 1e-3, "{p} N");
+}
