@@ -197,7 +197,9 @@ pub(super) fn polish(
         |s: &ConeSolution| regularised_residuals(program, &s.forces, &s.displacements).worst();
     let mut best = worst(solution);
     let goal = polished(low);
-    if best <= goal {
+    // Small residuals alone are not enough: where a gap just closes, slack and force are both small,
+    // and each is only accurate to the square root of their product.
+    if best <= goal && low.linear.len() > LARGE {
         return;
     }
     let mut active = qp.active(&start);
@@ -207,8 +209,9 @@ pub(super) fn polish(
         let displacements = displacements(program, &low.rows, &point.z);
         let polished = ConeSolution { forces, displacements, ..Default::default() };
         let now = worst(&polished);
-        // Also true where the interior point left something that is not a number.
-        if !(best <= now) {
+        // Of two small residuals the polished one belongs to the more accurate solution, for the
+        // same reason. Also true where the interior point left something that is not a number.
+        if now <= goal || !(best <= now) {
             best = now;
             solution.forces = polished.forces;
             solution.displacements = polished.displacements;
