@@ -80,6 +80,14 @@ impl Limits {
         self.rolling > 0.0
     }
 
+    /// The least normal force that the limits allow, N: `-f_t`, or the apex of the shear limit
+    /// where that comes first.
+    #[must_use]
+    pub fn least_normal_force(&self) -> f64 {
+        let apex = if self.friction > 0.0 { self.cohesion / self.friction } else { f64::INFINITY };
+        -self.tension.min(apex)
+    }
+
     /// Whether `p >= -f_t` needs a row of its own. The two rolling rows imply it; so do the two
     /// shear rows of a cohesionless, frictional contact without tension.
     #[must_use]

@@ -84,9 +84,11 @@ fn mode(
         return Some(RuptureMode::Tension);
     }
     let shear = l.cohesion + l.friction * p;
-    let on_shear =
-        l.has_shear() && shear - q.abs() <= rules.slack * (l.cohesion + l.friction * p.abs());
-    if on_shear && (c.tangential_compliance > 0.0 || m.slip.abs() > moves) {
+    let little = rules.slack * (l.cohesion + l.friction * p.abs());
+    let on_shear = l.has_shear() && shear - q.abs() <= little;
+    // Pulled apart at the apex of the shear limit, a bond opens without slip.
+    let slides = m.slip.abs() > moves || (shear <= little && m.tension > moves);
+    if on_shear && (c.tangential_compliance > 0.0 || slides) {
         return Some(RuptureMode::Shear);
     }
     let roll = l.rolling * (p + l.tension);

@@ -77,7 +77,9 @@ pub fn run_attempts(world: &mut World) {
         progress.fraction = (2.0 * progress.fraction).clamp(f64::MIN_POSITIVE, left);
     }
     let before = settle::Snapshot::take(world);
-    let mut halvings = 0;
+    // Of a whole increment, not of what the last one could take: else a specimen that is stuck
+    // would creep on in ever smaller steps.
+    let finest = 0.5_f64.powf(f64::from(acceptance.halvings));
     loop {
         world.run_schedule(AttemptIncrement);
         let mut attempt = world.resource_mut::<Attempt>();
@@ -115,18 +117,18 @@ pub fn run_attempts(world: &mut World) {
                 reason
             }
         };
+        let half = 0.5 * world.resource::<Progress>().fraction;
         let mut attempt = world.resource_mut::<Attempt>();
-        if halvings >= acceptance.halvings || attempt.solves >= MAX_SOLVES {
+        if half < finest || attempt.solves >= MAX_SOLVES {
             attempt.status = final_status(attempt.status);
             attempt.complaint = reason;
             before.restore(world);
             return;
         }
-        halvings += 1;
         attempt.effort = 0;
         attempt.magnitudes = None;
         forget(&mut attempt, reason);
-        world.resource_mut::<Progress>().fraction *= 0.5;
+        world.resource_mut::<Progress>().fraction = half;
     }
 }
 

@@ -7,8 +7,9 @@
 //! load . u  >  sum_c  sup { (p, q, tau) . (d_n, d_t, d_r) : limits of c }
 //! ```
 //!
-//! The supremum is the dissipation `c A |d_t| + mu_r r f_t |d_r| + f_t lambda_T` where
-//! `lambda_T = -d_n - mu |d_t| - mu_r r |d_r|` is not negative, and infinite otherwise.
+//! The supremum is the dissipation `c A |d_t| + mu_r r f_t |d_r| - p_min lambda_T` where
+//! `lambda_T = -d_n - mu |d_t| - mu_r r |d_r|` is not negative, and infinite otherwise. p_min is
+//! -f_t, or the apex -c A/mu of the shear limit where that comes first.
 
 use clastic_components::program::{Certificate, ConeProgram, Dof};
 
@@ -58,8 +59,8 @@ pub fn certificate(program: &ConeProgram, mechanism: &[[f64; 3]]) -> Option<Cert
         let roll = if l.has_rolling() { e[2].abs() } else { 0.0 };
         let opening = -e[0] - l.friction * slip - l.rolling * roll;
         defect = defect.max(-opening);
-        dissipation +=
-            l.cohesion * slip + l.rolling * l.tension * roll + l.tension * opening.max(0.0);
+        dissipation += l.cohesion * slip + l.rolling * l.tension * roll
+            - l.least_normal_force() * opening.max(0.0);
     }
     (work > 0.0).then(|| Certificate { mechanism: u, margin: (work - dissipation) / work, defect })
 }

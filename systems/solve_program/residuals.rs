@@ -10,7 +10,8 @@
 //! ```
 //!
 //! so that what can be wrong is the sign of `lambda_T` (kinematics) and a multiplier at a limit
-//! with slack (complementarity).
+//! with slack (complementarity). Where the apex of the shear limit comes before the tension limit
+//! (`c A < mu f_t`), both shear rows are active there and share `lambda_T`.
 
 use clastic_components::program::{ConeProgram, Dof, Interaction, Kinematics, Residuals};
 
@@ -124,7 +125,8 @@ fn evaluate(
         }
 
         let unit = force * displacement;
-        worsen(&mut out.complementarity, m.tension.max(0.0) * (p + l.tension).abs() / unit);
+        let above = (p - l.least_normal_force()).abs();
+        worsen(&mut out.complementarity, m.tension.max(0.0) * above / unit);
         let slack = shear - q * m.slip.signum();
         worsen(&mut out.complementarity, (m.slip * slack).abs() / unit);
         let slack = roll - tau * m.rotation.signum();
