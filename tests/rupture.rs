@@ -9,10 +9,14 @@ use clastic::components::contact::{Bodies, Contacts};
 use clastic::components::increment::{Acceptance, RollingLimit, RuptureRules};
 use clastic::components::observation::Observation;
 use clastic::components::program::ConeSolution;
-use clastic::run::{Simulation, Step};
-use clastic::scene::format::{Load, Stage, WallControl};
+use clastic::run::{Outcome, Simulation, Step};
+use clastic::scene::format::{CompactTarget, Load, Motion, Stage, WallControl};
 use clastic::systems::record::average_stress;
 use common::*;
+
+/// The small disks' normals turn by less than 1e-4 while the middle one moves: what an answer for
+/// small displacements may be off by.
+const TURNS: f64 = 1e-5;
 
 /// A disk is pulled from another, 12 mm both, that two smaller ones hold. All springs have
 /// 10 MN/m; only the middle disk moves freely, and only along x.
@@ -43,16 +47,13 @@ fn fork(cascade: &str) -> Simulation {
                 ]),
                 bonds: [(a: 0, b: 1), (a: 1, b: 2), (a: 1, b: 3)],
                 stages: [Load(name: \"pull\", increments: 11, particles: [
-                    (select: All, x: Held, y: Held, rotation: Held),
+                    (select: Index([0, 1]), y: Held, rotation: Held),
+                    (select: Index([2, 3]), x: Held, y: Held, rotation: Held),
                     (select: Index([0]), x: Displacement(0.5e-6)),
                 ])],
             )",
             small(3e-3, 1.0),
             small(3.6e-3, -1.0),
-        )
-        .replace(
-            "(select: All, x: Held, y: Held, rotation: Held)",
-            "(select: Index([0, 1]), y: Held, rotation: Held), (select: Index([2, 3]), x: Held, y: Held, rotation: Held)",
         )),
         None,
     )
@@ -80,14 +81,14 @@ fn one_round_of_ruptures_an_increment() {
     let rounds: Vec<_> = records.iter().map(broken).collect();
     for record in &records[..8] {
         // Two springs of the fork in parallel, in series with that to the pulled disk.
-        assert_relative(pull(record), 2.0 / 3.0 * 1e7 * 0.5e-6 * record.increment as f64, 1e-9);
+        assert_relative(pull(record), 2.0 / 3.0 * 5.0 * record.increment as f64, TURNS);
     }
     assert!(rounds[..8].iter().all(Vec::is_empty), "{rounds:?}");
     assert_eq!(rounds[8..], [vec![1], vec![2], vec![]]);
     assert!(records.iter().all(|r| r.solves == 1));
     // In its last increment a bond stays on its limit: 10 (4.5 - u) = 12 cos 30 + 10 u (1/4 + 1).
     let u = (45.0 - 12.0 * 0.75_f64.sqrt()) / 22.5;
-    assert_relative(pull(&records[8]), 10.0 * (4.5 - u), 1e-9);
+    assert_relative(pull(&records[8]), 10.0 * (4.5 - u), TURNS);
     assert_within(pull(&records[10]), 0.0, 1e-7);
 }
 
@@ -133,13 +134,13 @@ fn at_the_rolling_limit_a_bond_breaks_or_yields() {
         let Some(Stage::Load(stage)) = scene.stages.pop() else { unreachable!() };
         let press = |name: &str, increments| {
             let mut load = Load { name: name.into(), increments, ..stage.clone() };
-            load.particles[1].x = clastic::scene::format::Motion::Free;
-            load.particles[1].y = clastic::scene::format::Motion::Free;
+            load.particles[1].x = Motion::Free;
+            load.particles[1].y = Motion::Free;
             load.particles[1].force = Some((-10.0, 0.0));
             load
         };
         let mut turn = press("turn", 5);
-        turn.particles[1].rotation = clastic::scene::format::Motion::Displacement(1e-8);
+        turn.particles[1].rotation = Motion::Displacement(1e-8);
         scene.stages = vec![Stage::Load(press("press", 1)), Stage::Load(turn)];
         let mut simulation = Simulation::new(&scene, None);
         simulation.world_mut().resource_mut::<RuptureRules>().rolling = rolling;
@@ -168,10 +169,10 @@ fn at_the_rolling_limit_a_bond_breaks_or_yields() {
 fn a_broken_bond_never_heals() {
     let mut scene = load("tension");
     let Stage::Load(first) = scene.stages[0].clone() else { unreachable!() };
-    // To +3.5 um and back to -1.5 um, where the contact is closed, and to +3.5 um again.
-    for (name, step) in [("push", -5e-7), ("pull again", 5e-7)] {
-        let mut next = Load { name: name.into(), increments: 10, ..first.clone() };
-        next.particles[1].x = clastic::scene::format::Motion::Displacement(step);
+    // To 3.5 um, back to -1.7 um, where the contact is closed, and to 3.5 um again.
+    for (name, step) in [("push", -4e-7), ("pull again", 4e-7)] {
+        let mut next = Load { name: name.into(), increments: 13, ..first.clone() };
+        next.particles[1].x = Motion::Displacement(step);
         scene.stages.push(Stage::Load(next));
     }
     let (records, _) = run(&scene);
@@ -183,7 +184,7 @@ fn a_broken_bond_never_heals() {
         assert_within(pulled.force[0], 8e6 * pulled.motion[0].min(0.0), 1e-7);
         assert_eq!((record.bonds, record.broken), (0, [1, 0, 0]));
     }
-    assert!(records[after..].iter().any(|r| pull(r) < -11.9), "the contact was never closed");
+    assert!(records[after..].iter().any(|r| pull(r) < -13.5), "the contact was never closed");
 }
 
 #[test]
@@ -277,14 +278,19 @@ fn walls_carry_their_stress_exactly_and_the_specimen_carries_that_of_the_walls()
     let mut scene = load("biaxial_small");
     stage(&mut scene, "load").increments = 50;
     let mut simulation = Simulation::new(&scene, None);
-    let (mut size, mut ruptures, mut checked) = ([0.121, 0.34], 0, 0);
+    let (mut size, mut ruptures, mut confined, mut checked) = ([0.121, 0.34], 0, 0, 0);
     while let Some(record) = next(&mut simulation) {
         ruptures += record.ruptures.len();
         let n = record.increment;
         if record.stage == "confine" || record.stage == "load" {
             assert_eq!(record.settled, 0, "increment {n}: moved beyond what this test follows");
             let [axial, lateral] = [record.axial_stress.unwrap(), record.lateral_stress.unwrap()];
-            if record.stage == "load" {
+            if record.stage == "confine" {
+                // Five equal steps from nothing: what the compaction left behind is gone.
+                confined += 1;
+                assert_relative(axial, 40e3 * f64::from(confined), 1e-8);
+                assert_relative(lateral, 40e3 * f64::from(confined), 1e-8);
+            } else {
                 assert_relative(lateral, 200e3, 1e-8);
                 checked += 1;
             }
@@ -304,7 +310,42 @@ fn walls_carry_their_stress_exactly_and_the_specimen_carries_that_of_the_walls()
         let at = |name, k: usize| probe(&record, name).motion[k];
         size = [0.121 + at("right", 0) - at("left", 0), 0.34 + at("top", 1) - at("bottom", 1)];
     }
+    assert_eq!(confined, 5);
     assert!(checked >= 50 && ruptures > 50, "{checked} increments, {ruptures} ruptures");
+}
+
+#[test]
+fn a_bond_with_little_cohesion_parts_at_the_apex_of_its_shear_limit() {
+    // |q| <= 6 N + 0.6 p ends at p = -10 N, before the tensile strength of 24 N.
+    for stiffness in [Some(8e6), None] {
+        let mut scene = load("tension");
+        let bond = scene.materials.get_mut("cemented").unwrap().bond.as_mut().unwrap();
+        bond.cohesion = 500.0;
+        bond.rolling_friction = 0.0;
+        (bond.normal_stiffness, bond.tangential_stiffness) = (stiffness, stiffness);
+        let (records, _) = run(&scene);
+        let broken: Vec<_> = records.iter().flat_map(|r| &r.ruptures).collect();
+        assert_eq!(broken.len(), 1);
+        assert_eq!(broken[0].mode, RuptureMode::Shear);
+        assert_relative(broken[0].p, -10.0, 1e-6);
+        assert_eq!(broken[0].increment, if stiffness.is_some() { 13 } else { 1 });
+        assert_within(pull(records.last().unwrap()), 0.0, 1e-7);
+    }
+}
+
+#[test]
+fn a_packing_that_jams_is_not_driven_on_in_ever_smaller_steps() {
+    let mut scene = load("uniaxial_small");
+    let Stage::Compact(compact) = &mut scene.stages[0] else { unreachable!() };
+    compact.target = CompactTarget::Porosity(0.1);
+    let mut simulation = Simulation::new(&scene, None);
+    let records: Vec<_> = std::iter::from_fn(|| next(&mut simulation)).collect();
+    let Outcome::Stalled { message, .. } = simulation.run() else { panic!("it did not jam") };
+    assert!(message.contains("jammed"), "{message}");
+    let (last, before) = records.split_last().unwrap();
+    assert_eq!(last.status, IncrementStatus::Locked);
+    // Six halvings of a whole increment at most.
+    assert!(before.iter().all(|r| r.fraction >= 1.0 / 64.0));
 }
 
 #[test]
@@ -312,7 +353,7 @@ fn results_do_not_depend_on_the_regularisation() {
     let stresses = |weight: f64| {
         let mut scene = load("uniaxial_small");
         let load = stage(&mut scene, "load");
-        load.increments = 62;
+        load.increments = 68;
         // First nothing moves: the free specimen must carry nothing.
         let mut still = load.clone();
         still.name = "still".into();

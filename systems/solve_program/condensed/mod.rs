@@ -140,10 +140,8 @@ fn lowered_point(
     let mut z = vec![0.0; low.right.len()];
     let mut row = low.balance_rows;
     for (k, local) in scaled.locals.iter().enumerate() {
-        let mut column = low.columns[k];
-        for f in (0..3).filter(|f| local.has[*f]) {
+        for (column, f) in (low.columns[k]..).zip((0..3).filter(|f| local.has[*f])) {
             x[column] = result.s[k][f];
-            column += 1;
         }
         for q in 0..local.count {
             z[row] = result.lambda[k][q];

@@ -197,9 +197,9 @@ fn line_search(
             break;
         }
         if value > 0.0 {
-            high = a
+            high = a;
         } else {
-            low = a
+            low = a;
         }
         let newton = a - value / curvature;
         a = if newton > low && newton < high {
