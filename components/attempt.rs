@@ -74,6 +74,10 @@ pub struct Attempt {
     /// Weight of the proximal term while loose grains settle, in units of force scale over
     /// displacement scale; `None` outside of settling.
     pub settling: Option<f64>,
+    /// Bodies that carried no load in a rejected solution and went far; empty before there was one.
+    pub unloaded: Vec<bool>,
+    /// Bodies that are held where they are while others settle; empty where none is.
+    pub held: Vec<bool>,
     /// Solves that settled loose grains in this increment.
     pub settled: u32,
     /// Proximal centre of the regularised re-solves, by body.

@@ -1,14 +1,18 @@
 //! `program_000123.json`: the cone program of an increment and its solution, for whoever wants to
 //! check it with another solver.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use bevy_ecs::prelude::*;
 use glam::DVec2;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use clastic_components::observation::Observation;
-use clastic_components::program::{ConeProgram, ConeSolution, Dof, Interaction, SolveStatus};
+use clastic_components::program::{
+    Certificate, ConeProgram, ConeSolution, Dof, FreeDof, Interaction, Limits, ProgramBody,
+    Residuals, Scales, SolveStatus,
+};
 
 use super::OutputError;
 use super::atomic::write_atomic;
@@ -37,49 +41,63 @@ fixed degrees of freedom alone. \
 Optimality: d_n = g + C_N p - friction (l1 + l2) - rolling (l3 + l4) - l5, \
 d_t = C_T (q - q_0) + l1 - l2, d_r = l3 - l4 with l1, l2 >= 0 the multipliers of +q and -q, l3, l4 those of \
 +tau and -tau, l5 that of p >= -tension. \
+scales are the magnitudes that a solver may divide by; they change no solution. \
 Tables: bodies[i] is body i; solution.forces[k] = (p, q, tau) belongs to interactions[k]; \
 solution.displacements[i] = (first translation, second translation, rotation) to bodies[i]. \
 null stands for a number that is not finite.";
 
-#[derive(Serialize)]
+#[derive(Serialize, Deserialize)]
 struct Dump<'a> {
-    format: &'static str,
+    format: Cow<'a, str>,
     increment: u64,
-    stage: &'a str,
+    stage: Cow<'a, str>,
     fraction: f64,
     units: Units,
+    scales: ScalesDump,
     bodies: Vec<BodyDump>,
     interactions: Vec<InteractionDump>,
     solution: SolutionDump<'a>,
 }
 
-#[derive(Serialize)]
+#[derive(Serialize, Deserialize)]
 struct Units {
-    length: &'static str,
-    rotation: &'static str,
-    force: &'static str,
-    moment: &'static str,
-    compliance: &'static str,
+    length: String,
+    rotation: String,
+    force: String,
+    moment: String,
+    compliance: String,
 }
 
-const UNITS: Units =
-    Units { length: "m", rotation: "rad", force: "N", moment: "N m", compliance: "m/N" };
+impl Default for Units {
+    fn default() -> Self {
+        let [length, rotation, force, moment, compliance] =
+            ["m", "rad", "N", "N m", "m/N"].map(str::to_owned);
+        Self { length, rotation, force, moment, compliance }
+    }
+}
 
-#[derive(Serialize)]
+#[derive(Serialize, Deserialize)]
+struct ScalesDump {
+    length: f64,
+    displacement: f64,
+    force: f64,
+}
+
+#[derive(Serialize, Deserialize)]
 struct BodyDump {
     id: usize,
     axis: [f64; 2],
     dofs: [DofDump; 3],
 }
 
-#[derive(Serialize)]
+#[derive(Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum DofDump {
     Fixed(f64),
     Free { load: f64, inertia: f64, proximal: f64, reference: f64 },
 }
 
-#[derive(Serialize)]
+#[derive(Serialize, Deserialize)]
 struct InteractionDump {
     a: u32,
     b: u32,
@@ -93,7 +111,7 @@ struct InteractionDump {
     limits: LimitsDump,
 }
 
-#[derive(Serialize)]
+#[derive(Serialize, Deserialize)]
 struct LimitsDump {
     cohesion: f64,
     friction: f64,
@@ -101,18 +119,18 @@ struct LimitsDump {
     rolling: f64,
 }
 
-#[derive(Serialize)]
+#[derive(Serialize, Deserialize)]
 struct SolutionDump<'a> {
-    status: &'static str,
-    message: &'a str,
+    status: Cow<'a, str>,
+    message: Cow<'a, str>,
     iterations: u32,
     residuals: ResidualsDump,
-    forces: &'a [[f64; 3]],
-    displacements: &'a [[f64; 3]],
+    forces: Cow<'a, [[f64; 3]]>,
+    displacements: Cow<'a, [[f64; 3]]>,
     certificate: Option<CertificateDump<'a>>,
 }
 
-#[derive(Serialize)]
+#[derive(Serialize, Deserialize)]
 struct ResidualsDump {
     balance: f64,
     kinematics: f64,
@@ -121,9 +139,9 @@ struct ResidualsDump {
 }
 
 /// The mechanism of a collapse: displacements in the bodies' own axes, without scale.
-#[derive(Serialize)]
+#[derive(Serialize, Deserialize)]
 struct CertificateDump<'a> {
-    mechanism: &'a [[f64; 3]],
+    mechanism: Cow<'a, [[f64; 3]]>,
     margin: f64,
     defect: f64,
 }
@@ -138,11 +156,16 @@ pub fn write_program(path: &Path, world: &World) -> Result<(), OutputError> {
     let solution = world.resource::<ConeSolution>();
     let r = &solution.residuals;
     let dump = Dump {
-        format: FORMAT,
+        format: FORMAT.into(),
         increment: observation.increment,
-        stage: &observation.stage,
+        stage: (&observation.stage).into(),
         fraction: observation.fraction,
-        units: UNITS,
+        units: Units::default(),
+        scales: ScalesDump {
+            length: program.scales.length,
+            displacement: program.scales.displacement,
+            force: program.scales.force,
+        },
         bodies: program
             .bodies
             .iter()
@@ -155,8 +178,8 @@ pub fn write_program(path: &Path, world: &World) -> Result<(), OutputError> {
             .collect(),
         interactions: program.interactions.iter().map(interaction).collect(),
         solution: SolutionDump {
-            status: status(solution.status),
-            message: &solution.message,
+            status: name(solution.status).into(),
+            message: (&solution.message).into(),
             iterations: solution.iterations,
             residuals: ResidualsDump {
                 balance: r.balance,
@@ -164,10 +187,10 @@ pub fn write_program(path: &Path, world: &World) -> Result<(), OutputError> {
                 cone: r.cone,
                 complementarity: r.complementarity,
             },
-            forces: &solution.forces,
-            displacements: &solution.displacements,
+            forces: (&solution.forces).into(),
+            displacements: (&solution.displacements).into(),
             certificate: solution.certificate.as_ref().map(|c| CertificateDump {
-                mechanism: &c.mechanism,
+                mechanism: (&c.mechanism).into(),
                 margin: c.margin,
                 defect: c.defect,
             }),
@@ -210,11 +233,88 @@ fn interaction(c: &Interaction) -> InteractionDump {
     }
 }
 
-fn status(status: SolveStatus) -> &'static str {
-    match status {
-        SolveStatus::Solved => "solved",
-        SolveStatus::Collapsed => "collapsed",
-        SolveStatus::Locked => "locked",
-        SolveStatus::Stalled => "stalled",
+const NAMES: [(SolveStatus, &str); 4] = [
+    (SolveStatus::Solved, "solved"),
+    (SolveStatus::Collapsed, "collapsed"),
+    (SolveStatus::Locked, "locked"),
+    (SolveStatus::Stalled, "stalled"),
+];
+
+fn name(status: SolveStatus) -> &'static str {
+    NAMES.iter().find(|n| n.0 == status).map_or("", |n| n.1)
+}
+
+/// Reads what [`write_program`] wrote: a program and its solution, for benchmarks and for trying
+/// solvers on the programs of a run.
+///
+/// # Errors
+/// Where the file cannot be read or is no dump.
+pub fn read_program(path: &Path) -> Result<(ConeProgram, ConeSolution), OutputError> {
+    let text = std::fs::read_to_string(path).map_err(OutputError::at(path))?;
+    let dump: Dump = serde_json::from_str(&text).map_err(OutputError::at(path))?;
+    let program = ConeProgram {
+        bodies: dump
+            .bodies
+            .iter()
+            .map(|b| ProgramBody {
+                axis: DVec2::from_array(b.axis),
+                dofs: b.dofs.each_ref().map(read_dof),
+            })
+            .collect(),
+        interactions: dump.interactions.iter().map(read_interaction).collect(),
+        scales: Scales {
+            length: dump.scales.length,
+            displacement: dump.scales.displacement,
+            force: dump.scales.force,
+        },
+    };
+    let s = dump.solution;
+    let solution = ConeSolution {
+        status: NAMES.iter().find(|n| n.1 == s.status).map_or_else(SolveStatus::default, |n| n.0),
+        forces: s.forces.into_owned(),
+        displacements: s.displacements.into_owned(),
+        residuals: Residuals {
+            balance: s.residuals.balance,
+            kinematics: s.residuals.kinematics,
+            cone: s.residuals.cone,
+            complementarity: s.residuals.complementarity,
+        },
+        iterations: s.iterations,
+        certificate: s.certificate.map(|c| Certificate {
+            mechanism: c.mechanism.into_owned(),
+            margin: c.margin,
+            defect: c.defect,
+        }),
+        message: s.message.into_owned(),
+    };
+    Ok((program, solution))
+}
+
+fn read_dof(dof: &DofDump) -> Dof {
+    match *dof {
+        DofDump::Fixed(value) => Dof::Fixed(value),
+        DofDump::Free { load, inertia, proximal, reference } => {
+            Dof::Free(FreeDof { load, inertia, proximal, reference })
+        }
+    }
+}
+
+fn read_interaction(c: &InteractionDump) -> Interaction {
+    Interaction {
+        a: c.a,
+        b: c.b,
+        normal: DVec2::from_array(c.normal),
+        arm_a: c.arm_a,
+        arm_b: c.arm_b,
+        offset: c.offset,
+        normal_compliance: c.normal_compliance,
+        tangential_compliance: c.tangential_compliance,
+        previous_shear: c.previous_shear,
+        limits: Limits {
+            cohesion: c.limits.cohesion,
+            friction: c.limits.friction,
+            tension: c.limits.tension,
+            rolling: c.limits.rolling,
+        },
     }
 }

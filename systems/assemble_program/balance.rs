@@ -11,12 +11,13 @@ use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::program::{Dof, FreeDof, Interaction, ProgramBody};
 use clastic_components::wall::WallDrive;
 
-/// Fills `out` with one entry per body.
+/// Fills `out` with one entry per body; those `held` do not move.
 pub fn assemble(
     bodies: &Bodies,
     analysis: &Analysis,
     progress: &Progress,
     interactions: &[Interaction],
+    held: &[bool],
     out: &mut Vec<ProgramBody>,
 ) {
     let fraction = progress.fraction;
@@ -68,6 +69,9 @@ pub fn assemble(
             }
         };
         out[wall.body as usize] = ProgramBody { axis: wall.inward, dofs };
+    }
+    for (body, _) in out.iter_mut().zip(held).filter(|(_, held)| **held) {
+        body.dofs = [Dof::Fixed(0.0); 3];
     }
 }
 

@@ -34,8 +34,12 @@ pub fn regularise(
         return;
     }
     let retry = attempt.effort >= RETRY || attempt.settling.is_some();
-    let loose =
+    let mut loose =
         if retry { vec![true; program.bodies.len()] } else { find_loose(bodies, history, program) };
+    // Counting finds no mechanism that has constraints enough in the wrong places.
+    for (loose, unloaded) in loose.iter_mut().zip(&attempt.unloaded) {
+        *loose |= unloaded;
+    }
     let unit = program.scales.force / program.scales.displacement;
     let usual = if retry { WEIGHT_OF_RETRY } else { acceptance.regularisation };
     let weight = unit * attempt.settling.unwrap_or(usual);

@@ -58,7 +58,14 @@ pub fn assemble_program(
         &attempt,
         &mut program.interactions,
     );
-    balance::assemble(&bodies, &analysis, &progress, &program.interactions, &mut program.bodies);
+    balance::assemble(
+        &bodies,
+        &analysis,
+        &progress,
+        &program.interactions,
+        &attempt.held,
+        &mut program.bodies,
+    );
     program.scales = scales::estimate(&bodies, &history, &analysis, &progress, &attempt, program);
     loose::regularise(&bodies, &history, &analysis, &acceptance, &attempt, program);
 }

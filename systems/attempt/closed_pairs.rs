@@ -11,9 +11,12 @@ use clastic_components::program::{ConeProgram, ConeSolution};
 
 use crate::detect_contacts::grid::pairs_within;
 
-/// When pairs are added at all, those within this many mean radii of closing come along: they
-/// would be next.
+/// When pairs are added at all, those come along that are this many mean radii short of closing, or
+/// this fraction of their relative motion: they would be next.
 const COMPANY: f64 = 0.01;
+const COMPANY_OF_MOTION: f64 = 0.5;
+/// But none further than this, in mean radii.
+const FURTHEST: f64 = 0.5;
 
 /// Checks all pairs, not just candidates, at the positions after the solution.
 pub fn judge(
@@ -27,6 +30,13 @@ pub fn judge(
     let tolerance = acceptance.overlap * bodies.mean_radius;
     let positions = moved_positions(&bodies, &program, &solution);
     let listed = |a: u32, b: u32| contacts.0.binary_search_by_key(&(a, b), |c| (c.a, c.b)).is_ok();
+    let gap = |a: u32, b: u32| {
+        let (x, r) = (positions[a as usize], bodies.radii[a as usize]);
+        match bodies.walls.iter().find(|w| w.body == b) {
+            Some(wall) => (x - positions[b as usize]).dot(wall.inward) - r,
+            None => x.distance(positions[b as usize]) - r - bodies.radii[b as usize],
+        }
+    };
     let missed = |reach: f64| {
         let mut pairs = Vec::new();
         pairs_within(&positions[..bodies.particles], &bodies.radii, reach, &mut pairs);
@@ -44,7 +54,13 @@ pub fn judge(
     if missed(-tolerance).is_empty() {
         return;
     }
-    attempt.added_pairs.extend(missed(COMPANY * bodies.mean_radius));
+    let motion = |i: u32| positions[i as usize] - bodies.positions[i as usize];
+    let near = |(a, b): &(u32, u32)| {
+        let reach =
+            COMPANY * bodies.mean_radius + COMPANY_OF_MOTION * (motion(*a) - motion(*b)).length();
+        gap(*a, *b) <= reach
+    };
+    attempt.added_pairs.extend(missed(FURTHEST * bodies.mean_radius).into_iter().filter(near));
     attempt.added_pairs.sort_unstable();
     attempt.added_pairs.dedup();
     attempt.verdict = Verdict::Again;

@@ -8,7 +8,7 @@ use clastic_components::increment::Acceptance;
 use clastic_components::program::{ConeProgram, ConeSolution, SolveStatus};
 
 use super::magnitudes;
-use super::thrown_grains::thrown;
+use super::thrown_grains::{hold_unloaded, thrown};
 use crate::solve_program::certificate::{certificate, proves};
 use crate::solve_program::residuals::regularised_residuals;
 
@@ -37,7 +37,11 @@ pub fn judge(
         }
         SolveStatus::Stalled if biased(&program, &solution, &acceptance) => {
             if let Some(reason) = thrown(&bodies, &program, &solution, &acceptance) {
-                thrown_or_collapsed(&program, &mut solution, &mut attempt, reason)
+                if hold_unloaded(&bodies, &program, &solution, &acceptance, &mut attempt) {
+                    Verdict::Again
+                } else {
+                    thrown_or_collapsed(&program, &mut solution, &mut attempt, reason)
+                }
             } else if attempt.centres < MAX_CENTRES {
                 attempt.centres += 1;
                 attempt.centre.clone_from(&solution.displacements);

@@ -7,7 +7,8 @@
 //! A rejected increment is tried again: with the magnitudes that the failed attempt found as
 //! scales; then with every body regularised and the centre of the regularisation following the
 //! solution, so that no bias is left; then with half the increment, and so on. Where a solution
-//! would throw grains, they [`settle`] first.
+//! would throw grains, they [`settle`] first; where it is the increment that throws them, however
+//! small it is, part of it is [driven](settle::drive) through.
 
 pub mod cascade;
 pub mod closed_pairs;
@@ -109,10 +110,9 @@ pub fn run_attempts(world: &mut World) {
             Verdict::Thrown(reason) => {
                 if attempt.settled < settle::MAX_STEPS {
                     forget(&mut attempt, reason.clone());
-                    if settle::settle(world) {
+                    if settle::settle(world) || settle::drive(world) {
                         continue;
                     }
-                    world.resource_mut::<Attempt>().settled = settle::MAX_STEPS;
                 }
                 reason
             }

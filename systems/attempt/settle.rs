@@ -2,28 +2,40 @@
 //! grains are led towards it in small overdamped steps.
 //!
 //! A static solution knows no path. A grain that has lost its support finds its new place by
-//! frozen normals, far away and through others. Instead, with walls and loads at rest, the program
-//! is solved with a proximal term (friction against the ground, of no physical meaning) that keeps
-//! the motion small, bodies are moved, contacts are detected again at the new places, and so on,
-//! until the increment itself no longer throws a grain. The states on the way are not recorded and
-//! break no bonds; the increment that follows has no such term. If it fails after all, everything
-//! is put back to where it was.
+//! frozen normals, far away and through others. Instead, with walls and loads at rest and all but
+//! the thrown grains and their surroundings held, the program is solved with a proximal term
+//! (friction against the ground, of no physical meaning) that keeps the motion small, bodies are
+//! moved, contacts are detected again at the new places, and so on, until the increment itself no
+//! longer throws a grain. The states on the way are not recorded and break no bonds; the increment
+//! that follows has no such term. If it fails after all, everything is put back to where it was.
 
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::RunSystemOnce;
+use glam::DVec2;
 
 use clastic_components::attempt::{Attempt, IncrementStatus, Verdict};
 use clastic_components::body::{AppliedLoad, Drive, Drives, LastMotion, Position, Ramp, Rotation};
-use clastic_components::contact::ContactHistory;
-use clastic_components::increment::Acceptance;
+use clastic_components::contact::{Bodies, ContactHistory};
+use clastic_components::increment::{Acceptance, Progress};
+use clastic_components::program::{ConeProgram, ConeSolution};
 use clastic_components::wall::{Wall, WallDrive};
 
-use super::thrown_grains::furthest;
-use crate::schedule::AttemptIncrement;
+use super::thrown_grains::{far_motions, furthest};
+use crate::schedule::{AttemptIncrement, ControlWalls};
 use crate::update_state::{move_bodies, remember_contacts};
 
 /// Settling steps of one increment at most.
 pub const MAX_STEPS: u32 = 200;
+/// Motion of the grain that moves furthest in a settling step, in its radii: what is aimed at.
+const STEP: f64 = 0.15;
+/// Grains that travelled less than this, in their radii, were at rest.
+const RESTFUL: f64 = 1e-2;
+/// The greatest part of an increment of which half is driven.
+const DRIVEN: f64 = 0.125;
+/// Grains that move further than this fraction of the accepted throw settle with the thrown one,
+/// and with them what lies within so many interactions.
+const FAR: f64 = 0.25;
+const RINGS: u32 = 4;
 /// Weight of the first step, in units of force scale over displacement scale.
 const FIRST_WEIGHT: f64 = 1e-4;
 /// Factor between a weight that throws grains and the next one tried, and the greatest between two
@@ -31,13 +43,16 @@ const FIRST_WEIGHT: f64 = 1e-4;
 const FACTOR: f64 = 10.0;
 /// Failures in a row that end the settling.
 const MAX_FAILURES: u32 = 8;
+/// Steps in which grains turned back or were thrown again, after which settling ends.
+const MAX_TURNS: u32 = 6;
 /// At this weight the increment itself is tried.
-const LAST_WEIGHT: f64 = 1e-8;
+const LAST_WEIGHT: f64 = 1e-9;
 
 /// What settling changes, to be put back.
 pub struct Snapshot {
     bodies: Vec<(Entity, Position, Option<Rotation>, LastMotion)>,
     history: ContactHistory,
+    done: f64,
 }
 
 impl Snapshot {
@@ -45,7 +60,11 @@ impl Snapshot {
     pub fn take(world: &mut World) -> Self {
         let mut query = world.query::<(Entity, &Position, Option<&Rotation>, &LastMotion)>();
         let bodies = query.iter(world).map(|(e, x, r, m)| (e, *x, r.copied(), *m)).collect();
-        Self { bodies, history: world.resource::<ContactHistory>().clone() }
+        Self {
+            bodies,
+            history: world.resource::<ContactHistory>().clone(),
+            done: world.resource::<Progress>().done,
+        }
     }
 
     /// Puts them back.
@@ -58,6 +77,8 @@ impl Snapshot {
             }
         }
         world.insert_resource(self.history);
+        world.resource_mut::<Progress>().done = self.done;
+        world.run_schedule(ControlWalls);
     }
 }
 
@@ -110,44 +131,141 @@ fn still(ramp: Ramp) -> Ramp {
     Ramp { from: ramp.from, to: ramp.from }
 }
 
-/// Takes settling steps of about the same motion: the weight follows from how far grains moved in
-/// the step before. Ends when grains hardly move at a vanishing weight: then the increment itself
-/// may be tried again. Returns whether anything moved.
+/// Lets the grains that were thrown and their neighbours settle, with all others held: the
+/// increment that follows lets go of all of them. Returns whether anything moved.
 pub fn settle(world: &mut World) -> bool {
-    let rest = Rest::begin(world);
-    let wanted = 0.7 * world.resource::<Acceptance>().throw;
-    let mut weight = FIRST_WEIGHT;
-    let mut failures = 0;
-    let mut moved = false;
-    loop {
+    world.resource_mut::<Attempt>().held = patch(world);
+    let moved = approach(world);
+    world.resource_mut::<Attempt>().held = Vec::new();
+    moved
+}
+
+/// Takes half of a small increment as one overdamped step, where the increment throws grains however
+/// small it is and nothing moves at rest: the specimen snaps, and the next equilibrium is found by
+/// settling from there. What is driven counts as done. Returns whether the step was taken.
+pub fn drive(world: &mut World) -> bool {
+    let mut progress = world.resource_mut::<Progress>();
+    if progress.fraction > DRIVEN {
+        return false;
+    }
+    progress.fraction *= 0.5;
+    // As far as it goes in one step.
+    let mut weight = LAST_WEIGHT;
+    let mut driven = false;
+    for _ in 0..MAX_FAILURES {
         let mut attempt = world.resource_mut::<Attempt>();
-        if attempt.settled >= MAX_STEPS || failures > MAX_FAILURES {
+        if attempt.settled >= MAX_STEPS {
             break;
         }
         attempt.settled += 1;
         attempt.settling = Some(weight);
-        if !solves(world) {
+        driven = solves(world) && furthest_motion(world).0 <= 2.0 * STEP;
+        if driven {
+            let _ = world.run_system_once(move_bodies);
+            let _ = world.run_system_once(remember_contacts);
+            let mut progress = world.resource_mut::<Progress>();
+            progress.done += progress.fraction;
+            // Loads and drives go on from there.
+            world.run_schedule(ControlWalls);
+            break;
+        }
+        weight *= FACTOR;
+    }
+    if !driven {
+        world.resource_mut::<Progress>().fraction *= 2.0;
+    }
+    let mut attempt = world.resource_mut::<Attempt>();
+    attempt.settling = None;
+    attempt.status = IncrementStatus::Solved;
+    driven
+}
+
+/// Bodies to hold: all but the grains that the last solution moves far about the mean field, and
+/// what lies within [`RINGS`] interactions of them.
+fn patch(world: &World) -> Vec<bool> {
+    let (bodies, program) = (world.resource::<Bodies>(), world.resource::<ConeProgram>());
+    let solution = world.resource::<ConeSolution>();
+    let far = far_motions(bodies, program, solution);
+    let greatest = far.iter().copied().fold(0.0, f64::max);
+    let least = (FAR * world.resource::<Acceptance>().throw).min(0.5 * greatest);
+    let mut held = vec![true; program.bodies.len()];
+    for (held, far) in held.iter_mut().zip(&far) {
+        *held = !(*far >= least);
+    }
+    for _ in 0..RINGS {
+        let inner = held.clone();
+        for c in &program.interactions {
+            let (a, b) = (c.a as usize, c.b as usize);
+            // A wall is no bridge: it touches grains everywhere.
+            if b < bodies.particles && inner[a] != inner[b] {
+                held[a] = false;
+                held[b] = false;
+            }
+        }
+    }
+    if held[..bodies.particles].iter().filter(|h| !**h).count() > bodies.particles / 2 {
+        return Vec::new();
+    }
+    held
+}
+
+/// Takes settling steps of about the same motion: the weight follows from how far grains moved in
+/// the step before, and grows where they turn back. Ends when grains hardly move at a vanishing
+/// weight: then the increment itself may be tried again. Returns whether anything moved.
+fn approach(world: &mut World) -> bool {
+    let rest = Rest::begin(world);
+    let mut weight = FIRST_WEIGHT;
+    let mut failures = 0;
+    // A grain on a hinge swings to and fro and never comes to rest; the others do.
+    let mut turns = 0;
+    let mut travelled = 0.0;
+    let mut last = DVec2::ZERO;
+    loop {
+        let mut attempt = world.resource_mut::<Attempt>();
+        if attempt.settled >= MAX_STEPS || failures > MAX_FAILURES || turns > MAX_TURNS {
+            break;
+        }
+        attempt.settled += 1;
+        attempt.settling = Some(weight);
+        let step = if solves(world) { Some(furthest_motion(world)) } else { None };
+        // Too far at once is as bad as no solution: the normals are those of the start.
+        let Some((far, motion)) = step.filter(|(far, _)| *far <= 2.0 * STEP) else {
             failures += 1;
+            turns += u32::from(travelled > 0.0);
             weight *= FACTOR;
             continue;
-        }
+        };
         failures = 0;
-        let far =
-            furthest(world.resource(), world.resource(), world.resource()).map_or(0.0, |f| f.1);
         // The two systems run outside of their schedule: the step is no increment.
         let _ = world.run_system_once(move_bodies);
         let _ = world.run_system_once(remember_contacts);
-        moved = true;
-        if weight <= LAST_WEIGHT {
+        travelled += far;
+        if weight <= LAST_WEIGHT && far <= 0.1 * RESTFUL {
             break;
         }
-        weight = (weight * (far / wanted).clamp(1.0 / FACTOR, 1.0)).max(LAST_WEIGHT);
+        weight = if far > RESTFUL && motion.dot(last) < 0.0 {
+            turns += 1;
+            weight * FACTOR
+        } else {
+            (weight * (far / STEP).clamp(1.0 / FACTOR, 1.0)).max(LAST_WEIGHT)
+        };
+        last = motion;
     }
     let mut attempt = world.resource_mut::<Attempt>();
     attempt.settling = None;
     attempt.status = IncrementStatus::Solved;
     rest.end(world);
-    moved
+    travelled > RESTFUL
+}
+
+/// How far, in its radii, the grain that moves furthest moves about the mean field, and its
+/// displacement.
+fn furthest_motion(world: &World) -> (f64, DVec2) {
+    let (program, solution) = (world.resource::<ConeProgram>(), world.resource::<ConeSolution>());
+    furthest(world.resource(), program, solution).map_or((0.0, DVec2::ZERO), |(i, far)| {
+        let u = program.bodies[i].to_global(solution.displacements[i]);
+        (far, DVec2::new(u[0], u[1]))
+    })
 }
 
 /// Solves the settling step, with the pairs that it closes; whether it can be accepted.

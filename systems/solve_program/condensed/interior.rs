@@ -23,9 +23,13 @@ pub struct Interior {
 
 const MAX_ITERATIONS: u32 = 80;
 /// Complementarity product of the starting point.
-const START: f64 = 0.1;
-/// Where the polish takes over.
-const GOAL: f64 = 1e-10;
+const START: f64 = 0.3;
+/// Steps of refinement at most, and the relative defect at which there is no need of one.
+const MAX_REFINEMENTS: usize = 3;
+const REFINED: f64 = 1e-4;
+/// Residual at which it is done, and one that is enough where there is little progress.
+const GOAL: f64 = 1e-11;
+const ENOUGH: f64 = 1e-10;
 /// The best iterate of a stalled iteration is worth polishing when it is this good.
 const WORTH: f64 = 1e-3;
 
@@ -91,14 +95,17 @@ pub fn solve(program: &Scaled, matrix: &mut BodyMatrix, start: &[[f64; 3]]) -> O
         .collect();
     let (mut s, mut slacks): (Vec<_>, Vec<_>) =
         program.locals.iter().map(|l| start_local(l, &u)).unzip();
+
     let limits: usize = program.locals.iter().map(|l| l.count).sum();
     let m = program.locals.len();
     let (mut stationarity, mut ds) = (vec![[0.0; 3]; m], vec![[0.0; 3]; m]);
     let mut rights = vec![Right::default(); m];
     let mut systems = vec![LocalSystem::default(); m];
+    let mut stiffness = vec![[[0.0; 3]; 3]; m];
     let mut best: Option<(f64, Interior)> = None;
     let mut since_best = 0;
     let mut iterations = 0;
+    let mut last_merit = f64::INFINITY;
     loop {
         // Residuals.
         let mut balance: Vec<[f64; 3]> = (0..n)
@@ -148,7 +155,10 @@ pub fn solve(program: &Scaled, matrix: &mut BodyMatrix, start: &[[f64; 3]]) -> O
         } else {
             since_best += 1;
         }
+        let slow = merit > 0.3 * last_merit;
+        last_merit = merit;
         if merit <= GOAL
+            || (merit <= ENOUGH && slow)
             || iterations >= MAX_ITERATIONS
             || (since_best > 8 && merit > 1e3 * best.as_ref().map_or(0.0, |b| b.0))
             || since_best > 15
@@ -171,8 +181,9 @@ pub fn solve(program: &Scaled, matrix: &mut BodyMatrix, start: &[[f64; 3]]) -> O
             }
         }
         for (k, local) in program.locals.iter().enumerate() {
-            systems[k] = LocalSystem::new(local, &slacks[k].w, &slacks[k].lambda);
-            add_blocks(matrix, k, local, &systems[k].compliance_inverse());
+            systems[k].set(local, &slacks[k].w, &slacks[k].lambda);
+            stiffness[k] = systems[k].compliance_inverse();
+            add_blocks(matrix, k, local, &stiffness[k]);
         }
         if !factorise(matrix) {
             break;
@@ -192,12 +203,15 @@ pub fn solve(program: &Scaled, matrix: &mut BodyMatrix, start: &[[f64; 3]]) -> O
                     sl.w[q] * sl.lambda[q] - target + second
                 });
                 rights[k] = Right { stationarity: stationarity[k], defects: sl.defect, products };
-                let (s0, _) = systems[k].solve(local, &[0.0; 3], &rights[k], &sl.w, &sl.lambda);
+                let s0 = systems[k].forces(local, &[0.0; 3], &rights[k], &sl.w, &sl.lambda);
                 Scaled::add_forces(local, &s0, -1.0, &mut right);
             }
             du.clone_from(&right);
             matrix.solve(&mut du);
-            refine(program, matrix, &systems, &right, &mut du);
+            // The predictor only aims the corrector.
+            if corrector {
+                refine(program, matrix, &stiffness, &right, &mut du);
+            }
             step = 1.0;
             for (k, local) in program.locals.iter().enumerate() {
                 let e = kinematics_free(local, &du);
@@ -312,11 +326,12 @@ pub(super) fn factorise(matrix: &mut BodyMatrix) -> bool {
 fn refine(
     program: &Scaled,
     matrix: &mut BodyMatrix,
-    systems: &[LocalSystem],
+    stiffness: &[[[f64; 3]; 3]],
     right: &[[f64; 3]],
     du: &mut [[f64; 3]],
 ) {
-    for _ in 0..2 {
+    let scale = right.iter().flatten().map(|r| r.abs()).fold(0.0, f64::max);
+    for _ in 0..MAX_REFINEMENTS {
         let mut defect: Vec<[f64; 3]> = right
             .iter()
             .enumerate()
@@ -326,9 +341,13 @@ fn refine(
                 })
             })
             .collect();
-        for (local, system) in program.locals.iter().zip(systems) {
+        for (local, t) in program.locals.iter().zip(stiffness) {
             let e = kinematics_free(local, du);
-            Scaled::add_forces(local, &times(&system.compliance_inverse(), &e), -1.0, &mut defect);
+            Scaled::add_forces(local, &times(t, &e), -1.0, &mut defect);
+        }
+        let error = defect.iter().flatten().map(|r| r.abs()).fold(0.0, f64::max);
+        if error <= REFINED * scale {
+            return;
         }
         matrix.solve(&mut defect);
         for (du, d) in du.iter_mut().zip(&defect) {

@@ -14,8 +14,9 @@
 
 use super::scaled::{Local, ROWS};
 
-/// Unknowns at most: three forces and the multipliers of the limits.
-const SIZE: usize = 3 + ROWS;
+/// Unknowns at most: three forces and four multipliers (limits of rolling imply that of tension), or
+/// two forces and three.
+const SIZE: usize = 7;
 
 /// Right sides of the system.
 #[derive(Clone, Copy, Debug, Default)]
@@ -31,60 +32,132 @@ pub struct Right {
 /// The inverse of the system.
 #[derive(Clone, Copy, Debug)]
 pub struct LocalSystem {
-    inverse: [[f64; SIZE]; SIZE],
-    active: [usize; ROWS],
-    count: usize,
+    /// Rows of `size` entries: forces that exist, then multipliers of active limits.
+    inverse: [f64; SIZE * SIZE],
+    size: u8,
+    forces: u8,
+    /// Force by unknown.
+    force: [u8; 3],
+    /// Limit by active multiplier.
+    active: [u8; ROWS],
+    is_active: [bool; ROWS],
 }
 
 impl Default for LocalSystem {
     fn default() -> Self {
-        Self { inverse: [[0.0; SIZE]; SIZE], active: [0; ROWS], count: 0 }
+        Self {
+            inverse: [0.0; SIZE * SIZE],
+            size: 0,
+            forces: 0,
+            force: [0; 3],
+            active: [0; ROWS],
+            is_active: [false; ROWS],
+        }
     }
 }
 
 impl LocalSystem {
     /// Sets up and inverts the system at slacks w and multipliers lambda.
-    #[must_use]
-    pub fn new(local: &Local, w: &[f64; ROWS], lambda: &[f64; ROWS]) -> Self {
-        let mut out = Self::default();
-        let mut m = [[0.0; SIZE]; SIZE];
-        for f in 0..3 {
-            m[f][f] = if local.has[f] { local.compliance[f] } else { 1.0 };
+    pub fn set(&mut self, local: &Local, w: &[f64; ROWS], lambda: &[f64; ROWS]) {
+        let mut n = 0;
+        for f in (0..3).filter(|f| local.has[*f]) {
+            self.force[n] = f as u8;
+            n += 1;
         }
+        self.forces = n as u8;
+        let forces = n;
         for q in 0..local.count {
+            self.is_active[q] = lambda[q] > w[q];
+            if self.is_active[q] {
+                self.active[n - forces] = q as u8;
+                n += 1;
+            }
+        }
+        self.size = n as u8;
+        let mut m = [[0.0; SIZE]; SIZE];
+        for i in 0..forces {
+            m[i][i] = local.compliance[self.force[i] as usize];
+        }
+        for q in (0..local.count).filter(|q| !self.is_active[*q]) {
             let a = &local.limits[q];
-            if lambda[q] > w[q] {
-                let k = 3 + out.count;
-                out.active[out.count] = q;
-                out.count += 1;
-                for f in 0..3 {
-                    m[f][k] = a[f];
-                    m[k][f] = a[f];
-                }
-                m[k][k] = -w[q] / lambda[q];
-            } else {
-                let theta = lambda[q] / w[q];
-                for i in 0..3 {
-                    for j in 0..3 {
-                        m[i][j] += theta * a[i] * a[j];
-                    }
+            let theta = lambda[q] / w[q];
+            for i in 0..forces {
+                let scaled = theta * a[self.force[i] as usize];
+                for j in 0..forces {
+                    m[i][j] += scaled * a[self.force[j] as usize];
                 }
             }
         }
-        invert(&mut m, 3 + out.count, &mut out.inverse);
-        for f in (0..3).filter(|f| !local.has[*f]) {
-            for k in 0..SIZE {
-                out.inverse[f][k] = 0.0;
-                out.inverse[k][f] = 0.0;
+        for k in forces..n {
+            let q = self.active[k - forces] as usize;
+            for i in 0..forces {
+                let a = local.limits[q][self.force[i] as usize];
+                m[i][k] = a;
+                m[k][i] = a;
             }
+            m[k][k] = -w[q] / lambda[q];
         }
-        out
+        invert(&mut m, n, &mut self.inverse);
     }
 
     /// The part T of the inverse that takes kinematics to forces.
     #[must_use]
     pub fn compliance_inverse(&self) -> [[f64; 3]; 3] {
-        [0, 1, 2].map(|i| [0, 1, 2].map(|j| self.inverse[i][j]))
+        let mut t = [[0.0; 3]; 3];
+        let (n, forces) = (self.size as usize, self.forces as usize);
+        for i in 0..forces {
+            for j in 0..forces {
+                t[self.force[i] as usize][self.force[j] as usize] = self.inverse[n * i + j];
+            }
+        }
+        t
+    }
+
+    /// Steps of the forces for the kinematics e.
+    #[must_use]
+    pub fn forces(
+        &self,
+        local: &Local,
+        e: &[f64; 3],
+        right: &Right,
+        w: &[f64; ROWS],
+        lambda: &[f64; ROWS],
+    ) -> [f64; 3] {
+        let b = self.right_side(local, e, right, w, lambda);
+        let n = self.size as usize;
+        let mut ds = [0.0; 3];
+        for i in 0..self.forces as usize {
+            ds[self.force[i] as usize] = dot(&self.inverse[n * i..n * (i + 1)], &b);
+        }
+        ds
+    }
+
+    fn right_side(
+        &self,
+        local: &Local,
+        e: &[f64; 3],
+        right: &Right,
+        w: &[f64; ROWS],
+        lambda: &[f64; ROWS],
+    ) -> [f64; SIZE] {
+        let mut b = [0.0; SIZE];
+        let (n, forces) = (self.size as usize, self.forces as usize);
+        for i in 0..forces {
+            let f = self.force[i] as usize;
+            b[i] = e[f] - right.stationarity[f];
+        }
+        for k in forces..n {
+            let q = self.active[k - forces] as usize;
+            b[k] = -right.defects[q] + right.products[q] / lambda[q];
+        }
+        for q in (0..local.count).filter(|q| !self.is_active[*q]) {
+            // dlambda = (-c - lambda dw)/w with dw = -d - A ds.
+            let constant = (lambda[q] * right.defects[q] - right.products[q]) / w[q];
+            for i in 0..forces {
+                b[i] -= local.limits[q][self.force[i] as usize] * constant;
+            }
+        }
+        b
     }
 
     /// Steps of the forces, and (dw, dlambda) of the limits, for the kinematics e.
@@ -97,38 +170,20 @@ impl LocalSystem {
         w: &[f64; ROWS],
         lambda: &[f64; ROWS],
     ) -> ([f64; 3], [(f64, f64); ROWS]) {
-        let mut b = [0.0; SIZE];
-        for f in 0..3 {
-            b[f] = e[f] - right.stationarity[f];
-        }
-        let mut is_active = [false; ROWS];
-        for k in 0..self.count {
-            let q = self.active[k];
-            is_active[q] = true;
-            b[3 + k] = -right.defects[q] + right.products[q] / lambda[q];
-        }
-        for q in (0..local.count).filter(|q| !is_active[*q]) {
-            // dlambda = (-c - lambda dw)/w with dw = -d - A ds.
-            let constant = (lambda[q] * right.defects[q] - right.products[q]) / w[q];
-            for f in 0..3 {
-                b[f] -= local.limits[q][f] * constant;
-            }
-        }
-        let size = 3 + self.count;
-        let mut y = [0.0; SIZE];
-        for (i, y) in y.iter_mut().enumerate().take(size) {
-            for j in 0..size {
-                *y += self.inverse[i][j] * b[j];
-            }
-        }
-        let ds = [y[0], y[1], y[2]];
+        let b = self.right_side(local, e, right, w, lambda);
+        let (n, forces) = (self.size as usize, self.forces as usize);
+        let mut ds = [0.0; 3];
         let mut steps = [(0.0, 0.0); ROWS];
-        for k in 0..self.count {
-            let q = self.active[k];
-            let dlambda = y[3 + k];
-            steps[q] = (-(right.products[q] + w[q] * dlambda) / lambda[q], dlambda);
+        for i in 0..n {
+            let y = dot(&self.inverse[n * i..n * (i + 1)], &b);
+            if i < forces {
+                ds[self.force[i] as usize] = y;
+            } else {
+                let q = self.active[i - forces] as usize;
+                steps[q] = (-(right.products[q] + w[q] * y) / lambda[q], y);
+            }
         }
-        for q in (0..local.count).filter(|q| !is_active[*q]) {
+        for q in (0..local.count).filter(|q| !self.is_active[*q]) {
             let a = &local.limits[q];
             let dw = -right.defects[q] - (a[0] * ds[0] + a[1] * ds[1] + a[2] * ds[2]);
             steps[q] = (dw, -(right.products[q] + lambda[q] * dw) / w[q]);
@@ -137,29 +192,42 @@ impl LocalSystem {
     }
 }
 
-/// Inverts the leading `n` rows and columns by Gauss and Jordan with partial pivoting.
-fn invert(m: &mut [[f64; SIZE]; SIZE], n: usize, out: &mut [[f64; SIZE]; SIZE]) {
-    for (i, row) in out.iter_mut().enumerate() {
-        *row = [0.0; SIZE];
+fn dot(row: &[f64], b: &[f64; SIZE]) -> f64 {
+    row.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
+/// Inverts the leading `n` rows and columns by Gauss and Jordan with partial pivoting, into rows of
+/// `n` entries.
+fn invert(m: &mut [[f64; SIZE]; SIZE], n: usize, out: &mut [f64; SIZE * SIZE]) {
+    let mut inverse = [[0.0; SIZE]; SIZE];
+    for (i, row) in inverse.iter_mut().enumerate().take(n) {
         row[i] = 1.0;
     }
     for c in 0..n {
-        let pivot = (c..n).max_by(|a, b| m[*a][c].abs().total_cmp(&m[*b][c].abs())).unwrap_or(c);
+        let mut pivot = c;
+        for r in c + 1..n {
+            if m[r][c].abs() > m[pivot][c].abs() {
+                pivot = r;
+            }
+        }
         m.swap(c, pivot);
-        out.swap(c, pivot);
-        let d = m[c][c];
+        inverse.swap(c, pivot);
+        let d = 1.0 / m[c][c];
         for j in 0..n {
-            m[c][j] /= d;
-            out[c][j] /= d;
+            m[c][j] *= d;
+            inverse[c][j] *= d;
         }
         for i in (0..n).filter(|i| *i != c) {
             let factor = m[i][c];
             if factor != 0.0 {
                 for j in 0..n {
                     m[i][j] -= factor * m[c][j];
-                    out[i][j] -= factor * out[c][j];
+                    inverse[i][j] -= factor * inverse[c][j];
                 }
             }
         }
+    }
+    for i in 0..n {
+        out[n * i..n * (i + 1)].copy_from_slice(&inverse[i][..n]);
     }
 }

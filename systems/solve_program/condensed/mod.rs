@@ -11,11 +11,13 @@ pub mod interior;
 pub mod local_system;
 pub mod matrix;
 pub mod newton;
+pub mod reduced;
 pub mod scaled;
 
 use clastic_components::program::{ConeProgram, ConeSolution, SolveStatus};
 
 use self::matrix::BodyMatrix;
+use self::reduced::Reduced;
 use self::scaled::Scaled;
 use super::clarabel::Clarabel;
 use super::lowering::{lower, polish, units};
@@ -25,6 +27,10 @@ use super::{ConeSolver, MalformedProgram};
 
 /// Residual that a solution is accepted with before the next method is tried.
 const TARGET: f64 = 9e-9;
+
+/// Where a program has more interactions than this and is solved, the polish would cost more than
+/// it gains.
+const LARGE: usize = 2500;
 
 /// A starting point with greater displacements, in units of the scale, is not used.
 const FAR: f64 = 20.0;
@@ -58,10 +64,20 @@ impl ConeSolver for Condensed {
     }
 
     fn solve(&mut self, program: &ConeProgram) -> Result<ConeSolution, MalformedProgram> {
-        let solution = self.try_condensed(program);
-        let solution = match solution {
-            Some(solution) => solution,
-            None => self.fallback.solve(program)?,
+        if self.last.len() != program.bodies.len() {
+            self.last = vec![[0.0; 3]; program.bodies.len()];
+        }
+        let solution = match Reduced::new(program) {
+            Some(part) => {
+                let start: Vec<_> = part.bodies.iter().map(|i| self.last[*i]).collect();
+                part.expand(program, self.solve_part(&part.program, &start)?)
+            }
+            None => {
+                let start = std::mem::take(&mut self.last);
+                let solution = self.solve_part(program, &start);
+                self.last = start;
+                solution?
+            }
         };
         if solution.status == SolveStatus::Solved {
             self.last.clone_from(&solution.displacements);
@@ -71,8 +87,24 @@ impl ConeSolver for Condensed {
 }
 
 impl Condensed {
+    /// Displacements by body, m and rad, to start the next solve from.
+    pub fn start_from(&mut self, displacements: &[[f64; 3]]) {
+        self.last = displacements.to_vec();
+    }
+
+    fn solve_part(
+        &mut self,
+        program: &ConeProgram,
+        start: &[[f64; 3]],
+    ) -> Result<ConeSolution, MalformedProgram> {
+        match self.try_condensed(program, start) {
+            Some(solution) => Ok(solution),
+            None => self.fallback.solve(program),
+        }
+    }
+
     /// `None` where only the fallback can tell what is the matter.
-    fn try_condensed(&mut self, program: &ConeProgram) -> Option<ConeSolution> {
+    fn try_condensed(&mut self, program: &ConeProgram, start: &[[f64; 3]]) -> Option<ConeSolution> {
         if program.interactions.is_empty() {
             return None;
         }
@@ -80,13 +112,12 @@ impl Condensed {
         let matrix = self.matrix.as_mut()?;
         let scaled = Scaled::new(program);
         let (du, df) = units(program);
-        // A start far away (grains that settled, another increment) is worse than none.
-        let near = self.last.iter().all(|u| u[0].hypot(u[1]) <= FAR * du[0]);
-        let start: Vec<[f64; 3]> = if near && self.last.len() == program.bodies.len() {
-            self.last.iter().map(|u| [0, 1, 2].map(|k| u[k] / du[k])).collect()
-        } else {
-            vec![[0.0; 3]; program.bodies.len()]
-        };
+        // A start far away (a grain that settled, another increment) is worse than none.
+        let near = |u: &[f64; 3]| u[0].hypot(u[1]) <= FAR * du[0];
+        let mut start: Vec<[f64; 3]> = start
+            .iter()
+            .map(|u| if near(u) { [0, 1, 2].map(|k| u[k] / du[k]) } else { [0.0; 3] })
+            .collect();
         let back = |u: &[[f64; 3]], s: &[[f64; 3]], iterations: u32, message: &str| {
             let mut solution = ConeSolution {
                 status: SolveStatus::Stalled,
@@ -111,10 +142,14 @@ impl Condensed {
             if solution.status == SolveStatus::Solved {
                 return Some(solution);
             }
+            start = result.u;
         }
         let result = interior::solve(&scaled, matrix, &start)?;
         iterations += result.iterations;
         let mut solution = back(&result.u, &result.s, iterations, "interior");
+        if program.interactions.len() > LARGE && solution.status == SolveStatus::Solved {
+            return Some(solution);
+        }
         let low = lower(program);
         let point = lowered_point(&scaled, &low, &result);
         let mut low = low;

@@ -12,6 +12,9 @@ use super::scaled::{Local, Scaled};
 
 /// Factorisations before the interior point takes over.
 const MAX_ITERATIONS: u32 = 12;
+/// Steps shorter than this, so many in a row, mean that every loose cluster holds all others back.
+const TINY: f64 = 1e-3;
+const MAX_TINY: u32 = 3;
 /// Unbalance over the greatest force at which it is done.
 const GOAL: f64 = 1e-10;
 
@@ -35,7 +38,7 @@ pub fn applies(program: &Scaled) -> bool {
 }
 
 /// Projection of the elastic trial (p, q), with the derivative of (p, q) by (e_n, e_t).
-fn project(l: &Local, e: &[f64; 3]) -> ([f64; 3], [[f64; 3]; 3]) {
+pub(super) fn project(l: &Local, e: &[f64; 3]) -> ([f64; 3], [[f64; 3]; 3]) {
     let kn = 1.0 / l.compliance[0];
     let pt = (e[0] - l.linear[0]) * kn;
     let mut d = [[0.0; 3]; 3];
@@ -103,6 +106,7 @@ pub fn solve(program: &Scaled, matrix: &mut BodyMatrix, start: &[[f64; 3]]) -> N
     let (mut s, mut d) = (vec![[0.0; 3]; m], vec![[[0.0; 3]; 3]; m]);
     let mut e = vec![[0.0; 3]; m];
     let mut iterations = 0;
+    let mut tiny = 0;
     loop {
         for (k, l) in program.locals.iter().enumerate() {
             e[k] = Scaled::kinematics(l, &u);
@@ -125,7 +129,8 @@ pub fn solve(program: &Scaled, matrix: &mut BodyMatrix, start: &[[f64; 3]]) -> N
         let force = s.iter().map(|s| s[0].abs().max(s[1].abs())).fold(1e-3, f64::max);
         let unbalance = gradient.iter().flatten().map(|g| g.abs()).fold(0.0, f64::max);
         let finite = gradient.iter().flatten().all(|g| g.is_finite());
-        if !finite || unbalance <= GOAL * force || iterations >= MAX_ITERATIONS {
+        if !finite || unbalance <= GOAL * force || iterations >= MAX_ITERATIONS || tiny >= MAX_TINY
+        {
             break;
         }
         iterations += 1;
@@ -150,6 +155,7 @@ pub fn solve(program: &Scaled, matrix: &mut BodyMatrix, start: &[[f64; 3]]) -> N
             }
         }
         let step = line_search(program, &u, &du, &e, &gradient);
+        tiny = if step < TINY { tiny + 1 } else { 0 };
         for (u, du) in u.iter_mut().zip(&du) {
             for k in 0..3 {
                 u[k] += step * du[k];

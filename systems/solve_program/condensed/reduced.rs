@@ -1,0 +1,124 @@
+//! Leaves out of the program what does not depend on the rest: interactions between bodies whose
+//! motion is known, and bodies that no other interaction touches.
+//!
+//! With both bodies known an elastic interaction is a problem of its own: its forces are the
+//! projection of its trial onto its limits. What remains are the free bodies and those next to
+//! them, so that a few grains that settle in a large specimen cost as much as a few grains.
+
+use clastic_components::program::{ConeProgram, ConeSolution, Dof, Interaction};
+
+use super::newton::project;
+use super::scaled::Scaled;
+
+/// The program without what is known, and the way back.
+pub struct Reduced {
+    /// The program of the bodies that are left.
+    pub program: ConeProgram,
+    /// Bodies left, by their number in the whole program.
+    pub bodies: Vec<usize>,
+    /// Interactions left.
+    interactions: Vec<usize>,
+}
+
+impl Reduced {
+    /// `None` where there is nothing to leave out.
+    #[must_use]
+    pub fn new(program: &ConeProgram) -> Option<Self> {
+        let free: Vec<bool> = program
+            .bodies
+            .iter()
+            .map(|b| b.dofs.iter().any(|d| matches!(d, Dof::Free(_))))
+            .collect();
+        let stays =
+            |c: &Interaction| free[c.a as usize] || free[c.b as usize] || !is_known(program, c);
+        if program.interactions.iter().all(stays) {
+            return None;
+        }
+        let mut wanted = free.clone();
+        let mut interactions = Vec::new();
+        for (k, c) in program.interactions.iter().enumerate().filter(|(_, c)| stays(c)) {
+            wanted[c.a as usize] = true;
+            wanted[c.b as usize] = true;
+            interactions.push(k);
+        }
+        let bodies: Vec<usize> = (0..wanted.len()).filter(|i| wanted[*i]).collect();
+        let mut number = vec![0; wanted.len()];
+        for (k, &i) in bodies.iter().enumerate() {
+            number[i] = k as u32;
+        }
+        let part = ConeProgram {
+            bodies: bodies.iter().map(|i| program.bodies[*i]).collect(),
+            interactions: interactions
+                .iter()
+                .map(|&k| {
+                    let c = program.interactions[k];
+                    Interaction { a: number[c.a as usize], b: number[c.b as usize], ..c }
+                })
+                .collect(),
+            scales: program.scales,
+        };
+        Some(Self { program: part, bodies, interactions })
+    }
+
+    /// The solution of the whole program that belongs to one of what is left.
+    #[must_use]
+    pub fn expand(&self, program: &ConeProgram, part: ConeSolution) -> ConeSolution {
+        let known = |i: usize| {
+            program.bodies[i].dofs.map(|d| match d {
+                Dof::Fixed(u) => u,
+                Dof::Free(_) => 0.0,
+            })
+        };
+        let mut displacements: Vec<[f64; 3]> = (0..program.bodies.len()).map(known).collect();
+        for (u, &i) in part.displacements.iter().zip(&self.bodies) {
+            displacements[i] = *u;
+        }
+        let mut forces = vec![[0.0; 3]; program.interactions.len()];
+        let mut left = self.interactions.iter().zip(&part.forces).peekable();
+        for (k, c) in program.interactions.iter().enumerate() {
+            forces[k] = match left.next_if(|(place, _)| **place == k) {
+                Some((_, f)) => *f,
+                None => alone(program, c, &displacements),
+            };
+        }
+        let certificate = part.certificate.map(|mut certificate| {
+            let mut mechanism = vec![[0.0; 3]; program.bodies.len()];
+            for (u, &i) in certificate.mechanism.iter().zip(&self.bodies) {
+                mechanism[i] = *u;
+            }
+            certificate.mechanism = mechanism;
+            certificate
+        });
+        ConeSolution { forces, displacements, certificate, ..part }
+    }
+}
+
+/// Whether the forces of an interaction follow from its kinematics alone: elastic, and without a
+/// rolling moment unless its bodies turn alike.
+fn is_known(program: &ConeProgram, c: &Interaction) -> bool {
+    let turn = |i: u32| match program.bodies[i as usize].dofs[2] {
+        Dof::Fixed(u) => u,
+        Dof::Free(_) => f64::NAN,
+    };
+    let elastic =
+        c.normal_compliance > 0.0 && (!c.limits.has_shear() || c.tangential_compliance > 0.0);
+    elastic && (!c.limits.has_rolling() || turn(c.a) == turn(c.b))
+}
+
+/// Forces of an interaction between two known bodies.
+fn alone(program: &ConeProgram, c: &Interaction, displacements: &[[f64; 3]]) -> [f64; 3] {
+    let (a, b) = (c.a as usize, c.b as usize);
+    let mut single = Interaction { a: 0, b: 1, ..*c };
+    single.limits.rolling = 0.0;
+    let pair = ConeProgram {
+        bodies: vec![program.bodies[a], program.bodies[b]],
+        interactions: vec![single],
+        scales: program.scales,
+    };
+    let scaled = Scaled::new(&pair);
+    let (du, df) = super::super::lowering::units(program);
+    let u = [a, b].map(|i| [0, 1, 2].map(|k| displacements[i][k] / du[k]));
+    let local = &scaled.locals[0];
+    let (s, _) = project(local, &Scaled::kinematics(local, &u));
+    [s[0] * df[0], s[1] * df[0], 0.0]
+}
