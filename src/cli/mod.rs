@@ -1,6 +1,7 @@
 //! The command line: what can be typed, and which file does it.
 
 mod check;
+mod compare;
 mod exit;
 mod interrupt;
 mod list;
@@ -19,6 +20,7 @@ Examples:
   clastic list                                  scenes that are here
   clastic check uniaxial                        is scenes/uniaxial.ron sound?
   clastic run uniaxial                          run it; results go to runs/uniaxial
+  clastic compare runs/a runs/b                 their curves in one picture
   clastic run my_rig.ron --out out --set gravity='(0.0, -9.81)'
 
 Exit codes:
@@ -46,6 +48,15 @@ enum Command {
     Check(SceneArgs),
     /// List the scenes in ./scenes
     List,
+    /// Draw the curves of several runs over one another and print their key results
+    Compare {
+        /// Directories of runs
+        #[arg(required = true, value_name = "DIR")]
+        runs: Vec<PathBuf>,
+        /// Directory for the pictures
+        #[arg(long, value_name = "DIR", default_value = "runs/compare")]
+        out: PathBuf,
+    },
 }
 
 /// Which scene.
@@ -85,6 +96,7 @@ pub fn main() -> ExitCode {
         Command::Run(args) => run::run(&args),
         Command::Check(args) => check::check(&args),
         Command::List => list::list(),
+        Command::Compare { runs, out } => compare::compare(&runs, &out),
     };
     match done {
         Ok(exit) => exit.into(),

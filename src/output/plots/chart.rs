@@ -8,6 +8,9 @@ use plotters::prelude::*;
 /// Points in a chart at most; what lies closer together cannot be told apart.
 const MOST_POINTS: usize = 2000;
 
+/// Room of a legend, as fractions of the chart.
+const LEGEND: (f64, f64) = (0.3, 0.2);
+
 const SIZE: (u32, u32) = (760, 520);
 /// Plotters draws on whole pixels, which shows as steps in a straight line: draw larger.
 const ZOOM: u32 = 8;
@@ -59,6 +62,39 @@ impl Chart {
         // The view box keeps the large drawing; it is shown at its real size.
         let size = |zoom| format!("width=\"{}\" height=\"{}\"", SIZE.0 * zoom, SIZE.1 * zoom);
         Ok(text.replacen(&size(ZOOM), &size(1), 1))
+    }
+
+    /// Where a legend hides least of the lines: the first of the places with fewest points.
+    fn emptiest_place(&self) -> SeriesLabelPosition {
+        let places = [
+            (SeriesLabelPosition::UpperLeft, (0.0, 1.0)),
+            (SeriesLabelPosition::UpperRight, (1.0, 1.0)),
+            (SeriesLabelPosition::LowerRight, (1.0, 0.0)),
+            (SeriesLabelPosition::LowerLeft, (0.0, 0.0)),
+            (SeriesLabelPosition::MiddleRight, (1.0, 0.5)),
+            (SeriesLabelPosition::MiddleLeft, (0.0, 0.5)),
+        ];
+        let all = || self.lines.iter().chain(&self.second);
+        let x = range(all().flat_map(|line| &line.points).map(|p| p.0));
+        let first = range(self.lines.iter().flat_map(|line| &line.points).map(|p| p.1));
+        let second = range(self.second.iter().flat_map(|line| &line.points).map(|p| p.1));
+        let relative = |v: f64, r: &std::ops::Range<f64>| (v - r.start) / (r.end - r.start);
+        let hidden = |corner: (f64, f64)| {
+            let count = |lines: &mut dyn Iterator<Item = &Line>, y: &std::ops::Range<f64>| {
+                lines
+                    .flat_map(|line| thin(&line.points))
+                    .filter(|p| {
+                        (relative(p.0, &x) - corner.0).abs() < LEGEND.0
+                            && (relative(p.1, y) - corner.1).abs() < LEGEND.1
+                    })
+                    .count()
+            };
+            count(&mut self.lines.iter(), &first) + count(&mut self.second.iter(), &second)
+        };
+        places
+            .into_iter()
+            .min_by_key(|place| hidden(place.1))
+            .map_or(SeriesLabelPosition::UpperLeft, |place| place.0)
     }
 
     fn draw<'a>(
@@ -126,7 +162,7 @@ impl Chart {
         if self.lines.len() + usize::from(self.second.is_some()) > 1 {
             chart
                 .configure_series_labels()
-                .position(SeriesLabelPosition::UpperLeft)
+                .position(self.emptiest_place())
                 .background_style(WHITE.mix(0.8))
                 .margin(10 * ZOOM)
                 .legend_area_size(26 * ZOOM)

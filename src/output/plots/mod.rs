@@ -2,6 +2,7 @@
 //! picture shows what the file says.
 
 mod chart;
+pub mod compare;
 pub mod force_displacement;
 pub mod history;
 pub mod specimen;

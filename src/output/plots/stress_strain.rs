@@ -3,8 +3,8 @@
 use super::chart::{Chart, Line};
 use super::history::History;
 
-const SIGNS: &str = "compression and contraction positive";
-const STRAIN: &str = "axial strain, %";
+pub(super) const SIGNS: &str = "compression and contraction positive";
+pub(super) const STRAIN: &str = "axial strain, %";
 
 /// Stress and broken bonds against axial strain, where both are defined.
 #[must_use]
@@ -14,12 +14,7 @@ pub fn stress(title: &str, history: &History) -> Option<Chart> {
     if axial.is_empty() {
         return None;
     }
-    let greatest = axial.iter().chain(&lateral).map(|p| p.1.abs()).fold(0.0, f64::max);
-    let (unit, pascals) = match greatest {
-        s if s >= 1e6 => ("MPa", 1e6),
-        s if s >= 1e3 => ("kPa", 1e3),
-        _ => ("Pa", 1.0),
-    };
+    let (unit, pascals) = stress_unit(axial.iter().chain(&lateral).map(|p| p.1));
     let mut lines = Vec::new();
     for (name, points) in [("axial stress", axial), ("lateral stress", lateral)] {
         if !points.is_empty() {
@@ -35,6 +30,15 @@ pub fn stress(title: &str, history: &History) -> Option<Chart> {
         lines,
         second: broken(history),
     })
+}
+
+/// Unit in which stresses of this size are short numbers, and its value in Pa.
+pub(super) fn stress_unit(stresses: impl Iterator<Item = f64>) -> (&'static str, f64) {
+    match stresses.map(f64::abs).fold(0.0, f64::max) {
+        s if s >= 1e6 => ("MPa", 1e6),
+        s if s >= 1e3 => ("kPa", 1e3),
+        _ => ("Pa", 1.0),
+    }
 }
 
 /// Broken bonds against axial strain; none where none broke.

@@ -1,0 +1,50 @@
+//! The curves of several runs over one pair of axes.
+
+use super::chart::{Chart, Line};
+use super::history::History;
+use super::stress_strain::{SIGNS, STRAIN, stress_unit};
+
+/// Runs with the names that the legend gives them.
+pub type Runs = [(String, History)];
+
+/// Axial stress against axial strain; none where no run defines them.
+#[must_use]
+pub fn stress(runs: &Runs) -> Option<Chart> {
+    let lines = lines(runs, "axial_stress_pa");
+    let (unit, pascals) = stress_unit(lines.iter().flat_map(|line| &line.points).map(|p| p.1));
+    chart("Axial stress", format!("axial stress, {unit}"), scaled(lines, pascals.recip()))
+}
+
+/// Volumetric against axial strain; none where no run defines them.
+#[must_use]
+pub fn volumetric(runs: &Runs) -> Option<Chart> {
+    let lines = scaled(lines(runs, "volumetric_strain"), 100.0);
+    chart("Volumetric strain", "volumetric strain, %".to_owned(), lines)
+}
+
+fn lines(runs: &Runs, column: &str) -> Vec<Line> {
+    let line = |(name, history): &(String, History)| Line {
+        name: name.clone(),
+        points: history.points("axial_strain", column),
+    };
+    runs.iter().map(line).filter(|line| !line.points.is_empty()).collect()
+}
+
+/// Strain in per cent, the other axis times a factor.
+fn scaled(mut lines: Vec<Line>, factor: f64) -> Vec<Line> {
+    for point in lines.iter_mut().flat_map(|line| &mut line.points) {
+        *point = (100.0 * point.0, factor * point.1);
+    }
+    lines
+}
+
+fn chart(title: &str, y: String, lines: Vec<Line>) -> Option<Chart> {
+    (!lines.is_empty()).then(|| Chart {
+        title: title.to_owned(),
+        caption: SIGNS.to_owned(),
+        x: STRAIN.to_owned(),
+        y,
+        lines,
+        second: None,
+    })
+}
