@@ -117,3 +117,31 @@ fn no_contact_is_missed_in_a_swarm() {
         assert!(added > 0, "the check of the solution was never needed");
     }
 }
+
+/// Found in `biaxial_0kPa`: pruned pairs made the first increment of the confinement collapse.
+#[test]
+fn a_specimen_whose_grains_do_not_touch_yet_is_not_collapsed() {
+    let scene = common::parse(
+        "(
+            version: 1,
+            title: \"column with gaps\",
+            materials: { \"stone\": (contact: (normal_stiffness: 1.0e6)) },
+            specimen: Particles([
+                (position: (0.0, 1.02e-3), radius: 1.0e-3),
+                (position: (0.0, 3.05e-3), radius: 1.0e-3),
+                (position: (0.0, 5.09e-3), radius: 1.0e-3),
+            ]),
+            walls: [
+                (name: \"bottom\", start: (-1.0e-3, 0.0), end: (1.0e-3, 0.0)),
+                (name: \"top\", start: (1.0e-3, 6.14e-3), end: (-1.0e-3, 6.14e-3), probe: \"top\"),
+            ],
+            stages: [Load(name: \"press\", increments: 2, walls: { \"top\": Force(10.0) })],
+        )",
+    );
+    let (records, _) = common::run(&scene);
+    assert!(records.iter().all(|r| r.status == IncrementStatus::Solved));
+    // Gaps of 0.02, 0.03, 0.04 and 0.05 mm, and four contacts in a row under 10 N.
+    let sinks = 0.14e-3 + 4.0 * 10.0 / 1.0e6;
+    let moved = records.last().unwrap().probes[0].motion[1];
+    assert!((moved + sinks).abs() < 1e-9 * sinks, "{moved}");
+}

@@ -29,28 +29,7 @@ pub fn judge(
 ) {
     let tolerance = acceptance.overlap * bodies.mean_radius;
     let positions = moved_positions(&bodies, &program, &solution);
-    let listed = |a: u32, b: u32| contacts.0.binary_search_by_key(&(a, b), |c| (c.a, c.b)).is_ok();
-    let gap = |a: u32, b: u32| {
-        let (x, r) = (positions[a as usize], bodies.radii[a as usize]);
-        match bodies.walls.iter().find(|w| w.body == b) {
-            Some(wall) => (x - positions[b as usize]).dot(wall.inward) - r,
-            None => x.distance(positions[b as usize]) - r - bodies.radii[b as usize],
-        }
-    };
-    let missed = |reach: f64| {
-        let mut pairs = Vec::new();
-        pairs_within(&positions[..bodies.particles], &bodies.radii, reach, &mut pairs);
-        for wall in &bodies.walls {
-            let w = positions[wall.body as usize];
-            for (a, (x, r)) in positions.iter().zip(&bodies.radii).enumerate() {
-                if (*x - w).dot(wall.inward) - r <= reach {
-                    pairs.push((a as u32, wall.body));
-                }
-            }
-        }
-        pairs.retain(|(a, b)| !listed(*a, *b));
-        pairs
-    };
+    let missed = |reach: f64| unlisted_pairs(&bodies, &contacts, &positions, reach);
     if missed(-tolerance).is_empty() {
         return;
     }
@@ -58,12 +37,46 @@ pub fn judge(
     let near = |(a, b): &(u32, u32)| {
         let reach =
             COMPANY * bodies.mean_radius + COMPANY_OF_MOTION * (motion(*a) - motion(*b)).length();
-        gap(*a, *b) <= reach
+        gap(&bodies, &positions, *a, *b) <= reach
     };
-    attempt.added_pairs.extend(missed(FURTHEST * bodies.mean_radius).into_iter().filter(near));
+    add(&mut attempt, missed(FURTHEST * bodies.mean_radius).into_iter().filter(near));
+}
+
+/// Asks for another attempt with these pairs.
+pub(super) fn add(attempt: &mut Attempt, pairs: impl Iterator<Item = (u32, u32)>) {
+    attempt.added_pairs.extend(pairs);
     attempt.added_pairs.sort_unstable();
     attempt.added_pairs.dedup();
     attempt.verdict = Verdict::Again;
+}
+
+/// Gap between a particle and a particle or wall at the given positions, m.
+pub(super) fn gap(bodies: &Bodies, positions: &[DVec2], a: u32, b: u32) -> f64 {
+    let (x, r) = (positions[a as usize], bodies.radii[a as usize]);
+    match bodies.walls.iter().find(|w| w.body == b) {
+        Some(wall) => (x - positions[b as usize]).dot(wall.inward) - r,
+        None => x.distance(positions[b as usize]) - r - bodies.radii[b as usize],
+    }
+}
+
+/// All pairs that are not in the program and whose gap at the given positions is at most `reach`.
+pub(super) fn unlisted_pairs(
+    bodies: &Bodies,
+    contacts: &Contacts,
+    positions: &[DVec2],
+    reach: f64,
+) -> Vec<(u32, u32)> {
+    let mut pairs = Vec::new();
+    pairs_within(&positions[..bodies.particles], &bodies.radii, reach, &mut pairs);
+    for wall in &bodies.walls {
+        for a in 0..bodies.particles as u32 {
+            if gap(bodies, positions, a, wall.body) <= reach {
+                pairs.push((a, wall.body));
+            }
+        }
+    }
+    pairs.retain(|pair| contacts.0.binary_search_by_key(pair, |c| (c.a, c.b)).is_err());
+    pairs
 }
 
 /// Positions of all bodies after the displacements of the solution, m.

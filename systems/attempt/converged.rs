@@ -40,14 +40,15 @@ pub fn judge(
                 if hold_unloaded(&bodies, &program, &solution, &acceptance, &mut attempt) {
                     Verdict::Again
                 } else {
-                    thrown_or_collapsed(&program, &mut solution, &mut attempt, reason)
+                    collapsed_or(&program, &mut solution, &mut attempt, Verdict::Thrown(reason))
                 }
             } else if attempt.centres < MAX_CENTRES {
                 attempt.centres += 1;
                 attempt.centre.clone_from(&solution.displacements);
                 Verdict::Again
             } else {
-                Verdict::Reject(complaint(&solution, &acceptance))
+                let reason = Verdict::Reject(complaint(&solution, &acceptance));
+                collapsed_or(&program, &mut solution, &mut attempt, reason)
             }
         }
         SolveStatus::Stalled => Verdict::Reject(complaint(&solution, &acceptance)),
@@ -57,13 +58,13 @@ pub fn judge(
     }
 }
 
-/// What a regularised solution throws may be the mechanism of a collapse: loads that nothing
+/// What a regularised solution moves far may be the mechanism of a collapse: loads that nothing
 /// balances move without end.
-fn thrown_or_collapsed(
+fn collapsed_or(
     program: &ConeProgram,
     solution: &mut ConeSolution,
     attempt: &mut Attempt,
-    reason: String,
+    otherwise: Verdict,
 ) -> Verdict {
     match certificate(program, &solution.displacements).filter(proves) {
         Some(mechanism) => {
@@ -72,7 +73,7 @@ fn thrown_or_collapsed(
             attempt.status = IncrementStatus::Collapsed;
             Verdict::Accept
         }
-        None => Verdict::Thrown(reason),
+        None => otherwise,
     }
 }
 

@@ -1,7 +1,7 @@
 //! The attempts at one increment, and the judges that accept, extend or reject them.
 //!
 //! Judges run in this order, each only while the verdict is still to accept: [`converged`],
-//! [`closed_pairs`], [`thrown_grains`], [`coulomb`], [`cascade`]. What an attempt finds out
+//! [`closing_mechanism`], [`closed_pairs`], [`thrown_grains`], [`coulomb`], [`cascade`]. What an attempt finds out
 //! (pairs, openings, ruptures) is kept in [`Attempt`] until the increment is committed.
 //!
 //! A rejected increment is tried again: with the magnitudes that the failed attempt found as
@@ -12,6 +12,7 @@
 
 pub mod cascade;
 pub mod closed_pairs;
+pub mod closing_mechanism;
 pub mod converged;
 pub mod coulomb;
 pub mod settle;
@@ -46,6 +47,7 @@ impl Plugin for AttemptPlugin {
                 AttemptIncrement,
                 (
                     converged::judge,
+                    closing_mechanism::judge.run_if(collapsed),
                     closed_pairs::judge.run_if(accepted),
                     thrown_grains::judge.run_if(accepted),
                     coulomb::judge.run_if(accepted),
@@ -60,6 +62,11 @@ impl Plugin for AttemptPlugin {
 /// Run condition: no judge has objected so far.
 fn accepted(attempt: Res<Attempt>) -> bool {
     attempt.verdict == Verdict::Accept && attempt.status == IncrementStatus::Solved
+}
+
+/// Run condition: the program has no equilibrium, and nothing else is the matter.
+fn collapsed(attempt: Res<Attempt>) -> bool {
+    attempt.verdict == Verdict::Accept && attempt.status == IncrementStatus::Collapsed
 }
 
 /// More solves than this in one increment mean that the attempts go round in circles.
