@@ -212,9 +212,9 @@ fn record_state(
     out.residuals = solution.residuals;
     out.coulomb_residual = attempt.coulomb_residual;
     out.status = attempt.status;
-    let carried = matches!(attempt.status, IncrementStatus::Solved | IncrementStatus::Capped);
+    let broke = !matches!(attempt.status, IncrementStatus::Stalled | IncrementStatus::Locked);
     out.ruptures.clear();
-    if carried {
+    if broke {
         out.ruptures.extend_from_slice(&attempt.ruptures);
         out.ruptures.sort_unstable_by_key(|r| r.bond);
     }

@@ -100,6 +100,13 @@ pub fn committed(attempt: Res<Attempt>) -> bool {
     matches!(attempt.status, IncrementStatus::Solved | IncrementStatus::Capped)
 }
 
+/// Run condition: bonds are to break. A cascade that ends in a collapse has broken those of its
+/// earlier rounds, whatever else is not committed.
+pub fn ruptured(attempt: Res<Attempt>) -> bool {
+    attempt.status == IncrementStatus::Collapsed
+        || matches!(attempt.status, IncrementStatus::Solved | IncrementStatus::Capped)
+}
+
 /// Adds the three schedules with their sets.
 pub struct SchedulePlugin;
 
@@ -117,7 +124,7 @@ impl Plugin for SchedulePlugin {
             (
                 IncrementSystems::Attempts,
                 IncrementSystems::Update.run_if(committed),
-                IncrementSystems::Rupture.run_if(committed),
+                IncrementSystems::Rupture.run_if(ruptured),
                 IncrementSystems::Walls.run_if(committed),
                 IncrementSystems::Record,
             )

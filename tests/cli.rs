@@ -188,7 +188,7 @@ fn exit_3_misspelt_radius_of_a_particle() {
 
 #[test]
 fn exit_3_misspelt_radius_of_a_size_distribution() {
-    misspelt_radius("biaxial_small.ron", "sizes: Uniform(radius: (3.0e-3, 5.0e-3))");
+    misspelt_radius("uniaxial_small.ron", "sizes: Uniform(radius: (0.3e-3, 0.6e-3))");
 }
 
 /// A rigid disk between rigid walls that close in on it: no motion is feasible.

@@ -145,3 +145,50 @@ fn a_specimen_whose_grains_do_not_touch_yet_is_not_collapsed() {
     let moved = records.last().unwrap().probes[0].motion[1];
     assert!((moved + sinks).abs() < 1e-9 * sinks, "{moved}");
 }
+
+/// A mechanism was only searched for pairs within a mean radius.
+#[test]
+fn a_loaded_wall_finds_a_specimen_that_is_far_away() {
+    for gap in [0.5e-3, 5.0e-3, 50.0e-3] {
+        let y = 2.0e-3 + gap;
+        let scene = common::parse(&format!(
+            "(
+                version: 1,
+                title: \"far wall\",
+                materials: {{ \"stone\": (contact: (normal_stiffness: 1.0e6)) }},
+                specimen: Particles([(position: (0.0, 1.0e-3), radius: 1.0e-3)]),
+                walls: [
+                    (name: \"bottom\", start: (-1.0e-3, 0.0), end: (1.0e-3, 0.0)),
+                    (name: \"top\", start: (1.0e-3, {y:?}), end: (-1.0e-3, {y:?}), probe: \"top\"),
+                ],
+                stages: [Load(name: \"press\", increments: 1, walls: {{ \"top\": Force(10.0) }})],
+            )",
+        ));
+        let (records, _) = common::run(&scene);
+        let last = records.last().unwrap();
+        assert_eq!(last.status, IncrementStatus::Solved, "gap {gap}");
+        assert!((last.probes[0].motion[1] + gap).abs() < 1e-9 * gap, "gap {gap}");
+    }
+}
+
+/// Particles that the scene moves were judged as thrown grains.
+#[test]
+fn prescribed_motion_is_no_throw() {
+    let scene = common::parse(
+        "(
+            version: 1,
+            title: \"far away\",
+            materials: { \"stone\": (contact: (normal_stiffness: 1.0e6)) },
+            specimen: Particles([
+                (position: (0.0, 0.0), radius: 6.0e-3),
+                (position: (0.1, 0.0), radius: 6.0e-3),
+            ]),
+            stages: [Load(name: \"move\", increments: 2, particles: [
+                (select: Index([1]), x: Displacement(2.0)),
+            ])],
+        )",
+    );
+    let (records, _) = common::run(&scene);
+    assert_eq!(records.len(), 2);
+    assert!(records.iter().all(|r| (r.status, r.settled) == (IncrementStatus::Solved, 0)));
+}

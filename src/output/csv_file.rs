@@ -84,6 +84,12 @@ impl Row {
         numbers.into_iter().fold(self, Self::number)
     }
 
+    /// Adds several numbers, or empty fields where they are not defined.
+    #[must_use]
+    pub fn optionals(self, numbers: impl IntoIterator<Item = Option<f64>>) -> Self {
+        numbers.into_iter().fold(self, Self::optional)
+    }
+
     /// Adds a number, or an empty field where it is not defined.
     #[must_use]
     pub fn optional(mut self, number: Option<f64>) -> Self {

@@ -2,6 +2,7 @@
 //! check it with another solver.
 
 use std::borrow::Cow;
+use std::io;
 use std::path::Path;
 
 use bevy_ecs::prelude::*;
@@ -248,10 +249,15 @@ fn name(status: SolveStatus) -> &'static str {
 /// solvers on the programs of a run.
 ///
 /// # Errors
-/// Where the file cannot be read or is no dump.
+/// Where the file cannot be read, is no dump of this version, or has a number that is not finite.
 pub fn read_program(path: &Path) -> Result<(ConeProgram, ConeSolution), OutputError> {
     let text = std::fs::read_to_string(path).map_err(OutputError::at(path))?;
     let dump: Dump = serde_json::from_str(&text).map_err(OutputError::at(path))?;
+    let status = NAMES.iter().find(|n| n.1 == dump.solution.status).map(|n| n.0);
+    let (true, Some(status)) = (dump.format == FORMAT, status) else {
+        let error = io::Error::new(io::ErrorKind::InvalidData, "not a dump of this version");
+        return Err(OutputError::at(path)(error));
+    };
     let program = ConeProgram {
         bodies: dump
             .bodies
@@ -270,7 +276,7 @@ pub fn read_program(path: &Path) -> Result<(ConeProgram, ConeSolution), OutputEr
     };
     let s = dump.solution;
     let solution = ConeSolution {
-        status: NAMES.iter().find(|n| n.1 == s.status).map_or_else(SolveStatus::default, |n| n.0),
+        status,
         forces: s.forces.into_owned(),
         displacements: s.displacements.into_owned(),
         residuals: Residuals {

@@ -4,6 +4,7 @@
 //! that the scene does not define, or that do not exist yet: strains count from the start of the
 //! reference stage.
 
+use clastic_components::attempt::IncrementStatus;
 use clastic_components::observation::Observation;
 
 use super::csv_file::Row;
@@ -68,6 +69,8 @@ pub fn header(probes: &[String]) -> Vec<String> {
 #[must_use]
 pub fn row(o: &Observation, probes: &[String]) -> Row {
     let r = &o.residuals;
+    // A collapse has no solution that residuals could be taken of.
+    let solved = !matches!(o.status, IncrementStatus::Collapsed | IncrementStatus::Locked);
     let mut row = Row::default()
         .count(o.increment)
         .text(&o.stage)
@@ -83,7 +86,9 @@ pub fn row(o: &Observation, probes: &[String]) -> Row {
         .count(o.broken[1] as u64)
         .count(o.broken[2] as u64)
         .count(o.iterations)
-        .numbers([r.balance, r.kinematics, r.cone, r.complementarity])
+        .optionals(
+            [r.balance, r.kinematics, r.cone, r.complementarity].map(|r| solved.then_some(r)),
+        )
         .text(o.status.name())
         .number(o.fraction)
         .count(o.potential_contacts as u64)

@@ -242,6 +242,10 @@ mod tests {
     use std::error::Error;
     use std::path::Path;
 
+    use clastic_components::program::SolveStatus;
+    use clastic_systems::solve_program::ConeSolver;
+    use clastic_systems::solve_program::clarabel::Clarabel;
+
     use super::*;
     use crate::run::{Simulation, Step};
     use crate::scene::from_str;
@@ -327,6 +331,23 @@ mod tests {
         assert!(
             written.iter().all(|(_, text)| !text.contains(&*here) && !text.contains("elsewhere"))
         );
+        Ok(())
+    }
+
+    #[test]
+    fn a_dumped_program_reads_back_and_has_the_dumped_solution() -> Result<(), Box<dyn Error>> {
+        let parent = tempfile::tempdir()?;
+        run(parent.path(), u64::MAX)?;
+        let path = directory::program(parent.path(), 3);
+        let (program, dumped) = dump::read_program(&path)?;
+        assert_eq!(dumped.status, SolveStatus::Solved);
+        let solution = Clarabel::default().solve(&program)?;
+        for (f, g) in solution.forces.iter().zip(&dumped.forces) {
+            assert!((f[0] - g[0]).abs() <= 1e-9 * g[0].abs(), "{f:?} {g:?}");
+        }
+        let other = fs::read_to_string(&path)?.replacen("version 1", "version 0", 1);
+        fs::write(&path, other)?;
+        assert!(dump::read_program(&path).is_err());
         Ok(())
     }
 

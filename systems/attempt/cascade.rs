@@ -37,6 +37,7 @@ pub fn judge(
         attempt.capped = true;
     } else {
         attempt.cascade_rounds += 1;
+        attempt.capped = false;
         attempt.openings.clear();
         attempt.coulomb_passes = 0;
         attempt.verdict = Verdict::Again;

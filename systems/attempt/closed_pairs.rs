@@ -75,8 +75,13 @@ pub(super) fn unlisted_pairs(
             }
         }
     }
-    pairs.retain(|pair| contacts.0.binary_search_by_key(pair, |c| (c.a, c.b)).is_err());
+    pairs.retain(|pair| !is_listed(contacts, *pair));
     pairs
+}
+
+/// Whether a pair is in the program.
+pub(super) fn is_listed(contacts: &Contacts, pair: (u32, u32)) -> bool {
+    contacts.0.binary_search_by_key(&pair, |c| (c.a, c.b)).is_ok()
 }
 
 /// Positions of all bodies after the displacements of the solution, m.

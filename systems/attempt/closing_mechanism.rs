@@ -9,10 +9,10 @@ use clastic_components::attempt::Attempt;
 use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::program::{ConeProgram, ConeSolution};
 
-use super::closed_pairs::{add, gap, unlisted_pairs};
+use super::closed_pairs::{add, gap, is_listed, unlisted_pairs};
 
-/// Pairs with a greater gap, in mean radii, do not come into question: frozen normals say nothing
-/// about them.
+/// Particles with a greater gap, in mean radii, do not come into question: frozen normals say
+/// nothing about them. A wall that moves has the same normal however far it is.
 const FURTHEST: f64 = 1.0;
 /// A pair closes if it does so faster than this fraction of the greatest motion.
 const CLOSES: f64 = 1e-6;
@@ -48,7 +48,10 @@ pub fn judge(
         closing > CLOSES * scale * greatest
     };
     let near = unlisted_pairs(&bodies, &contacts, &bodies.positions, FURTHEST * bodies.mean_radius);
-    let mut closing = near.into_iter().filter(closes).peekable();
+    let moving = bodies.walls.iter().filter(|w| motion[w.body as usize] != DVec2::ZERO);
+    let walls = moving.flat_map(|w| (0..bodies.particles as u32).map(|a| (a, w.body)));
+    let walls = walls.filter(|pair| !is_listed(&contacts, *pair));
+    let mut closing = near.into_iter().chain(walls).filter(closes).peekable();
     if closing.peek().is_some() {
         add(&mut attempt, closing);
     }

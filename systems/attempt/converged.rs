@@ -5,7 +5,7 @@ use bevy_ecs::prelude::*;
 use clastic_components::attempt::{Attempt, IncrementStatus, Verdict};
 use clastic_components::contact::Bodies;
 use clastic_components::increment::Acceptance;
-use clastic_components::program::{ConeProgram, ConeSolution, SolveStatus};
+use clastic_components::program::{Certificate, ConeProgram, ConeSolution, SolveStatus};
 
 use super::magnitudes;
 use super::thrown_grains::{hold_unloaded, thrown};
@@ -31,7 +31,15 @@ pub fn judge(
         SolveStatus::Stalled => IncrementStatus::Stalled,
     };
     attempt.verdict = match solution.status {
-        SolveStatus::Solved | SolveStatus::Collapsed => Verdict::Accept,
+        SolveStatus::Solved => Verdict::Accept,
+        // The solver's word does not count.
+        SolveStatus::Collapsed => match recheck(&program, &solution) {
+            Some(mechanism) => {
+                solution.certificate = Some(mechanism);
+                Verdict::Accept
+            }
+            None => Verdict::Reject("the solver reports a collapse that it cannot prove".into()),
+        },
         SolveStatus::Locked => {
             Verdict::Reject("locked: rigid bodies have no feasible motion".into())
         }
@@ -75,6 +83,12 @@ fn collapsed_or(
         }
         None => otherwise,
     }
+}
+
+/// The certificate of a collapse by our own count, if it proves it.
+fn recheck(program: &ConeProgram, solution: &ConeSolution) -> Option<Certificate> {
+    let claimed = solution.certificate.as_ref()?;
+    certificate(program, &claimed.mechanism).filter(proves)
 }
 
 /// Whether a solution would have converged but for what the regularisation adds to the balance.

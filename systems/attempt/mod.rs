@@ -91,15 +91,20 @@ pub fn run_attempts(world: &mut World) {
     loop {
         world.run_schedule(AttemptIncrement);
         let mut attempt = world.resource_mut::<Attempt>();
-        let verdict = if attempt.solves >= MAX_SOLVES {
-            Verdict::Reject(format!("{MAX_SOLVES} solves"))
-        } else {
-            std::mem::take(&mut attempt.verdict)
+        let verdict = match std::mem::take(&mut attempt.verdict) {
+            Verdict::Again if attempt.solves >= MAX_SOLVES => {
+                Verdict::Reject(format!("{MAX_SOLVES} solves"))
+            }
+            verdict => verdict,
         };
         let reason = match verdict {
             Verdict::Accept => {
                 if attempt.status == IncrementStatus::Solved && attempt.capped {
                     attempt.status = IncrementStatus::Capped;
+                }
+                if attempt.status == IncrementStatus::Collapsed {
+                    // A collapse commits no motion, that of settling grains neither.
+                    before.restore(world);
                 }
                 return;
             }
@@ -148,6 +153,7 @@ fn final_status(status: IncrementStatus) -> IncrementStatus {
 fn forget(attempt: &mut Attempt, reason: String) {
     attempt.complaint = reason;
     attempt.ruptures.clear();
+    attempt.capped = false;
     attempt.cascade_rounds = 0;
     attempt.openings.clear();
     attempt.coulomb_passes = 0;

@@ -7,10 +7,13 @@ use bevy_ecs::prelude::*;
 use glam::DVec2;
 
 use clastic_components::attempt::{Attempt, Verdict};
+use clastic_components::body::Drive;
 use clastic_components::contact::Bodies;
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
 use clastic_components::program::{ConeProgram, ConeSolution};
 
+/// Fewer grains than this have a mean motion, but no affine field.
+const FEW: usize = 6;
 /// How many times further than others a grain may move that carries no load.
 const UNLOADED: f64 = 3.0;
 /// Forces below this fraction of the greatest one are no load: the curve does not see their loss.
@@ -121,9 +124,17 @@ pub fn far_motions(bodies: &Bodies, program: &ConeProgram, solution: &ConeSoluti
             DVec2::new(u[0], u[1])
         })
         .collect();
-    let field = MeanField::fit(&bodies.positions[..n], &motion);
+    // What is driven moves as it is told to; few grains are judged about what is free.
+    let driven = |i: usize| bodies.drives[i][..2].iter().any(|d| matches!(d, Drive::Imposed(_)));
+    let free: Vec<usize> = (0..n).filter(|i| !driven(*i)).collect();
+    let of_free = |x: &[DVec2]| -> Vec<DVec2> { free.iter().map(|i| x[*i]).collect() };
+    let field = if n < FEW {
+        MeanField::fit(&of_free(&bodies.positions[..n]), &of_free(&motion))
+    } else {
+        MeanField::fit(&bodies.positions[..n], &motion)
+    };
     let far = |i: usize| (motion[i] - field.at(bodies.positions[i])).length() / bodies.radii[i];
-    (0..n).map(far).collect()
+    (0..n).map(|i| if driven(i) { 0.0 } else { far(i) }).collect()
 }
 
 /// An affine displacement field `u(x) = u_0 + H (x - x_0)`.
@@ -151,7 +162,7 @@ impl MeanField {
             uy += d.y * (*u - mean);
         }
         let det = xx * yy - xy * xy;
-        let few = x.len() < 6 || det <= 1e-6 * (xx + yy) * (xx + yy);
+        let few = x.len() < FEW || det <= 1e-6 * (xx + yy) * (xx + yy);
         let (along_x, along_y) = if few {
             (DVec2::ZERO, DVec2::ZERO)
         } else {

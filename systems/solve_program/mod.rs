@@ -1,4 +1,4 @@
-//! Solving the cone program: the trait, the registry, residuals and certificates.
+//! Solving the cone program: the trait, the solvers, residuals and certificates.
 //!
 //! A solver reads the [`ConeProgram`] and writes a [`ConeSolution`]; how it ended is data. Whether
 //! it is a solution is not for the solver to say: residuals and certificates are computed here,
@@ -38,13 +38,13 @@ pub trait ConeSolver: Send + Sync {
     fn solve(&mut self, program: &ConeProgram) -> Result<ConeSolution, MalformedProgram>;
 }
 
-/// The solver of this world.
+/// The solver of this world; [`Condensed`](condensed::Condensed) unless something else is said.
 #[derive(Resource)]
 pub struct Solver(pub Box<dyn ConeSolver>);
 
 impl Default for Solver {
     fn default() -> Self {
-        Self(Box::new(clarabel::Clarabel::default()))
+        Self(Box::new(condensed::Condensed::default()))
     }
 }
 

@@ -26,6 +26,12 @@ pub fn load(name: &str) -> Scene {
     scene::load(Path::new(&path), &[]).unwrap_or_else(|e| panic!("{e}")).scene
 }
 
+/// A scene of `scenes/` by name, with the specimen file that it reads.
+pub fn load_with_specimen(name: &str) -> scene::LoadedScene {
+    let path = format!("{}/scenes/{name}.ron", env!("CARGO_MANIFEST_DIR"));
+    scene::load(Path::new(&path), &[]).unwrap_or_else(|e| panic!("{e}"))
+}
+
 /// The loading stage with the given name, to change it.
 pub fn stage<'a>(scene: &'a mut Scene, name: &str) -> &'a mut Load {
     scene

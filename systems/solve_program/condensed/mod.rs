@@ -87,11 +87,6 @@ impl ConeSolver for Condensed {
 }
 
 impl Condensed {
-    /// Displacements by body, m and rad, to start the next solve from.
-    pub fn start_from(&mut self, displacements: &[[f64; 3]]) {
-        self.last = displacements.to_vec();
-    }
-
     fn solve_part(
         &mut self,
         program: &ConeProgram,
