@@ -1,4 +1,4 @@
-//! State of the attempts at one increment: tentative, dropped when the increment is committed.
+//! State of the attempts at one increment: tentative, dropped when the next increment begins.
 
 use bevy_ecs::prelude::*;
 
