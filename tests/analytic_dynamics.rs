@@ -389,3 +389,23 @@ fn linear_spring_impact_has_its_contact_time_and_greatest_overlap() {
     assert_relative(fine, (PI / 80.0).powi(2) / 12.0, 1e-2);
     assert_within(coarse / fine, 4.0, 0.01);
 }
+
+/// `Rest` ended a fall after its first increment, slow as it was.
+#[test]
+fn a_fall_that_begins_is_not_at_rest() {
+    let scene = common::parse(
+        "(
+            version: 1,
+            title: \"fall\",
+            analysis: Dynamic(dt: 1.0e-4),
+            gravity: (0.0, -9.81),
+            materials: { \"stone\": (contact: ()) },
+            specimen: Particles([(position: (0.0, 2.0e-3), radius: 1.0e-3)]),
+            walls: [(name: \"floor\", start: (-1.0, 0.0), end: (1.0, 0.0))],
+            stages: [Load(name: \"fall\", increments: 1000, stop: [Rest(0.01)])],
+        )",
+    );
+    let (records, _) = common::run(&scene);
+    // 1 mm takes sqrt(2 h/g) = 14.3 ms, 143 increments; theta = 1 sticks to the floor.
+    assert!((140..160).contains(&records.len()), "{} increments", records.len());
+}

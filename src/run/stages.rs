@@ -20,6 +20,8 @@ pub struct Script {
     pub scene: Scene,
     /// Whether the stage at [`Progress::stage`] has begun.
     pub begun: bool,
+    /// Greatest speed of a particle after the last increment of the stage, m/s.
+    pub speed: Option<f64>,
     /// Greatest axial stress of the stage so far, Pa.
     pub peak: f64,
     /// The first collapse: stage and increment.
@@ -32,7 +34,14 @@ impl Script {
     /// The script of a scene, before its first stage.
     #[must_use]
     pub fn new(scene: &Scene) -> Self {
-        Self { scene: scene.clone(), begun: false, peak: 0.0, collapse: None, outcome: None }
+        Self {
+            scene: scene.clone(),
+            begun: false,
+            speed: None,
+            peak: 0.0,
+            collapse: None,
+            outcome: None,
+        }
     }
 
     /// Index of the stage at whose start strains are zero.
@@ -129,6 +138,7 @@ fn begin(world: &mut World, stage: &Stage) {
         let mut script = world.resource_mut::<Script>();
         script.begun = true;
         script.peak = 0.0;
+        script.speed = None;
         if index == script.reference_stage() {
             world.resource_mut::<Measures>().reference_stage = index;
         }
@@ -210,7 +220,10 @@ fn stopped(world: &mut World, stage: &Stage) -> bool {
     let observation = world.resource::<Observation>();
     let (strain, stress) = (observation.axial_strain, observation.axial_stress);
     let time = world.resource::<Progress>().time;
+    let mut velocities = world.query::<&Velocity>();
+    let greatest = velocities.iter(world).map(|v| v.0.length()).fold(0.0, f64::max);
     let mut script = world.resource_mut::<Script>();
+    let last = script.speed.replace(greatest);
     if let Some(stress) = stress {
         script.peak = script.peak.max(stress);
     }
@@ -221,6 +234,7 @@ fn stopped(world: &mut World, stage: &Stage) -> bool {
             .is_some_and(|e| if limit < 0.0 { e <= limit + 1e-12 } else { e >= limit - 1e-12 }),
         Stop::StressDrop(fraction) => stress.is_some_and(|s| peak > 0.0 && s < fraction * peak),
         Stop::Time(limit) => time >= limit * (1.0 - 1e-12),
-        Stop::Rest(speed) => world.query::<&Velocity>().iter(world).all(|v| v.0.length() < speed),
+        // What begins to fall is slow too: at rest nothing gets faster.
+        Stop::Rest(speed) => greatest < speed && last.is_some_and(|last| greatest <= last),
     })
 }

@@ -103,8 +103,8 @@ fn biased(program: &ConeProgram, solution: &ConeSolution, acceptance: &Acceptanc
 fn complaint(solution: &ConeSolution, acceptance: &Acceptance) -> String {
     let r = &solution.residuals;
     format!(
-        "the solver ended with \"{}\"; residuals: balance {:.1e}, kinematics {:.1e}, cone {:.1e}, \
-         complementarity {:.1e}; accepted {:.0e}",
-        solution.message, r.balance, r.kinematics, r.cone, r.complementarity, acceptance.residual
+        "no solution was found; residuals of the best one: balance {:.1e}, kinematics {:.1e}, cone \
+         {:.1e}, complementarity {:.1e}; accepted {:.0e} (the solver says \"{}\")",
+        r.balance, r.kinematics, r.cone, r.complementarity, acceptance.residual, solution.message
     )
 }

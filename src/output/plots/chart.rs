@@ -118,9 +118,11 @@ impl Chart {
             .y_label_area_size(64 * ZOOM)
             .right_y_label_area_size(if self.second.is_some() { 60 } else { 12 } * ZOOM);
         let second = self.second.clone().unwrap_or_default();
-        let mut chart = builder
-            .build_cartesian_2d(x.clone(), y)?
-            .set_secondary_coord(x, range(second.points.iter().map(|p| p.1)));
+        let second_range = range(second.points.iter().map(|p| p.1));
+        let span = |r: &std::ops::Range<f64>| r.end - r.start;
+        let (x_span, y_span, second_span) = (span(&x), span(&y), span(&second_range));
+        let mut chart =
+            builder.build_cartesian_2d(x.clone(), y)?.set_secondary_coord(x, second_range);
         chart
             .configure_mesh()
             .light_line_style(WHITE)
@@ -131,8 +133,8 @@ impl Chart {
             .y_desc(&self.y)
             .axis_desc_style(font(14))
             .label_style(font(12))
-            .x_label_formatter(&|v| tick(*v))
-            .y_label_formatter(&|v| tick(*v))
+            .x_label_formatter(&|v| tick(*v, x_span))
+            .y_label_formatter(&|v| tick(*v, y_span))
             .draw()?;
         for (line, color) in self.lines.iter().zip(COLORS.iter().cycle()) {
             let color = *color;
@@ -149,7 +151,7 @@ impl Chart {
                 .y_desc(&second.name)
                 .axis_desc_style(font(14))
                 .label_style(font(12))
-                .y_label_formatter(&|v| tick(*v))
+                .y_label_formatter(&|v| tick(*v, second_span))
                 .draw()?;
             chart
                 .draw_secondary_series(LineSeries::new(
@@ -201,8 +203,9 @@ fn thin(points: &[(f64, f64)]) -> impl Iterator<Item = (f64, f64)> {
     points.iter().step_by(step).chain(last).copied()
 }
 
-/// A tick without the digits of round-off.
-fn tick(value: f64) -> String {
+/// A tick without the digits of round-off, on an axis of the given span.
+fn tick(value: f64, span: f64) -> String {
+    let value = if value.abs() < 1e-9 * span { 0.0 } else { value };
     let rounded = format!("{value:.6e}").parse().unwrap_or(value) + 0.0;
     if rounded != 0.0 && !(1e-4..1e6).contains(&f64::abs(rounded)) {
         return format!("{rounded:e}");
@@ -216,8 +219,9 @@ mod tests {
 
     #[test]
     fn ticks_are_short() {
-        let found = [0.1 + 0.2, 1e-17, 250.0, 2e-7, -0.0].map(tick);
-        assert_eq!(found, ["0.3", "1e-17", "250", "2e-7", "0"]);
+        let found = [0.1 + 0.2, 1e-17, 250.0, 2e-7, -0.0].map(|v| tick(v, 1.0));
+        assert_eq!(found, ["0.3", "0", "250", "2e-7", "0"]);
+        assert_eq!(tick(1e-17, 1e-16), "1e-17");
     }
 
     #[test]

@@ -27,7 +27,8 @@ fn lines(runs: &Runs, column: &str) -> Vec<Line> {
         name: name.clone(),
         points: history.points("axial_strain", column),
     };
-    runs.iter().map(line).filter(|line| !line.points.is_empty()).collect()
+    // Runs without the column keep their place, so that colours are the same in all pictures.
+    runs.iter().map(line).collect()
 }
 
 /// Strain in per cent, the other axis times a factor.
@@ -39,7 +40,7 @@ fn scaled(mut lines: Vec<Line>, factor: f64) -> Vec<Line> {
 }
 
 fn chart(title: &str, y: String, lines: Vec<Line>) -> Option<Chart> {
-    (!lines.is_empty()).then(|| Chart {
+    lines.iter().any(|line| !line.points.is_empty()).then(|| Chart {
         title: title.to_owned(),
         caption: SIGNS.to_owned(),
         x: STRAIN.to_owned(),

@@ -372,7 +372,7 @@ fn stages() {
         (CONTROL, "stop: [Time(1.0), AxialStrain(0.0), StressDrop(2.0), Rest(-1.0)]",
          "22:20: stages[0].stop[0]: a stop by time or speed in a static stage, which has no time; use a dynamic analysis
 22:31: stages[0].stop[1]: no axial strain is measured; add `axial_strain` to `measures`
-22:43: stages[0].stop[1][0]: zero (0.0); give a strain other than 0
+22:43: stages[0].stop[1][0]: zero (0.0); give a strain as a fraction: 0.12 is 12 %
 22:49: stages[0].stop[2]: no axial stress is measured; add `axial_stress` to `measures`
 22:60: stages[0].stop[2][0]: out of range (2.0); give a fraction between 0 and 1
 22:66: stages[0].stop[3]: a stop by time or speed in a static stage, which has no time; use a dynamic analysis

@@ -297,7 +297,8 @@ fn stops(context: &Context, path: Arguments, stop: Stop, timeless: bool, finding
     let sure = findings.is_sure_of("measures");
     match stop {
         Stop::AxialStrain(strain) => {
-            findings.number(number, strain, |strain| strain != 0.0, "a strain other than 0");
+            let allowed = |strain: f64| strain != 0.0 && strain.abs() < 1.0;
+            findings.number(number, strain, allowed, "a strain as a fraction: 0.12 is 12 %");
             if measures.axial_strain.is_none() && sure {
                 let help = "add `axial_strain` to `measures`";
                 findings.add(path, "no axial strain is measured", help);
