@@ -393,7 +393,7 @@ fn linear_spring_impact_has_its_contact_time_and_greatest_overlap() {
 /// `Rest` ended a fall after its first increment, slow as it was.
 #[test]
 fn a_fall_that_begins_is_not_at_rest() {
-    let scene = common::parse(
+    let scene = parse(
         "(
             version: 1,
             title: \"fall\",
@@ -405,7 +405,7 @@ fn a_fall_that_begins_is_not_at_rest() {
             stages: [Load(name: \"fall\", increments: 1000, stop: [Rest(0.01)])],
         )",
     );
-    let (records, _) = common::run(&scene);
+    let (records, _) = run(&scene);
     // 1 mm takes sqrt(2 h/g) = 14.3 ms, 143 increments; theta = 1 sticks to the floor.
     assert!((140..160).contains(&records.len()), "{} increments", records.len());
 }
