@@ -86,23 +86,55 @@ scenes! {
     ];
 
     #[ignore = "7380 disks, 120 increments"]
-    uniaxial: "uniaxial", COMPLETES, &[];
+    uniaxial: "uniaxial", COMPLETES, &[
+        ("bonds_created", 16031.0),
+        ("youngs_modulus_pa", 74435910941.81558),
+        ("youngs_modulus_secant_half_peak_pa", 74418889416.85947),
+        ("first_crack_stress_pa", 145163052.02270582),
+        ("peak_stress_pa", 215959787.0400182),
+        ("strain_at_peak", 0.0031500000000031524),
+    ];
     #[ignore = "7380 disks, 120 increments"]
-    uniaxial_as_printed: "uniaxial_as_printed", COMPLETES, &[];
+    uniaxial_as_printed: "uniaxial_as_printed", COMPLETES, &[
+        ("bonds_created", 16025.0),
+        ("youngs_modulus_pa", 7437985544.669496),
+        ("youngs_modulus_secant_half_peak_pa", 7445182634.129003),
+        ("first_crack_stress_pa", 141399686.24462596),
+        ("peak_stress_pa", 223759000.80931368),
+        ("strain_at_peak", 0.03300000000000247),
+    ];
     #[ignore = "7380 disks, rigid"]
-    uniaxial_rigid: "uniaxial_rigid", COMPLETES, &[];
+    uniaxial_rigid: "uniaxial_rigid", COMPLETES, &[
+        ("bonds_created", 16025.0),
+        ("limit_load_pa", 1110319300.3795238),
+    ];
     #[ignore = "compacts 6160 disks"]
     prepare_biaxial: "prepare_biaxial", COMPLETES, &[];
     #[ignore = "6160 disks, 165 increments"]
     biaxial_0_kpa: "biaxial_0kPa", COMPLETES, &[];
     #[ignore = "6160 disks, 165 increments"]
-    biaxial_10_kpa: "biaxial_10kPa", COMPLETES, &[];
+    biaxial_10_kpa: "biaxial_10kPa", COMPLETES, &[
+        ("bonds_created", 16145.0),
+        ("youngs_modulus_pa", 71022356.37826478),
+        ("peak_stress_pa", 913912.8935821715),
+        ("strain_at_peak", 0.015593475851484998),
+    ];
     #[ignore = "6160 disks, 165 increments"]
     biaxial_10_kpa_letter: "biaxial_10kPa_letter", COMPLETES, &[];
     #[ignore = "6160 disks, 165 increments"]
-    biaxial_50_kpa: "biaxial_50kPa", COMPLETES, &[];
+    biaxial_50_kpa: "biaxial_50kPa", COMPLETES, &[
+        ("bonds_created", 16145.0),
+        ("youngs_modulus_pa", 71155402.49178861),
+        ("peak_stress_pa", 972755.0388492729),
+        ("strain_at_peak", 0.015593396659790162),
+    ];
     #[ignore = "6160 disks, 165 increments"]
-    biaxial_100_kpa: "biaxial_100kPa", COMPLETES, &[];
+    biaxial_100_kpa: "biaxial_100kPa", COMPLETES, &[
+        ("bonds_created", 16145.0),
+        ("youngs_modulus_pa", 71356544.33602941),
+        ("peak_stress_pa", 1052405.0543539259),
+        ("strain_at_peak", 0.015593381403305113),
+    ];
     #[ignore = "2000 disks and more, dynamic"]
     column_collapse: "column_collapse", COMPLETES, &[];
 }
