@@ -76,6 +76,9 @@ pub struct Attempt {
     pub settling: Option<f64>,
     /// Bodies that carried no load in a rejected solution and went far; empty before there was one.
     pub unloaded: Vec<bool>,
+    /// Bodies that went far in a rejected solution: their taut bonds pull them back; empty before
+    /// there was one.
+    pub swinging: Vec<bool>,
     /// Bodies that are held where they are while others settle; empty where none is.
     pub held: Vec<bool>,
     /// Solves that settled loose grains in this increment.

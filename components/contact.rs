@@ -36,6 +36,8 @@ pub struct Bodies {
     pub drives: Vec<[Drive; 3]>,
     /// Applied loads of the particles.
     pub loads: Vec<[Ramp; 3]>,
+    /// Particles that swing about their bonds.
+    pub swinging: Vec<bool>,
     /// The walls that are there, in identity order.
     pub walls: Vec<WallRow>,
     /// The intact bonds, by (a, b).

@@ -44,3 +44,8 @@ impl Particle {
 /// Index of a particle's material in [`Materials`](crate::material::Materials).
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct MaterialIndex(pub u32);
+
+/// A particle that a rejected solution moved far: it is on a mechanism, and its taut bonds are to pull
+/// it back in the increments that follow too.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct Swinging;

@@ -10,7 +10,7 @@ use clastic_components::body::{
 use clastic_components::bond::{Bond, BondId, BondState};
 use clastic_components::contact::{Bodies, BondRow, WallRow};
 use clastic_components::material::ContactLaw;
-use clastic_components::particle::{MaterialIndex, Particle};
+use clastic_components::particle::{MaterialIndex, Particle, Swinging};
 use clastic_components::wall::{Wall, WallDrive};
 
 use crate::schedule::{AttemptIncrement, AttemptSystems};
@@ -39,6 +39,7 @@ type ParticleQuery<'w, 's> = Query<
         &'static MaterialIndex,
         &'static Drives,
         &'static AppliedLoad,
+        Has<Swinging>,
     ),
 >;
 
@@ -80,8 +81,20 @@ pub fn gather_bodies(
     bodies.materials.resize(n, 0);
     bodies.drives.resize(n, Default::default());
     bodies.loads.resize(n, Default::default());
-    for (entity, id, particle, position, velocity, spin, motion, material, drives, load) in
-        &particles
+    bodies.swinging.resize(n, false);
+    for (
+        entity,
+        id,
+        particle,
+        position,
+        velocity,
+        spin,
+        motion,
+        material,
+        drives,
+        load,
+        swinging,
+    ) in &particles
     {
         let i = id.index();
         bodies.entities[i] = entity;
@@ -95,6 +108,7 @@ pub fn gather_bodies(
         bodies.materials[i] = material.0;
         bodies.drives[i] = drives.0;
         bodies.loads[i] = load.0;
+        bodies.swinging[i] = swinging;
     }
     bodies.mean_radius = if n == 0 { 1.0 } else { bodies.radii.iter().sum::<f64>() / n as f64 };
 

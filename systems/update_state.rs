@@ -9,12 +9,13 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use glam::DVec2;
 
+use clastic_components::attempt::Attempt;
 use clastic_components::body::{
     AngularVelocity, BodyId, ExternalForce, LastMotion, Position, Rotation, Velocity,
 };
 use clastic_components::contact::{Bodies, ContactHistory, ContactMemory, Contacts};
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
-use clastic_components::particle::Particle;
+use clastic_components::particle::{Particle, Swinging};
 use clastic_components::program::{ConeProgram, ConeSolution, Dof};
 use clastic_components::wall::Wall;
 
@@ -33,6 +34,7 @@ impl Plugin for UpdateStatePlugin {
                 external_forces,
                 move_bodies,
                 remember_contacts,
+                remember_swinging,
                 advance_progress,
                 lap(|t| &mut t.update),
             )
@@ -198,6 +200,13 @@ pub fn remember_contacts(
             f[1]
         };
         history.0.push(ContactMemory { a: contact.a, b: contact.b, p: f[0], q });
+    }
+}
+
+/// Marks the particles that the attempts found to [swing](Swinging).
+pub fn remember_swinging(bodies: Res<Bodies>, attempt: Res<Attempt>, mut commands: Commands) {
+    for (i, _) in attempt.swinging.iter().enumerate().filter(|(i, s)| **s && !bodies.swinging[*i]) {
+        commands.entity(bodies.entities[i]).insert(Swinging);
     }
 }
 

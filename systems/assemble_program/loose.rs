@@ -15,9 +15,11 @@ use clastic_components::contact::{Bodies, ContactHistory};
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
 use clastic_components::program::{ConeProgram, Dof, Interaction};
 
-/// Weight in a repeated attempt, where it applies to every body and its centre follows the
-/// solution until nothing of it is left in the balance.
+/// First weight in a repeated attempt, where it applies to every body and its centre follows the
+/// solution until nothing of it is left in the balance; and the factor by which it falls with every
+/// move of the centre, so that what moves on and on is seen to do so.
 pub const WEIGHT_OF_RETRY: f64 = 1e-6;
+const FALL: f64 = 0.1;
 /// The attempt from which on everything is regularised.
 pub const RETRY: u32 = 2;
 
@@ -36,12 +38,23 @@ pub fn regularise(
     let retry = attempt.effort >= RETRY || attempt.settling.is_some();
     let mut loose =
         if retry { vec![true; program.bodies.len()] } else { find_loose(bodies, history, program) };
-    // Counting finds no mechanism that has constraints enough in the wrong places.
+    // Counting finds no mechanism that has constraints enough in the wrong places. What carried
+    // nothing in the last increment, or in a rejected solution of this one, may be part of one.
+    if !history.0.is_empty() {
+        let forces = history.0.iter().map(|m| (m.a, m.b, m.p.abs().max(m.q.abs())));
+        for (loose, loaded) in loose.iter_mut().zip(find_loaded(bodies.particles, forces)) {
+            *loose |= !loaded;
+        }
+    }
     for (loose, unloaded) in loose.iter_mut().zip(&attempt.unloaded) {
         *loose |= unloaded;
     }
     let unit = program.scales.force / program.scales.displacement;
-    let usual = if retry { WEIGHT_OF_RETRY } else { acceptance.regularisation };
+    let usual = if retry {
+        (WEIGHT_OF_RETRY * FALL.powf(f64::from(attempt.centres))).max(acceptance.regularisation)
+    } else {
+        acceptance.regularisation
+    };
     let weight = unit * attempt.settling.unwrap_or(usual);
     let length = program.scales.length;
     for (i, body) in program.bodies.iter_mut().enumerate().filter(|(i, _)| loose[*i]) {
@@ -52,6 +65,24 @@ pub fn regularise(
             }
         }
     }
+}
+
+/// Forces below this fraction of the greatest one are no load.
+const LEAST_LOAD: f64 = 1e-6;
+
+/// Which particles carry more than [`LEAST_LOAD`] of the greatest force; forces (N) by pairs of bodies.
+pub fn find_loaded(
+    particles: usize,
+    forces: impl Iterator<Item = (u32, u32, f64)> + Clone,
+) -> Vec<bool> {
+    let least = LEAST_LOAD * forces.clone().map(|f| f.2).fold(0.0, f64::max);
+    let mut loaded = vec![false; particles];
+    for (a, b, _) in forces.filter(|f| f.2 > least) {
+        for body in [a as usize, b as usize].into_iter().filter(|b| *b < particles) {
+            loaded[body] = true;
+        }
+    }
+    loaded
 }
 
 /// Whether an interaction is stiff at the start of the increment: a bond, or closed.

@@ -4,6 +4,7 @@ pub mod balance;
 pub mod interactions;
 pub mod loose;
 pub mod scales;
+pub mod taut;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
@@ -58,6 +59,7 @@ pub fn assemble_program(
         &attempt,
         &mut program.interactions,
     );
+    taut::assemble(&bodies, &contacts.0, &analysis, &attempt, &mut program.interactions);
     balance::assemble(
         &bodies,
         &analysis,

@@ -8,7 +8,8 @@ use clastic_components::increment::Acceptance;
 use clastic_components::program::{Certificate, ConeProgram, ConeSolution, SolveStatus};
 
 use super::magnitudes;
-use super::thrown_grains::{hold_unloaded, thrown};
+use super::restraints::restrain;
+use super::thrown_grains::thrown;
 use crate::solve_program::certificate::{certificate, proves};
 use crate::solve_program::residuals::regularised_residuals;
 
@@ -45,7 +46,7 @@ pub fn judge(
         }
         SolveStatus::Stalled if biased(&program, &solution, &acceptance) => {
             if let Some(reason) = thrown(&bodies, &program, &solution, &acceptance) {
-                if hold_unloaded(&bodies, &program, &solution, &acceptance, &mut attempt) {
+                if restrain(&bodies, &program, &solution, &acceptance, &mut attempt) {
                     Verdict::Again
                 } else {
                     collapsed_or(&program, &mut solution, &mut attempt, Verdict::Thrown(reason))

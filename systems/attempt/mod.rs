@@ -1,8 +1,9 @@
 //! The attempts at one increment, and the judges that accept, extend or reject them.
 //!
 //! Judges run in this order, each only while the verdict is still to accept: [`converged`],
-//! [`closing_mechanism`], [`closed_pairs`], [`thrown_grains`], [`coulomb`], [`cascade`]. What an attempt finds out
-//! (pairs, openings, ruptures) is kept in [`Attempt`] until the increment is committed.
+//! [`closing_mechanism`], [`restraints`], [`closed_pairs`], [`thrown_grains`], [`coulomb`],
+//! [`cascade`]. What an attempt finds out (pairs, restraints, openings, ruptures) is kept in
+//! [`Attempt`] until the increment is committed.
 //!
 //! A rejected increment is tried again: with the magnitudes that the failed attempt found as
 //! scales; then with every body regularised and the centre of the regularisation following the
@@ -15,6 +16,7 @@ pub mod closed_pairs;
 pub mod closing_mechanism;
 pub mod converged;
 pub mod coulomb;
+pub mod restraints;
 pub mod settle;
 pub mod thrown_grains;
 
@@ -48,6 +50,7 @@ impl Plugin for AttemptPlugin {
                 (
                     converged::judge,
                     closing_mechanism::judge.run_if(collapsed),
+                    restraints::judge.run_if(collapsed),
                     closed_pairs::judge.run_if(accepted),
                     thrown_grains::judge.run_if(accepted),
                     coulomb::judge.run_if(accepted),

@@ -132,12 +132,13 @@ fn still(ramp: Ramp) -> Ramp {
 }
 
 /// Lets the grains that were thrown and their neighbours settle, with all others held: the
-/// increment that follows lets go of all of them. Returns whether anything moved.
+/// increment that follows lets go of all of them. Where nothing moves so, what keeps them is further
+/// away, and all settle. Returns whether anything moved.
 pub fn settle(world: &mut World) -> bool {
     world.resource_mut::<Attempt>().held = patch(world);
     let moved = approach(world);
-    world.resource_mut::<Attempt>().held = Vec::new();
-    moved
+    let held = std::mem::take(&mut world.resource_mut::<Attempt>().held);
+    moved || (!held.is_empty() && approach(world))
 }
 
 /// Takes half of a small increment as one overdamped step, where the increment throws grains however

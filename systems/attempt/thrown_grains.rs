@@ -1,7 +1,6 @@
 //! Judge: was a grain thrown? A barely supported grain may be moved by many radii in one static
 //! increment whose residuals are perfect; it lands on others, and the increments that follow lose
 //! load for no physical reason. Motion is judged about the affine field that fits all grains best.
-//! Spalled grains that carry nothing take no load with them and may go further.
 
 use bevy_ecs::prelude::*;
 use glam::DVec2;
@@ -12,12 +11,10 @@ use clastic_components::contact::Bodies;
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
 use clastic_components::program::{ConeProgram, ConeSolution};
 
+use super::restraints::restrain;
+
 /// Fewer grains than this have a mean motion, but no affine field.
 const FEW: usize = 6;
-/// How many times further than others a grain may move that carries no load.
-const UNLOADED: f64 = 3.0;
-/// Forces below this fraction of the greatest one are no load: the curve does not see their loss.
-const LEAST_LOAD: f64 = 1e-3;
 
 /// Rejects a static solution in which a grain moves further than [`Acceptance::throw`] radii
 /// about the mean field.
@@ -33,32 +30,12 @@ pub fn judge(
         return;
     }
     if let Some(reason) = thrown(&bodies, &program, &solution, &acceptance) {
-        attempt.verdict = if hold_unloaded(&bodies, &program, &solution, &acceptance, &mut attempt)
-        {
+        attempt.verdict = if restrain(&bodies, &program, &solution, &acceptance, &mut attempt) {
             Verdict::Again
         } else {
             Verdict::Thrown(reason)
         };
     }
-}
-
-/// Notes down grains that a solution moves although they carry no load: nothing determines where
-/// they go, so they are to move least. Returns whether there is one that was not known before.
-pub fn hold_unloaded(
-    bodies: &Bodies,
-    program: &ConeProgram,
-    solution: &ConeSolution,
-    acceptance: &Acceptance,
-    attempt: &mut Attempt,
-) -> bool {
-    let far = far_motions(bodies, program, solution);
-    let loaded = loaded(bodies.particles, program, solution);
-    attempt.unloaded.resize(program.bodies.len(), false);
-    let mut news = false;
-    for i in (0..bodies.particles).filter(|i| !loaded[*i] && far[*i] > 0.1 * acceptance.throw) {
-        news |= !std::mem::replace(&mut attempt.unloaded[i], true);
-    }
-    news
 }
 
 /// Complaint about the grain that a solution throws furthest, if it throws any too far.
@@ -69,34 +46,13 @@ pub fn thrown(
     solution: &ConeSolution,
     acceptance: &Acceptance,
 ) -> Option<String> {
-    let far = far_motions(bodies, program, solution);
-    let loaded = loaded(bodies.particles, program, solution);
-    let limit = |i: usize| acceptance.throw * if loaded[i] { 1.0 } else { UNLOADED };
-    let excess = |i: usize| far[i] / limit(i);
-    let i = (0..far.len()).max_by(|a, b| excess(*a).total_cmp(&excess(*b)))?;
-    (!(far[i] <= limit(i))).then(|| {
-        let kind = if loaded[i] { "particle" } else { "particle without load" };
+    let (i, far) = furthest(bodies, program, solution)?;
+    (!(far <= acceptance.throw)).then(|| {
         format!(
-            "{kind} {i} was thrown by {:.2} radii about the mean motion; accepted {}",
-            far[i],
-            limit(i)
+            "particle {i} was thrown by {far:.2} radii about the mean motion; accepted {}",
+            acceptance.throw
         )
     })
-}
-
-/// Whether a contact or bond of a grain carries more than [`LEAST_LOAD`] of the greatest force.
-fn loaded(particles: usize, program: &ConeProgram, solution: &ConeSolution) -> Vec<bool> {
-    let force = |f: &[f64; 3]| f[0].abs().max(f[1].abs());
-    let least = LEAST_LOAD * solution.forces.iter().map(force).fold(0.0, f64::max);
-    let mut loaded = vec![false; particles];
-    for (c, f) in program.interactions.iter().zip(&solution.forces) {
-        if force(f) > least {
-            for body in [c.a as usize, c.b as usize].into_iter().filter(|b| *b < particles) {
-                loaded[body] = true;
-            }
-        }
-    }
-    loaded
 }
 
 /// The grain that moves furthest about the mean field, and how far in its radii.

@@ -8,6 +8,7 @@
 //! on infeasible programs stands only with a certificate.
 
 pub mod interior;
+pub mod local;
 pub mod local_system;
 pub mod matrix;
 pub mod newton;

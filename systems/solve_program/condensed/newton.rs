@@ -7,16 +7,43 @@
 //! line search is exact: the derivative along the step is monotone and piecewise linear.
 
 use super::interior::{add_blocks, factorise};
+use super::local::{Adjacency, eliminate};
 use super::matrix::BodyMatrix;
 use super::scaled::{Local, Scaled};
 
-/// Factorisations before the interior point takes over.
-const MAX_ITERATIONS: u32 = 12;
-/// Steps shorter than this, so many in a row, mean that every loose cluster holds all others back.
+/// What ends the iteration, and what damps it.
+#[derive(Clone, Copy, Debug)]
+pub struct Limits {
+    /// Factorisations at most.
+    pub iterations: u32,
+    /// So many [`TINY`] steps in a row.
+    pub tiny: u32,
+    /// Unbalance over the greatest force at which it is done,
+    pub goal: f64,
+    /// or unbalance in units of force.
+    pub unbalance: f64,
+    /// Added to the diagonal of the first matrix, and the least to which it falls: keeps a step
+    /// short where nothing is stiff.
+    pub damping: f64,
+    /// See `damping`.
+    pub least_damping: f64,
+}
+
+/// Of the whole program: the interior point takes over where it does not converge.
+const GLOBAL: Limits = Limits {
+    iterations: 14,
+    tiny: 3,
+    goal: 1e-10,
+    unbalance: 0.0,
+    damping: 1e-10,
+    least_damping: 1e-10,
+};
+/// Steps shorter than this mean that every loose cluster holds all others back.
 const TINY: f64 = 1e-3;
-const MAX_TINY: u32 = 3;
-/// Unbalance over the greatest force at which it is done.
-const GOAL: f64 = 1e-10;
+/// [Local elimination](eliminate) comes before a global step where the unbalance over the greatest
+/// force is more than this and the last step was shorter than that.
+const UNBALANCED: f64 = 1e-5;
+const SHORT: f64 = 0.7;
 
 /// Result of the iteration, converged or not.
 pub struct Newton {
@@ -93,9 +120,22 @@ pub(super) fn project(l: &Local, e: &[f64; 3]) -> ([f64; 3], [[f64; 3]; 3]) {
     ([p0, sign * q0, 0.0], d)
 }
 
-/// Runs the iteration from the displacements `start`.
+/// Solves the program from the displacements `start`, with local elimination.
 #[must_use]
 pub fn solve(program: &Scaled, matrix: &mut BodyMatrix, start: &[[f64; 3]]) -> Newton {
+    iterate(program, matrix, start, &GLOBAL, Some(&Adjacency::new(program)))
+}
+
+/// Runs the iteration from the displacements `start`; with local elimination where the adjacency of
+/// the program is given.
+#[must_use]
+pub fn iterate(
+    program: &Scaled,
+    matrix: &mut BodyMatrix,
+    start: &[[f64; 3]],
+    limits: &Limits,
+    adjacency: Option<&Adjacency>,
+) -> Newton {
     let n = program.free.len();
     let mut u: Vec<[f64; 3]> = (0..n)
         .map(|i| {
@@ -107,6 +147,9 @@ pub fn solve(program: &Scaled, matrix: &mut BodyMatrix, start: &[[f64; 3]]) -> N
     let mut e = vec![[0.0; 3]; m];
     let mut iterations = 0;
     let mut tiny = 0;
+    let mut step = 0.0;
+    let mut eliminated = false;
+    let mut damping = limits.damping;
     loop {
         for (k, l) in program.locals.iter().enumerate() {
             e[k] = Scaled::kinematics(l, &u);
@@ -129,15 +172,24 @@ pub fn solve(program: &Scaled, matrix: &mut BodyMatrix, start: &[[f64; 3]]) -> N
         let force = s.iter().map(|s| s[0].abs().max(s[1].abs())).fold(1e-3, f64::max);
         let unbalance = gradient.iter().flatten().map(|g| g.abs()).fold(0.0, f64::max);
         let finite = gradient.iter().flatten().all(|g| g.is_finite());
-        if !finite || unbalance <= GOAL * force || iterations >= MAX_ITERATIONS || tiny >= MAX_TINY
-        {
+        let done = iterations >= limits.iterations || tiny >= limits.tiny;
+        if !finite || unbalance <= (limits.goal * force).max(limits.unbalance) || done {
             break;
         }
+        if let Some(adjacency) = adjacency
+            && !std::mem::replace(&mut eliminated, true)
+            && unbalance > UNBALANCED * force
+            && step < SHORT
+            && eliminate(program, adjacency, &gradient, &e, &mut u)
+        {
+            continue;
+        }
+        eliminated = false;
         iterations += 1;
         matrix.values.iter_mut().for_each(|v| *v = 0.0);
         for i in 0..n {
             for k in 0..3 {
-                let weight = if program.free[i][k] { program.weight[i][k] + 1e-10 } else { 1.0 };
+                let weight = if program.free[i][k] { program.weight[i][k] + damping } else { 1.0 };
                 matrix.values[matrix.diagonal[i][k]] += weight;
             }
         }
@@ -154,7 +206,8 @@ pub fn solve(program: &Scaled, matrix: &mut BodyMatrix, start: &[[f64; 3]]) -> N
                 du[k] = 0.0;
             }
         }
-        let step = line_search(program, &u, &du, &e, &gradient);
+        damping = (0.5 * damping).max(limits.least_damping);
+        step = line_search(program, &u, &du, &e, &gradient);
         tiny = if step < TINY { tiny + 1 } else { 0 };
         for (u, du) in u.iter_mut().zip(&du) {
             for k in 0..3 {

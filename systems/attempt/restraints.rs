@@ -1,0 +1,85 @@
+//! What keeps grains from being thrown, found in solutions that throw them: grains without load are
+//! to move least, and taut bonds [pull back](taut) what swings about them.
+
+use bevy_ecs::prelude::*;
+
+use clastic_components::attempt::{Attempt, Verdict};
+use clastic_components::contact::Bodies;
+use clastic_components::increment::Acceptance;
+use clastic_components::program::{ConeProgram, ConeSolution, Interaction};
+
+use super::thrown_grains::far_motions;
+use crate::assemble_program::loose::find_loaded;
+use crate::assemble_program::taut;
+
+/// Bodies that move further than this fraction of the accepted throw, or of the greatest motion of a
+/// mechanism, take part in it.
+const TAKES_PART: f64 = 0.1;
+
+/// Judge: is a collapse the mechanism of grains that hang on taut bonds? Their stiffness is geometric
+/// and not yet in the program: solve again with it.
+pub fn judge(
+    bodies: Res<Bodies>,
+    program: Res<ConeProgram>,
+    solution: Res<ConeSolution>,
+    mut attempt: ResMut<Attempt>,
+) {
+    let Some(certificate) = &solution.certificate else { return };
+    let motion = |i: usize| certificate.mechanism[i][0].hypot(certificate.mechanism[i][1]);
+    let greatest = (0..bodies.particles).map(motion).fold(0.0, f64::max);
+    if pull_back(&bodies, &program, &mut attempt, |i| motion(i) > TAKES_PART * greatest) {
+        attempt.verdict = Verdict::Again;
+    }
+}
+
+/// Notes down what a solution that throws grains shows of this kind. Returns whether any of it is
+/// new.
+pub fn restrain(
+    bodies: &Bodies,
+    program: &ConeProgram,
+    solution: &ConeSolution,
+    acceptance: &Acceptance,
+    attempt: &mut Attempt,
+) -> bool {
+    let motions = far_motions(bodies, program, solution);
+    let far = |i: usize| motions[i] > TAKES_PART * acceptance.throw;
+    let unloaded = hold_unloaded(bodies, program, solution, attempt, far);
+    let swinging = pull_back(bodies, program, attempt, far);
+    unloaded || swinging
+}
+
+/// Grains that carry no load: nothing determines where they go.
+fn hold_unloaded(
+    bodies: &Bodies,
+    program: &ConeProgram,
+    solution: &ConeSolution,
+    attempt: &mut Attempt,
+    far: impl Fn(usize) -> bool,
+) -> bool {
+    let forces = program.interactions.iter().zip(&solution.forces);
+    let forces = forces.map(|(c, f)| (c.a, c.b, f[0].abs().max(f[1].abs())));
+    let loaded = find_loaded(bodies.particles, forces);
+    attempt.unloaded.resize(program.bodies.len(), false);
+    let mut news = false;
+    for i in (0..bodies.particles).filter(|i| !loaded[*i] && far(*i)) {
+        news |= !std::mem::replace(&mut attempt.unloaded[i], true);
+    }
+    news
+}
+
+/// Grains that swing; new are those with a taut bond.
+fn pull_back(
+    bodies: &Bodies,
+    program: &ConeProgram,
+    attempt: &mut Attempt,
+    far: impl Fn(usize) -> bool,
+) -> bool {
+    attempt.swinging.resize(bodies.particles, false);
+    let mut news = vec![false; program.bodies.len()];
+    for i in (0..bodies.particles).filter(|i| far(*i)) {
+        news[i] = !std::mem::replace(&mut attempt.swinging[i], true) && !bodies.swinging[i];
+    }
+    let joins_particles = |c: &Interaction| (c.b as usize) < bodies.particles;
+    let mut taut = program.interactions.iter().filter(|c| joins_particles(c) && taut::is_taut(c));
+    taut.any(|c| news[c.a as usize] || news[c.b as usize])
+}

@@ -1,0 +1,193 @@
+//! Local elimination: bodies that are far out of balance, and their surroundings, are brought to
+//! balance with all others held before the next global step.
+//!
+//! After a rupture a few contacts out of thousands change their state, and a cluster that came loose
+//! sends the global direction far off; the one global step length then serves one cluster per
+//! factorisation. Each cluster on its own is a small problem. (Nonlinear elimination, or
+//! nonlinearly preconditioned Newton: Cai and Keyes 2002.)
+
+use super::matrix::BodyMatrix;
+use super::newton::{self, Limits};
+use super::scaled::{Local, Scaled};
+
+/// Bodies with more than this fraction of the greatest unbalance are eliminated,
+const SHARE: f64 = 0.02;
+/// with what lies within so many interactions of them,
+const RINGS: usize = 2;
+/// where that is no more bodies than this.
+const LARGEST: usize = 1500;
+/// Open contacts further than this, in units of displacement, join nothing.
+const NEAR: f64 = 50.0;
+/// What is left of their unbalance, as a fraction of the greatest.
+const REST: f64 = 0.1;
+const LIMITS: Limits = Limits {
+    iterations: 30,
+    tiny: 30,
+    goal: 1e-10,
+    unbalance: 0.0,
+    damping: 1e-3,
+    least_damping: 1e-6,
+};
+
+/// The interactions of every body.
+pub struct Adjacency {
+    starts: Vec<usize>,
+    interactions: Vec<usize>,
+}
+
+impl Adjacency {
+    /// Of a program.
+    #[must_use]
+    pub fn new(program: &Scaled) -> Self {
+        let n = program.free.len();
+        let mut starts = vec![0; n + 1];
+        for body in program.locals.iter().flat_map(|l| l.bodies) {
+            starts[body + 1] += 1;
+        }
+        for i in 0..n {
+            starts[i + 1] += starts[i];
+        }
+        let mut next = starts.clone();
+        let mut interactions = vec![0; starts[n]];
+        for (k, l) in program.locals.iter().enumerate() {
+            for body in l.bodies {
+                interactions[next[body]] = k;
+                next[body] += 1;
+            }
+        }
+        Self { starts, interactions }
+    }
+
+    fn of(&self, body: usize) -> &[usize] {
+        &self.interactions[self.starts[body]..self.starts[body + 1]]
+    }
+}
+
+/// Brings the bodies that are furthest out of balance to balance; returns whether any moved.
+pub fn eliminate(
+    program: &Scaled,
+    adjacency: &Adjacency,
+    gradient: &[[f64; 3]],
+    e: &[[f64; 3]],
+    u: &mut [[f64; 3]],
+) -> bool {
+    let unbalance: Vec<f64> =
+        gradient.iter().map(|g| g.iter().fold(0.0_f64, |m, g| m.max(g.abs()))).collect();
+    let greatest = unbalance.iter().copied().fold(0.0, f64::max);
+    let n = unbalance.len();
+    let mobile = |i: usize| program.free[i].contains(&true);
+    // Walls touch bodies everywhere: they stay where they are.
+    let crowded = |i: usize| adjacency.of(i).len() > 32;
+    let mut inside = vec![false; n];
+    let mut list: Vec<usize> =
+        (0..n).filter(|i| unbalance[*i] > SHARE * greatest && mobile(*i) && !crowded(*i)).collect();
+    for i in &list {
+        inside[*i] = true;
+    }
+    let joined = |k: usize, i: usize| {
+        let l = &program.locals[k];
+        let bonded = l.count == 3 && l.right[2] > 0.0;
+        let near = bonded || e[k][0] - l.linear[0] > -NEAR;
+        near.then(|| if l.bodies[0] == i { l.bodies[1] } else { l.bodies[0] })
+    };
+    let mut first = 0;
+    for _ in 0..RINGS {
+        for at in first..list.len() {
+            first = at + 1;
+            for &k in adjacency.of(list[at]) {
+                if let Some(j) = joined(k, list[at])
+                    && !inside[j]
+                    && mobile(j)
+                    && !crowded(j)
+                {
+                    inside[j] = true;
+                    list.push(j);
+                }
+            }
+        }
+    }
+    list.sort_unstable();
+    let mut seen = vec![false; n];
+    let mut moved = false;
+    let start = u.to_vec();
+    for &seed in &list {
+        if std::mem::replace(&mut seen[seed], true) {
+            continue;
+        }
+        let mut members = vec![seed];
+        let mut at = 0;
+        while at < members.len() {
+            for &k in adjacency.of(members[at]) {
+                if let Some(j) = joined(k, members[at])
+                    && inside[j]
+                    && !std::mem::replace(&mut seen[j], true)
+                {
+                    members.push(j);
+                }
+            }
+            at += 1;
+        }
+        if members.len() <= LARGEST {
+            members.sort_unstable();
+            let limits = Limits { unbalance: REST * greatest, ..LIMITS };
+            moved |= balance(program, adjacency, &members, &start, &limits, u);
+        }
+    }
+    moved
+}
+
+/// Solves for the `members` with all others held where `start` has them.
+fn balance(
+    program: &Scaled,
+    adjacency: &Adjacency,
+    members: &[usize],
+    start: &[[f64; 3]],
+    limits: &Limits,
+    u: &mut [[f64; 3]],
+) -> bool {
+    let mut used: Vec<usize> = members.iter().flat_map(|i| adjacency.of(*i)).copied().collect();
+    used.sort_unstable();
+    used.dedup();
+    let mut bodies: Vec<usize> = used
+        .iter()
+        .flat_map(|k| program.locals[*k].bodies)
+        .chain(members.iter().copied())
+        .collect();
+    bodies.sort_unstable();
+    bodies.dedup();
+    let number = |i: usize| bodies.binary_search(&i).unwrap_or(usize::MAX);
+    let is_member = |i: usize| members.binary_search(&i).is_ok();
+    let mut part = Scaled::default();
+    for &i in &bodies {
+        let free = if is_member(i) { program.free[i] } else { [false; 3] };
+        part.free.push(free);
+        part.weight.push(program.weight[i]);
+        part.right.push(program.right[i]);
+        part.known.push(start[i]);
+    }
+    part.locals = used
+        .iter()
+        .map(|&k| {
+            let l = &program.locals[k];
+            let mut rows = l.rows;
+            for side in 0..2 {
+                if !is_member(l.bodies[side]) {
+                    rows[side] = [[0.0; 3]; 3];
+                }
+            }
+            Local { bodies: l.bodies.map(number), rows, ..l.clone() }
+        })
+        .collect();
+    let pairs: Vec<(u32, u32)> =
+        part.locals.iter().map(|l| (l.bodies[0] as u32, l.bodies[1] as u32)).collect();
+    let Some(mut matrix) = BodyMatrix::new(bodies.len(), &pairs) else { return false };
+    let from: Vec<[f64; 3]> = bodies.iter().map(|i| start[*i]).collect();
+    let result = newton::iterate(&part, &mut matrix, &from, limits, None);
+    if result.iterations == 0 || !result.u.iter().flatten().all(|u| u.is_finite()) {
+        return false;
+    }
+    for (&i, v) in bodies.iter().zip(&result.u).filter(|(i, _)| is_member(**i)) {
+        u[i] = *v;
+    }
+    true
+}
