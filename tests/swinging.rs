@@ -12,8 +12,9 @@ const STIFFNESS: f64 = 1e8;
 /// Five disks in a row along x without rolling resistance, bonded; the first is held, the last is
 /// pulled by `stretch` (m) and held, then the middle one is loaded across the chain with `force` (N).
 fn chain(stretch: f64, force: f64) -> String {
-    let disks: Vec<String> =
-        (0..5).map(|i| format!("(position: ({}, 0.0), radius: {RADIUS})", 2.0 * RADIUS * f64::from(i))).collect();
+    let disks: Vec<String> = (0..5)
+        .map(|i| format!("(position: ({}, 0.0), radius: {RADIUS})", 2.0 * RADIUS * f64::from(i)))
+        .collect();
     format!(
         r#"(
     version: 1,

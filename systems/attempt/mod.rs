@@ -8,8 +8,7 @@
 //! A rejected increment is tried again: with the magnitudes that the failed attempt found as
 //! scales; then with every body regularised and the centre of the regularisation following the
 //! solution, so that no bias is left; then with half the increment, and so on. Where a solution
-//! would throw grains, they [`settle`] first; where it is the increment that throws them, however
-//! small it is, part of it is [driven](settle::drive) through.
+//! would throw grains, they [`settle`] first.
 
 pub mod cascade;
 pub mod closed_pairs;
@@ -125,7 +124,7 @@ pub fn run_attempts(world: &mut World) {
             Verdict::Thrown(reason) => {
                 if attempt.settled < settle::MAX_STEPS {
                     forget(&mut attempt, reason.clone());
-                    if settle::settle(world) || settle::drive(world) {
+                    if settle::settle(world) {
                         continue;
                     }
                 }

@@ -30,8 +30,6 @@ pub const MAX_STEPS: u32 = 200;
 const STEP: f64 = 0.15;
 /// Grains that travelled less than this, in their radii, were at rest.
 const RESTFUL: f64 = 1e-2;
-/// The greatest part of an increment of which half is driven.
-const DRIVEN: f64 = 0.125;
 /// Grains that move further than this fraction of the accepted throw settle with the thrown one,
 /// and with them what lies within so many interactions.
 const FAR: f64 = 0.25;
@@ -45,8 +43,10 @@ const FACTOR: f64 = 10.0;
 const MAX_FAILURES: u32 = 8;
 /// Steps in which grains turned back or were thrown again, after which settling ends.
 const MAX_TURNS: u32 = 6;
-/// At this weight the increment itself is tried.
+/// At this weight the increment itself is tried when all are at rest, or after so many steps: what
+/// still moves then (bonds at their limits, which settling does not break) would do so without end.
 const LAST_WEIGHT: f64 = 1e-9;
+const MAX_LAST: u32 = 4;
 
 /// What settling changes, to be put back.
 pub struct Snapshot {
@@ -141,46 +141,6 @@ pub fn settle(world: &mut World) -> bool {
     moved || (!held.is_empty() && approach(world))
 }
 
-/// Takes half of a small increment as one overdamped step, where the increment throws grains however
-/// small it is and nothing moves at rest: the specimen snaps, and the next equilibrium is found by
-/// settling from there. What is driven counts as done. Returns whether the step was taken.
-pub fn drive(world: &mut World) -> bool {
-    let mut progress = world.resource_mut::<Progress>();
-    if progress.fraction > DRIVEN {
-        return false;
-    }
-    progress.fraction *= 0.5;
-    // As far as it goes in one step.
-    let mut weight = LAST_WEIGHT;
-    let mut driven = false;
-    for _ in 0..MAX_FAILURES {
-        let mut attempt = world.resource_mut::<Attempt>();
-        if attempt.settled >= MAX_STEPS {
-            break;
-        }
-        attempt.settled += 1;
-        attempt.settling = Some(weight);
-        driven = solves(world) && furthest_motion(world).0 <= 2.0 * STEP;
-        if driven {
-            let _ = world.run_system_once(move_bodies);
-            let _ = world.run_system_once(remember_contacts);
-            let mut progress = world.resource_mut::<Progress>();
-            progress.done += progress.fraction;
-            // Loads and drives go on from there.
-            world.run_schedule(ControlWalls);
-            break;
-        }
-        weight *= FACTOR;
-    }
-    if !driven {
-        world.resource_mut::<Progress>().fraction *= 2.0;
-    }
-    let mut attempt = world.resource_mut::<Attempt>();
-    attempt.settling = None;
-    attempt.status = IncrementStatus::Solved;
-    driven
-}
-
 /// Bodies to hold: all but the grains that the last solution moves far about the mean field, and
 /// what lies within [`RINGS`] interactions of them.
 fn patch(world: &World) -> Vec<bool> {
@@ -219,6 +179,7 @@ fn approach(world: &mut World) -> bool {
     let mut failures = 0;
     // A grain on a hinge swings to and fro and never comes to rest; the others do.
     let mut turns = 0;
+    let mut last_steps = 0;
     let mut travelled = 0.0;
     let mut last = DVec2::ZERO;
     loop {
@@ -241,7 +202,8 @@ fn approach(world: &mut World) -> bool {
         let _ = world.run_system_once(move_bodies);
         let _ = world.run_system_once(remember_contacts);
         travelled += far;
-        if weight <= LAST_WEIGHT && far <= 0.1 * RESTFUL {
+        last_steps += u32::from(weight <= LAST_WEIGHT);
+        if weight <= LAST_WEIGHT && (far <= 0.1 * RESTFUL || last_steps >= MAX_LAST) {
             break;
         }
         weight = if far > RESTFUL && motion.dot(last) < 0.0 {
