@@ -7,6 +7,7 @@
 
 mod diagnose;
 pub mod diagnostic;
+pub mod edited;
 pub mod format;
 pub mod load;
 pub mod overrides;
@@ -19,6 +20,7 @@ mod suggest;
 mod tests;
 mod tree_reader;
 mod unique_keys;
+mod units;
 pub mod validate;
 
 pub use diagnostic::{Diagnostic, Finding, SceneErrors};

@@ -8,7 +8,7 @@ use crate::scene::overrides::apply;
 
 #[track_caller]
 fn set(text: &str, sets: &[&str]) -> String {
-    apply(text, sets).unwrap_or_else(|error| panic!("{error}"))
+    apply(text, sets).unwrap_or_else(|error| panic!("{error}")).text
 }
 
 #[track_caller]
