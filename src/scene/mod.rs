@@ -10,6 +10,7 @@ pub mod diagnostic;
 pub mod edited;
 pub mod format;
 pub mod load;
+pub mod memory;
 pub mod overrides;
 mod scan;
 pub mod spans;

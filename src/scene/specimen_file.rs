@@ -9,7 +9,7 @@ use std::path::Path;
 use super::diagnostic::{Finding, MOST, Placed, SceneErrors};
 use super::edited::EditedText;
 use super::load::read_at_most;
-use super::validate::{MOST_PARTICLES, coincident};
+use super::validate::{GREATEST, MOST_PARTICLES, SMALLEST, coincident};
 
 /// Largest file, bytes: what the most particles take with all their digits.
 const MOST_BYTES: u64 = 500_000_000;
@@ -171,6 +171,13 @@ impl Reading {
             match field.parse::<f64>() {
                 Ok(value) if !value.is_finite() => {
                     let message = format!("not finite ({value})");
+                    self.note(start + column, COLUMNS[i], &message, "give a number in m");
+                }
+                Ok(value)
+                    if value.abs() > GREATEST || (i == 2 && value > 0.0 && value < SMALLEST) =>
+                {
+                    let problem = if value.abs() > GREATEST { "large" } else { "small" };
+                    let message = format!("too {problem} ({value:?})");
                     self.note(start + column, COLUMNS[i], &message, "give a number in m");
                 }
                 Ok(value) if i == 2 && value <= 0.0 => {

@@ -141,8 +141,14 @@ mod tests {
     fn a_known_unit_is_converted_where_it_fits() {
         let said = help(1.0, "MPa", Some("Pa"));
         assert_eq!(said, "stresses and strengths are plain numbers in Pa: write 1000000.0");
-        assert_eq!(help(2.65, "g/cm³", Some("kg/m^3")), "this is a plain number in kg/m^3: write 2650.0");
-        assert_eq!(help(9.81, "m/s2", Some("m/s^2")), "this is a plain number in m/s^2: write 9.81");
+        assert_eq!(
+            help(2.65, "g/cm³", Some("kg/m^3")),
+            "this is a plain number in kg/m^3: write 2650.0"
+        );
+        assert_eq!(
+            help(9.81, "m/s2", Some("m/s^2")),
+            "this is a plain number in m/s^2: write 9.81"
+        );
         assert_eq!(help(12.0, "%", Some("")), "this is a plain number without a unit: write 0.12");
         assert_eq!(help(3.0, "mm", Some("Pa")), "stresses and strengths are plain numbers in Pa");
         assert_eq!(help(3.0, "furlongs", Some("m")), "this is a plain number in m");
