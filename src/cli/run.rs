@@ -4,6 +4,7 @@ use clastic::components::increment::Progress as Place;
 use clastic::components::observation::Observation;
 use clastic::output::directory::default_directory;
 use clastic::output::{Ending, RunOptions, RunWriter};
+use clastic::run::stages::Script;
 use clastic::run::{Outcome, Simulation, Step};
 use clastic::scene::load;
 
@@ -50,7 +51,8 @@ pub fn run(args: &RunArgs) -> Result<Exit, Failure> {
             "--dump-program {missed}: the run ended with increment {increments}"
         ));
     }
-    say(summary(&ending, increments, &results, &directory));
+    let stages = &simulation.world().resource::<Script>().ends;
+    say(summary(&ending, increments, stages, &results, &directory));
     match ending {
         Ending::Interrupted => Ok(Exit::Interrupted),
         Ending::Finished(Outcome::Stalled { message, .. }) => {

@@ -184,6 +184,7 @@ impl RunWriter {
         };
         let results = self.results.results();
         self.record.outcome = OutcomeRecord::new(outcome, stage, increment);
+        self.record.stages = world.resource::<Script>().ends.clone();
         self.record.results = results.clone();
         // The pictures come last: should they fail, the numbers are complete.
         self.record.write(&dir.join(directory::RUN))?;

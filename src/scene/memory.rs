@@ -64,6 +64,7 @@ impl Need {
 #[must_use]
 pub fn size(bytes: f64) -> String {
     let (unit, size) = match bytes {
+        b if b >= 1e18 => return format!("{b:.0e} bytes"),
         b if b >= 1e15 => ("PB", 1e15),
         b if b >= 1e12 => ("TB", 1e12),
         b if b >= 1e9 => ("GB", 1e9),

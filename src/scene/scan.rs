@@ -205,7 +205,7 @@ impl<'t> Scanner<'t> {
                     Ok(self.leaf(start, Shape::Word))
                 }
                 None => {
-                    let message = format!("unexpected character `{first}`");
+                    let message = format!("unexpected character `{}`", first.escape_debug());
                     Err(self.fault(start, message, "a value was due here"))
                 }
             },

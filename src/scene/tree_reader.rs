@@ -54,6 +54,10 @@ impl<'a> Reader<'a> {
                 }
                 _ => String::new(),
             },
+            Shape::Nothing if self.path.is_empty() => {
+                "there is nothing but comments in it; `clastic list` shows scenes to start from"
+                    .into()
+            }
             Shape::Text if number => "leave the quotes out".to_owned(),
             Shape::Word if what.starts_with("a text") => format!("write `\"{literal}\"`"),
             _ => String::new(),

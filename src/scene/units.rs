@@ -91,6 +91,9 @@ pub(super) fn unit_of(name: &str, around: Option<&'static str>) -> Option<&'stat
 /// Takes a number and what is written behind it apart: `1.5 MPa`.
 pub(super) fn split(literal: &str) -> Option<(f64, &str)> {
     let plain = |text: &str| text.replace('_', "").parse::<f64>().ok();
+    if plain(literal).is_some() {
+        return None;
+    }
     let ends = literal.char_indices().map(|(at, _)| at).rev();
     let (number, unit) = ends
         .filter(|at| *at > 0)

@@ -31,6 +31,11 @@ impl<'a> Findings<'a> {
         !self.made_up.iter().any(|made_up| within(made_up, path))
     }
 
+    /// The same for a path that is not written out unless it has to be.
+    pub(super) fn is_sure_of_part(&self, path: Arguments) -> bool {
+        self.made_up.is_empty() || self.is_sure_of(&path.to_string())
+    }
+
     pub(super) fn add(&mut self, path: Arguments, message: impl Into<String>, help: &str) {
         self.list.push(Finding::new(path.to_string(), message, help));
     }

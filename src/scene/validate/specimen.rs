@@ -84,7 +84,7 @@ fn particles(context: &Context, list: &[Particle], findings: &mut Findings) {
         if particle.group.as_ref().is_some_and(|group| group.trim().is_empty()) {
             findings.add(format_args!("{path}.group"), "empty name of a group", "give a name");
         }
-        if fine {
+        if fine && findings.is_sure_of_part(path) {
             let path = format_args!("{path}.position");
             not_too_far(path, "the centre", particle.position, particle.radius, findings);
             not_behind(context, path, "the centre", particle.position, particle.radius, findings);
@@ -193,6 +193,9 @@ fn outline(
     radius: f64,
     findings: &mut Findings,
 ) {
+    if !findings.is_sure_of("specimen") || !findings.is_sure_of("walls") {
+        return;
+    }
     let corners = [(low.0, bottom), (low.1, bottom), (high.0, top), (high.1, top)];
     let far = corners.iter().copied().max_by(|a, b| finest(*a).total_cmp(&finest(*b)));
     if let Some(far) = far {
@@ -233,6 +236,9 @@ fn not_behind(
     radius: f64,
     findings: &mut Findings,
 ) {
+    if !findings.is_sure_of("walls") {
+        return;
+    }
     let present = context.scene.walls.iter().filter(|wall| wall.present);
     for wall in present.filter(|wall| is_behind(wall, place, radius)) {
         let message = format!("{what} is behind wall `{}` {place:?}", wall.name);

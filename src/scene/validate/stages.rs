@@ -34,7 +34,7 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
         match stage {
             Stage::Compact(stage) => compact(context, path, stage, &present, findings),
             Stage::Cement(stage) => cement(context, path, stage, findings),
-            Stage::Load(stage) => load(context, path, stage, &mut present, findings),
+            Stage::Load(stage) => load(context, path, (i, stage), &mut present, findings),
         }
     }
 }
@@ -126,7 +126,7 @@ fn cement(context: &Context, path: Arguments, stage: &Cement, findings: &mut Fin
 fn load(
     context: &Context,
     path: Arguments,
-    stage: &Load,
+    (index, stage): (usize, &Load),
     present: &mut [bool],
     findings: &mut Findings,
 ) {
@@ -167,7 +167,7 @@ fn load(
     for (i, stop) in stage.stop.iter().enumerate() {
         let path = format_args!("{path}.stop[{i}]");
         stops(context, path, *stop, timeless, findings);
-        never(context, path, (stage, *stop), present, findings);
+        never(context, path, (index, *stop), present, findings);
     }
 }
 
@@ -346,11 +346,11 @@ fn stops(context: &Context, path: Arguments, stop: Stop, timeless: bool, finding
 fn never(
     context: &Context,
     path: Arguments,
-    (stage, stop): (&Load, Stop),
+    (here, stop): (usize, Stop),
     present: &[bool],
     findings: &mut Findings,
 ) {
-    if !findings.is_sure_of("measures") || !findings.is_sure_of("stages") {
+    if !["measures", "stages", "walls"].iter().all(|part| findings.is_sure_of(part)) {
         return;
     }
     let measures = &context.scene.measures;
@@ -377,29 +377,17 @@ fn never(
             format!("it can never hold: wall `{wall}`, on which it is measured, is not there");
         findings.add(path, message, "measure on walls of this stage, or leave it out");
     }
-    let place = |name: &str| context.stages.iter().position(|stage| *stage == name);
-    if let (Stop::AxialStrain(_), Some(reference)) = (stop, &measures.reference_stage)
-        && let (Some(here), Some(reference_at)) = (place(&stage.name), place(reference))
-        && here < reference_at
-    {
+    let last = context.stages.len().saturating_sub(1);
+    let reference = match &measures.reference_stage {
+        Some(name) => context.stages.iter().position(|stage| stage == name).unwrap_or(0),
+        None => last,
+    };
+    if matches!(stop, Stop::AxialStrain(_)) && here < reference {
+        let name = context.stages[reference];
+        let the_last = if reference == last { ", the last one" } else { "" };
         let message =
-            format!("it can never hold: strains count from the start of stage `{reference}`");
-        findings.add(
-            path,
-            message,
-            "set `measures.reference_stage` to this stage or an earlier one",
-        );
-    } else if let (Stop::AxialStrain(_), None) = (stop, &measures.reference_stage)
-        && let (Some(here), Some(last)) = (place(&stage.name), context.stages.last())
-        && here + 1 < context.stages.len()
-    {
-        let message = format!(
-            "it can never hold: strains count from the start of stage `{last}`, the last one"
-        );
-        findings.add(
-            path,
-            message,
-            "set `measures.reference_stage` to this stage or an earlier one",
-        );
+            format!("it can never hold: strains count from the start of stage `{name}`{the_last}");
+        let help = "set `measures.reference_stage` to this stage or an earlier one";
+        findings.add(path, message, help);
     }
 }
