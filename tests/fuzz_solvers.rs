@@ -137,7 +137,7 @@ fn solve(program: &ConeProgram, solver: Solver) -> ConeSolution {
 }
 
 /// How both solvers end on a program, checked against what they returned.
-fn try_program(program: &ConeProgram) -> [SolveStatus; 2] {
+fn try_program(program: &ConeProgram) -> [ConeSolution; 2] {
     let solvers = [Solver::default(), Solver(Box::new(Clarabel::default()))];
     solvers.map(|solver| {
         let name = solver.0.name();
@@ -160,8 +160,15 @@ fn try_program(program: &ConeProgram) -> [SolveStatus; 2] {
             }
             SolveStatus::Locked | SolveStatus::Stalled => {}
         }
-        solution.status
+        solution
     })
+}
+
+/// What a status rests on.
+fn grounds(solution: &ConeSolution) -> String {
+    let proof = solution.certificate.as_ref().map(|c| (c.margin, c.defect));
+    let ConeSolution { status, residuals, message, .. } = solution;
+    format!("{status:?}, residual {:e}, margin and defect {proof:?}, {message}", residuals.worst())
 }
 
 #[test]
@@ -173,23 +180,33 @@ fn random_programs_end_in_a_status_that_is_true() {
     let mut failed = Vec::new();
     for case in kept.chain(0..cases) {
         let program = program(case);
-        let Ok(statuses) = catch_unwind(AssertUnwindSafe(|| try_program(&program))) else {
+        let Ok(solutions) = catch_unwind(AssertUnwindSafe(|| try_program(&program))) else {
             failed.push(case);
             continue;
         };
+        let statuses = [solutions[0].status, solutions[1].status];
         for (status, count) in statuses.iter().zip(&mut counts) {
             count[*status as usize] += 1;
         }
         match statuses {
-            [SolveStatus::Stalled, _] | [_, SolveStatus::Stalled] => stalled.push(case),
-            [a, b] if a != b => contradictions.push((case, a, b)),
+            [SolveStatus::Stalled, _] | [_, SolveStatus::Stalled] => {
+                let [a, b] = [grounds(&solutions[0]), grounds(&solutions[1])];
+                if std::env::var_os("CLASTIC_VERBOSE").is_some() {
+                    println!("{case}: {a}; Clarabel: {b}");
+                }
+                stalled.push(case);
+            }
+            [a, b] if a != b => {
+                let [a, b] = [grounds(&solutions[0]), grounds(&solutions[1])];
+                contradictions.push(format!("{case}: {a}; Clarabel: {b}"));
+            }
             _ => {}
         }
     }
     println!("solved, collapsed, locked, stalled: own {:?}, Clarabel {:?}", counts[0], counts[1]);
     println!("stalled: {stalled:?}");
     assert!(failed.is_empty(), "add to {CORPUS}: {failed:?}");
-    assert!(contradictions.is_empty(), "{contradictions:?}");
+    assert!(contradictions.is_empty(), "{}", contradictions.join("\n"));
     // The programs must be of all kinds, and giving up the exception.
     assert!(counts[0][..3].iter().all(|count| 50 * count > cases), "{counts:?}");
     assert!(20 * stalled.len() as u64 <= cases, "{} of {cases} stalled", stalled.len());

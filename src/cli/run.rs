@@ -11,6 +11,7 @@ use clastic::scene::load;
 use super::RunArgs;
 use super::exit::{Exit, Failure, complain, say};
 use super::interrupt::Interrupt;
+use super::memory::fits;
 use super::progress::Progress;
 use super::resolve::resolve;
 use super::summary::summary;
@@ -19,6 +20,7 @@ use super::summary::summary;
 pub fn run(args: &RunArgs) -> Result<Exit, Failure> {
     let path = resolve(&args.scene.scene)?;
     let loaded = load(&path, &args.scene.sets)?;
+    fits(&loaded)?;
     let directory = args.out.clone().unwrap_or_else(|| default_directory(&path));
     let mut simulation = Simulation::new(&loaded.scene, loaded.specimen.as_ref());
     let options = RunOptions {

@@ -34,7 +34,7 @@ pub struct RunRecord {
     pub outcome: OutcomeRecord,
     /// How its stages ended; none while the run is under way.
     pub stages: Vec<StageEnd>,
-    /// Rows of the history.
+    /// Increments; rows of the history where every one has its row.
     pub increments: u64,
     /// Key results.
     pub results: Results,

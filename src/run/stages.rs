@@ -12,7 +12,7 @@ use clastic_systems::record::take_reference;
 use clastic_systems::schedule::{ControlWalls, Increment};
 
 use super::{cement, compact, load};
-use crate::scene::format::{Scene, Stage, Stop};
+use crate::scene::format::{Record, Scene, Stage, Stop};
 
 /// The scene's stages and where the run stands among them.
 #[derive(Resource, Clone, Debug)]
@@ -92,6 +92,16 @@ impl Stage {
             Self::Compact(s) => &s.name,
             Self::Cement(s) => &s.name,
             Self::Load(s) => &s.name,
+        }
+    }
+
+    /// What it records; none where it takes no increments.
+    #[must_use]
+    pub fn record(&self) -> Option<&Record> {
+        match self {
+            Self::Compact(s) => Some(&s.record),
+            Self::Cement(_) => None,
+            Self::Load(s) => Some(&s.record),
         }
     }
 }

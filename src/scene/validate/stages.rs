@@ -3,8 +3,8 @@
 use std::fmt::Arguments;
 
 use crate::scene::format::{
-    Analysis, Cement, Compact, CompactTarget, Length, Load, Motion, ParticleControl, Select,
-    Specimen, Stage, Stop, Strain, Stress, Wall, WallControl,
+    Analysis, Cement, Compact, CompactTarget, Length, Load, Motion, ParticleControl, Record,
+    Select, Specimen, Stage, Stop, Strain, Stress, Wall, WallControl,
 };
 use crate::scene::spans::join;
 use crate::scene::suggest;
@@ -99,6 +99,7 @@ fn compact(
             findings.number(target_path, porosity, allowed, "a porosity between 0 and 1");
         }
     }
+    record(format_args!("{path}.record"), &stage.record, findings);
     let stepped = findings.positive(format_args!("{path}.step"), *step, "a step in m");
     if let (Some(moving), Some(fixed), true) = (moving, fixed, stepped) {
         // The walls as they are drawn: how often they moved before does not matter here.
@@ -112,6 +113,13 @@ fn compact(
         }
     }
     findings.not_negative(format_args!("{path}.agitation"), *agitation, "a number of radii");
+}
+
+fn record(path: Arguments, record: &Record, findings: &mut Findings) {
+    findings.at_least_one(format_args!("{path}.every"), record.every, "a number of increments");
+    for (i, n) in record.frames.iter().enumerate() {
+        findings.at_least_one(format_args!("{path}.frames[{i}]"), *n, "an increment of the stage");
+    }
 }
 
 fn cement(context: &Context, path: Arguments, stage: &Cement, findings: &mut Findings) {
@@ -163,6 +171,14 @@ fn load(
     for (i, control) in stage.particles.iter().enumerate() {
         let path = format_args!("{path}.particles[{i}]");
         control_of_particles(context, path, control, timeless, findings);
+    }
+    record(format_args!("{path}.record"), &stage.record, findings);
+    for (i, n) in stage.record.frames.iter().enumerate() {
+        if *n > stage.increments {
+            let message = format!("no such increment ({n})");
+            let help = format!("the stage has {} of them", stage.increments);
+            findings.add(format_args!("{path}.record.frames[{i}]"), message, &help);
+        }
     }
     for (i, stop) in stage.stop.iter().enumerate() {
         let path = format_args!("{path}.stop[{i}]");
