@@ -33,7 +33,7 @@ fn runs_of_one_name_are_told_apart_and_unfinished_ones_are_marked() {
     fs::write(&record, running).unwrap();
 
     let out = at("pictures");
-    let directories = ["old/lattice", "new/lattice", "rigid"].map(|name| at(name));
+    let directories = ["old/lattice", "new/lattice", "rigid"].map(at);
     let mut arguments = vec!["compare", "--out", out.to_str().unwrap()];
     arguments.extend(directories.iter().map(|path| path.to_str().unwrap()));
     let said = clastic(&arguments);
