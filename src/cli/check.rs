@@ -5,11 +5,13 @@ use clastic::scene::load;
 
 use super::SceneArgs;
 use super::exit::{Exit, Failure, say};
+use super::memory::fits;
 use super::resolve::resolve;
 
 /// Checks a scene.
 pub fn check(args: &SceneArgs) -> Result<Exit, Failure> {
     let loaded = load(&resolve(&args.scene)?, &args.sets)?;
+    fits(&loaded)?;
     let scene = &loaded.scene;
     say(format_args!(
         "ok: {}, {}, {}, {}",

@@ -9,15 +9,46 @@ use clastic::output::directory;
 use clastic::output::plots::compare;
 use clastic::output::plots::history::History;
 
+use serde_json::Value;
+
 use super::exit::{Exit, Failure, say};
 
-/// Compares runs.
-pub fn compare(runs: &[PathBuf], out: &Path) -> Result<Exit, Failure> {
-    let mut read = Vec::new();
-    for run in runs {
-        read.push((name(run), History::read(&run.join(directory::HISTORY))?));
+/// A run as the table and the legends show it.
+struct Run {
+    /// The end of its path, as long as it takes to tell it from the others.
+    name: String,
+    /// Content of its `run.json`.
+    record: Value,
+}
+
+impl Run {
+    fn status(&self) -> &str {
+        self.record["outcome"]["status"].as_str().unwrap_or("not ended")
     }
-    say(format_args!("{}", table(runs)?));
+
+    /// Its name, with a mark where its curve is not all there is to come.
+    fn label(&self) -> String {
+        match self.status() {
+            "completed" | "collapsed" => self.name.clone(),
+            status => format!("{} ({status})", self.name),
+        }
+    }
+}
+
+/// Compares runs.
+pub fn compare(directories: &[PathBuf], out: &Path) -> Result<Exit, Failure> {
+    let mut runs = Vec::new();
+    for (directory, name) in directories.iter().zip(names(directories)) {
+        let path = directory.join(directory::RUN);
+        let text = fs::read_to_string(&path).map_err(OutputError::at(&path))?;
+        let record = serde_json::from_str(&text).map_err(OutputError::at(&path))?;
+        runs.push(Run { name, record });
+    }
+    let mut read = Vec::new();
+    for (directory, run) in directories.iter().zip(&runs) {
+        read.push((run.label(), History::read(&directory.join(directory::HISTORY))?));
+    }
+    say(format_args!("{}", table(&runs)));
     fs::create_dir_all(out).map_err(OutputError::at(out))?;
     let charts =
         [("stress.svg", compare::stress(&read)), ("volumetric.svg", compare::volumetric(&read))];
@@ -36,39 +67,74 @@ pub fn compare(runs: &[PathBuf], out: &Path) -> Result<Exit, Failure> {
     Ok(Exit::Ok)
 }
 
-fn name(run: &Path) -> String {
-    run.file_name().unwrap_or(run.as_os_str()).to_string_lossy().into_owned()
+/// The ends of paths, each as long as it takes to tell it from the others; a path that is given
+/// twice is numbered.
+fn names(paths: &[PathBuf]) -> Vec<String> {
+    // `..` and `.` name no directory.
+    let whole = |path: &PathBuf| fs::canonicalize(path).unwrap_or_else(|_| path.clone());
+    let paths: Vec<PathBuf> = paths.iter().map(whole).collect();
+    let end = |path: &Path, parts: usize| -> String {
+        let all: Vec<_> = path.iter().map(|part| part.to_string_lossy()).collect();
+        all[all.len().saturating_sub(parts)..].join("/")
+    };
+    let mut names: Vec<String> = Vec::new();
+    for path in &paths {
+        let clashes = |parts: &usize| {
+            let name = end(path, *parts);
+            paths.iter().any(|other| other != path && end(other, *parts) == name)
+        };
+        let most = path.iter().count().max(1);
+        let parts = (1..most).find(|parts| !clashes(parts)).unwrap_or(most);
+        let name = end(path, parts);
+        let earlier = paths[..names.len()].iter().filter(|other| *other == path).count();
+        names.push(if earlier == 0 { name } else { format!("{name} ({})", earlier + 1) });
+    }
+    names
 }
 
 /// Columns of the table: name in `run.json`, heading, factor, digits.
-const COLUMNS: [(&str, &str, f64, usize); 5] = [
+const COLUMNS: [(&str, &str, f64, usize); 6] = [
     ("youngs_modulus_pa", "E, MPa", 1e-6, 3),
     ("first_crack_stress_pa", "first crack, MPa", 1e-6, 4),
     ("peak_stress_pa", "peak, MPa", 1e-6, 4),
     ("strain_at_peak", "at strain, %", 100.0, 4),
+    ("limit_load_pa", "limit load, MPa", 1e-6, 4),
     ("porosity", "porosity", 1.0, 4),
 ];
 
-fn table(runs: &[PathBuf]) -> Result<String, Failure> {
-    let width = runs.iter().map(|run| name(run).chars().count()).max().unwrap_or(0).max(3);
+fn table(runs: &[Run]) -> String {
+    let width = runs.iter().map(|run| run.name.chars().count()).max().unwrap_or(0).max(3);
     let mut text = format!("{:width$}", "run");
     for (_, heading, ..) in COLUMNS {
         text += &format!("  {heading:>16}");
     }
     text += "  outcome";
     for run in runs {
-        let path = run.join(directory::RUN);
-        let record = fs::read_to_string(&path).map_err(OutputError::at(&path))?;
-        let record: serde_json::Value =
-            serde_json::from_str(&record).map_err(OutputError::at(&path))?;
-        text += &format!("\n{:width$}", name(run));
+        text += &format!("\n{:width$}", run.name);
         for (key, _, factor, digits) in COLUMNS {
-            let value = record["results"][key].as_f64();
+            let value = run.record["results"][key].as_f64();
             let value =
                 value.map_or_else(|| "-".to_owned(), |v| format!("{:.digits$}", v * factor));
             text += &format!("  {value:>16}");
         }
-        text += &format!("  {}", record["outcome"]["status"].as_str().unwrap_or("not ended"));
+        text += &format!("  {}", run.status());
     }
-    Ok(text)
+    if runs.iter().any(|run| run.status() == "running") {
+        text += "\nrunning: not at its end yet, or killed";
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_as_long_as_it_takes() {
+        let named = |paths: &[&str]| names(&paths.iter().map(PathBuf::from).collect::<Vec<_>>());
+        assert_eq!(named(&["no/runs/a", "no/runs/b"]), ["a", "b"]);
+        assert_eq!(named(&["no/old/a", "no/new/a", "no/new/b"]), ["old/a", "new/a", "b"]);
+        assert_eq!(named(&["no/x/old/a", "no/y/old/a"]), ["x/old/a", "y/old/a"]);
+        assert_eq!(named(&["no/a", "no/a", "a"]), ["no/a", "no/a (2)", "a"]);
+    }
 }

@@ -5,6 +5,7 @@ mod compare;
 mod exit;
 mod interrupt;
 mod list;
+mod memory;
 mod progress;
 mod resolve;
 mod run;

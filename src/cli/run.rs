@@ -4,12 +4,14 @@ use clastic::components::increment::Progress as Place;
 use clastic::components::observation::Observation;
 use clastic::output::directory::default_directory;
 use clastic::output::{Ending, RunOptions, RunWriter};
+use clastic::run::stages::Script;
 use clastic::run::{Outcome, Simulation, Step};
 use clastic::scene::load;
 
 use super::RunArgs;
 use super::exit::{Exit, Failure, complain, say};
 use super::interrupt::Interrupt;
+use super::memory::fits;
 use super::progress::Progress;
 use super::resolve::resolve;
 use super::summary::summary;
@@ -18,6 +20,7 @@ use super::summary::summary;
 pub fn run(args: &RunArgs) -> Result<Exit, Failure> {
     let path = resolve(&args.scene.scene)?;
     let loaded = load(&path, &args.scene.sets)?;
+    fits(&loaded)?;
     let directory = args.out.clone().unwrap_or_else(|| default_directory(&path));
     let mut simulation = Simulation::new(&loaded.scene, loaded.specimen.as_ref());
     let options = RunOptions {
@@ -50,7 +53,8 @@ pub fn run(args: &RunArgs) -> Result<Exit, Failure> {
             "--dump-program {missed}: the run ended with increment {increments}"
         ));
     }
-    say(summary(&ending, increments, &results, &directory));
+    let stages = &simulation.world().resource::<Script>().ends;
+    say(summary(&ending, increments, stages, &results, &directory));
     match ending {
         Ending::Interrupted => Ok(Exit::Interrupted),
         Ending::Finished(Outcome::Stalled { message, .. }) => {

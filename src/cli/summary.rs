@@ -3,10 +3,16 @@
 use std::path::Path;
 
 use clastic::output::{Ending, Results};
-use clastic::run::Outcome;
+use clastic::run::{Outcome, StageEnd};
 
 /// How the run ended, what came out, where it is.
-pub fn summary(ending: &Ending, increment: u64, results: &Results, directory: &Path) -> String {
+pub fn summary(
+    ending: &Ending,
+    increment: u64,
+    stages: &[StageEnd],
+    results: &Results,
+    directory: &Path,
+) -> String {
     let outcome = match ending {
         Ending::Interrupted => format!("interrupted after increment {increment}"),
         Ending::Finished(Outcome::Completed) => format!("completed in {increment} increments"),
@@ -39,11 +45,20 @@ pub fn summary(ending: &Ending, increment: u64, results: &Results, directory: &P
         ));
     }
     let mut lines = vec![outcome];
+    lines.extend(stages.iter().filter_map(stage));
     if !parts.is_empty() {
         lines.push(parts.join("; "));
     }
     lines.push(format!("results in {}", directory.display()));
     lines.join("\n")
+}
+
+/// What ended a stage before its last increment; nothing of one that ran to its end.
+fn stage(end: &StageEnd) -> Option<String> {
+    let StageEnd { stage, increments, .. } = end;
+    let n = if *increments == 1 { "increment" } else { "increments" };
+    let stop = end.stop.map(|stop| format!("{stop:?}"));
+    stop.map(|stop| format!("stage {stage}: stopped by {stop} after {increments} {n}"))
 }
 
 /// A stress in the unit that suits it.
@@ -60,6 +75,9 @@ pub fn stress(pascals: f64) -> String {
 
 #[cfg(test)]
 mod tests {
+    use clastic::run::EndedBy;
+    use clastic::scene::format::Stop;
+
     use super::*;
 
     #[test]
@@ -71,7 +89,22 @@ mod tests {
     #[test]
     fn a_summary_says_only_what_is_defined() {
         let ending = Ending::Finished(Outcome::Completed);
-        let text = summary(&ending, 35, &Results::default(), Path::new("runs/tension"));
-        assert_eq!(text, "completed in 35 increments\nresults in runs/tension");
+        let end = |stage: &str, ended_by, stop| StageEnd {
+            stage: stage.to_owned(),
+            increments: 7,
+            ended_by: Some(ended_by),
+            stop,
+        };
+        let stages = [
+            end("confine", EndedBy::AllIncrements, None),
+            end("shear", EndedBy::Stop, Some(Stop::AxialStrain(0.02))),
+        ];
+        let text = summary(&ending, 35, &stages, &Results::default(), Path::new("runs/tension"));
+        assert_eq!(
+            text,
+            "completed in 35 increments\n\
+             stage shear: stopped by AxialStrain(0.02) after 7 increments\n\
+             results in runs/tension"
+        );
     }
 }

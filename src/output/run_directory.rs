@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use bevy_ecs::prelude::*;
 
+use clastic_components::attempt::IncrementStatus;
 use clastic_components::increment::Progress;
 use clastic_components::observation::{Observation, Timings};
 use clastic_systems::gather_bodies::gather_bodies;
@@ -19,7 +20,7 @@ use super::{OutputError, directory, dump, events, frames, history, plots, porosi
 use crate::run::Outcome;
 use crate::run::stages::Script;
 use crate::scene::LoadedScene;
-use crate::scene::format::{Contact, Scene, Stage};
+use crate::scene::format::{Contact, Record, Scene, Stage};
 
 /// Where and what to write.
 #[derive(Clone, Debug, Default)]
@@ -93,7 +94,10 @@ impl RunWriter {
         let record = RunRecord::new(loaded, &options.overrides, reference_stage)?;
         let dir = options.directory.as_path();
         directory::claim(dir, options.force)?;
-        if scene.output.frames_every > 0 {
+        let frames = |record: &Record| record.frames_every > Some(0) || !record.frames.is_empty();
+        if scene.output.frames_every > 0
+            || scene.stages.iter().filter_map(Stage::record).any(frames)
+        {
             let path = dir.join(directory::FRAMES);
             fs::create_dir_all(&path).map_err(OutputError::at(&path))?;
         }
@@ -134,7 +138,10 @@ impl RunWriter {
         for rupture in &observation.ruptures {
             self.events.push(events::row(rupture, &observation.stage))?;
         }
-        self.history.push(history::row(&observation, &self.probes))?;
+        let due = Due::of(&self.scene, world);
+        if due.row {
+            self.history.push(history::row(&observation, &self.probes))?;
+        }
         self.record.increments += 1;
 
         let compacting = matches!(self.scene.stages.get(progress.stage), Some(Stage::Compact(_)));
@@ -154,8 +161,7 @@ impl RunWriter {
         if self.results.observe(&observation, phase) && self.scene.output.plots {
             self.peak = Some((Snapshot::take(world), caption(&observation)));
         }
-        let every = u64::from(self.scene.output.frames_every);
-        if every > 0 && increment.is_multiple_of(every) {
+        if due.frame {
             let path = directory::frame(&self.options.directory, increment);
             frames::write_frame(&path, &Snapshot::take(world))?;
         }
@@ -164,7 +170,7 @@ impl RunWriter {
         }
         let row =
             timings::row(increment, world.resource::<Timings>(), clock.elapsed().as_secs_f64());
-        self.timings.push(row)
+        if due.row { self.timings.push(row) } else { Ok(()) }
     }
 
     /// Ends the output: last particles, outcome, key results, pictures.
@@ -184,6 +190,7 @@ impl RunWriter {
         };
         let results = self.results.results();
         self.record.outcome = OutcomeRecord::new(outcome, stage, increment);
+        self.record.stages = world.resource::<Script>().ends.clone();
         self.record.results = results.clone();
         // The pictures come last: should they fail, the numbers are complete.
         self.record.write(&dir.join(directory::RUN))?;
@@ -215,6 +222,35 @@ impl RunWriter {
     fn write_specimen(&self, prepared: &Prepared) -> Result<(), OutputError> {
         let path = self.options.directory.join(directory::SPECIMEN);
         frames::write_specimen(&path, &prepared.rows)
+    }
+}
+
+/// What is written about the increment that has just ended.
+struct Due {
+    row: bool,
+    frame: bool,
+}
+
+impl Due {
+    fn of(scene: &Scene, world: &World) -> Self {
+        let progress = world.resource::<Progress>();
+        let observation = world.resource::<Observation>();
+        let end = world.resource::<Script>().ends.last();
+        let n = end.map_or(0, |end| end.increments);
+        let over = progress.done >= progress.total || end.is_some_and(|end| end.ended_by.is_some());
+        let record = scene.stages.get(progress.stage).and_then(Stage::record);
+        let record = record.cloned().unwrap_or_default();
+        // What did not go as it should is never left out.
+        let plain = observation.status == IncrementStatus::Solved;
+        let every = |count, every: u32| every > 0 && u64::is_multiple_of(count, every.into());
+        let regular = match record.frames_every {
+            Some(frames_every) => every(n, frames_every),
+            None => every(observation.increment, scene.output.frames_every),
+        };
+        Self {
+            row: over || !plain || every(n, record.every),
+            frame: regular || record.frames.iter().any(|frame| u64::from(*frame) == n),
+        }
     }
 }
 
@@ -348,6 +384,36 @@ mod tests {
         let other = fs::read_to_string(&path)?.replacen("version 1", "version 0", 1);
         fs::write(&path, other)?;
         assert!(dump::read_program(&path).is_err());
+        Ok(())
+    }
+
+    #[test]
+    fn a_stage_says_what_is_recorded() -> Result<(), Box<dyn Error>> {
+        let parent = tempfile::tempdir()?;
+        let set = ["stages.pull.record=(every: 3, frames_every: 0, frames: [1, 4])".to_owned()];
+        let loaded = from_str(SCENE, Path::new("two.ron"), Path::new(""), &set)?;
+        let mut simulation = Simulation::new(&loaded.scene, None);
+        let options = RunOptions { directory: parent.path().to_owned(), ..Default::default() };
+        let mut writer = RunWriter::create(options, &loaded, simulation.world_mut())?;
+        while simulation.step() == Step::Increment {
+            writer.record(simulation.world_mut())?;
+        }
+        writer.finish(simulation.world_mut(), &Ending::Finished(Outcome::Completed))?;
+        let written = |name: &str| fs::read_to_string(parent.path().join(name));
+        // Every third increment, and the last.
+        for file in [directory::HISTORY, directory::TIMINGS] {
+            let text = written(file)?;
+            let rows: Vec<_> = text.lines().filter_map(|line| line.split(',').next()).collect();
+            assert_eq!(rows, ["increment", "3", "4"], "{file}");
+        }
+        let names: Vec<_> = files(parent.path())?.into_iter().map(|(name, _)| name).collect();
+        let frames: Vec<_> = names.iter().filter(|name| name.starts_with("frame_")).collect();
+        assert_eq!(frames, ["frame_000001.csv", "frame_000004.csv"]);
+        // The bond that breaks in between is in the record all the same.
+        let record: serde_json::Value = serde_json::from_str(&written(directory::RUN)?)?;
+        assert_eq!(record["increments"], 4);
+        assert_eq!(record["results"]["bonds_broken"]["tension"], 1);
+        assert_eq!(record["stages"][0]["ended_by"], "all_increments");
         Ok(())
     }
 

@@ -10,7 +10,7 @@ use sha2::{Digest, Sha256};
 use super::OutputError;
 use super::atomic::write_atomic;
 use super::key_results::Results;
-use crate::run::Outcome;
+use crate::run::{Outcome, StageEnd};
 use crate::scene::LoadedScene;
 use crate::scene::format::{
     self, Acceptance, Analysis, FrictionLaw, Rupture, Solver, Specimen, Stage,
@@ -32,7 +32,9 @@ pub struct RunRecord {
     seeds: BTreeMap<String, u64>,
     /// How the run ended.
     pub outcome: OutcomeRecord,
-    /// Rows of the history.
+    /// How its stages ended; none while the run is under way.
+    pub stages: Vec<StageEnd>,
+    /// Increments; rows of the history where every one has its row.
     pub increments: u64,
     /// Key results.
     pub results: Results,
@@ -160,6 +162,7 @@ impl RunRecord {
             },
             seeds,
             outcome: OutcomeRecord::RUNNING,
+            stages: Vec::new(),
             increments: 0,
             results: Results::default(),
             conventions: CONVENTIONS,

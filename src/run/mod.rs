@@ -14,7 +14,7 @@ pub mod stages;
 use bevy_app::App;
 use bevy_ecs::prelude::*;
 
-pub use stages::{Outcome, Step};
+pub use stages::{EndedBy, Outcome, StageEnd, Step};
 
 use crate::ClasticPlugins;
 use crate::scene::format::Scene;

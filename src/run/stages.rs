@@ -1,6 +1,7 @@
 //! From stage to stage: what begins, what ends, and how the run ends.
 
 use bevy_ecs::prelude::*;
+use serde::Serialize;
 
 use clastic_components::attempt::{Attempt, IncrementStatus};
 use clastic_components::body::Velocity;
@@ -11,7 +12,7 @@ use clastic_systems::record::take_reference;
 use clastic_systems::schedule::{ControlWalls, Increment};
 
 use super::{cement, compact, load};
-use crate::scene::format::{Scene, Stage, Stop};
+use crate::scene::format::{Record, Scene, Stage, Stop};
 
 /// The scene's stages and where the run stands among them.
 #[derive(Resource, Clone, Debug)]
@@ -28,6 +29,35 @@ pub struct Script {
     pub collapse: Option<(String, u64)>,
     /// How the run ended, once it has.
     pub outcome: Option<Outcome>,
+    /// The stages so far and how they ended; that under way is the last.
+    pub ends: Vec<StageEnd>,
+}
+
+/// A stage of a run and how it ended.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StageEnd {
+    /// Its name.
+    pub stage: String,
+    /// Increments that it took, those with parts of a whole increment counted one by one.
+    pub increments: u64,
+    /// What ended it; none while it is under way.
+    pub ended_by: Option<EndedBy>,
+    /// The condition, as the scene writes it; only with [`EndedBy::Stop`].
+    pub stop: Option<Stop>,
+}
+
+/// What ended a stage.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum EndedBy {
+    /// All its increments were made, the target of a compaction is reached, or it has none.
+    AllIncrements,
+    /// One of its stop conditions held.
+    Stop,
+    /// The specimen collapsed.
+    Collapse,
+    /// An increment could not be solved.
+    Stalled,
 }
 
 impl Script {
@@ -41,6 +71,7 @@ impl Script {
             peak: 0.0,
             collapse: None,
             outcome: None,
+            ends: Vec::new(),
         }
     }
 
@@ -61,6 +92,16 @@ impl Stage {
             Self::Compact(s) => &s.name,
             Self::Cement(s) => &s.name,
             Self::Load(s) => &s.name,
+        }
+    }
+
+    /// What it records; none where it takes no increments.
+    #[must_use]
+    pub fn record(&self) -> Option<&Record> {
+        match self {
+            Self::Compact(s) => Some(&s.record),
+            Self::Cement(_) => None,
+            Self::Load(s) => Some(&s.record),
         }
     }
 }
@@ -137,6 +178,9 @@ fn begin(world: &mut World, stage: &Stage) {
         let index = progress.stage;
         let mut script = world.resource_mut::<Script>();
         script.begun = true;
+        let name = stage.name().to_owned();
+        let end = StageEnd { stage: name, increments: 0, ended_by: None, stop: None };
+        script.ends.push(end);
         script.peak = 0.0;
         script.speed = None;
         if index == script.reference_stage() {
@@ -162,7 +206,11 @@ fn end(world: &mut World, stage: &Stage) {
         compact::end(world);
     }
     world.resource_mut::<Progress>().stage += 1;
-    world.resource_mut::<Script>().begun = false;
+    let mut script = world.resource_mut::<Script>();
+    script.begun = false;
+    if let Some(end) = script.ends.last_mut() {
+        end.ended_by.get_or_insert(EndedBy::AllIncrements);
+    }
 }
 
 /// Looks at how the increment ended and at the stage's stop conditions.
@@ -172,20 +220,28 @@ fn after_increment(world: &mut World, stage: &Stage) {
         (attempt.status, attempt.complaint.clone())
     };
     let increment = world.resource::<Progress>().increment;
-    let over = match status {
-        IncrementStatus::Solved | IncrementStatus::Capped => stopped(world, stage),
+    let mut held = None;
+    let ended_by = match status {
+        IncrementStatus::Solved | IncrementStatus::Capped => {
+            held = stopped(world, stage);
+            held.map(|_| EndedBy::Stop)
+        }
         IncrementStatus::Collapsed => {
             let mut script = world.resource_mut::<Script>();
             script.collapse.get_or_insert((stage.name().to_owned(), increment));
-            true
+            Some(EndedBy::Collapse)
         }
         IncrementStatus::Locked | IncrementStatus::Stalled => {
             let message = complaint_with_advice(world, stage, status, &complaint);
             world.resource_mut::<Script>().outcome = Some(Outcome::Stalled { increment, message });
-            return;
+            Some(EndedBy::Stalled)
         }
     };
-    if over {
+    if let Some(end) = world.resource_mut::<Script>().ends.last_mut() {
+        end.increments += 1;
+        (end.ended_by, end.stop) = (ended_by, held);
+    }
+    if matches!(ended_by, Some(EndedBy::Stop | EndedBy::Collapse)) {
         let mut progress = world.resource_mut::<Progress>();
         progress.done = progress.total;
     }
@@ -214,9 +270,9 @@ fn complaint_with_advice(
     format!("increment {increment} of stage `{name}`: {complaint}; try: {advice}")
 }
 
-/// Whether a stop condition of the stage is met.
-fn stopped(world: &mut World, stage: &Stage) -> bool {
-    let Stage::Load(load) = stage else { return false };
+/// The first stop condition of the stage that is met.
+fn stopped(world: &mut World, stage: &Stage) -> Option<Stop> {
+    let Stage::Load(load) = stage else { return None };
     let observation = world.resource::<Observation>();
     let (strain, stress) = (observation.axial_strain, observation.axial_stress);
     let time = world.resource::<Progress>().time;
@@ -228,7 +284,7 @@ fn stopped(world: &mut World, stage: &Stage) -> bool {
         script.peak = script.peak.max(stress);
     }
     let peak = script.peak;
-    load.stop.iter().any(|stop| match *stop {
+    load.stop.iter().copied().find(|stop| match *stop {
         // Strains are sums of increments: the last bits must not cost one more of them.
         Stop::AxialStrain(limit) => strain
             .is_some_and(|e| if limit < 0.0 { e <= limit + 1e-12 } else { e >= limit - 1e-12 }),

@@ -3,6 +3,7 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
+use super::edited::EditedText;
 use super::spans::Spans;
 
 /// Most diagnostics that are shown at once.
@@ -45,10 +46,12 @@ impl fmt::Display for Finding {
 pub struct Diagnostic {
     /// File: the scene, or a stored specimen that it names.
     pub file: PathBuf,
-    /// Line, from 1.
+    /// Line of the file, from 1; where a setting is to blame, of the place that it changes.
     pub line: usize,
     /// Column in characters, from 1.
     pub column: usize,
+    /// The setting, `path=value`, that put the text there; none where the file has it.
+    pub set: Option<String>,
     /// Path of the field, or name of the column of a stored specimen.
     pub path: String,
     /// What is wrong, with the offending value.
@@ -59,7 +62,10 @@ pub struct Diagnostic {
 
 impl fmt::Display for Diagnostic {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}:{}:{}: ", self.file.display(), self.line, self.column)?;
+        match &self.set {
+            Some(set) => write!(f, "--set {set}: ")?,
+            None => write!(f, "{}:{}:{}: ", self.file.display(), self.line, self.column)?,
+        }
         say(f, &self.path, &self.message, self.help.as_deref())
     }
 }
@@ -139,15 +145,17 @@ pub(super) fn within(path: &str, whole: &str) -> bool {
 
 impl SceneErrors {
     /// Sorts findings by their place, and counts lines and columns for those that are shown.
-    pub(super) fn new(file: &Path, text: &str, mut placed: Vec<Placed>) -> Self {
+    pub(super) fn new(file: &Path, text: &EditedText, mut placed: Vec<Placed>) -> Self {
         placed.sort_by_key(|placed| placed.at);
         let omitted = placed.len().saturating_sub(MOST);
         placed.truncate(MOST);
         let list = placed
             .into_iter()
             .map(|Placed { at, finding: Finding { path, message, help, .. } }| {
-                let (line, column) = line_and_column(text, at);
-                Diagnostic { file: file.to_owned(), line, column, path, message, help }
+                let source = text.source(at);
+                let (line, column) = line_and_column(text.file(), source.at);
+                let set = source.set.map(str::to_owned);
+                Diagnostic { file: file.to_owned(), line, column, set, path, message, help }
             })
             .collect();
         Self { file: file.to_owned(), list, omitted }

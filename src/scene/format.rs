@@ -402,6 +402,27 @@ pub struct Compact {
     /// Seed of the shaking.
     #[serde(default)]
     pub seed: u64,
+    /// What is recorded.
+    #[serde(default)]
+    pub record: Record,
+}
+
+/// What a stage leaves in the results. Ruptures and key results see every increment in any case.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Record {
+    /// A row of the history every so many increments of the stage, and at its end.
+    pub every: u32,
+    /// A frame every so many increments of the stage, 0 for none; left out, as `output` says.
+    pub frames_every: Option<u32>,
+    /// Frames after these increments of the stage, from 1.
+    pub frames: Vec<u32>,
+}
+
+impl Default for Record {
+    fn default() -> Self {
+        Self { every: 1, frames_every: None, frames: Vec::new() }
+    }
 }
 
 /// When a compaction is done.
@@ -466,6 +487,9 @@ pub struct Load {
     /// Conditions that end the stage early.
     #[serde(default)]
     pub stop: Vec<Stop>,
+    /// What is recorded.
+    #[serde(default)]
+    pub record: Record,
 }
 
 /// Control of a wall.

@@ -2,16 +2,16 @@
 
 use std::fmt;
 use std::fs;
-use std::io;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use ron::extensions::Extensions;
 
 use super::diagnose::{Diagnosis, diagnose};
-use super::diagnostic::{Finding, Placed, SceneErrors, line_and_column, place, within};
+use super::diagnostic::{Finding, Placed, SceneErrors, place, within};
+use super::edited::EditedText;
 use super::format::{Scene, Specimen};
 use super::overrides::{SetError, apply};
-use super::spans::Spans;
 use super::specimen_file::{ReadError, StoredSpecimen, read};
 use super::validate::findings;
 
@@ -26,20 +26,6 @@ pub struct LoadedScene {
     pub path: PathBuf,
     /// The stored specimen that it names.
     pub specimen: Option<StoredSpecimen>,
-}
-
-impl LoadedScene {
-    /// Line and column, from 1, of a field or of what is around it if it is left out.
-    #[must_use]
-    pub fn position(&self, path: &str) -> (usize, usize) {
-        line_and_column(&self.text, Spans::of(&self.text).nearest(path, false))
-    }
-
-    /// Ties findings of a later step, as of spawning, to their places in the text.
-    #[must_use]
-    pub fn errors(&self, findings: Vec<Finding>) -> SceneErrors {
-        SceneErrors::new(&self.path, &self.text, place(&self.text, findings, &[]))
-    }
 }
 
 /// Why there is no scene.
@@ -106,14 +92,36 @@ pub(super) fn ron_options() -> ron::Options {
 /// See [`LoadError`]. All mistakes of a scene are reported at once.
 pub fn load(path: &Path, sets: &[String]) -> Result<LoadedScene, LoadError> {
     let read_error = |source| LoadError::Read { path: path.to_owned(), source };
-    let bytes = fs::read(path).map_err(read_error)?;
+    let bytes = read_at_most(path, MOST_BYTES).map_err(read_error)?;
+    let refuse = |text: &str, at, message: String, help| {
+        let finding = Finding::new("", message, help);
+        let text = EditedText::of(text);
+        LoadError::Scene(SceneErrors::new(path, &text, vec![Placed { at, finding }]))
+    };
+    let Some(bytes) = bytes else {
+        let message = format!("more than {} MB of text", MOST_BYTES / 1_000_000);
+        let help = "keep many particles in a stored specimen, `File(path: ...)`";
+        return Err(refuse("", 0, message, help));
+    };
     let text = String::from_utf8(bytes).map_err(|error| {
         let at = error.utf8_error().valid_up_to();
         let text = String::from_utf8_lossy(error.as_bytes());
-        let finding = Finding::new("", "not UTF-8 text", "save the scene as UTF-8");
-        LoadError::Scene(SceneErrors::new(path, &text, vec![Placed { at, finding }]))
+        let byte = error.as_bytes().get(at).copied().unwrap_or_default();
+        let message = format!("not UTF-8 text (byte 0x{byte:02x})");
+        refuse(&text, at, message, "save the scene as UTF-8")
     })?;
     from_str(&text, path, path.parent().unwrap_or(Path::new("")), sets)
+}
+
+/// Largest scene file, bytes. Reading one takes some twenty times as much memory.
+const MOST_BYTES: u64 = 100_000_000;
+
+/// Reads a file, or whatever else can be read to its end; nothing if it is larger than `most`
+/// bytes, of which no more than that is read.
+pub(super) fn read_at_most(path: &Path, most: u64) -> io::Result<Option<Vec<u8>>> {
+    let mut bytes = Vec::new();
+    fs::File::open(path)?.take(most + 1).read_to_end(&mut bytes)?;
+    Ok(Some(bytes).filter(|bytes| bytes.len() as u64 <= most))
 }
 
 /// Reads and checks a scene from a text. `name` stands for its file in messages; a stored
@@ -128,8 +136,9 @@ pub fn from_str(
     sets: &[String],
 ) -> Result<LoadedScene, LoadError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let text = apply(text, sets).map_err(LoadError::Set)?;
-    let Diagnosis { scene, mut placed, made_up, renamed } = parse(&text);
+    let edited = apply(text, sets).map_err(LoadError::Set)?;
+    let text = edited.text.as_str();
+    let Diagnosis { scene, mut placed, made_up, renamed } = parse(text);
     let mut csv_errors = None;
     let mut specimen = None;
     if let Some(scene) = &scene {
@@ -146,16 +155,19 @@ pub fn from_str(
         }
         found.extend(findings(scene, specimen.as_ref(), &made_up));
         found.retain(|finding| !made_up.iter().any(|path| within(&finding.path, path)));
-        placed.extend(place(&text, found, &renamed));
+        placed.extend(place(text, found, &renamed));
     }
-    mention_settings(&text, &mut placed, sets);
-    let mut errors = SceneErrors::new(name, &text, placed);
+    if let Some(error) = addressed_nothing(&edited, &placed) {
+        return Err(LoadError::Set(error));
+    }
+    let mut errors = SceneErrors::new(name, &edited, placed);
     if let Some(csv) = csv_errors {
         errors.list.extend(csv.list);
         errors.omitted += csv.omitted;
     }
     match scene {
         Some(scene) if errors.list.is_empty() => {
+            let text = edited.text;
             Ok(LoadedScene { scene, text, path: name.to_owned(), specimen })
         }
         _ => Err(LoadError::Scene(errors)),
@@ -185,19 +197,11 @@ fn parse(text: &str) -> Diagnosis {
     diagnosis
 }
 
-/// Says which wrong values do not stand in the file but come from a setting.
-fn mention_settings(text: &str, placed: &mut [Placed], sets: &[String]) {
-    if placed.is_empty() || sets.is_empty() {
-        return;
-    }
-    let spans = Spans::of(text);
-    for Placed { at, finding } in placed {
-        let from = sets.iter().rev().find(|set| {
-            let path = set.split_once('=').map_or("", |(path, _)| path.trim());
-            spans.value(path).is_some_and(|span| span.contains(at))
-        });
-        if let Some(set) = from {
-            finding.message.push_str(&format!(" (from --set {set})"));
-        }
-    }
+/// The first setting whose path names what does not exist: a wrong key that it put in itself.
+fn addressed_nothing(text: &EditedText, placed: &[Placed]) -> Option<SetError> {
+    placed.iter().filter(|placed| placed.finding.at_key).find_map(|Placed { at, finding }| {
+        let set = text.source(*at).set?.to_owned();
+        let message = format!("{}: {}", finding.path, finding.message);
+        Some(SetError { set, message, help: finding.help.clone() })
+    })
 }

@@ -7,8 +7,10 @@
 
 mod diagnose;
 pub mod diagnostic;
+pub mod edited;
 pub mod format;
 pub mod load;
+pub mod memory;
 pub mod overrides;
 mod scan;
 pub mod spans;
@@ -19,6 +21,7 @@ mod suggest;
 mod tests;
 mod tree_reader;
 mod unique_keys;
+mod units;
 pub mod validate;
 
 pub use diagnostic::{Diagnostic, Finding, SceneErrors};

@@ -7,6 +7,7 @@
 use std::fmt;
 
 use super::diagnose::diagnose;
+use super::edited::EditedText;
 use super::format::Scene;
 use super::load::ron_options;
 use super::scan::{Entry, Node, Shape, Span, scan};
@@ -33,17 +34,17 @@ impl fmt::Display for SetError {
 
 impl std::error::Error for SetError {}
 
-/// Applies settings in order and returns the new text.
+/// Applies settings in order and returns the new text, of which every part knows its source.
 ///
 /// A text whose brackets do not match is returned as it is: reading it says what is wrong.
 ///
 /// # Errors
 /// Where a path leads nowhere or a value does not fit there.
-pub fn apply(text: &str, sets: &[impl AsRef<str>]) -> Result<String, SetError> {
-    sets.iter().try_fold(text.to_owned(), |text, set| apply_one(text, set.as_ref()))
+pub fn apply(text: &str, sets: &[impl AsRef<str>]) -> Result<EditedText, SetError> {
+    sets.iter().try_fold(EditedText::of(text), |text, set| apply_one(text, set.as_ref()))
 }
 
-fn apply_one(text: String, set: &str) -> Result<String, SetError> {
+fn apply_one(mut edited: EditedText, set: &str) -> Result<EditedText, SetError> {
     let error = |message: &str, help: String| SetError {
         set: set.to_owned(),
         message: message.to_owned(),
@@ -54,21 +55,25 @@ fn apply_one(text: String, set: &str) -> Result<String, SetError> {
         let help = "write path=value, as in `materials.grain.contact.friction=0.3`";
         return Err(error("not a setting", help.to_owned()));
     };
-    let Some(root) = scan(&text).0 else { return Ok(text) };
-    let place = Place::find(&root, &text, &steps).map_err(|help| error("no such field", help))?;
+    let text = edited.text.as_str();
+    let Some(root) = scan(text).0 else { return Ok(edited) };
+    let place = Place::find(&root, text, &steps).map_err(|help| error("no such field", help))?;
 
-    let plain = is_one_value(value).then(|| place.edit(&text, value));
+    let plain = is_one_value(value).then(|| place.with(value));
     let refusal = match &plain {
-        Some(edited) => refusal(edited),
+        Some(new) => place.refusal(text, new),
         None => Some((format!("`{value}` is not a value in RON"), None)),
     };
-    let Some((message, help)) = refusal else { return Ok(plain.map_or(text, |edit| edit.text)) };
-    if !value.starts_with('"') {
-        let quoted = place.edit(&text, &format!("{value:?}"));
-        if self::refusal(&quoted).is_none() {
-            return Ok(quoted.text);
-        }
+    let new = match (&refusal, plain) {
+        (None, Some(new)) => Some(new),
+        _ if value.starts_with('"') => None,
+        _ => Some(place.with(&format!("{value:?}"))).filter(|q| place.refusal(text, q).is_none()),
+    };
+    if let Some(new) = new {
+        edited.replace(place.span, &new, set);
+        return Ok(edited);
     }
+    let (message, help) = refusal.unwrap_or_default();
     Err(SetError { set: set.to_owned(), message, help })
 }
 
@@ -77,23 +82,6 @@ fn is_one_value(value: &str) -> bool {
     let (node, faults) = scan(value);
     let whole = |node: Node| node.span == (0..value.len()) && node.shape != Shape::Nothing;
     faults.is_empty() && node.is_some_and(whole)
-}
-
-/// The first mistake that an edit brings in. Mistakes elsewhere are the scene's own.
-fn refusal(edit: &Edit) -> Option<(String, Option<String>)> {
-    if ron_options().from_str::<Scene>(&edit.text).is_ok() {
-        return None;
-    }
-    let mut placed = diagnose(&edit.text).placed;
-    placed.retain(|placed| edit.span.contains(&placed.at));
-    let finding = placed.into_iter().min_by_key(|placed| placed.at)?.finding;
-    Some((finding.message, finding.help))
-}
-
-/// A changed text and the bytes of it that are new.
-struct Edit {
-    text: String,
-    span: Span,
 }
 
 /// Where a value goes: `span` is replaced by `before`, the value and `after`.
@@ -138,13 +126,23 @@ impl Place {
         Ok(Self { span: at..at, before: format!("{comma}{before}"), after })
     }
 
-    fn edit(&self, text: &str, value: &str) -> Edit {
-        let Self { span, before, after } = self;
-        let new = format!("{before}{value}{after}");
-        let (head, tail) = (text.get(..span.start), text.get(span.end..));
-        let (head, tail) = (head.unwrap_or_default(), tail.unwrap_or_default());
-        let span = span.start..span.start + new.len();
-        Edit { text: format!("{head}{new}{tail}"), span }
+    /// What stands there with this value.
+    fn with(&self, value: &str) -> String {
+        format!("{}{value}{}", self.before, self.after)
+    }
+
+    /// The first mistake that a new stretch brings in. Mistakes elsewhere are the scene's own.
+    fn refusal(&self, text: &str, new: &str) -> Option<(String, Option<String>)> {
+        let mut edited = text.to_owned();
+        edited.replace_range(self.span.clone(), new);
+        if ron_options().from_str::<Scene>(&edited).is_ok() {
+            return None;
+        }
+        let span = self.span.start..self.span.start + new.len();
+        let mut placed = diagnose(&edited).placed;
+        placed.retain(|placed| span.contains(&placed.at));
+        let finding = placed.into_iter().min_by_key(|placed| placed.at)?.finding;
+        Some((finding.message, finding.help))
     }
 }
 

@@ -191,6 +191,7 @@ impl<'t> Scanner<'t> {
             'b' if rest.starts_with("b'") => self.quoted(start + 1, '\'', Shape::Number),
             '0'..='9' | '+' | '-' | '.' => {
                 self.take(|c| c.is_alphanumeric() || matches!(c, '.' | '_' | '+' | '-'));
+                self.unit();
                 Ok(self.leaf(start, Shape::Number))
             }
             ',' | ')' | ']' | '}' => Ok(self.leaf(start, Shape::Nothing)),
@@ -204,10 +205,29 @@ impl<'t> Scanner<'t> {
                     Ok(self.leaf(start, Shape::Word))
                 }
                 None => {
-                    let message = format!("unexpected character `{first}`");
+                    let message = format!("unexpected character `{}`", first.escape_debug());
                     Err(self.fault(start, message, "a value was due here"))
                 }
             },
+        }
+    }
+
+    /// Takes a unit behind a number on the same line, so that it is one mistake and not several.
+    /// A word that goes on as a field does is none.
+    fn unit(&mut self) {
+        let rest = self.rest();
+        let line = &rest[..rest.find('\n').unwrap_or(rest.len())];
+        let word = line.trim_start_matches([' ', '\t']);
+        let blank = line.len() - word.len();
+        let first = |c: char| c.is_alphabetic() || matches!(c, '%' | '°' | '/' | '²' | '³');
+        let inner = |c: char| first(c) || c.is_ascii_digit() || matches!(c, '^' | '*' | '·' | ' ');
+        let word = &word[..word.find(|c| !inner(c)).unwrap_or(word.len())];
+        let word = word.find("//").map_or(word, |comment| &word[..comment]);
+        let word = word.find("/*").map_or(word, |comment| &word[..comment]).trim_end();
+        let after = line[blank + word.len()..].trim_start();
+        let ends = after.is_empty() || after.starts_with([',', ')', ']', '}', '/']);
+        if word.starts_with(first) && ends {
+            self.at += blank + word.len();
         }
     }
 

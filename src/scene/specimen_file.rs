@@ -7,7 +7,12 @@ use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
 use super::diagnostic::{Finding, MOST, Placed, SceneErrors};
-use super::validate::{MOST_PARTICLES, coincident};
+use super::edited::EditedText;
+use super::load::read_at_most;
+use super::validate::{GREATEST, MOST_PARTICLES, SMALLEST, coincident};
+
+/// Largest file, bytes: what the most particles take with all their digits.
+const MOST_BYTES: u64 = 500_000_000;
 
 const COLUMNS: [&str; 4] = ["x_m", "y_m", "radius_m", "material"];
 
@@ -52,10 +57,16 @@ pub fn read(path: &Path) -> Result<StoredSpecimen, ReadError> {
     if !kind.is_file() {
         return Err(refuse(if kind.is_dir() { "it is a directory" } else { "it is no file" }));
     }
-    let bytes = fs::read(path).map_err(|error| refuse(&error.to_string()))?;
+    let bytes = read_at_most(path, MOST_BYTES).map_err(|error| refuse(&error.to_string()))?;
+    let Some(bytes) = bytes else {
+        return Err(refuse(&format!("it has more than {} MB", MOST_BYTES / 1_000_000)));
+    };
     let mut reading = Reading::default();
     let text = String::from_utf8(bytes).unwrap_or_else(|error| {
-        reading.note(error.utf8_error().valid_up_to(), "", "not UTF-8 text", "save it as UTF-8");
+        let at = error.utf8_error().valid_up_to();
+        let byte = error.as_bytes().get(at).copied().unwrap_or_default();
+        let message = format!("not UTF-8 text (byte 0x{byte:02x})");
+        reading.note(at, "", &message, "save it as UTF-8");
         String::from_utf8_lossy(error.as_bytes()).into_owned()
     });
     if reading.placed.is_empty() {
@@ -70,7 +81,7 @@ pub fn read(path: &Path) -> Result<StoredSpecimen, ReadError> {
     if reading.placed.is_empty() {
         Ok(StoredSpecimen { rows: reading.rows })
     } else {
-        Err(ReadError::Rows(SceneErrors::new(path, &text, reading.placed)))
+        Err(ReadError::Rows(SceneErrors::new(path, &EditedText::of(&text), reading.placed)))
     }
 }
 
@@ -160,6 +171,13 @@ impl Reading {
             match field.parse::<f64>() {
                 Ok(value) if !value.is_finite() => {
                     let message = format!("not finite ({value})");
+                    self.note(start + column, COLUMNS[i], &message, "give a number in m");
+                }
+                Ok(value)
+                    if value.abs() > GREATEST || (i == 2 && value > 0.0 && value < SMALLEST) =>
+                {
+                    let problem = if value.abs() > GREATEST { "large" } else { "small" };
+                    let message = format!("too {problem} ({value:?})");
                     self.note(start + column, COLUMNS[i], &message, "give a number in m");
                 }
                 Ok(value) if i == 2 && value <= 0.0 => {

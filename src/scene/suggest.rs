@@ -29,12 +29,16 @@ pub(super) fn list(names: &[&str]) -> String {
 
 /// "did you mean `x`? `label` are ...", as far as there is something to say.
 pub(super) fn help(word: &str, names: &[&str], label: &str) -> String {
+    let mut names = names.to_vec();
+    // A name that is given twice is a mistake of its own.
+    let mut seen = std::collections::BTreeSet::new();
+    names.retain(|name| seen.insert(*name));
     let meant = nearest(word, names.iter().copied())
         .map(|name| format!("did you mean `{name}`? "))
         .unwrap_or_default();
-    match names {
+    match names.as_slice() {
         [] => format!("there are no {label}"),
         [only] => format!("{meant}there is only `{only}`"),
-        _ => format!("{meant}there are the {label} {}", list(names)),
+        _ => format!("{meant}there are the {label} {}", list(&names)),
     }
 }

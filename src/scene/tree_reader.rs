@@ -10,6 +10,7 @@ use super::scan::{Entry, Key, Node, Shape};
 use super::spans::{is_group, join};
 use super::stand_in::StandIn;
 use super::suggest;
+use super::units;
 
 /// Reads one value of the tree.
 pub(super) struct Reader<'a> {
@@ -18,19 +19,49 @@ pub(super) struct Reader<'a> {
     path: String,
     /// Whether the name before the brackets is already dealt with: a variant that wraps a struct.
     inside: bool,
+    /// Unit of the numbers in here; see [`units::unit_of`].
+    unit: Option<&'static str>,
 }
 
 impl<'a> Reader<'a> {
     pub(super) fn new(cx: &'a Context<'a>, node: &'a Node, path: String) -> Self {
-        Self { cx, node, path, inside: false }
+        Self { cx, node, path, inside: false, unit: None }
+    }
+
+    /// The numbers inside are those of a field or a variant.
+    fn named_for(self, name: &str) -> Self {
+        let unit = units::unit_of(name, self.unit);
+        Self { unit, ..self }
     }
 
     /// Notes that something else was expected here, and makes it up.
     fn expected(&self, what: &str) -> StandIn {
         let message = format!("expected {what}, found {}", self.cx.found(self.node));
-        self.cx.note(self.node.span.start, &self.path, message, "");
+        self.cx.note(self.node.span.start, &self.path, message, self.meant(what));
         self.cx.made_up(self.path.clone());
         StandIn
+    }
+
+    /// What would be right, where that can be told from what is there.
+    fn meant(&self, what: &str) -> String {
+        let literal = self.cx.literal(self.node);
+        let number = what.ends_with("number") || what.contains("whole number");
+        match self.node.shape {
+            Shape::Number if number => match (units::split(literal), literal.parse::<f64>()) {
+                (Some((value, unit)), _) => units::help(value, unit, self.unit),
+                (_, Ok(value)) if value >= 0.0 && value.fract() == 0.0 && value < 1e9 => {
+                    format!("write {value:.0}")
+                }
+                _ => String::new(),
+            },
+            Shape::Nothing if self.path.is_empty() => {
+                "there is nothing but comments in it; `clastic list` shows scenes to start from"
+                    .into()
+            }
+            Shape::Text if number => "leave the quotes out".to_owned(),
+            Shape::Word if what.starts_with("a text") => format!("write `\"{literal}\"`"),
+            _ => String::new(),
+        }
     }
 
     fn scalar<T: DeserializeOwned>(&self, shapes: &[Shape]) -> Option<T> {
@@ -199,11 +230,12 @@ impl<'a> de::SeqAccess<'a> for Items<'_, 'a> {
         &mut self,
         seed: S,
     ) -> Result<Option<S::Value>, Failure> {
-        let Reader { cx, node, path, .. } = self.reader;
+        let Reader { cx, node, path, unit, .. } = self.reader;
         let Some(entry) = node.entries.get(self.next) else { return Ok(None) };
         let path = format!("{path}[{}]", self.next);
         self.next += 1;
-        seed.deserialize(Reader::new(cx, &entry.value, path)).map(Some)
+        let item = Reader { unit: *unit, ..Reader::new(cx, &entry.value, path) };
+        seed.deserialize(item).map(Some)
     }
 
     fn size_hint(&self) -> Option<usize> {
@@ -318,7 +350,14 @@ impl<'a> de::MapAccess<'a> for Fields<'_, 'a> {
                 }
             } else {
                 let message = format!("expected `name: value`, found {}", cx.found(&entry.value));
-                cx.note(entry.value.span.start, path, message, "");
+                let number = |entry: &Entry| entry.value.shape == Shape::Number;
+                let before = node.entries.get(self.next.wrapping_sub(2));
+                let help = if number(entry) && before.is_some_and(number) {
+                    "a decimal has a point, no comma"
+                } else {
+                    ""
+                };
+                cx.note(entry.value.span.start, path, message, help);
             }
         }
         if field.is_none() {
@@ -338,7 +377,7 @@ impl<'a> de::MapAccess<'a> for Fields<'_, 'a> {
         match self.value.take() {
             Some((node, field)) => {
                 let path = join(&self.reader.path, field);
-                seed.deserialize(Reader::new(self.reader.cx, node, path))
+                seed.deserialize(Reader::new(self.reader.cx, node, path).named_for(field))
             }
             None => seed.deserialize(StandIn),
         }
@@ -371,12 +410,12 @@ impl<'a> de::VariantAccess<'a> for Variant<'a> {
     }
 
     fn newtype_variant_seed<S: DeserializeSeed<'a>>(self, seed: S) -> Result<S::Value, Failure> {
-        let reader = self.reader;
+        let reader = self.reader.named_for(self.name);
         match reader.node.entries.as_slice() {
             [Entry { key: None, value }] => {
                 let group = is_group(value);
                 let path = if group { reader.path } else { format!("{}[0]", reader.path) };
-                seed.deserialize(Reader::new(reader.cx, value, path))
+                seed.deserialize(Reader { node: value, path, inside: false, ..reader })
             }
             _ if reader.node.shape == Shape::Word => {
                 let stand_in = reader.expected(&format!("`{}(...)`", self.name));
@@ -387,7 +426,7 @@ impl<'a> de::VariantAccess<'a> for Variant<'a> {
     }
 
     fn tuple_variant<V: Visitor<'a>>(self, length: usize, visitor: V) -> Result<V::Value, Failure> {
-        self.reader.values(length, visitor)
+        self.reader.named_for(self.name).values(length, visitor)
     }
 
     fn struct_variant<V: Visitor<'a>>(

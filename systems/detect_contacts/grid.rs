@@ -5,6 +5,8 @@
 //! three of every coarser one, in a window of x. Only rows with disks in them exist, so memory is
 //! O(n) however far the disks are spread.
 
+use std::ops::ControlFlow;
+
 use glam::DVec2;
 
 /// Ratio of the sizes at the two ends of a class. A wide class makes small disks look through
@@ -68,10 +70,36 @@ impl Class {
 /// overlaps only) or infinite (all pairs). A disk whose position or radius is not finite is in no
 /// pair.
 pub fn pairs_within(positions: &[DVec2], radii: &[f64], reach: f64, out: &mut Vec<(u32, u32)>) {
-    debug_assert_eq!(positions.len(), radii.len());
     out.clear();
+    let _ = visit_pairs(positions, radii, reach, |pair| {
+        out.push(pair);
+        ControlFlow::Continue(())
+    });
+    out.sort_unstable();
+}
+
+/// Number of the pairs that [`pairs_within`] lists, up to `most`: memory stays O(n) where the pairs
+/// would not fit into it.
+#[must_use]
+pub fn count_within(positions: &[DVec2], radii: &[f64], reach: f64, most: usize) -> usize {
+    let mut count = 0;
+    let _ = visit_pairs(positions, radii, reach, |_| {
+        count += 1;
+        if count < most { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+    });
+    count.min(most)
+}
+
+/// Shows every pair to `visit`, until it breaks off.
+fn visit_pairs(
+    positions: &[DVec2],
+    radii: &[f64],
+    reach: f64,
+    mut visit: impl FnMut((u32, u32)) -> ControlFlow<()>,
+) -> ControlFlow<()> {
+    debug_assert_eq!(positions.len(), radii.len());
     if reach.is_nan() || reach == f64::NEG_INFINITY {
-        return; // no gap is within it, and no window can be made of it
+        return ControlFlow::Continue(()); // no gap is within it, and no window can be made of it
     }
     let (disks, classes) = classify(positions, radii, reach);
 
@@ -82,12 +110,12 @@ pub fn pairs_within(positions: &[DVec2], radii: &[f64], reach: f64, out: &mut Ve
             // A pair of one class is met once, from the earlier disk of the table: later in its
             // row, or in the next row, through which the window slides as the disks come in order.
             let width = width(disk.radius + class.radius, reach);
-            meet(disk, &own[i + 1..], disk.key, width, reach, out);
+            meet(disk, &own[i + 1..], disk.key, width, reach, &mut visit)?;
             let window = (disk.key + 1, disk.x - class.row_height);
             while own.get(above).is_some_and(|d| (d.key, d.x) < window) {
                 above += 1;
             }
-            meet(disk, &own[above..], disk.key + 1, width, reach, out);
+            meet(disk, &own[above..], disk.key + 1, width, reach, &mut visit)?;
         }
         for coarser in &classes[c + 1..] {
             let rows = &disks[coarser.begin..coarser.end];
@@ -95,12 +123,12 @@ pub fn pairs_within(positions: &[DVec2], radii: &[f64], reach: f64, out: &mut Ve
                 let width = width(disk.radius + coarser.radius, reach);
                 for key in coarser.key(disk.y - width)..=coarser.key(disk.y + width) {
                     let first = rows.partition_point(|d| (d.key, d.x) < (key, disk.x - width));
-                    meet(disk, &rows[first..], key, width, reach, out);
+                    meet(disk, &rows[first..], key, width, reach, &mut visit)?;
                 }
             }
         }
     }
-    out.sort_unstable();
+    ControlFlow::Continue(())
 }
 
 /// Greatest distance along x or y of two disks whose radii sum to `radii` and whose gap, as
@@ -109,17 +137,25 @@ fn width(radii: f64, reach: f64) -> f64 {
     radii + reach + ROUNDING * (radii + reach.abs())
 }
 
-/// Appends the pairs of `disk` with the disks at the head of `rows` that are in the row `key` and
+/// Visits the pairs of `disk` with the disks at the head of `rows` that are in the row `key` and
 /// within `width`.
 #[inline]
-fn meet(disk: &Disk, rows: &[Disk], key: i64, width: f64, reach: f64, out: &mut Vec<(u32, u32)>) {
+fn meet(
+    disk: &Disk,
+    rows: &[Disk],
+    key: i64,
+    width: f64,
+    reach: f64,
+    visit: &mut impl FnMut((u32, u32)) -> ControlFlow<()>,
+) -> ControlFlow<()> {
     let right = disk.x + width;
     for other in rows.iter().take_while(|d| d.key == key && d.x <= right) {
         let positions = (DVec2::new(disk.x, disk.y), DVec2::new(other.x, other.y));
         if gap(positions, (disk.radius, other.radius)) <= reach {
-            out.push((disk.id.min(other.id), disk.id.max(other.id)));
+            visit((disk.id.min(other.id), disk.id.max(other.id)))?;
         }
     }
+    ControlFlow::Continue(())
 }
 
 /// Table of the disks, sorted by class, row and x, and the classes from the finest to the coarsest.
@@ -183,6 +219,8 @@ mod tests {
         let mut found = vec![(9, 9)];
         pairs_within(positions, radii, reach, &mut found);
         assert_eq!(found, brute_force(positions, radii, reach));
+        assert_eq!(count_within(positions, radii, reach, usize::MAX), found.len());
+        assert_eq!(count_within(positions, radii, reach, 7), found.len().min(7));
         found.len()
     }
 

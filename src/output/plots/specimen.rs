@@ -17,6 +17,8 @@ const MARGIN: f64 = 24.0;
 const HEAD: f64 = 60.0;
 const FOOT: f64 = 64.0;
 const NARROWEST: f64 = 620.0;
+/// A disk touches a wall where its centre is nearer than this, in radii.
+const TOUCHING: f64 = 1.05;
 
 /// Draws the specimen `now`; none without disks. Rotations and displacements count from `start`.
 #[must_use]
@@ -66,10 +68,40 @@ pub fn svg(now: &Snapshot, start: &Snapshot, title: &str, caption: &str) -> Opti
     let mean_radius = now.radii.iter().sum::<f64>() / now.radii.len() as f64 * scale;
     let crack_width = (0.5 * mean_radius).clamp(1.0, 4.0);
     segments(&mut svg, &now.cracks, "#e00000", crack_width, place);
-    segments(&mut svg, &now.walls, "#222", 2.0, place);
+    let walls: Vec<_> = now.walls.iter().map(|wall| enclosing(*wall, now)).collect();
+    segments(&mut svg, &walls, "#222", 2.0, place);
     legend(&mut svg, &colouring, now.cracks.len(), height - FOOT);
     svg.push_str("</svg>\n");
     Some(svg)
+}
+
+/// A wall as long as what touches it: for contact it is an infinite line, and disks may rest on it
+/// beyond the ends of its drawn segment.
+fn enclosing([start, end]: [DVec2; 2], now: &Snapshot) -> [DVec2; 2] {
+    let length = start.distance(end);
+    let along = (end - start) / length;
+    let touching = now.positions.iter().zip(&now.radii).filter_map(|(x, r)| {
+        let from = *x - start;
+        (along.perp_dot(from).abs() <= TOUCHING * r)
+            .then(|| (from.dot(along) - r, from.dot(along) + r))
+    });
+    let ends = touching.fold((0.0_f64, length), |(low, high), (l, h)| (low.min(l), high.max(h)));
+    [start + along * ends.0, start + along * ends.1]
+}
+
+/// A number with three digits in the unit with the prefix that suits it.
+fn with_prefix(value: f64, unit: &str) -> String {
+    let (prefix, size) = match value.abs() {
+        0.0 => ("", 1.0),
+        v if v >= 999.5 => ("k", 1e3),
+        v if v >= 0.9995 => ("", 1.0),
+        v if v >= 0.9995e-3 => ("m", 1e-3),
+        v if v >= 0.9995e-6 => ("µ", 1e-6),
+        _ => ("n", 1e-9),
+    };
+    let value = value / size;
+    let digits = if value < 9.995 { 2 } else { usize::from(value < 99.95) };
+    format!("{value:.digits$} {prefix}{unit}")
 }
 
 /// Segments as one path.
@@ -114,11 +146,10 @@ fn legend(svg: &mut String, colouring: &Colouring, cracks: usize, top: f64) {
     };
     let _ = writeln!(
         svg,
-        "<g font-size=\"12\" fill=\"#333\"><text x=\"{end}\" y=\"{:.0}\">0 to {:.2e} {} and more</text>\
+        "<g font-size=\"12\" fill=\"#333\"><text x=\"{end}\" y=\"{:.0}\">0 to {} and more</text>\
          <text x=\"{MARGIN}\" y=\"{:.0}\">blue: {}{cracks}</text></g>",
         top + 18.0,
-        colouring.top,
-        colouring.unit,
+        with_prefix(colouring.top, colouring.unit),
         top + 40.0,
         colouring.name,
     );
@@ -197,6 +228,25 @@ mod tests {
         assert_eq!(svg.matches("<circle").count(), 7380);
         assert!(svg.contains("a &lt; b"));
         assert_eq!(Some(svg), super::svg(&now, &start, "a < b", "caption"));
+    }
+
+    #[test]
+    fn legend_numbers_are_readable() {
+        let said = [41.5, 0.0123, 4.15e-5, 1234.0, 0.0, 0.9996].map(|v| with_prefix(v, "rad"));
+        let expected = ["41.5 rad", "12.3 mrad", "41.5 µrad", "1.23 krad", "0.00 rad", "1.00 rad"];
+        assert_eq!(said, expected);
+    }
+
+    #[test]
+    fn walls_are_as_long_as_what_touches_them() {
+        // Three disks on a floor that is drawn under the middle one alone; one in the air.
+        let now = Snapshot {
+            positions: [(-3.0, 1.0), (0.0, 1.0), (4.0, 1.0), (9.0, 3.0)].map(DVec2::from).to_vec(),
+            radii: vec![1.0; 4],
+            ..Default::default()
+        };
+        let floor = enclosing([DVec2::new(-0.5, 0.0), DVec2::new(0.5, 0.0)], &now);
+        assert_eq!(floor, [DVec2::new(-4.0, 0.0), DVec2::new(5.0, 0.0)]);
     }
 
     #[test]

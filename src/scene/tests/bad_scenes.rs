@@ -114,13 +114,13 @@ fn fields() {
         (PARTICLE, "(position: (2.0, 1.0, 0.0), radius: 1.0)",
          "12:20: specimen[1].position: expected 2 values in brackets, found `(2.0, 1.0, 0.0)`"),
         (PARTICLE, r#"(position: (2.0, 1.0), radius: "1.0")"#,
-         r#"12:40: specimen[1].radius: expected a number, found `"1.0"`"#),
+         r#"12:40: specimen[1].radius: expected a number, found `"1.0"`; leave the quotes out"#),
         ("increments: 4", "increments: 4.0",
-         "21:25: stages[0].increments: expected a whole number from 0 to 4294967295, found `4.0`"),
+         "21:25: stages[0].increments: expected a whole number from 0 to 4294967295, found `4.0`; write 4"),
         ("increments: 4", "increments: -4",
          "21:25: stages[0].increments: expected a whole number from 0 to 4294967295, found `-4`"),
         (r#"title: "Small""#, "title: Small",
-         "3:12: title: expected a text in quotes, found `Small`"),
+         "3:12: title: expected a text in quotes, found `Small`; write `\"Small\"`"),
         ("    version: 1,
 ", "",
          "1:1: version: missing field `version`; add `version: 1`"),
@@ -288,7 +288,7 @@ fn recipes() {
         (SPECIMEN, "Lattice(columns: 3, rows: 0, radius: 1.0)",
          "10:41: specimen.rows: zero (0); give a number of 1 or more"),
         (SPECIMEN, "Lattice(columns: 3000000, rows: 3000000, radius: 1.0, origin: (0.0, 1.0))",
-         "10:15: specimen: 8999998500000 particles; give at most 5000000
+         "10:15: specimen: 8999998500000 particles, which take about 90.0 PB of memory; give at most 5000000
 10:15: specimen: the specimen reaches behind wall `top`; move its origin or the wall; a wall has its inside on the left of start to end"),
         (SPECIMEN, "Lattice(columns: 2, rows: 2, radius: 0.5, origin: (0.0, -0.5))",
          "10:15: specimen: the specimen reaches behind wall `bottom`; move its origin or the wall; a wall has its inside on the left of start to end"),
@@ -320,7 +320,7 @@ fn walls() {
          "16:47: walls[1].end: a wall of zero length ((5.0, 2.0) to (5.0, 2.0)); move its end"),
         (TOP, r#"(name: "bottom", start: (5.0, 2.0), end: (-5.0, 2.0))"#,
          "16:16: walls[1].name: name of a wall given twice (`bottom`); it is also that of walls[0].name
-22:21: stages[0].walls.top: unknown wall (`top`); there are the walls `bottom`, `bottom`"),
+22:21: stages[0].walls.top: unknown wall (`top`); there is only `bottom`"),
         (TOP, r#"(name: "top", start: (-5.0, 2.0), end: (5.0, 2.0))"#,
          "11:20: specimen[0].position: the centre is behind wall `top` (0.0, 1.0); move it inside; a wall has its inside on the left of start to end
 12:20: specimen[1].position: the centre is behind wall `top` (2.0, 1.0); move it inside; a wall has its inside on the left of start to end"),

@@ -8,7 +8,7 @@ use crate::scene::overrides::apply;
 
 #[track_caller]
 fn set(text: &str, sets: &[&str]) -> String {
-    apply(text, sets).unwrap_or_else(|error| panic!("{error}"))
+    apply(text, sets).unwrap_or_else(|error| panic!("{error}")).text
 }
 
 #[track_caller]
@@ -103,8 +103,8 @@ fn a_wrong_value_is_known_to_come_from_a_setting() {
     let error = read(SMALL, &["walls.top.contact.friction=-0.3"]).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "s.ron:16:80: walls[1].contact.friction: negative (-0.3) \
-         (from --set walls.top.contact.friction=-0.3); give a coefficient of 0 or more"
+        "--set walls.top.contact.friction=-0.3: walls[1].contact.friction: negative (-0.3); \
+         give a coefficient of 0 or more"
     );
     assert_eq!(error.exit_code(), 3);
 }
@@ -113,4 +113,30 @@ fn a_wrong_value_is_known_to_come_from_a_setting() {
 fn a_broken_scene_is_reported_as_such() {
     let error = read(&SMALL.replace("Force(1.0)", "Force(1.0"), &["version=1"]).unwrap_err();
     assert_eq!(error.exit_code(), 3);
+}
+
+#[test]
+fn a_wall_that_is_not_there_is_a_wrong_setting() {
+    refused(
+        "stages.load.walls.tpo=Fixed",
+        "stages[0].walls.tpo: unknown wall (`tpo`); did you mean `top`? \
+         there are the walls `bottom`, `top`",
+    );
+}
+
+#[test]
+fn places_are_those_of_the_file_and_not_of_the_edited_text() {
+    let wrong = SMALL.replace("increments: 4", "increments: 0");
+    let sets = ["specimen[0].group=a,\n\n\nb", "materials.grain.density=1000.0"];
+    let error = read(&wrong, &sets).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "s.ron:21:25: stages[0].increments: zero (0); give a number of 1 or more"
+    );
+    // What a setting breaks elsewhere is reported where it stands in the file.
+    let error = read(SMALL, &["walls.top.name=lid"]).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "s.ron:22:21: stages[0].walls.top: unknown wall (`top`); there are the walls `bottom`, `lid`"
+    );
 }

@@ -6,6 +6,11 @@ use std::fmt::Arguments;
 use crate::scene::diagnostic::{Finding, within};
 use crate::scene::suggest;
 
+/// Numbers beyond this have products that are no numbers, whatever their units.
+pub(in crate::scene) const GREATEST: f64 = 1e30;
+/// Likewise where zero makes no sense.
+pub(in crate::scene) const SMALLEST: f64 = 1e-30;
+
 /// Collects findings. Paths are given unformatted, since most checks find nothing.
 pub(super) struct Findings<'a> {
     list: Vec<Finding>,
@@ -26,6 +31,11 @@ impl<'a> Findings<'a> {
         !self.made_up.iter().any(|made_up| within(made_up, path))
     }
 
+    /// The same for a path that is not written out unless it has to be.
+    pub(super) fn is_sure_of_part(&self, path: Arguments) -> bool {
+        self.made_up.is_empty() || self.is_sure_of(&path.to_string())
+    }
+
     pub(super) fn add(&mut self, path: Arguments, message: impl Into<String>, help: &str) {
         self.list.push(Finding::new(path.to_string(), message, help));
     }
@@ -36,23 +46,28 @@ impl<'a> Findings<'a> {
         self.list.push(Finding { at_key: true, ..finding });
     }
 
-    /// Checks a number; `what` completes "give ...".
+    /// Checks a number; `what` completes "give ...". Where zero is not allowed, next to zero is not
+    /// either.
     pub(super) fn number(
         &mut self,
         path: Arguments,
         value: f64,
-        allowed: impl FnOnce(f64) -> bool,
+        allowed: impl Fn(f64) -> bool,
         what: &str,
     ) -> bool {
-        let fine = value.is_finite() && allowed(value);
+        let tiny = value != 0.0 && value.abs() < SMALLEST && !allowed(0.0);
+        let huge = value.is_finite() && value.abs() > GREATEST;
+        let fine = value.is_finite() && allowed(value) && !tiny && !huge;
         if !fine {
-            let problem = match value {
-                _ if !value.is_finite() => "not finite",
-                _ if value < 0.0 => "negative",
-                _ if value == 0.0 => "zero",
-                _ => "out of range",
+            let (problem, limit) = match value {
+                _ if !value.is_finite() => ("not finite", String::new()),
+                _ if !allowed(value) && value < 0.0 => ("negative", String::new()),
+                _ if value == 0.0 => ("zero", String::new()),
+                _ if tiny => ("too small", format!(", and not below {SMALLEST:e}")),
+                _ if huge => ("too large", format!(", within {GREATEST:e}")),
+                _ => ("out of range", String::new()),
             };
-            self.add(path, format!("{problem} ({value:?})"), &format!("give {what}"));
+            self.add(path, format!("{problem} ({value:?})"), &format!("give {what}{limit}"));
         }
         fine
     }

@@ -13,12 +13,18 @@ mod walls;
 
 use super::diagnostic::Finding;
 use super::format::{Scene, Specimen, Stage};
+use super::memory;
 use super::specimen_file::StoredSpecimen;
 use findings::Findings;
+pub(super) use findings::{GREATEST, SMALLEST};
 pub(super) use places::coincident;
 
-/// Most particles of a specimen: beyond, memory runs out before anything is seen.
+/// Most particles of a specimen. The identities of bodies and the time that a run takes allow no
+/// more; what fits into the memory of a machine is a matter of [`memory`].
 pub const MOST_PARTICLES: u64 = 5_000_000;
+
+/// Most memory of a scene, bytes, on whatever machine: 5 million bonded disks take 50 GB.
+pub const MOST_MEMORY: f64 = 100e9;
 
 /// Checks a scene, with the stored specimen that it names, that need not come from a text.
 #[must_use]
@@ -63,13 +69,8 @@ impl<'a> Context<'a> {
             walls: scene.walls.iter().map(|wall| wall.name.as_str()).collect(),
             stages: scene.stages.iter().map(stage_name).collect(),
             particles: match &scene.specimen {
-                Specimen::Particles(list) => Some(list.len() as u64),
-                Specimen::Lattice { columns, rows, .. } => {
-                    let (columns, rows) = (u64::from(*columns), u64::from(*rows));
-                    Some((columns * rows).saturating_sub(rows / 2))
-                }
-                Specimen::Packing { count, .. } => Some(u64::from(*count)),
-                Specimen::File { .. } => specimen.map(|specimen| specimen.rows.len() as u64),
+                Specimen::File { .. } if specimen.is_none() => None,
+                of => Some(memory::particles(of, specimen)),
             },
         }
     }

@@ -45,12 +45,17 @@ pub(in crate::scene) fn coincident(disks: &[(f64, f64, f64)], most: usize) -> Ve
     pairs
 }
 
-/// Whether a disk's centre lies on the outer side of a wall, beside its drawn segment.
+/// Distance of neighbouring numbers at a place, m.
+pub(super) fn finest((x, y): (f64, f64)) -> f64 {
+    f64::EPSILON * x.abs().max(y.abs())
+}
+
+/// Whether a disk's centre lies on the outer side of a wall. For contact a wall is an infinite line:
+/// beyond the ends of its drawn segment as well.
 pub(super) fn is_behind(wall: &Wall, (x, y): (f64, f64), radius: f64) -> bool {
     let along = (wall.end.0 - wall.start.0, wall.end.1 - wall.start.1);
     let from = (x - wall.start.0, y - wall.start.1);
     let length = along.0.hypot(along.1);
-    let share = (along.0 * from.0 + along.1 * from.1) / (length * length);
     let inward = (along.0 * from.1 - along.1 * from.0) / length;
-    (0.0..=1.0).contains(&share) && inward < -BEHIND * radius
+    inward < -BEHIND * radius
 }

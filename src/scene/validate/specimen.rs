@@ -5,20 +5,20 @@ use std::fmt::Arguments;
 
 use crate::scene::diagnostic::MOST;
 use crate::scene::format::{Particle, Sizes, Specimen, Wall};
+use crate::scene::memory::{self, Need};
 use crate::scene::spans::join;
 use crate::scene::specimen_file::StoredSpecimen;
 use crate::scene::suggest;
 
 use super::findings::Findings;
-use super::places::{coincident, is_behind};
-use super::{Context, MOST_PARTICLES};
+use super::places::{coincident, finest, is_behind};
+use super::{Context, MOST_MEMORY, MOST_PARTICLES};
+
+/// Coarsest numbers in which a disk can be placed, in radii.
+const COARSEST: f64 = 1e-4;
 
 pub(super) fn check(context: &Context, findings: &mut Findings) {
-    if context.particles.is_some_and(|count| count > MOST_PARTICLES) {
-        let message = format!("{} particles", context.particles.unwrap_or_default());
-        let help = format!("give at most {MOST_PARTICLES}");
-        findings.add(format_args!("specimen"), message, &help);
-    }
+    size(context, findings);
     match &context.scene.specimen {
         Specimen::Particles(list) => particles(context, list, findings),
         Specimen::Lattice { columns, rows, radius, origin, material } => {
@@ -46,6 +46,27 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
     bonds(context, findings);
 }
 
+/// Checks that a specimen is not too large, whatever the machine.
+fn size(context: &Context, findings: &mut Findings) {
+    if !findings.is_sure_of("specimen") || !findings.is_sure_of("stages") {
+        return;
+    }
+    let need = Need::of(context.scene, context.specimen);
+    let bytes = memory::size(need.bytes);
+    let path = format_args!("specimen");
+    if need.particles > MOST_PARTICLES {
+        let message = format!("{} particles, which take about {bytes} of memory", need.particles);
+        findings.add(path, message, &format!("give at most {MOST_PARTICLES}"));
+    } else if need.bytes > MOST_MEMORY {
+        let message = format!(
+            "{} particles with about {:.1e} contacts and bonds, which take about {bytes} of memory",
+            need.particles, need.pairs,
+        );
+        let help = "take fewer particles, a shorter `length` of cement, or overlap them less";
+        findings.add(path, message, help);
+    }
+}
+
 fn particles(context: &Context, list: &[Particle], findings: &mut Findings) {
     for (i, particle) in list.iter().enumerate() {
         let path = format_args!("specimen[{i}]");
@@ -63,8 +84,9 @@ fn particles(context: &Context, list: &[Particle], findings: &mut Findings) {
         if particle.group.as_ref().is_some_and(|group| group.trim().is_empty()) {
             findings.add(format_args!("{path}.group"), "empty name of a group", "give a name");
         }
-        if fine {
+        if fine && findings.is_sure_of_part(path) {
             let path = format_args!("{path}.position");
+            not_too_far(path, "the centre", particle.position, particle.radius, findings);
             not_behind(context, path, "the centre", particle.position, particle.radius, findings);
         }
     }
@@ -145,7 +167,8 @@ fn rows(
     for (i, row) in stored.rows.iter().enumerate() {
         let behind = |wall: &&Wall| wall.present && is_behind(wall, (row.x, row.y), row.r);
         let known = row.material.as_deref().is_none_or(|name| name_list.contains(&name));
-        if known && !context.scene.walls.iter().any(|wall| behind(&wall)) {
+        let far = finest((row.x, row.y)) > COARSEST * row.r;
+        if known && !far && !context.scene.walls.iter().any(|wall| behind(&wall)) {
             continue;
         }
         shown += 1;
@@ -153,6 +176,7 @@ fn rows(
         if let Some(name) = row.material.as_deref().filter(|_| !known) {
             findings.reference(path, name, ("material", "materials"), name_list);
         }
+        not_too_far(path, &whose, (row.x, row.y), row.r, findings);
         not_behind(context, path, &whose, (row.x, row.y), row.r, findings);
         if shown == MOST {
             return;
@@ -169,13 +193,38 @@ fn outline(
     radius: f64,
     findings: &mut Findings,
 ) {
+    if !findings.is_sure_of("specimen") || !findings.is_sure_of("walls") {
+        return;
+    }
     let corners = [(low.0, bottom), (low.1, bottom), (high.0, top), (high.1, top)];
+    let far = corners.iter().copied().max_by(|a, b| finest(*a).total_cmp(&finest(*b)));
+    if let Some(far) = far {
+        not_too_far(format_args!("specimen"), "a corner of it", far, radius, findings);
+    }
     let outside =
         |wall: &Wall| wall.present && corners.iter().any(|corner| is_behind(wall, *corner, radius));
     if let Some(wall) = context.scene.walls.iter().find(|wall| outside(wall)) {
         let message = format!("the specimen reaches behind wall `{}`", wall.name);
         let help = "move its origin or the wall; a wall has its inside on the left of start to end";
         findings.add(format_args!("specimen"), message, help);
+    }
+}
+
+/// Checks that numbers are fine enough where a disk is.
+fn not_too_far(
+    path: Arguments,
+    what: &str,
+    place: (f64, f64),
+    radius: f64,
+    findings: &mut Findings,
+) {
+    let step = finest(place);
+    if step > COARSEST * radius {
+        let message = format!("{what} is too far from the origin {place:?}");
+        let help = format!(
+            "numbers there are {step:.1e} m apart, too coarse for a radius of {radius:?} m"
+        );
+        findings.add(path, message, &help);
     }
 }
 
@@ -187,6 +236,9 @@ fn not_behind(
     radius: f64,
     findings: &mut Findings,
 ) {
+    if !findings.is_sure_of("walls") {
+        return;
+    }
     let present = context.scene.walls.iter().filter(|wall| wall.present);
     for wall in present.filter(|wall| is_behind(wall, place, radius)) {
         let message = format!("{what} is behind wall `{}` {place:?}", wall.name);

@@ -3,8 +3,8 @@
 use std::fmt::Arguments;
 
 use crate::scene::format::{
-    Analysis, Cement, Compact, CompactTarget, Load, Motion, ParticleControl, Select, Specimen,
-    Stage, Stop, Wall, WallControl,
+    Analysis, Cement, Compact, CompactTarget, Length, Load, Motion, ParticleControl, Record,
+    Select, Specimen, Stage, Stop, Strain, Stress, Wall, WallControl,
 };
 use crate::scene::spans::join;
 use crate::scene::suggest;
@@ -17,6 +17,9 @@ const WALL: (&str, &str) = ("wall", "walls");
 
 /// Normals of opposite walls may deviate from each other by this much (1 - cos).
 const ASKEW: f64 = 1e-9;
+
+/// Nobody waits for a compaction of more increments than this.
+const MOST_STEPS: f64 = 1e8;
 
 pub(super) fn check(context: &Context, findings: &mut Findings) {
     let scene = context.scene;
@@ -31,7 +34,7 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
         match stage {
             Stage::Compact(stage) => compact(context, path, stage, &present, findings),
             Stage::Cement(stage) => cement(context, path, stage, findings),
-            Stage::Load(stage) => load(context, path, stage, &mut present, findings),
+            Stage::Load(stage) => load(context, path, (i, stage), &mut present, findings),
         }
     }
 }
@@ -96,8 +99,27 @@ fn compact(
             findings.number(target_path, porosity, allowed, "a porosity between 0 and 1");
         }
     }
-    findings.positive(format_args!("{path}.step"), *step, "a step in m");
+    record(format_args!("{path}.record"), &stage.record, findings);
+    let stepped = findings.positive(format_args!("{path}.step"), *step, "a step in m");
+    if let (Some(moving), Some(fixed), true) = (moving, fixed, stepped) {
+        // The walls as they are drawn: how often they moved before does not matter here.
+        let middle = |wall: &Wall| (wall.start.0 + wall.end.0, wall.start.1 + wall.end.1);
+        let (a, b) = (middle(moving), middle(fixed));
+        let increments = 0.5 * (a.0 - b.0).hypot(a.1 - b.1) / step;
+        if increments > MOST_STEPS {
+            let message =
+                format!("so small a step ({step:?}) takes about {increments:.0e} increments");
+            findings.add(format_args!("{path}.step"), message, "give a greater step in m");
+        }
+    }
     findings.not_negative(format_args!("{path}.agitation"), *agitation, "a number of radii");
+}
+
+fn record(path: Arguments, record: &Record, findings: &mut Findings) {
+    findings.at_least_one(format_args!("{path}.every"), record.every, "a number of increments");
+    for (i, n) in record.frames.iter().enumerate() {
+        findings.at_least_one(format_args!("{path}.frames[{i}]"), *n, "an increment of the stage");
+    }
 }
 
 fn cement(context: &Context, path: Arguments, stage: &Cement, findings: &mut Findings) {
@@ -112,7 +134,7 @@ fn cement(context: &Context, path: Arguments, stage: &Cement, findings: &mut Fin
 fn load(
     context: &Context,
     path: Arguments,
-    stage: &Load,
+    (index, stage): (usize, &Load),
     present: &mut [bool],
     findings: &mut Findings,
 ) {
@@ -150,8 +172,18 @@ fn load(
         let path = format_args!("{path}.particles[{i}]");
         control_of_particles(context, path, control, timeless, findings);
     }
+    record(format_args!("{path}.record"), &stage.record, findings);
+    for (i, n) in stage.record.frames.iter().enumerate() {
+        if *n > stage.increments {
+            let message = format!("no such increment ({n})");
+            let help = format!("the stage has {} of them", stage.increments);
+            findings.add(format_args!("{path}.record.frames[{i}]"), message, &help);
+        }
+    }
     for (i, stop) in stage.stop.iter().enumerate() {
-        stops(context, format_args!("{path}.stop[{i}]"), *stop, timeless, findings);
+        let path = format_args!("{path}.stop[{i}]");
+        stops(context, path, *stop, timeless, findings);
+        never(context, path, (index, *stop), present, findings);
     }
 }
 
@@ -323,5 +355,55 @@ fn stops(context: &Context, path: Arguments, stop: Stop, timeless: bool, finding
     {
         let message = "a stop by time or speed in a static stage, which has no time";
         findings.add(path, message, "use a dynamic analysis");
+    }
+}
+
+/// A stop by a measure that is not defined in its stage can never hold.
+fn never(
+    context: &Context,
+    path: Arguments,
+    (here, stop): (usize, Stop),
+    present: &[bool],
+    findings: &mut Findings,
+) {
+    if !["measures", "stages", "walls"].iter().all(|part| findings.is_sure_of(part)) {
+        return;
+    }
+    let measures = &context.scene.measures;
+    let strain = match (&measures.axial_strain, stop) {
+        (Some(Strain::Walls(a, b)), Stop::AxialStrain(_)) => vec![a, b],
+        _ => Vec::new(),
+    };
+    let stress = match (&measures.axial_stress, stop) {
+        (Some(Stress::Walls { walls, length }), Stop::StressDrop(_)) => {
+            let between = match length {
+                Length::Between(a, b) => vec![a, b],
+                Length::Fixed(_) => Vec::new(),
+            };
+            walls.iter().chain(between).collect()
+        }
+        _ => Vec::new(),
+    };
+    let there = |name: &&&String| {
+        let index = context.walls.iter().position(|wall| *wall == name.as_str());
+        index.is_none_or(|index| present.get(index) == Some(&true))
+    };
+    if let Some(wall) = strain.iter().chain(&stress).find(|name| !there(name)) {
+        let message =
+            format!("it can never hold: wall `{wall}`, on which it is measured, is not there");
+        findings.add(path, message, "measure on walls of this stage, or leave it out");
+    }
+    let last = context.stages.len().saturating_sub(1);
+    let reference = match &measures.reference_stage {
+        Some(name) => context.stages.iter().position(|stage| stage == name).unwrap_or(0),
+        None => last,
+    };
+    if matches!(stop, Stop::AxialStrain(_)) && here < reference {
+        let name = context.stages[reference];
+        let the_last = if reference == last { ", the last one" } else { "" };
+        let message =
+            format!("it can never hold: strains count from the start of stage `{name}`{the_last}");
+        let help = "set `measures.reference_stage` to this stage or an earlier one";
+        findings.add(path, message, help);
     }
 }

@@ -1,0 +1,37 @@
+//! Whether a scene fits into the memory of this machine.
+
+use clastic::scene::LoadedScene;
+use clastic::scene::memory::{Need, size};
+use sysinfo::{MemoryRefreshKind, System};
+
+use super::exit::{Exit, Failure};
+
+/// Refuses a scene that would exhaust the memory that is free.
+pub fn fits(loaded: &LoadedScene) -> Result<(), Failure> {
+    let need = Need::of(&loaded.scene, loaded.specimen.as_ref());
+    match free() {
+        Some(free) if need.bytes > free => Err(Failure {
+            exit: Exit::Scene,
+            message: format!(
+                "{}: specimen: {} particles with about {:.1e} contacts and bonds take about {} of \
+                 memory, and {} are free; take a smaller specimen or free some memory",
+                loaded.path.display(),
+                need.particles,
+                need.pairs,
+                size(need.bytes),
+                size(free),
+            ),
+        }),
+        _ => Ok(()),
+    }
+}
+
+/// Memory that this process can still take, bytes; none where the system does not say.
+fn free() -> Option<f64> {
+    let mut system = System::new();
+    system.refresh_memory_specifics(MemoryRefreshKind::nothing().with_ram());
+    let machine = system.available_memory();
+    let group = system.cgroup_limits().map(|limits| limits.free_memory);
+    let free = group.map_or(machine, |group| group.min(machine));
+    (free > 0).then_some(free as f64)
+}

@@ -1,0 +1,131 @@
+//! A scene's text with settings applied, and where each part of it comes from.
+
+use super::spans::Span;
+
+/// A text of which parts were replaced by settings.
+#[derive(Clone, Debug)]
+pub struct EditedText {
+    /// The text as it is read.
+    pub text: String,
+    file: String,
+    pieces: Vec<Piece>,
+}
+
+/// Where a byte comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Source<'a> {
+    /// The byte of the file; where a setting put it in, the byte at which it did.
+    pub at: usize,
+    /// The setting, `path=value`; none for the file's own text.
+    pub set: Option<&'a str>,
+}
+
+/// A stretch of the text from one source.
+#[derive(Clone, Debug)]
+struct Piece {
+    length: usize,
+    /// Byte of the file where it begins, or where a setting put it in.
+    at: usize,
+    set: Option<String>,
+}
+
+impl Piece {
+    /// Takes it apart; either part may be empty.
+    fn split(self, length: usize) -> [Self; 2] {
+        let at = self.at + if self.set.is_none() { length } else { 0 };
+        let rest = Self { length: self.length - length, at, set: self.set.clone() };
+        [Self { length, ..self }, rest]
+    }
+}
+
+impl EditedText {
+    /// A text without settings.
+    #[must_use]
+    pub fn of(file: &str) -> Self {
+        let pieces = vec![Piece { length: file.len(), at: 0, set: None }];
+        Self { text: file.to_owned(), file: file.to_owned(), pieces }
+    }
+
+    /// The text of the file.
+    #[must_use]
+    pub fn file(&self) -> &str {
+        &self.file
+    }
+
+    /// Replaces a stretch of the text by what a setting puts there.
+    pub(super) fn replace(&mut self, span: Span, new: &str, set: &str) {
+        let at = self.source(span.start).at;
+        self.text.replace_range(span.clone(), new);
+        let mut pieces = Vec::with_capacity(self.pieces.len() + 2);
+        let mut start = 0;
+        let put_in = Piece { length: new.len(), at, set: Some(set.to_owned()) };
+        let mut put_in = Some(put_in);
+        for piece in self.pieces.drain(..) {
+            let end = start + piece.length;
+            let cut = |at: usize| at.clamp(start, end) - start;
+            let (low, high) = (cut(span.start), cut(span.end));
+            let [before, rest] = piece.split(low);
+            let [_, after] = rest.split(high - low);
+            pieces.push(before);
+            if span.start <= end {
+                pieces.extend(put_in.take());
+            }
+            pieces.push(after);
+            start = end;
+        }
+        pieces.retain(|piece| piece.length > 0);
+        self.pieces = pieces;
+    }
+
+    /// Where a byte of the text comes from.
+    #[must_use]
+    pub fn source(&self, at: usize) -> Source<'_> {
+        let mut start = 0;
+        for piece in &self.pieces {
+            if at < start + piece.length {
+                let inside = if piece.set.is_none() { at - start } else { 0 };
+                return Source { at: piece.at + inside, set: piece.set.as_deref() };
+            }
+            start += piece.length;
+        }
+        Source { at: self.file.len(), set: None }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_byte_knows_where_it_comes_from() {
+        let mut edited = EditedText::of("(a: 1, b: 2, c: 3)");
+        edited.replace(10..11, "20000", "b=20000");
+        edited.replace(4..5, "x", "a=x");
+        // Inside of what a setting put in.
+        edited.replace(11..12, "-", "b=2-000");
+        assert_eq!(edited.text, "(a: x, b: 2-000, c: 3)");
+        let source = |at| edited.source(at);
+        assert_eq!(source(0), Source { at: 0, set: None });
+        assert_eq!(source(4), Source { at: 4, set: Some("a=x") });
+        assert_eq!(source(5), Source { at: 5, set: None });
+        assert_eq!(source(10), Source { at: 10, set: Some("b=20000") });
+        assert_eq!(source(11), Source { at: 10, set: Some("b=2-000") });
+        assert_eq!(source(14), Source { at: 10, set: Some("b=20000") });
+        assert_eq!(source(20), Source { at: 16, set: None });
+        assert_eq!(source(99), Source { at: 18, set: None });
+        for (i, c) in edited.text.char_indices().filter(|(i, _)| source(*i).set.is_none()) {
+            assert_eq!(edited.file()[source(i).at..].chars().next(), Some(c));
+        }
+    }
+
+    #[test]
+    fn insertions_at_the_ends() {
+        let mut edited = EditedText::of("ab");
+        edited.replace(2..2, "z", "z");
+        edited.replace(0..0, "y", "y");
+        assert_eq!(edited.text, "yabz");
+        assert_eq!(edited.source(0), Source { at: 0, set: Some("y") });
+        assert_eq!(edited.source(1), Source { at: 0, set: None });
+        assert_eq!(edited.source(3), Source { at: 2, set: Some("z") });
+    }
+}

@@ -1,0 +1,120 @@
+//! How much memory a scene takes to run, before anything is built.
+//!
+//! The estimate counts particles and the pairs among them: tables of bodies, bonds and contacts and
+//! the factor of the solver. Measured on bonded lattices of 10^4 and 9 10^4 disks, 9.0 and 9.9 kB
+//! a disk; the estimate gives 10 kB.
+
+use std::f64::consts::PI;
+
+use clastic_systems::detect_contacts::grid::count_within;
+use glam::DVec2;
+
+use super::format::{Scene, Sizes, Specimen, Stage};
+use super::specimen_file::StoredSpecimen;
+
+/// Memory of a particle by itself, bytes.
+const PARTICLE: f64 = 1000.0;
+/// Memory of a pair that touches or is bonded, bytes.
+const PAIR: f64 = 3000.0;
+/// Pairs of a particle in a dense packing of disks of about one size.
+const TOUCHING: f64 = 3.0;
+/// Densest part of the area that equal disks cover.
+const DENSEST: f64 = 0.907;
+/// More pairs than this are not counted one by one.
+const COUNTED: usize = 100_000_000;
+
+/// What a scene takes to run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Need {
+    /// Number of particles.
+    pub particles: u64,
+    /// Greatest number of pairs that touch or are bonded at one time, estimated.
+    pub pairs: f64,
+    /// Memory, bytes, estimated.
+    pub bytes: f64,
+}
+
+impl Need {
+    /// Of a scene with the stored specimen that it names.
+    #[must_use]
+    pub fn of(scene: &Scene, stored: Option<&StoredSpecimen>) -> Self {
+        let n = particles(&scene.specimen, stored);
+        let count = n as f64;
+        let mean = mean_radius(&scene.specimen, stored);
+        // A stage that cements meets the packing that those before it have made: take a dense one.
+        let bonded = scene.stages.iter().filter_map(|stage| match stage {
+            Stage::Cement(cement) => Some(cement.length),
+            _ => None,
+        });
+        let length = bonded.filter(|length| length.is_finite()).fold(0.0, f64::max);
+        let neighbours = DENSEST * (2.0 + length / mean).powi(2) - 1.0;
+        let neighbours = if neighbours.is_finite() { neighbours } else { count };
+        let each = (0.5 * neighbours).max(TOUCHING).min(0.5 * (count - 1.0).max(0.0));
+        let mut pairs = (count * each).max(scene.bonds.len() as f64);
+        // Particles that are given one by one may lie on top of each other.
+        let disks = disks(&scene.specimen, stored);
+        if !disks.0.is_empty() {
+            pairs = pairs.max(count_within(&disks.0, &disks.1, 0.0, COUNTED) as f64);
+        }
+        Self { particles: n, pairs, bytes: PARTICLE * count + PAIR * pairs }
+    }
+}
+
+/// Bytes in a unit that suits them.
+#[must_use]
+pub fn size(bytes: f64) -> String {
+    let (unit, size) = match bytes {
+        b if b >= 1e18 => return format!("{b:.0e} bytes"),
+        b if b >= 1e15 => ("PB", 1e15),
+        b if b >= 1e12 => ("TB", 1e12),
+        b if b >= 1e9 => ("GB", 1e9),
+        _ => ("MB", 1e6),
+    };
+    format!("{:.1} {unit}", bytes / size)
+}
+
+/// Number of particles.
+pub(super) fn particles(specimen: &Specimen, stored: Option<&StoredSpecimen>) -> u64 {
+    match specimen {
+        Specimen::Particles(list) => list.len() as u64,
+        Specimen::Lattice { columns, rows, .. } => {
+            let (columns, rows) = (u64::from(*columns), u64::from(*rows));
+            (columns * rows).saturating_sub(rows / 2)
+        }
+        Specimen::Packing { count, .. } => u64::from(*count),
+        Specimen::File { .. } => stored.map_or(0, |stored| stored.rows.len() as u64),
+    }
+}
+
+/// Radius of a disk of mean area, m.
+fn mean_radius(specimen: &Specimen, stored: Option<&StoredSpecimen>) -> f64 {
+    match *specimen {
+        Specimen::Lattice { radius, .. } => radius,
+        Specimen::Packing { sizes, .. } => match sizes {
+            Sizes::Equal { radius } => radius,
+            Sizes::Uniform { radius: (low, high) } => {
+                ((low * low + low * high + high * high) / 3.0).sqrt()
+            }
+            Sizes::LogNormal { radius, .. } => radius,
+        },
+        Specimen::Particles(_) | Specimen::File { .. } => {
+            let (_, radii) = disks(specimen, stored);
+            let area: f64 = radii.iter().map(|r| PI * r * r).sum();
+            (area / (PI * radii.len() as f64)).sqrt()
+        }
+    }
+}
+
+/// The disks that a scene gives one by one.
+fn disks(specimen: &Specimen, stored: Option<&StoredSpecimen>) -> (Vec<DVec2>, Vec<f64>) {
+    match specimen {
+        Specimen::Particles(list) => {
+            list.iter().map(|p| (DVec2::from(p.position), p.radius)).unzip()
+        }
+        Specimen::File { .. } => {
+            let rows = stored.iter().flat_map(|stored| &stored.rows);
+            rows.map(|row| (DVec2::new(row.x, row.y), row.r)).unzip()
+        }
+        _ => (Vec::new(), Vec::new()),
+    }
+}
