@@ -9,6 +9,7 @@ use clastic_components::increment::Progress;
 use clastic_components::observation::{Measures, Observation};
 use clastic_systems::record::take_reference;
 use clastic_systems::schedule::{ControlWalls, Increment};
+use clastic_systems::solve_program::Solver;
 
 use super::{cement, compact, load};
 use crate::scene::format::{Scene, Stage, Stop};
@@ -62,6 +63,32 @@ impl Stage {
             Self::Cement(s) => &s.name,
             Self::Load(s) => &s.name,
         }
+    }
+}
+
+/// What an increment changes even where it stalls, as it was before: the state of a stalled run is
+/// the one before that increment.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct Before {
+    /// How far the run had come.
+    pub progress: Progress,
+    /// The record of the increment before.
+    pub observation: Observation,
+    /// Memory of the solver.
+    pub solver: Vec<[f64; 3]>,
+}
+
+impl Before {
+    fn take(world: &mut World) {
+        let mut before = world.remove_resource::<Self>().unwrap_or_default();
+        before.progress.clone_from(world.resource::<Progress>());
+        before.observation.clone_from(world.resource::<Observation>());
+        // Tables of the size of the last increment's: nothing is allocated.
+        before.solver.clear();
+        if let Some(solver) = world.get_resource::<Solver>() {
+            before.solver.extend_from_slice(solver.0.memory());
+        }
+        world.insert_resource(before);
     }
 }
 
@@ -119,6 +146,7 @@ pub fn advance(world: &mut World) -> Step {
             end(world, &stage);
             continue;
         }
+        Before::take(world);
         // Nobody else calls `Messages::update` where no app runs.
         world.resource_mut::<Messages<Rupture>>().update();
         world.run_schedule(Increment);

@@ -22,6 +22,6 @@ mod unique_keys;
 pub mod validate;
 
 pub use diagnostic::{Diagnostic, Finding, SceneErrors};
-pub use load::{LoadError, LoadedScene, from_str, load};
+pub use load::{LoadError, LoadedScene, from_str, from_str_with, load};
 pub use overrides::SetError;
 pub use specimen_file::{StoredParticle, StoredSpecimen};
