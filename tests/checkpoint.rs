@@ -214,7 +214,7 @@ fn compaction_cementing_and_walls_taken_away() {
         "output=(frames_every: 5)",
     ];
     let loaded = load("uniaxial_small", &sets);
-    let records = same_from_anywhere(&loaded, |_| true);
+    let records = same_from_anywhere(&loaded, |k| k % 4 == 1 || k == 22);
     let stages: Vec<_> = records.iter().map(|o| o.stage.as_str()).collect();
     assert!(stages.contains(&"compact") && stages.contains(&"load"), "{stages:?}");
     assert!(records.iter().any(|o| !o.ruptures.is_empty()), "no bond broke");
@@ -324,8 +324,8 @@ fn a_stalled_run_goes_on_with_other_settings() {
     assert_same_files(&again, &expected, "resumed as it was");
 
     // With others it ends; the failed row is gone and the record says what happened.
-    let (outcome, state) = resume(&stalled, &["friction_law=Associated"]);
-    assert!(!matches!(outcome, Outcome::Stalled { .. }), "{outcome:?}");
+    let (outcome, state) = resume(&stalled, &["friction_law=Associated", "acceptance.throw=3.0"]);
+    assert_eq!(outcome, Outcome::Completed);
     assert!(state.observation.increment > failed.increment);
     let history = fs::read_to_string(stalled.join(directory::HISTORY)).unwrap();
     assert!(!history.contains("stalled"));

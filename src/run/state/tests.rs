@@ -58,7 +58,8 @@ const WITHOUT_INFLUENCE: &[&str] = &["Candidates", "Lap", "Timings"];
 /// Rust files below a directory.
 fn sources(directory: &Path) -> Vec<PathBuf> {
     let mut found = Vec::new();
-    for entry in fs::read_dir(directory).unwrap_or_else(|e| panic!("{}: {e}", directory.display())) {
+    for entry in fs::read_dir(directory).unwrap_or_else(|e| panic!("{}: {e}", directory.display()))
+    {
         let path = entry.unwrap_or_else(|e| panic!("{e}")).path();
         if path.is_dir() && !path.ends_with("target") {
             found.extend(sources(&path));
@@ -98,8 +99,7 @@ fn every_component_and_resource_is_accounted_for() {
             found.extend(kept_types(&source));
         }
     }
-    let known: Vec<&str> =
-        [STORED, OF_THE_SCENE, OF_THE_INCREMENT, WITHOUT_INFLUENCE].concat();
+    let known: Vec<&str> = [STORED, OF_THE_SCENE, OF_THE_INCREMENT, WITHOUT_INFLUENCE].concat();
     let known: BTreeSet<String> = known.into_iter().map(str::to_owned).collect();
     let forgotten: Vec<_> = found.difference(&known).collect();
     assert!(
