@@ -308,36 +308,66 @@ fn a_change_that_cannot_be_is_wrong_usage() {
     place.resume_to_the_end(&out, "after a refusal");
 }
 
+/// A program whose files may not grow beyond `limit` blocks of 512 bytes. The signal that comes with
+/// it is ignored: a full disk sends none.
+fn limited(limit: u32) -> Command {
+    let script = format!("trap '' XFSZ; ulimit -f {limit}; exec \"$0\" \"$@\"");
+    let mut command = Command::new("sh");
+    command.current_dir(ROOT).args(["-c", &script, PROGRAM]);
+    command
+}
+
+/// What a run leaves that could not write one of its files.
+fn assert_full(run: &Output, out: &Path, file: &str) {
+    let message = said(run);
+    assert_eq!(run.status.code(), Some(1), "{message}");
+    let expected = format!("{}: File too large", out.join(file).display());
+    assert!(message.contains(&expected), "{message}");
+    assert_whole(out, &message);
+    assert!(files(out).keys().all(|name| !name.ends_with(".part")), "{message}");
+    assert_eq!(
+        message.contains("clastic resume"),
+        out.join("checkpoint.bin").exists(),
+        "{message}"
+    );
+}
+
 #[test]
-fn disk_full() {
+fn disk_full_at_a_checkpoint() {
     let place = Place::new();
-    for (limit, file) in [(8, "scene.ron"), (20, "checkpoint.bin"), (44, "history.csv")] {
-        let out = place.path(file);
-        // Files may not grow beyond `limit` blocks of 512 bytes; the signal is ignored, as a full
-        // disk sends none.
-        let script = format!("trap '' XFSZ; ulimit -f {limit}; exec \"$0\" \"$@\"");
-        let run = Command::new("sh")
-            .args(["-c", &script, PROGRAM, "run"])
-            .arg(place.path("lattice.ron"))
-            .args(["--quiet", "--checkpoint-every", "5", "--out"])
-            .arg(&out)
-            .output()
-            .unwrap();
-        let message = said(&run);
-        println!("{limit} blocks: {message}");
-        if limit == 8 {
-            continue;
-        }
-        assert_eq!(run.status.code(), Some(1), "{message}");
-        assert!(message.contains("File too large"), "{message}");
-        assert_whole(&out, &message);
-        let parts = files(&out).keys().filter(|name| name.ends_with(".part")).count();
-        assert_eq!(parts, 0);
-        if out.join("checkpoint.bin").exists() {
-            assert!(message.contains("clastic resume"), "{message}");
+    // The first checkpoint does not fit; the first does and the second, with its bonds, does not.
+    for (limit, any) in [(24, false), (60, true)] {
+        let out = place.path(&limit.to_string());
+        let mut run = limited(limit);
+        run.arg("run").arg(place.path("lattice.ron"));
+        run.args(["--quiet", "--checkpoint-every", "5", "--out"]).arg(&out);
+        assert_full(&run.output().unwrap(), &out, "checkpoint.bin");
+        assert_eq!(out.join("checkpoint.bin").exists(), any);
+        if any {
             place.resume_to_the_end(&out, "disk full");
         }
     }
+}
+
+#[test]
+fn disk_full_at_a_row() {
+    let parent = tempfile::tempdir().unwrap();
+    let (plain, out) = (parent.path().join("plain"), parent.path().join("out"));
+    let arguments = ["run", "tension", "--quiet", "--set", "stages.pull.increments=250"];
+    let done = Command::new(PROGRAM)
+        .current_dir(ROOT)
+        .args(arguments)
+        .arg("--out")
+        .arg(&plain)
+        .output()
+        .unwrap();
+    assert_eq!(done.status.code(), Some(0), "{}", said(&done));
+    let mut run = limited(60);
+    run.args(arguments).args(["--checkpoint-every", "20", "--out"]).arg(&out);
+    assert_full(&run.output().unwrap(), &out, "history.csv");
+    let done = resume(&out).output().unwrap();
+    assert_eq!(done.status.code(), Some(0), "{}", said(&done));
+    assert!(files(&out) == files(&plain));
 }
 
 #[test]
