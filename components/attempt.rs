@@ -1,6 +1,7 @@
 //! State of the attempts at one increment: tentative, dropped when the next increment begins.
 
 use bevy_ecs::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::bond::Rupture;
 
@@ -19,7 +20,7 @@ pub enum Verdict {
 }
 
 /// How an increment ended. The names are those of the history file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum IncrementStatus {
     /// Converged.
     #[default]

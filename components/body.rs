@@ -2,12 +2,15 @@
 
 use bevy_ecs::prelude::*;
 use glam::DVec2;
+use serde::{Deserialize, Serialize};
 
 /// Dense identity of a body: particles first, in file order, then walls, in file order.
 ///
 /// Everything that needs an order uses this one. `Entity` values and query order depend on the
 /// history of the world and order nothing.
-#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(
+    Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
+)]
 #[component(immutable)]
 pub struct BodyId(pub u32);
 
@@ -20,31 +23,31 @@ impl BodyId {
 }
 
 /// Centre of a disk, or middle of a wall's drawn segment, m.
-#[derive(Component, Clone, Copy, Debug, PartialEq, Default)]
+#[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Position(pub DVec2);
 
 /// Position at the start of the stage list, m; displacements in the record count from here.
-#[derive(Component, Clone, Copy, Debug, PartialEq, Default)]
+#[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Origin(pub DVec2);
 
 /// Rotation since the start, rad, anticlockwise positive.
-#[derive(Component, Clone, Copy, Debug, PartialEq, Default)]
+#[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Rotation(pub f64);
 
 /// Velocity, m/s. Static analysis leaves it alone.
-#[derive(Component, Clone, Copy, Debug, PartialEq, Default)]
+#[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Velocity(pub DVec2);
 
 /// Angular velocity, rad/s.
-#[derive(Component, Clone, Copy, Debug, PartialEq, Default)]
+#[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct AngularVelocity(pub f64);
 
 /// Displacement of the last committed increment: (x, y) in m and rotation in rad.
-#[derive(Component, Clone, Copy, Debug, PartialEq, Default)]
+#[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct LastMotion(pub [f64; 3]);
 
 /// What the outside world does to one degree of freedom of a body during a whole increment.
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub enum Drive {
     /// Nothing: the motion is an unknown.
     #[default]
@@ -54,11 +57,11 @@ pub enum Drive {
 }
 
 /// Drives of the three degrees of freedom of a particle: x, y, rotation.
-#[derive(Component, Clone, Copy, Debug, PartialEq, Default)]
+#[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Drives(pub [Drive; 3]);
 
 /// A load that goes linearly from its value at the start of an increment to that at its end.
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Ramp {
     /// Value at the start of the increment.
     pub from: f64,
@@ -82,26 +85,26 @@ impl Ramp {
 }
 
 /// Force (x, y; N) and moment (N m) that the outside world applies to a particle, gravity apart.
-#[derive(Component, Clone, Copy, Debug, PartialEq, Default)]
+#[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct AppliedLoad(pub [Ramp; 3]);
 
 /// Loads of a particle over the stage: (value at its start, value at its end) of force x, force y
 /// (N) and moment (N m). [`AppliedLoad`] follows from it.
-#[derive(Component, Clone, Copy, Debug, PartialEq, Default)]
+#[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct LoadControl(pub [(f64, f64); 3]);
 
 /// Force (x, y; N) and moment (N m) that the outside world exerted on the body in the last
 /// committed increment: applied loads, reactions of imposed motion, and for walls whatever
 /// holds or moves them. Gravity is not in it.
-#[derive(Component, Clone, Copy, Debug, PartialEq, Default)]
+#[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct ExternalForce(pub [f64; 3]);
 
 /// Name under which the history records the body (`NAME.x_m`, ...).
-#[derive(Component, Clone, Debug, PartialEq, Eq)]
+#[derive(Component, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[component(immutable)]
 pub struct Probe(pub String);
 
 /// Name of a group of particles that stages and measures can select.
-#[derive(Component, Clone, Debug, PartialEq, Eq)]
+#[derive(Component, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[component(immutable)]
 pub struct Group(pub String);

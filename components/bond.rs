@@ -8,13 +8,15 @@ use crate::body::BodyId;
 use crate::material::BondLaw;
 
 /// Dense identity of a bond, in order of creation. It never changes and is never used again.
-#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(
+    Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
+)]
 #[component(immutable)]
 pub struct BondId(pub u32);
 
 /// A bond between two bodies. The endpoints are plain fields, not relationships: adding or
 /// removing relationships reorders archetypes.
-#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[derive(Component, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[require(BondState)]
 pub struct Bond {
     /// First body, always a particle; `a < b`.
@@ -28,7 +30,7 @@ pub struct Bond {
 }
 
 /// Whether a bond still holds.
-#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum BondState {
     /// Carries tension, shear and moment up to its strength.
     #[default]
@@ -62,7 +64,7 @@ impl RuptureMode {
 }
 
 /// One rupture: which bond, on which limit, where, and the forces that it carried then.
-#[derive(Message, Clone, Copy, Debug, PartialEq)]
+#[derive(Message, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Rupture {
     /// Increment of the rupture.
     pub increment: u64,

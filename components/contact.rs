@@ -2,6 +2,7 @@
 
 use bevy_ecs::prelude::*;
 use glam::DVec2;
+use serde::{Deserialize, Serialize};
 
 use crate::body::{Drive, Ramp};
 use crate::bond::BondId;
@@ -112,7 +113,7 @@ impl Contact {
 pub struct Contacts(pub Vec<Contact>);
 
 /// What a contact remembers from one increment to the next.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ContactMemory {
     /// First body.
     pub a: u32,
@@ -126,7 +127,7 @@ pub struct ContactMemory {
 }
 
 /// Memory of the contacts that carried force, sorted by (a, b).
-#[derive(Resource, Clone, Debug, Default)]
+#[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ContactHistory(pub Vec<ContactMemory>);
 
 impl ContactHistory {

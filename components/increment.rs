@@ -2,11 +2,12 @@
 
 use bevy_ecs::prelude::*;
 use glam::DVec2;
+use serde::{Deserialize, Serialize};
 
 use crate::body::Ramp;
 
 /// How bodies resist motion.
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub enum AnalysisKind {
     /// No inertia: every increment is an equilibrium.
     #[default]
@@ -32,7 +33,7 @@ pub enum AnalysisKind {
 }
 
 /// Kind of analysis, gravity and thickness.
-#[derive(Resource, Clone, Copy, Debug, PartialEq)]
+#[derive(Resource, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Analysis {
     /// Static, least motion or dynamic.
     pub kind: AnalysisKind,
@@ -117,7 +118,7 @@ impl Default for Acceptance {
 
 /// How far the run has come. Increments count over all stages; an increment that had to be
 /// halved is committed as several with a smaller fraction each.
-#[derive(Resource, Clone, Debug, PartialEq)]
+#[derive(Resource, Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Progress {
     /// Number of the increment under way, from 1.
     pub increment: u64,

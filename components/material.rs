@@ -1,12 +1,13 @@
 //! Contact and bond laws.
 
 use bevy_ecs::prelude::*;
+use serde::{Deserialize, Serialize};
 
 /// Law of an unbonded contact.
 ///
 /// `|q| <= mu p`, `|tau| <= mu_r r p`, `p >= 0`, with elastic compliances `C = 1/k` in the normal
 /// and the tangential direction; `C = 0` is a rigid contact.
-#[derive(Component, Clone, Copy, Debug, PartialEq, Default)]
+#[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct ContactLaw {
     /// Normal compliance `1/k_N`, m/N; 0 is rigid.
     pub normal_compliance: f64,
@@ -40,7 +41,7 @@ impl ContactLaw {
 
 /// Law of an intact bond: `p >= -f_t`, `|q| <= c A + mu_b p`, `|tau| <= mu_r r (p + f_t)` with
 /// `f_t = 2 r h sigma_t`, `A = 2 r h`, r the smaller radius (equations 18, 26 and 28 of the paper).
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct BondLaw {
     /// Normal compliance `1/k_N`, m/N; 0 is rigid.
     pub normal_compliance: f64,

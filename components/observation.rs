@@ -2,6 +2,7 @@
 //! write.
 
 use bevy_ecs::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::attempt::IncrementStatus;
 use crate::bond::Rupture;
@@ -82,7 +83,7 @@ pub struct Measures {
 }
 
 /// A recorded body.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ProbeReading {
     /// Name of the probe.
     pub name: String,
@@ -94,7 +95,7 @@ pub struct ProbeReading {
 
 /// The record of the last committed increment. Numbers that the scene does not define are
 /// `None` and stay empty in the history.
-#[derive(Resource, Clone, Debug, Default)]
+#[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Observation {
     /// Increment, from 1.
     pub increment: u64,
@@ -143,7 +144,7 @@ pub struct Observation {
 }
 
 /// Bonds broken so far in tension, shear and rolling.
-#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RuptureCount(pub [usize; 3]);
 
 /// Wall-clock seconds that the parts of the last increment took. Results never depend on it.

@@ -1,6 +1,7 @@
 //! Disks.
 
 use bevy_ecs::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::body::{
     AngularVelocity, AppliedLoad, Drives, ExternalForce, LastMotion, LoadControl, Origin, Position,
@@ -8,7 +9,7 @@ use crate::body::{
 };
 
 /// A rigid disk.
-#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[derive(Component, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[component(immutable)]
 #[require(
     Position,
@@ -42,7 +43,7 @@ impl Particle {
 }
 
 /// Index of a particle's material in [`Materials`](crate::material::Materials).
-#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct MaterialIndex(pub u32);
 
 /// A particle that a rejected solution moved far: it is on a mechanism, and its taut bonds are to pull

@@ -19,6 +19,7 @@
 
 use bevy_ecs::prelude::*;
 use glam::DVec2;
+use serde::{Deserialize, Serialize};
 
 /// One degree of freedom of a body of the program.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -247,7 +248,7 @@ pub enum SolveStatus {
 }
 
 /// KKT residuals of a solution, each the greatest over its rows and without dimension.
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Residuals {
     /// |balance row| over the greatest force (moments: over force x mean radius).
     pub balance: f64,

@@ -2,6 +2,7 @@
 
 use bevy_ecs::prelude::*;
 use glam::DVec2;
+use serde::{Deserialize, Serialize};
 
 use crate::body::{ExternalForce, LastMotion, Origin, Position, Ramp};
 use crate::material::ContactLaw;
@@ -10,7 +11,7 @@ use crate::material::ContactLaw;
 ///
 /// Its [`Position`] is the middle of the drawn segment. Material lies on the left of the way from
 /// start to end: the inward normal is the tangent turned by +90 degrees. A wall does not rotate.
-#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[derive(Component, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[require(Position, Origin, LastMotion, ExternalForce, ContactLaw, WallDrive, WallControl)]
 pub struct Wall {
     /// Unit vector from the start to the end of the segment.
@@ -28,7 +29,7 @@ impl Wall {
 }
 
 /// Name of a wall in the scene.
-#[derive(Component, Clone, Debug, PartialEq, Eq)]
+#[derive(Component, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[component(immutable)]
 pub struct WallName(pub String);
 
@@ -75,7 +76,7 @@ pub enum LoadedLength {
 }
 
 /// What a wall does during a whole increment: the result of its control.
-#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[derive(Component, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum WallDrive {
     /// Displacement over the increment, m.
     Imposed(DVec2),

@@ -71,9 +71,13 @@ pub fn gather_bodies(
     bodies.particles = n;
     bodies.entities.clear();
     bodies.entities.resize(all, Entity::PLACEHOLDER);
+    // A wall that was taken away must leave nothing behind: its last motion would go on setting the
+    // scale of displacements.
+    bodies.positions.clear();
     bodies.positions.resize(all, DVec2::ZERO);
     bodies.velocities.resize(all, DVec2::ZERO);
     bodies.angular_velocities.resize(all, 0.0);
+    bodies.last_motion.clear();
     bodies.last_motion.resize(all, [0.0; 3]);
     bodies.radii.resize(n, 0.0);
     bodies.masses.resize(n, 0.0);

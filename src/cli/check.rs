@@ -19,7 +19,7 @@ pub fn check(args: &SceneArgs) -> Result<Exit, Failure> {
         number(particles(&scene.specimen, loaded.specimen.as_ref()).len(), "particle"),
         number(scene.walls.len(), "wall"),
         number(scene.stages.len(), "stage"),
-    ));
+    ))?;
     Ok(Exit::Ok)
 }
 

@@ -48,7 +48,7 @@ pub fn compare(directories: &[PathBuf], out: &Path) -> Result<Exit, Failure> {
     for (directory, run) in directories.iter().zip(&runs) {
         read.push((run.label(), History::read(&directory.join(directory::HISTORY))?));
     }
-    say(format_args!("{}", table(&runs)));
+    say(format_args!("{}", table(&runs)))?;
     fs::create_dir_all(out).map_err(OutputError::at(out))?;
     let charts =
         [("stress.svg", compare::stress(&read)), ("volumetric.svg", compare::volumetric(&read))];
@@ -57,12 +57,12 @@ pub fn compare(directories: &[PathBuf], out: &Path) -> Result<Exit, Failure> {
         if let Some(chart) = chart {
             let path = out.join(file);
             write_atomic(&path, chart.svg().map_err(OutputError::at(&path))?)?;
-            say(format_args!("drawn: {}", path.display()));
+            say(format_args!("drawn: {}", path.display()))?;
             drawn = true;
         }
     }
     if !drawn {
-        say(format_args!("no picture: none of the runs defines an axial strain with a stress"));
+        say(format_args!("no picture: none of the runs defines an axial strain with a stress"))?;
     }
     Ok(Exit::Ok)
 }

@@ -4,7 +4,7 @@ use std::fmt::Display;
 use std::io::{self, Write};
 use std::process::ExitCode;
 
-use clastic::output::OutputError;
+use clastic::output::{OutputError, ResumeError};
 use clastic::scene::LoadError;
 
 /// How the program ends.
@@ -56,9 +56,21 @@ impl From<OutputError> for Failure {
     }
 }
 
-/// Says something on standard output. Who closes it does not want to read it: no error.
-pub fn say(what: impl Display) {
-    let _ = writeln!(io::stdout(), "{what}");
+impl From<ResumeError> for Failure {
+    fn from(error: ResumeError) -> Self {
+        Self { exit: Exit::Files, message: error.to_string() }
+    }
+}
+
+/// Says something on standard output. Who closes it does not want to read it: no error. A full disk
+/// is one.
+pub fn say(what: impl Display) -> Result<(), Failure> {
+    match writeln!(io::stdout(), "{what}") {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            Err(Failure { exit: Exit::Files, message: format!("standard output: {error}") })
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Says something on standard error.

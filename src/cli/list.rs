@@ -23,7 +23,7 @@ pub fn list() -> Result<Exit, Failure> {
             |_| format!("(not sound; see `clastic check {name}`)"),
             |loaded| loaded.scene.title,
         );
-        say(format_args!("{name:width$}  {title}"));
+        say(format_args!("{name:width$}  {title}"))?;
     }
     Ok(Exit::Ok)
 }

@@ -8,6 +8,7 @@ mod list;
 mod memory;
 mod progress;
 mod resolve;
+mod resume;
 mod run;
 mod summary;
 
@@ -22,6 +23,8 @@ Examples:
   clastic check uniaxial                        is scenes/uniaxial.ron sound?
   clastic run uniaxial                          run it; results go to runs/uniaxial
   clastic compare runs/a runs/b                 their curves in one picture
+  clastic run uniaxial --checkpoint-every 10    lose no more than 10 increments if it is killed
+  clastic resume runs/uniaxial                  go on from there
   clastic run my_rig.ron --out out --set gravity='(0.0, -9.81)'
 
 Exit codes:
@@ -45,6 +48,8 @@ enum Command {
     /// Run a scene and write its results
     #[command(after_help = EXAMPLES)]
     Run(RunArgs),
+    /// Go on with a run that was interrupted, killed or stalled, from its last checkpoint
+    Resume(ResumeArgs),
     /// Read a scene and report everything that is wrong with it
     Check(SceneArgs),
     /// List the scenes in ./scenes
@@ -80,12 +85,35 @@ struct RunArgs {
     /// Write over the results of an earlier run
     #[arg(long)]
     force: bool,
-    /// Threads to use at most; results do not depend on it (this version always uses one)
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
-    threads: Option<u32>,
     /// Write the cone program and solution of increment N as JSON; may be repeated
     #[arg(long = "dump-program", value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     dump_programs: Vec<u64>,
+    #[command(flatten)]
+    output: OutputArgs,
+}
+
+#[derive(Args)]
+struct ResumeArgs {
+    /// Directory of the run
+    #[arg(value_name = "DIR")]
+    directory: PathBuf,
+    /// Set a field of the scene for what is still to come, e.g. --set acceptance.throw=0.5; may be
+    /// repeated
+    #[arg(long = "set", value_name = "PATH=VALUE")]
+    sets: Vec<String>,
+    #[command(flatten)]
+    output: OutputArgs,
+}
+
+/// How a run goes about it.
+#[derive(Args)]
+struct OutputArgs {
+    /// Write a checkpoint after every N increments, for `clastic resume` [default of resume: as before]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    checkpoint_every: Option<u32>,
+    /// Threads to use at most; results do not depend on it (this version always uses one)
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    threads: Option<u32>,
     /// No progress, only the result
     #[arg(short, long)]
     quiet: bool,
@@ -95,6 +123,7 @@ struct RunArgs {
 pub fn main() -> ExitCode {
     let done = match Cli::parse().command {
         Command::Run(args) => run::run(&args),
+        Command::Resume(args) => resume::resume(&args),
         Command::Check(args) => check::check(&args),
         Command::List => list::list(),
         Command::Compare { runs, out } => compare::compare(&runs, &out),

@@ -1,9 +1,11 @@
 //! `clastic run`: runs a scene to its end, or until somebody stops it.
 
+use std::path::Path;
+
 use clastic::components::increment::Progress as Place;
 use clastic::components::observation::Observation;
 use clastic::output::directory::default_directory;
-use clastic::output::{Ending, RunOptions, RunWriter};
+use clastic::output::{Ending, OutputError, RunOptions, RunWriter};
 use clastic::run::stages::Script;
 use clastic::run::{Outcome, Simulation, Step};
 use clastic::scene::load;
@@ -28,33 +30,46 @@ pub fn run(args: &RunArgs) -> Result<Exit, Failure> {
         force: args.force,
         overrides: args.scene.sets.clone(),
         dump_programs: args.dump_programs.clone(),
+        checkpoint_every: args.output.checkpoint_every.unwrap_or(0),
     };
-    let mut writer = RunWriter::create(options, &loaded, simulation.world_mut())?;
+    let writer = RunWriter::create(options, &loaded, simulation.world_mut())?;
+    to_the_end(simulation, writer, &directory, args.output.quiet)
+}
 
+/// Takes a run from where it is to its end and writes what it leaves.
+pub fn to_the_end(
+    mut simulation: Simulation,
+    mut writer: RunWriter,
+    directory: &Path,
+    quiet: bool,
+) -> Result<Exit, Failure> {
     let interrupt = Interrupt::listen();
-    let mut progress = Progress::new(args.quiet, loaded.scene.stages.len());
+    let mut progress =
+        Progress::new(quiet, simulation.world().resource::<Script>().scene.stages.len());
     let ending = loop {
         if let Step::Finished(outcome) = simulation.step() {
             break Ending::Finished(outcome);
         }
-        writer.record(simulation.world_mut())?;
+        writer.record(simulation.world_mut()).map_err(|e| stopped(e, &writer, directory))?;
         let world = simulation.world();
         progress.show(world.resource::<Place>(), world.resource::<Observation>());
-        if interrupt.requested() {
+        if interrupt.requested() && world.resource::<Script>().outcome.is_none() {
             break Ending::Interrupted;
         }
     };
     progress.end();
 
-    let results = writer.finish(simulation.world_mut(), &ending)?;
+    let results = writer
+        .finish(simulation.world_mut(), &ending)
+        .map_err(|e| stopped(e, &writer, directory))?;
     let increments = simulation.world().resource::<Observation>().increment;
-    for missed in args.dump_programs.iter().filter(|n| **n > increments) {
+    for missed in writer.dump_programs().iter().filter(|n| **n > increments) {
         complain(format_args!(
             "--dump-program {missed}: the run ended with increment {increments}"
         ));
     }
     let stages = &simulation.world().resource::<Script>().ends;
-    say(summary(&ending, increments, stages, &results, &directory));
+    say(summary(&ending, increments, stages, &results, directory))?;
     match ending {
         Ending::Interrupted => Ok(Exit::Interrupted),
         Ending::Finished(Outcome::Stalled { message, .. }) => {
@@ -62,4 +77,16 @@ pub fn run(args: &RunArgs) -> Result<Exit, Failure> {
         }
         Ending::Finished(Outcome::Completed | Outcome::Collapsed { .. }) => Ok(Exit::Ok),
     }
+}
+
+/// What to say when output fails in the middle of a run.
+fn stopped(error: OutputError, writer: &RunWriter, directory: &Path) -> Failure {
+    let mut failure = Failure::from(error);
+    if let Some(increment) = writer.saved() {
+        failure.message += &format!(
+            "\nthe run stopped; once that is mended, `clastic resume {}` goes on after increment {increment}",
+            directory.display()
+        );
+    }
+    failure
 }

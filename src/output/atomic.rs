@@ -1,11 +1,14 @@
 //! Files that are there whole or not at all.
 
 use std::ffi::OsString;
-use std::fs;
+use std::fs::{self, OpenOptions};
 use std::io;
 use std::path::Path;
 
 use super::OutputError;
+
+/// What the name of a file that is not complete ends with.
+pub const PART: &str = ".part";
 
 /// Lets `write` fill a temporary file beside `path` and renames it to `path` once it is complete.
 ///
@@ -16,7 +19,7 @@ pub fn atomically(
     write: impl FnOnce(&Path) -> io::Result<()>,
 ) -> Result<(), OutputError> {
     let mut name = path.file_name().map_or_else(OsString::new, OsString::from);
-    name.push(".part");
+    name.push(PART);
     let temporary = path.with_file_name(name);
     let done = write(&temporary).and_then(|()| fs::rename(&temporary, path));
     if done.is_err() {
@@ -32,6 +35,26 @@ pub fn atomically(
 /// Where the file cannot be written.
 pub fn write_atomic(path: &Path, content: impl AsRef<[u8]>) -> Result<(), OutputError> {
     atomically(path, |temporary| fs::write(temporary, content))
+}
+
+/// Writes a whole file so that it survives a crash of the machine as well: a name that reaches the
+/// disk before its content would be an empty file. It takes some milliseconds.
+///
+/// # Errors
+/// Where the file cannot be written.
+pub fn write_durable(path: &Path, content: impl AsRef<[u8]>) -> Result<(), OutputError> {
+    atomically(path, |temporary| {
+        fs::write(temporary, content)?;
+        sync(temporary)
+    })
+}
+
+/// Forces the content of a file to the disk.
+///
+/// # Errors
+/// Where the system says so.
+pub fn sync(path: &Path) -> io::Result<()> {
+    OpenOptions::new().write(true).open(path)?.sync_all()
 }
 
 #[cfg(test)]

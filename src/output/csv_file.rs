@@ -1,11 +1,12 @@
 //! CSV files that grow row by row.
 
 use std::fmt::{Display, Write as _};
-use std::fs::File;
-use std::io::Write as _;
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io::{self, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::PathBuf;
 
 use super::OutputError;
+use super::checkpoint::ResumeError;
 
 /// A CSV file of which every row is written whole.
 #[derive(Debug)]
@@ -29,6 +30,74 @@ impl CsvFile {
         let row = header.into_iter().fold(Row::default(), |row, name| row.text(name.as_ref()));
         csv.push(row)?;
         Ok(csv)
+    }
+
+    /// Opens a file of which the first `length` bytes are to stay: nothing changes before
+    /// [`cut`](Self::cut).
+    ///
+    /// # Errors
+    /// Where the file cannot be opened, is shorter, or has no end of a row there.
+    pub fn open(path: PathBuf, length: u64) -> Result<Self, ResumeError> {
+        let cut = |what: String| ResumeError::Cut { path: path.clone(), what };
+        let at = || OutputError::at(&path);
+        let mut file = OpenOptions::new().read(true).write(true).open(&path).map_err(at())?;
+        let found = file.metadata().map_err(at())?.len();
+        if found < length {
+            let what = format!("{found} bytes, and {length} when the checkpoint was written");
+            return Err(cut(what));
+        }
+        let mut last = [0];
+        file.seek(SeekFrom::Start(length.saturating_sub(1))).map_err(at())?;
+        if length == 0 || file.read_exact(&mut last).is_err() || last != *b"\n" {
+            return Err(cut("other rows than when the checkpoint was written".to_owned()));
+        }
+        Ok(Self { path, file, length })
+    }
+
+    /// Drops the rows that were written after the checkpoint.
+    ///
+    /// # Errors
+    /// Where the file cannot be written.
+    pub fn cut(&mut self) -> Result<(), OutputError> {
+        let end = SeekFrom::Start(self.length);
+        let done = self.file.set_len(self.length).and_then(|()| self.file.seek(end).map(|_| ()));
+        done.map_err(OutputError::at(&self.path))
+    }
+
+    /// Marks the file as being written for as long as this program lives; whether it was free.
+    #[must_use]
+    pub fn lock(&self) -> bool {
+        // A file system without locks has none that others could hold.
+        !matches!(self.file.try_lock(), Err(TryLockError::WouldBlock))
+    }
+
+    /// Size of the whole rows, bytes.
+    #[must_use]
+    pub fn length(&self) -> u64 {
+        self.length
+    }
+
+    /// Forces the rows to the disk.
+    ///
+    /// # Errors
+    /// Where the system says so.
+    pub fn sync(&self) -> Result<(), OutputError> {
+        self.file.sync_data().map_err(OutputError::at(&self.path))
+    }
+
+    /// Makes sure that the file still stands under its name: an open file can be written long after
+    /// its directory is gone, and nobody would ever see it.
+    ///
+    /// # Errors
+    /// Where it does not.
+    pub fn is_there(&self) -> Result<(), OutputError> {
+        let gone = |error: io::Error| match error.kind() {
+            io::ErrorKind::NotFound => {
+                io::Error::new(error.kind(), "removed or moved while the run was writing it")
+            }
+            _ => error,
+        };
+        fs::metadata(&self.path).map(|_| ()).map_err(|e| OutputError::at(&self.path)(gone(e)))
     }
 
     /// Appends a row, in one write.

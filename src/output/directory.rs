@@ -5,6 +5,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::OutputError;
+use super::atomic::PART;
 
 /// Facts about the run.
 pub const RUN: &str = "run.json";
@@ -20,6 +21,8 @@ pub const TIMINGS: &str = "timings.csv";
 pub const SPECIMEN: &str = "specimen.csv";
 /// All particles at the end.
 pub const FINAL_PARTICLES: &str = "final_particles.csv";
+/// The run between two increments, to go on from.
+pub const CHECKPOINT: &str = "checkpoint.bin";
 /// Directory of the frames.
 pub const FRAMES: &str = "frames";
 
@@ -56,10 +59,38 @@ pub fn claim(directory: &Path, force: bool) -> Result<(), OutputError> {
     for name in names.iter().filter(|name| is_ours(name)) {
         remove(&directory.join(name))?;
     }
+    remove_frames(directory, |_| true)
+}
+
+/// Removes what a run wrote after `increment` and does not go on with: the files of its end, later
+/// frames and programs, files that were never complete; the prepared specimen unless `specimen`.
+///
+/// # Errors
+/// Where a file cannot be removed.
+pub fn rewind(directory: &Path, increment: u64, specimen: bool) -> Result<(), OutputError> {
+    for name in entries(directory)? {
+        let of_the_end = name == FINAL_PARTICLES
+            || super::plots::FILES.contains(&&*name)
+            || (name == SPECIMEN && !specimen);
+        let later = numbered(&name, "program_", ".json").is_some_and(|n| n > increment);
+        let part = name.strip_suffix(PART).is_some_and(is_ours);
+        if of_the_end || later || part {
+            remove(&directory.join(&name))?;
+        }
+    }
+    remove_frames(directory, |number| number > increment)
+}
+
+/// Removes frames by number, and those that were never complete.
+fn remove_frames(directory: &Path, which: impl Fn(u64) -> bool) -> Result<(), OutputError> {
     let frames = directory.join(FRAMES);
     if frames.is_dir() {
-        for name in entries(&frames)?.iter().filter(|name| numbered(name, "frame_", ".csv")) {
-            remove(&frames.join(name))?;
+        for name in entries(&frames)? {
+            let part = name.strip_suffix(PART);
+            let number = numbered(part.unwrap_or(&name), "frame_", ".csv");
+            if number.is_some_and(|number| part.is_some() || which(number)) {
+                remove(&frames.join(&name))?;
+            }
         }
     }
     Ok(())
@@ -78,15 +109,28 @@ fn remove(path: &Path) -> Result<(), OutputError> {
     fs::remove_file(path).map_err(OutputError::at(path))
 }
 
-fn is_ours(name: &str) -> bool {
-    [RUN, SCENE, HISTORY, EVENTS, TIMINGS, SPECIMEN, FINAL_PARTICLES].contains(&name)
-        || super::plots::FILES.contains(&name)
-        || numbered(name, "program_", ".json")
+/// Removes a file that may not be there.
+///
+/// # Errors
+/// Where it is there and cannot be removed.
+pub fn remove_if_there(path: &Path) -> Result<(), OutputError> {
+    match fs::remove_file(path) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(OutputError::at(path)(error)),
+        _ => Ok(()),
+    }
 }
 
-fn numbered(name: &str, prefix: &str, suffix: &str) -> bool {
-    let digits = name.strip_prefix(prefix).and_then(|rest| rest.strip_suffix(suffix));
-    digits.is_some_and(|d| !d.is_empty() && d.bytes().all(|b| b.is_ascii_digit()))
+fn is_ours(name: &str) -> bool {
+    let name = name.strip_suffix(PART).unwrap_or(name);
+    [RUN, SCENE, HISTORY, EVENTS, TIMINGS, SPECIMEN, FINAL_PARTICLES, CHECKPOINT].contains(&name)
+        || super::plots::FILES.contains(&name)
+        || numbered(name, "program_", ".json").is_some()
+}
+
+/// The number in a name.
+fn numbered(name: &str, prefix: &str, suffix: &str) -> Option<u64> {
+    let digits = name.strip_prefix(prefix)?.strip_suffix(suffix)?;
+    digits.bytes().all(|b| b.is_ascii_digit()).then(|| digits.parse().ok())?
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! What a run comes down to: moduli, peak, limit load, cracks, worst residuals.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use clastic_components::attempt::IncrementStatus;
 use clastic_components::observation::Observation;
@@ -17,7 +17,7 @@ pub enum Phase {
 }
 
 /// The key results, as `run.json` has them; none where a run does not define them.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Results {
     /// Tangent of the first increment of the reference stage that gains at least a thousandth of
     /// the peak: before that a platen may still be on its way. None for a rigid specimen.
@@ -48,7 +48,7 @@ pub struct Results {
 }
 
 /// Broken bonds by mode.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct BrokenBonds {
     /// In tension.
     pub tension: usize,
@@ -59,7 +59,7 @@ pub struct BrokenBonds {
 }
 
 /// Greatest residuals over all increments, those without a solution (collapsed, locked) left out.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct WorstResiduals {
     /// Of the balance.
     pub balance: Worst,
@@ -72,7 +72,7 @@ pub struct WorstResiduals {
 }
 
 /// A greatest value and its increment (0 where there is none).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Worst {
     /// The value; not a number is the worst of all and becomes null in JSON.
     pub value: f64,
@@ -90,7 +90,7 @@ impl Worst {
 }
 
 /// Gathers the key results, one increment after the other.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct KeyResults {
     rigid: bool,
     /// Axial stress at the start of the reference stage, Pa.

@@ -12,6 +12,7 @@
 //! | `final_particles.csv` | all particles at the end |
 //! | `program_000123.json` | cone program and solution of increment 123, where asked for |
 //! | `*.svg` | pictures, drawn at the end |
+//! | `checkpoint.bin` | the run between two increments, where asked for and where a run stops before its end |
 //!
 //! Compression and contraction are positive, rotation is positive anticlockwise, units stand in the
 //! names of columns, and a value that the scene does not define is an empty field. Numbers read
@@ -19,6 +20,7 @@
 //! only when they are complete. Output reads the world and changes no number of the simulation.
 
 pub mod atomic;
+pub mod checkpoint;
 pub mod csv_file;
 pub mod directory;
 pub mod dump;
@@ -34,6 +36,7 @@ pub mod run_record;
 pub mod snapshot;
 pub mod timings;
 
+pub use checkpoint::{Checkpoint, ResumeError};
 pub use error::OutputError;
 pub use key_results::Results;
 pub use run_directory::{Ending, RunOptions, RunWriter};

@@ -1,26 +1,28 @@
 //! Writes a run into its directory, increment by increment.
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use bevy_ecs::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use clastic_components::attempt::IncrementStatus;
 use clastic_components::increment::Progress;
 use clastic_components::observation::{Observation, Timings};
 use clastic_systems::gather_bodies::gather_bodies;
 
-use super::atomic::write_atomic;
+use super::atomic::{sync, write_atomic, write_durable};
+use super::checkpoint::{Checkpoint, ResumeError};
 use super::csv_file::CsvFile;
 use super::key_results::{KeyResults, Phase, Results};
-use super::run_record::{OutcomeRecord, RunRecord};
+use super::run_record::{CLASTIC_VERSION, OutcomeRecord, Resumed, RunFacts, RunRecord};
 use super::snapshot::Snapshot;
 use super::{OutputError, directory, dump, events, frames, history, plots, porosity, timings};
-use crate::run::Outcome;
 use crate::run::stages::Script;
-use crate::scene::LoadedScene;
+use crate::run::{Outcome, WorldState};
 use crate::scene::format::{Contact, Record, Scene, Stage};
+use crate::scene::{LoadedScene, StoredParticle};
 
 /// Where and what to write.
 #[derive(Clone, Debug, Default)]
@@ -33,6 +35,9 @@ pub struct RunOptions {
     pub overrides: Vec<String>,
     /// Increments whose cone program is dumped.
     pub dump_programs: Vec<u64>,
+    /// A checkpoint is written after so many increments; 0 writes one only where the run stops
+    /// before its end.
+    pub checkpoint_every: u32,
 }
 
 /// How a run ended.
@@ -47,17 +52,37 @@ pub enum Ending {
 /// The run directory of a run under way.
 #[derive(Debug)]
 pub struct RunWriter {
-    options: RunOptions,
+    directory: PathBuf,
+    dump_programs: Vec<u64>,
+    checkpoint_every: u32,
     scene: Scene,
+    scene_text: String,
     reference_stage: usize,
+    facts: RunFacts,
     record: RunRecord,
-    results: KeyResults,
     probes: Vec<String>,
     history: CsvFile,
     events: CsvFile,
     timings: CsvFile,
+    state: WriterState,
+    /// Whole files that the next checkpoint counts on.
+    fresh: Vec<PathBuf>,
+    /// Increment of the last checkpoint.
+    saved: Option<u64>,
+    /// Seconds that the last checkpoint took, until they are booked.
+    saving: f64,
+}
+
+/// What the output remembers from one increment to the next.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WriterState {
+    /// Bytes of the history, the events and the timings.
+    lengths: [u64; 3],
+    results: KeyResults,
     /// The state after the last increment, until the reference stage begins.
     prepared: Option<Prepared>,
+    /// Whether there is a prepared specimen.
+    specimen: bool,
     /// Start of the reference stage.
     start: Snapshot,
     /// At the peak so far: with its caption.
@@ -66,9 +91,9 @@ pub struct RunWriter {
 
 /// A specimen that waits for the reference stage: only when that has made its first increment do
 /// its reference lengths exist, and then the particles have moved.
-#[derive(Debug)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Prepared {
-    rows: Vec<crate::scene::StoredParticle>,
+    rows: Vec<StoredParticle>,
     snapshot: Snapshot,
 }
 
@@ -88,41 +113,122 @@ impl RunWriter {
         loaded: &LoadedScene,
         world: &mut World,
     ) -> Result<Self, OutputError> {
-        let scene = loaded.scene.clone();
-        let reference_stage = Script::new(&scene).reference_stage();
+        let reference_stage = Script::new(&loaded.scene).reference_stage();
         // Before anything is removed: the stored specimen may lie in this very directory.
-        let record = RunRecord::new(loaded, &options.overrides, reference_stage)?;
+        let facts = RunFacts::new(loaded, &options.overrides)?;
+        let record = RunRecord::new(loaded, &facts, reference_stage);
         let dir = options.directory.as_path();
         directory::claim(dir, options.force)?;
-        let frames = |record: &Record| record.frames_every > Some(0) || !record.frames.is_empty();
-        if scene.output.frames_every > 0
-            || scene.stages.iter().filter_map(Stage::record).any(frames)
-        {
-            let path = dir.join(directory::FRAMES);
-            fs::create_dir_all(&path).map_err(OutputError::at(&path))?;
-        }
+        make_frames(dir, &loaded.scene)?;
         record.write(&dir.join(directory::RUN))?;
         write_atomic(&dir.join(directory::SCENE), &loaded.text)?;
-        let probes = history::probes(&scene);
+        let probes = history::probes(&loaded.scene);
         let history = CsvFile::create(dir.join(directory::HISTORY), history::header(&probes))?;
         let events = CsvFile::create(dir.join(directory::EVENTS), events::COLUMNS)?;
         let timings = CsvFile::create(dir.join(directory::TIMINGS), timings::COLUMNS)?;
+        // It is held as long as the file is open; nobody else has a reason to be here yet.
+        let _ = history.lock();
         // Nothing has been gathered in a world without increments; it changes nothing of the run.
         let _ = world.run_system_cached(gather_bodies);
         let prepared = Prepared::of(world);
-        Ok(Self {
-            results: KeyResults::new(is_rigid(&scene)),
+        let state = WriterState {
+            lengths: [&history, &events, &timings].map(CsvFile::length),
+            results: KeyResults::new(is_rigid(&loaded.scene)),
             start: prepared.snapshot.clone(),
             prepared: Some(prepared),
+            specimen: false,
             peak: None,
-            options,
-            scene,
+        };
+        let fresh = vec![dir.join(directory::SCENE)];
+        let mut writer = Self {
+            directory: options.directory,
+            dump_programs: options.dump_programs,
+            checkpoint_every: options.checkpoint_every,
+            scene: loaded.scene.clone(),
+            scene_text: loaded.text.clone(),
             reference_stage,
+            facts,
             record,
             probes,
             history,
             events,
             timings,
+            state,
+            fresh,
+            saved: None,
+            saving: 0.0,
+        };
+        if writer.checkpoint_every > 0 {
+            writer.save(world)?;
+        }
+        Ok(writer)
+    }
+
+    /// Goes on with the output of a run whose checkpoint was read: what was written after it is
+    /// dropped. `loaded` is its scene with `settings` applied; `every` replaces its distance of
+    /// checkpoints.
+    ///
+    /// # Errors
+    /// Where the directory is in use, is not as it was, or cannot be written.
+    pub fn resume(
+        directory: &Path,
+        checkpoint: Checkpoint,
+        loaded: &LoadedScene,
+        settings: &[String],
+        every: Option<u32>,
+    ) -> Result<Self, ResumeError> {
+        let increment = checkpoint.world.progress.increment;
+        let [history, events, timings] = checkpoint.output.lengths;
+        let open = |name: &str, length| CsvFile::open(directory.join(name), length);
+        let mut history = open(directory::HISTORY, history)?;
+        if !history.lock() {
+            return Err(ResumeError::InUse(directory.to_owned()));
+        }
+        let mut events = open(directory::EVENTS, events)?;
+        let mut timings = open(directory::TIMINGS, timings)?;
+
+        // From here on every step can be repeated: who is killed between two of them resumes again.
+        let scene_file = directory.join(directory::SCENE);
+        write_durable(&scene_file, &checkpoint.scene)?;
+        let mut next = checkpoint;
+        next.every = every.unwrap_or(next.every);
+        if !settings.is_empty() || next.clastic_version != CLASTIC_VERSION {
+            next.clastic_version = CLASTIC_VERSION.to_owned();
+            next.facts.resumed.push(Resumed {
+                after_increment: increment,
+                clastic_version: CLASTIC_VERSION.to_owned(),
+                settings: settings.to_vec(),
+            });
+            next.scene_before = Some(std::mem::replace(&mut next.scene, loaded.text.clone()));
+            next.write(directory)?;
+            write_durable(&scene_file, &next.scene)?;
+        }
+        directory::rewind(directory, increment, next.output.specimen)?;
+        make_frames(directory, &loaded.scene)?;
+        let reference_stage = Script::new(&loaded.scene).reference_stage();
+        let mut record = RunRecord::new(loaded, &next.facts, reference_stage);
+        record.write(&directory.join(directory::RUN))?;
+        record.increments = increment;
+        for file in [&mut history, &mut events, &mut timings] {
+            file.cut()?;
+        }
+        Ok(Self {
+            directory: directory.to_owned(),
+            dump_programs: next.dump_programs,
+            checkpoint_every: next.every,
+            scene: loaded.scene.clone(),
+            scene_text: next.scene,
+            reference_stage,
+            facts: next.facts,
+            record,
+            probes: history::probes(&loaded.scene),
+            history,
+            events,
+            timings,
+            state: next.output,
+            fresh: Vec::new(),
+            saved: Some(increment),
+            saving: 0.0,
         })
     }
 
@@ -135,6 +241,13 @@ impl RunWriter {
         let observation = world.resource::<Observation>().clone();
         let progress = world.resource::<Progress>().clone();
         let increment = observation.increment;
+        self.history.is_there()?;
+        let stalled =
+            matches!(observation.status, IncrementStatus::Stalled | IncrementStatus::Locked);
+        if stalled {
+            // Without the row of the failure: who resumes with other settings tries it again.
+            self.save(world)?;
+        }
         for rupture in &observation.ruptures {
             self.events.push(events::row(rupture, &observation.stage))?;
         }
@@ -148,7 +261,7 @@ impl RunWriter {
         if progress.stage >= self.reference_stage {
             self.begin_reference(world)?;
         } else {
-            self.prepared = Some(Prepared::of(world));
+            self.state.prepared = Some(Prepared::of(world));
         }
         if compacting && progress.done >= progress.total {
             self.write_specimen(&Prepared::of(world))?;
@@ -158,19 +271,72 @@ impl RunWriter {
             (false, false) => Phase::Loading,
             (false, true) => Phase::Reference,
         };
-        if self.results.observe(&observation, phase) && self.scene.output.plots {
-            self.peak = Some((Snapshot::take(world), caption(&observation)));
+        if self.state.results.observe(&observation, phase) && self.scene.output.plots {
+            self.state.peak = Some((Snapshot::take(world), caption(&observation)));
         }
         if due.frame {
-            let path = directory::frame(&self.options.directory, increment);
+            let path = directory::frame(&self.directory, increment);
             frames::write_frame(&path, &Snapshot::take(world))?;
+            self.is_fresh(path);
         }
-        if self.options.dump_programs.contains(&increment) {
-            dump::write_program(&directory::program(&self.options.directory, increment), world)?;
+        if self.dump_programs.contains(&increment) {
+            let path = directory::program(&self.directory, increment);
+            dump::write_program(&path, world)?;
+            self.is_fresh(path);
         }
-        let row =
-            timings::row(increment, world.resource::<Timings>(), clock.elapsed().as_secs_f64());
-        if due.row { self.timings.push(row) } else { Ok(()) }
+        let output = clock.elapsed().as_secs_f64() - if stalled { self.saving } else { 0.0 };
+        let timings = world.resource::<Timings>();
+        if due.row {
+            self.timings.push(timings::row(increment, timings, output, self.saving))?;
+        }
+        self.saving = 0.0;
+        let every = u64::from(self.checkpoint_every);
+        if every > 0 && increment.is_multiple_of(every) && !stalled {
+            self.save(world)?;
+        }
+        Ok(())
+    }
+
+    /// Writes a checkpoint.
+    fn save(&mut self, world: &mut World) -> Result<(), OutputError> {
+        let clock = Instant::now();
+        // A checkpoint must not reach the disk before the rows and files that it counts on.
+        for path in self.fresh.drain(..) {
+            sync(&path).map_err(OutputError::at(&path))?;
+        }
+        let rows = [&self.history, &self.events, &self.timings];
+        for file in rows {
+            file.sync()?;
+        }
+        self.state.lengths = rows.map(CsvFile::length);
+        let world = WorldState::capture(world);
+        let increment = world.progress.increment;
+        let checkpoint = Checkpoint {
+            clastic_version: CLASTIC_VERSION.to_owned(),
+            scene: self.scene_text.clone(),
+            scene_before: None,
+            facts: self.facts.clone(),
+            every: self.checkpoint_every,
+            dump_programs: self.dump_programs.clone(),
+            output: self.state.clone(),
+            world,
+        };
+        checkpoint.write(&self.directory)?;
+        self.saved = Some(increment);
+        self.saving = clock.elapsed().as_secs_f64();
+        Ok(())
+    }
+
+    /// Increments whose cone program is dumped.
+    #[must_use]
+    pub fn dump_programs(&self) -> &[u64] {
+        &self.dump_programs
+    }
+
+    /// Increment of the last checkpoint, if there is one: a resumed run goes on after it.
+    #[must_use]
+    pub fn saved(&self) -> Option<u64> {
+        self.saved
     }
 
     /// Ends the output: last particles, outcome, key results, pictures.
@@ -178,7 +344,11 @@ impl RunWriter {
     /// # Errors
     /// Where something cannot be written.
     pub fn finish(&mut self, world: &mut World, ending: &Ending) -> Result<Results, OutputError> {
-        let dir = self.options.directory.clone();
+        let dir = self.directory.clone();
+        let goes_on = world.resource::<Script>().outcome.is_none();
+        if goes_on && *ending == Ending::Interrupted && self.saved != Some(self.record.increments) {
+            self.save(world)?;
+        }
         let last = Snapshot::take(world);
         frames::write_frame(&dir.join(directory::FINAL_PARTICLES), &last)?;
         let observation = world.resource::<Observation>();
@@ -188,7 +358,7 @@ impl RunWriter {
             Ending::Finished(outcome) => Some(outcome),
             Ending::Interrupted => None,
         };
-        let results = self.results.results();
+        let results = self.state.results.results();
         self.record.outcome = OutcomeRecord::new(outcome, stage, increment);
         self.record.stages = world.resource::<Script>().ends.clone();
         self.record.results = results.clone();
@@ -200,29 +370,51 @@ impl RunWriter {
             plots::specimens(
                 &dir,
                 &self.scene.title,
-                &self.start,
+                &self.state.start,
                 [
-                    (plots::SPECIMEN_PEAK, self.peak.as_ref().map(|(s, c)| (s, c.as_str()))),
+                    (plots::SPECIMEN_PEAK, self.state.peak.as_ref().map(|(s, c)| (s, c.as_str()))),
                     (plots::SPECIMEN, Some((&last, caption.as_str()))),
                 ],
             )?;
+        }
+        if let Ending::Finished(Outcome::Completed | Outcome::Collapsed { .. }) = ending {
+            // Last of all: as long as it is there, the run is not at its end.
+            directory::remove_if_there(&dir.join(directory::CHECKPOINT))?;
         }
         Ok(results)
     }
 
     /// Once, after the first increment of the reference stage.
     fn begin_reference(&mut self, world: &World) -> Result<(), OutputError> {
-        let Some(prepared) = self.prepared.take() else { return Ok(()) };
+        let Some(prepared) = self.state.prepared.take() else { return Ok(()) };
         self.write_specimen(&prepared)?;
-        self.results.set_porosity(porosity::porosity(world, &prepared.snapshot));
-        self.start = prepared.snapshot;
+        self.state.results.set_porosity(porosity::porosity(world, &prepared.snapshot));
+        self.state.start = prepared.snapshot;
         Ok(())
     }
 
-    fn write_specimen(&self, prepared: &Prepared) -> Result<(), OutputError> {
-        let path = self.options.directory.join(directory::SPECIMEN);
-        frames::write_specimen(&path, &prepared.rows)
+    fn write_specimen(&mut self, prepared: &Prepared) -> Result<(), OutputError> {
+        let path = self.directory.join(directory::SPECIMEN);
+        self.state.specimen = true;
+        frames::write_specimen(&path, &prepared.rows)?;
+        self.is_fresh(path);
+        Ok(())
     }
+
+    fn is_fresh(&mut self, path: PathBuf) {
+        if self.checkpoint_every > 0 {
+            self.fresh.push(path);
+        }
+    }
+}
+
+fn make_frames(directory: &Path, scene: &Scene) -> Result<(), OutputError> {
+    let frames = |record: &Record| record.frames_every > Some(0) || !record.frames.is_empty();
+    if scene.output.frames_every > 0 || scene.stages.iter().filter_map(Stage::record).any(frames) {
+        let path = directory.join(directory::FRAMES);
+        fs::create_dir_all(&path).map_err(OutputError::at(&path))?;
+    }
+    Ok(())
 }
 
 /// What is written about the increment that has just ended.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use super::OutputError;
@@ -16,6 +16,9 @@ use crate::scene::format::{
     self, Acceptance, Analysis, FrictionLaw, Rupture, Solver, Specimen, Stage,
 };
 
+/// Version of this program.
+pub const CLASTIC_VERSION: &str = env!("CARGO_PKG_VERSION");
+
 /// Content of `run.json`.
 #[derive(Clone, Debug, Serialize)]
 pub struct RunRecord {
@@ -24,9 +27,10 @@ pub struct RunRecord {
     title: String,
     scene_file: String,
     scene_sha256: String,
-    /// Of the stored specimen, where the scene names one.
     specimen_sha256: Option<String>,
     overrides: Vec<String>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    resumed: Vec<Resumed>,
     settings: Settings,
     /// By what they are for: the specimen, or `stage NAME` of a compaction.
     seeds: BTreeMap<String, u64>,
@@ -39,6 +43,53 @@ pub struct RunRecord {
     /// Key results.
     pub results: Results,
     conventions: Conventions,
+}
+
+/// What the scene does not say of a run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RunFacts {
+    /// Name of the scene's file.
+    pub scene_file: String,
+    /// Hash of the stored specimen, where the scene names one.
+    pub specimen_sha256: Option<String>,
+    /// Settings that were applied to the scene before the run.
+    pub overrides: Vec<String>,
+    /// Where it went on otherwise than it began.
+    pub resumed: Vec<Resumed>,
+}
+
+impl RunFacts {
+    /// The facts of a run that begins.
+    ///
+    /// # Errors
+    /// Where the stored specimen can no longer be read.
+    pub fn new(loaded: &LoadedScene, overrides: &[String]) -> Result<Self, OutputError> {
+        let specimen = match &loaded.scene.specimen {
+            Specimen::File { path, .. } => {
+                let path = loaded.path.parent().unwrap_or(Path::new("")).join(path);
+                Some(fs::read(&path).map_err(OutputError::at(&path))?)
+            }
+            _ => None,
+        };
+        let file = loaded.path.file_name().unwrap_or_default();
+        Ok(Self {
+            scene_file: file.to_string_lossy().into_owned(),
+            specimen_sha256: specimen.as_deref().map(sha256),
+            overrides: overrides.to_vec(),
+            resumed: Vec::new(),
+        })
+    }
+}
+
+/// A run that went on with other settings or another version of the program.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Resumed {
+    /// Its last increment before that.
+    pub after_increment: u64,
+    /// Version of the program from there on.
+    pub clastic_version: String,
+    /// Settings that were applied to the scene.
+    pub settings: Vec<String>,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -115,23 +166,10 @@ const CONVENTIONS: Conventions = Conventions {
 };
 
 impl RunRecord {
-    /// The record of a run that begins.
-    ///
-    /// # Errors
-    /// Where the stored specimen can no longer be read.
-    pub fn new(
-        loaded: &LoadedScene,
-        overrides: &[String],
-        reference_stage: usize,
-    ) -> Result<Self, OutputError> {
+    /// The record of a run under way.
+    #[must_use]
+    pub fn new(loaded: &LoadedScene, facts: &RunFacts, reference_stage: usize) -> Self {
         let scene = &loaded.scene;
-        let specimen = match &scene.specimen {
-            Specimen::File { path, .. } => {
-                let path = loaded.path.parent().unwrap_or(Path::new("")).join(path);
-                Some(fs::read(&path).map_err(OutputError::at(&path))?)
-            }
-            _ => None,
-        };
         let mut seeds = BTreeMap::new();
         if let Specimen::Packing { seed, .. } = scene.specimen {
             seeds.insert("specimen".to_owned(), seed);
@@ -141,15 +179,15 @@ impl RunRecord {
                 seeds.insert(format!("stage {}", compact.name), compact.seed);
             }
         }
-        let file = loaded.path.file_name().unwrap_or_default();
-        Ok(Self {
-            clastic_version: env!("CARGO_PKG_VERSION"),
+        Self {
+            clastic_version: CLASTIC_VERSION,
             format_version: format::VERSION,
             title: scene.title.clone(),
-            scene_file: file.to_string_lossy().into_owned(),
+            scene_file: facts.scene_file.clone(),
             scene_sha256: sha256(loaded.text.as_bytes()),
-            specimen_sha256: specimen.as_deref().map(sha256),
-            overrides: overrides.to_vec(),
+            specimen_sha256: facts.specimen_sha256.clone(),
+            overrides: facts.overrides.clone(),
+            resumed: facts.resumed.clone(),
             settings: Settings {
                 analysis: scene.analysis,
                 friction_law: scene.friction_law,
@@ -166,7 +204,7 @@ impl RunRecord {
             increments: 0,
             results: Results::default(),
             conventions: CONVENTIONS,
-        })
+        }
     }
 
     /// Writes the record; a reader sees the old one or the new one, never half of it.
@@ -180,7 +218,9 @@ impl RunRecord {
     }
 }
 
-fn sha256(bytes: &[u8]) -> String {
+/// The hash of some bytes, in hexadecimal digits.
+#[must_use]
+pub fn sha256(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 

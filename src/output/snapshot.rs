@@ -2,6 +2,7 @@
 
 use bevy_ecs::prelude::*;
 use glam::DVec2;
+use serde::{Deserialize, Serialize};
 
 use clastic_components::body::{Origin, Rotation};
 use clastic_components::bond::{Bond, BondId, BondState};
@@ -9,7 +10,7 @@ use clastic_components::contact::Bodies;
 use clastic_components::wall::Wall;
 
 /// A moment of a run. Tables by particle are in identity order.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Snapshot {
     /// Centres, m.
     pub positions: Vec<DVec2>,

@@ -5,7 +5,7 @@ use clastic_components::observation::Timings;
 use super::csv_file::Row;
 
 /// Columns.
-pub const COLUMNS: [&str; 9] = [
+pub const COLUMNS: [&str; 10] = [
     "increment",
     "detect_s",
     "assemble_s",
@@ -15,12 +15,13 @@ pub const COLUMNS: [&str; 9] = [
     "walls_s",
     "record_s",
     "output_s",
+    "checkpoint_s",
 ];
 
-/// The row of an increment; `output` is the time that its other files took.
+/// The row of an increment; `output` is the time that its other files took, `checkpoint` that of a
+/// checkpoint since the row before.
 #[must_use]
-pub fn row(increment: u64, t: &Timings, output: f64) -> Row {
-    Row::default()
-        .count(increment)
-        .numbers([t.detect, t.assemble, t.solve, t.update, t.rupture, t.walls, t.record, output])
+pub fn row(increment: u64, t: &Timings, output: f64, checkpoint: f64) -> Row {
+    let parts = [t.detect, t.assemble, t.solve, t.update, t.rupture, t.walls, t.record];
+    Row::default().count(increment).numbers(parts).numbers([output, checkpoint])
 }

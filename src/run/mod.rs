@@ -5,16 +5,19 @@
 //! one increment on.
 
 pub mod cement;
+pub mod changes;
 pub mod compact;
 pub mod load;
 pub mod particles;
 pub mod spawn;
 pub mod stages;
+pub mod state;
 
 use bevy_app::App;
 use bevy_ecs::prelude::*;
 
 pub use stages::{EndedBy, Outcome, StageEnd, Step};
+pub use state::WorldState;
 
 use crate::ClasticPlugins;
 use crate::scene::format::Scene;
@@ -33,6 +36,16 @@ impl Simulation {
         let mut app = App::new();
         app.add_plugins(ClasticPlugins);
         spawn::spawn_scene(app.world_mut(), scene, stored);
+        Self { app }
+    }
+
+    /// A world that goes on from a state under the settings of `scene`: with those of the scene
+    /// that the state comes from it goes on as if nothing had happened, to the last bit.
+    #[must_use]
+    pub fn resume(scene: &Scene, state: &WorldState) -> Self {
+        let mut app = App::new();
+        app.add_plugins(ClasticPlugins);
+        state.restore(app.world_mut(), scene);
         Self { app }
     }
 

@@ -28,9 +28,10 @@ pub struct WallCatalogue {
     pub walls: Vec<scene::Wall>,
 }
 
-/// Fills `world` with a scene. The world must have the resources of
-/// [`ClasticPlugins`](crate::ClasticPlugins).
-pub fn spawn_scene(world: &mut World, scene: &scene::Scene, stored: Option<&StoredSpecimen>) {
+/// Inserts the settings of a scene: all resources that no increment changes, and the analysis of
+/// stages that name none.
+pub fn insert_settings(world: &mut World, scene: &scene::Scene, particles: u32) {
+    world.insert_resource(WallCatalogue { first: particles, walls: scene.walls.clone() });
     world.insert_resource(analysis(scene, scene.analysis, scene.gravity));
     world.insert_resource(match scene.friction_law {
         scene::FrictionLaw::Associated => inc::FrictionLaw::Associated,
@@ -70,8 +71,13 @@ pub fn spawn_scene(world: &mut World, scene: &scene::Scene, stored: Option<&Stor
             })
             .collect(),
     ));
+}
 
+/// Fills `world` with a scene. The world must have the resources of
+/// [`ClasticPlugins`](crate::ClasticPlugins).
+pub fn spawn_scene(world: &mut World, scene: &scene::Scene, stored: Option<&StoredSpecimen>) {
     let seeds = particles(&scene.specimen, stored);
+    insert_settings(world, scene, seeds.len() as u32);
     let names: Vec<&String> = scene.materials.keys().collect();
     for (i, seed) in seeds.iter().enumerate() {
         let index =
@@ -94,7 +100,6 @@ pub fn spawn_scene(world: &mut World, scene: &scene::Scene, stored: Option<&Stor
         }
     }
 
-    world.insert_resource(WallCatalogue { first: seeds.len() as u32, walls: scene.walls.clone() });
     for wall in scene.walls.iter().filter(|w| w.present) {
         spawn_wall(world, &wall.name);
     }

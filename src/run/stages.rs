@@ -1,7 +1,7 @@
 //! From stage to stage: what begins, what ends, and how the run ends.
 
 use bevy_ecs::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use clastic_components::attempt::{Attempt, IncrementStatus};
 use clastic_components::body::Velocity;
@@ -10,6 +10,7 @@ use clastic_components::increment::Progress;
 use clastic_components::observation::{Measures, Observation};
 use clastic_systems::record::take_reference;
 use clastic_systems::schedule::{ControlWalls, Increment};
+use clastic_systems::solve_program::Solver;
 
 use super::{cement, compact, load};
 use crate::scene::format::{Record, Scene, Stage, Stop};
@@ -34,7 +35,7 @@ pub struct Script {
 }
 
 /// A stage of a run and how it ended.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StageEnd {
     /// Its name.
     pub stage: String,
@@ -47,7 +48,7 @@ pub struct StageEnd {
 }
 
 /// What ended a stage.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum EndedBy {
     /// All its increments were made, the target of a compaction is reached, or it has none.
@@ -106,6 +107,32 @@ impl Stage {
     }
 }
 
+/// What an increment changes even where it stalls, as it was before: the state of a stalled run is
+/// the one before that increment.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct Before {
+    /// How far the run had come.
+    pub progress: Progress,
+    /// The record of the increment before.
+    pub observation: Observation,
+    /// Memory of the solver.
+    pub solver: Vec<[f64; 3]>,
+}
+
+impl Before {
+    fn take(world: &mut World) {
+        let mut before = world.remove_resource::<Self>().unwrap_or_default();
+        before.progress.clone_from(world.resource::<Progress>());
+        before.observation.clone_from(world.resource::<Observation>());
+        // Tables of the size of the last increment's: nothing is allocated.
+        before.solver.clear();
+        if let Some(solver) = world.get_resource::<Solver>() {
+            before.solver.extend_from_slice(solver.0.memory());
+        }
+        world.insert_resource(before);
+    }
+}
+
 /// What one call of [`advance`] did.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Step {
@@ -160,6 +187,7 @@ pub fn advance(world: &mut World) -> Step {
             end(world, &stage);
             continue;
         }
+        Before::take(world);
         // Nobody else calls `Messages::update` where no app runs.
         world.resource_mut::<Messages<Rupture>>().update();
         world.run_schedule(Increment);

@@ -230,7 +230,7 @@ pub struct Bond {
 }
 
 /// Where the particles come from.
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub enum Specimen {
     /// One by one.
@@ -366,7 +366,7 @@ fn yes() -> bool {
 }
 
 /// A stage.
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub enum Stage {
     /// Moves a wall against the particles, rigid and frictionless and with the least motion,
@@ -379,7 +379,7 @@ pub enum Stage {
 }
 
 /// See [`Stage::Compact`].
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Compact {
     /// Name.
@@ -445,7 +445,7 @@ pub enum CompactRest {
 }
 
 /// See [`Stage::Cement`].
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Cement {
     /// Name.
@@ -458,7 +458,7 @@ pub struct Cement {
 }
 
 /// See [`Stage::Load`].
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Load {
     /// Name.

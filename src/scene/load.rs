@@ -135,6 +135,29 @@ pub fn from_str(
     base: &Path,
     sets: &[String],
 ) -> Result<LoadedScene, LoadError> {
+    from_text(text, name, sets, |path| read(&base.join(path)))
+}
+
+/// Reads and checks a scene whose particles exist already: `stored` stands for the specimen file, if
+/// it names one.
+///
+/// # Errors
+/// See [`LoadError`].
+pub fn from_str_with(
+    text: &str,
+    name: &Path,
+    stored: StoredSpecimen,
+    sets: &[String],
+) -> Result<LoadedScene, LoadError> {
+    from_text(text, name, sets, |_| Ok(stored))
+}
+
+fn from_text(
+    text: &str,
+    name: &Path,
+    sets: &[String],
+    read: impl FnOnce(&str) -> Result<StoredSpecimen, ReadError>,
+) -> Result<LoadedScene, LoadError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let edited = apply(text, sets).map_err(LoadError::Set)?;
     let text = edited.text.as_str();
@@ -144,7 +167,7 @@ pub fn from_str(
     if let Some(scene) = &scene {
         let mut found = Vec::new();
         if let Specimen::File { path, .. } = &scene.specimen {
-            match read(&base.join(path)) {
+            match read(path) {
                 Ok(stored) => specimen = Some(stored),
                 Err(ReadError::File(message)) => {
                     let help = "the path is relative to the scene file";

@@ -25,6 +25,6 @@ mod units;
 pub mod validate;
 
 pub use diagnostic::{Diagnostic, Finding, SceneErrors};
-pub use load::{LoadError, LoadedScene, from_str, load};
+pub use load::{LoadError, LoadedScene, from_str, from_str_with, load};
 pub use overrides::SetError;
 pub use specimen_file::{StoredParticle, StoredSpecimen};

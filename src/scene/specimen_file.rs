@@ -6,6 +6,8 @@ use std::fs;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
+use serde::{Deserialize, Serialize};
+
 use super::diagnostic::{Finding, MOST, Placed, SceneErrors};
 use super::edited::EditedText;
 use super::load::read_at_most;
@@ -24,7 +26,7 @@ pub struct StoredSpecimen {
 }
 
 /// A particle of a stored specimen.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StoredParticle {
     /// Centre, m.
     pub x: f64,

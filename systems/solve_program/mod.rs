@@ -26,7 +26,7 @@ use crate::schedule::{AttemptIncrement, AttemptSystems, lap};
 pub struct MalformedProgram(pub String);
 
 /// Solves cone programs. A solver may keep what it likes between calls as long as its answer does
-/// not depend on it beyond its tolerance.
+/// not depend on it beyond its tolerance; what its last bits depend on is its [`memory`](Self::memory).
 pub trait ConeSolver: Send + Sync {
     /// Name for the record.
     fn name(&self) -> &'static str;
@@ -36,6 +36,15 @@ pub trait ConeSolver: Send + Sync {
     /// # Errors
     /// Only for a program that is malformed: indices out of range, numbers that are not finite.
     fn solve(&mut self, program: &ConeProgram) -> Result<ConeSolution, MalformedProgram>;
+
+    /// What the next answer depends on besides the program, by body: where a warm start begins.
+    /// A checkpoint stores it.
+    fn memory(&self) -> &[[f64; 3]] {
+        &[]
+    }
+
+    /// Goes on from the [`memory`](Self::memory) of another solver of the same kind.
+    fn remember(&mut self, _memory: &[[f64; 3]]) {}
 }
 
 /// The solver of this world; [`Condensed`](condensed::Condensed) unless something else is said.

@@ -85,6 +85,15 @@ impl ConeSolver for Condensed {
         }
         Ok(solution)
     }
+
+    // The matrix follows from the pairs alone: its order and pattern are no memory.
+    fn memory(&self) -> &[[f64; 3]] {
+        &self.last
+    }
+
+    fn remember(&mut self, memory: &[[f64; 3]]) {
+        self.last = memory.to_vec();
+    }
 }
 
 impl Condensed {

@@ -1,0 +1,173 @@
+//! `checkpoint.bin`: a run between two increments, whole, so that it can go on from there.
+//!
+//! One line of text, `clastic checkpoint, format 1, sha256 <hash of what follows>`, then a
+//! [`Checkpoint`] in postcard's encoding: documented, compact, and f64 by its bits, those that are not
+//! finite too. The file is written under another name, forced to the disk and renamed: at every
+//! moment there is a whole checkpoint, the new one or the one before.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::OutputError;
+use super::atomic::write_durable;
+use super::directory;
+use super::run_directory::WriterState;
+use super::run_record::{RunFacts, sha256};
+use crate::run::WorldState;
+
+/// Version of the format. It goes up with every change of what is stored: types that derive their
+/// encoding, in this file and in `run/state`, are the format.
+pub const VERSION: u32 = 1;
+
+const MAGIC: &str = "clastic checkpoint, format ";
+
+/// What a checkpoint holds.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Checkpoint {
+    /// Version of the program that wrote it.
+    pub clastic_version: String,
+    /// The scene as run.
+    pub scene: String,
+    /// The scene before its settings were changed, where that happened with this very checkpoint:
+    /// who is killed between two files has the old `scene.ron` yet.
+    pub scene_before: Option<String>,
+    /// What `run.json` says besides settings and results.
+    pub facts: RunFacts,
+    /// A checkpoint is written after so many increments; 0 writes none.
+    pub every: u32,
+    /// Increments whose cone program is dumped.
+    pub dump_programs: Vec<u64>,
+    /// What the output remembers.
+    pub output: WriterState,
+    /// What the simulation remembers.
+    pub world: WorldState,
+}
+
+/// Why a run cannot be resumed.
+#[derive(Debug, thiserror::Error)]
+pub enum ResumeError {
+    /// The directory holds no run.
+    #[error("{}: no run is here (no {}); give the directory of a run, such as runs/NAME", .0.display(), directory::RUN)]
+    NoRun(PathBuf),
+    /// There is no checkpoint.
+    #[error(
+        "{}: no checkpoint is here; a run writes one with --checkpoint-every N, when Ctrl-C interrupts it \
+         and when an increment stalls. Run the scene again, with --force", .0.display()
+    )]
+    NoCheckpoint(PathBuf),
+    /// It is of another version of the format.
+    #[error(
+        "{}: a checkpoint of format {found}, and this clastic reads format {VERSION}; resume it with the \
+         clastic that wrote it, or run the scene again, with --force", path.display()
+    )]
+    Version {
+        /// The checkpoint.
+        path: PathBuf,
+        /// Its version.
+        found: String,
+    },
+    /// It is not what was written.
+    #[error("{}: damaged ({what}); run the scene again, with --force", path.display())]
+    Damaged {
+        /// The checkpoint.
+        path: PathBuf,
+        /// What is wrong.
+        what: String,
+    },
+    /// It does not belong to the scene beside it.
+    #[error(
+        "{}: a checkpoint of another scene than {} beside it; put back the one that was run (sha256 {expected}), \
+         and change settings with --set", path.display(), directory::SCENE
+    )]
+    OtherScene {
+        /// The checkpoint.
+        path: PathBuf,
+        /// Hash of its scene.
+        expected: String,
+    },
+    /// A file that goes on is not what it was.
+    #[error("{}: {what}; run the scene again, with --force", path.display())]
+    Cut {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        what: String,
+    },
+    /// The run is under way.
+    #[error("{}: a run is still writing here; wait for it or stop it", .0.display())]
+    InUse(PathBuf),
+    /// Something cannot be read or written.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+}
+
+impl Checkpoint {
+    /// Writes the checkpoint of a run directory.
+    ///
+    /// # Errors
+    /// Where it cannot be written; the one before is then still there.
+    pub fn write(&self, directory: &Path) -> Result<(), OutputError> {
+        let path = directory.join(directory::CHECKPOINT);
+        write_durable(&path, self.bytes().map_err(OutputError::at(&path))?)
+    }
+
+    fn bytes(&self) -> io::Result<Vec<u8>> {
+        let content = postcard::to_stdvec(self).map_err(io::Error::other)?;
+        let mut bytes = format!("{MAGIC}{VERSION}, sha256 {}\n", sha256(&content)).into_bytes();
+        bytes.extend_from_slice(&content);
+        Ok(bytes)
+    }
+
+    /// Reads the checkpoint of a run directory, and makes sure that it is whole and that its scene is
+    /// the one of the directory.
+    ///
+    /// # Errors
+    /// See [`ResumeError`].
+    pub fn read(directory: &Path) -> Result<Self, ResumeError> {
+        let path = directory.join(directory::CHECKPOINT);
+        let bytes = match fs::read(&path) {
+            Ok(bytes) => bytes,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                let run = directory.join(directory::RUN).exists();
+                let directory = directory.to_owned();
+                let error = if run { ResumeError::NoCheckpoint } else { ResumeError::NoRun };
+                return Err(error(directory));
+            }
+            Err(error) => return Err(OutputError::at(&path)(error).into()),
+        };
+        let checkpoint = Self::decode(&bytes, &path)?;
+        let scene = directory.join(directory::SCENE);
+        let text = fs::read_to_string(&scene).map_err(OutputError::at(&scene))?;
+        if text != checkpoint.scene && Some(&text) != checkpoint.scene_before.as_ref() {
+            let expected = sha256(checkpoint.scene.as_bytes());
+            return Err(ResumeError::OtherScene { path, expected });
+        }
+        Ok(checkpoint)
+    }
+
+    fn decode(bytes: &[u8], path: &Path) -> Result<Self, ResumeError> {
+        let damaged =
+            |what: &str| ResumeError::Damaged { path: path.to_owned(), what: what.to_owned() };
+        let end = bytes.iter().position(|b| *b == b'\n').ok_or_else(|| damaged("cut short"))?;
+        let line = std::str::from_utf8(&bytes[..end]).ok();
+        let rest = line.and_then(|line| line.strip_prefix(MAGIC));
+        let (version, hash) = rest
+            .and_then(|rest| rest.split_once(", sha256 "))
+            .ok_or_else(|| damaged("its first line is not that of a checkpoint"))?;
+        if version != VERSION.to_string() {
+            return Err(ResumeError::Version { path: path.to_owned(), found: version.to_owned() });
+        }
+        let content = &bytes[end + 1..];
+        if sha256(content) != hash {
+            return Err(damaged("its content is not that of its hash"));
+        }
+        match postcard::take_from_bytes(content) {
+            Ok((checkpoint, [])) => Ok(checkpoint),
+            Ok(_) => Err(damaged("there is something after its end")),
+            Err(error) => Err(damaged(&error.to_string())),
+        }
+    }
+}

@@ -1,0 +1,121 @@
+//! What may change in the scene of a run that is resumed.
+//!
+//! How the next increments are solved, what is written of them and stages that have not begun are
+//! free. Of the stage under way, its stop conditions, the motion of its walls and, where no load is
+//! on its way to a target, the number of its increments. All else is in the state already: bodies,
+//! bonds, laws, what strains are measured from.
+
+use bevy_ecs::prelude::*;
+use glam::DVec2;
+
+use clastic_components::increment::Progress;
+use clastic_components::wall::WallControl;
+use clastic_systems::schedule::ControlWalls;
+
+use super::WorldState;
+use super::spawn::find_wall;
+use super::stages::Script;
+use crate::scene::format::{Load, Scene, Stage, WallControl as Wanted};
+
+/// What of `new` cannot be, given that the run has come to `state` under `old`: each with a reason.
+#[must_use]
+pub fn refused(old: &Scene, new: &Scene, state: &WorldState) -> Vec<String> {
+    let mut refused = Vec::new();
+    let mut fixed = |field: &str, same: bool, why: &str| {
+        if !same {
+            refused.push(format!("`{field}` cannot change: {why}"));
+        }
+    };
+    let bodies = "the particles are on their way; start a new run";
+    fixed("version", old.version == new.version, "it is that of the checkpoint");
+    fixed("specimen", old.specimen == new.specimen, bodies);
+    fixed("bonds", old.bonds == new.bonds, bodies);
+    fixed("walls", old.walls == new.walls, "control them in stages to come");
+    fixed("materials", old.materials == new.materials, "the bonds that exist keep theirs");
+    fixed("thickness", old.thickness.to_bits() == new.thickness.to_bits(), bodies);
+    let own = "stages that have ended used it; give it to stages to come";
+    fixed("analysis", old.analysis == new.analysis, own);
+    fixed("gravity", old.gravity == new.gravity, own);
+    fixed("measures", old.measures == new.measures, "the history has a column under each");
+    let reference = |scene: &Scene| Script::new(scene).reference_stage();
+    fixed("stages", reference(old) == reference(new), "strains count from the same stage");
+
+    let index = state.progress.stage;
+    for (k, stage) in old.stages.iter().enumerate() {
+        let Some(changed) = new.stages.get(k) else {
+            let last = index.min(old.stages.len().saturating_sub(1));
+            let gone = k < index || (k == last && state.script.begun);
+            fixed(&format!("stages.{}", stage.name()), !gone, "it has begun");
+            continue;
+        };
+        let field = format!("stages.{}", stage.name());
+        if k < index || (k == index && state.script.begun && !state.is_within_stage()) {
+            fixed(&field, stage == changed, "it has ended");
+        } else if k == index && state.script.begun {
+            let why = match (stage, changed) {
+                (Stage::Load(old), Stage::Load(new)) => stage_under_way(old, new, state),
+                _ => (stage != changed).then_some("it is under way"),
+            };
+            fixed(&field, why.is_none(), why.unwrap_or_default());
+        }
+    }
+    refused
+}
+
+/// Why a stage cannot go on as another one.
+fn stage_under_way(old: &Load, new: &Load, state: &WorldState) -> Option<&'static str> {
+    let mut allowed = new.clone();
+    allowed.increments = old.increments;
+    allowed.stop.clone_from(&old.stop);
+    for (name, control) in &mut allowed.walls {
+        if let (Some(before), Some(_)) = (old.walls.get(name), motion(control))
+            && motion(before).is_some()
+        {
+            control.clone_from(before);
+        }
+    }
+    if allowed != *old {
+        return Some(
+            "it is under way; of such a stage `increments`, `stop` and the motion of walls can change",
+        );
+    }
+    let ramps = state.walls.iter().any(|wall| wall.control.is_ramp())
+        || state.particles.iter().any(|p| p.load_control.0.iter().any(|(from, to)| from != to));
+    (ramps && old.increments != new.increments).then_some(
+        "a load is on its way to its target over the `increments` of this stage, which is under way",
+    )
+}
+
+/// The control of a wall that is moved.
+fn motion(control: &Wanted) -> Option<WallControl> {
+    match *control {
+        Wanted::Displacement(x, y) => Some(WallControl::Displacement(DVec2::new(x, y))),
+        Wanted::Velocity(x, y) => Some(WallControl::Velocity(DVec2::new(x, y))),
+        _ => None,
+    }
+}
+
+/// Applies to a world restored from `state` what `new` changes of the stage under way; nothing of it
+/// was [`refused`].
+pub fn apply(world: &mut World, old: &Scene, new: &Scene, state: &WorldState) {
+    let index = state.progress.stage;
+    let (Some(Stage::Load(old)), Some(Stage::Load(new))) =
+        (old.stages.get(index), new.stages.get(index))
+    else {
+        return;
+    };
+    if !state.is_within_stage() || old == new {
+        return;
+    }
+    if old.increments != new.increments {
+        world.resource_mut::<Progress>().total = f64::from(new.increments);
+    }
+    for (name, wanted) in &new.walls {
+        if let (Some(control), true) = (motion(wanted), old.walls.get(name) != Some(wanted))
+            && let Some(wall) = find_wall(world, name)
+        {
+            world.entity_mut(wall).insert(control);
+        }
+    }
+    world.run_schedule(ControlWalls);
+}
