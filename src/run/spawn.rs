@@ -55,7 +55,7 @@ pub fn spawn_scene(world: &mut World, scene: &scene::Scene, stored: Option<&Stor
     world.insert_resource(Solver(match scene.solver {
         scene::Solver::Condensed => Box::new(Condensed::default()),
         scene::Solver::Clarabel { tolerance, max_iterations } => {
-            Box::new(Clarabel { tolerance, max_iterations })
+            Box::new(Clarabel { tolerance, max_iterations, ..Default::default() })
         }
     }));
     world.insert_resource(Materials(

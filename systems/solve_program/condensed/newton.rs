@@ -15,8 +15,6 @@ const MAX_ITERATIONS: u32 = 12;
 /// Steps shorter than this, so many in a row, mean that every loose cluster holds all others back.
 const TINY: f64 = 1e-3;
 const MAX_TINY: u32 = 3;
-/// Unbalance over the greatest force at which it is done.
-const GOAL: f64 = 1e-10;
 
 /// Result of the iteration, converged or not.
 pub struct Newton {
@@ -93,9 +91,10 @@ pub(super) fn project(l: &Local, e: &[f64; 3]) -> ([f64; 3], [[f64; 3]; 3]) {
     ([p0, sign * q0, 0.0], d)
 }
 
-/// Runs the iteration from the displacements `start`.
+/// Runs the iteration from the displacements `start` until the unbalance over the greatest force
+/// is at most `goal`.
 #[must_use]
-pub fn solve(program: &Scaled, matrix: &mut BodyMatrix, start: &[[f64; 3]]) -> Newton {
+pub fn solve(program: &Scaled, matrix: &mut BodyMatrix, start: &[[f64; 3]], goal: f64) -> Newton {
     let n = program.free.len();
     let mut u: Vec<[f64; 3]> = (0..n)
         .map(|i| {
@@ -129,7 +128,7 @@ pub fn solve(program: &Scaled, matrix: &mut BodyMatrix, start: &[[f64; 3]]) -> N
         let force = s.iter().map(|s| s[0].abs().max(s[1].abs())).fold(1e-3, f64::max);
         let unbalance = gradient.iter().flatten().map(|g| g.abs()).fold(0.0, f64::max);
         let finite = gradient.iter().flatten().all(|g| g.is_finite());
-        if !finite || unbalance <= GOAL * force || iterations >= MAX_ITERATIONS || tiny >= MAX_TINY
+        if !finite || unbalance <= goal * force || iterations >= MAX_ITERATIONS || tiny >= MAX_TINY
         {
             break;
         }
