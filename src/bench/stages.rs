@@ -12,7 +12,6 @@ use crate::output::plots::history::History;
 use crate::output::{OutputError, RunOptions, RunWriter, directory, timings};
 use crate::run::{Outcome, Simulation, Step};
 use crate::scene::LoadedScene;
-use crate::scene::format::Stage;
 
 /// Increments of the last stage that are averaged over, after the first one.
 const INCREMENTS: u32 = 10;
@@ -75,8 +74,9 @@ fn variants(scenes: &Scenes, full: bool) -> Result<Vec<(&'static str, LoadedScen
     };
     const NO_ROLLING: [&str; 2] =
         ["materials.sand.contact.rolling_friction=0.0", "materials.sand.bond.rolling_friction=0.0"];
+    // Loose disks do not take up 200 kPa from gaps in five increments: between fixed sides instead.
     let without_bonds = |mut loaded: LoadedScene| {
-        loaded.scene.stages.retain(|stage| !matches!(stage, Stage::Cement(_)));
+        loaded.scene.stages.retain(|stage| stage.name() == "load");
         loaded
     };
     let mut frictionless = NO_ROLLING.to_vec();
@@ -89,8 +89,8 @@ fn variants(scenes: &Scenes, full: bool) -> Result<Vec<(&'static str, LoadedScen
         ("biaxial (bonds, friction, rolling)", biaxial(&[])?),
         ("the same, held", held),
         ("no rolling", biaxial(&NO_ROLLING)?),
-        ("no bonds", without_bonds(biaxial(&[])?)),
-        ("no bonds, frictionless", without_bonds(biaxial(&frictionless)?)),
+        ("no bonds, oedometric", without_bonds(biaxial(&[])?)),
+        ("no bonds, frictionless, oedometric", without_bonds(biaxial(&frictionless)?)),
         ("dynamic", biaxial(&["stages.load.analysis=Dynamic(dt: 1.0e-3)"])?),
         ("one body in contact", scenes.load("incline_rests", &[])?),
         ("one body in flight", scenes.load("bounce", &["stages.drop.increments=90"])?),
