@@ -197,7 +197,7 @@ pub fn run(scenes: &Scenes, extent: Extent) -> Result<Part, BenchError> {
         moving walls and displacements, each relative and against a reference of the other solver, \
         with its polish; a measure in which the two references differ by more than 1e-4 is not unique \
         and not counted. `floor` is what the references differ by in those that are: smaller errors \
-        mean nothing. Empty: not reached. `bounce` is a program with one contact.";
+        mean nothing. Empty: not reached, or below the floor. `bounce` is a program with one contact.";
     Ok(Part { name: "precision", text: text.to_owned(), tables: vec![levels, table], charts })
 }
 
@@ -261,6 +261,8 @@ fn summary(problem: &Captured, points: &[Point], floor: &Errors) -> Vec<Vec<Cell
         .collect();
     let row = |kind: Kind| {
         let own = || points.iter().filter(move |p| p.solver == kind);
+        let unique = floor.unique(floor, UNIQUE);
+        let lowest = unique.worst().or(unique.objective).unwrap_or(f64::NAN);
         let mut row = vec![
             problem.name.as_str().into(),
             problem.program.bodies.len().into(),
@@ -269,13 +271,13 @@ fn summary(problem: &Captured, points: &[Point], floor: &Errors) -> Vec<Vec<Cell
         ];
         for level in LEVELS {
             let times = own().filter(|p| score(p).is_some_and(|e| e <= level)).map(|p| p.seconds);
-            row.push(times.reduce(f64::min).map(|s| 1e3 * s).into());
+            let least = times.reduce(f64::min).filter(|_| level >= lowest);
+            row.push(least.map(|s| 1e3 * s).into());
         }
         let default = own().find(|p| p.tolerance == 9e-9);
         row.push(default.map(|p| 1e3 * p.seconds).into());
         row.push(default.and_then(score).into());
-        let unique = floor.unique(floor, UNIQUE);
-        row.push(unique.worst().or(unique.objective).into());
+        row.push(lowest.into());
         row.push(measured.join(", ").into());
         row
     };

@@ -1,5 +1,6 @@
 //! Time by stage of an increment and size of its program, by what a scene has.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use clastic_components::program::ConeProgram;
@@ -12,6 +13,7 @@ use crate::output::plots::history::History;
 use crate::output::{OutputError, RunOptions, RunWriter, directory, timings};
 use crate::run::{Outcome, Simulation, Step};
 use crate::scene::LoadedScene;
+use crate::scene::format::{Load, Stage};
 
 /// Increments of the last stage that are averaged over, after the first one.
 const INCREMENTS: u32 = 10;
@@ -84,8 +86,25 @@ fn variants(scenes: &Scenes, full: bool) -> Result<Vec<(&'static str, LoadedScen
     let mut held = biaxial(&[])?;
     set_motion(&mut held.scene, "top", 0.0);
     set_motion(&mut held.scene, "bottom", 0.0);
+    let mut held_rock = scenes.uniaxial(full, INCREMENTS + 5)?;
+    let Some(Stage::Load(load)) = held_rock.scene.stages.last().cloned() else {
+        return Err(BenchError::Run("the last stage of the rig loads nothing".to_owned()));
+    };
+    // Four increments of load, then none.
+    let hold = Load {
+        name: "hold".to_owned(),
+        walls: BTreeMap::new(),
+        remove_walls: Vec::new(),
+        increments: INCREMENTS + 1,
+        ..load
+    };
+    if let Some(Stage::Load(load)) = held_rock.scene.stages.last_mut() {
+        load.increments = 4;
+    }
+    held_rock.scene.stages.push(Stage::Load(hold));
     Ok(vec![
         ("uniaxial rock (bonds, no rolling)", scenes.uniaxial(full, INCREMENTS + 1)?),
+        ("the same, held", held_rock),
         ("biaxial (bonds, friction, rolling)", biaxial(&[])?),
         ("the same, held", held),
         ("no rolling", biaxial(&NO_ROLLING)?),
