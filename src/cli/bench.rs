@@ -42,6 +42,10 @@ pub struct BenchArgs {
     /// Directory of the scenes that are measured
     #[arg(long, value_name = "DIR", default_value = SCENES)]
     scenes: PathBuf,
+    /// Markdown page whose passages between <!-- begin NAME.md --> and <!-- end NAME.md --> are to
+    /// become what the directory holds
+    #[arg(long, value_name = "FILE")]
+    page: Option<PathBuf>,
     /// Small specimens and few repetitions: about a minute
     #[arg(long)]
     quick: bool,
@@ -83,6 +87,9 @@ pub fn bench(args: &BenchArgs) -> Result<Exit, Failure> {
         complain(format_args!("{}: {seconds:.0} s", done.name));
     }
     report::write_summary(&args.out)?;
+    if let Some(page) = &args.page {
+        report::update_page(page, &args.out)?;
+    }
     say(format_args!("results in {}", args.out.display()));
     Ok(Exit::Ok)
 }
