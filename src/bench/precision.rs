@@ -219,7 +219,7 @@ fn measure(problem: &Captured, extent: Extent) -> (Vec<Point>, Errors) {
             Kind::Clarabel => &references[1],
             Kind::Condensed => &references[0],
         };
-        let decades = (2..=12).step_by(step).map(|k| 0.1_f64.powi(k));
+        let decades = (2..=12).step_by(step).map(|k| 10.0_f64.powi(-k));
         for tolerance in decades.chain([9e-9]) {
             let mut last = None;
             let seconds = median(&repetitions, || {
