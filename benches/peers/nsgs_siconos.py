@@ -10,7 +10,8 @@ imposed motion and s = (p, q), the local problem of Siconos is
     v = W r + b,   W = G' M^-1 G,   b = (g, 0) - G' M^-1 f - e,   r = (p, q), v = (gap, -slip)
 
 where g is the gap at the start: the dump's offset less the opening mu |slip| that Coulomb's fixed
-point adds to closed contacts. Errors are those of the motion after the solve, in the kinetic norm,
+point adds to closed contacts, by the slips of the dump: the dump's solution solves this problem
+exactly, and the problem posed as far as the fixed point had converged. Errors are those of the motion after the solve, in the kinetic norm,
 against the solution of the dump.
 """
 

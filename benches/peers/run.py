@@ -15,6 +15,7 @@ import csv
 import json
 import math
 import os
+import signal
 import statistics
 import subprocess
 import sys
@@ -54,7 +55,11 @@ class Bench:
             process = subprocess.Popen(
                 command, env=env, cwd=self.out, stdin=subprocess.DEVNULL, stdout=f, stderr=f
             )
-            _, status, usage = os.wait4(process.pid, 0)
+            try:
+                _, status, usage = os.wait4(process.pid, 0)
+            except BaseException:
+                process.kill()
+                raise
             process.returncode = os.waitstatus_to_exitcode(status)
         if process.returncode != 0:
             sys.exit(f"{' '.join(command)}\nended with {process.returncode}:\n{log.read_text()}")
@@ -319,6 +324,8 @@ def nsgs(bench):
 
 
 def main():
+    # Whoever ends this script ends what it runs.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
