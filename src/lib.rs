@@ -13,6 +13,7 @@
 pub use clastic_components as components;
 pub use clastic_systems as systems;
 
+pub mod bench;
 pub mod output;
 pub mod run;
 pub mod scene;

@@ -314,7 +314,7 @@ fn polish_makes_a_coarse_solution_exact() {
         if fine.status != SolveStatus::Solved || fine.forces.is_empty() {
             continue;
         }
-        let coarse = solve(&mut Clarabel { tolerance: 1e-5, max_iterations: 200 }, &program);
+        let coarse = solve(&mut Clarabel { tolerance: 1e-5, ..Default::default() }, &program);
         solved += 1;
         polished += usize::from(
             coarse.status == SolveStatus::Solved

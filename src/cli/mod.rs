@@ -1,5 +1,6 @@
 //! The command line: what can be typed, and which file does it.
 
+mod bench;
 mod check;
 mod compare;
 mod exit;
@@ -54,6 +55,8 @@ enum Command {
     Check(SceneArgs),
     /// List the scenes in ./scenes
     List,
+    /// Measure run time against error; writes CSV, SVG and summary.md
+    Bench(bench::BenchArgs),
     /// Draw the curves of several runs over one another and print their key results
     Compare {
         /// Directories of runs
@@ -126,6 +129,7 @@ pub fn main() -> ExitCode {
         Command::Resume(args) => resume::resume(&args),
         Command::Check(args) => check::check(&args),
         Command::List => list::list(),
+        Command::Bench(args) => bench::bench(&args),
         Command::Compare { runs, out } => compare::compare(&runs, &out),
     };
     match done {

@@ -56,7 +56,7 @@ pub fn insert_settings(world: &mut World, scene: &scene::Scene, particles: u32) 
     world.insert_resource(Solver(match scene.solver {
         scene::Solver::Condensed => Box::new(Condensed::default()),
         scene::Solver::Clarabel { tolerance, max_iterations } => {
-            Box::new(Clarabel { tolerance, max_iterations })
+            Box::new(Clarabel { tolerance, max_iterations, ..Default::default() })
         }
     }));
     world.insert_resource(Materials(

@@ -25,11 +25,13 @@ pub struct Clarabel {
     pub tolerance: f64,
     /// Cap on iterations.
     pub max_iterations: u32,
+    /// Whether what comes out is polished: solved exactly for the limits that are active.
+    pub polish: bool,
 }
 
 impl Default for Clarabel {
     fn default() -> Self {
-        Self { tolerance: 1e-10, max_iterations: 200 }
+        Self { tolerance: 1e-10, max_iterations: 200, polish: true }
     }
 }
 
@@ -84,13 +86,10 @@ impl ConeSolver for Clarabel {
         match raw.status {
             SolverStatus::Solved | SolverStatus::AlmostSolved => {
                 solution.status = SolveStatus::Solved;
-                polish(
-                    program,
-                    &low,
-                    &a,
-                    Point { x: raw.x.clone(), z: raw.z.clone() },
-                    &mut solution,
-                );
+                if self.polish {
+                    let point = Point { x: raw.x.clone(), z: raw.z.clone() };
+                    polish(program, &low, &a, point, &mut solution);
+                }
             }
             SolverStatus::DualInfeasible | SolverStatus::AlmostDualInfeasible => {
                 solution.status = SolveStatus::Locked;
@@ -102,14 +101,9 @@ impl ConeSolver for Clarabel {
                 if mechanism.is_some() {
                     solution.status = SolveStatus::Collapsed;
                     solution.certificate = mechanism;
-                } else {
-                    polish(
-                        program,
-                        &low,
-                        &a,
-                        Point { x: raw.x.clone(), z: raw.z.clone() },
-                        &mut solution,
-                    );
+                } else if self.polish {
+                    let point = Point { x: raw.x.clone(), z: raw.z.clone() };
+                    polish(program, &low, &a, point, &mut solution);
                 }
             }
         }

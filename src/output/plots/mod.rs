@@ -1,7 +1,7 @@
 //! Pictures of a run, drawn at its end. Curves are read back from `history.csv`, so that a
 //! picture shows what the file says.
 
-mod chart;
+pub(crate) mod chart;
 pub mod compare;
 pub mod force_displacement;
 pub mod history;

@@ -27,9 +27,8 @@ const START: f64 = 0.3;
 /// Steps of refinement at most, and the relative defect at which there is no need of one.
 const MAX_REFINEMENTS: usize = 3;
 const REFINED: f64 = 1e-4;
-/// Residual at which it is done, and one that is enough where there is little progress.
-const GOAL: f64 = 1e-11;
-const ENOUGH: f64 = 1e-10;
+/// What is enough where there is little progress, over the residual at which it is done.
+const ENOUGH: f64 = 10.0;
 /// The best iterate of a stalled iteration is worth polishing when it is this good.
 const WORTH: f64 = 1e-3;
 
@@ -84,9 +83,15 @@ fn start_local(local: &Local, u: &[[f64; 3]]) -> ([f64; 3], Slacks) {
     (force, s)
 }
 
-/// Runs the method from the displacements `start`. `None` if it fails far from a solution.
+/// Runs the method from the displacements `start` until the residual is at most `goal`. `None` if
+/// it fails far from a solution.
 #[must_use]
-pub fn solve(program: &Scaled, matrix: &mut BodyMatrix, start: &[[f64; 3]]) -> Option<Interior> {
+pub fn solve(
+    program: &Scaled,
+    matrix: &mut BodyMatrix,
+    start: &[[f64; 3]],
+    goal: f64,
+) -> Option<Interior> {
     let n = program.free.len();
     let mut u: Vec<[f64; 3]> = (0..n)
         .map(|i| {
@@ -157,8 +162,8 @@ pub fn solve(program: &Scaled, matrix: &mut BodyMatrix, start: &[[f64; 3]]) -> O
         }
         let slow = merit > 0.3 * last_merit;
         last_merit = merit;
-        if merit <= GOAL
-            || (merit <= ENOUGH && slow)
+        if merit <= goal
+            || (merit <= ENOUGH * goal && slow)
             || iterations >= MAX_ITERATIONS
             || (since_best > 8 && merit > 1e3 * best.as_ref().map_or(0.0, |b| b.0))
             || since_best > 15

@@ -26,8 +26,14 @@ use super::polish::Point;
 use super::residuals::regularised_residuals;
 use super::{ConeSolver, MalformedProgram};
 
-/// Residual that a solution is accepted with before the next method is tried.
-const TARGET: f64 = 9e-9;
+/// Default tolerance: just below the residual that increments are accepted with by default.
+const TOLERANCE: f64 = 9e-9;
+/// The tolerance over what the Newton iteration and the interior point aim at: what they measure
+/// is not the residual of the program, and the interior point is to be polished.
+const NEWTON_MARGIN: f64 = 90.0;
+const INTERIOR_MARGIN: f64 = 900.0;
+/// What round-off allows them to reach.
+const ROUND_OFF: f64 = 1e-14;
 
 /// Where a program has more interactions than this and is solved, the polish would cost more than
 /// it gains.
@@ -37,8 +43,8 @@ const LARGE: usize = 2500;
 const FAR: f64 = 20.0;
 
 /// The condensed solver with what it keeps between increments.
-#[derive(Default)]
 pub struct Condensed {
+    tolerance: f64,
     pairs: Vec<(u32, u32)>,
     matrix: Option<BodyMatrix>,
     /// Displacements of the last solution, m and rad: a starting point.
@@ -46,7 +52,26 @@ pub struct Condensed {
     fallback: Clarabel,
 }
 
+impl Default for Condensed {
+    fn default() -> Self {
+        Self::new(TOLERANCE)
+    }
+}
+
 impl Condensed {
+    /// A solver that accepts residuals up to `tolerance` before it tries the next method. Small
+    /// programs are polished even so, unless the tolerance is looser than the default of 9e-9.
+    #[must_use]
+    pub fn new(tolerance: f64) -> Self {
+        Self {
+            tolerance,
+            pairs: Vec::new(),
+            matrix: None,
+            last: Vec::new(),
+            fallback: Clarabel::default(),
+        }
+    }
+
     fn prepare(&mut self, program: &ConeProgram) -> Option<()> {
         let bodies = program.bodies.len();
         let known = program.interactions.iter().map(|c| (c.a, c.b)).eq(self.pairs.iter().copied())
@@ -114,6 +139,8 @@ impl Condensed {
             return None;
         }
         self.prepare(program)?;
+        let tolerance = self.tolerance;
+        let goal = |margin: f64| (tolerance / margin).max(ROUND_OFF);
         let matrix = self.matrix.as_mut()?;
         let scaled = Scaled::new(program);
         let (du, df) = units(program);
@@ -134,14 +161,14 @@ impl Condensed {
             };
             let r =
                 regularised_residuals(program, &solution.forces, &solution.displacements).worst();
-            if r <= TARGET {
+            if r <= tolerance {
                 solution.status = SolveStatus::Solved;
             }
             solution
         };
         let mut iterations = 0;
         if newton::applies(&scaled) {
-            let result = newton::solve(&scaled, matrix, &start);
+            let result = newton::solve(&scaled, matrix, &start, goal(NEWTON_MARGIN));
             iterations += result.iterations;
             let solution = back(&result.u, &result.s, iterations, "newton");
             if solution.status == SolveStatus::Solved {
@@ -149,10 +176,11 @@ impl Condensed {
             }
             start = result.u;
         }
-        let result = interior::solve(&scaled, matrix, &start)?;
+        let result = interior::solve(&scaled, matrix, &start, goal(INTERIOR_MARGIN))?;
         iterations += result.iterations;
         let mut solution = back(&result.u, &result.s, iterations, "interior");
-        if program.interactions.len() > LARGE && solution.status == SolveStatus::Solved {
+        let enough = program.interactions.len() > LARGE || tolerance > TOLERANCE;
+        if enough && solution.status == SolveStatus::Solved {
             return Some(solution);
         }
         let low = lower(program);
@@ -162,7 +190,7 @@ impl Condensed {
         let a = std::mem::take(&mut low.matrix).matrix(rows, variables);
         polish(program, &low, &a, point, &mut solution);
         let r = regularised_residuals(program, &solution.forces, &solution.displacements).worst();
-        if r <= TARGET {
+        if r <= tolerance {
             solution.status = SolveStatus::Solved;
             return Some(solution);
         }

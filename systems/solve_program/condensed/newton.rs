@@ -120,10 +120,11 @@ pub(super) fn project(l: &Local, e: &[f64; 3]) -> ([f64; 3], [[f64; 3]; 3]) {
     ([p0, sign * q0, 0.0], d)
 }
 
-/// Solves the program from the displacements `start`, with local elimination.
+/// Solves the program from the displacements `start`, with local elimination, until the unbalance over
+/// the greatest force is at most `goal`.
 #[must_use]
-pub fn solve(program: &Scaled, matrix: &mut BodyMatrix, start: &[[f64; 3]]) -> Newton {
-    iterate(program, matrix, start, &GLOBAL, Some(&Adjacency::new(program)))
+pub fn solve(program: &Scaled, matrix: &mut BodyMatrix, start: &[[f64; 3]], goal: f64) -> Newton {
+    iterate(program, matrix, start, &Limits { goal, ..GLOBAL }, Some(&Adjacency::new(program)))
 }
 
 /// Runs the iteration from the displacements `start`; with local elimination where the adjacency of

@@ -1,0 +1,352 @@
+#!/usr/bin/env python3
+"""clastic and its peers on the same work: time beside error, one core, interleaved, medians.
+
+    python3 benches/peers/run.py uniaxial --small      clastic and YADE, 400 disks
+    python3 benches/peers/run.py collapse --small      clastic and LIGGGHTS, 300 disks
+    python3 benches/peers/run.py nsgs --small          clastic and Siconos, one program
+
+Without --small: 7380 disks, 5000 disks, 5000 disks. See README.md for what to install. Seconds
+are those of the processor, user and system, of the whole process (of the solve, where it is one
+program that is solved).
+"""
+
+import argparse
+import csv
+import json
+import math
+import os
+import signal
+import statistics
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parent.parent
+
+# The rock of scenes/uniaxial.ron, elastic, on the stored packings of the rigid scenes.
+ROCK = [
+    "materials.rock.contact=(normal_stiffness: 3.4e10, tangential_stiffness: 3.4e10, friction: 0.4)",
+    "materials.rock.bond=(normal_stiffness: 7.9e10, tangential_stiffness: 7.9e10, friction: 0.8, "
+    "cohesion: 195.0e6, tensile_strength: 144.0e6)",
+    "walls.bottom.contact=(normal_stiffness: 3.4e10, tangential_stiffness: 3.4e10, friction: 0.4)",
+    "walls.top.contact=(normal_stiffness: 3.4e10, tangential_stiffness: 3.4e10, friction: 0.4)",
+    "acceptance=(throw: 1.0)",
+]
+STRAINS = [1.0e-3, 2.0e-3]
+LAST_STRAIN = 2.5e-3
+
+
+class Bench:
+    def __init__(self, options):
+        self.options = options
+        self.out = Path(options.out).resolve()
+        self.out.mkdir(parents=True, exist_ok=True)
+        self.clastic = Path(options.clastic).resolve()
+
+    def timed(self, command, env=None):
+        """Runs a command on the core; processor and wall seconds."""
+        command = ["taskset", "-c", str(self.options.core), *map(str, command)]
+        env = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", **(env or {})}
+        log = self.out / "last.log"
+        clock = time.perf_counter()
+        with open(log, "w") as f:
+            process = subprocess.Popen(
+                command, env=env, cwd=self.out, stdin=subprocess.DEVNULL, stdout=f, stderr=f
+            )
+            try:
+                _, status, usage = os.wait4(process.pid, 0)
+            except BaseException:
+                process.kill()
+                raise
+            process.returncode = os.waitstatus_to_exitcode(status)
+        if process.returncode != 0:
+            sys.exit(f"{' '.join(command)}\nended with {process.returncode}:\n{log.read_text()}")
+        return usage.ru_utime + usage.ru_stime, time.perf_counter() - clock
+
+    def run_clastic(self, scene, directory, sets, dump=None):
+        command = [self.clastic, "run", ROOT / "scenes" / f"{scene}.ron", "--quiet", "--force"]
+        command += ["--threads", "1", "--out", directory, "--set", "output.plots=false"]
+        for s in sets:
+            command += ["--set", s]
+        if dump:
+            command += ["--dump-program", str(dump)]
+        return self.timed(command)
+
+    def interleaved(self, runs):
+        """Runs every (name, function) in turn, `repeat` times; the results by name."""
+        results = {name: [] for name, _ in runs}
+        for turn in range(self.options.repeat):
+            for name, run in runs:
+                results[name].append(run())
+                print(f"  {turn + 1}/{self.options.repeat} {name}", file=sys.stderr)
+        return results
+
+    def report(self, name, header, rows):
+        path = self.out / f"{name}.csv"
+        with open(path, "w", newline="") as f:
+            writer = csv.writer(f, lineterminator="\n")
+            writer.writerow(header)
+            writer.writerows(rows)
+        texts = [header] + [[short(cell) for cell in row] for row in rows]
+        widths = [max(len(str(row[k])) for row in texts) for k in range(len(header))]
+        lines = ["| " + " | ".join(str(c).ljust(w) for c, w in zip(row, widths)) + " |" for row in texts]
+        lines.insert(1, "|" + "|".join("-" * (w + 2) for w in widths) + "|")
+        table = "\n".join(lines)
+        load = " ".join(f"{x:.2f}" for x in os.getloadavg())
+        small = " --small" if self.options.small else ""
+        text = (
+            f"**{name}**: `python3 benches/peers/run.py {name}{small} --repeat "
+            f"{self.options.repeat}`, {time.strftime('%Y-%m-%d', time.gmtime())}, "
+            f"load averages at the end {load}\n\n{table}\n"
+        )
+        (self.out / f"{name}.md").write_text(text)
+        print(text)
+        print(f"written: {path}")
+
+
+def short(cell):
+    if isinstance(cell, float):
+        return "" if math.isnan(cell) else f"{cell:.3g}"
+    return str(cell)
+
+
+def table_of(path):
+    with open(path) as f:
+        return list(csv.DictReader(f))
+
+
+def at(points, strain):
+    """Linear interpolation of a curve that begins at (0, 0)."""
+    before = (0.0, 0.0)
+    for point in points:
+        if point[0] >= strain:
+            part = (strain - before[0]) / (point[0] - before[0])
+            return before[1] + part * (point[1] - before[1])
+        before = point
+    return math.nan
+
+
+# Uniaxial compression: YADE.
+
+
+def uniaxial(bench):
+    small = bench.options.small
+    scene = "uniaxial_rigid_small" if small else "uniaxial_rigid"
+    width, height = (11.64e-3, 29.0245e-3) if small else (50.0e-3, 120.0e-3)
+    packing = ROOT / "scenes" / "specimens" / ("uniaxial_400.csv" if small else "uniaxial_7380.csv")
+
+    def ours(factor):
+        step = 5e-5 * factor
+        sets = ROCK + [
+            f"stages.load.increments={math.ceil(LAST_STRAIN / step - 1e-9)}",
+            f"stages.load.walls.top[1]={-step * height!r}",
+        ]
+        seconds = bench.run_clastic(scene, bench.out / "clastic", sets)
+        rows = [row for row in table_of(bench.out / "clastic" / "history.csv") if row["stage"] == "load"]
+        curve = [(float(r["axial_strain"]), float(r["axial_stress_pa"])) for r in rows]
+        cracks = [sum(int(r[f"broken_{m}"]) for m in ("tension", "shear", "rolling")) for r in rows]
+        return seconds, curve, cracks, len(rows)
+
+    def theirs(speed):
+        parameters = {
+            "specimen": str(packing),
+            "out": str(bench.out / "yade.json"),
+            "width": width,
+            "height": height,
+            "speed": speed,
+            "strain": LAST_STRAIN,
+        }
+        script = HERE / "uniaxial_yade.py"
+        command = ["yade", "-n", "-x", "-j1", script]
+        seconds = bench.timed(command, {"PEER": json.dumps(parameters)})
+        result = json.loads((bench.out / "yade.json").read_text())
+        curve = [(e, s) for e, s, _ in result["curve"]]
+        return seconds, curve, [c for *_, c in result["curve"]], result["steps"]
+
+    runs = [(f"clastic, {f} x 0.005 %", lambda f=f: ours(f)) for f in bench.options.factors]
+    runs += [(f"YADE, {v} m/s", lambda v=v: theirs(v)) for v in bench.options.speeds]
+    _, reference, _, _ = ours(0.25)
+    expected = [at(reference, e) for e in STRAINS]
+    rows = []
+    for name, results in bench.interleaved(runs).items():
+        _, curve, cracks, steps = results[-1]
+        first = next((s for (_, s), c in zip(curve, cracks) if c > 0), math.nan)
+        errors = [100 * (at(curve, e) / x - 1) for e, x in zip(STRAINS, expected)]
+        cpu, wall = (statistics.median(r[0][k] for r in results) for k in (0, 1))
+        rows.append([name, steps, cpu, wall, *errors, first / 1e6])
+    strains = [f"error of stress at {100 * e:g} %, %" for e in STRAINS]
+    header = ["run", "increments or steps", "cpu_s", "wall_s", *strains, "first crack, MPa"]
+    bench.report("uniaxial", header, rows)
+
+
+# Collapse of a column: LIGGGHTS.
+
+SMALL_COLUMN = ("column_collapse_small", [])
+# 5000 disks, 40 columns of the grid of column_collapse.ron.
+COLUMN = (
+    "column_collapse",
+    [
+        "specimen.count=5000",
+        "specimen.columns=40",
+        "walls.floor.end=(0.502, 0.0)",
+        "walls.gate.start=(0.502, 0.0)",
+        "walls.gate.end=(0.502, 1.9)",
+        "walls.back.start=(0.0, 1.9)",
+        "walls.lid.start=(0.502, 1.7)",
+        "walls.lid.end=(0.0, 1.7)",
+    ],
+)
+
+
+def settled_column(bench):
+    """The column behind its gate, made by clastic: a CSV of x, y, r."""
+    scene, sets = SMALL_COLUMN if bench.options.small else COLUMN
+    path = bench.out / "column.csv"
+    print("  the column is compacted and settles", file=sys.stderr)
+    bench.run_clastic(scene, bench.out / "prepare", [*sets, "stages.release.increments=1"])
+    path.write_bytes((bench.out / "prepare" / "specimen.csv").read_bytes())
+    with open(path) as f:
+        rows = list(csv.reader(f))[1:]
+    return scene, sets, path, [[float(v) for v in row[:3]] for row in rows]
+
+
+def released(sets, packing, increments, law=None):
+    """Settings that turn the scene into the release alone, of the packing given."""
+    sets = [*sets_without_packing(sets), f'specimen=File(path: "{packing}")']
+    sets += ["walls.gate.present=false", "walls.lid.present=false"]
+    sets += [f'stages=[Load(name: "release", increments: {increments})]']
+    return sets + ([f"friction_law={law}"] if law else [])
+
+
+def sets_without_packing(sets):
+    return [s for s in sets if not s.startswith("specimen.")]
+
+
+def spread(disks):
+    """Front (x + r) that 99 % of the disks do not pass, and height that 99 % do not."""
+    def high(values):
+        values = sorted(values)
+        return values[min(len(values) - 1, math.ceil(0.99 * len(values)) - 1)]
+
+    return high(x + r for x, _, r in disks), high(y + r for _, y, r in disks)
+
+
+def collapse(bench):
+    scene, sets, packing, disks = settled_column(bench)
+    d0, h0 = spread(disks)
+    seconds_of_motion = bench.options.time
+    data = bench.out / "column.data"
+    with open(data, "w") as f:
+        f.write(f"column\n\n{len(disks)} atoms\n1 atom types\n")
+        f.write("-1 20 xlo xhi\n-1 5 ylo yhi\n-0.01 0.01 zlo zhi\n\nAtoms\n\n")
+        for k, (x, y, r) in enumerate(disks):
+            f.write(f"{k + 1} 1 {2 * r!r} 2650 {x!r} {y!r} 0\n")
+
+    def ours(dt):
+        directory = bench.out / "clastic"
+        increments = round(seconds_of_motion / dt)
+        sets_now = [*released(sets, packing, increments), f"analysis=Dynamic(dt: {dt}, theta: 1.0)"]
+        seconds = bench.run_clastic(scene, directory, sets_now)
+        rows = table_of(directory / "final_particles.csv")
+        return seconds, [[float(r[k]) for k in ("x_m", "y_m", "radius_m")] for r in rows], increments
+
+    def theirs(dt):
+        dump = bench.out / "liggghts.dump"
+        command = ["liggghts", "-in", HERE / "collapse.liggghts", "-log", "none"]
+        for name, value in (("data", data), ("out", dump), ("time", seconds_of_motion), ("dt", dt)):
+            command += ["-var", name, value]
+        seconds = bench.timed([*command, "-var", "young", 1e8])
+        lines = dump.read_text().splitlines()
+        start = next(k for k, line in enumerate(lines) if line.startswith("ITEM: ATOMS"))
+        rows = [[float(v) for v in line.split()[1:4]] for line in lines[start + 1 :]]
+        if len(rows) != len(disks):
+            sys.exit(f"LIGGGHTS lost {len(disks) - len(rows)} disks")
+        return seconds, rows, round(seconds_of_motion / dt)
+
+    runs = [(f"clastic, dt = {dt:g} s", lambda dt=dt: ours(dt)) for dt in bench.options.steps]
+    runs += [("LIGGGHTS, dt = 4e-5 s", lambda: theirs(4e-5))]
+    rows = []
+    for name, results in bench.interleaved(runs).items():
+        _, final, steps = results[-1]
+        front, height = spread(final)
+        cpu, wall = (statistics.median(r[0][k] for r in results) for k in (0, 1))
+        rows.append([name, steps, cpu, wall, (front - d0) / d0, height / h0])
+    header = ["run", "increments or steps", "cpu_s", "wall_s", "run-out (d - d0)/d0", "height h/h0"]
+    bench.report("collapse", header, rows)
+
+
+# One frictional program: Siconos.
+
+
+def nsgs(bench):
+    scene, sets, packing, _ = settled_column(bench)
+    increment = bench.options.increment
+    tolerances = sorted(bench.options.tolerances, reverse=True)
+
+    def ours(tolerance):
+        directory = bench.out / f"clastic_{tolerance:g}"
+        now = released(sets, packing, increment, f"Coulomb(tolerance: {tolerance!r})")
+        bench.run_clastic(scene, directory, now, dump=increment)
+        row = table_of(directory / "timings.csv")[-1]
+        history = table_of(directory / "history.csv")[-1]
+        return float(row["solve_s"]), history
+
+    def theirs():
+        out = bench.out / "nsgs.json"
+        # The problem is that of the tightest run, which ran just before.
+        dump = bench.out / f"clastic_{tolerances[-1]:g}" / f"program_{increment:06}.json"
+        command = [bench.options.python, HERE / "nsgs_siconos.py", dump]
+        for n in bench.options.iterations:
+            command += ["--iterations", n]
+        bench.timed([*command, "--out", out])
+        return json.loads(out.read_text())
+
+    runs = [(t, lambda t=t: ours(t)) for t in tolerances]
+    results = bench.interleaved([*runs, ("Siconos", theirs)])
+    last = results["Siconos"][-1]
+    rows = []
+    for t in tolerances:
+        history = results[t][-1][1]
+        name = f"clastic, Coulomb to {t:g}: {history['solves']} solves ({history['status']})"
+        seconds = statistics.median(r[0] for r in results[t])
+        change = float(history["coulomb_residual"])
+        violation = last["own_violation_m"] if t == tolerances[-1] else math.nan
+        rows.append([name, int(history["potential_contacts"]), seconds, change, violation, "", ""])
+    for k, row in enumerate(last["rows"]):
+        cpu = statistics.median(r["rows"][k]["cpu_s"] for r in results["Siconos"])
+        name = f"Siconos NSGS, {row['iterations']} iterations"
+        errors = [100 * row["error"], 100 * row["greatest_error"]]
+        rows.append([name, last["contacts"], cpu, "", row["violation_m"], *errors])
+    header = ["run", "contacts", "cpu_s", "last change", "violation, m", "error of motion, %", "greatest error, %"]
+    bench.report("nsgs", header, rows)
+
+
+def main():
+    # Whoever ends this script ends what it runs.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("test", choices=["uniaxial", "collapse", "nsgs"])
+    parser.add_argument("--small", action="store_true", help="small specimens")
+    parser.add_argument("--repeat", type=int, default=3, help="runs of each, interleaved")
+    parser.add_argument("--core", type=int, default=0, help="core that all runs are pinned to")
+    parser.add_argument("--out", default=str(ROOT / "bench" / "peers"), help="directory of results")
+    parser.add_argument("--clastic", default=str(ROOT / "target" / "release" / "clastic"))
+    parser.add_argument("--python", default="/usr/bin/python3", help="a Python that has siconos")
+    numbers = lambda kind: lambda text: [kind(x) for x in text.split(",")]
+    parser.add_argument("--factors", type=numbers(float), default=[1.0, 4.0], help="uniaxial: increments over 0.005 %%")
+    parser.add_argument("--speeds", type=numbers(float), default=[2.0, 1.0, 0.5], help="uniaxial: speeds of YADE's platen, m/s")
+    parser.add_argument("--time", type=float, default=1.0, help="collapse: seconds of motion")
+    parser.add_argument("--steps", type=numbers(float), default=[2e-3, 5e-3], help="collapse: clastic's dt, s")
+    parser.add_argument("--increment", type=int, default=50, help="nsgs: increment after the release")
+    parser.add_argument("--tolerances", type=numbers(float), default=[1e-4, 1e-8], help="nsgs: clastic's tolerances of Coulomb's fixed point")
+    parser.add_argument("--iterations", type=numbers(int), default=[100, 1000, 10000], help="nsgs: iterations of Siconos")
+    bench = Bench(parser.parse_args())
+    {"uniaxial": uniaxial, "collapse": collapse, "nsgs": nsgs}[bench.options.test](bench)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,189 @@
+//! Time by stage of an increment and size of its program, by what a scene has.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use clastic_components::program::ConeProgram;
+
+use super::clock::{Repetitions, median};
+use super::rigs::{Scenes, set_motion};
+use super::table::{Cell, Part, Table};
+use super::{BenchError, Extent};
+use crate::output::plots::history::History;
+use crate::output::{OutputError, RunOptions, RunWriter, directory, timings};
+use crate::run::{Outcome, Simulation, Step};
+use crate::scene::LoadedScene;
+use crate::scene::format::{Load, Stage};
+
+/// Increments of the last stage that are averaged over, after the first one.
+const INCREMENTS: u32 = 5;
+
+/// Runs this part. Runs are written below `scratch` and removed again.
+///
+/// # Errors
+/// Where a scene is not there or a file cannot be written.
+pub fn run(scenes: &Scenes, extent: Extent, scratch: &Path) -> Result<Part, BenchError> {
+    let mut columns = vec![
+        "scene",
+        "bodies",
+        "interactions",
+        "force_variables",
+        "inertia_variables",
+        "balance_rows",
+        "limit_rows",
+        "solves",
+        "iterations",
+    ];
+    columns.extend(MILLISECONDS);
+    columns.extend(["total_ms", "all_but_solve_percent"]);
+    let mut table = Table::new(
+        "stages",
+        "Mean time by stage of an increment, ms, and size of its program",
+        &columns,
+    );
+    let repetitions = match extent {
+        Extent::Quick => Repetitions { least: 3, most: 3, seconds: 0.0 },
+        _ => Repetitions { least: 1, most: 1, seconds: 0.0 },
+    };
+    for (name, loaded) in variants(scenes, extent > Extent::Quick)? {
+        table.rows.push(row(name, &loaded, &scratch.join("stages_run"), &repetitions)?);
+    }
+    let text = "Means over five increments after the first of a stage, which orders and analyses the \
+        matrix. All but the first two and the last two rows are the biaxial scene with something taken \
+        away or added; `oedometric`: between fixed sides. `held`: nothing moves and nothing has \
+        changed since the last increment. `output` writes history, events and timings.";
+    Ok(Part { name: "stages", text: text.to_owned(), tables: vec![table], charts: Vec::new() })
+}
+
+/// Columns of `timings.csv` in ms.
+const MILLISECONDS: [&str; 8] = [
+    "detect_ms",
+    "assemble_ms",
+    "solve_ms",
+    "update_ms",
+    "rupture_ms",
+    "walls_ms",
+    "record_ms",
+    "output_ms",
+];
+
+fn variants(scenes: &Scenes, full: bool) -> Result<Vec<(&'static str, LoadedScene)>, BenchError> {
+    let increments = format!("stages.load.increments={}", INCREMENTS + 1);
+    let biaxial = |sets: &[&str]| {
+        let mut all = vec![increments.as_str()];
+        all.extend(sets);
+        scenes.biaxial(full, &all)
+    };
+    const NO_ROLLING: [&str; 2] =
+        ["materials.sand.contact.rolling_friction=0.0", "materials.sand.bond.rolling_friction=0.0"];
+    // Loose disks do not take up 200 kPa from gaps in five increments: between fixed sides instead.
+    let without_bonds = |mut loaded: LoadedScene| {
+        loaded.scene.stages.retain(|stage| stage.name() == "load");
+        loaded
+    };
+    let mut frictionless = NO_ROLLING.to_vec();
+    frictionless.push("materials.sand.contact.friction=0.0");
+    let mut held = biaxial(&[])?;
+    set_motion(&mut held.scene, "top", 0.0);
+    set_motion(&mut held.scene, "bottom", 0.0);
+    let mut held_rock = scenes.uniaxial(full, INCREMENTS + 5)?;
+    let Some(Stage::Load(load)) = held_rock.scene.stages.last().cloned() else {
+        return Err(BenchError::Run("the last stage of the rig loads nothing".to_owned()));
+    };
+    // Four increments of load, then none.
+    let hold = Load {
+        name: "hold".to_owned(),
+        walls: BTreeMap::new(),
+        remove_walls: Vec::new(),
+        increments: INCREMENTS + 1,
+        ..load
+    };
+    if let Some(Stage::Load(load)) = held_rock.scene.stages.last_mut() {
+        load.increments = 4;
+    }
+    held_rock.scene.stages.push(Stage::Load(hold));
+    Ok(vec![
+        ("uniaxial rock (bonds, no rolling)", scenes.uniaxial(full, INCREMENTS + 1)?),
+        ("the same, held", held_rock),
+        ("biaxial (bonds, friction, rolling)", biaxial(&[])?),
+        ("the same, held", held),
+        ("no rolling", biaxial(&NO_ROLLING)?),
+        ("no bonds, oedometric", without_bonds(biaxial(&[])?)),
+        ("no bonds, frictionless, oedometric", without_bonds(biaxial(&frictionless)?)),
+        ("dynamic", biaxial(&["stages.load.analysis=Dynamic(dt: 1.0e-3)"])?),
+        ("one body in contact", scenes.load("incline_rests", &[])?),
+        ("one body in flight", scenes.load("bounce", &["stages.drop.increments=90"])?),
+    ])
+}
+
+fn row(
+    name: &str,
+    loaded: &LoadedScene,
+    scratch: &Path,
+    repetitions: &Repetitions,
+) -> Result<Vec<Cell>, BenchError> {
+    let mut runs = Vec::new();
+    let mut failed = None;
+    median(repetitions, || {
+        match measure(loaded, scratch) {
+            Ok(run) => runs.push(run),
+            Err(error) => failed = Some(error),
+        }
+        0.0
+    });
+    if let Some(error) = failed {
+        return Err(error);
+    }
+    // The run with the least total: what others on the machine take only adds.
+    let total = |times: &[f64]| times.iter().sum::<f64>();
+    runs.sort_by(|a, b| total(&a.1).total_cmp(&total(&b.1)));
+    let Some((cells, times)) = runs.into_iter().next() else {
+        return Err(BenchError::Run(format!("{name}: no run")));
+    };
+    let sum = total(&times);
+    let mut row = vec![name.into()];
+    row.extend(cells);
+    row.extend(times.iter().map(|t| Cell::from(1e3 * t)));
+    row.extend([(1e3 * sum).into(), (100.0 * (1.0 - times[2] / sum)).into()]);
+    Ok(row)
+}
+
+/// Runs a scene: the size of its last program with the mean of solves and iterations, and mean
+/// seconds by stage of the last increments.
+fn measure(loaded: &LoadedScene, scratch: &Path) -> Result<(Vec<Cell>, Vec<f64>), BenchError> {
+    let mut simulation = Simulation::new(&loaded.scene, loaded.specimen.as_ref());
+    let options = RunOptions { directory: scratch.to_owned(), force: true, ..Default::default() };
+    let mut writer = RunWriter::create(options, loaded, simulation.world_mut())?;
+    let outcome = loop {
+        if let Step::Finished(outcome) = simulation.step() {
+            break outcome;
+        }
+        writer.record(simulation.world_mut())?;
+    };
+    drop(writer);
+    if let Outcome::Stalled { message, .. } = outcome {
+        return Err(BenchError::Run(message));
+    }
+    let times = History::read(&scratch.join(directory::TIMINGS))?;
+    let history = History::read(&scratch.join(directory::HISTORY))?;
+    std::fs::remove_dir_all(scratch).map_err(OutputError::at(scratch))?;
+    let mean = |table: &History, column: &str| {
+        let rows = table.column(column);
+        let last = &rows[rows.len().saturating_sub(INCREMENTS as usize)..];
+        last.iter().flatten().sum::<f64>() / last.len().max(1) as f64
+    };
+    let program = simulation.world().resource::<ConeProgram>();
+    let size = program.size();
+    let cells = vec![
+        program.bodies.len().into(),
+        program.interactions.len().into(),
+        size.forces.into(),
+        size.inertias.into(),
+        size.balance_rows.into(),
+        size.limit_rows.into(),
+        mean(&history, "solves").into(),
+        mean(&history, "solver_iterations").into(),
+    ];
+    let seconds = timings::COLUMNS[1..].iter().map(|column| mean(&times, column)).collect();
+    Ok((cells, seconds))
+}
