@@ -1,0 +1,402 @@
+//! An independent check of committed increments: geometry from the positions, laws from the scene,
+//! balance, limits and kinematics from the forces and the motion that happened. Of the engine's own
+//! tables it takes the forces and what an increment started from (shear history, openings).
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use clastic::components::attempt::{Attempt, IncrementStatus};
+use clastic::components::body::{BodyId, Drive, Drives, ExternalForce, LastMotion, Position};
+use clastic::components::bond::{Bond, BondState};
+use clastic::components::contact::Contacts;
+use clastic::components::increment::{Analysis, AnalysisKind};
+use clastic::components::observation::Observation;
+use clastic::components::particle::{MaterialIndex, Particle};
+use clastic::components::program::{ConeProgram, ConeSolution};
+use clastic::components::wall::{Wall, WallControl};
+use clastic::run::Simulation;
+use clastic::scene::format::{Bond as BondLaw, Contact as ContactLaw, Scene};
+use glam::DVec2;
+
+use crate::common::{State, states};
+
+/// What the residuals may be, and what round-off adds to a second way of computing them.
+const RESIDUAL: f64 = 1e-8;
+const SECOND_WAY: f64 = 1.001;
+const ROUND_OFF: f64 = 1e-12;
+
+/// The greatest of each error, and what is out of bounds.
+#[derive(Clone, Debug, Default)]
+pub struct Findings {
+    pub complaints: Vec<String>,
+    pub worst: BTreeMap<&'static str, f64>,
+}
+
+impl Findings {
+    /// Books an error; complains where it is above `accepted` or not a number.
+    fn book(&mut self, name: &'static str, error: f64, accepted: f64, increment: u64) {
+        let worst = self.worst.entry(name).or_default();
+        if !(error <= *worst) {
+            *worst = error;
+        }
+        if !(error <= accepted) && self.complaints.len() < 10 {
+            self.complaints.push(format!("increment {increment}: {name} {error:.2e} > {accepted:.1e}"));
+        }
+    }
+
+    fn complain(&mut self, increment: u64, what: String) {
+        if self.complaints.len() < 10 {
+            self.complaints.push(format!("increment {increment}: {what}"));
+        }
+    }
+
+    pub fn merge(&mut self, other: &Self) {
+        for (name, error) in &other.worst {
+            let worst = self.worst.entry(name).or_default();
+            if !(error <= worst) {
+                *worst = *error;
+            }
+        }
+    }
+}
+
+impl fmt::Display for Findings {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        self.worst.iter().try_for_each(|(name, error)| write!(f, "{name} {error:.2e}; "))
+    }
+}
+
+/// The state before an increment.
+pub struct Oracle {
+    particles: Vec<State>,
+    walls: BTreeMap<u32, DVec2>,
+}
+
+/// A body in the middle of the check.
+struct Body {
+    start: DVec2,
+    motion: [f64; 3],
+    radius: f64,
+}
+
+fn wall_positions(simulation: &mut Simulation) -> BTreeMap<u32, DVec2> {
+    let world = simulation.world_mut();
+    let mut query = world.query::<(&BodyId, &Wall, &Position)>();
+    query.iter(world).map(|(id, _, x)| (id.0, x.0)).collect()
+}
+
+impl Oracle {
+    pub fn before(simulation: &mut Simulation) -> Self {
+        Self { particles: states(simulation), walls: wall_positions(simulation) }
+    }
+
+    pub fn after(
+        &self,
+        simulation: &mut Simulation,
+        scene: &Scene,
+        record: &Observation,
+        findings: &mut Findings,
+    ) {
+        let n = record.increment;
+        let now = states(simulation);
+        let finite = |s: &State| {
+            s.position.is_finite() && s.velocity.is_finite() && s.rotation.is_finite() && s.spin.is_finite()
+        };
+        if !now.iter().all(finite) {
+            findings.complain(n, "a state that is not finite".into());
+        }
+        if !record.kinetic_energy.is_finite() {
+            findings.complain(n, format!("kinetic energy {}", record.kinetic_energy));
+        }
+        if matches!(record.status, IncrementStatus::Solved | IncrementStatus::Capped) {
+            findings.book("reported residual", record.residuals.worst(), RESIDUAL, n);
+            self.check_committed(simulation, scene, &now, n, findings);
+        } else {
+            let walls = wall_positions(simulation);
+            let unmoved = self.walls.iter().all(|(id, x)| walls.get(id).is_none_or(|y| x == y));
+            let same = |(a, b): (&State, &State)| a.position == b.position && a.rotation == b.rotation;
+            if !unmoved || !now.iter().zip(&self.particles).all(same) {
+                findings.complain(n, format!("{} committed a motion", record.status.name()));
+            }
+        }
+    }
+
+    fn check_committed(
+        &self,
+        simulation: &mut Simulation,
+        scene: &Scene,
+        now: &[State],
+        n: u64,
+        findings: &mut Findings,
+    ) {
+        let world = simulation.world_mut();
+        let analysis = *world.resource::<Analysis>();
+        let attempt = world.resource::<Attempt>().clone();
+        let program = world.resource::<ConeProgram>().clone();
+        let forces = world.resource::<ConeSolution>().forces.clone();
+        let contacts = world.resource::<Contacts>().0.clone();
+        let fraction = world.resource::<Observation>().fraction;
+        let (dynamic, dt, theta) = match analysis.kind {
+            AnalysisKind::Dynamic { dt, theta } => (true, dt * fraction, theta),
+            _ => (false, 0.0, 1.0),
+        };
+        let least_motion = matches!(analysis.kind, AnalysisKind::LeastMotion { .. });
+
+        // Where bodies came from.
+        let mut bodies: BTreeMap<u32, Body> = BTreeMap::new();
+        let mut query = world.query::<(&BodyId, &Position, &LastMotion, Option<&Particle>)>();
+        for (id, x, u, particle) in query.iter(world) {
+            let start = x.0 - DVec2::new(u.0[0], u.0[1]);
+            let radius = particle.map_or(0.0, |p| p.radius);
+            bodies.insert(id.0, Body { start, motion: u.0, radius });
+        }
+        let mean_radius = if now.is_empty() {
+            1.0
+        } else {
+            now.iter().map(|s| s.radius).sum::<f64>() / now.len() as f64
+        };
+        let extent = bodies.values().map(|b| b.start.length()).fold(mean_radius, f64::max);
+        let bits = ROUND_OFF * extent;
+        if attempt.settled == 0 {
+            for (i, before) in self.particles.iter().enumerate() {
+                let moved = before.position.distance(bodies[&(i as u32)].start);
+                findings.book("place at the start, m", moved, bits, n);
+            }
+        }
+        let mut query = world.query::<(&BodyId, &Wall)>();
+        let inward: BTreeMap<u32, DVec2> =
+            query.iter(world).map(|(id, wall)| (id.0, wall.inward())).collect();
+        let mut query = world.query::<(&Bond, &BondState)>();
+        let bonds: BTreeMap<(u32, u32), (f64, bool)> = query
+            .iter(world)
+            .map(|(b, state)| ((b.a.0, b.b.0), (b.initial_gap, *state == BondState::Intact)))
+            .collect();
+        let mut query = world.query::<(&BodyId, &MaterialIndex)>();
+        let mut materials: Vec<_> = query.iter(world).map(|(id, m)| (id.0, m.0)).collect();
+        materials.sort_unstable();
+        let law = |i: u32| scene.materials.values().nth(materials[i as usize].1 as usize).unwrap();
+
+        // Scales of the errors.
+        let greatest_motion = bodies
+            .values()
+            .map(|b| b.motion[0].hypot(b.motion[1]))
+            .fold(1e-6 * mean_radius, f64::max);
+        let mut query = world.query::<(&BodyId, &Drives, &ExternalForce)>();
+        let outside: BTreeMap<u32, ([Drive; 3], [f64; 3])> =
+            query.iter(world).map(|(id, d, f)| (id.0, (d.0, f.0))).collect();
+        let contact_force =
+            forces.iter().map(|f| f[0].abs().max(f[1].abs())).fold(1e-2 * program.scales.force, f64::max);
+        let mut force = contact_force;
+        let mut resist: BTreeMap<u32, [f64; 3]> = bodies.keys().map(|id| (*id, [0.0; 3])).collect();
+
+        for ((contact, f), c) in contacts.iter().zip(&forces).zip(&program.interactions) {
+            let (a, b) = (&bodies[&contact.a], &bodies[&contact.b]);
+            let wall = inward.get(&contact.b);
+            let (normal, gap) = match wall {
+                Some(inward) => (-*inward, (a.start - b.start).dot(*inward) - a.radius),
+                None => {
+                    let d = b.start - a.start;
+                    let normal = if d.length() > 0.0 { d.normalize() } else { DVec2::X };
+                    (normal, d.length() - a.radius - b.radius)
+                }
+            };
+            findings.book("gap, m", (gap - contact.gap).abs(), 4.0 * bits, n);
+            // Coincident centres have any normal.
+            if a.start.distance(b.start) > 1e-3 * mean_radius {
+                let turned = normal.distance(contact.normal) * mean_radius;
+                findings.book("normal", turned / bits, 1e4, n);
+            }
+            let tangent = contact.normal.perp();
+            let normal = contact.normal;
+            let arms = [a.radius + 0.5 * gap, if wall.is_some() { 0.0 } else { b.radius + 0.5 * gap }];
+            let [p, q, tau] = *f;
+            for (id, sign, arm) in [(contact.a, 1.0, arms[0]), (contact.b, -1.0, arms[1])] {
+                let g = (normal * p + tangent * q) * sign;
+                let r = resist.get_mut(&id).unwrap();
+                r[0] += g.x;
+                r[1] += g.y;
+                r[2] += arm * q + sign * tau;
+            }
+            if least_motion {
+                continue;
+            }
+
+            // The law, from the scene.
+            let radius = if wall.is_some() { a.radius } else { a.radius.min(b.radius) };
+            let bonded = match bonds.get(&(contact.a, contact.b)) {
+                Some((_, true)) => true,
+                // Broken in this increment: before or after its last solve.
+                Some((_, false)) => c.limits.tension > 0.0 || c.limits.cohesion > 0.0,
+                None => false,
+            };
+            let other = |id: u32| (wall.is_none()).then(|| law(id));
+            let ([cn, ct], [cohesion, friction, tension, rolling], offset) = if bonded {
+                let la = law(contact.a).bond.unwrap();
+                let lb = other(contact.b).map_or(la, |m| m.bond.unwrap());
+                let bond = between_bonds(la, lb);
+                let area = 2.0 * radius * scene.thickness;
+                let limits = [
+                    bond.cohesion * area,
+                    bond.friction,
+                    bond.tensile_strength * area,
+                    bond.rolling_friction * radius,
+                ];
+                let born = bonds[&(contact.a, contact.b)].0;
+                (compliances(bond.normal_stiffness, bond.tangential_stiffness), limits, gap - born)
+            } else {
+                let la = law(contact.a).contact;
+                let lb = match other(contact.b) {
+                    Some(material) => material.contact,
+                    None => {
+                        let first = materials.len() as u32;
+                        scene.walls[(contact.b - first) as usize].contact
+                    }
+                };
+                let contact_law = if wall.is_some() { lb } else { between_contacts(la, lb) };
+                let limits =
+                    [0.0, contact_law.friction, 0.0, contact_law.rolling_friction * radius];
+                (
+                    compliances(contact_law.normal_stiffness, contact_law.tangential_stiffness),
+                    limits,
+                    gap,
+                )
+            };
+            let key = (contact.a, contact.b);
+            let opening = attempt.openings.iter().find(|o| o.0 == key).map_or(0.0, |o| o.1);
+            let opening = if bonded { 0.0 } else { opening };
+
+            let shear = cohesion + friction * p;
+            let roll = rolling * (p + tension);
+            let limit = RESIDUAL * SECOND_WAY;
+            findings.book("limit", (-(p + tension) / contact_force).max(0.0), limit, n);
+            findings.book("limit", (q.abs() - shear.max(0.0)) / contact_force, limit, n);
+            let over = (tau.abs() - roll.max(0.0)) / (contact_force * mean_radius);
+            findings.book("limit", over, limit, n);
+
+            // Kinematics of the motion that happened; elastic interactions hold the average of the
+            // increment.
+            let relative =
+                DVec2::new(a.motion[0] - b.motion[0], a.motion[1] - b.motion[1]);
+            let closing = normal.dot(relative);
+            let spin_b = if wall.is_some() { 0.0 } else { b.motion[2] };
+            let slip = tangent.dot(relative) + arms[0] * a.motion[2] + arms[1] * spin_b;
+            let turn = a.motion[2] - spin_b;
+            let slides = cohesion > 0.0 || friction > 0.0;
+            let plastic = if slides { slip - ct / theta * (q - c.previous_shear) } else { 0.0 };
+            let rolls = if rolling > 0.0 { turn } else { 0.0 };
+            let start = if cn > 0.0 { offset / theta } else { offset };
+            let rest = start + opening + cn / theta * p
+                - closing
+                - friction * plastic.abs()
+                - rolling * rolls.abs();
+            // In dynamics the motion follows from the forces: what a light body's balance is off by
+            // moves it. Of that, and of the multiplier times slack, the committed motion has more
+            // than the solution that was judged.
+            let unit = greatest_motion;
+            let name = if dynamic { "closing (dynamic)" } else { "closing (static)" };
+            let accepted = if dynamic { 1e-6 } else { limit + 10.0 * bits / unit };
+            findings.book(name, (-rest / unit).max(0.0), accepted, n);
+            let apex = if friction > 0.0 { cohesion / friction } else { f64::INFINITY };
+            let above = (p + tension.min(apex)).abs() / contact_force;
+            let name = if dynamic { "complementarity (dynamic)" } else { "complementarity (static)" };
+            findings.book(name, above * rest.max(0.0) / unit, accepted, n);
+            let slack = (shear - q * plastic.signum()).abs() / contact_force;
+            findings.book(name, slack * plastic.abs() / unit, accepted, n);
+            let slack = (roll - tau * rolls.signum()).abs() / contact_force;
+            findings.book(name, slack * rolls.abs() / unit, accepted, n);
+        }
+
+        // Balance of every particle that is free to move.
+        let mut defects = Vec::new();
+        for (i, s) in now.iter().enumerate() {
+            let id = i as u32;
+            let (drives, external) = outside[&id];
+            let before = &self.particles[i];
+            for k in 0..3 {
+                if drives[k] != Drive::Free || least_motion {
+                    continue;
+                }
+                let mass = if k < 2 { s.mass } else { s.inertia };
+                let weight = if k < 2 { s.mass * analysis.gravity[k] } else { 0.0 };
+                let (v0, v1) = if k < 2 {
+                    (before.velocity[k], s.velocity[k])
+                } else {
+                    (before.spin, s.spin)
+                };
+                let inertial = if dynamic { mass * (v1 - v0) / dt } else { 0.0 };
+                let load = external[k] + weight;
+                if k < 2 {
+                    let carried = if dynamic { mass * v0.abs() / (theta * dt) } else { 0.0 };
+                    force = force.max(load.abs()).max(carried);
+                }
+                let unit = if k < 2 { 1.0 } else { mean_radius };
+                defects.push((inertial + resist[&id][k] - load) / unit);
+            }
+        }
+        let name = if dynamic { "balance (dynamic)" } else { "balance (static)" };
+        for defect in defects {
+            // In dynamics the motion follows from the forces, to round-off.
+            let accepted = if dynamic { 1e-11 } else { RESIDUAL * SECOND_WAY };
+            findings.book(name, defect.abs() / force, accepted, n);
+        }
+        let mut query = world.query::<(&BodyId, &Wall, &WallControl, &ExternalForce)>();
+        for (id, wall, control, external) in query.iter(world) {
+            let loaded = matches!(control, WallControl::Force { .. } | WallControl::Stress { .. });
+            if loaded && !least_motion {
+                // Its force is the sum of its contacts' forces, whatever it was told to carry.
+                let sum = DVec2::new(resist[&id.0][0], resist[&id.0][1]);
+                let given = DVec2::new(external.0[0], external.0[1]);
+                let off = (sum - given).dot(wall.inward()).abs() / force;
+                findings.book("force of a wall", off, ROUND_OFF, n);
+            }
+        }
+
+        // Rigid, unbonded pairs do not overlap at the end, whether in the program or not.
+        let rigid_pair = |a: u32, b: u32| {
+            let (la, lb) = (law(a).contact, law(b).contact);
+            least_motion || (la.normal_stiffness.is_none() && lb.normal_stiffness.is_none())
+        };
+        for a in 0..now.len() as u32 {
+            let x = now[a as usize].position;
+            for b in 0..a {
+                let overlap = now[a as usize].radius + now[b as usize].radius
+                    - x.distance(now[b as usize].position);
+                let joined = bonds.get(&(b, a)).is_some_and(|bond| bond.1);
+                let held = |i: u32| outside[&i].0[..2].iter().any(|d| *d != Drive::Free);
+                if rigid_pair(a, b) && !joined && !(held(a) && held(b)) {
+                    findings.book("overlap of rigid disks, radii", overlap / mean_radius, 2e-6, n);
+                }
+            }
+        }
+    }
+}
+
+fn compliances(normal: Option<f64>, tangential: Option<f64>) -> [f64; 2] {
+    [normal.map_or(0.0, f64::recip), tangential.map_or(0.0, f64::recip)]
+}
+
+/// Springs in series.
+fn series(a: Option<f64>, b: Option<f64>) -> Option<f64> {
+    let c = 0.5 * (a.map_or(0.0, f64::recip) + b.map_or(0.0, f64::recip));
+    (c > 0.0).then(|| 1.0 / c)
+}
+
+fn between_contacts(a: ContactLaw, b: ContactLaw) -> ContactLaw {
+    ContactLaw {
+        normal_stiffness: series(a.normal_stiffness, b.normal_stiffness),
+        tangential_stiffness: series(a.tangential_stiffness, b.tangential_stiffness),
+        friction: a.friction.min(b.friction),
+        rolling_friction: a.rolling_friction.min(b.rolling_friction),
+    }
+}
+
+fn between_bonds(a: BondLaw, b: BondLaw) -> BondLaw {
+    BondLaw {
+        normal_stiffness: series(a.normal_stiffness, b.normal_stiffness),
+        tangential_stiffness: series(a.tangential_stiffness, b.tangential_stiffness),
+        friction: a.friction.min(b.friction),
+        rolling_friction: a.rolling_friction.min(b.rolling_friction),
+        cohesion: a.cohesion.min(b.cohesion),
+        tensile_strength: a.tensile_strength.min(b.tensile_strength),
+    }
+}
