@@ -2,8 +2,7 @@
 //! down the forces that the outside world exerted.
 //!
 //! With the theta-method (equations 2 and 3 of the paper) `v = (u/dt - (1 - theta) v_0)/theta`;
-//! rotations alike. In dynamics u follows from the contact forces through the balance rows, not
-//! from the multipliers, so that momentum holds to round-off whatever the solver's tolerance.
+//! rotations alike.
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
@@ -29,7 +28,6 @@ impl Plugin for UpdateStatePlugin {
         app.add_systems(
             Increment,
             (
-                displacements_from_forces,
                 external_forces,
                 move_bodies,
                 remember_contacts,
@@ -39,26 +37,6 @@ impl Plugin for UpdateStatePlugin {
                 .chain()
                 .in_set(IncrementSystems::Update),
         );
-    }
-}
-
-/// Replaces the multipliers of degrees of freedom with inertia by `u = (load - G f)/inertia`.
-pub fn displacements_from_forces(
-    analysis: Res<Analysis>,
-    program: Res<ConeProgram>,
-    mut solution: ResMut<ConeSolution>,
-) {
-    let AnalysisKind::Dynamic { .. } = analysis.kind else { return };
-    let mut rows = vec![[0.0; 3]; program.bodies.len()];
-    program.add_forces(&solution.forces, &mut rows);
-    for ((body, row), u) in program.bodies.iter().zip(&rows).zip(&mut solution.displacements) {
-        for k in 0..3 {
-            if let Dof::Free(free) = &body.dofs[k]
-                && free.inertia > 0.0
-            {
-                u[k] = (free.load - row[k]) / free.inertia;
-            }
-        }
     }
 }
 

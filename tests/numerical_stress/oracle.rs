@@ -12,7 +12,7 @@ use clastic::components::contact::Contacts;
 use clastic::components::increment::{Analysis, AnalysisKind};
 use clastic::components::observation::Observation;
 use clastic::components::particle::{MaterialIndex, Particle};
-use clastic::components::program::{ConeProgram, ConeSolution};
+use clastic::components::program::{ConeProgram, ConeSolution, Dof};
 use clastic::components::wall::{Wall, WallControl};
 use clastic::run::Simulation;
 use clastic::scene::format::{Bond as BondLaw, Contact as ContactLaw, Scene};
@@ -70,6 +70,8 @@ impl fmt::Display for Findings {
 pub struct Oracle {
     particles: Vec<State>,
     walls: BTreeMap<u32, DVec2>,
+    /// A compaction ends at rest.
+    compacting: bool,
 }
 
 /// A body in the middle of the check.
@@ -87,7 +89,9 @@ fn wall_positions(simulation: &mut Simulation) -> BTreeMap<u32, DVec2> {
 
 impl Oracle {
     pub fn before(simulation: &mut Simulation) -> Self {
-        Self { particles: states(simulation), walls: wall_positions(simulation) }
+        let kind = simulation.world().resource::<Analysis>().kind;
+        let compacting = matches!(kind, AnalysisKind::LeastMotion { .. });
+        Self { particles: states(simulation), walls: wall_positions(simulation), compacting }
     }
 
     pub fn after(
@@ -109,8 +113,15 @@ impl Oracle {
             findings.complain(n, format!("kinetic energy {}", record.kinetic_energy));
         }
         if matches!(record.status, IncrementStatus::Solved | IncrementStatus::Capped) {
+            // What leaves the world was thrown there by a solver.
+            let far = |x: DVec2| !(x.length() < 1e6);
+            if now.iter().any(|s| far(s.position))
+                || wall_positions(simulation).values().any(|x| far(*x))
+            {
+                findings.complain(n, "a body further than 1000 km away".into());
+            }
             findings.book("reported residual", record.residuals.worst(), RESIDUAL, n);
-            self.check_committed(simulation, scene, &now, n, findings);
+            self.check_committed(simulation, scene, record, &now, findings);
         } else {
             let walls = wall_positions(simulation);
             let unmoved = self.walls.iter().all(|(id, x)| walls.get(id).is_none_or(|y| x == y));
@@ -125,10 +136,11 @@ impl Oracle {
         &self,
         simulation: &mut Simulation,
         scene: &Scene,
+        record: &Observation,
         now: &[State],
-        n: u64,
         findings: &mut Findings,
     ) {
+        let n = record.increment;
         let world = simulation.world_mut();
         let analysis = *world.resource::<Analysis>();
         let attempt = world.resource::<Attempt>().clone();
@@ -156,7 +168,9 @@ impl Oracle {
             now.iter().map(|s| s.radius).sum::<f64>() / now.len() as f64
         };
         let extent = bodies.values().map(|b| b.start.length()).fold(mean_radius, f64::max);
-        let bits = ROUND_OFF * extent;
+        let furthest =
+            bodies.values().map(|b| b.motion[0].hypot(b.motion[1])).fold(0.0, f64::max);
+        let bits = ROUND_OFF * extent.max(furthest);
         if attempt.settled == 0 {
             for (i, before) in self.particles.iter().enumerate() {
                 let moved = before.position.distance(bodies[&(i as u32)].start);
@@ -180,12 +194,26 @@ impl Oracle {
         let greatest_motion = bodies
             .values()
             .map(|b| b.motion[0].hypot(b.motion[1]))
-            .fold(1e-6 * mean_radius, f64::max);
+            .fold(1e-6 * mean_radius, f64::max)
+            .min(mean_radius);
         let mut query = world.query::<(&BodyId, &Drives, &ExternalForce)>();
         let outside: BTreeMap<u32, ([Drive; 3], [f64; 3])> =
             query.iter(world).map(|(id, d, f)| (id.0, (d.0, f.0))).collect();
-        let contact_force =
-            forces.iter().map(|f| f[0].abs().max(f[1].abs())).fold(1e-2 * program.scales.force, f64::max);
+        // A force between bodies that are both held along it is no measure of anything.
+        let feels = |id: u32, direction: DVec2| match outside.get(&id) {
+            Some((drives, _)) => {
+                (0..2).any(|k| drives[k] == Drive::Free && direction[k].abs() > 1e-9)
+            }
+            None => matches!(program.bodies[id as usize].dofs[0], Dof::Free(_)),
+        };
+        let mut contact_force = 1e-2 * program.scales.force;
+        for (contact, f) in contacts.iter().zip(&forces) {
+            for (direction, f) in [(contact.normal, f[0]), (contact.normal.perp(), f[1])] {
+                if feels(contact.a, direction) || feels(contact.b, direction) {
+                    contact_force = contact_force.max(f.abs());
+                }
+            }
+        }
         let mut force = contact_force;
         let mut resist: BTreeMap<u32, [f64; 3]> = bodies.keys().map(|id| (*id, [0.0; 3])).collect();
 
@@ -223,45 +251,55 @@ impl Oracle {
 
             // The law, from the scene.
             let radius = if wall.is_some() { a.radius } else { a.radius.min(b.radius) };
-            let bonded = match bonds.get(&(contact.a, contact.b)) {
-                Some((_, true)) => true,
-                // Broken in this increment: before or after its last solve.
-                Some((_, false)) => c.limits.tension > 0.0 || c.limits.cohesion > 0.0,
-                None => false,
-            };
-            let other = |id: u32| (wall.is_none()).then(|| law(id));
-            let ([cn, ct], [cohesion, friction, tension, rolling], offset) = if bonded {
-                let la = law(contact.a).bond.unwrap();
-                let lb = other(contact.b).map_or(la, |m| m.bond.unwrap());
-                let bond = between_bonds(la, lb);
-                let area = 2.0 * radius * scene.thickness;
+            let key = (contact.a, contact.b);
+            let other = |id: u32| wall.is_none().then(|| law(id));
+            let area = 2.0 * radius * scene.thickness;
+            let as_bond = bonds.get(&key).map(|(born, _)| {
+                let la = law(contact.a).bond;
+                let lb = other(contact.b).map_or(la, |m| m.bond);
+                // A bond to a wall follows the material of its particle.
+                let bond = between_bonds(la.unwrap(), lb.unwrap());
                 let limits = [
                     bond.cohesion * area,
                     bond.friction,
                     bond.tensile_strength * area,
                     bond.rolling_friction * radius,
                 ];
-                let born = bonds[&(contact.a, contact.b)].0;
-                (compliances(bond.normal_stiffness, bond.tangential_stiffness), limits, gap - born)
-            } else {
+                let stiffness = compliances(bond.normal_stiffness, bond.tangential_stiffness);
+                (stiffness, limits, gap - born)
+            });
+            let as_contact = {
                 let la = law(contact.a).contact;
-                let lb = match other(contact.b) {
-                    Some(material) => material.contact,
-                    None => {
-                        let first = materials.len() as u32;
-                        scene.walls[(contact.b - first) as usize].contact
-                    }
+                let contact_law = match other(contact.b) {
+                    Some(material) => between_contacts(la, material.contact),
+                    None => scene.walls[(contact.b - materials.len() as u32) as usize].contact,
                 };
-                let contact_law = if wall.is_some() { lb } else { between_contacts(la, lb) };
                 let limits =
                     [0.0, contact_law.friction, 0.0, contact_law.rolling_friction * radius];
-                (
-                    compliances(contact_law.normal_stiffness, contact_law.tangential_stiffness),
-                    limits,
-                    gap,
-                )
+                let stiffness =
+                    compliances(contact_law.normal_stiffness, contact_law.tangential_stiffness);
+                (stiffness, limits, gap)
             };
-            let key = (contact.a, contact.b);
+            let l = &c.limits;
+            let listed = [l.cohesion, l.friction, l.tension, l.rolling];
+            let is_listed = |limits: &[f64; 4]| {
+                limits.iter().zip(listed).all(|(x, y)| (x - y).abs() <= 1e-12 * y.abs())
+            };
+            let bonded = match bonds.get(&key) {
+                Some((_, true)) => true,
+                // Broken in this increment, before or after its last solve; or long ago.
+                Some((_, false)) => {
+                    record.ruptures.iter().any(|r| (r.a.0, r.b.0) == key)
+                        && as_bond.is_some_and(|bond| is_listed(&bond.1))
+                }
+                None => false,
+            };
+            let ([cn, ct], limits, offset) =
+                if bonded { as_bond.unwrap() } else { as_contact };
+            if !is_listed(&limits) {
+                findings.complain(n, format!("limits {listed:?} instead of {limits:?}"));
+            }
+            let [cohesion, friction, tension, rolling] = limits;
             let opening = attempt.openings.iter().find(|o| o.0 == key).map_or(0.0, |o| o.1);
             let opening = if bonded { 0.0 } else { opening };
 
@@ -289,12 +327,9 @@ impl Oracle {
                 - closing
                 - friction * plastic.abs()
                 - rolling * rolls.abs();
-            // In dynamics the motion follows from the forces: what a light body's balance is off by
-            // moves it. Of that, and of the multiplier times slack, the committed motion has more
-            // than the solution that was judged.
             let unit = greatest_motion;
             let name = if dynamic { "closing (dynamic)" } else { "closing (static)" };
-            let accepted = if dynamic { 1e-6 } else { limit + 10.0 * bits / unit };
+            let accepted = limit + 10.0 * bits / unit;
             findings.book(name, (-rest / unit).max(0.0), accepted, n);
             let apex = if friction > 0.0 { cohesion / friction } else { f64::INFINITY };
             let above = (p + tension.min(apex)).abs() / contact_force;
@@ -307,11 +342,19 @@ impl Oracle {
         }
 
         // Balance of every particle that is free to move.
-        let mut defects = Vec::new();
+        let (mut defects, mut turning) = (Vec::new(), 0.0_f64);
+        for body in &program.bodies[now.len()..] {
+            if let Dof::Free(wall) = body.dofs[0] {
+                force = force.max(wall.load.abs());
+            }
+        }
         for (i, s) in now.iter().enumerate() {
             let id = i as u32;
             let (drives, external) = outside[&id];
-            let before = &self.particles[i];
+            let mut before = self.particles[i];
+            if self.compacting {
+                (before.velocity, before.spin) = (DVec2::ZERO, 0.0);
+            }
             for k in 0..3 {
                 if drives[k] != Drive::Free || least_motion {
                     continue;
@@ -330,6 +373,9 @@ impl Oracle {
                     force = force.max(load.abs()).max(carried);
                 }
                 let unit = if k < 2 { 1.0 } else { mean_radius };
+                if k == 2 && dynamic {
+                    turning = turning.max(mass * v0.abs().max(v1.abs()) / (theta * dt) / mean_radius);
+                }
                 defects.push((inertial + resist[&id][k] - load) / unit);
             }
         }
@@ -337,7 +383,8 @@ impl Oracle {
         for defect in defects {
             // In dynamics the motion follows from the forces, to round-off.
             let accepted = if dynamic { 1e-11 } else { RESIDUAL * SECOND_WAY };
-            findings.book(name, defect.abs() / force, accepted, n);
+            let unit = if dynamic { force.max(turning) } else { force };
+            findings.book(name, defect.abs() / unit, accepted, n);
         }
         let mut query = world.query::<(&BodyId, &Wall, &WallControl, &ExternalForce)>();
         for (id, wall, control, external) in query.iter(world) {
@@ -361,9 +408,12 @@ impl Oracle {
             for b in 0..a {
                 let overlap = now[a as usize].radius + now[b as usize].radius
                     - x.distance(now[b as usize].position);
-                let joined = bonds.get(&(b, a)).is_some_and(|bond| bond.1);
+                let joined = bonds.get(&(b, a)).is_some_and(|bond| bond.1)
+                    || record.ruptures.iter().any(|r| (r.a.0, r.b.0) == (b, a));
                 let held = |i: u32| outside[&i].0[..2].iter().any(|d| *d != Drive::Free);
-                if rigid_pair(a, b) && !joined && !(held(a) && held(b)) {
+                // At the cap of Coulomb's passes the openings have not come to rest.
+                let moving = record.coulomb_residual > 1e-6;
+                if rigid_pair(a, b) && !moving && !joined && !(held(a) && held(b)) {
                     findings.book("overlap of rigid disks, radii", overlap / mean_radius, 2e-6, n);
                 }
             }

@@ -32,7 +32,7 @@ pub fn random_scene(seed: u64, greatest: u32) -> Scene {
     let (low, high) = bounds(&particles);
     let gap = r.pick(&[0.0, 0.0, 1e-3, 0.2, 2.0]) * base;
     let walls = walls(r, (low.0 - gap, low.1 - gap), (high.0 + gap, high.1 + gap));
-    let bonds = if r.chance(0.3) { bonds(r, &particles) } else { Vec::new() };
+    let bonds = if r.chance(0.3) { bonds(r, &particles, &materials) } else { Vec::new() };
     let mut scene = Scene {
         version: 1,
         title: format!("random scene {seed}"),
@@ -78,7 +78,7 @@ pub fn random_scene(seed: u64, greatest: u32) -> Scene {
             seed,
         }));
     }
-    if r.chance(0.4) {
+    if scene.materials.values().any(|m| m.bond.is_some()) && r.chance(0.4) {
         let length = r.decades(1e-4, 1.0) * base;
         let walls = r.chance(0.5);
         scene.stages.push(Stage::Cement(Cement { name: "cement".into(), length, walls }));
@@ -121,7 +121,8 @@ fn contact(r: &mut Random, k: f64) -> Contact {
 }
 
 fn particles(r: &mut Random, dynamic: bool, base: f64, greatest: u32) -> Vec<Particle> {
-    let n = if r.chance(0.2) { 1 + r.below(3) } else { 1 + r.below(greatest) };
+    // Small ones find most: uniform in the logarithm.
+    let n = r.decades(1.0, f64::from(greatest + 1)) as u32;
     let columns = 1 + r.below(8);
     let uneven = r.pick(&[0.0, 0.0, 0.3, 0.8]);
     let jitter = r.pick(&[0.0, 1e-9, 0.05, 0.3]);
@@ -187,13 +188,22 @@ fn walls(r: &mut Random, low: (f64, f64), high: (f64, f64)) -> Vec<Wall> {
         .collect()
 }
 
-fn bonds(r: &mut Random, particles: &[Particle]) -> Vec<ExplicitBond> {
+fn bonds(
+    r: &mut Random,
+    particles: &[Particle],
+    materials: &BTreeMap<String, Material>,
+) -> Vec<ExplicitBond> {
     let mut bonds = Vec::new();
     for b in 1..particles.len() {
         for a in 0..b {
             let (p, q) = (&particles[a], &particles[b]);
             let d = (p.position.0 - q.position.0).hypot(p.position.1 - q.position.1);
-            if d - p.radius - q.radius < 0.3 * p.radius && r.chance(0.7) {
+            let cements = |p: &Particle| {
+                let name = p.material.as_ref().unwrap();
+                materials[name].bond.is_some()
+            };
+            let near = d - p.radius - q.radius < 0.3 * p.radius && r.chance(0.7);
+            if near && cements(p) && cements(q) {
                 bonds.push(ExplicitBond { a: a as u32, b: b as u32 });
             }
         }
@@ -249,6 +259,10 @@ fn load(
             2 if moving => Motion::Velocity(r.between(-1.0, 1.0) * unit / base),
             _ => Motion::Free,
         };
+        let affine = r.maybe(0.2, |r| {
+            let mut e = || 0.01 * r.between(-1.0, 1.0);
+            ((e(), e()), (e(), e()))
+        });
         let middle = (0.5 * (low.0 + high.0), 0.5 * (low.1 + high.1));
         particles.push(ParticleControl {
             select: match r.below(4) {
@@ -257,13 +271,10 @@ fn load(
                 2 => Select::Box { min: low, max: middle },
                 _ => Select::Group("red".into()),
             },
-            x: motion(r, base),
-            y: motion(r, base),
+            x: if affine.is_some() { Motion::Free } else { motion(r, base) },
+            y: if affine.is_some() { Motion::Free } else { motion(r, base) },
             rotation: motion(r, 1.0),
-            affine: r.maybe(0.2, |r| {
-                let mut e = || 0.01 * r.between(-1.0, 1.0);
-                ((e(), e()), (e(), e()))
-            }),
+            affine,
             force: r.maybe(0.4, |r| {
                 let size = r.decades(1e-2, 1e5);
                 (size * r.between(-1.0, 1.0), size * r.between(-1.0, 1.0))
@@ -291,7 +302,14 @@ fn load(
 
 /// The scene's text, as a user could run it.
 pub fn text(scene: &Scene) -> String {
-    ron::ser::to_string_pretty(scene, ron::ser::PrettyConfig::default()).unwrap()
+    use ron::extensions::Extensions;
+    let extensions = Extensions::IMPLICIT_SOME
+        | Extensions::UNWRAP_NEWTYPES
+        | Extensions::UNWRAP_VARIANT_NEWTYPES;
+    ron::Options::default()
+        .with_default_extension(extensions)
+        .to_string_pretty(scene, ron::ser::PrettyConfig::default())
+        .unwrap()
 }
 
 /// What became of a scene.
@@ -351,6 +369,9 @@ fn random_scenes_are_solved_or_say_why_not() {
     let (mut slowest, mut increments) = ((Duration::ZERO, 0), 0);
     for seed in seeds(200) {
         let scene = random_scene(seed, 60);
+        if std::env::var("CLASTIC_SEED").is_ok() {
+            println!("{}", text(&scene));
+        }
         match catch_unwind(AssertUnwindSafe(|| run_checked(&scene))) {
             Ok(story) => {
                 for (sum, n) in statuses.iter_mut().zip(story.statuses) {
