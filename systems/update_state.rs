@@ -75,7 +75,7 @@ pub fn external_forces(
             external.0[k] = match body.dofs[k] {
                 Dof::Free(_) => applied,
                 Dof::Fixed(u) => match analysis.kind {
-                    AnalysisKind::Dynamic { dt, theta }
+                    AnalysisKind::Dynamic { dt, .. }
                         if bodies.drives[i][k] != Default::default() =>
                     {
                         let dt = dt * progress.fraction;
@@ -86,7 +86,8 @@ pub fn external_forces(
                             bodies.angular_velocities[i]
                         };
                         let weight = if k < 2 { mass * analysis.gravity[k] } else { 0.0 };
-                        mass * (u - v * dt) / (theta * dt * dt) + rows[i][k] - weight
+                        // What is driven has the velocity u/dt from then on, whatever theta.
+                        mass * (u - v * dt) / (dt * dt) + rows[i][k] - weight
                     }
                     AnalysisKind::Dynamic { .. } => applied,
                     AnalysisKind::Static | AnalysisKind::LeastMotion { .. } => {

@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use bevy_ecs::prelude::*;
 
+use clastic_components::energy::EnergyLedger;
 use clastic_components::increment::Progress;
 use clastic_components::observation::{Observation, Timings};
 use clastic_systems::gather_bodies::gather_bodies;
@@ -100,7 +101,11 @@ impl RunWriter {
         record.write(&dir.join(directory::RUN))?;
         write_atomic(&dir.join(directory::SCENE), &loaded.text)?;
         let probes = history::probes(&scene);
-        let history = CsvFile::create(dir.join(directory::HISTORY), history::header(&probes))?;
+        let mut header = history::header(&probes);
+        if scene.output.energy {
+            header.extend(history::ENERGY_COLUMNS.map(str::to_owned));
+        }
+        let history = CsvFile::create(dir.join(directory::HISTORY), header)?;
         let events = CsvFile::create(dir.join(directory::EVENTS), events::COLUMNS)?;
         let timings = CsvFile::create(dir.join(directory::TIMINGS), timings::COLUMNS)?;
         // Nothing has been gathered in a world without increments; it changes nothing of the run.
@@ -134,7 +139,11 @@ impl RunWriter {
         for rupture in &observation.ruptures {
             self.events.push(events::row(rupture, &observation.stage))?;
         }
-        self.history.push(history::row(&observation, &self.probes))?;
+        let mut row = history::row(&observation, &self.probes);
+        if let Some(ledger) = world.get_resource::<EnergyLedger>() {
+            row = row.numbers(history::energies(ledger));
+        }
+        self.history.push(row)?;
         self.record.increments += 1;
 
         let compacting = matches!(self.scene.stages.get(progress.stage), Some(Stage::Compact(_)));

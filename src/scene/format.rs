@@ -652,10 +652,12 @@ pub struct Output {
     pub frames_every: u32,
     /// Pictures (SVG) of curves and specimen.
     pub plots: bool,
+    /// The energy ledger in the history.
+    pub energy: bool,
 }
 
 impl Default for Output {
     fn default() -> Self {
-        Self { frames_every: 0, plots: true }
+        Self { frames_every: 0, plots: true, energy: false }
     }
 }

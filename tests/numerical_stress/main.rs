@@ -5,6 +5,8 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod energy;
+mod momentum;
 mod oracle;
 mod random;
 mod random_scenes;

@@ -61,3 +61,8 @@ pub fn seeds(default: u64) -> std::ops::Range<u64> {
         Err(_) => 0..cases(default),
     }
 }
+
+/// A number for every run of the tests, and another one where `CLASTIC_FULL` is set.
+pub fn full(short: u32, long: u32) -> u32 {
+    if std::env::var_os("CLASTIC_FULL").is_some() { long } else { short }
+}
