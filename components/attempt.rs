@@ -2,6 +2,8 @@
 
 use bevy_ecs::prelude::*;
 
+use glam::DVec2;
+
 use crate::bond::Rupture;
 
 /// What to do after an attempt.
@@ -48,6 +50,21 @@ impl IncrementStatus {
     }
 }
 
+/// What [`Corrector`](crate::increment::Corrector) makes of a pair of particles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Correction {
+    /// The pair.
+    pub pair: (u32, u32),
+    /// Normal from a to b.
+    pub normal: DVec2,
+    /// Gap where the normal is taken, m: the arms end in its middle.
+    pub gap: f64,
+    /// Takes the place of the gap at the start, m: less the closing it is the gap at the end.
+    pub offset: f64,
+    /// What slip is more than its linear expression, m.
+    pub slip: f64,
+}
+
 /// State of the attempts at the increment under way.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Attempt {
@@ -69,6 +86,15 @@ pub struct Attempt {
     pub coulomb_passes: u32,
     /// Change of the openings in the last pass over the greatest displacement.
     pub coulomb_residual: f64,
+    /// Normals, gaps and slips at the place that the last pass led to, sorted by pair.
+    pub corrections: Vec<Correction>,
+    /// Passes of the corrector so far.
+    pub corrector_passes: u32,
+    /// What gaps and slips were off by in the last pass over the greatest displacement, or normals.
+    pub corrector_residual: f64,
+    /// Displacements that push rigid overlaps apart, by body in its own axes; they move the bodies,
+    /// and give no velocity.
+    pub pushed: Option<Vec<[f64; 3]>>,
     /// 0 at first; every rejection raises it: other scales, regularisation, halving.
     pub effort: u32,
     /// Weight of the proximal term while loose grains settle, in units of force scale over
@@ -94,4 +120,22 @@ pub struct Attempt {
     pub status: IncrementStatus,
     /// Why it stalled, if it did.
     pub complaint: String,
+}
+
+impl Attempt {
+    /// The correction of a pair, if it has one.
+    #[must_use]
+    pub fn correction(&self, pair: (u32, u32)) -> Option<&Correction> {
+        self.corrections.binary_search_by_key(&pair, |c| c.pair).ok().map(|k| &self.corrections[k])
+    }
+
+    /// What the corrector adds to the shear force that an interaction of the given tangential
+    /// compliance (that of the program, m/N) starts from, N.
+    #[must_use]
+    pub fn shear_shift(&self, pair: (u32, u32), compliance: f64) -> f64 {
+        match self.correction(pair) {
+            Some(c) if compliance > 0.0 => c.slip / compliance,
+            _ => 0.0,
+        }
+    }
 }

@@ -146,12 +146,14 @@ pub fn book_energies(
         let taken = p * (c.offset - opening + c.normal_compliance * p)
             + c.tangential_compliance * q * (q - c.previous_shear);
 
+        let shift = attempt.shear_shift(key, c.tangential_compliance);
+        let sheared = c.previous_shear - shift;
         let compliances = [theta * c.normal_compliance, theta * c.tangential_compliance];
         let born = contact.bond.filter(|_| as_bond).map(|k| bodies.bonds[k as usize].initial_gap);
         let gap = gap_at(&bodies, &end, contact);
-        let shear = c.previous_shear + (q - c.previous_shear) / theta;
+        let shear = sheared + (q - sheared) / theta;
         let remembered = history.get(contact.a, contact.b).map_or(0.0, |m| m.q);
-        let start = stored(compliances, contact.gap, born, c.previous_shear);
+        let start = stored(compliances, contact.gap, born, sheared);
         let finish = stored(compliances, gap, born, if broken { shear } else { remembered });
         starts += start;
         ends += finish;

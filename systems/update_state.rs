@@ -8,6 +8,7 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use glam::DVec2;
 
+use clastic_components::attempt::Attempt;
 use clastic_components::body::{
     AngularVelocity, BodyId, ExternalForce, LastMotion, Position, Rotation, Velocity,
 };
@@ -112,6 +113,7 @@ pub fn move_bodies(
     progress: Res<Progress>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
+    attempt: Res<Attempt>,
     mut particles: Query<
         (
             &BodyId,
@@ -125,13 +127,16 @@ pub fn move_bodies(
     >,
     mut walls: Query<(&BodyId, &mut Position, &mut LastMotion), (With<Wall>, Without<Particle>)>,
 ) {
+    // What pushes rigid overlaps apart moves bodies and gives no velocity.
+    let motion = attempt.pushed.as_ref().unwrap_or(&solution.displacements);
     for (id, mut x, mut rotation, mut v, mut spin, mut last) in &mut particles {
         let i = id.index();
         let u = program.bodies[i].to_global(solution.displacements[i]);
         let step = DVec2::new(u[0], u[1]);
-        x.0 += step;
-        rotation.0 += u[2];
-        last.0 = u;
+        let moved = program.bodies[i].to_global(motion[i]);
+        x.0 += DVec2::new(moved[0], moved[1]);
+        rotation.0 += moved[2];
+        last.0 = moved;
         if let AnalysisKind::Dynamic { dt, theta } = analysis.kind {
             let dt = dt * progress.fraction;
             let next = |u: f64, v: f64, imposed: bool| {
@@ -144,7 +149,7 @@ pub fn move_bodies(
         }
     }
     for (id, mut x, mut last) in &mut walls {
-        let u = program.bodies[id.index()].to_global(solution.displacements[id.index()]);
+        let u = program.bodies[id.index()].to_global(motion[id.index()]);
         x.0 += DVec2::new(u[0], u[1]);
         last.0 = u;
     }
@@ -154,6 +159,7 @@ pub fn move_bodies(
 /// increment: `q = q_0 + (q_program - q_0)/theta` at its end.
 pub fn remember_contacts(
     analysis: Res<Analysis>,
+    attempt: Res<Attempt>,
     contacts: Res<Contacts>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
@@ -172,7 +178,10 @@ pub fn remember_contacts(
             continue;
         }
         let q = if c.tangential_compliance > 0.0 {
-            c.previous_shear + (f[1] - c.previous_shear) / theta
+            let shift =
+                attempt.shear_shift((contact.a, contact.b), c.tangential_compliance);
+            let before = c.previous_shear - shift;
+            before + (f[1] - before) / theta
         } else {
             f[1]
         };

@@ -47,6 +47,10 @@ pub fn spawn_scene(world: &mut World, scene: &scene::Scene, stored: Option<&Stor
         cascade: scene.rupture.cascade,
         ..Default::default()
     });
+    world.insert_resource(scene.corrector.map_or_else(Default::default, |c| inc::Corrector {
+        passes: c.passes,
+        tolerance: c.tolerance,
+    }));
     world.insert_resource(inc::Acceptance {
         residual: scene.acceptance.residual,
         throw: scene.acceptance.throw,

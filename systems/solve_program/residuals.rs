@@ -145,12 +145,14 @@ fn evaluate(
             worsen(&mut out.cone, -shear / force);
         }
 
+        // Further from a limit than the greatest force is far: a strength of 1e6 times the forces
+        // must not turn the round-off of a multiplier into an error.
         let unit = force * displacement;
-        let above = (p - l.least_normal_force()).abs();
+        let above = (p - l.least_normal_force()).abs().min(force);
         worsen(&mut out.complementarity, m.tension.max(0.0) * above / unit);
-        let slack = shear - q * m.slip.signum();
+        let slack = (shear - q * m.slip.signum()).abs().min(force);
         worsen(&mut out.complementarity, (m.slip * slack).abs() / unit);
-        let slack = roll - tau * m.rotation.signum();
+        let slack = (roll - tau * m.rotation.signum()).abs().min(force * length);
         worsen(&mut out.complementarity, (m.rotation * slack).abs() / unit);
     }
     out

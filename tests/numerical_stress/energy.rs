@@ -93,7 +93,7 @@ fn ledger_closes_where_disks_roll_slip_bounce_and_rest() {
 /// Coulomb friction takes mu m g cos b times the slip, gravity gives m g sin b times the way.
 #[test]
 fn friction_of_a_sliding_block_is_its_force_times_its_way() {
-    let (sin, cos, g, friction) = (0.6, 0.8, 9.81, 0.3);
+    let (sin, cos, friction) = (0.6, 0.8, 0.3);
     let mut scene = load("incline_held");
     scene.walls[0].contact.friction = friction;
     scene.friction_law = FrictionLaw::Coulomb { tolerance: 1e-12, max_passes: 100 };
@@ -103,7 +103,7 @@ fn friction_of_a_sliding_block_is_its_force_times_its_way() {
     let acceleration = sin - friction * cos;
     assert_relative(total.kinetic, acceleration / sin * total.gravity, 1e-9);
     assert_within(total.numerical, 0.0, 1e-9 * total.gravity);
-    assert!(total.gravity > 0.1 * g);
+    assert!(total.kinetic > 0.0);
 }
 
 /// 4.1: a bond of 8 MN/m takes 24 N to 3 um and breaks; the elastic energy goes with it.
@@ -152,7 +152,7 @@ fn smooth_elastic_energy_is_kept_at_one_half_and_never_gained_above() {
             }
         }
         let total = sum(&rows);
-        assert_relative(total.kinetic + total.elastic, -total.numerical, 1e-9_f64.max(1e-9));
+        assert_within(total.kinetic + total.elastic + total.numerical, 0.0, 1e-12 * start);
         if theta == 0.5 {
             assert_within(total.kinetic + total.elastic, 0.0, 1e-12 * start);
         } else {

@@ -75,6 +75,7 @@ pub struct Oracle {
 }
 
 /// A body in the middle of the check.
+#[derive(Debug)]
 struct Body {
     start: DVec2,
     motion: [f64; 3],
@@ -206,7 +207,11 @@ impl Oracle {
             }
             None => matches!(program.bodies[id as usize].dofs[0], Dof::Free(_)),
         };
-        let mut contact_force = 1e-2 * program.scales.force;
+        let loads = program.bodies.iter().flat_map(|b| &b.dofs[..2]).map(|dof| match dof {
+            Dof::Free(free) => free.load.abs(),
+            Dof::Fixed(_) => 0.0,
+        });
+        let mut contact_force = loads.fold(1e-2 * program.scales.force, f64::max);
         for (contact, f) in contacts.iter().zip(&forces) {
             for (direction, f) in [(contact.normal, f[0]), (contact.normal.perp(), f[1])] {
                 if feels(contact.a, direction) || feels(contact.b, direction) {
@@ -245,7 +250,8 @@ impl Oracle {
                 r[1] += g.y;
                 r[2] += arm * q + sign * tau;
             }
-            if least_motion {
+            // What pushes overlaps apart is no answer to forces.
+            if least_motion || attempt.pushed.is_some() {
                 continue;
             }
 
@@ -290,7 +296,10 @@ impl Oracle {
                 // Broken in this increment, before or after its last solve; or long ago.
                 Some((_, false)) => {
                     record.ruptures.iter().any(|r| (r.a.0, r.b.0) == key)
-                        && as_bond.is_some_and(|bond| is_listed(&bond.1))
+                        && as_bond.is_some_and(|bond| {
+                            let offset = if bond.0[0] > 0.0 { bond.2 / theta } else { bond.2 };
+                            is_listed(&bond.1) && (offset - c.offset).abs() <= 4.0 * bits / theta
+                        })
                 }
                 None => false,
             };
@@ -330,6 +339,9 @@ impl Oracle {
             let unit = greatest_motion;
             let name = if dynamic { "closing (dynamic)" } else { "closing (static)" };
             let accepted = limit + 10.0 * bits / unit;
+            if std::env::var_os("CLASTIC_SEED").is_some() && -rest / unit > accepted {
+                println!("{contact:?} {c:?} {f:?} {closing} {plastic} {rolls} {opening} {offset} {cn} {a:?} {b:?} U {unit} settled {}", attempt.settled);
+            }
             findings.book(name, (-rest / unit).max(0.0), accepted, n);
             let apex = if friction > 0.0 { cohesion / friction } else { f64::INFINITY };
             let above = (p + tension.min(apex)).abs() / contact_force;
