@@ -6,7 +6,12 @@
 mod common;
 
 mod energy;
+mod coulomb;
+mod extremes;
+mod invariance;
+mod long_runs;
 mod momentum;
+mod objectivity;
 mod oracle;
 mod random;
 mod random_scenes;
