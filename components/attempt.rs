@@ -84,6 +84,10 @@ pub struct Attempt {
     pub openings: Vec<((u32, u32), f64)>,
     /// Passes of the fixed point so far.
     pub coulomb_passes: u32,
+    /// What the last pass would change of the openings, m, by contact (a, b), sorted.
+    pub coulomb_changes: Vec<((u32, u32), f64)>,
+    /// How much of it was made.
+    pub coulomb_weight: f64,
     /// Change of the openings in the last pass over the greatest displacement.
     pub coulomb_residual: f64,
     /// Normals, gaps and slips at the place that the last pass led to, sorted by pair.

@@ -98,7 +98,8 @@ pub fn book_energies(
         if let (AnalysisKind::Dynamic { theta, .. }, Some(v), Some(spin)) =
             (analysis.kind, velocity, spin)
         {
-            let before = [bodies.velocities[i].x, bodies.velocities[i].y, bodies.angular_velocities[i]];
+            let before =
+                [bodies.velocities[i].x, bodies.velocities[i].y, bodies.angular_velocities[i]];
             let after = [v.0.x, v.0.y, spin.0];
             for k in 0..3 {
                 let mass = if k < 2 { bodies.masses[i] } else { bodies.inertias[i] };

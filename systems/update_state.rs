@@ -178,8 +178,7 @@ pub fn remember_contacts(
             continue;
         }
         let q = if c.tangential_compliance > 0.0 {
-            let shift =
-                attempt.shear_shift((contact.a, contact.b), c.tangential_compliance);
+            let shift = attempt.shear_shift((contact.a, contact.b), c.tangential_compliance);
             let before = c.previous_shear - shift;
             before + (f[1] - before) / theta
         } else {

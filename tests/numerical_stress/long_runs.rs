@@ -56,7 +56,8 @@ fn stack_rests(increments: u32) {
         let overlap = penetration(&mut simulation);
         println!(
             "stack, theta {theta}, {n} increments: drift {drift:.1e} radii, {turn:.1e} rad, kinetic {energy:.1e} J, \
-             overlap {overlap:.1e} radii, memory {warm:?} -> {:?}", memory()
+             overlap {overlap:.1e} radii, memory {warm:?} -> {:?}",
+            memory()
         );
         assert_within(drift, 0.0, 1e-9);
         assert_within(turn, 0.0, 1e-9);
@@ -79,7 +80,11 @@ fn shaken(contact: &str, theta: f64, increments: u32) -> Scene {
     let mut disks = String::new();
     for k in 0..12 {
         let (x, y) = (0.012 + 0.0215 * f64::from(k % 4), 0.011 + 0.0215 * f64::from(k / 4));
-        disks += &format!("(position: ({:?}, {y:?}), radius: {:?}),", x + 1e-3 * f64::from(k / 4), 0.01 - 5e-4 * f64::from(k % 3));
+        disks += &format!(
+            "(position: ({:?}, {y:?}), radius: {:?}),",
+            x + 1e-3 * f64::from(k / 4),
+            0.01 - 5e-4 * f64::from(k % 3)
+        );
     }
     let mut scene = parse(&format!(
         "(
@@ -133,7 +138,8 @@ fn box_is_shaken(increments: u32) {
         }
         println!(
             "shaken box, {contact}, theta {theta}: {n} increments, kinetic energy {early:.2e} and {late:.2e} J in \
-             the halves, overlap {overlap:.1e} radii, memory {warm:?} -> {:?}", memory()
+             the halves, overlap {overlap:.1e} radii, memory {warm:?} -> {:?}",
+            memory()
         );
         // 12 disks of 0.8 kg; the floor throws them with 0.2 m/s and 0.4 m/s at a turn.
         assert!(late < 2.0 * early && late < 12.0 * 0.5 * 0.83, "energy grows");
@@ -142,7 +148,9 @@ fn box_is_shaken(increments: u32) {
         let accepted = if contact == rigid { 1e-6 } else { deepest };
         assert_within(overlap, 0.0, accepted);
         for s in states(&mut simulation) {
-            assert!((0.0..0.09).contains(&s.position.x) && s.position.y > -0.01 && s.position.y < 0.5);
+            assert!(
+                (0.0..0.09).contains(&s.position.x) && s.position.y > -0.01 && s.position.y < 0.5
+            );
         }
         flat(warm);
     }

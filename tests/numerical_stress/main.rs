@@ -5,8 +5,8 @@
 #[path = "../common/mod.rs"]
 mod common;
 
-mod energy;
 mod coulomb;
+mod energy;
 mod extremes;
 mod invariance;
 mod long_runs;

@@ -40,7 +40,8 @@ impl Findings {
             *worst = error;
         }
         if !(error <= accepted) && self.complaints.len() < 10 {
-            self.complaints.push(format!("increment {increment}: {name} {error:.2e} > {accepted:.1e}"));
+            self.complaints
+                .push(format!("increment {increment}: {name} {error:.2e} > {accepted:.1e}"));
         }
     }
 
@@ -105,7 +106,10 @@ impl Oracle {
         let n = record.increment;
         let now = states(simulation);
         let finite = |s: &State| {
-            s.position.is_finite() && s.velocity.is_finite() && s.rotation.is_finite() && s.spin.is_finite()
+            s.position.is_finite()
+                && s.velocity.is_finite()
+                && s.rotation.is_finite()
+                && s.spin.is_finite()
         };
         if !now.iter().all(finite) {
             findings.complain(n, "a state that is not finite".into());
@@ -126,7 +130,8 @@ impl Oracle {
         } else {
             let walls = wall_positions(simulation);
             let unmoved = self.walls.iter().all(|(id, x)| walls.get(id).is_none_or(|y| x == y));
-            let same = |(a, b): (&State, &State)| a.position == b.position && a.rotation == b.rotation;
+            let same =
+                |(a, b): (&State, &State)| a.position == b.position && a.rotation == b.rotation;
             if !unmoved || !now.iter().zip(&self.particles).all(same) {
                 findings.complain(n, format!("{} committed a motion", record.status.name()));
             }
@@ -169,8 +174,7 @@ impl Oracle {
             now.iter().map(|s| s.radius).sum::<f64>() / now.len() as f64
         };
         let extent = bodies.values().map(|b| b.start.length()).fold(mean_radius, f64::max);
-        let furthest =
-            bodies.values().map(|b| b.motion[0].hypot(b.motion[1])).fold(0.0, f64::max);
+        let furthest = bodies.values().map(|b| b.motion[0].hypot(b.motion[1])).fold(0.0, f64::max);
         let bits = ROUND_OFF * extent.max(furthest);
         if attempt.settled == 0 {
             for (i, before) in self.particles.iter().enumerate() {
@@ -241,7 +245,8 @@ impl Oracle {
             }
             let tangent = contact.normal.perp();
             let normal = contact.normal;
-            let arms = [a.radius + 0.5 * gap, if wall.is_some() { 0.0 } else { b.radius + 0.5 * gap }];
+            let arms =
+                [a.radius + 0.5 * gap, if wall.is_some() { 0.0 } else { b.radius + 0.5 * gap }];
             let [p, q, tau] = *f;
             for (id, sign, arm) in [(contact.a, 1.0, arms[0]), (contact.b, -1.0, arms[1])] {
                 let g = (normal * p + tangent * q) * sign;
@@ -303,8 +308,7 @@ impl Oracle {
                 }
                 None => false,
             };
-            let ([cn, ct], limits, offset) =
-                if bonded { as_bond.unwrap() } else { as_contact };
+            let ([cn, ct], limits, offset) = if bonded { as_bond.unwrap() } else { as_contact };
             if !is_listed(&limits) {
                 findings.complain(n, format!("limits {listed:?} instead of {limits:?}"));
             }
@@ -322,8 +326,7 @@ impl Oracle {
 
             // Kinematics of the motion that happened; elastic interactions hold the average of the
             // increment.
-            let relative =
-                DVec2::new(a.motion[0] - b.motion[0], a.motion[1] - b.motion[1]);
+            let relative = DVec2::new(a.motion[0] - b.motion[0], a.motion[1] - b.motion[1]);
             let closing = normal.dot(relative);
             let spin_b = if wall.is_some() { 0.0 } else { b.motion[2] };
             let slip = tangent.dot(relative) + arms[0] * a.motion[2] + arms[1] * spin_b;
@@ -340,12 +343,16 @@ impl Oracle {
             let name = if dynamic { "closing (dynamic)" } else { "closing (static)" };
             let accepted = limit + 10.0 * bits / unit;
             if std::env::var_os("CLASTIC_SEED").is_some() && -rest / unit > accepted {
-                println!("{contact:?} {c:?} {f:?} {closing} {plastic} {rolls} {opening} {offset} {cn} {a:?} {b:?} U {unit} settled {}", attempt.settled);
+                println!(
+                    "{contact:?} {c:?} {f:?} {closing} {plastic} {rolls} {opening} {offset} {cn} {a:?} {b:?} U {unit} settled {}",
+                    attempt.settled
+                );
             }
             findings.book(name, (-rest / unit).max(0.0), accepted, n);
             let apex = if friction > 0.0 { cohesion / friction } else { f64::INFINITY };
             let above = (p + tension.min(apex)).abs() / contact_force;
-            let name = if dynamic { "complementarity (dynamic)" } else { "complementarity (static)" };
+            let name =
+                if dynamic { "complementarity (dynamic)" } else { "complementarity (static)" };
             findings.book(name, above * rest.max(0.0) / unit, accepted, n);
             let slack = (shear - q * plastic.signum()).abs() / contact_force;
             findings.book(name, slack * plastic.abs() / unit, accepted, n);
@@ -373,11 +380,8 @@ impl Oracle {
                 }
                 let mass = if k < 2 { s.mass } else { s.inertia };
                 let weight = if k < 2 { s.mass * analysis.gravity[k] } else { 0.0 };
-                let (v0, v1) = if k < 2 {
-                    (before.velocity[k], s.velocity[k])
-                } else {
-                    (before.spin, s.spin)
-                };
+                let (v0, v1) =
+                    if k < 2 { (before.velocity[k], s.velocity[k]) } else { (before.spin, s.spin) };
                 let inertial = if dynamic { mass * (v1 - v0) / dt } else { 0.0 };
                 let load = external[k] + weight;
                 if k < 2 {
@@ -386,7 +390,8 @@ impl Oracle {
                 }
                 let unit = if k < 2 { 1.0 } else { mean_radius };
                 if k == 2 && dynamic {
-                    turning = turning.max(mass * v0.abs().max(v1.abs()) / (theta * dt) / mean_radius);
+                    turning =
+                        turning.max(mass * v0.abs().max(v1.abs()) / (theta * dt) / mean_radius);
                 }
                 defects.push((inertial + resist[&id][k] - load) / unit);
             }

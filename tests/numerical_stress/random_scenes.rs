@@ -158,10 +158,7 @@ fn bounds(particles: &[Particle]) -> ((f64, f64), (f64, f64)) {
         ((f64::INFINITY, f64::INFINITY), (f64::NEG_INFINITY, f64::NEG_INFINITY)),
         |(low, high), p| {
             let ((x, y), r) = (p.position, p.radius);
-            (
-                (low.0.min(x - r), low.1.min(y - r)),
-                (high.0.max(x + r), high.1.max(y + r)),
-            )
+            ((low.0.min(x - r), low.1.min(y - r)), (high.0.max(x + r), high.1.max(y + r)))
         },
     )
 }
