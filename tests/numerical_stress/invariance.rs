@@ -6,6 +6,7 @@ use clastic::components::observation::Observation;
 use clastic::run::{Simulation, Step};
 use clastic::scene::format::*;
 use glam::{DMat2, DVec2};
+use std::f64::consts::TAU;
 
 use crate::common::{assert_within, parse, states};
 use crate::random::{Random, cases};
@@ -176,8 +177,7 @@ fn motions(scene: &Scene, map: &Map) -> (Vec<Vec<[f64; 3]>>, Vec<u32>, f64) {
     let start = states(&mut simulation);
     let back = map.turn.transpose();
     let (mut rows, mut worst) = (Vec::new(), 0.0_f64);
-    loop {
-        let Step::Increment = simulation.step() else { break };
+    while let Step::Increment = simulation.step() {
         let record = simulation.world().resource::<Observation>().clone();
         if record.status != IncrementStatus::Solved {
             break;
@@ -252,7 +252,7 @@ const SAME: f64 = 1e-6;
 #[test]
 fn turned() {
     property("turned", SAME, |r, n| Map {
-        turn: DMat2::from_angle(r.between(0.0, 6.28)),
+        turn: DMat2::from_angle(r.between(0.0, TAU)),
         ..Map::none(n)
     });
 }
@@ -260,7 +260,7 @@ fn turned() {
 #[test]
 fn mirrored() {
     property("mirrored", SAME, |r, n| Map {
-        turn: DMat2::from_angle(r.between(0.0, 6.28)) * DMat2::from_diagonal(DVec2::new(-1.0, 1.0)),
+        turn: DMat2::from_angle(r.between(0.0, TAU)) * DMat2::from_diagonal(DVec2::new(-1.0, 1.0)),
         ..Map::none(n)
     });
 }
@@ -284,7 +284,7 @@ fn in_other_units() {
 fn shifted() {
     for (shift, accepted) in [(1.0, SAME), (1e3, 1e-5)] {
         property(&format!("shifted by {shift:e} m"), accepted, |r, n| Map {
-            shift: shift * DVec2::from_angle(r.between(0.0, 6.28)),
+            shift: shift * DVec2::from_angle(r.between(0.0, TAU)),
             ..Map::none(n)
         });
     }

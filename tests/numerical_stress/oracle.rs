@@ -45,6 +45,11 @@ impl Findings {
         }
     }
 
+    /// Books the error of the energy ledger over what is accepted of it.
+    pub fn energy(&mut self, error: f64, increment: u64) {
+        self.book("energy over accepted", error, 1.0, increment);
+    }
+
     fn complain(&mut self, increment: u64, what: String) {
         if self.complaints.len() < 10 {
             self.complaints.push(format!("increment {increment}: {what}"));
@@ -350,13 +355,15 @@ impl Oracle {
             }
             findings.book(name, (-rest / unit).max(0.0), accepted, n);
             let apex = if friction > 0.0 { cohesion / friction } else { f64::INFINITY };
-            let above = (p + tension.min(apex)).abs() / contact_force;
+            // Further from a limit than the greatest force is far.
+            let above = ((p + tension.min(apex)).abs() / contact_force).min(1.0);
             let name =
                 if dynamic { "complementarity (dynamic)" } else { "complementarity (static)" };
             findings.book(name, above * rest.max(0.0) / unit, accepted, n);
-            let slack = (shear - q * plastic.signum()).abs() / contact_force;
+            let slack = ((shear - q * plastic.signum()).abs() / contact_force).min(1.0);
             findings.book(name, slack * plastic.abs() / unit, accepted, n);
-            let slack = (roll - tau * rolls.signum()).abs() / contact_force;
+            let most = mean_radius * contact_force;
+            let slack = (roll - tau * rolls.signum()).abs().min(most) / contact_force;
             findings.book(name, slack * rolls.abs() / unit, accepted, n);
         }
 
@@ -430,7 +437,8 @@ impl Oracle {
                 let held = |i: u32| outside[&i].0[..2].iter().any(|d| *d != Drive::Free);
                 // At the cap of Coulomb's passes the openings have not come to rest.
                 let moving = record.coulomb_residual > 1e-6;
-                if rigid_pair(a, b) && !moving && !joined && !(held(a) && held(b)) {
+                let free = !held(a) || !held(b);
+                if free && rigid_pair(a, b) && !moving && !joined {
                     findings.book("overlap of rigid disks, radii", overlap / mean_radius, 2e-6, n);
                 }
             }
