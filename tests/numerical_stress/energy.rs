@@ -18,7 +18,9 @@ pub fn accepted_error(simulation: &Simulation) -> f64 {
     let world = simulation.world();
     let (program, solution) = (world.resource::<ConeProgram>(), world.resource::<ConeSolution>());
     let rows = 3 * program.bodies.len() + 4 * program.interactions.len();
-    let force = force_scale(program, &solution.forces);
+    // Here pressures count that nothing determines, between bodies that are held: they do work too.
+    let greatest = solution.forces.iter().map(|f| f[0].abs().max(f[1].abs())).fold(0.0, f64::max);
+    let force = force_scale(program, &solution.forces).max(greatest);
     let motion = displacement_scale(program, &solution.displacements);
     let e = world.resource::<EnergyLedger>();
     let residual = world.resource::<Acceptance>().residual;
