@@ -3,6 +3,8 @@
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use glam::DVec2;
+
 use crate::bond::Rupture;
 
 /// What to do after an attempt.
@@ -49,6 +51,21 @@ impl IncrementStatus {
     }
 }
 
+/// What [`Corrector`](crate::increment::Corrector) makes of a pair of particles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Correction {
+    /// The pair.
+    pub pair: (u32, u32),
+    /// Normal from a to b.
+    pub normal: DVec2,
+    /// Gap where the normal is taken, m: the arms end in its middle.
+    pub gap: f64,
+    /// Takes the place of the gap at the start, m: less the closing it is the gap at the end.
+    pub offset: f64,
+    /// What slip is more than its linear expression, m.
+    pub slip: f64,
+}
+
 /// State of the attempts at the increment under way.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Attempt {
@@ -68,8 +85,21 @@ pub struct Attempt {
     pub openings: Vec<((u32, u32), f64)>,
     /// Passes of the fixed point so far.
     pub coulomb_passes: u32,
+    /// What the last pass would change of the openings, m, by contact (a, b), sorted.
+    pub coulomb_changes: Vec<((u32, u32), f64)>,
+    /// How much of it was made.
+    pub coulomb_weight: f64,
     /// Change of the openings in the last pass over the greatest displacement.
     pub coulomb_residual: f64,
+    /// Normals, gaps and slips at the place that the last pass led to, sorted by pair.
+    pub corrections: Vec<Correction>,
+    /// Passes of the corrector so far.
+    pub corrector_passes: u32,
+    /// What gaps and slips were off by in the last pass over the greatest displacement, or normals.
+    pub corrector_residual: f64,
+    /// Displacements that push rigid overlaps apart, by body in its own axes; they move the bodies,
+    /// and give no velocity.
+    pub pushed: Option<Vec<[f64; 3]>>,
     /// 0 at first; every rejection raises it: other scales, regularisation, halving.
     pub effort: u32,
     /// Weight of the proximal term while loose grains settle, in units of force scale over
@@ -98,4 +128,22 @@ pub struct Attempt {
     pub status: IncrementStatus,
     /// Why it stalled, if it did.
     pub complaint: String,
+}
+
+impl Attempt {
+    /// The correction of a pair, if it has one.
+    #[must_use]
+    pub fn correction(&self, pair: (u32, u32)) -> Option<&Correction> {
+        self.corrections.binary_search_by_key(&pair, |c| c.pair).ok().map(|k| &self.corrections[k])
+    }
+
+    /// What the corrector adds to the shear force that an interaction of the given tangential
+    /// compliance (that of the program, m/N) starts from, N.
+    #[must_use]
+    pub fn shear_shift(&self, pair: (u32, u32), compliance: f64) -> f64 {
+        match self.correction(pair) {
+            Some(c) if compliance > 0.0 => c.slip / compliance,
+            _ => 0.0,
+        }
+    }
 }

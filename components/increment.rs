@@ -64,6 +64,15 @@ pub enum FrictionLaw {
     },
 }
 
+/// Whether an increment is solved again with the geometry that it leads to.
+#[derive(Resource, Clone, Copy, Debug, PartialEq, Default)]
+pub struct Corrector {
+    /// Cap on the passes of one increment; 0 keeps the geometry of its start.
+    pub passes: u32,
+    /// Greatest error of a gap or slip over the greatest displacement, and of a normal.
+    pub tolerance: f64,
+}
+
 /// What a bond does at its rolling limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum RollingLimit {

@@ -7,6 +7,7 @@ pub mod attempt;
 pub mod body;
 pub mod bond;
 pub mod contact;
+pub mod energy;
 pub mod increment;
 pub mod material;
 pub mod observation;

@@ -25,6 +25,7 @@ use clastic_systems::attempt::AttemptPlugin;
 use clastic_systems::control_loads::ControlLoadsPlugin;
 use clastic_systems::control_walls::ControlWallsPlugin;
 use clastic_systems::detect_contacts::DetectContactsPlugin;
+use clastic_systems::energy_ledger::EnergyLedgerPlugin;
 use clastic_systems::gather_bodies::GatherBodiesPlugin;
 use clastic_systems::record::RecordPlugin;
 use clastic_systems::rupture_bonds::RuptureBondsPlugin;
@@ -46,6 +47,7 @@ impl PluginGroup for ClasticPlugins {
             .add(AttemptPlugin)
             .add(UpdateStatePlugin)
             .add(RuptureBondsPlugin)
+            .add(EnergyLedgerPlugin)
             .add(ControlWallsPlugin)
             .add(ControlLoadsPlugin)
             .add(RecordPlugin)

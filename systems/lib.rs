@@ -7,6 +7,7 @@ pub mod attempt;
 pub mod control_loads;
 pub mod control_walls;
 pub mod detect_contacts;
+pub mod energy_ledger;
 pub mod gather_bodies;
 pub mod record;
 pub mod rupture_bonds;

@@ -2,8 +2,7 @@
 //! down the forces that the outside world exerted.
 //!
 //! With the theta-method (equations 2 and 3 of the paper) `v = (u/dt - (1 - theta) v_0)/theta`;
-//! rotations alike. In dynamics u follows from the contact forces through the balance rows, not
-//! from the multipliers, so that momentum holds to round-off whatever the solver's tolerance.
+//! rotations alike.
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
@@ -30,7 +29,6 @@ impl Plugin for UpdateStatePlugin {
         app.add_systems(
             Increment,
             (
-                displacements_from_forces,
                 external_forces,
                 move_bodies,
                 remember_contacts,
@@ -41,26 +39,6 @@ impl Plugin for UpdateStatePlugin {
                 .chain()
                 .in_set(IncrementSystems::Update),
         );
-    }
-}
-
-/// Replaces the multipliers of degrees of freedom with inertia by `u = (load - G f)/inertia`.
-pub fn displacements_from_forces(
-    analysis: Res<Analysis>,
-    program: Res<ConeProgram>,
-    mut solution: ResMut<ConeSolution>,
-) {
-    let AnalysisKind::Dynamic { .. } = analysis.kind else { return };
-    let mut rows = vec![[0.0; 3]; program.bodies.len()];
-    program.add_forces(&solution.forces, &mut rows);
-    for ((body, row), u) in program.bodies.iter().zip(&rows).zip(&mut solution.displacements) {
-        for k in 0..3 {
-            if let Dof::Free(free) = &body.dofs[k]
-                && free.inertia > 0.0
-            {
-                u[k] = (free.load - row[k]) / free.inertia;
-            }
-        }
     }
 }
 
@@ -99,7 +77,7 @@ pub fn external_forces(
             external.0[k] = match body.dofs[k] {
                 Dof::Free(_) => applied,
                 Dof::Fixed(u) => match analysis.kind {
-                    AnalysisKind::Dynamic { dt, theta }
+                    AnalysisKind::Dynamic { dt, .. }
                         if bodies.drives[i][k] != Default::default() =>
                     {
                         let dt = dt * progress.fraction;
@@ -110,7 +88,8 @@ pub fn external_forces(
                             bodies.angular_velocities[i]
                         };
                         let weight = if k < 2 { mass * analysis.gravity[k] } else { 0.0 };
-                        mass * (u - v * dt) / (theta * dt * dt) + rows[i][k] - weight
+                        // What is driven has the velocity u/dt from then on, whatever theta.
+                        mass * (u - v * dt) / (dt * dt) + rows[i][k] - weight
                     }
                     AnalysisKind::Dynamic { .. } => applied,
                     AnalysisKind::Static | AnalysisKind::LeastMotion { .. } => {
@@ -135,6 +114,7 @@ pub fn move_bodies(
     progress: Res<Progress>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
+    attempt: Res<Attempt>,
     mut particles: Query<
         (
             &BodyId,
@@ -148,13 +128,16 @@ pub fn move_bodies(
     >,
     mut walls: Query<(&BodyId, &mut Position, &mut LastMotion), (With<Wall>, Without<Particle>)>,
 ) {
+    // What pushes rigid overlaps apart moves bodies and gives no velocity.
+    let motion = attempt.pushed.as_ref().unwrap_or(&solution.displacements);
     for (id, mut x, mut rotation, mut v, mut spin, mut last) in &mut particles {
         let i = id.index();
         let u = program.bodies[i].to_global(solution.displacements[i]);
         let step = DVec2::new(u[0], u[1]);
-        x.0 += step;
-        rotation.0 += u[2];
-        last.0 = u;
+        let moved = program.bodies[i].to_global(motion[i]);
+        x.0 += DVec2::new(moved[0], moved[1]);
+        rotation.0 += moved[2];
+        last.0 = moved;
         if let AnalysisKind::Dynamic { dt, theta } = analysis.kind {
             let dt = dt * progress.fraction;
             let next = |u: f64, v: f64, imposed: bool| {
@@ -167,7 +150,7 @@ pub fn move_bodies(
         }
     }
     for (id, mut x, mut last) in &mut walls {
-        let u = program.bodies[id.index()].to_global(solution.displacements[id.index()]);
+        let u = program.bodies[id.index()].to_global(motion[id.index()]);
         x.0 += DVec2::new(u[0], u[1]);
         last.0 = u;
     }
@@ -177,6 +160,7 @@ pub fn move_bodies(
 /// increment: `q = q_0 + (q_program - q_0)/theta` at its end.
 pub fn remember_contacts(
     analysis: Res<Analysis>,
+    attempt: Res<Attempt>,
     contacts: Res<Contacts>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
@@ -195,7 +179,9 @@ pub fn remember_contacts(
             continue;
         }
         let q = if c.tangential_compliance > 0.0 {
-            c.previous_shear + (f[1] - c.previous_shear) / theta
+            let shift = attempt.shear_shift((contact.a, contact.b), c.tangential_compliance);
+            let before = c.previous_shear - shift;
+            before + (f[1] - before) / theta
         } else {
             f[1]
         };

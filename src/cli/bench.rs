@@ -81,7 +81,7 @@ pub fn bench(args: &BenchArgs) -> Result<Exit, Failure> {
         let command = command(done.name, args);
         report::write_part(&args.out, &done, &command)?;
         for table in done.tables.iter().filter(|table| table.in_summary) {
-            say(format_args!("{}\n\n{}", table.title, table.markdown()));
+            say(format_args!("{}\n\n{}", table.title, table.markdown()))?;
         }
         let seconds = clock.elapsed().as_secs_f64();
         complain(format_args!("{}: {seconds:.0} s", done.name));
@@ -90,7 +90,7 @@ pub fn bench(args: &BenchArgs) -> Result<Exit, Failure> {
     if let Some(page) = &args.page {
         report::update_page(page, &args.out)?;
     }
-    say(format_args!("results in {}", args.out.display()));
+    say(format_args!("results in {}", args.out.display()))?;
     Ok(Exit::Ok)
 }
 

@@ -5,6 +5,7 @@
 //! reference stage.
 
 use clastic_components::attempt::IncrementStatus;
+use clastic_components::energy::EnergyLedger;
 use clastic_components::observation::Observation;
 
 use super::csv_file::Row;
@@ -44,6 +45,21 @@ pub const COLUMNS: [&str; 25] = [
 pub const PROBE_COLUMNS: [&str; 6] =
     [".x_m", ".y_m", ".rotation_rad", ".force_x_n", ".force_y_n", ".moment_nm"];
 
+/// Columns after those of the probes where the scene asks for the energy ledger: sums since the
+/// start, but the elastic energy, which is that of now.
+pub const ENERGY_COLUMNS: [&str; 10] = [
+    "energy_external_j",
+    "energy_gravity_j",
+    "energy_kinetic_change_j",
+    "energy_elastic_j",
+    "energy_friction_j",
+    "energy_rolling_j",
+    "energy_dilation_j",
+    "energy_rupture_j",
+    "energy_numerical_j",
+    "energy_error_j",
+];
+
 /// Names of a scene's probes: particles in the order of the specimen, then walls.
 #[must_use]
 pub fn probes(scene: &Scene) -> Vec<String> {
@@ -53,6 +69,24 @@ pub fn probes(scene: &Scene) -> Vec<String> {
     };
     let of_particles = particles.iter().filter_map(|p| p.probe.clone());
     of_particles.chain(scene.walls.iter().filter_map(|w| w.probe.clone())).collect()
+}
+
+/// The energies of a row, in the order of [`ENERGY_COLUMNS`].
+#[must_use]
+pub fn energies(ledger: &EnergyLedger) -> [f64; 10] {
+    let e = &ledger.total;
+    [
+        e.external,
+        e.gravity,
+        e.kinetic,
+        ledger.stored.unwrap_or_default(),
+        e.friction,
+        e.rolling,
+        e.dilation,
+        e.rupture,
+        e.numerical,
+        e.error(),
+    ]
 }
 
 /// The header.

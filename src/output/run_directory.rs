@@ -8,6 +8,7 @@ use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use clastic_components::attempt::IncrementStatus;
+use clastic_components::energy::EnergyLedger;
 use clastic_components::increment::Progress;
 use clastic_components::observation::{Observation, Timings};
 use clastic_systems::gather_bodies::gather_bodies;
@@ -123,7 +124,11 @@ impl RunWriter {
         record.write(&dir.join(directory::RUN))?;
         write_atomic(&dir.join(directory::SCENE), &loaded.text)?;
         let probes = history::probes(&loaded.scene);
-        let history = CsvFile::create(dir.join(directory::HISTORY), history::header(&probes))?;
+        let mut header = history::header(&probes);
+        if loaded.scene.output.energy {
+            header.extend(history::ENERGY_COLUMNS.map(str::to_owned));
+        }
+        let history = CsvFile::create(dir.join(directory::HISTORY), header)?;
         let events = CsvFile::create(dir.join(directory::EVENTS), events::COLUMNS)?;
         let timings = CsvFile::create(dir.join(directory::TIMINGS), timings::COLUMNS)?;
         // It is held as long as the file is open; nobody else has a reason to be here yet.
@@ -253,7 +258,11 @@ impl RunWriter {
         }
         let due = Due::of(&self.scene, world);
         if due.row {
-            self.history.push(history::row(&observation, &self.probes))?;
+            let mut row = history::row(&observation, &self.probes);
+            if let Some(ledger) = world.get_resource::<EnergyLedger>() {
+                row = row.numbers(history::energies(ledger));
+            }
+            self.history.push(row)?;
         }
         self.record.increments += 1;
 

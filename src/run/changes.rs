@@ -37,6 +37,8 @@ pub fn refused(old: &Scene, new: &Scene, state: &WorldState) -> Vec<String> {
     fixed("analysis", old.analysis == new.analysis, own);
     fixed("gravity", old.gravity == new.gravity, own);
     fixed("measures", old.measures == new.measures, "the history has a column under each");
+    let energy = old.output.energy == new.output.energy;
+    fixed("output.energy", energy, "the history has its columns or not, and the ledger its past");
     let reference = |scene: &Scene| Script::new(scene).reference_stage();
     fixed("stages", reference(old) == reference(new), "strains count from the same stage");
 
@@ -67,6 +69,7 @@ fn stage_under_way(old: &Load, new: &Load, state: &WorldState) -> Option<&'stati
     let mut allowed = new.clone();
     allowed.increments = old.increments;
     allowed.stop.clone_from(&old.stop);
+    allowed.record.clone_from(&old.record);
     for (name, control) in &mut allowed.walls {
         if let (Some(before), Some(_)) = (old.walls.get(name), motion(control))
             && motion(before).is_some()
@@ -76,7 +79,7 @@ fn stage_under_way(old: &Load, new: &Load, state: &WorldState) -> Option<&'stati
     }
     if allowed != *old {
         return Some(
-            "it is under way; of such a stage `increments`, `stop` and the motion of walls can change",
+            "it is under way; of such a stage `increments`, `stop`, `record` and the motion of walls can change",
         );
     }
     let ramps = state.walls.iter().any(|wall| wall.control.is_ramp())

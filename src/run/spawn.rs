@@ -4,6 +4,7 @@ use bevy_ecs::prelude::*;
 use glam::DVec2;
 
 use clastic_components::body::{AngularVelocity, BodyId, Group, Origin, Position, Probe, Velocity};
+use clastic_components::energy::EnergyLedger;
 use clastic_components::increment as inc;
 use clastic_components::material::{BondLaw, ContactLaw, Material, Materials};
 use clastic_components::observation::{Measures, Observation};
@@ -47,6 +48,10 @@ pub fn insert_settings(world: &mut World, scene: &scene::Scene, particles: u32) 
         cascade: scene.rupture.cascade,
         ..Default::default()
     });
+    world.insert_resource(scene.corrector.map_or_else(Default::default, |c| inc::Corrector {
+        passes: c.passes,
+        tolerance: c.tolerance,
+    }));
     world.insert_resource(inc::Acceptance {
         residual: scene.acceptance.residual,
         throw: scene.acceptance.throw,
@@ -104,6 +109,9 @@ pub fn spawn_scene(world: &mut World, scene: &scene::Scene, stored: Option<&Stor
         spawn_wall(world, &wall.name);
     }
     bond_pairs(world, scene.bonds.iter().map(|bond| (bond.a, bond.b)));
+    if scene.output.energy {
+        world.insert_resource(EnergyLedger::default());
+    }
     // The stages look at the record, whoever writes it.
     world.init_resource::<Observation>();
     world.init_resource::<Measures>();

@@ -36,6 +36,9 @@ pub struct Scene {
     /// Rules of rupture.
     #[serde(default)]
     pub rupture: Rupture,
+    /// Whether increments are solved again with the geometry that they lead to.
+    #[serde(default)]
+    pub corrector: Option<Corrector>,
     /// The solver.
     #[serde(default)]
     pub solver: Solver,
@@ -118,6 +121,22 @@ pub struct Rupture {
     pub rolling: RollingLimit,
     /// Re-solve within the increment until no bond breaks, at most this many rounds.
     pub cascade: Option<u32>,
+}
+
+/// Solves an increment again with normals and gaps at the new place.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Corrector {
+    /// Cap on the passes.
+    pub passes: u32,
+    /// Greatest error of a gap or slip over the greatest displacement, and of a normal.
+    pub tolerance: f64,
+}
+
+impl Default for Corrector {
+    fn default() -> Self {
+        Self { passes: 20, tolerance: 1e-6 }
+    }
 }
 
 /// What a bond does at its rolling limit.
@@ -676,10 +695,12 @@ pub struct Output {
     pub frames_every: u32,
     /// Pictures (SVG) of curves and specimen.
     pub plots: bool,
+    /// The energy ledger in the history.
+    pub energy: bool,
 }
 
 impl Default for Output {
     fn default() -> Self {
-        Self { frames_every: 0, plots: true }
+        Self { frames_every: 0, plots: true, energy: false }
     }
 }

@@ -33,7 +33,7 @@ pub fn assemble(
         let bond = contact.bond.map(|k| &bodies.bonds[k as usize]);
         let broken = bond.is_some_and(|b| attempt.ruptures.iter().any(|r| r.bond == b.id));
         match bond.filter(|_| !broken) {
-            Some(bond) => bonded(bodies, analysis, contact, bond, memory),
+            Some(bond) => bonded(bodies, analysis, attempt, contact, bond, memory),
             None => {
                 let memory =
                     if broken { shear_after_rupture(memory, contact.gap, &law) } else { memory };
@@ -79,6 +79,7 @@ pub fn shear_after_rupture(q: f64, gap: f64, law: &ContactLaw) -> f64 {
 fn bonded(
     bodies: &Bodies,
     analysis: &Analysis,
+    attempt: &Attempt,
     contact: &Contact,
     bond: &BondRow,
     memory: f64,
@@ -95,6 +96,7 @@ fn bonded(
     interaction(
         bodies,
         analysis,
+        attempt,
         contact,
         contact.gap - bond.initial_gap,
         [law.normal_compliance, law.tangential_compliance],
@@ -120,11 +122,15 @@ fn unbonded(
         tension: 0.0,
         rolling: law.rolling_friction * contact.common_radius(bodies),
     };
+    // What moves apart has been found; forces and velocities are those of a touch.
+    let touches = attempt.pushed.is_some() && law.normal_compliance == 0.0;
+    let gap = if touches { contact.gap.max(0.0) } else { contact.gap };
     let mut c = interaction(
         bodies,
         analysis,
+        attempt,
         contact,
-        contact.gap,
+        gap,
         [law.normal_compliance, law.tangential_compliance],
         memory,
         limits,
@@ -136,6 +142,7 @@ fn unbonded(
 fn interaction(
     bodies: &Bodies,
     analysis: &Analysis,
+    attempt: &Attempt,
     contact: &Contact,
     gap: f64,
     [normal, tangential]: [f64; 2],
@@ -146,20 +153,27 @@ fn interaction(
         AnalysisKind::Dynamic { theta, .. } => theta,
         AnalysisKind::Static | AnalysisKind::LeastMotion { .. } => 1.0,
     };
+    let pair = (contact.a, contact.b);
+    let correction = attempt.correction(pair);
+    let (direction, at) = correction.map_or((contact.normal, contact.gap), |c| (c.normal, c.gap));
     // The contact point is the middle of the gap: the arms sum to the centre distance, and
     // angular momentum is conserved to round-off.
-    let half_gap = 0.5 * contact.gap;
+    let half_gap = 0.5 * at;
     let arm_b = bodies.radii.get(contact.b as usize).map_or(0.0, |r| r + half_gap);
+    // What is held at the end of the increment, not what it averages, is corrected.
+    let corrected = correction.map_or(0.0, |c| c.offset - contact.gap);
+    let (normal_compliance, tangential_compliance) = (normal / theta, tangential / theta);
+    let shift = attempt.shear_shift(pair, tangential_compliance);
     Interaction {
         a: contact.a,
         b: contact.b,
-        normal: contact.normal,
+        normal: direction,
         arm_a: bodies.radii[contact.a as usize] + half_gap,
         arm_b,
-        offset: if normal > 0.0 { gap / theta } else { gap },
-        normal_compliance: normal / theta,
-        tangential_compliance: tangential / theta,
-        previous_shear: if tangential > 0.0 { memory } else { 0.0 },
+        offset: if normal > 0.0 { gap / theta } else { gap } + corrected,
+        normal_compliance,
+        tangential_compliance,
+        previous_shear: if tangential > 0.0 { memory + shift } else { 0.0 },
         limits,
     }
 }

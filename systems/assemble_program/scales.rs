@@ -20,7 +20,7 @@ pub fn estimate(
     program: &ConeProgram,
 ) -> Scales {
     let length = bodies.mean_radius;
-    let known = displacement(bodies, analysis, progress);
+    let known = displacement(bodies, analysis, progress).max(rigid_overlap(program));
     // Loaded from rest: what the loads do to one contact.
     let displacement = if known > 0.0 { known } else { greatest_load(program) * softest(program) };
     let displacement = displacement.max(1e-9 * length);
@@ -72,6 +72,12 @@ fn free_translations(program: &ConeProgram) -> impl Iterator<Item = &FreeDof> {
 
 fn greatest_load(program: &ConeProgram) -> f64 {
     free_translations(program).map(|f| f.load.abs()).fold(0.0, f64::max)
+}
+
+/// The greatest overlap that rigid interactions have to take out, m.
+fn rigid_overlap(program: &ConeProgram) -> f64 {
+    let rigid = program.interactions.iter().filter(|c| c.normal_compliance == 0.0);
+    rigid.map(|c| -c.offset).fold(0.0, f64::max)
 }
 
 /// The greatest normal compliance, m/N.

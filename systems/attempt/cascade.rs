@@ -40,6 +40,7 @@ pub fn judge(
         attempt.capped = false;
         attempt.openings.clear();
         attempt.coulomb_passes = 0;
+        attempt.corrector_passes = 0;
         attempt.verdict = Verdict::Again;
     }
 }

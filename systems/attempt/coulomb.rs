@@ -14,6 +14,10 @@ use clastic_components::program::{ConeProgram, ConeSolution};
 
 use crate::solve_program::residuals::{displacement_scale, multipliers};
 
+/// Bounds of the weight of a pass.
+const LEAST_WEIGHT: f64 = 0.05;
+const GREATEST_WEIGHT: f64 = 4.0;
+
 /// Asks for another pass until the openings stand still or the cap is reached.
 pub fn judge(
     law: Res<FrictionLaw>,
@@ -26,8 +30,11 @@ pub fn judge(
     if attempt.settling.is_some() {
         return;
     }
-    let mut openings = Vec::new();
+    let (mut openings, mut changes) = (Vec::new(), Vec::new());
     let mut change = 0.0_f64;
+    let find = |list: &[((u32, u32), f64)], key| {
+        list.binary_search_by_key(&key, |o| o.0).map_or(0.0, |k| list[k].1)
+    };
     for ((c, f), contact) in program.interactions.iter().zip(&solution.forces).zip(&contacts.0) {
         if c.limits.tension > 0.0 || c.limits.cohesion > 0.0 {
             continue;
@@ -37,13 +44,11 @@ pub fn judge(
         // opening, Coulomb's does not.
         let opening = c.limits.friction * m.slip.abs() + c.limits.rolling * m.rotation.abs();
         let key = (contact.a, contact.b);
-        let before = attempt
-            .openings
-            .binary_search_by_key(&key, |o| o.0)
-            .map_or(0.0, |k| attempt.openings[k].1);
+        let before = find(&attempt.openings, key);
         change = change.max((opening - before).abs());
-        if opening > 0.0 {
-            openings.push((key, opening));
+        if opening > 0.0 || before > 0.0 {
+            openings.push((key, before));
+            changes.push((key, opening - before));
         }
     }
     attempt.coulomb_residual = change / displacement_scale(&program, &solution.displacements);
@@ -54,6 +59,23 @@ pub fn judge(
         attempt.capped = true;
         return;
     }
+    // Aitken's weight: below one where passes oscillate, above where they creep.
+    let (mut along, mut square) = (0.0, 0.0);
+    for (key, new) in &changes {
+        let old = find(&attempt.coulomb_changes, *key);
+        along += old * (new - old);
+        square += (new - old) * (new - old);
+    }
+    let weight = if attempt.coulomb_passes > 0 && square > 0.0 {
+        (-attempt.coulomb_weight * along / square).clamp(LEAST_WEIGHT, GREATEST_WEIGHT)
+    } else {
+        1.0
+    };
+    for (opening, (_, change)) in openings.iter_mut().zip(&changes) {
+        opening.1 = (opening.1 + weight * change).max(0.0);
+    }
+    attempt.coulomb_weight = weight;
+    attempt.coulomb_changes = changes;
     attempt.coulomb_passes += 1;
     attempt.openings = openings;
     attempt.verdict = Verdict::Again;

@@ -1,9 +1,9 @@
 //! The attempts at one increment, and the judges that accept, extend or reject them.
 //!
 //! Judges run in this order, each only while the verdict is still to accept: [`converged`],
-//! [`closing_mechanism`], [`restraints`], [`closed_pairs`], [`thrown_grains`], [`coulomb`],
-//! [`cascade`]. What an attempt finds out (pairs, restraints, openings, ruptures) is kept in
-//! [`Attempt`] until the increment is committed.
+//! [`closing_mechanism`], [`restraints`], [`closed_pairs`], [`thrown_grains`], [`push_out`],
+//! [`coulomb`], [`corrector`], [`cascade`]. What an attempt finds out (pairs, restraints, openings,
+//! ruptures) is kept in [`Attempt`] until the increment is committed.
 //!
 //! A rejected increment is tried again: with the magnitudes that the failed attempt found as
 //! scales; then with every body regularised and the centre of the regularisation following the
@@ -14,7 +14,9 @@ pub mod cascade;
 pub mod closed_pairs;
 pub mod closing_mechanism;
 pub mod converged;
+pub mod corrector;
 pub mod coulomb;
+pub mod push_out;
 pub mod restraints;
 pub mod settle;
 pub mod thrown_grains;
@@ -23,7 +25,9 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, IncrementStatus, Verdict};
-use clastic_components::increment::{Acceptance, Analysis, FrictionLaw, Progress, RuptureRules};
+use clastic_components::increment::{
+    Acceptance, Analysis, Corrector, FrictionLaw, Progress, RuptureRules,
+};
 use clastic_components::program::{ConeSolution, SolveStatus};
 
 use crate::assemble_program::loose;
@@ -38,6 +42,7 @@ impl Plugin for AttemptPlugin {
             .init_resource::<Acceptance>()
             .init_resource::<Analysis>()
             .init_resource::<FrictionLaw>()
+            .init_resource::<Corrector>()
             .init_resource::<RuptureRules>()
             .init_resource::<Progress>()
             .add_systems(
@@ -52,7 +57,9 @@ impl Plugin for AttemptPlugin {
                     restraints::judge.run_if(collapsed),
                     closed_pairs::judge.run_if(accepted),
                     thrown_grains::judge.run_if(accepted),
+                    push_out::judge.run_if(accepted),
                     coulomb::judge.run_if(accepted),
+                    corrector::judge.run_if(accepted),
                     cascade::judge.run_if(accepted),
                 )
                     .chain()
@@ -159,6 +166,9 @@ fn forget(attempt: &mut Attempt, reason: String) {
     attempt.cascade_rounds = 0;
     attempt.openings.clear();
     attempt.coulomb_passes = 0;
+    attempt.corrections.clear();
+    attempt.corrector_passes = 0;
+    attempt.pushed = None;
     attempt.centre.clear();
     attempt.centres = 0;
     attempt.status = IncrementStatus::Solved;

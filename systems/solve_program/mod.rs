@@ -15,8 +15,8 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::Attempt;
-use clastic_components::increment::Acceptance;
-use clastic_components::program::{ConeProgram, ConeSolution, SolveStatus};
+use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
+use clastic_components::program::{ConeProgram, ConeSolution, Dof, SolveStatus};
 
 use crate::schedule::{AttemptIncrement, AttemptSystems, lap};
 
@@ -73,6 +73,7 @@ impl Plugin for SolveProgramPlugin {
 pub fn solve_program(
     program: Res<ConeProgram>,
     acceptance: Res<Acceptance>,
+    analysis: Res<Analysis>,
     mut solver: ResMut<Solver>,
     mut attempt: ResMut<Attempt>,
     mut solution: ResMut<ConeSolution>,
@@ -90,6 +91,9 @@ pub fn solve_program(
         } else {
             residuals::residuals
         };
+        if let AnalysisKind::Dynamic { .. } = analysis.kind {
+            displacements_from_forces(&program, &mut solution);
+        }
         solution.residuals = evaluate(&program, &solution.forces, &solution.displacements);
         // The solver's word does not count, in either direction. NaN compares false.
         let converged = solution.residuals.worst() <= acceptance.residual;
@@ -97,6 +101,23 @@ pub fn solve_program(
     }
     attempt.solves += 1;
     attempt.iterations += solution.iterations;
+}
+
+/// Replaces the multipliers of degrees of freedom with inertia by `u = (load - G f)/inertia`, so
+/// that momentum holds to round-off whatever the solver's tolerance. What the forces are off by then
+/// shows in the motion: it is that motion whose residuals count.
+fn displacements_from_forces(program: &ConeProgram, solution: &mut ConeSolution) {
+    let mut rows = vec![[0.0; 3]; program.bodies.len()];
+    program.add_forces(&solution.forces, &mut rows);
+    for ((body, row), u) in program.bodies.iter().zip(&rows).zip(&mut solution.displacements) {
+        for k in 0..3 {
+            if let Dof::Free(free) = &body.dofs[k]
+                && free.inertia > 0.0
+            {
+                u[k] = (free.load - row[k]) / free.inertia;
+            }
+        }
+    }
 }
 
 /// Refuses programs that are malformed.

@@ -13,6 +13,8 @@
 //! with slack (complementarity). Where the apex of the shear limit comes before the tension limit
 //! (`c A < mu f_t`), both shear rows are active there and share `lambda_T`.
 
+use glam::DVec2;
+
 use clastic_components::program::{ConeProgram, Dof, Interaction, Kinematics, Residuals};
 
 /// Multipliers of the limits of one interaction, m, m, rad: tension, slip (signed), rotation
@@ -45,9 +47,26 @@ pub fn multipliers(c: &Interaction, e: &Kinematics, f: &[f64; 3]) -> Multipliers
 }
 
 /// Greatest force in the program: contact or applied, N; the scale where all are zero.
+///
+/// Contact forces count that act on something free. Between a rigid wall and a disk that is held
+/// against it any pressure will do, and beside one of 1e24 N no error would show.
 #[must_use]
 pub fn force_scale(program: &ConeProgram, forces: &[[f64; 3]]) -> f64 {
-    let contact = forces.iter().map(|f| f[0].abs().max(f[1].abs())).fold(0.0, f64::max);
+    let felt = |body: u32, direction: DVec2| {
+        let body = &program.bodies[body as usize];
+        let axes = [body.axis, body.axis.perp()];
+        let free = |k: usize| matches!(body.dofs[k], Dof::Free(_));
+        (0..2).any(|k| free(k) && axes[k].dot(direction).abs() > 1e-9)
+    };
+    let either = |c: &Interaction, direction| felt(c.a, direction) || felt(c.b, direction);
+    let mut contact = 0.0_f64;
+    for (c, f) in program.interactions.iter().zip(forces) {
+        for (direction, f) in [(c.normal, f[0].abs()), (c.normal.perp(), f[1].abs())] {
+            if f > contact && either(c, direction) {
+                contact = f;
+            }
+        }
+    }
     let applied = program
         .bodies
         .iter()
@@ -59,10 +78,12 @@ pub fn force_scale(program: &ConeProgram, forces: &[[f64; 3]]) -> f64 {
     contact.max(applied).max(1e-2 * program.scales.force)
 }
 
-/// Greatest displacement, m, but at least 1e-6 mean radii.
+/// Greatest displacement, m, but at least 1e-6 mean radii and at most one: beside a body that a
+/// solver throws to the end of the world every error of the others would look small.
 #[must_use]
 pub fn displacement_scale(program: &ConeProgram, displacements: &[[f64; 3]]) -> f64 {
-    displacements.iter().map(|u| u[0].hypot(u[1])).fold(1e-6 * program.scales.length, f64::max)
+    let length = program.scales.length;
+    displacements.iter().map(|u| u[0].hypot(u[1])).fold(1e-6 * length, f64::max).min(length)
 }
 
 /// The four residuals, each the greatest over its rows. What a regularisation adds to the balance
@@ -124,12 +145,14 @@ fn evaluate(
             worsen(&mut out.cone, -shear / force);
         }
 
+        // Further from a limit than the greatest force is far: a strength of 1e6 times the forces
+        // must not turn the round-off of a multiplier into an error.
         let unit = force * displacement;
-        let above = (p - l.least_normal_force()).abs();
+        let above = (p - l.least_normal_force()).abs().min(force);
         worsen(&mut out.complementarity, m.tension.max(0.0) * above / unit);
-        let slack = shear - q * m.slip.signum();
+        let slack = (shear - q * m.slip.signum()).abs().min(force);
         worsen(&mut out.complementarity, (m.slip * slack).abs() / unit);
-        let slack = roll - tau * m.rotation.signum();
+        let slack = (roll - tau * m.rotation.signum()).abs().min(force * length);
         worsen(&mut out.complementarity, (m.rotation * slack).abs() / unit);
     }
     out

@@ -8,6 +8,7 @@ use clastic_components::body::{
 };
 use clastic_components::bond::{Bond, BondId, BondState};
 use clastic_components::contact::ContactHistory;
+use clastic_components::energy::EnergyLedger;
 use clastic_components::increment::{Analysis, Progress};
 use clastic_components::material::{ContactLaw, Materials};
 use clastic_components::observation::{Measures, Observation, RuptureCount};
@@ -59,6 +60,7 @@ impl WorldState {
             observation: observation.clone(),
             ruptures: *world.resource::<RuptureCount>(),
             bonds_created: world.get_resource::<BondCounter>().map_or(0, |counter| counter.0),
+            ledger: world.get_resource::<EnergyLedger>().cloned(),
             contacts: world.resource::<ContactHistory>().clone(),
             solver: solver.to_vec(),
             materials: world.resource::<Materials>().0.iter().map(|m| m.name.clone()).collect(),

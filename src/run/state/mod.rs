@@ -24,6 +24,7 @@ use clastic_components::body::{
 };
 use clastic_components::bond::{Bond, BondId, BondState};
 use clastic_components::contact::ContactHistory;
+use clastic_components::energy::EnergyLedger;
 use clastic_components::increment::{Analysis, Progress};
 use clastic_components::material::ContactLaw;
 use clastic_components::observation::{Observation, RuptureCount};
@@ -50,6 +51,8 @@ pub struct WorldState {
     pub ruptures: RuptureCount,
     /// Bonds ever created.
     pub bonds_created: u32,
+    /// Energy ledger, where one is kept.
+    pub ledger: Option<EnergyLedger>,
     /// Memory of the contacts.
     pub contacts: ContactHistory,
     /// Where the solver's warm start begins, by body.

@@ -40,6 +40,9 @@ impl WorldState {
         world.insert_resource(self.observation.clone());
         world.insert_resource(self.ruptures);
         world.insert_resource(BondCounter(self.bonds_created));
+        if let Some(ledger) = &self.ledger {
+            world.insert_resource(ledger.clone());
+        }
         world.insert_resource(self.contacts.clone());
         if let Some(mut solver) = world.get_resource_mut::<Solver>() {
             solver.0.remember(&self.solver);

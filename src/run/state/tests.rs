@@ -18,6 +18,7 @@ const STORED: &[&str] = &[
     "ContactHistory",
     "ContactLaw",
     "Drives",
+    "EnergyLedger",
     "ExternalForce",
     "Group",
     "LastMotion",
@@ -47,7 +48,7 @@ const STORED: &[&str] = &[
 
 /// Made of the scene, settings that are applied on resuming included.
 const OF_THE_SCENE: &[&str] =
-    &["Acceptance", "FrictionLaw", "Materials", "RuptureRules", "WallCatalogue"];
+    &["Acceptance", "Corrector", "FrictionLaw", "Materials", "RuptureRules", "WallCatalogue"];
 
 /// Made anew in every increment before anything reads it.
 const OF_THE_INCREMENT: &[&str] =

@@ -1,0 +1,103 @@
+//! Judge: with a [`Corrector`], the increment is solved again with the normals and gaps of the place
+//! that it leads to, until the geometry stands still.
+//!
+//! Normals, arms and gaps of the start are good for small turns: a bond of length L that turns by
+//! alpha is stretched by `L alpha^2/2`. From the last solution u follow, for every pair of particles,
+//! the gap and the slip that really come of it,
+//!
+//! ```text
+//! g_1 = |x_b + u_b - x_a - u_a| - r_a - r_b      slip = l_a alpha_a + l_b alpha_b - L phi
+//! ```
+//!
+//! phi the turn of the line of centres. They are linearised about u with the normal at
+//! `x + (1 - theta) u`: in static analysis (as theta = 0) the end of the increment, where forces are
+//! in balance; in dynamics the place about which impulses along the normal keep the angular
+//! momentum, `x_1 x v_1 - x_0 x v_0 = (x_0 + (1 - theta) u) x (v_1 - v_0)`.
+
+use bevy_ecs::prelude::*;
+
+use clastic_components::attempt::{Attempt, Correction, Verdict};
+use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::increment::{Analysis, AnalysisKind, Corrector};
+use clastic_components::program::{ConeProgram, ConeSolution};
+
+use super::closed_pairs::moved_positions;
+use crate::solve_program::residuals::{displacement_scale, force_scale};
+
+/// Asks for another pass until gap, slip and normal of what carries force are those of the solution.
+pub fn judge(
+    corrector: Res<Corrector>,
+    analysis: Res<Analysis>,
+    bodies: Res<Bodies>,
+    contacts: Res<Contacts>,
+    program: Res<ConeProgram>,
+    solution: Res<ConeSolution>,
+    mut attempt: ResMut<Attempt>,
+) {
+    let place = match analysis.kind {
+        AnalysisKind::Static => 1.0,
+        AnalysisKind::Dynamic { theta, .. } => 1.0 - theta,
+        AnalysisKind::LeastMotion { .. } => return,
+    };
+    if corrector.passes == 0 || attempt.settling.is_some() {
+        return;
+    }
+    let end = moved_positions(&bodies, &program, &solution);
+    let unit = displacement_scale(&program, &solution.displacements);
+    let touching = 1e-9 * force_scale(&program, &solution.forces);
+    let mut corrections = Vec::new();
+    let mut change = 0.0_f64;
+    for ((contact, c), f) in contacts.0.iter().zip(&program.interactions).zip(&solution.forces) {
+        let (a, b) = (contact.a as usize, contact.b as usize);
+        // The normal of a wall stands still.
+        if b >= bodies.particles {
+            continue;
+        }
+        let start = bodies.positions[b] - bodies.positions[a];
+        let finish = end[b] - end[a];
+        let moved = finish - start;
+        let at = start + place * moved;
+        let (length, far) = (at.length(), finish.length());
+        if !(length > 0.0 && far > 0.0 && start.length() > 0.0) {
+            continue;
+        }
+        let normal = at / length;
+        let radii = bodies.radii[a] + bodies.radii[b];
+        let gap = far - radii;
+        let new = Correction {
+            pair: (contact.a, contact.b),
+            normal,
+            gap: length - radii,
+            offset: gap - normal.dot(moved),
+            slip: normal.perp().dot(moved) - length * start.angle_to(finish),
+        };
+        let old = attempt.correction(new.pair);
+        let carries = f[0].abs() > touching || contact.bond.is_some();
+        if carries || gap < 0.0 {
+            let expected = old.map_or(contact.gap, |o| o.offset) + c.normal.dot(moved);
+            change = change.max((gap - expected).abs() / unit);
+            change = change.max(normal.distance(c.normal));
+            if c.tangential_compliance > 0.0 {
+                let slip = |normal: glam::DVec2, arms: f64, shift: f64| {
+                    let turn = solution.displacements[a][2] + solution.displacements[b][2];
+                    shift - normal.perp().dot(moved) + 0.5 * arms * turn
+                };
+                let last = slip(c.normal, c.arm_a + c.arm_b, old.map_or(0.0, |o| o.slip));
+                change = change.max((slip(normal, length, new.slip) - last).abs() / unit);
+            }
+        }
+        corrections.push(new);
+    }
+    attempt.corrector_residual = change;
+    if change <= corrector.tolerance {
+        return;
+    }
+    if attempt.corrector_passes >= corrector.passes || !change.is_finite() {
+        attempt.capped = true;
+        return;
+    }
+    attempt.corrector_passes += 1;
+    attempt.corrections = corrections;
+    attempt.coulomb_passes = 0;
+    attempt.verdict = Verdict::Again;
+}

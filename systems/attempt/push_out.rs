@@ -1,0 +1,40 @@
+//! Judge: rigid bodies that overlap at the start of a dynamic increment are pushed apart within it,
+//! by motion that gives them no velocity.
+//!
+//! `u = g < 0` in one increment would be a velocity of `g/dt`: the smaller the increment, the
+//! greater the explosion. So the increment is solved twice. The first solution, with the overlaps
+//! as they are, moves the bodies; the second one, for which an overlap is a contact that just
+//! touches, has the forces and the velocities. Both keep the momentum.
+
+use bevy_ecs::prelude::*;
+
+use clastic_components::attempt::{Attempt, Verdict};
+use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::increment::{Analysis, AnalysisKind};
+use clastic_components::program::{ConeProgram, ConeSolution};
+
+/// Overlaps below this, in mean radii, are round-off and residuals of the last increment.
+const LEAST: f64 = 1e-7;
+
+/// Keeps the motion of the first solution and asks for the second one.
+pub fn judge(
+    analysis: Res<Analysis>,
+    bodies: Res<Bodies>,
+    contacts: Res<Contacts>,
+    program: Res<ConeProgram>,
+    solution: Res<ConeSolution>,
+    mut attempt: ResMut<Attempt>,
+) {
+    let AnalysisKind::Dynamic { .. } = analysis.kind else { return };
+    if attempt.pushed.is_some() {
+        return;
+    }
+    let overlaps = contacts.0.iter().zip(&program.interactions).any(|(contact, c)| {
+        let bonded = c.limits.tension > 0.0 || c.limits.cohesion > 0.0;
+        c.normal_compliance == 0.0 && !bonded && contact.gap < -LEAST * bodies.mean_radius
+    });
+    if overlaps {
+        attempt.pushed = Some(solution.displacements.clone());
+        attempt.verdict = Verdict::Again;
+    }
+}

@@ -1,0 +1,204 @@
+//! The energy ledger closes: static and dynamic, elastic and rigid, and against analytic answers.
+
+use clastic::components::energy::{Energies, EnergyLedger};
+use clastic::components::increment::Acceptance;
+use clastic::components::program::{ConeProgram, ConeSolution};
+use clastic::run::Simulation;
+use clastic::scene::format::{Analysis, FrictionLaw, Scene};
+use clastic::systems::solve_program::residuals::{displacement_scale, force_scale};
+
+use crate::common::{
+    ELASTIC, RIGID, ROUGH, SMOOTH, assert_relative, assert_within, load, next, parse, small_cell,
+    swarm,
+};
+
+/// What an increment's ledger may be off by: every row and every limit by the accepted residual,
+/// and round-off of what went through it.
+pub fn accepted_error(simulation: &Simulation) -> f64 {
+    let world = simulation.world();
+    let (program, solution) = (world.resource::<ConeProgram>(), world.resource::<ConeSolution>());
+    let rows = 3 * program.bodies.len() + 4 * program.interactions.len();
+    // Here pressures count that nothing determines, between bodies that are held: they do work too.
+    let greatest = solution.forces.iter().map(|f| f[0].abs().max(f[1].abs())).fold(0.0, f64::max);
+    let force = force_scale(program, &solution.forces).max(greatest);
+    let motion = displacement_scale(program, &solution.displacements);
+    let e = world.resource::<EnergyLedger>();
+    let residual = world.resource::<Acceptance>().residual;
+    residual * rows as f64 * force * motion
+        + 1e-12 * (e.increment.throughput() + e.stored.unwrap_or_default())
+}
+
+/// Runs a scene with its ledger; every increment must close. Returns the increments' energies.
+fn ledger(scene: &Scene) -> Vec<Energies> {
+    let mut scene = scene.clone();
+    scene.output.energy = true;
+    let mut simulation = Simulation::new(&scene, None);
+    let mut rows = Vec::new();
+    while let Some(record) = next(&mut simulation) {
+        let e = simulation.world().resource::<EnergyLedger>().increment;
+        let accepted = accepted_error(&simulation);
+        let n = record.increment;
+        assert!(e.error().abs() <= accepted, "{}, {n}: {:e} of {e:?}", scene.title, e.error());
+        rows.push(e);
+    }
+    rows
+}
+
+fn sum(rows: &[Energies]) -> Energies {
+    rows.iter().fold(Energies::default(), |mut sum, e| {
+        sum += *e;
+        sum
+    })
+}
+
+#[test]
+fn ledger_closes_in_a_static_specimen_that_breaks() {
+    for (wall, grain) in [(SMOOTH, ROUGH), (ROUGH, ROUGH)] {
+        let mut scene = small_cell(wall, grain);
+        let bond = scene.materials.get_mut("sand").unwrap().bond.as_mut().unwrap();
+        (bond.cohesion, bond.tensile_strength) = (50e3, 25e3);
+        let total = sum(&ledger(&scene));
+        assert!(total.external > 0.0 && total.rupture > 0.0 && total.friction > 0.0, "{total:?}");
+    }
+}
+
+#[test]
+fn ledger_closes_in_colliding_swarms() {
+    let coulomb = "Coulomb(tolerance: 1e-8)";
+    for law in ["Associated", coulomb] {
+        for contact in [RIGID, ELASTIC] {
+            for theta in [0.5, 0.7, 1.0] {
+                let total = sum(&ledger(&swarm(law, contact, 2e-4, theta, 60)));
+                assert!(total.friction > 0.0 && total.kinetic < 0.0);
+                assert_within(total.external, 0.0, 0.0);
+                if law == coulomb {
+                    assert_within(total.dilation, 0.0, 1e-6 * total.friction);
+                } else {
+                    // Friction and rolling of a cohesionless contact are what the opening gives.
+                    let given = total.friction + total.rolling;
+                    assert_relative(-total.dilation, given, 1e-5);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn ledger_closes_where_disks_roll_slip_bounce_and_rest() {
+    let scenes = ["bounce", "incline_rolls", "incline_slips", "incline_rests", "stack", "tension"];
+    for name in scenes {
+        let total = sum(&ledger(&load(name)));
+        assert!(total.throughput() > 0.0, "{name}");
+    }
+}
+
+/// Coulomb friction takes mu m g cos b times the slip, gravity gives m g sin b times the way.
+#[test]
+fn friction_of_a_sliding_block_is_its_force_times_its_way() {
+    let (sin, cos, friction) = (0.6, 0.8, 0.3);
+    let mut scene = load("incline_held");
+    scene.walls[0].contact.friction = friction;
+    scene.friction_law = FrictionLaw::Coulomb { tolerance: 1e-12, max_passes: 100 };
+    scene.analysis = Analysis::Dynamic { dt: 1e-3, theta: 0.5 };
+    let total = sum(&ledger(&scene));
+    assert_relative(total.friction, friction * cos / sin * total.gravity, 1e-9);
+    let acceleration = sin - friction * cos;
+    assert_relative(total.kinetic, acceleration / sin * total.gravity, 1e-9);
+    assert_within(total.numerical, 0.0, 1e-9 * total.gravity);
+    assert!(total.kinetic > 0.0);
+}
+
+/// 4.1: a bond of 8 MN/m takes 24 N to 3 um and breaks; the elastic energy goes with it.
+#[test]
+fn a_bond_that_breaks_takes_its_elastic_energy() {
+    let total = sum(&ledger(&load("tension")));
+    let stored = 0.5 * 24.0 * 3e-6;
+    assert!(total.rupture >= stored * (1.0 - 1e-9), "{:e} of {stored:e}", total.rupture);
+    // Driven beyond its limit within the increment it pulls with 24 N: at most one increment more.
+    assert!(total.rupture <= stored + 24.0 * 1e-6, "{:e}", total.rupture);
+    assert_within(total.elastic, 0.0, 1e-9 * stored);
+}
+
+/// Two bonded disks on a line: normals stand still.
+fn oscillator(theta: f64) -> Scene {
+    parse(&format!(
+        "(
+            version: 1,
+            title: \"oscillator, theta {theta}\",
+            analysis: Dynamic(dt: 1.0e-5, theta: {theta:?}),
+            materials: {{ \"stone\": (
+                contact: (normal_stiffness: 8.0e6),
+                bond: (normal_stiffness: 8.0e6, tangential_stiffness: 4.0e6, cohesion: 1.0e9, tensile_strength: 1.0e9),
+            ) }},
+            specimen: Particles([
+                (position: (0.0, 0.0), radius: 6.0e-3, velocity: (0.05, 0.0)),
+                (position: (12.0e-3, 0.0), radius: 6.0e-3, velocity: (-0.05, 0.0)),
+            ]),
+            bonds: [(a: 0, b: 1)],
+            stages: [Load(name: \"free\", increments: 500)],
+        )"
+    ))
+}
+
+#[test]
+fn smooth_elastic_energy_is_kept_at_one_half_and_never_gained_above() {
+    let start = 2650.0 * std::f64::consts::PI * 36e-6 * 0.05 * 0.05;
+    for theta in [0.5, 0.6, 0.8, 1.0] {
+        let rows = ledger(&oscillator(theta));
+        assert_eq!(rows.len(), 500);
+        for e in &rows {
+            if theta == 0.5 {
+                assert_within(e.numerical, 0.0, 1e-12 * start);
+            } else {
+                assert!(e.numerical >= 0.0, "theta {theta}: {e:?}");
+            }
+        }
+        let total = sum(&rows);
+        assert_within(total.kinetic + total.elastic + total.numerical, 0.0, 1e-10 * start);
+        if theta == 0.5 {
+            assert_within(total.kinetic + total.elastic, 0.0, 1e-10 * start);
+        } else {
+            assert!(total.numerical > 0.01 * start, "theta {theta}: {total:?}");
+        }
+    }
+}
+
+/// With turning normals the energy at theta = 1/2 is off by what a frozen normal stretches.
+#[test]
+fn a_turning_lattice_keeps_its_energy_as_the_increment_vanishes() {
+    let gained = |n: u32| {
+        let scene = crate::momentum::wheel(0.02 / f64::from(n), 0.5, n);
+        let total = sum(&ledger(&scene));
+        assert_within(total.friction.abs() + total.rupture.abs(), 0.0, 1e-12);
+        -total.numerical
+    };
+    let (coarse, fine) = (gained(100), gained(200));
+    assert!(coarse.abs() > 0.0 && fine.abs() <= 0.55 * coarse.abs(), "{coarse:e}, {fine:e}");
+}
+
+/// The reaction of a driven disk is its mass times the change of its velocity over the increment,
+/// whatever theta: it was divided by theta.
+#[test]
+fn force_of_a_driven_disk_is_its_change_of_momentum() {
+    for theta in [0.5, 1.0] {
+        let scene = parse(&format!(
+            "(
+                version: 1,
+                title: \"driven disk\",
+                analysis: Dynamic(dt: 1.0e-3, theta: {theta:?}),
+                materials: {{ \"stone\": () }},
+                specimen: Particles([(position: (0.0, 0.0), radius: 0.01, probe: \"disk\")]),
+                stages: [Load(name: \"drive\", increments: 3, particles: [(select: All, x: Velocity(2.0))])],
+            )"
+        ));
+        let mut simulation = Simulation::new(&scene, None);
+        let mass = 2650.0 * std::f64::consts::PI * 1e-4;
+        for expected in [mass * 2.0 / 1e-3, 0.0, 0.0] {
+            let record = next(&mut simulation).unwrap();
+            assert_within(record.probes[0].force[0], expected, 1e-9 * mass * 2.0 / 1e-3);
+        }
+        let rows = ledger(&scene);
+        assert_relative(rows[0].kinetic, 0.5 * mass * 4.0, 1e-12);
+        assert_relative(rows[0].external, mass * 4.0, 1e-12);
+    }
+}

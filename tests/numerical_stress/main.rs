@@ -1,0 +1,17 @@
+//! Numerical stress: random scenes, balances, invariance, extremes, long runs, Coulomb's fixed
+//! point. A part of the cases runs with every `cargo test`; `CLASTIC_CASES=10000` sets how many
+//! random scenes, and `cargo test --release --test numerical_stress -- --include-ignored` runs all.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod coulomb;
+mod energy;
+mod extremes;
+mod invariance;
+mod long_runs;
+mod momentum;
+mod objectivity;
+mod oracle;
+mod random;
+mod random_scenes;

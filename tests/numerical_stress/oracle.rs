@@ -1,0 +1,477 @@
+//! An independent check of committed increments: geometry from the positions, laws from the scene,
+//! balance, limits and kinematics from the forces and the motion that happened. Of the engine's own
+//! tables it takes the forces and what an increment started from (shear history, openings).
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use clastic::components::attempt::{Attempt, IncrementStatus};
+use clastic::components::body::{BodyId, Drive, Drives, ExternalForce, LastMotion, Position};
+use clastic::components::bond::{Bond, BondState};
+use clastic::components::contact::Contacts;
+use clastic::components::increment::{Analysis, AnalysisKind};
+use clastic::components::observation::Observation;
+use clastic::components::particle::{MaterialIndex, Particle};
+use clastic::components::program::{ConeProgram, ConeSolution, Dof};
+use clastic::components::wall::{Wall, WallControl};
+use clastic::run::Simulation;
+use clastic::scene::format::{Bond as BondLaw, Contact as ContactLaw, Scene};
+use glam::DVec2;
+
+use crate::common::{State, states};
+
+/// What the residuals may be, and what round-off adds to a second way of computing them.
+const RESIDUAL: f64 = 1e-8;
+const SECOND_WAY: f64 = 1.001;
+const ROUND_OFF: f64 = 1e-12;
+
+/// The greatest of each error, and what is out of bounds.
+#[derive(Clone, Debug, Default)]
+pub struct Findings {
+    pub complaints: Vec<String>,
+    pub worst: BTreeMap<&'static str, f64>,
+}
+
+impl Findings {
+    /// Books an error; complains where it is above `accepted` or not a number.
+    fn book(&mut self, name: &'static str, error: f64, accepted: f64, increment: u64) {
+        let worst = self.worst.entry(name).or_default();
+        if !(error <= *worst) {
+            *worst = error;
+        }
+        if !(error <= accepted) && self.complaints.len() < 10 {
+            self.complaints
+                .push(format!("increment {increment}: {name} {error:.2e} > {accepted:.1e}"));
+        }
+    }
+
+    /// Books the error of the energy ledger over what is accepted of it.
+    pub fn energy(&mut self, error: f64, increment: u64) {
+        self.book("energy over accepted", error, 1.0, increment);
+    }
+
+    fn complain(&mut self, increment: u64, what: String) {
+        if self.complaints.len() < 10 {
+            self.complaints.push(format!("increment {increment}: {what}"));
+        }
+    }
+
+    pub fn merge(&mut self, other: &Self) {
+        for (name, error) in &other.worst {
+            let worst = self.worst.entry(name).or_default();
+            if !(error <= worst) {
+                *worst = *error;
+            }
+        }
+    }
+}
+
+impl fmt::Display for Findings {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        self.worst.iter().try_for_each(|(name, error)| write!(f, "{name} {error:.2e}; "))
+    }
+}
+
+/// The state before an increment.
+pub struct Oracle {
+    particles: Vec<State>,
+    walls: BTreeMap<u32, DVec2>,
+    /// A compaction ends at rest.
+    compacting: bool,
+}
+
+/// A body in the middle of the check.
+#[derive(Debug)]
+struct Body {
+    start: DVec2,
+    motion: [f64; 3],
+    radius: f64,
+}
+
+fn wall_positions(simulation: &mut Simulation) -> BTreeMap<u32, DVec2> {
+    let world = simulation.world_mut();
+    let mut query = world.query::<(&BodyId, &Wall, &Position)>();
+    query.iter(world).map(|(id, _, x)| (id.0, x.0)).collect()
+}
+
+impl Oracle {
+    pub fn before(simulation: &mut Simulation) -> Self {
+        let kind = simulation.world().resource::<Analysis>().kind;
+        let compacting = matches!(kind, AnalysisKind::LeastMotion { .. });
+        Self { particles: states(simulation), walls: wall_positions(simulation), compacting }
+    }
+
+    pub fn after(
+        &self,
+        simulation: &mut Simulation,
+        scene: &Scene,
+        record: &Observation,
+        findings: &mut Findings,
+    ) {
+        let n = record.increment;
+        let now = states(simulation);
+        let finite = |s: &State| {
+            s.position.is_finite()
+                && s.velocity.is_finite()
+                && s.rotation.is_finite()
+                && s.spin.is_finite()
+        };
+        if !now.iter().all(finite) {
+            findings.complain(n, "a state that is not finite".into());
+        }
+        if !record.kinetic_energy.is_finite() {
+            findings.complain(n, format!("kinetic energy {}", record.kinetic_energy));
+        }
+        if matches!(record.status, IncrementStatus::Solved | IncrementStatus::Capped) {
+            // What leaves the world was thrown there by a solver.
+            let far = |x: DVec2| !(x.length() < 1e6);
+            if now.iter().any(|s| far(s.position))
+                || wall_positions(simulation).values().any(|x| far(*x))
+            {
+                findings.complain(n, "a body further than 1000 km away".into());
+            }
+            findings.book("reported residual", record.residuals.worst(), RESIDUAL, n);
+            self.check_committed(simulation, scene, record, &now, findings);
+        } else {
+            let walls = wall_positions(simulation);
+            let unmoved = self.walls.iter().all(|(id, x)| walls.get(id).is_none_or(|y| x == y));
+            let same =
+                |(a, b): (&State, &State)| a.position == b.position && a.rotation == b.rotation;
+            if !unmoved || !now.iter().zip(&self.particles).all(same) {
+                findings.complain(n, format!("{} committed a motion", record.status.name()));
+            }
+        }
+    }
+
+    fn check_committed(
+        &self,
+        simulation: &mut Simulation,
+        scene: &Scene,
+        record: &Observation,
+        now: &[State],
+        findings: &mut Findings,
+    ) {
+        let n = record.increment;
+        let world = simulation.world_mut();
+        let analysis = *world.resource::<Analysis>();
+        let attempt = world.resource::<Attempt>().clone();
+        let program = world.resource::<ConeProgram>().clone();
+        let forces = world.resource::<ConeSolution>().forces.clone();
+        let contacts = world.resource::<Contacts>().0.clone();
+        let fraction = world.resource::<Observation>().fraction;
+        let (dynamic, dt, theta) = match analysis.kind {
+            AnalysisKind::Dynamic { dt, theta } => (true, dt * fraction, theta),
+            _ => (false, 0.0, 1.0),
+        };
+        let least_motion = matches!(analysis.kind, AnalysisKind::LeastMotion { .. });
+
+        // Where bodies came from.
+        let mut bodies: BTreeMap<u32, Body> = BTreeMap::new();
+        let mut query = world.query::<(&BodyId, &Position, &LastMotion, Option<&Particle>)>();
+        for (id, x, u, particle) in query.iter(world) {
+            let start = x.0 - DVec2::new(u.0[0], u.0[1]);
+            let radius = particle.map_or(0.0, |p| p.radius);
+            bodies.insert(id.0, Body { start, motion: u.0, radius });
+        }
+        let mean_radius = if now.is_empty() {
+            1.0
+        } else {
+            now.iter().map(|s| s.radius).sum::<f64>() / now.len() as f64
+        };
+        let extent = bodies.values().map(|b| b.start.length()).fold(mean_radius, f64::max);
+        let furthest = bodies.values().map(|b| b.motion[0].hypot(b.motion[1])).fold(0.0, f64::max);
+        let bits = ROUND_OFF * extent.max(furthest);
+        if attempt.settled == 0 {
+            for (i, before) in self.particles.iter().enumerate() {
+                let moved = before.position.distance(bodies[&(i as u32)].start);
+                findings.book("place at the start, m", moved, bits, n);
+            }
+        }
+        let mut query = world.query::<(&BodyId, &Wall)>();
+        let inward: BTreeMap<u32, DVec2> =
+            query.iter(world).map(|(id, wall)| (id.0, wall.inward())).collect();
+        let mut query = world.query::<(&Bond, &BondState)>();
+        let bonds: BTreeMap<(u32, u32), (f64, bool)> = query
+            .iter(world)
+            .map(|(b, state)| ((b.a.0, b.b.0), (b.initial_gap, *state == BondState::Intact)))
+            .collect();
+        let mut query = world.query::<(&BodyId, &MaterialIndex)>();
+        let mut materials: Vec<_> = query.iter(world).map(|(id, m)| (id.0, m.0)).collect();
+        materials.sort_unstable();
+        let law = |i: u32| scene.materials.values().nth(materials[i as usize].1 as usize).unwrap();
+
+        // Scales of the errors.
+        let greatest_motion = bodies
+            .values()
+            .map(|b| b.motion[0].hypot(b.motion[1]))
+            .fold(1e-6 * mean_radius, f64::max)
+            .min(mean_radius);
+        let mut query = world.query::<(&BodyId, &Drives, &ExternalForce)>();
+        let outside: BTreeMap<u32, ([Drive; 3], [f64; 3])> =
+            query.iter(world).map(|(id, d, f)| (id.0, (d.0, f.0))).collect();
+        // A force between bodies that are both held along it is no measure of anything.
+        let feels = |id: u32, direction: DVec2| match outside.get(&id) {
+            Some((drives, _)) => {
+                (0..2).any(|k| drives[k] == Drive::Free && direction[k].abs() > 1e-9)
+            }
+            None => matches!(program.bodies[id as usize].dofs[0], Dof::Free(_)),
+        };
+        let loads = program.bodies.iter().flat_map(|b| &b.dofs[..2]).map(|dof| match dof {
+            Dof::Free(free) => free.load.abs(),
+            Dof::Fixed(_) => 0.0,
+        });
+        let mut contact_force = loads.fold(1e-2 * program.scales.force, f64::max);
+        for (contact, f) in contacts.iter().zip(&forces) {
+            for (direction, f) in [(contact.normal, f[0]), (contact.normal.perp(), f[1])] {
+                if feels(contact.a, direction) || feels(contact.b, direction) {
+                    contact_force = contact_force.max(f.abs());
+                }
+            }
+        }
+        let mut force = contact_force;
+        let mut resist: BTreeMap<u32, [f64; 3]> = bodies.keys().map(|id| (*id, [0.0; 3])).collect();
+
+        for ((contact, f), c) in contacts.iter().zip(&forces).zip(&program.interactions) {
+            let (a, b) = (&bodies[&contact.a], &bodies[&contact.b]);
+            let wall = inward.get(&contact.b);
+            let (normal, gap) = match wall {
+                Some(inward) => (-*inward, (a.start - b.start).dot(*inward) - a.radius),
+                None => {
+                    let d = b.start - a.start;
+                    let normal = if d.length() > 0.0 { d.normalize() } else { DVec2::X };
+                    (normal, d.length() - a.radius - b.radius)
+                }
+            };
+            findings.book("gap, m", (gap - contact.gap).abs(), 4.0 * bits, n);
+            // Coincident centres have any normal.
+            if a.start.distance(b.start) > 1e-3 * mean_radius {
+                let turned = normal.distance(contact.normal) * mean_radius;
+                findings.book("normal", turned / bits, 1e4, n);
+            }
+            let tangent = contact.normal.perp();
+            let normal = contact.normal;
+            let arms =
+                [a.radius + 0.5 * gap, if wall.is_some() { 0.0 } else { b.radius + 0.5 * gap }];
+            let [p, q, tau] = *f;
+            for (id, sign, arm) in [(contact.a, 1.0, arms[0]), (contact.b, -1.0, arms[1])] {
+                let g = (normal * p + tangent * q) * sign;
+                let r = resist.get_mut(&id).unwrap();
+                r[0] += g.x;
+                r[1] += g.y;
+                r[2] += arm * q + sign * tau;
+            }
+            // What pushes overlaps apart is no answer to forces.
+            if least_motion || attempt.pushed.is_some() {
+                continue;
+            }
+
+            // The law, from the scene.
+            let radius = if wall.is_some() { a.radius } else { a.radius.min(b.radius) };
+            let key = (contact.a, contact.b);
+            let other = |id: u32| wall.is_none().then(|| law(id));
+            let area = 2.0 * radius * scene.thickness;
+            let as_bond = bonds.get(&key).map(|(born, _)| {
+                let la = law(contact.a).bond;
+                let lb = other(contact.b).map_or(la, |m| m.bond);
+                // A bond to a wall follows the material of its particle.
+                let bond = between_bonds(la.unwrap(), lb.unwrap());
+                let limits = [
+                    bond.cohesion * area,
+                    bond.friction,
+                    bond.tensile_strength * area,
+                    bond.rolling_friction * radius,
+                ];
+                let stiffness = compliances(bond.normal_stiffness, bond.tangential_stiffness);
+                (stiffness, limits, gap - born)
+            });
+            let as_contact = {
+                let la = law(contact.a).contact;
+                let contact_law = match other(contact.b) {
+                    Some(material) => between_contacts(la, material.contact),
+                    None => scene.walls[(contact.b - materials.len() as u32) as usize].contact,
+                };
+                let limits =
+                    [0.0, contact_law.friction, 0.0, contact_law.rolling_friction * radius];
+                let stiffness =
+                    compliances(contact_law.normal_stiffness, contact_law.tangential_stiffness);
+                (stiffness, limits, gap)
+            };
+            let l = &c.limits;
+            let listed = [l.cohesion, l.friction, l.tension, l.rolling];
+            let is_listed = |limits: &[f64; 4]| {
+                limits.iter().zip(listed).all(|(x, y)| (x - y).abs() <= 1e-12 * y.abs())
+            };
+            let bonded = match bonds.get(&key) {
+                Some((_, true)) => true,
+                // Broken in this increment, before or after its last solve; or long ago.
+                Some((_, false)) => {
+                    record.ruptures.iter().any(|r| (r.a.0, r.b.0) == key)
+                        && as_bond.is_some_and(|bond| {
+                            let offset = if bond.0[0] > 0.0 { bond.2 / theta } else { bond.2 };
+                            is_listed(&bond.1) && (offset - c.offset).abs() <= 4.0 * bits / theta
+                        })
+                }
+                None => false,
+            };
+            let ([cn, ct], limits, offset) = if bonded { as_bond.unwrap() } else { as_contact };
+            if !is_listed(&limits) {
+                findings.complain(n, format!("limits {listed:?} instead of {limits:?}"));
+            }
+            let [cohesion, friction, tension, rolling] = limits;
+            let opening = attempt.openings.iter().find(|o| o.0 == key).map_or(0.0, |o| o.1);
+            let opening = if bonded { 0.0 } else { opening };
+
+            let shear = cohesion + friction * p;
+            let roll = rolling * (p + tension);
+            let limit = RESIDUAL * SECOND_WAY;
+            findings.book("limit", (-(p + tension) / contact_force).max(0.0), limit, n);
+            findings.book("limit", (q.abs() - shear.max(0.0)) / contact_force, limit, n);
+            let over = (tau.abs() - roll.max(0.0)) / (contact_force * mean_radius);
+            findings.book("limit", over, limit, n);
+
+            // Kinematics of the motion that happened; elastic interactions hold the average of the
+            // increment.
+            let relative = DVec2::new(a.motion[0] - b.motion[0], a.motion[1] - b.motion[1]);
+            let closing = normal.dot(relative);
+            let spin_b = if wall.is_some() { 0.0 } else { b.motion[2] };
+            let slip = tangent.dot(relative) + arms[0] * a.motion[2] + arms[1] * spin_b;
+            let turn = a.motion[2] - spin_b;
+            let slides = cohesion > 0.0 || friction > 0.0;
+            let plastic = if slides { slip - ct / theta * (q - c.previous_shear) } else { 0.0 };
+            let rolls = if rolling > 0.0 { turn } else { 0.0 };
+            let start = if cn > 0.0 { offset / theta } else { offset };
+            let rest = start + opening + cn / theta * p
+                - closing
+                - friction * plastic.abs()
+                - rolling * rolls.abs();
+            let unit = greatest_motion;
+            let name = if dynamic { "closing (dynamic)" } else { "closing (static)" };
+            let accepted = limit + 10.0 * bits / unit;
+            if std::env::var_os("CLASTIC_SEED").is_some() && -rest / unit > accepted {
+                println!(
+                    "{contact:?} {c:?} {f:?} {closing} {plastic} {rolls} {opening} {offset} {cn} {a:?} {b:?} U {unit} settled {}",
+                    attempt.settled
+                );
+            }
+            findings.book(name, (-rest / unit).max(0.0), accepted, n);
+            let apex = if friction > 0.0 { cohesion / friction } else { f64::INFINITY };
+            // Further from a limit than the greatest force is far.
+            let above = ((p + tension.min(apex)).abs() / contact_force).min(1.0);
+            let name =
+                if dynamic { "complementarity (dynamic)" } else { "complementarity (static)" };
+            findings.book(name, above * rest.max(0.0) / unit, accepted, n);
+            let slack = ((shear - q * plastic.signum()).abs() / contact_force).min(1.0);
+            findings.book(name, slack * plastic.abs() / unit, accepted, n);
+            let most = mean_radius * contact_force;
+            let slack = (roll - tau * rolls.signum()).abs().min(most) / contact_force;
+            findings.book(name, slack * rolls.abs() / unit, accepted, n);
+        }
+
+        // Balance of every particle that is free to move.
+        let (mut defects, mut turning) = (Vec::new(), 0.0_f64);
+        for body in &program.bodies[now.len()..] {
+            if let Dof::Free(wall) = body.dofs[0] {
+                force = force.max(wall.load.abs());
+            }
+        }
+        for (i, s) in now.iter().enumerate() {
+            let id = i as u32;
+            let (drives, external) = outside[&id];
+            let mut before = self.particles[i];
+            if self.compacting {
+                (before.velocity, before.spin) = (DVec2::ZERO, 0.0);
+            }
+            for k in 0..3 {
+                if drives[k] != Drive::Free || least_motion {
+                    continue;
+                }
+                let mass = if k < 2 { s.mass } else { s.inertia };
+                let weight = if k < 2 { s.mass * analysis.gravity[k] } else { 0.0 };
+                let (v0, v1) =
+                    if k < 2 { (before.velocity[k], s.velocity[k]) } else { (before.spin, s.spin) };
+                let inertial = if dynamic { mass * (v1 - v0) / dt } else { 0.0 };
+                let load = external[k] + weight;
+                if k < 2 {
+                    let carried = if dynamic { mass * v0.abs() / (theta * dt) } else { 0.0 };
+                    force = force.max(load.abs()).max(carried);
+                }
+                let unit = if k < 2 { 1.0 } else { mean_radius };
+                if k == 2 && dynamic {
+                    turning =
+                        turning.max(mass * v0.abs().max(v1.abs()) / (theta * dt) / mean_radius);
+                }
+                defects.push((inertial + resist[&id][k] - load) / unit);
+            }
+        }
+        let name = if dynamic { "balance (dynamic)" } else { "balance (static)" };
+        for defect in defects {
+            // In dynamics the motion follows from the forces, to round-off.
+            let accepted = if dynamic { 1e-11 } else { RESIDUAL * SECOND_WAY };
+            let unit = if dynamic { force.max(turning) } else { force };
+            findings.book(name, defect.abs() / unit, accepted, n);
+        }
+        let mut query = world.query::<(&BodyId, &Wall, &WallControl, &ExternalForce)>();
+        for (id, wall, control, external) in query.iter(world) {
+            let loaded = matches!(control, WallControl::Force { .. } | WallControl::Stress { .. });
+            if loaded && !least_motion {
+                // Its force is the sum of its contacts' forces, whatever it was told to carry.
+                let sum = DVec2::new(resist[&id.0][0], resist[&id.0][1]);
+                let given = DVec2::new(external.0[0], external.0[1]);
+                let off = (sum - given).dot(wall.inward()).abs() / force;
+                findings.book("force of a wall", off, ROUND_OFF, n);
+            }
+        }
+
+        // Rigid, unbonded pairs do not overlap at the end, whether in the program or not.
+        let rigid_pair = |a: u32, b: u32| {
+            let (la, lb) = (law(a).contact, law(b).contact);
+            least_motion || (la.normal_stiffness.is_none() && lb.normal_stiffness.is_none())
+        };
+        for a in 0..now.len() as u32 {
+            let x = now[a as usize].position;
+            for b in 0..a {
+                let overlap = now[a as usize].radius + now[b as usize].radius
+                    - x.distance(now[b as usize].position);
+                let joined = bonds.get(&(b, a)).is_some_and(|bond| bond.1)
+                    || record.ruptures.iter().any(|r| (r.a.0, r.b.0) == (b, a));
+                let held = |i: u32| outside[&i].0[..2].iter().any(|d| *d != Drive::Free);
+                // At the cap of Coulomb's passes the openings have not come to rest.
+                let moving = record.coulomb_residual > 1e-6;
+                let free = !held(a) || !held(b);
+                if free && rigid_pair(a, b) && !moving && !joined {
+                    findings.book("overlap of rigid disks, radii", overlap / mean_radius, 2e-6, n);
+                }
+            }
+        }
+    }
+}
+
+fn compliances(normal: Option<f64>, tangential: Option<f64>) -> [f64; 2] {
+    [normal.map_or(0.0, f64::recip), tangential.map_or(0.0, f64::recip)]
+}
+
+/// Springs in series.
+fn series(a: Option<f64>, b: Option<f64>) -> Option<f64> {
+    let c = 0.5 * (a.map_or(0.0, f64::recip) + b.map_or(0.0, f64::recip));
+    (c > 0.0).then(|| 1.0 / c)
+}
+
+fn between_contacts(a: ContactLaw, b: ContactLaw) -> ContactLaw {
+    ContactLaw {
+        normal_stiffness: series(a.normal_stiffness, b.normal_stiffness),
+        tangential_stiffness: series(a.tangential_stiffness, b.tangential_stiffness),
+        friction: a.friction.min(b.friction),
+        rolling_friction: a.rolling_friction.min(b.rolling_friction),
+    }
+}
+
+fn between_bonds(a: BondLaw, b: BondLaw) -> BondLaw {
+    BondLaw {
+        normal_stiffness: series(a.normal_stiffness, b.normal_stiffness),
+        tangential_stiffness: series(a.tangential_stiffness, b.tangential_stiffness),
+        friction: a.friction.min(b.friction),
+        rolling_friction: a.rolling_friction.min(b.rolling_friction),
+        cohesion: a.cohesion.min(b.cohesion),
+        tensile_strength: a.tensile_strength.min(b.tensile_strength),
+    }
+}
