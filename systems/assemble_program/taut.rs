@@ -15,6 +15,9 @@ use clastic_components::contact::{Bodies, Contact};
 use clastic_components::increment::{Analysis, AnalysisKind};
 use clastic_components::program::{Interaction, Limits};
 
+/// Bonds below this fraction of their strength count as slack: they hold nothing.
+const LEAST_TENSION: f64 = 1e-6;
+
 /// Whether a bond is taut at the start of the increment.
 #[must_use]
 pub fn is_taut(bond: &Interaction) -> bool {
@@ -23,11 +26,11 @@ pub fn is_taut(bond: &Interaction) -> bool {
 
 /// The tension of an elastic bond at the start of the increment, N; a rigid one does not know its own.
 fn tension(bond: &Interaction) -> f64 {
-    if bond.normal_compliance > 0.0 {
-        (bond.offset / bond.normal_compliance).min(bond.limits.tension)
-    } else {
-        0.0
+    if bond.normal_compliance <= 0.0 {
+        return 0.0;
     }
+    let tension = (bond.offset / bond.normal_compliance).min(bond.limits.tension);
+    if tension > LEAST_TENSION * bond.limits.tension { tension } else { 0.0 }
 }
 
 /// Appends the companions of taut bonds at bodies that swing.

@@ -24,9 +24,13 @@ pub struct Interior {
 const MAX_ITERATIONS: u32 = 80;
 /// Complementarity product of the starting point.
 const START: f64 = 0.3;
+/// Greatest compliance that the starting point counts with, in units of displacement over force.
+const SOFT: f64 = 10.0;
 /// Steps of refinement at most, and the relative defect at which there is no need of one.
 const MAX_REFINEMENTS: usize = 3;
 const REFINED: f64 = 1e-4;
+/// Weight of the greatest complementarity product beside the other residuals.
+const PRODUCT: f64 = 0.02;
 /// What is enough where there is little progress, over the residual at which it is done.
 const ENOUGH: f64 = 10.0;
 /// The best iterate of a stalled iteration is worth polishing when it is this good.
@@ -70,7 +74,8 @@ fn start_local(local: &Local, u: &[[f64; 3]]) -> ([f64; 3], Slacks) {
         force[1] = trial[1].clamp(-strength.max(0.0), strength.max(0.0));
     }
     // Slack where it is inside; where it was clamped, the excess is the multiplier.
-    let stiffness = if local.compliance[0] > 0.0 { 1.0 / local.compliance[0] } else { 1.0 };
+    // What is far softer than the rest must not start with products far greater than theirs.
+    let compliance = if local.compliance[0] > 0.0 { local.compliance[0].min(SOFT) } else { 1.0 };
     for q in 0..local.count {
         let a = &local.limits[q];
         let slack = local.right[q] - a[0] * force[0] - a[1] * force[1];
@@ -78,7 +83,7 @@ fn start_local(local: &Local, u: &[[f64; 3]]) -> ([f64; 3], Slacks) {
         let x = slack.max(0.0) - excess.max(0.0);
         let root = x.hypot(2.0 * START);
         s.w[q] = 0.5 * if x > 0.0 { x + root } else { 4.0 * START * START / (root - x) };
-        s.lambda[q] = START * START / s.w[q] / stiffness;
+        s.lambda[q] = START * START / s.w[q] * compliance;
     }
     (force, s)
 }
@@ -125,6 +130,7 @@ pub fn solve(
             })
             .collect();
         let (mut mu, mut kinematic, mut primal, mut force) = (0.0, 0.0_f64, 0.0_f64, 1e-3_f64);
+        let mut product = 0.0_f64;
         for (k, local) in program.locals.iter().enumerate() {
             Scaled::add_forces(local, &s[k], 1.0, &mut balance);
             let e = Scaled::kinematics(local, &u);
@@ -139,6 +145,7 @@ pub fn solve(
                     a[0] * s[k][0] + a[1] * s[k][1] + a[2] * s[k][2] + sl.w[q] - local.right[q];
                 primal = primal.max(sl.defect[q].abs());
                 mu += sl.w[q] * sl.lambda[q];
+                product = product.max(sl.w[q] * sl.lambda[q]);
             }
             for f in 0..3 {
                 stationarity[k][f] = if local.has[f] { r[f] } else { 0.0 };
@@ -149,7 +156,8 @@ pub fn solve(
         mu /= limits.max(1) as f64;
         let unbalance = balance.iter().flatten().map(|r| r.abs()).fold(0.0, f64::max);
         let sum = unbalance + kinematic + primal + mu;
-        let merit = (unbalance.max(primal) / force).max(kinematic).max(mu / force);
+        // Products count by the greatest: started near a solution most of them are nothing.
+        let merit = (unbalance.max(primal) / force).max(kinematic).max(PRODUCT * product / force);
         if !sum.is_finite() {
             break;
         }

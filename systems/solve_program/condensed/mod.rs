@@ -146,7 +146,7 @@ impl Condensed {
         let (du, df) = units(program);
         // A start far away (a grain that settled, another increment) is worse than none.
         let near = |u: &[f64; 3]| u[0].hypot(u[1]) <= FAR * du[0];
-        let mut start: Vec<[f64; 3]> = start
+        let start: Vec<[f64; 3]> = start
             .iter()
             .map(|u| if near(u) { [0, 1, 2].map(|k| u[k] / du[k]) } else { [0.0; 3] })
             .collect();
@@ -166,19 +166,32 @@ impl Condensed {
             }
             solution
         };
+        let mut starts = vec![start];
         let mut iterations = 0;
         if newton::applies(&scaled) {
-            let result = newton::solve(&scaled, matrix, &start, goal(NEWTON_MARGIN));
+            let result = newton::solve(&scaled, matrix, &starts[0], goal(NEWTON_MARGIN));
             iterations += result.iterations;
             let solution = back(&result.u, &result.s, iterations, "newton");
             if solution.status == SolveStatus::Solved {
                 return Some(solution);
             }
-            start = result.u;
+            // Where it gave up is a good place for the interior point to begin, mostly.
+            starts.insert(0, result.u);
         }
-        let result = interior::solve(&scaled, matrix, &start, goal(INTERIOR_MARGIN))?;
-        iterations += result.iterations;
-        let mut solution = back(&result.u, &result.s, iterations, "interior");
+        let mut last = None;
+        for start in &starts {
+            let Some(result) = interior::solve(&scaled, matrix, start, goal(INTERIOR_MARGIN)) else {
+                continue;
+            };
+            iterations += result.iterations;
+            let solution = back(&result.u, &result.s, iterations, "interior");
+            let solved = solution.status == SolveStatus::Solved;
+            last = Some((result, solution));
+            if solved {
+                break;
+            }
+        }
+        let (result, mut solution) = last?;
         let enough = program.interactions.len() > LARGE || tolerance > TOLERANCE;
         if enough && solution.status == SolveStatus::Solved {
             return Some(solution);

@@ -31,15 +31,15 @@ pub struct Limits {
 
 /// Of the whole program: the interior point takes over where it does not converge.
 const GLOBAL: Limits = Limits {
-    iterations: 14,
-    tiny: 3,
+    iterations: 16,
+    tiny: 4,
     goal: 1e-10,
     unbalance: 0.0,
     damping: 1e-10,
     least_damping: 1e-10,
 };
 /// Steps shorter than this mean that every loose cluster holds all others back.
-const TINY: f64 = 1e-3;
+const TINY: f64 = 0.02;
 /// [Local elimination](eliminate) comes before a global step where the unbalance over the greatest
 /// force is more than this and the last step was shorter than that.
 const UNBALANCED: f64 = 1e-5;
