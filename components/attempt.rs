@@ -21,6 +21,19 @@ pub enum Verdict {
     Thrown(String),
 }
 
+/// Whether a body that a rejected solution moved far carried load there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Bearing {
+    /// It was not moved far.
+    #[default]
+    Unknown,
+    /// It carried nothing: of all its motions it is to make the least.
+    Nothing,
+    /// It carried nothing at first, but once it made the least motion it was pushed: the load must
+    /// find its support without that help.
+    Load,
+}
+
 /// How an increment ended. The names are those of the history file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum IncrementStatus {
@@ -105,8 +118,8 @@ pub struct Attempt {
     /// Weight of the proximal term while loose grains settle, in units of force scale over
     /// displacement scale; `None` outside of settling.
     pub settling: Option<f64>,
-    /// Bodies that carried no load in a rejected solution and went far; empty before there was one.
-    pub unloaded: Vec<bool>,
+    /// What rejected solutions say of the load of bodies; empty before there was one.
+    pub bearing: Vec<Bearing>,
     /// Bodies that went far in a rejected solution: their taut bonds pull them back; empty before
     /// there was one.
     pub swinging: Vec<bool>,

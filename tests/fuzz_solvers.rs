@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::RunSystemOnce;
 use clastic::components::attempt::Attempt;
-use clastic::components::increment::Acceptance;
+use clastic::components::increment::{Acceptance, Analysis};
 use clastic::components::program::{
     ConeProgram, ConeSolution, Dof, FreeDof, Interaction, Limits, ProgramBody, Scales, SolveStatus,
 };
@@ -131,6 +131,7 @@ fn solve(program: &ConeProgram, solver: Solver) -> ConeSolution {
     world.insert_resource(program.clone());
     world.insert_resource(Acceptance::default());
     world.insert_resource(solver);
+    world.init_resource::<Analysis>();
     world.init_resource::<Attempt>();
     world.init_resource::<ConeSolution>();
     world.run_system_once(solve_program).unwrap();

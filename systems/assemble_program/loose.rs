@@ -10,7 +10,7 @@
 
 use glam::DVec2;
 
-use clastic_components::attempt::Attempt;
+use clastic_components::attempt::{Attempt, Bearing};
 use clastic_components::contact::{Bodies, ContactHistory};
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
 use clastic_components::program::{ConeProgram, Dof, Interaction};
@@ -40,14 +40,15 @@ pub fn regularise(
         if retry { vec![true; program.bodies.len()] } else { find_loose(bodies, history, program) };
     // Counting finds no mechanism that has constraints enough in the wrong places. What carried
     // nothing in the last increment, or in a rejected solution of this one, may be part of one.
+    let bearing = |i: usize| attempt.bearing.get(i).copied().unwrap_or_default();
     if !history.0.is_empty() {
         let forces = history.0.iter().map(|m| (m.a, m.b, m.p.abs().max(m.q.abs())));
-        for (loose, loaded) in loose.iter_mut().zip(find_loaded(bodies.particles, forces)) {
-            *loose |= !loaded;
+        for (i, loaded) in find_loaded(bodies.particles, forces).into_iter().enumerate() {
+            loose[i] |= !loaded && bearing(i) != Bearing::Load;
         }
     }
-    for (loose, unloaded) in loose.iter_mut().zip(&attempt.unloaded) {
-        *loose |= unloaded;
+    for (i, loose) in loose.iter_mut().enumerate() {
+        *loose |= bearing(i) == Bearing::Nothing;
     }
     let unit = program.scales.force / program.scales.displacement;
     let usual = if retry {

@@ -27,19 +27,32 @@ pub fn judge(
     acceptance: Res<Acceptance>,
     mut attempt: ResMut<Attempt>,
 ) {
+    add_closed(&bodies, &contacts, &program, &solution, &acceptance, &mut attempt);
+}
+
+/// Asks for another attempt with the pairs that a solution closes; whether there are any.
+pub(super) fn add_closed(
+    bodies: &Bodies,
+    contacts: &Contacts,
+    program: &ConeProgram,
+    solution: &ConeSolution,
+    acceptance: &Acceptance,
+    attempt: &mut Attempt,
+) -> bool {
     let tolerance = acceptance.overlap * bodies.mean_radius;
-    let positions = moved_positions(&bodies, &program, &solution);
-    let missed = |reach: f64| unlisted_pairs(&bodies, &contacts, &positions, reach);
+    let positions = moved_positions(bodies, program, solution);
+    let missed = |reach: f64| unlisted_pairs(bodies, contacts, &positions, reach);
     if missed(-tolerance).is_empty() {
-        return;
+        return false;
     }
     let motion = |i: u32| positions[i as usize] - bodies.positions[i as usize];
     let near = |(a, b): &(u32, u32)| {
         let reach =
             COMPANY * bodies.mean_radius + COMPANY_OF_MOTION * (motion(*a) - motion(*b)).length();
-        gap(&bodies, &positions, *a, *b) <= reach
+        gap(bodies, &positions, *a, *b) <= reach
     };
-    add(&mut attempt, missed(FURTHEST * bodies.mean_radius).into_iter().filter(near));
+    add(attempt, missed(FURTHEST * bodies.mean_radius).into_iter().filter(near));
+    true
 }
 
 /// Asks for another attempt with these pairs.

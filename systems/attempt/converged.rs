@@ -3,10 +3,11 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, IncrementStatus, Verdict};
-use clastic_components::contact::Bodies;
+use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::increment::Acceptance;
 use clastic_components::program::{Certificate, ConeProgram, ConeSolution, SolveStatus};
 
+use super::closed_pairs::add_closed;
 use super::magnitudes;
 use super::restraints::restrain;
 use super::thrown_grains::thrown;
@@ -23,6 +24,7 @@ pub fn judge(
     mut solution: ResMut<ConeSolution>,
     acceptance: Res<Acceptance>,
     bodies: Res<Bodies>,
+    contacts: Res<Contacts>,
     mut attempt: ResMut<Attempt>,
 ) {
     attempt.status = match solution.status {
@@ -46,7 +48,17 @@ pub fn judge(
         }
         SolveStatus::Stalled if biased(&program, &solution, &acceptance) => {
             if let Some(reason) = thrown(&bodies, &program, &solution, &acceptance) {
-                if restrain(&bodies, &program, &solution, &acceptance, &mut attempt) {
+                // A grain that finds no support must not have been kept from it by pruning.
+                if restrain(&bodies, &program, &solution, &acceptance, &mut attempt)
+                    || add_closed(
+                        &bodies,
+                        &contacts,
+                        &program,
+                        &solution,
+                        &acceptance,
+                        &mut attempt,
+                    )
+                {
                     Verdict::Again
                 } else {
                     collapsed_or(&program, &mut solution, &mut attempt, Verdict::Thrown(reason))

@@ -3,7 +3,7 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::attempt::{Attempt, Verdict};
+use clastic_components::attempt::{Attempt, Bearing, Verdict};
 use clastic_components::contact::Bodies;
 use clastic_components::increment::Acceptance;
 use clastic_components::program::{ConeProgram, ConeSolution, Interaction};
@@ -48,7 +48,8 @@ pub fn restrain(
     unloaded || swinging
 }
 
-/// Grains that carry no load: nothing determines where they go.
+/// Grains that carry no load: nothing determines where they go. What is pushed after all was part of
+/// what carries.
 fn hold_unloaded(
     bodies: &Bodies,
     program: &ConeProgram,
@@ -59,10 +60,15 @@ fn hold_unloaded(
     let forces = program.interactions.iter().zip(&solution.forces);
     let forces = forces.map(|(c, f)| (c.a, c.b, f[0].abs().max(f[1].abs())));
     let loaded = find_loaded(bodies.particles, forces);
-    attempt.unloaded.resize(program.bodies.len(), false);
+    attempt.bearing.resize(program.bodies.len(), Bearing::Unknown);
     let mut news = false;
-    for i in (0..bodies.particles).filter(|i| !loaded[*i] && far(*i)) {
-        news |= !std::mem::replace(&mut attempt.unloaded[i], true);
+    for i in (0..bodies.particles).filter(|i| far(*i)) {
+        let next = match (attempt.bearing[i], loaded[i]) {
+            (Bearing::Unknown, false) => Bearing::Nothing,
+            (Bearing::Nothing, true) => Bearing::Load,
+            (known, _) => known,
+        };
+        news |= std::mem::replace(&mut attempt.bearing[i], next) != next;
     }
     news
 }

@@ -231,6 +231,31 @@ impl Oracle {
         let mut force = contact_force;
         let mut resist: BTreeMap<u32, [f64; 3]> = bodies.keys().map(|id| (*id, [0.0; 3])).collect();
 
+        // What taut bonds pull back with: their tension at the start, turned with their axis.
+        for (c, f) in program.interactions.iter().zip(&forces).skip(contacts.len()) {
+            let (a, b) = (&bodies[&c.a], &bodies[&c.b]);
+            let d = b.start - a.start;
+            let laws = law(c.a).bond.zip(law(c.b).bond).filter(|_| bonds.contains_key(&(c.a, c.b)));
+            let Some((la, lb)) = laws else {
+                findings.complain(n, format!("a tie of {} and {} without a bond", c.a, c.b));
+                continue;
+            };
+            let bond = between_bonds(la, lb);
+            let gap = d.length() - a.radius - b.radius - bonds[&(c.a, c.b)].0;
+            let strength = 2.0 * a.radius.min(b.radius) * scene.thickness * bond.tensile_strength;
+            let tension = (gap * bond.normal_stiffness.unwrap_or(0.0)).min(strength);
+            let along = d.normalize().perp();
+            let moved = DVec2::new(a.motion[0] - b.motion[0], a.motion[1] - b.motion[1]);
+            let expected = (tension / d.length() * moved.dot(along)).max(-tension);
+            let error = (f[0] * c.normal.dot(along) - expected).abs() / contact_force;
+            findings.book("taut bond", error, 1e2 * RESIDUAL, n);
+            for (id, sign) in [(c.a, 1.0), (c.b, -1.0)] {
+                let r = resist.get_mut(&id).unwrap();
+                r[0] += sign * c.normal.x * f[0];
+                r[1] += sign * c.normal.y * f[0];
+            }
+        }
+
         for ((contact, f), c) in contacts.iter().zip(&forces).zip(&program.interactions) {
             let (a, b) = (&bodies[&contact.a], &bodies[&contact.b]);
             let wall = inward.get(&contact.b);

@@ -180,7 +180,8 @@ impl Condensed {
         }
         let mut last = None;
         for start in &starts {
-            let Some(result) = interior::solve(&scaled, matrix, start, goal(INTERIOR_MARGIN)) else {
+            let Some(result) = interior::solve(&scaled, matrix, start, goal(INTERIOR_MARGIN))
+            else {
                 continue;
             };
             iterations += result.iterations;
