@@ -71,7 +71,7 @@ pub fn regularise(
 /// Forces below this fraction of the greatest one are no load.
 const LEAST_LOAD: f64 = 1e-6;
 
-/// Which particles carry more than [`LEAST_LOAD`] of the greatest force; forces (N) by pairs of bodies.
+/// Which particles carry more than a millionth of the greatest force; forces (N) by pairs of bodies.
 pub fn find_loaded(
     particles: usize,
     forces: impl Iterator<Item = (u32, u32, f64)> + Clone,

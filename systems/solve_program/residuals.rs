@@ -46,6 +46,11 @@ pub fn multipliers(c: &Interaction, e: &Kinematics, f: &[f64; 3]) -> Multipliers
     Multipliers { tension, slip, rotation }
 }
 
+/// Contact forces above this many times what is expected or applied are no scale: rigid bodies that
+/// are locked into each other carry any force, and beside it loads that nothing balances elsewhere
+/// would not show.
+const GREATEST_FORCE: f64 = 1e8;
+
 /// Greatest force in the program: contact or applied, N; the scale where all are zero.
 ///
 /// Contact forces count that act on something free. Between a rigid wall and a disk that is held
@@ -75,7 +80,8 @@ pub fn force_scale(program: &ConeProgram, forces: &[[f64; 3]]) -> f64 {
         .fold(0.0, f64::max);
     // Where all are zero (a bond has broken, a specimen is unloaded) round-off of what was there
     // before must not count as an error.
-    contact.max(applied).max(1e-2 * program.scales.force)
+    let expected = applied.max(program.scales.force);
+    contact.min(GREATEST_FORCE * expected).max(applied).max(1e-2 * program.scales.force)
 }
 
 /// Greatest displacement, m, but at least 1e-6 mean radii and at most one: beside a body that a

@@ -92,8 +92,9 @@ pub fn eliminate(
     };
     let mut first = 0;
     for _ in 0..RINGS {
-        for at in first..list.len() {
-            first = at + 1;
+        let ring = first..list.len();
+        first = ring.end;
+        for at in ring {
             for &k in adjacency.of(list[at]) {
                 if let Some(j) = joined(k, list[at])
                     && !inside[j]

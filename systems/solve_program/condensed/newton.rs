@@ -16,7 +16,7 @@ use super::scaled::{Local, Scaled};
 pub struct Limits {
     /// Factorisations at most.
     pub iterations: u32,
-    /// So many [`TINY`] steps in a row.
+    /// So many tiny steps in a row.
     pub tiny: u32,
     /// Unbalance over the greatest force at which it is done,
     pub goal: f64,
