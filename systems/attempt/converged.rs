@@ -34,7 +34,14 @@ pub fn judge(
         SolveStatus::Stalled => IncrementStatus::Stalled,
     };
     attempt.verdict = match solution.status {
-        SolveStatus::Solved => Verdict::Accept,
+        SolveStatus::Solved => match runaway(&program, &solution) {
+            None => Verdict::Accept,
+            Some(body) => {
+                let reason = format!("body {body} leaves without end: nothing holds it");
+                attempt.status = IncrementStatus::Stalled;
+                collapsed_or(&program, &mut solution, &mut attempt, Verdict::Reject(reason))
+            }
+        },
         // The solver's word does not count.
         SolveStatus::Collapsed => match recheck(&program, &solution) {
             Some(mechanism) => {
@@ -77,6 +84,16 @@ pub fn judge(
     if matches!(attempt.verdict, Verdict::Reject(_)) {
         attempt.magnitudes = magnitudes(&solution, bodies.mean_radius);
     }
+}
+
+/// A motion beyond so many mean radii is none: a load that nothing takes up, in a solution that only
+/// the solver's own damping keeps finite.
+const NO_MOTION: f64 = 1e6;
+
+/// The first body that a solution moves without end.
+fn runaway(program: &ConeProgram, solution: &ConeSolution) -> Option<usize> {
+    let most = NO_MOTION * program.scales.length;
+    solution.displacements.iter().position(|u| !(u[0].hypot(u[1]) <= most))
 }
 
 /// What a regularised solution moves far may be the mechanism of a collapse: loads that nothing
