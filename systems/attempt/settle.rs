@@ -16,12 +16,12 @@ use glam::DVec2;
 use clastic_components::attempt::{Attempt, IncrementStatus, Verdict};
 use clastic_components::body::{AppliedLoad, Drive, Drives, LastMotion, Position, Ramp, Rotation};
 use clastic_components::contact::{Bodies, ContactHistory};
-use clastic_components::increment::{Acceptance, Progress};
+use clastic_components::increment::Acceptance;
 use clastic_components::program::{ConeProgram, ConeSolution};
 use clastic_components::wall::{Wall, WallDrive};
 
-use super::thrown_grains::{far_motions, furthest};
-use crate::schedule::{AttemptIncrement, ControlWalls};
+use super::thrown_grains::{far_motions, furthest, motions};
+use crate::schedule::AttemptIncrement;
 use crate::update_state::{move_bodies, remember_contacts};
 
 /// Settling steps of one increment at most.
@@ -34,25 +34,26 @@ const RESTFUL: f64 = 1e-2;
 /// and with them what lies within so many interactions.
 const FAR: f64 = 0.25;
 const RINGS: u32 = 4;
-/// Weight of the first step, in units of force scale over displacement scale.
+/// The weight that damps nothing, in units of force scale over displacement scale: with it the first
+/// step is tried, and the last ones are made. Those are limited in number: what still moves then
+/// (bonds at their limits, which settling does not break) would do so without end.
+const LEAST_WEIGHT: f64 = 1e-9;
+const MAX_LAST: u32 = 4;
+/// Weight of the second step, where the first one would go too far.
 const FIRST_WEIGHT: f64 = 1e-4;
 /// Factor between a weight that throws grains and the next one tried, and the greatest between two
 /// steps the other way.
-const FACTOR: f64 = 10.0;
+const RISE: f64 = 10.0;
+const FALL: f64 = 100.0;
 /// Failures in a row that end the settling.
 const MAX_FAILURES: u32 = 8;
 /// Steps in which grains turned back or were thrown again, after which settling ends.
 const MAX_TURNS: u32 = 6;
-/// At this weight the increment itself is tried when all are at rest, or after so many steps: what
-/// still moves then (bonds at their limits, which settling does not break) would do so without end.
-const LAST_WEIGHT: f64 = 1e-9;
-const MAX_LAST: u32 = 4;
 
 /// What settling changes, to be put back.
 pub struct Snapshot {
     bodies: Vec<(Entity, Position, Option<Rotation>, LastMotion)>,
     history: ContactHistory,
-    done: f64,
 }
 
 impl Snapshot {
@@ -60,11 +61,7 @@ impl Snapshot {
     pub fn take(world: &mut World) -> Self {
         let mut query = world.query::<(Entity, &Position, Option<&Rotation>, &LastMotion)>();
         let bodies = query.iter(world).map(|(e, x, r, m)| (e, *x, r.copied(), *m)).collect();
-        Self {
-            bodies,
-            history: world.resource::<ContactHistory>().clone(),
-            done: world.resource::<Progress>().done,
-        }
+        Self { bodies, history: world.resource::<ContactHistory>().clone() }
     }
 
     /// Puts them back.
@@ -77,8 +74,6 @@ impl Snapshot {
             }
         }
         world.insert_resource(self.history);
-        world.resource_mut::<Progress>().done = self.done;
-        world.run_schedule(ControlWalls);
     }
 }
 
@@ -175,13 +170,13 @@ fn patch(world: &World) -> Vec<bool> {
 /// weight: then the increment itself may be tried again. Returns whether anything moved.
 fn approach(world: &mut World) -> bool {
     let rest = Rest::begin(world);
-    let mut weight = FIRST_WEIGHT;
+    let mut weight = LEAST_WEIGHT;
     let mut failures = 0;
     // A grain on a hinge swings to and fro and never comes to rest; the others do.
     let mut turns = 0;
     let mut last_steps = 0;
     let mut travelled = 0.0;
-    let mut last = DVec2::ZERO;
+    let mut last = Vec::new();
     loop {
         let mut attempt = world.resource_mut::<Attempt>();
         if attempt.settled >= MAX_STEPS || failures > MAX_FAILURES || turns > MAX_TURNS {
@@ -189,28 +184,33 @@ fn approach(world: &mut World) -> bool {
         }
         attempt.settled += 1;
         attempt.settling = Some(weight);
-        let step = if solves(world) { Some(furthest_motion(world)) } else { None };
+        let far = if solves(world) { furthest_motion(world) } else { f64::INFINITY };
         // Too far at once is as bad as no solution: the normals are those of the start.
-        let Some((far, motion)) = step.filter(|(far, _)| *far <= 2.0 * STEP) else {
+        if !(far <= 2.0 * STEP) {
             failures += 1;
             turns += u32::from(travelled > 0.0);
-            weight *= FACTOR;
+            weight = (weight * RISE).max(FIRST_WEIGHT);
             continue;
-        };
+        }
         failures = 0;
         // The two systems run outside of their schedule: the step is no increment.
         let _ = world.run_system_once(move_bodies);
         let _ = world.run_system_once(remember_contacts);
         travelled += far;
-        last_steps += u32::from(weight <= LAST_WEIGHT);
-        if weight <= LAST_WEIGHT && (far <= 0.1 * RESTFUL || last_steps >= MAX_LAST) {
-            break;
+        if weight <= LEAST_WEIGHT {
+            last_steps += 1;
+            if far <= RESTFUL || last_steps >= MAX_LAST {
+                break;
+            }
         }
-        weight = if far > RESTFUL && motion.dot(last) < 0.0 {
+        let particles = world.resource::<Bodies>().particles;
+        let motion = motions(particles, world.resource(), world.resource());
+        let along: f64 = motion.iter().zip(&last).map(|(u, v): (&DVec2, &DVec2)| u.dot(*v)).sum();
+        weight = if far > RESTFUL && along < 0.0 {
             turns += 1;
-            weight * FACTOR
+            (weight * RISE).max(FIRST_WEIGHT)
         } else {
-            (weight * (far / STEP).clamp(1.0 / FACTOR, 1.0)).max(LAST_WEIGHT)
+            (weight * (far / STEP).powi(2).clamp(1.0 / FALL, 1.0)).max(LEAST_WEIGHT)
         };
         last = motion;
     }
@@ -221,14 +221,9 @@ fn approach(world: &mut World) -> bool {
     travelled > RESTFUL
 }
 
-/// How far, in its radii, the grain that moves furthest moves about the mean field, and its
-/// displacement.
-fn furthest_motion(world: &World) -> (f64, DVec2) {
-    let (program, solution) = (world.resource::<ConeProgram>(), world.resource::<ConeSolution>());
-    furthest(world.resource(), program, solution).map_or((0.0, DVec2::ZERO), |(i, far)| {
-        let u = program.bodies[i].to_global(solution.displacements[i]);
-        (far, DVec2::new(u[0], u[1]))
-    })
+/// How far, in its radii, the grain that moves furthest moves about the mean field.
+fn furthest_motion(world: &World) -> f64 {
+    furthest(world.resource(), world.resource(), world.resource()).map_or(0.0, |(_, far)| far)
 }
 
 /// Solves the settling step, with the pairs that it closes; whether it can be accepted.

@@ -72,14 +72,7 @@ pub fn furthest(
 #[must_use]
 pub fn far_motions(bodies: &Bodies, program: &ConeProgram, solution: &ConeSolution) -> Vec<f64> {
     let n = bodies.particles;
-    let motion: Vec<DVec2> = program.bodies[..n]
-        .iter()
-        .zip(&solution.displacements)
-        .map(|(body, u)| {
-            let u = body.to_global(*u);
-            DVec2::new(u[0], u[1])
-        })
-        .collect();
+    let motion = motions(n, program, solution);
     // What is driven moves as it is told to; few grains are judged about what is free.
     let driven = |i: usize| bodies.drives[i][..2].iter().any(|d| matches!(d, Drive::Imposed(_)));
     let free: Vec<usize> = (0..n).filter(|i| !driven(*i)).collect();
@@ -91,6 +84,18 @@ pub fn far_motions(bodies: &Bodies, program: &ConeProgram, solution: &ConeSoluti
     };
     let far = |i: usize| (motion[i] - field.at(bodies.positions[i])).length() / bodies.radii[i];
     (0..n).map(|i| if driven(i) { 0.0 } else { far(i) }).collect()
+}
+
+/// Displacements of the particles, m.
+#[must_use]
+pub fn motions(particles: usize, program: &ConeProgram, solution: &ConeSolution) -> Vec<DVec2> {
+    let bodies = program.bodies[..particles].iter().zip(&solution.displacements);
+    bodies
+        .map(|(body, u)| {
+            let u = body.to_global(*u);
+            DVec2::new(u[0], u[1])
+        })
+        .collect()
 }
 
 /// An affine displacement field `u(x) = u_0 + H (x - x_0)`.

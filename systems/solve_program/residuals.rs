@@ -10,7 +10,7 @@
 //! ```
 //!
 //! so that what can be wrong is the sign of `lambda_T` (kinematics) and a multiplier at a limit
-//! with slack (complementarity). Where the apex of the shear limit comes before the tension limit
+//! with slack (complementarity; where the slack exceeds the greatest force, kinematics). Where the apex of the shear limit comes before the tension limit
 //! (`c A < mu f_t`), both shear rows are active there and share `lambda_T`.
 
 use glam::DVec2;
@@ -151,15 +151,19 @@ fn evaluate(
             worsen(&mut out.cone, -shear / force);
         }
 
-        // Further from a limit than the greatest force is far: a strength of 1e6 times the forces
-        // must not turn the round-off of a multiplier into an error.
-        let unit = force * displacement;
-        let above = (p - l.least_normal_force()).abs().min(force);
-        worsen(&mut out.complementarity, m.tension.max(0.0) * above / unit);
-        let slack = (shear - q * m.slip.signum()).abs().min(force);
-        worsen(&mut out.complementarity, (m.slip * slack).abs() / unit);
-        let slack = (roll - tau * m.rotation.signum()).abs().min(force * length);
-        worsen(&mut out.complementarity, (m.rotation * slack).abs() / unit);
+        // A limit further away than the greatest force is not active: its multiplier is zero, and
+        // what is left of the stationarity row is an error of the kinematics. Times a strength of
+        // 1e6 times the forces its round-off would look like an error where there is none.
+        let mut product = |multiplier: f64, slack: f64, length: f64| {
+            if slack.abs() > force * length {
+                worsen(&mut out.kinematics, (multiplier * length).abs() / displacement);
+            } else {
+                worsen(&mut out.complementarity, (multiplier * slack).abs() / (force * displacement));
+            }
+        };
+        product(m.tension.max(0.0), p - l.least_normal_force(), 1.0);
+        product(m.slip, shear - q * m.slip.signum(), 1.0);
+        product(m.rotation, roll - tau * m.rotation.signum(), length);
     }
     out
 }
