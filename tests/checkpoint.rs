@@ -12,6 +12,7 @@ use clastic::components::observation::Observation;
 use clastic::output::{Checkpoint, Ending, ResumeError, RunOptions, RunWriter, directory};
 use clastic::run::{Outcome, Simulation, Step, WorldState, changes};
 use clastic::scene::{self, LoadedScene};
+use common::files;
 
 /// A scene of `scenes/` under settings.
 fn load(name: &str, sets: &[&str]) -> LoadedScene {
@@ -81,24 +82,6 @@ fn resume(directory: &Path, sets: &[&str]) -> (Outcome, WorldState) {
 /// A state as bytes: not-a-number is equal to itself, and 0 is not -0.
 fn bytes(state: &WorldState) -> Vec<u8> {
     postcard::to_stdvec(state).unwrap()
-}
-
-/// All files below a directory but the timings.
-fn files(directory: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
-    let mut found = BTreeMap::new();
-    let mut left = vec![directory.to_owned()];
-    while let Some(next) = left.pop() {
-        for entry in fs::read_dir(next).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                left.push(path);
-            } else if !path.ends_with(directory::TIMINGS) {
-                let name = path.strip_prefix(directory).unwrap().to_owned();
-                found.insert(name, fs::read(&path).unwrap());
-            }
-        }
-    }
-    found
 }
 
 fn copy(from: &Path, to: &Path) {

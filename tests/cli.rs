@@ -1,5 +1,7 @@
 //! The `clastic` program as its user meets it: commands, exit codes, what a run leaves behind.
 
+mod common;
+
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,6 +10,7 @@ use std::time::{Duration, Instant};
 
 use assert_cmd::Command;
 use assert_cmd::assert::Assert;
+use common::files;
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -316,24 +319,6 @@ fn a_killed_run_leaves_whole_rows() {
     rows(out.path(), "timings.csv");
     rows(out.path(), "events.csv");
     assert_eq!(json(out.path(), "run.json")["outcome"]["status"], "running");
-}
-
-/// All files below a directory but the timings.
-fn files(directory: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
-    let mut found = BTreeMap::new();
-    let mut left = vec![directory.to_owned()];
-    while let Some(next) = left.pop() {
-        for entry in fs::read_dir(next).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                left.push(path);
-            } else if !path.ends_with("timings.csv") {
-                let name = path.strip_prefix(directory).unwrap().to_owned();
-                found.insert(name, fs::read(&path).unwrap());
-            }
-        }
-    }
-    found
 }
 
 #[test]

@@ -5,32 +5,12 @@ mod common;
 use clastic::run::Simulation;
 use clastic::scene::format::Scene;
 use common::*;
-use glam::DVec2;
-
-/// Momentum, and angular momentum about the origin.
-fn momentum(states: &[State]) -> (DVec2, f64) {
-    (
-        states.iter().map(|s| s.mass * s.velocity).sum(),
-        states.iter().map(|s| s.mass * s.position.perp_dot(s.velocity) + s.inertia * s.spin).sum(),
-    )
-}
-
-/// What they are measured by: the sums of the absolute values.
-fn scales(states: &[State]) -> (f64, f64) {
-    (
-        states.iter().map(|s| s.mass * s.velocity.length()).sum(),
-        states
-            .iter()
-            .map(|s| s.mass * s.position.length() * s.velocity.length() + s.inertia * s.spin.abs())
-            .sum(),
-    )
-}
 
 /// Greatest drift of momentum and angular momentum, over their scales at the start.
 fn drift(scene: &Scene) -> (f64, f64) {
     let mut simulation = Simulation::new(scene, None);
     let start = states(&mut simulation);
-    let ((p0, l0), (p_scale, l_scale)) = (momentum(&start), scales(&start));
+    let ((p0, l0), (p_scale, l_scale)) = (momentum(&start), momentum_scales(&start));
     let (mut p_drift, mut l_drift, mut contacts) = (0.0_f64, 0.0_f64, 0);
     while let Some(record) = next(&mut simulation) {
         contacts = contacts.max(record.contacts);
@@ -62,39 +42,6 @@ fn angular_momentum_is_conserved_to_round_off_at_theta_one() {
         let (_, l) = drift(&swarm(law, contact, 2e-4, 1.0, 60));
         assert!(l < 1e-13, "{law}, {contact}: {l:e}");
     }
-}
-
-/// Seven bonded disks that turn about their centre: a smooth motion, so that an order can be seen.
-fn wheel(dt: f64, theta: f64, increments: u32) -> Scene {
-    let spin = 10.0;
-    let (mut disks, mut bonds) = (String::new(), String::new());
-    for k in 0..7_u32 {
-        let at = if k == 0 {
-            DVec2::ZERO
-        } else {
-            0.02 * DVec2::from_angle(f64::from(k) * std::f64::consts::FRAC_PI_3)
-        };
-        let v = spin * at.perp();
-        disks += &format!(
-            "(position: ({:?}, {:?}), radius: 0.01, velocity: ({:?}, {:?}), angular_velocity: {spin:?}),",
-            at.x, at.y, v.x, v.y
-        );
-        if k > 0 {
-            bonds += &format!("(a: 0, b: {k}), (a: {k}, b: {}),", k % 6 + 1);
-        }
-    }
-    parse(&format!(
-        "(
-            version: 1,
-            title: \"wheel\",
-            analysis: Dynamic(dt: {dt:?}, theta: {theta:?}),
-            materials: {{ \"stone\": (bond: (normal_stiffness: 1.0e6, tangential_stiffness: 5.0e5, friction: 0.5,
-                cohesion: 1.0e9, tensile_strength: 1.0e9)) }},
-            specimen: Particles([{disks}]),
-            bonds: [{bonds}],
-            stages: [Load(name: \"turn\", increments: {increments})],
-        )"
-    ))
 }
 
 #[test]

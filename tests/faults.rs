@@ -5,6 +5,8 @@
 //! Two hundred kills instead of a few: `cargo test --release --test faults -- --ignored`.
 #![cfg(unix)]
 
+mod common;
+
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -12,6 +14,7 @@ use std::process::{Child, Command, Output, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use common::files;
 use serde_json::Value;
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_clastic");
@@ -103,24 +106,6 @@ fn resume(directory: &Path) -> Command {
 
 fn said(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
-/// All files below a directory but the timings.
-fn files(directory: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
-    let mut found = BTreeMap::new();
-    let mut left = vec![directory.to_owned()];
-    while let Some(next) = left.pop() {
-        for entry in fs::read_dir(next).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                left.push(path);
-            } else if !path.ends_with("timings.csv") {
-                let name = path.strip_prefix(directory).unwrap().to_owned();
-                found.insert(name, fs::read(&path).unwrap());
-            }
-        }
-    }
-    found
 }
 
 /// Checks that everything in a directory is whole; returns the rows of the history.

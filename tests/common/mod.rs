@@ -2,7 +2,9 @@
 //! particles.
 #![allow(dead_code, reason = "every test program uses its own part of this")]
 
-use std::path::Path;
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
 
 use clastic::components::attempt::IncrementStatus;
 use clastic::components::body::{AngularVelocity, BodyId, Position, Rotation, Velocity};
@@ -210,3 +212,73 @@ pub fn swarm(law: &str, contact: &str, dt: f64, theta: f64, increments: u32) -> 
 pub const RIGID: &str = "friction: 0.4, rolling_friction: 0.05";
 pub const ELASTIC: &str =
     "normal_stiffness: 1.0e7, tangential_stiffness: 5.0e6, friction: 0.4, rolling_friction: 0.05";
+
+/// Seven bonded disks that turn about their centre: a smooth motion, so that an order can be seen.
+pub fn wheel(dt: f64, theta: f64, increments: u32) -> Scene {
+    let spin = 10.0;
+    let (mut disks, mut bonds) = (String::new(), String::new());
+    for k in 0..7_u32 {
+        let at = if k == 0 {
+            DVec2::ZERO
+        } else {
+            0.02 * DVec2::from_angle(f64::from(k) * std::f64::consts::FRAC_PI_3)
+        };
+        let v = spin * at.perp();
+        disks += &format!(
+            "(position: ({:?}, {:?}), radius: 0.01, velocity: ({:?}, {:?}), angular_velocity: {spin:?}),",
+            at.x, at.y, v.x, v.y
+        );
+        if k > 0 {
+            bonds += &format!("(a: 0, b: {k}), (a: {k}, b: {}),", k % 6 + 1);
+        }
+    }
+    parse(&format!(
+        "(
+            version: 1,
+            title: \"wheel\",
+            analysis: Dynamic(dt: {dt:?}, theta: {theta:?}),
+            materials: {{ \"stone\": (bond: (normal_stiffness: 1.0e6, tangential_stiffness: 5.0e5, friction: 0.5,
+                cohesion: 1.0e9, tensile_strength: 1.0e9)) }},
+            specimen: Particles([{disks}]),
+            bonds: [{bonds}],
+            stages: [Load(name: \"turn\", increments: {increments})],
+        )"
+    ))
+}
+
+/// All files below a directory but the timings.
+pub fn files(directory: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    let mut left = vec![directory.to_owned()];
+    while let Some(next) = left.pop() {
+        for entry in fs::read_dir(next).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                left.push(path);
+            } else if !path.ends_with("timings.csv") {
+                let name = path.strip_prefix(directory).unwrap().to_owned();
+                found.insert(name, fs::read(&path).unwrap());
+            }
+        }
+    }
+    found
+}
+
+/// Momentum, and angular momentum about the origin.
+pub fn momentum(states: &[State]) -> (DVec2, f64) {
+    (
+        states.iter().map(|s| s.mass * s.velocity).sum(),
+        states.iter().map(|s| s.mass * s.position.perp_dot(s.velocity) + s.inertia * s.spin).sum(),
+    )
+}
+
+/// What they are measured by: the sums of the absolute values.
+pub fn momentum_scales(states: &[State]) -> (f64, f64) {
+    (
+        states.iter().map(|s| s.mass * s.velocity.length()).sum(),
+        states
+            .iter()
+            .map(|s| s.mass * s.position.length() * s.velocity.length() + s.inertia * s.spin.abs())
+            .sum(),
+    )
+}

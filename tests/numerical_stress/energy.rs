@@ -167,7 +167,7 @@ fn smooth_elastic_energy_is_kept_at_one_half_and_never_gained_above() {
 #[test]
 fn a_turning_lattice_keeps_its_energy_as_the_increment_vanishes() {
     let gained = |n: u32| {
-        let scene = crate::momentum::wheel(0.02 / f64::from(n), 0.5, n);
+        let scene = crate::common::wheel(0.02 / f64::from(n), 0.5, n);
         let total = sum(&ledger(&scene));
         assert_within(total.friction.abs() + total.rupture.abs(), 0.0, 1e-12);
         -total.numerical

@@ -2,60 +2,9 @@
 
 use clastic::run::Simulation;
 use clastic::scene::format::Scene;
-use glam::DVec2;
 
-use crate::common::{ELASTIC, RIGID, State, next, parse, states, swarm};
+use crate::common::{ELASTIC, RIGID, momentum, momentum_scales, next, states, swarm, wheel};
 use crate::random::full;
-
-/// Seven bonded disks that turn about their centre.
-pub fn wheel(dt: f64, theta: f64, increments: u32) -> Scene {
-    let spin = 10.0;
-    let (mut disks, mut bonds) = (String::new(), String::new());
-    for k in 0..7_u32 {
-        let at = if k == 0 {
-            DVec2::ZERO
-        } else {
-            0.02 * DVec2::from_angle(f64::from(k) * std::f64::consts::FRAC_PI_3)
-        };
-        let v = spin * at.perp();
-        disks += &format!(
-            "(position: ({:?}, {:?}), radius: 0.01, velocity: ({:?}, {:?}), angular_velocity: {spin:?}),",
-            at.x, at.y, v.x, v.y
-        );
-        if k > 0 {
-            bonds += &format!("(a: 0, b: {k}), (a: {k}, b: {}),", k % 6 + 1);
-        }
-    }
-    parse(&format!(
-        "(
-            version: 1,
-            title: \"wheel\",
-            analysis: Dynamic(dt: {dt:?}, theta: {theta:?}),
-            materials: {{ \"stone\": (bond: (normal_stiffness: 1.0e6, tangential_stiffness: 5.0e5, friction: 0.5,
-                cohesion: 1.0e9, tensile_strength: 1.0e9)) }},
-            specimen: Particles([{disks}]),
-            bonds: [{bonds}],
-            stages: [Load(name: \"turn\", increments: {increments})],
-        )"
-    ))
-}
-
-fn momentum(states: &[State]) -> (DVec2, f64) {
-    (
-        states.iter().map(|s| s.mass * s.velocity).sum(),
-        states.iter().map(|s| s.mass * s.position.perp_dot(s.velocity) + s.inertia * s.spin).sum(),
-    )
-}
-
-fn scales(states: &[State]) -> (f64, f64) {
-    (
-        states.iter().map(|s| s.mass * s.velocity.length()).sum(),
-        states
-            .iter()
-            .map(|s| s.mass * s.position.length() * s.velocity.length() + s.inertia * s.spin.abs())
-            .sum(),
-    )
-}
 
 /// Greatest drift of momentum and angular momentum over their scales at the start. Disks that have
 /// parted fly on: about a far origin angular momentum is a small difference of great numbers, so
@@ -68,7 +17,7 @@ fn drift(scene: &Scene) -> (f64, f64, u64) {
     while let Some(record) = next(&mut simulation) {
         contacts += record.contacts as u64;
         let now = states(&mut simulation);
-        let ((p, l), (p_scale, l_scale)) = (momentum(&now), scales(&now));
+        let ((p, l), (p_scale, l_scale)) = (momentum(&now), momentum_scales(&now));
         p_drift = p_drift.max((p - p0).length() / p_scale);
         l_drift = l_drift.max((l - l0).abs() / l_scale);
     }

@@ -156,7 +156,7 @@ fn corrected_wheel_keeps_its_angular_momentum_for_every_theta() {
     for theta in [0.5, 0.75, 1.0] {
         let momentum = |corrector: Option<Corrector>| {
             // 0.02 rad an increment.
-            let mut scene = crate::momentum::wheel(2e-3, theta, 50);
+            let mut scene = crate::common::wheel(2e-3, theta, 50);
             scene.corrector = corrector;
             let mut simulation = Simulation::new(&scene, None);
             let of = |simulation: &mut Simulation| {
