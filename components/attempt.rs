@@ -88,7 +88,7 @@ pub struct Attempt {
     pub iterations: u32,
     /// Pairs that the pruning left out and that a solution closed, sorted.
     pub added_pairs: Vec<(u32, u32)>,
-    /// Greatest distance that detection must look ahead, m; 0 lets it choose.
+    /// Gap up to which detection keeps pairs whatever it expects of their motion, m.
     pub reach: f64,
     /// Bonds that this increment breaks, in the order found; broken when it is committed.
     pub ruptures: Vec<Rupture>,

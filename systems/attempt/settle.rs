@@ -26,21 +26,33 @@ use crate::update_state::{move_bodies, remember_contacts};
 
 /// Settling steps of one increment at most.
 pub const MAX_STEPS: u32 = 200;
-/// Motion of the grain that moves furthest in a settling step, in its radii: what is aimed at.
-const STEP: f64 = 0.15;
+/// Motion of the grain that moves furthest in a settling step, in its radii: what is aimed at, and
+/// what is not accepted, since the normals are those of the start.
+const STEP: f64 = 0.2;
+const TOO_FAR: f64 = 0.3;
+const MUCH_TOO_FAR: f64 = 0.6;
+/// Pairs closer than this, in mean radii, take part in every step.
+const REACH: f64 = 0.1;
 /// Grains that travelled less than this, in their radii, were at rest.
 const RESTFUL: f64 = 1e-2;
 /// Grains that move further than this fraction of the accepted throw settle with the thrown one,
 /// and with them what lies within so many interactions.
 const FAR: f64 = 0.25;
 const RINGS: u32 = 4;
-/// The weight that damps nothing, in units of force scale over displacement scale: with it the first
-/// step is tried, and the last ones are made. Those are limited in number: what still moves then
-/// (bonds at their limits, which settling does not break) would do so without end.
+/// The weight that damps nothing, in units of force scale over displacement scale. The last steps are
+/// made with it, limited in number: what still moves then (bonds at their limits, which settling does
+/// not break) would do so without end.
 const LEAST_WEIGHT: f64 = 1e-9;
 const MAX_LAST: u32 = 4;
-/// Weight of the second step, where the first one would go too far.
-const FIRST_WEIGHT: f64 = 1e-4;
+/// It is the weight of the first step too where the throw exceeds the accepted one by no more than this
+/// factor,
+const NEARLY: f64 = 1.2;
+/// else, or where that step goes too far, this one is.
+const FIRST_WEIGHT: f64 = 1e-3;
+/// The increment is tried where the grains move less than this, in their radii, with a weight below
+/// that.
+const NEAR_REST: f64 = 0.05;
+const SMALL_WEIGHT: f64 = 1e-6;
 /// Factor between a weight that throws grains and the next one tried, and the greatest between two
 /// steps the other way.
 const RISE: f64 = 10.0;
@@ -170,7 +182,10 @@ fn patch(world: &World) -> Vec<bool> {
 /// weight: then the increment itself may be tried again. Returns whether anything moved.
 fn approach(world: &mut World) -> bool {
     let rest = Rest::begin(world);
-    let mut weight = LEAST_WEIGHT;
+    let reach = REACH * world.resource::<Bodies>().mean_radius;
+    world.resource_mut::<Attempt>().reach = reach;
+    let nearly = furthest_motion(world) <= NEARLY * world.resource::<Acceptance>().throw;
+    let mut weight = if nearly { LEAST_WEIGHT } else { FIRST_WEIGHT };
     let mut failures = 0;
     // A grain on a hinge swings to and fro and never comes to rest; the others do.
     let mut turns = 0;
@@ -185,8 +200,7 @@ fn approach(world: &mut World) -> bool {
         attempt.settled += 1;
         attempt.settling = Some(weight);
         let far = if solves(world) { furthest_motion(world) } else { f64::INFINITY };
-        // Too far at once is as bad as no solution: the normals are those of the start.
-        if !(far <= 2.0 * STEP) {
+        if !(far <= TOO_FAR) {
             failures += 1;
             turns += u32::from(travelled > 0.0);
             weight = (weight * RISE).max(FIRST_WEIGHT);
@@ -197,11 +211,9 @@ fn approach(world: &mut World) -> bool {
         let _ = world.run_system_once(move_bodies);
         let _ = world.run_system_once(remember_contacts);
         travelled += far;
-        if weight <= LEAST_WEIGHT {
-            last_steps += 1;
-            if far <= RESTFUL || last_steps >= MAX_LAST {
-                break;
-            }
+        last_steps += u32::from(weight <= LEAST_WEIGHT);
+        if (weight <= SMALL_WEIGHT && far <= NEAR_REST) || last_steps >= MAX_LAST {
+            break;
         }
         let particles = world.resource::<Bodies>().particles;
         let motion = motions(particles, world.resource(), world.resource());
@@ -210,12 +222,13 @@ fn approach(world: &mut World) -> bool {
             turns += 1;
             (weight * RISE).max(FIRST_WEIGHT)
         } else {
-            (weight * (far / STEP).powi(2).clamp(1.0 / FALL, 1.0)).max(LEAST_WEIGHT)
+            (weight * (far / STEP).powi(3).clamp(1.0 / FALL, 1.0)).max(LEAST_WEIGHT)
         };
         last = motion;
     }
     let mut attempt = world.resource_mut::<Attempt>();
     attempt.settling = None;
+    attempt.reach = 0.0;
     attempt.status = IncrementStatus::Solved;
     rest.end(world);
     travelled > RESTFUL
@@ -226,15 +239,16 @@ fn furthest_motion(world: &World) -> f64 {
     furthest(world.resource(), world.resource(), world.resource()).map_or(0.0, |(_, far)| far)
 }
 
-/// Solves the settling step, with the pairs that it closes; whether it can be accepted.
+/// Solves the settling step, with the pairs that it closes; whether it can be accepted. What goes much
+/// too far is not worth the search for the pairs that it closes on the way.
 fn solves(world: &mut World) -> bool {
     for _ in 0..20 {
         world.run_schedule(AttemptIncrement);
         let mut attempt = world.resource_mut::<Attempt>();
         match std::mem::take(&mut attempt.verdict) {
             Verdict::Accept => return attempt.status == IncrementStatus::Solved,
-            Verdict::Again => {}
-            Verdict::Reject(_) | Verdict::Thrown(_) => return false,
+            Verdict::Again if furthest_motion(world) <= MUCH_TOO_FAR => {}
+            Verdict::Again | Verdict::Reject(_) | Verdict::Thrown(_) => return false,
         }
     }
     false

@@ -34,11 +34,13 @@ impl ExpectedMotion {
     }
 }
 
-/// Imposed motion where there is one; in dynamics free flight; else the last increment again.
+/// Imposed motion where there is one; in dynamics free flight; else the last increment again. Every
+/// pair is kept up to a gap of `least` (m).
 pub fn expected_motion(
     bodies: &Bodies,
     analysis: &Analysis,
     progress: &Progress,
+    least: f64,
 ) -> ExpectedMotion {
     let f = progress.fraction;
     let mut displacement: Vec<DVec2> = match analysis.kind {
@@ -74,7 +76,7 @@ pub fn expected_motion(
     ExpectedMotion {
         displacement,
         imposed,
-        floor: 0.01 * bodies.mean_radius,
+        floor: least.max(0.01 * bodies.mean_radius),
         ceiling: 2.0 * bodies.mean_radius,
     }
 }
