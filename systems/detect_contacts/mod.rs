@@ -52,8 +52,7 @@ pub fn detect_contacts(
     mut candidates: ResMut<Candidates>,
     mut contacts: ResMut<Contacts>,
 ) {
-    let expected =
-        expected_motion::expected_motion(&bodies, &analysis, &progress, attempt.reach);
+    let expected = expected_motion::expected_motion(&bodies, &analysis, &progress, attempt.reach);
     let n = bodies.particles;
     let (positions, radii) = (&bodies.positions[..n], &bodies.radii[..]);
     candidates.0.ensure(positions, radii, expected.greatest_reach(n));

@@ -158,7 +158,10 @@ fn evaluate(
             if slack.abs() > force * length {
                 worsen(&mut out.kinematics, (multiplier * length).abs() / displacement);
             } else {
-                worsen(&mut out.complementarity, (multiplier * slack).abs() / (force * displacement));
+                worsen(
+                    &mut out.complementarity,
+                    (multiplier * slack).abs() / (force * displacement),
+                );
             }
         };
         product(m.tension.max(0.0), p - l.least_normal_force(), 1.0);
