@@ -127,6 +127,11 @@ pub struct Attempt {
     pub held: Vec<bool>,
     /// Solves that settled loose grains in this increment.
     pub settled: u32,
+    /// Whether loads act on a specimen that carried something before the increment: then it may not
+    /// strain without bound.
+    pub bounded: bool,
+    /// Whether the last solution strained the specimen as a whole by too much.
+    pub snaps: bool,
     /// Proximal centre of the regularised re-solves, by body.
     pub centre: Vec<[f64; 3]>,
     /// Moves of that centre in this attempt.

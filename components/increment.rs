@@ -110,6 +110,9 @@ pub struct Acceptance {
     pub residual: f64,
     /// Greatest motion of a grain about the mean field, in its radii; static analysis only.
     pub throw: f64,
+    /// Greatest strain of the mean field in one increment beyond what is imposed, settling included;
+    /// static analysis only. A specimen that strains further under its loads has collapsed.
+    pub snap: f64,
     /// Greatest overlap of a pair that was not in the program, in mean radii.
     pub overlap: f64,
     /// How often an increment may be halved.
@@ -121,7 +124,14 @@ pub struct Acceptance {
 
 impl Default for Acceptance {
     fn default() -> Self {
-        Self { residual: 1e-8, throw: 0.3, overlap: 1e-6, halvings: 6, regularisation: 1e-9 }
+        Self {
+            residual: 1e-8,
+            throw: 0.3,
+            snap: 0.02,
+            overlap: 1e-6,
+            halvings: 6,
+            regularisation: 1e-9,
+        }
     }
 }
 

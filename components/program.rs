@@ -35,6 +35,8 @@ pub enum Dof {
 pub struct FreeDof {
     /// Load: applied force plus gravity plus, in dynamics, `inertia v_0 dt`; N or N m.
     pub load: f64,
+    /// The part `inertia v_0 dt` of the load: what carries a motion on, and no force.
+    pub momentum: f64,
     /// Inertia `m / (theta dt^2)`, N/m (moments: N m/rad); 0 in static analysis.
     pub inertia: f64,
     /// Weight of the regularisation of a motion without stiffness, N/m (N m/rad); 0 otherwise.

@@ -76,7 +76,7 @@ fn program(case: u64) -> ConeProgram {
                 let arm = if k < 2 { 1.0 } else { 0.005 };
                 let load = if at_rest || r.chance(30) { 0.0 } else { 100.0 * arm * r.unit() };
                 let inertia = if static_ { 0.0 } else { r.or_zero(5, 2.0, 7.0) * arm * arm };
-                Dof::Free(FreeDof { load, inertia, proximal: 0.0, reference: 0.0 })
+                Dof::Free(FreeDof { load, inertia, ..FreeDof::default() })
             };
             let angle = if r.chance(70) { 0.0 } else { 3.2 * r.unit() };
             ProgramBody { axis: DVec2::from_angle(angle), dofs: [dof(r, 0), dof(r, 1), dof(r, 2)] }

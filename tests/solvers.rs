@@ -3,6 +3,7 @@
 
 mod common;
 
+use clastic::components::attempt::{Attempt, IncrementStatus};
 use clastic::components::program::{
     ConeProgram, ConeSolution, Dof, FreeDof, Interaction, Limits, ProgramBody, ProgramSize, Scales,
     SolveStatus,
@@ -164,16 +165,22 @@ fn programs(kind: &Kind, seed: u32) -> Vec<ConeProgram> {
     let mut simulation = Simulation::new(&scene, None);
     let mut programs = Vec::new();
     while let Step::Increment = simulation.step() {
-        programs.push(simulation.world().resource::<ConeProgram>().clone());
+        // An increment that stalls leaves the last of many tries, not a program of the scene.
+        if simulation.world().resource::<Attempt>().status != IncrementStatus::Stalled {
+            programs.push(simulation.world().resource::<ConeProgram>().clone());
+        }
     }
     programs
 }
+
+/// Seeds of every kind.
+const SEEDS: u32 = 4;
 
 /// All programs of all kinds, with where they come from.
 fn random_programs() -> Vec<(String, ConeProgram)> {
     let mut all = Vec::new();
     for kind in KINDS {
-        for seed in 1..=3 {
+        for seed in 1..=SEEDS {
             for (k, program) in programs(kind, seed).into_iter().enumerate() {
                 all.push((format!("{}, seed {seed}, increment {}", kind.name, k + 1), program));
             }
@@ -248,6 +255,9 @@ fn condensed_and_clarabel_agree() {
             continue;
         }
         ended[a.status as usize] += 1;
+        if a.status == SolveStatus::Stalled {
+            failures.push(format!("{name}: both stalled ({} and {})", a.message, b.message));
+        }
         if a.status != SolveStatus::Solved {
             continue;
         }
@@ -284,9 +294,9 @@ fn condensed_and_clarabel_agree() {
         }
     }
     assert!(failures.is_empty(), "{} programs\n{}", programs.len(), failures.join("\n"));
-    let [solved, collapsed, locked, stalled] = ended;
-    assert!(collapsed >= 2 && locked >= 3, "{ended:?}");
-    assert!(stalled == 0, "both solvers stalled on {stalled} programs");
+    let [solved, collapsed, locked, _] = ended;
+    println!("{} programs: solved, collapsed, locked, stalled {ended:?}", programs.len());
+    assert!(collapsed >= 3 && locked >= 3, "{ended:?}");
     assert!(20 * alone <= programs.len(), "Clarabel stalled on {alone} of {}", programs.len());
     assert!(20 * own >= 19 * solved, "Clarabel had to solve {} of {solved}", solved - own);
 }

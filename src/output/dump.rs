@@ -29,7 +29,8 @@ Minimise 1/2 sum_dof (m + w) u^2 + sum_c [g p + 1/2 C_N p^2 + 1/2 C_T (q - q_0)^
 subject to, for every free degree of freedom, (m + w) u + G (p, q, tau) = load + w r, \
 and for every interaction |q| <= cohesion + friction p, |tau| <= rolling (p + tension), \
 p >= -tension; \
-m = inertia, w = proximal (regularisation; the residuals count its force as an error of the \
+m = inertia, momentum = the part of the load that is inertia times the motion of the last increment \
+(no force), w = proximal (regularisation; the residuals count its force as an error of the \
 balance), r = reference, g = offset, C_N = normal_compliance, \
 C_T = tangential_compliance, q_0 = previous_shear; an interaction without cohesion and friction has \
 q = 0 and a free slip, one without rolling has tau = 0 and a free rotation. \
@@ -95,7 +96,14 @@ struct BodyDump {
 #[serde(rename_all = "lowercase")]
 enum DofDump {
     Fixed(f64),
-    Free { load: f64, inertia: f64, proximal: f64, reference: f64 },
+    Free {
+        load: f64,
+        #[serde(default)]
+        momentum: f64,
+        inertia: f64,
+        proximal: f64,
+        reference: f64,
+    },
 }
 
 #[derive(Serialize, Deserialize)]
@@ -207,6 +215,7 @@ fn dof(dof: Dof) -> DofDump {
         Dof::Fixed(value) => DofDump::Fixed(value),
         Dof::Free(f) => DofDump::Free {
             load: f.load,
+            momentum: f.momentum,
             inertia: f.inertia,
             proximal: f.proximal,
             reference: f.reference,
@@ -299,8 +308,8 @@ pub fn read_program(path: &Path) -> Result<(ConeProgram, ConeSolution), OutputEr
 fn read_dof(dof: &DofDump) -> Dof {
     match *dof {
         DofDump::Fixed(value) => Dof::Fixed(value),
-        DofDump::Free { load, inertia, proximal, reference } => {
-            Dof::Free(FreeDof { load, inertia, proximal, reference })
+        DofDump::Free { load, momentum, inertia, proximal, reference } => {
+            Dof::Free(FreeDof { load, momentum, inertia, proximal, reference })
         }
     }
 }

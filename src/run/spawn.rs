@@ -55,6 +55,7 @@ pub fn insert_settings(world: &mut World, scene: &scene::Scene, particles: u32) 
     world.insert_resource(inc::Acceptance {
         residual: scene.acceptance.residual,
         throw: scene.acceptance.throw,
+        snap: scene.acceptance.snap,
         halvings: scene.acceptance.halvings,
         ..Default::default()
     });

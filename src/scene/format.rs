@@ -183,13 +183,16 @@ pub struct Acceptance {
     pub residual: f64,
     /// Greatest motion of a grain about the mean field in a static increment, in its radii.
     pub throw: f64,
+    /// Greatest strain of the mean field in a static increment beyond what is imposed: a specimen
+    /// that strains further under its loads has collapsed.
+    pub snap: f64,
     /// How often an increment may be halved.
     pub halvings: u32,
 }
 
 impl Default for Acceptance {
     fn default() -> Self {
-        Self { residual: 1e-8, throw: 0.3, halvings: 6 }
+        Self { residual: 1e-8, throw: 0.3, snap: 0.02, halvings: 6 }
     }
 }
 

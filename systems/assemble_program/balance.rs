@@ -98,7 +98,8 @@ fn particle_dof(
             let dt = dt * fraction;
             let inertia = mass / (theta * dt * dt);
             let v = if k < 2 { bodies.velocities[i][k] } else { bodies.angular_velocities[i] };
-            FreeDof { load: applied + inertia * v * dt, inertia, ..FreeDof::default() }
+            let momentum = inertia * v * dt;
+            FreeDof { load: applied + momentum, momentum, inertia, ..FreeDof::default() }
         }
     }
 }

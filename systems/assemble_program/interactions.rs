@@ -16,6 +16,10 @@ use clastic_components::increment::{Analysis, AnalysisKind};
 use clastic_components::material::{ContactLaw, Materials};
 use clastic_components::program::{Interaction, Limits};
 
+/// Rigid overlaps below this, in mean radii, are what is left of the last increment. In a static
+/// program nothing else need move, and where nothing can they would count as forced into each other.
+const ROUND_OFF: f64 = 1e-9;
+
 /// Fills `out` with one interaction per contact, in the order of the contacts.
 pub fn assemble(
     bodies: &Bodies,
@@ -164,6 +168,11 @@ fn interaction(
     let corrected = correction.map_or(0.0, |c| c.offset - contact.gap);
     let (normal_compliance, tangential_compliance) = (normal / theta, tangential / theta);
     let shift = attempt.shear_shift(pair, tangential_compliance);
+    let round_off = -ROUND_OFF * bodies.mean_radius..0.0;
+    let gap = match analysis.kind {
+        AnalysisKind::Static if normal == 0.0 && round_off.contains(&gap) => 0.0,
+        _ => gap,
+    };
     Interaction {
         a: contact.a,
         b: contact.b,

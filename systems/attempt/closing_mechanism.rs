@@ -6,23 +6,25 @@ use bevy_ecs::prelude::*;
 use glam::DVec2;
 
 use clastic_components::attempt::Attempt;
-use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::contact::{Bodies, ContactHistory, Contacts};
+use clastic_components::increment::Acceptance;
 use clastic_components::program::{ConeProgram, ConeSolution};
 
 use super::closed_pairs::{add, gap, is_listed, unlisted_pairs};
 
-/// Particles with a greater gap, in mean radii, do not come into question: frozen normals say
-/// nothing about them. A wall that moves has the same normal however far it is.
-const FURTHEST: f64 = 1.0;
 /// A pair closes if it does so faster than this fraction of the greatest motion.
 const CLOSES: f64 = 1e-6;
 
-/// Checks all pairs near each other against the mechanism.
+/// Checks the pairs that an acceptable motion can close against the mechanism: those that two grains
+/// thrown at each other would. Beyond that frozen normals say nothing, and a specimen that is crushed
+/// would find support without end. A loaded wall that nothing touches yet comes from any distance.
 pub fn judge(
     bodies: Res<Bodies>,
     contacts: Res<Contacts>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
+    history: Res<ContactHistory>,
+    acceptance: Res<Acceptance>,
     mut attempt: ResMut<Attempt>,
 ) {
     let Some(certificate) = &solution.certificate else { return };
@@ -47,12 +49,19 @@ pub fn judge(
         let closing = gap(&bodies, &bodies.positions, *a, *b) - gap(&bodies, &moved, *a, *b);
         closing > CLOSES * scale * greatest
     };
-    let near = unlisted_pairs(&bodies, &contacts, &bodies.positions, FURTHEST * bodies.mean_radius);
-    let moving = bodies.walls.iter().filter(|w| motion[w.body as usize] != DVec2::ZERO);
-    let walls = moving.flat_map(|w| (0..bodies.particles as u32).map(|a| (a, w.body)));
+    let reach = 2.0 * acceptance.throw * bodies.mean_radius;
+    let near = unlisted_pairs(&bodies, &contacts, &bodies.positions, reach);
+    let touched = |wall: u32| history.0.iter().any(|m| m.b == wall && m.p > 0.0);
+    let coming = bodies.walls.iter().filter(|w| motion[w.body as usize] != DVec2::ZERO);
+    let coming = coming.filter(|w| !touched(w.body));
+    let walls = coming.flat_map(|w| (0..bodies.particles as u32).map(|a| (a, w.body)));
     let walls = walls.filter(|pair| !is_listed(&contacts, *pair));
-    let mut closing = near.into_iter().chain(walls).filter(closes).peekable();
-    if closing.peek().is_some() {
-        add(&mut attempt, closing);
+    let closing: Vec<(u32, u32)> = near.into_iter().chain(walls).filter(closes).collect();
+    if !closing.is_empty() {
+        // The next solution moves as far as the nearest of them, not as the last one did.
+        let gaps = closing.iter().map(|(a, b)| gap(&bodies, &bodies.positions, *a, *b));
+        let nearest = gaps.fold(f64::INFINITY, f64::min).max(1e-3 * bodies.mean_radius);
+        attempt.magnitudes = Some((nearest.max(program.scales.displacement), program.scales.force));
+        add(&mut attempt, closing.into_iter());
     }
 }

@@ -23,13 +23,18 @@ pub mod thrown_grains;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
+use glam::DVec2;
 
 use clastic_components::attempt::{Attempt, IncrementStatus, Verdict};
+use clastic_components::body::{AppliedLoad, Ramp};
+use clastic_components::contact::ContactHistory;
 use clastic_components::increment::{
     Acceptance, Analysis, Corrector, FrictionLaw, Progress, RuptureRules,
 };
 use clastic_components::program::{ConeSolution, SolveStatus};
+use clastic_components::wall::WallDrive;
 
+use self::settle::Settled;
 use crate::assemble_program::loose;
 use crate::schedule::{AttemptIncrement, AttemptSystems, Increment, IncrementSystems, start_clock};
 
@@ -85,7 +90,8 @@ const MAX_SOLVES: u32 = 1000;
 /// that helps is left.
 pub fn run_attempts(world: &mut World) {
     let acceptance = *world.resource::<Acceptance>();
-    *world.resource_mut::<Attempt>() = Attempt::default();
+    let bounded = carries_loads(world);
+    *world.resource_mut::<Attempt>() = Attempt { bounded, ..Attempt::default() };
     {
         let mut progress = world.resource_mut::<Progress>();
         progress.increment += 1;
@@ -94,6 +100,7 @@ pub fn run_attempts(world: &mut World) {
         progress.fraction = (2.0 * progress.fraction).clamp(f64::MIN_POSITIVE, left);
     }
     let before = settle::Snapshot::take(world);
+    let mut strained = 0.0;
     // Of a whole increment, not of what the last one could take: else a specimen that is stuck
     // would creep on in ever smaller steps.
     let finest = 0.5_f64.powf(f64::from(acceptance.halvings));
@@ -106,6 +113,7 @@ pub fn run_attempts(world: &mut World) {
             }
             verdict => verdict,
         };
+        let mut snaps = false;
         let reason = match verdict {
             Verdict::Accept => {
                 if attempt.status == IncrementStatus::Solved && attempt.capped {
@@ -129,10 +137,15 @@ pub fn run_attempts(world: &mut World) {
                 reason
             }
             Verdict::Thrown(reason) => {
+                snaps = attempt.snaps;
                 if attempt.settled < settle::MAX_STEPS {
                     forget(&mut attempt, reason.clone());
-                    if settle::settle(world) {
-                        continue;
+                    match settle::settle(world, &mut strained) {
+                        Settled::Moved => continue,
+                        Settled::AtRest => {}
+                        Settled::GaveWay => {
+                            return give_way(world, before, reason);
+                        }
                     }
                 }
                 reason
@@ -141,6 +154,10 @@ pub fn run_attempts(world: &mut World) {
         let half = 0.5 * world.resource::<Progress>().fraction;
         let mut attempt = world.resource_mut::<Attempt>();
         if half < finest || attempt.solves >= MAX_SOLVES {
+            if snaps {
+                return give_way(world, before, reason);
+            }
+            let mut attempt = world.resource_mut::<Attempt>();
             attempt.status = final_status(attempt.status);
             attempt.complaint = reason;
             before.restore(world);
@@ -153,6 +170,29 @@ pub fn run_attempts(world: &mut World) {
     }
 }
 
+/// Whether anything but walls that move as they are told to acts on a specimen that carries something
+/// already. One that does not may come to its first support over any distance.
+fn carries_loads(world: &mut World) -> bool {
+    let acts = |ramp: &Ramp| ramp.from != 0.0 || ramp.to != 0.0;
+    let mut walls = world.query::<&WallDrive>();
+    let mut loads = world.query::<&AppliedLoad>();
+    world.resource::<ContactHistory>().0.iter().any(|m| m.p != 0.0)
+        && (world.resource::<Analysis>().gravity != DVec2::ZERO
+            || walls.iter(world).any(|d| matches!(d, WallDrive::Loaded(ramp) if acts(ramp)))
+            || loads.iter(world).any(|load| load.0.iter().any(acts)))
+}
+
+/// Ends the increment as a collapse that no program proves: the specimen strains on and on under its
+/// loads, or takes no part of what is added to them without doing so.
+fn give_way(world: &mut World, before: settle::Snapshot, reason: String) {
+    world.resource_mut::<ConeSolution>().certificate = None;
+    let mut attempt = world.resource_mut::<Attempt>();
+    attempt.status = IncrementStatus::Collapsed;
+    attempt.complaint = reason;
+    attempt.verdict = Verdict::Accept;
+    before.restore(world);
+}
+
 /// A locked program that no halving unlocks stays locked; all else has stalled.
 fn final_status(status: IncrementStatus) -> IncrementStatus {
     if status == IncrementStatus::Locked { status } else { IncrementStatus::Stalled }
@@ -162,6 +202,7 @@ fn final_status(status: IncrementStatus) -> IncrementStatus {
 fn forget(attempt: &mut Attempt, reason: String) {
     attempt.complaint = reason;
     attempt.ruptures.clear();
+    attempt.snaps = false;
     attempt.capped = false;
     attempt.cascade_rounds = 0;
     attempt.openings.clear();

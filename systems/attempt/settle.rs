@@ -20,7 +20,8 @@ use clastic_components::increment::Acceptance;
 use clastic_components::program::{ConeProgram, ConeSolution};
 use clastic_components::wall::{Wall, WallDrive};
 
-use super::thrown_grains::{far_motions, furthest, motions};
+use super::thrown_grains::{far_motions, furthest, mean_strain, motions};
+use crate::control_walls::control_walls;
 use crate::schedule::AttemptIncrement;
 use crate::update_state::{move_bodies, remember_contacts};
 
@@ -86,6 +87,7 @@ impl Snapshot {
             }
         }
         world.insert_resource(self.history);
+        let _ = world.run_system_once(control_walls);
     }
 }
 
@@ -140,12 +142,28 @@ fn still(ramp: Ramp) -> Ramp {
 
 /// Lets the grains that were thrown and their neighbours settle, with all others held: the
 /// increment that follows lets go of all of them. Where nothing moves so, what keeps them is further
-/// away, and all settle. Returns whether anything moved.
-pub fn settle(world: &mut World) -> bool {
+/// away, and all settle. `strained` is what the mean field has strained so far in this increment.
+pub fn settle(world: &mut World, strained: &mut f64) -> Settled {
     world.resource_mut::<Attempt>().held = patch(world);
-    let moved = approach(world);
+    let mut settled = approach(world, strained);
     let held = std::mem::take(&mut world.resource_mut::<Attempt>().held);
-    moved || (!held.is_empty() && approach(world))
+    if settled == Settled::AtRest && !held.is_empty() {
+        settled = approach(world, strained);
+    }
+    // A stress acts on the length that there is now.
+    let _ = world.run_system_once(control_walls);
+    settled
+}
+
+/// What came of settling.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Settled {
+    /// Nothing moved.
+    AtRest,
+    /// Grains moved: the increment is to be tried again.
+    Moved,
+    /// The specimen gave way under its loads and found no rest.
+    GaveWay,
 }
 
 /// Bodies to hold: all but the grains that the last solution moves far about the mean field, and
@@ -179,8 +197,8 @@ fn patch(world: &World) -> Vec<bool> {
 
 /// Takes settling steps of about the same motion: the weight follows from how far grains moved in
 /// the step before, and grows where they turn back. Ends when grains hardly move at a vanishing
-/// weight: then the increment itself may be tried again. Returns whether anything moved.
-fn approach(world: &mut World) -> bool {
+/// weight: then the increment itself may be tried again.
+fn approach(world: &mut World, strained: &mut f64) -> Settled {
     let rest = Rest::begin(world);
     let reach = REACH * world.resource::<Bodies>().mean_radius;
     world.resource_mut::<Attempt>().reach = reach;
@@ -211,6 +229,10 @@ fn approach(world: &mut World) -> bool {
         let _ = world.run_system_once(move_bodies);
         let _ = world.run_system_once(remember_contacts);
         travelled += far;
+        *strained += mean_strain(world.resource(), world.resource(), world.resource());
+        if gives_way(world, *strained) {
+            break;
+        }
         last_steps += u32::from(weight <= LEAST_WEIGHT);
         if (weight <= SMALL_WEIGHT && far <= NEAR_REST) || last_steps >= MAX_LAST {
             break;
@@ -231,7 +253,17 @@ fn approach(world: &mut World) -> bool {
     attempt.reach = 0.0;
     attempt.status = IncrementStatus::Solved;
     rest.end(world);
-    travelled > RESTFUL
+    if gives_way(world, *strained) {
+        Settled::GaveWay
+    } else if travelled > RESTFUL {
+        Settled::Moved
+    } else {
+        Settled::AtRest
+    }
+}
+
+fn gives_way(world: &World, strained: f64) -> bool {
+    world.resource::<Attempt>().bounded && strained > world.resource::<Acceptance>().snap
 }
 
 /// How far, in its radii, the grain that moves furthest moves about the mean field.

@@ -8,8 +8,9 @@ use glam::DVec2;
 use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::body::Drive;
 use clastic_components::contact::Bodies;
-use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
+use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
 use clastic_components::program::{ConeProgram, ConeSolution};
+use clastic_components::wall::WallDrive;
 
 use super::restraints::restrain;
 
@@ -24,6 +25,7 @@ pub fn judge(
     solution: Res<ConeSolution>,
     acceptance: Res<Acceptance>,
     analysis: Res<Analysis>,
+    progress: Res<Progress>,
     mut attempt: ResMut<Attempt>,
 ) {
     if analysis.kind != AnalysisKind::Static {
@@ -35,6 +37,11 @@ pub fn judge(
         } else {
             Verdict::Thrown(reason)
         };
+    } else if attempt.bounded
+        && let Some(reason) = snapped(&bodies, &program, &solution, &progress, &acceptance)
+    {
+        attempt.snaps = true;
+        attempt.verdict = Verdict::Thrown(reason);
     }
 }
 
@@ -98,6 +105,47 @@ pub fn motions(particles: usize, program: &ConeProgram, solution: &ConeSolution)
         .collect()
 }
 
+/// Strain of the mean field of a solution.
+#[must_use]
+pub fn mean_strain(bodies: &Bodies, program: &ConeProgram, solution: &ConeSolution) -> f64 {
+    let n = bodies.particles;
+    MeanField::fit(&bodies.positions[..n], &motions(n, program, solution)).strain()
+}
+
+/// Complaint about a specimen that strains much further than it is made to. The bound on single
+/// grains says nothing about a motion that all of them share.
+fn snapped(
+    bodies: &Bodies,
+    program: &ConeProgram,
+    solution: &ConeSolution,
+    progress: &Progress,
+    acceptance: &Acceptance,
+) -> Option<String> {
+    let strain = mean_strain(bodies, program, solution);
+    let imposed = bodies.drives.iter().flat_map(|d| &d[..2]).filter_map(|d| match d {
+        Drive::Imposed(u) => Some(u.abs()),
+        Drive::Free => None,
+    });
+    let walls = bodies.walls.iter().filter_map(|w| match w.drive {
+        WallDrive::Imposed(u) => Some(u.length()),
+        WallDrive::Loaded(_) => None,
+    });
+    let imposed = progress.fraction * imposed.chain(walls).fold(0.0, f64::max);
+    let n = bodies.particles;
+    let (low, high) = bodies.positions[..n]
+        .iter()
+        .fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)));
+    // Twice: a specimen that is compressed one way may yield as much the other way.
+    let imposed = 2.0 * imposed / (high - low).min_element().max(bodies.mean_radius);
+    (strain > acceptance.snap + imposed).then(|| {
+        format!(
+            "the specimen strains by {:.1} % at once; accepted {:.1} % beyond what is imposed",
+            100.0 * strain,
+            100.0 * acceptance.snap
+        )
+    })
+}
+
 /// An affine displacement field `u(x) = u_0 + H (x - x_0)`.
 struct MeanField {
     origin: DVec2,
@@ -130,6 +178,12 @@ impl MeanField {
             ((yy * ux - xy * uy) / det, (xx * uy - xy * ux) / det)
         };
         Self { origin, mean, along_x, along_y }
+    }
+
+    /// Norm of the symmetric part of H.
+    fn strain(&self) -> f64 {
+        let shear = 0.5 * (self.along_x.y + self.along_y.x);
+        self.along_x.x.hypot(self.along_y.y).hypot(shear).hypot(shear)
     }
 
     fn at(&self, x: DVec2) -> DVec2 {

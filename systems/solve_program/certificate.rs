@@ -65,6 +65,52 @@ pub fn certificate(program: &ConeProgram, mechanism: &[[f64; 3]]) -> Option<Cert
     (work > 0.0).then(|| Certificate { mechanism: u, margin: (work - dissipation) / work, defect })
 }
 
+/// An overlap, in units of length, that rigid bodies must have to count as forced into each other.
+const FORCED: f64 = 1e-9;
+
+/// Whether forces prove that rigid bodies are locked: they balance each other without any load,
+/// within limits that grow with them, strain nothing elastic, and the motions imposed close (or the
+/// overlaps are) what they press on. No displacements satisfy the constraints then.
+#[must_use]
+pub fn locks(program: &ConeProgram, forces: &[[f64; 3]]) -> bool {
+    let length = program.scales.length;
+    let size = |f: &[f64; 3]| f[0].abs().max(f[1].abs()).max(f[2].abs() / length);
+    let greatest = forces.iter().map(size).fold(0.0, f64::max);
+    if !(greatest > 0.0 && greatest.is_finite()) {
+        return false;
+    }
+    let forces: Vec<[f64; 3]> = forces.iter().map(|f| f.map(|f| f / greatest)).collect();
+    let mut rows = vec![[0.0; 3]; program.bodies.len()];
+    program.add_forces(&forces, &mut rows);
+    let known: Vec<[f64; 3]> = program
+        .bodies
+        .iter()
+        .map(|body| {
+            body.dofs.map(|d| match d {
+                Dof::Fixed(u) => u,
+                Dof::Free(_) => 0.0,
+            })
+        })
+        .collect();
+    let balanced = program.bodies.iter().zip(&rows).all(|(body, row)| {
+        (0..3).all(|k| {
+            let unit = if k < 2 { 1.0 } else { length };
+            !matches!(body.dofs[k], Dof::Free(_)) || row[k].abs() <= TOLERANCE * unit
+        })
+    });
+    let (mut work, mut allowed) = (0.0, true);
+    for (c, [p, q, tau]) in program.interactions.iter().zip(&forces) {
+        let e = program.kinematics(c, &known);
+        work += (e[0] - c.offset) * p + e[1] * q + e[2] * tau;
+        allowed &= *p >= -TOLERANCE
+            && q.abs() <= c.limits.friction * p + TOLERANCE
+            && tau.abs() <= c.limits.rolling * p + TOLERANCE * length
+            && (c.normal_compliance == 0.0 || p.abs() <= TOLERANCE)
+            && (c.tangential_compliance == 0.0 || q.abs() <= TOLERANCE);
+    }
+    balanced && allowed && work > FORCED * length
+}
+
 /// Whether a certificate proves the collapse.
 #[must_use]
 pub fn proves(certificate: &Certificate) -> bool {

@@ -13,7 +13,7 @@ use clarabel::solver::{
 
 use clastic_components::program::{ConeProgram, ConeSolution, Dof, SolveStatus};
 
-use super::certificate::{certificate, proves};
+use super::certificate::{certificate, locks, proves};
 use super::lowering::{displacements, forces, known_displacements, lower, polish};
 use super::polish::Point;
 use super::{ConeSolver, MalformedProgram};
@@ -91,7 +91,9 @@ impl ConeSolver for Clarabel {
                     polish(program, &low, &a, point, &mut solution);
                 }
             }
-            SolverStatus::DualInfeasible | SolverStatus::AlmostDualInfeasible => {
+            SolverStatus::DualInfeasible | SolverStatus::AlmostDualInfeasible
+                if locks(program, &solution.forces) =>
+            {
                 solution.status = SolveStatus::Locked;
             }
             // Clarabel may give up where the truth is infeasible; what proves the collapse is the

@@ -8,6 +8,8 @@ use clastic_components::program::{ConeProgram, ConeSolution, Dof};
 use super::polish::{Point, QuadraticProgram};
 use super::residuals::regularised_residuals;
 
+/// Residuals below this are both small.
+const SMALL: f64 = 1e-10;
 /// Polishes of one solution at most.
 const POLISHES: usize = 8;
 /// Residual at which polishing stops.
@@ -211,7 +213,7 @@ pub(super) fn polish(
         let now = worst(&polished);
         // Of two small residuals the polished one belongs to the more accurate solution, for the
         // same reason. Also true where the interior point left something that is not a number.
-        if now <= goal || !(best <= now) {
+        if now <= goal.max(SMALL) || !(best <= now) {
             best = now;
             solution.forces = polished.forces;
             solution.displacements = polished.displacements;

@@ -76,7 +76,7 @@ pub fn force_scale(program: &ConeProgram, forces: &[[f64; 3]]) -> f64 {
         .bodies
         .iter()
         .flat_map(|b| &b.dofs[..2])
-        .map(|d| if let Dof::Free(f) = d { f.load.abs() } else { 0.0 })
+        .map(|d| if let Dof::Free(f) = d { (f.load - f.momentum).abs() } else { 0.0 })
         .fold(0.0, f64::max);
     // Where all are zero (a bond has broken, a specimen is unloaded) round-off of what was there
     // before must not count as an error.

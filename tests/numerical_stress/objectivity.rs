@@ -134,7 +134,10 @@ fn stretch_of_a_turned_beam_falls_with_the_square_of_the_increment() {
 #[test]
 fn corrected_beam_turns_as_a_rigid_body_in_ten_increments() {
     let full_turn = std::f64::consts::TAU;
-    let uncorrected = turned(&beam(full_turn, 10, None), full_turn);
+    let mut frozen = beam(full_turn, 10, None);
+    // It strains the beam by a fifth at once; such increments are halved if they may be.
+    frozen.acceptance.snap = 1.0;
+    let uncorrected = turned(&frozen, full_turn);
     assert!(uncorrected.broken > 0, "the frozen normal breaks bonds");
     for n in [10, 20, 100] {
         let corrector = Some(Corrector { passes: 30, tolerance: 1e-9 });

@@ -42,6 +42,7 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
     let acceptance = scene.acceptance;
     findings.positive(format_args!("acceptance.residual"), acceptance.residual, "a residual");
     findings.positive(format_args!("acceptance.throw"), acceptance.throw, "a number of radii");
+    findings.positive(format_args!("acceptance.snap"), acceptance.snap, "a strain");
     if acceptance.halvings > MOST_HALVINGS {
         let message = format!("out of range ({})", acceptance.halvings);
         let help = format!("give a number up to {MOST_HALVINGS}");

@@ -1,0 +1,89 @@
+//! Specimens under force and stress control carry what they can and then collapse, wherever walls and
+//! grains would come to rest later; and what is stress controlled has its stress in every increment.
+
+use std::path::Path;
+
+use clastic::components::attempt::IncrementStatus;
+use clastic::components::observation::Observation;
+use clastic::run::{Outcome, Simulation, Step};
+use clastic::scene;
+
+/// Runs a scene of `scenes/` with other settings.
+fn run(name: &str, settings: &[&str]) -> (Vec<Observation>, Outcome) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name);
+    let settings: Vec<String> = settings.iter().map(|s| (*s).to_owned()).collect();
+    let loaded = scene::load(&path, &settings).unwrap_or_else(|e| panic!("{e}"));
+    let mut simulation = Simulation::new(&loaded.scene, loaded.specimen.as_ref());
+    let mut records = Vec::new();
+    loop {
+        match simulation.step() {
+            Step::Increment => records.push(simulation.world().resource::<Observation>().clone()),
+            Step::Finished(outcome) => return (records, outcome),
+        }
+    }
+}
+
+/// Greatest axial stress of the increments that were solved, Pa, and the strain that they reach.
+fn limit(records: &[Observation]) -> (f64, f64) {
+    let solved = records.iter().filter(|o| o.status == IncrementStatus::Solved);
+    solved.fold((0.0, 0.0), |(stress, strain), o| {
+        (o.axial_stress.map_or(stress, |s| s.max(stress)), o.axial_strain.unwrap_or(strain))
+    })
+}
+
+fn assert_collapses(outcome: &Outcome) {
+    assert!(matches!(outcome, Outcome::Collapsed { stage, .. } if stage == "load"), "{outcome:?}");
+}
+
+#[test]
+fn rigid_specimen_under_stress_collapses_at_the_limit_load() {
+    // Driven by displacement the first increment carries it: the optimum of the program.
+    let (driven, _) = run("uniaxial_rigid_small.ron", &[]);
+    let expected = driven[0].axial_stress.unwrap();
+    let settings = ["stages.load.walls.top=Stress(stress: 1.2e9)", "stages.load.increments=12"];
+    let (records, outcome) = run("uniaxial_rigid_small.ron", &settings);
+    assert_collapses(&outcome);
+    // It is between the last load that was carried and the first one that was not: an increment of
+    // 100 MPa, or a part of it.
+    let (carried, _) = limit(&records);
+    assert!(carried <= expected && expected <= carried + 100e6, "{carried} and {expected}");
+}
+
+#[test]
+fn elastic_specimen_under_stress_collapses_at_its_peak() {
+    let (driven, _) = run("uniaxial_small.ron", &["stages.load.increments=80"]);
+    let (peak, _) = limit(&driven);
+    let settings = ["stages.load.walls.top=Stress(stress: 250.0e6)", "stages.load.increments=120"];
+    let (records, outcome) = run("uniaxial_small.ron", &settings);
+    assert_collapses(&outcome);
+    // Bonds break after an increment. Under a given load damage goes on at once, so that the way to
+    // the peak is another one, but not its height.
+    let (carried, strain) = limit(&records);
+    assert!((carried / peak - 1.0).abs() < 0.1, "{carried} and {peak}");
+    assert!(strain < 0.01, "{strain}");
+}
+
+#[test]
+fn stress_on_a_wall_is_exact_where_grains_settle() {
+    let settings = ["acceptance.throw=0.05", "stages.load.increments=60"];
+    let (records, _) = run("biaxial_small.ron", &settings);
+    let load = || records.iter().filter(|o| o.stage == "load");
+    assert!(load().any(|o| o.settled > 0), "nothing settled");
+    for o in load() {
+        let stress = o.lateral_stress.unwrap();
+        assert!((stress / 200e3 - 1.0).abs() < 1e-7, "increment {}: {stress}", o.increment);
+    }
+}
+
+#[test]
+fn confined_specimen_under_stress_collapses_and_does_not_strain_on() {
+    let settings = [
+        "stages.load.walls.top=Stress(stress: 1000.0e3, between: (\"left\", \"right\"))",
+        "stages.load.increments=40",
+    ];
+    let (records, outcome) = run("biaxial_small.ron", &settings);
+    assert_collapses(&outcome);
+    let (carried, strain) = limit(&records);
+    assert!((700e3..1000e3).contains(&carried), "{carried}");
+    assert!(strain < 0.05, "{strain}");
+}
