@@ -70,7 +70,7 @@ pub struct RunWriter {
     fresh: Vec<PathBuf>,
     /// Increment of the last checkpoint.
     saved: Option<u64>,
-    /// Seconds that the last checkpoint took, until they are booked.
+    /// Seconds of checkpoints since the last row of the timings, which they came after.
     saving: f64,
 }
 
@@ -293,22 +293,22 @@ impl RunWriter {
             dump::write_program(&path, world)?;
             self.is_fresh(path);
         }
-        let output = clock.elapsed().as_secs_f64() - if stalled { self.saving } else { 0.0 };
         let timings = world.resource::<Timings>();
         if due.row {
-            self.timings.push(timings::row(increment, timings, output, self.saving))?;
+            let output = clock.elapsed().as_secs_f64() + std::mem::take(&mut self.saving);
+            self.timings.push(timings::row(increment, timings, output))?;
         }
-        self.saving = 0.0;
         let every = u64::from(self.checkpoint_every);
         if every > 0 && increment.is_multiple_of(every) && !stalled {
+            let clock = Instant::now();
             self.save(world)?;
+            self.saving += clock.elapsed().as_secs_f64();
         }
         Ok(())
     }
 
     /// Writes a checkpoint.
     fn save(&mut self, world: &mut World) -> Result<(), OutputError> {
-        let clock = Instant::now();
         // A checkpoint must not reach the disk before the rows and files that it counts on.
         for path in self.fresh.drain(..) {
             sync(&path).map_err(OutputError::at(&path))?;
@@ -332,7 +332,6 @@ impl RunWriter {
         };
         checkpoint.write(&self.directory)?;
         self.saved = Some(increment);
-        self.saving = clock.elapsed().as_secs_f64();
         Ok(())
     }
 
