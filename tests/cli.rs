@@ -260,6 +260,55 @@ fn a_collapse_is_a_result() {
 }
 
 #[test]
+fn the_mechanism_of_a_collapse_is_a_result() {
+    // When the bond breaks nothing holds the 10 N that pull the free disk along x.
+    let (collapsed, out) = run("direct_shear_-10N", &[]);
+    collapsed.code(0);
+    let record = json(out.path(), "run.json");
+    let mechanism = &record["results"]["mechanism"];
+    assert_eq!(mechanism["increment"], record["outcome"]["increment"]);
+    // Nothing dissipates, and no condition is violated.
+    assert!((mechanism["margin"].as_f64().unwrap() - 1.0).abs() < 1e-9, "{mechanism}");
+    assert!(mechanism["defect"].as_f64().unwrap() < 1e-9, "{mechanism}");
+    let text = read(out.path(), "mechanism.csv");
+    assert!(text.starts_with("body,x_m,y_m,u_x,u_y,rotation\n"), "{text}");
+    let rows = rows(out.path(), "mechanism.csv");
+    let number = |row: usize, column: &str| rows[row][column].parse::<f64>().unwrap();
+    assert_eq!(rows.len(), 2);
+    for (row, u_x) in [(0, 0.0), (1, 1.0)] {
+        let motion = ["u_x", "u_y", "rotation"].map(|column| number(row, column));
+        assert_eq!(motion, [u_x, 0.0, 0.0]);
+    }
+    assert_eq!([number(0, "x_m"), number(0, "y_m"), number(1, "y_m")], [0.0; 3]);
+    assert!((number(1, "x_m") - 12.0e-3).abs() < 1e-6);
+    assert!(read(out.path(), "mechanism.svg").contains("increment"));
+
+    // A run that does not collapse has none.
+    let (completed, out) = run("direct_shear_10N", &[]);
+    completed.code(0);
+    assert!(!out.path().join("mechanism.csv").exists());
+    assert!(json(out.path(), "run.json")["results"]["mechanism"].is_null());
+}
+
+#[test]
+fn the_first_increment_of_the_rigid_test_shows_its_mechanism() {
+    let (done, out) = run("uniaxial_rigid_small", &["--set", "output.plots=false"]);
+    done.code(0);
+    assert_eq!(fs::read_dir(out.path().join("frames")).unwrap().count(), 1);
+    let rows = rows(out.path(), "frames/frame_000001.csv");
+    assert_eq!(rows.len(), 400);
+    let moves = |column: &str, sign: f64| {
+        rows.iter().map(|row| sign * row[column].parse::<f64>().unwrap()).fold(0.0, f64::max)
+    };
+    // The platen comes down, and the specimen gives way to both sides.
+    let platen = 1.451e-6;
+    for (column, sign, least) in [("uy_m", -1.0, 0.9), ("ux_m", 1.0, 0.3), ("ux_m", -1.0, 0.3)] {
+        let most = moves(column, sign);
+        assert!(most > least * platen, "{column}: {most}");
+    }
+}
+
+#[test]
 fn headers_are_the_documented_ones() {
     let (done, out) = run("tension", &["--quiet", "--set", "stages.pull.increments=1"]);
     assert_eq!(stderr(&done.code(0)), "");

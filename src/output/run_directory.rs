@@ -17,6 +17,7 @@ use super::atomic::{sync, write_atomic, write_durable};
 use super::checkpoint::{Checkpoint, ResumeError};
 use super::csv_file::CsvFile;
 use super::key_results::{KeyResults, Phase, Results};
+use super::mechanism::Mechanism;
 use super::run_record::{CLASTIC_VERSION, OutcomeRecord, Resumed, RunFacts, RunRecord};
 use super::snapshot::Snapshot;
 use super::{OutputError, directory, dump, events, frames, history, plots, porosity, timings};
@@ -88,6 +89,20 @@ pub struct WriterState {
     start: Snapshot,
     /// At the peak so far: with its caption.
     peak: Option<(Snapshot, String)>,
+}
+
+impl WriterState {
+    /// The files that are there once and for all, and that the end of a run makes no others of.
+    fn files(&self) -> Vec<&'static str> {
+        let mut files = Vec::new();
+        if self.specimen {
+            files.push(directory::SPECIMEN);
+        }
+        if self.results.has_mechanism() {
+            files.extend([directory::MECHANISM, plots::MECHANISM]);
+        }
+        files
+    }
 }
 
 /// A specimen that waits for the reference stage: only when that has made its first increment do
@@ -208,7 +223,7 @@ impl RunWriter {
             next.write(directory)?;
             write_durable(&scene_file, &next.scene)?;
         }
-        directory::rewind(directory, increment, next.output.specimen)?;
+        directory::rewind(directory, increment, &next.output.files())?;
         make_frames(directory, &loaded.scene)?;
         let reference_stage = Script::new(&loaded.scene).reference_stage();
         let mut record = RunRecord::new(loaded, &next.facts, reference_stage);
@@ -283,6 +298,7 @@ impl RunWriter {
         if self.state.results.observe(&observation, phase) && self.scene.output.plots {
             self.state.peak = Some((Snapshot::take(world), caption(&observation)));
         }
+        self.write_mechanism(world)?;
         if due.frame {
             let path = directory::frame(&self.directory, increment);
             frames::write_frame(&path, &Snapshot::take(world))?;
@@ -406,6 +422,32 @@ impl RunWriter {
         self.state.specimen = true;
         frames::write_specimen(&path, &prepared.rows)?;
         self.is_fresh(path);
+        Ok(())
+    }
+
+    /// Where the increment was the first collapse.
+    fn write_mechanism(&mut self, world: &mut World) -> Result<(), OutputError> {
+        let Some(mechanism) = Mechanism::of(world) else { return Ok(()) };
+        if !self.state.results.see_mechanism(mechanism.record) {
+            return Ok(());
+        }
+        let path = self.directory.join(directory::MECHANISM);
+        mechanism.write(&path)?;
+        self.is_fresh(path);
+        if self.scene.output.plots {
+            let observation = world.resource::<Observation>();
+            let caption = format!(
+                "mechanism of the collapse in increment {} of stage {}",
+                observation.increment, observation.stage
+            );
+            let title = &self.scene.title;
+            let now = Snapshot::take(world);
+            if let Some(svg) = plots::mechanism::svg(&mechanism, &now, title, &caption) {
+                let path = self.directory.join(plots::MECHANISM);
+                write_atomic(&path, svg)?;
+                self.is_fresh(path);
+            }
+        }
         Ok(())
     }
 
