@@ -111,11 +111,30 @@ fn check_says_what_a_sound_scene_is() {
 }
 
 #[test]
+fn a_directory_does_not_hide_the_scene_of_its_name() {
+    let here = tempfile::tempdir().unwrap();
+    fs::create_dir_all(here.path().join("tension")).unwrap();
+    fs::create_dir_all(here.path().join("scenes")).unwrap();
+    let scene = Path::new(ROOT).join("scenes/tension.ron");
+    fs::copy(scene, here.path().join("scenes/tension.ron")).unwrap();
+    let check = |name: &str| {
+        Command::new(PROGRAM).current_dir(here.path()).args(["check", name]).assert().code(0)
+    };
+    check("tension");
+    check("tension.ron");
+}
+
+#[test]
 fn exit_1_files() {
     let missing = stderr(&clastic(&["run", "no_such_place/no_such_scene.ron"]).code(1));
     assert!(missing.contains("no_such_place/no_such_scene.ron"), "{missing}");
     let misspelt = stderr(&clastic(&["check", "tenison"]).code(1));
     assert!(misspelt.contains("did you mean `tension`?"), "{misspelt}");
+
+    // A directory is no scene.
+    let folder = tempfile::tempdir().unwrap();
+    let said = stderr(&clastic(&["check", folder.path().to_str().unwrap()]).code(1));
+    assert!(said.contains("no scene"), "{said}");
 
     // No directory of scenes.
     let empty = tempfile::tempdir().unwrap();
