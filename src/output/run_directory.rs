@@ -23,7 +23,7 @@ use super::snapshot::Snapshot;
 use super::{OutputError, directory, dump, events, frames, history, plots, porosity, timings};
 use crate::run::stages::Script;
 use crate::run::{Outcome, WorldState};
-use crate::scene::format::{Contact, Record, Scene, Stage};
+use crate::scene::format::{Bond, Contact, Record, Scene, Stage};
 use crate::scene::{LoadedScene, StoredParticle};
 
 /// Where and what to write.
@@ -505,14 +505,11 @@ fn caption(o: &Observation) -> String {
 /// Whether nothing in a scene is elastic.
 fn is_rigid(scene: &Scene) -> bool {
     let rigid = |c: &Contact| c.normal_stiffness.is_none() && c.tangential_stiffness.is_none();
-    scene.walls.iter().all(|wall| rigid(&wall.contact))
-        && scene.materials.values().all(|m| {
-            let bond = m.bond.as_ref();
-            rigid(&m.contact)
-                && bond.is_none_or(|b| {
-                    b.normal_stiffness.is_none() && b.tangential_stiffness.is_none()
-                })
-        })
+    let rigid_bond = |bond: Option<&Bond>| {
+        bond.is_none_or(|b| b.normal_stiffness.is_none() && b.tangential_stiffness.is_none())
+    };
+    scene.walls.iter().all(|wall| rigid(&wall.contact) && rigid_bond(wall.bond.as_ref()))
+        && scene.materials.values().all(|m| rigid(&m.contact) && rigid_bond(m.bond.as_ref()))
 }
 
 #[cfg(test)]
