@@ -252,6 +252,13 @@ fn exit_4_leaves_everything_up_to_there() {
 }
 
 #[test]
+fn a_stall_for_want_of_digits_says_so() {
+    let (stalled, _out) = run("lattice", &["--set", "acceptance.residual=1e-25"]);
+    let said = stderr(&stalled.code(4));
+    assert!(said.contains("try: a greater `acceptance.residual`"), "{said}");
+}
+
+#[test]
 fn a_collapse_is_a_result() {
     // Pulled by 1 N more in every increment; the bond carries 24 N.
     let (collapsed, out) = run(
