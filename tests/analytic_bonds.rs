@@ -246,3 +246,44 @@ fn bonded_chain_fails_at_its_root_in_rolling() {
         assert!(matches!(loaded(1.0 + 1e-3), Outcome::Collapsed { .. }));
     }
 }
+
+/// A disk on a wall that it is bonded to, pulled off in steps of 0.07 um. `grain` and `wall` are the
+/// bond laws of its material and of the wall.
+fn pulled_off(grain: &str, wall: &str) -> Scene {
+    parse(&format!(
+        "(
+            version: 1,
+            title: \"a disk pulled off a wall\",
+            materials: {{ \"m\": (contact: (normal_stiffness: 8.0e6, friction: 0.5), {grain}) }},
+            specimen: Particles([(position: (0.0, 6.0e-3), radius: 6.0e-3, probe: \"disk\")]),
+            walls: [(name: \"floor\", start: (-0.01, 0.0), end: (0.01, 0.0), {wall})],
+            stages: [
+                Cement(name: \"cement\", length: 1.0e-6, walls: true),
+                Load(name: \"pull\", increments: 60, particles: [
+                    (select: Index([0]), x: Held, y: Displacement(0.07e-6), rotation: Held),
+                ]),
+            ],
+        )"
+    ))
+}
+
+#[test]
+fn a_bond_to_a_wall_has_the_law_of_the_wall_if_there_is_one() {
+    let grain = "bond: (normal_stiffness: 8.0e6, cohesion: 4.0e3, tensile_strength: 2.0e3)";
+    let wall = "bond: (normal_stiffness: 4.0e6, cohesion: 4.0e3, tensile_strength: 1.0e3)";
+    for (grain, wall, stiffness, strength) in
+        [(grain, "", 8e6, 24.0), (grain, wall, 4e6, 12.0), ("", wall, 4e6, 12.0)]
+    {
+        let (records, outcome) = run(&pulled_off(grain, wall));
+        assert_eq!(outcome, Outcome::Completed);
+        let broken = records.iter().position(|r| !r.ruptures.is_empty()).unwrap();
+        for record in &records[..broken] {
+            let disk = probe(record, "disk");
+            assert_relative(disk.force[1], stiffness * disk.motion[1], EXACT);
+        }
+        let rupture = records[broken].ruptures[0];
+        assert_eq!(rupture.mode, RuptureMode::Tension);
+        assert_relative(rupture.p, -strength, EXACT);
+        assert_eq!(broken + 1, (strength / stiffness / 0.07e-6).ceil() as usize);
+    }
+}

@@ -236,6 +236,40 @@ fn bounce_direct_shear_and_clarabel() {
     same_from_anywhere(&clarabel, |k| k % 7 == 0);
 }
 
+/// A bond breaks under the 25th newton and nothing holds the rest; a stage follows.
+const COLLAPSE: &str = r#"(
+    version: 1,
+    title: "two disks torn apart",
+    materials: { "stone": (
+        contact: (normal_stiffness: 8.0e6, tangential_stiffness: 4.0e6),
+        bond: (normal_stiffness: 8.0e6, tangential_stiffness: 4.0e6, cohesion: 4.0e3, tensile_strength: 2.0e3),
+    ) },
+    specimen: Particles([
+        (position: (0.0, 0.0), radius: 6.0e-3),
+        (position: (12.0e-3, 0.0), radius: 6.0e-3, probe: "pulled"),
+    ]),
+    bonds: [(a: 0, b: 1)],
+    stages: [
+        Load(name: "pull", increments: 35, particles: [
+            (select: Index([0]), x: Held, y: Held, rotation: Held),
+            (select: Index([1]), y: Held, rotation: Held, force: (35.0, 0.0)),
+        ]),
+        Load(name: "hold", increments: 5, particles: [(select: All, x: Held, y: Held, rotation: Held)]),
+    ],
+)"#;
+
+#[test]
+fn the_mechanism_of_a_collapse_is_of_whoever_sees_it() {
+    // Before the collapse, at it and after it; every other time in a directory that has it already.
+    let records = same_from_anywhere(&parse(COLLAPSE), |k| [7, 8, 25, 26, 27].contains(&k));
+    let collapsed = |o: &&Observation| o.status == IncrementStatus::Collapsed;
+    let increments: Vec<_> = records.iter().filter(collapsed).map(|o| o.increment).collect();
+    assert_eq!(increments, [25]);
+    let parent = tempfile::tempdir().unwrap();
+    run(&parse(COLLAPSE), parent.path(), 0, |_| {});
+    assert!(parent.path().join(directory::MECHANISM).exists());
+}
+
 /// A bonded lattice under Coulomb's law, with a cascade; walls come, go and are driven by force.
 const COULOMB: &str = r#"(
     version: 1,
@@ -524,9 +558,15 @@ fn stored() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(name)
 }
 
+/// Writes it, once for every new version of the format: `CLASTIC_STORE_CHECKPOINT=1 cargo test
+/// --release --test checkpoint -- --ignored`. Not by a bare `--ignored`, which only runs what is long.
 #[test]
-#[ignore = "writes the stored checkpoint; once for every new version of the format"]
+#[ignore = "writes the stored checkpoint, with CLASTIC_STORE_CHECKPOINT=1"]
 fn write_the_stored_checkpoint() {
+    if std::env::var_os("CLASTIC_STORE_CHECKPOINT").is_none() {
+        eprintln!("skipped: CLASTIC_STORE_CHECKPOINT is not set");
+        return;
+    }
     assert!(!stored().exists(), "{} is there: raise the version", stored().display());
     let parent = tempfile::tempdir().unwrap();
     run(&parse(COULOMB), parent.path(), 1, |o| {
@@ -537,7 +577,7 @@ fn write_the_stored_checkpoint() {
 }
 
 /// Fails when what a checkpoint holds has changed without a new version: then raise
-/// `checkpoint::VERSION`, run the test above, and remove the file of the version before.
+/// `checkpoint::VERSION`, run the test above as it says, and remove the file of the version before.
 #[test]
 fn the_format_is_that_of_its_version() {
     let parent = tempfile::tempdir().unwrap();

@@ -111,11 +111,30 @@ fn check_says_what_a_sound_scene_is() {
 }
 
 #[test]
+fn a_directory_does_not_hide_the_scene_of_its_name() {
+    let here = tempfile::tempdir().unwrap();
+    fs::create_dir_all(here.path().join("tension")).unwrap();
+    fs::create_dir_all(here.path().join("scenes")).unwrap();
+    let scene = Path::new(ROOT).join("scenes/tension.ron");
+    fs::copy(scene, here.path().join("scenes/tension.ron")).unwrap();
+    let check = |name: &str| {
+        Command::new(PROGRAM).current_dir(here.path()).args(["check", name]).assert().code(0)
+    };
+    check("tension");
+    check("tension.ron");
+}
+
+#[test]
 fn exit_1_files() {
     let missing = stderr(&clastic(&["run", "no_such_place/no_such_scene.ron"]).code(1));
     assert!(missing.contains("no_such_place/no_such_scene.ron"), "{missing}");
     let misspelt = stderr(&clastic(&["check", "tenison"]).code(1));
     assert!(misspelt.contains("did you mean `tension`?"), "{misspelt}");
+
+    // A directory is no scene.
+    let folder = tempfile::tempdir().unwrap();
+    let said = stderr(&clastic(&["check", folder.path().to_str().unwrap()]).code(1));
+    assert!(said.contains("no scene"), "{said}");
 
     // No directory of scenes.
     let empty = tempfile::tempdir().unwrap();
@@ -233,6 +252,13 @@ fn exit_4_leaves_everything_up_to_there() {
 }
 
 #[test]
+fn a_stall_for_want_of_digits_says_so() {
+    let (stalled, _out) = run("lattice", &["--set", "acceptance.residual=1e-25"]);
+    let said = stderr(&stalled.code(4));
+    assert!(said.contains("try: a greater `acceptance.residual`"), "{said}");
+}
+
+#[test]
 fn a_collapse_is_a_result() {
     // Pulled by 1 N more in every increment; the bond carries 24 N.
     let (collapsed, out) = run(
@@ -260,6 +286,55 @@ fn a_collapse_is_a_result() {
 }
 
 #[test]
+fn the_mechanism_of_a_collapse_is_a_result() {
+    // When the bond breaks nothing holds the 10 N that pull the free disk along x.
+    let (collapsed, out) = run("direct_shear_-10N", &[]);
+    collapsed.code(0);
+    let record = json(out.path(), "run.json");
+    let mechanism = &record["results"]["mechanism"];
+    assert_eq!(mechanism["increment"], record["outcome"]["increment"]);
+    // Nothing dissipates, and no condition is violated.
+    assert!((mechanism["margin"].as_f64().unwrap() - 1.0).abs() < 1e-9, "{mechanism}");
+    assert!(mechanism["defect"].as_f64().unwrap() < 1e-9, "{mechanism}");
+    let text = read(out.path(), "mechanism.csv");
+    assert!(text.starts_with("body,x_m,y_m,u_x,u_y,rotation\n"), "{text}");
+    let rows = rows(out.path(), "mechanism.csv");
+    let number = |row: usize, column: &str| rows[row][column].parse::<f64>().unwrap();
+    assert_eq!(rows.len(), 2);
+    for (row, u_x) in [(0, 0.0), (1, 1.0)] {
+        let motion = ["u_x", "u_y", "rotation"].map(|column| number(row, column));
+        assert_eq!(motion, [u_x, 0.0, 0.0]);
+    }
+    assert_eq!([number(0, "x_m"), number(0, "y_m"), number(1, "y_m")], [0.0; 3]);
+    assert!((number(1, "x_m") - 12.0e-3).abs() < 1e-6);
+    assert!(read(out.path(), "mechanism.svg").contains("increment"));
+
+    // A run that does not collapse has none.
+    let (completed, out) = run("direct_shear_10N", &[]);
+    completed.code(0);
+    assert!(!out.path().join("mechanism.csv").exists());
+    assert!(json(out.path(), "run.json")["results"]["mechanism"].is_null());
+}
+
+#[test]
+fn the_first_increment_of_the_rigid_test_shows_its_mechanism() {
+    let (done, out) = run("uniaxial_rigid_small", &["--set", "output.plots=false"]);
+    done.code(0);
+    assert_eq!(fs::read_dir(out.path().join("frames")).unwrap().count(), 1);
+    let rows = rows(out.path(), "frames/frame_000001.csv");
+    assert_eq!(rows.len(), 400);
+    let moves = |column: &str, sign: f64| {
+        rows.iter().map(|row| sign * row[column].parse::<f64>().unwrap()).fold(0.0, f64::max)
+    };
+    // The platen comes down, and the specimen gives way to both sides.
+    let platen = 1.451e-6;
+    for (column, sign, least) in [("uy_m", -1.0, 0.9), ("ux_m", 1.0, 0.3), ("ux_m", -1.0, 0.3)] {
+        let most = moves(column, sign);
+        assert!(most > least * platen, "{column}: {most}");
+    }
+}
+
+#[test]
 fn headers_are_the_documented_ones() {
     let (done, out) = run("tension", &["--quiet", "--set", "stages.pull.increments=1"]);
     assert_eq!(stderr(&done.code(0)), "");
@@ -275,7 +350,8 @@ fn headers_are_the_documented_ones() {
     assert!(history.ends_with(probes), "{history}");
     let events = "increment,stage,bond,a,b,mode,x_m,y_m,normal_x,normal_y,p_n,q_n,tau_nm";
     assert_eq!(header("events.csv"), events);
-    let timings = "increment,detect_s,assemble_s,solve_s,update_s,rupture_s,walls_s,record_s,output_s,checkpoint_s";
+    let timings =
+        "increment,detect_s,assemble_s,solve_s,update_s,rupture_s,walls_s,record_s,output_s";
     assert_eq!(header("timings.csv"), timings);
 }
 

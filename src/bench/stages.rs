@@ -55,7 +55,7 @@ pub fn run(scenes: &Scenes, extent: Extent, scratch: &Path) -> Result<Part, Benc
     Ok(Part { name: "stages", text: text.to_owned(), tables: vec![table], charts: Vec::new() })
 }
 
-/// Columns of `timings.csv` in ms; those of what every increment does, and so without checkpoints.
+/// Columns of `timings.csv` in ms.
 const MILLISECONDS: [&str; 8] = [
     "detect_ms",
     "assemble_ms",

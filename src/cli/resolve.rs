@@ -8,16 +8,17 @@ use super::exit::{Exit, Failure};
 /// Directory of the scenes that can be called by name.
 pub const SCENES: &str = "scenes";
 
-/// A path that exists, or the bare name of a scene in [`SCENES`].
+/// A file, or the bare name of a scene in [`SCENES`]. A directory that happens to have the name of a
+/// scene is no scene.
 pub fn resolve(scene: &Path) -> Result<PathBuf, Failure> {
-    if scene.exists() {
+    if scene.exists() && !scene.is_dir() {
         return Ok(scene.to_owned());
     }
     let name = scene.to_string_lossy();
     if scene.components().count() == 1 {
         let stem = name.strip_suffix(".ron").unwrap_or(&name);
         let path = Path::new(SCENES).join(format!("{stem}.ron"));
-        if path.exists() {
+        if path.is_file() {
             return Ok(path);
         }
         if let Some(near) = nearest(stem) {

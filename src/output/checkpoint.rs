@@ -1,6 +1,6 @@
 //! `checkpoint.bin`: a run between two increments, whole, so that it can go on from there.
 //!
-//! One line of text, `clastic checkpoint, format 1, sha256 <hash of what follows>`, then a
+//! One line of text, `clastic checkpoint, format 2, sha256 <hash of what follows>`, then a
 //! [`Checkpoint`] in postcard's encoding: documented, compact, and f64 by its bits, those that are not
 //! finite too. The file is written under another name, forced to the disk and renamed: at every
 //! moment there is a whole checkpoint, the new one or the one before.
@@ -20,7 +20,7 @@ use crate::run::WorldState;
 
 /// Version of the format. It goes up with every change of what is stored: types that derive their
 /// encoding, in this file and in `run/state`, are the format.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 
 const MAGIC: &str = "clastic checkpoint, format ";
 

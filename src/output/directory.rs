@@ -21,6 +21,8 @@ pub const TIMINGS: &str = "timings.csv";
 pub const SPECIMEN: &str = "specimen.csv";
 /// All particles at the end.
 pub const FINAL_PARTICLES: &str = "final_particles.csv";
+/// The mechanism of the first collapse.
+pub const MECHANISM: &str = "mechanism.csv";
 /// The run between two increments, to go on from.
 pub const CHECKPOINT: &str = "checkpoint.bin";
 /// Directory of the frames.
@@ -63,15 +65,16 @@ pub fn claim(directory: &Path, force: bool) -> Result<(), OutputError> {
 }
 
 /// Removes what a run wrote after `increment` and does not go on with: the files of its end, later
-/// frames and programs, files that were never complete; the prepared specimen unless `specimen`.
+/// frames and programs, files that were never complete; the prepared specimen and the mechanism of a
+/// collapse, unless they are among the files that were `there` already.
 ///
 /// # Errors
 /// Where a file cannot be removed.
-pub fn rewind(directory: &Path, increment: u64, specimen: bool) -> Result<(), OutputError> {
+pub fn rewind(directory: &Path, increment: u64, there: &[&str]) -> Result<(), OutputError> {
     for name in entries(directory)? {
-        let of_the_end = name == FINAL_PARTICLES
-            || super::plots::FILES.contains(&&*name)
-            || (name == SPECIMEN && !specimen);
+        let of_the_end = !there.contains(&&*name)
+            && ([FINAL_PARTICLES, SPECIMEN, MECHANISM].contains(&&*name)
+                || super::plots::FILES.contains(&&*name));
         let later = numbered(&name, "program_", ".json").is_some_and(|n| n > increment);
         let part = name.strip_suffix(PART).is_some_and(is_ours);
         if of_the_end || later || part {
@@ -122,7 +125,8 @@ pub fn remove_if_there(path: &Path) -> Result<(), OutputError> {
 
 fn is_ours(name: &str) -> bool {
     let name = name.strip_suffix(PART).unwrap_or(name);
-    [RUN, SCENE, HISTORY, EVENTS, TIMINGS, SPECIMEN, FINAL_PARTICLES, CHECKPOINT].contains(&name)
+    [RUN, SCENE, HISTORY, EVENTS, TIMINGS, SPECIMEN, FINAL_PARTICLES, MECHANISM, CHECKPOINT]
+        .contains(&name)
         || super::plots::FILES.contains(&name)
         || numbered(name, "program_", ".json").is_some()
 }

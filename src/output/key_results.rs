@@ -5,6 +5,8 @@ use serde::{Deserialize, Serialize};
 use clastic_components::attempt::IncrementStatus;
 use clastic_components::observation::Observation;
 
+use super::mechanism::MechanismRecord;
+
 /// Part of a run to which an increment belongs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
@@ -31,6 +33,8 @@ pub struct Results {
     /// Limit load: axial stress of the last increment before the first collapse; for a rigid
     /// specimen, which is at its limit as soon as it carries load, the peak.
     pub limit_load_pa: Option<f64>,
+    /// The mechanism of the first collapse that has one: its increment, margin and defect.
+    pub mechanism: Option<MechanismRecord>,
     /// Porosity at the start of the reference stage.
     pub porosity: Option<f64>,
     /// Axial stress of the increment in which the first bond broke.
@@ -114,6 +118,19 @@ impl KeyResults {
     /// Sets the porosity.
     pub fn set_porosity(&mut self, porosity: Option<f64>) {
         self.results.porosity = porosity;
+    }
+
+    /// Takes the mechanism of a collapse into account. Says whether it is the first one.
+    pub fn see_mechanism(&mut self, mechanism: MechanismRecord) -> bool {
+        let first = self.results.mechanism.is_none();
+        self.results.mechanism.get_or_insert(mechanism);
+        first
+    }
+
+    /// Whether there was a mechanism.
+    #[must_use]
+    pub fn has_mechanism(&self) -> bool {
+        self.results.mechanism.is_some()
     }
 
     /// Takes an increment into account. Says whether it is the peak so far.

@@ -11,7 +11,8 @@
 //! | `frames/frame_000123.csv` | all particles after increment 123, where the scene asks for frames |
 //! | `final_particles.csv` | all particles at the end |
 //! | `program_000123.json` | cone program and solution of increment 123, where asked for |
-//! | `*.svg` | pictures, drawn at the end |
+//! | `mechanism.csv` | the mechanism of the first collapse |
+//! | `*.svg` | pictures, drawn at the end; that of the mechanism when the specimen collapses |
 //! | `checkpoint.bin` | the run between two increments, where asked for and where a run stops before its end |
 //!
 //! Compression and contraction are positive, rotation is positive anticlockwise, units stand in the
@@ -29,6 +30,7 @@ pub mod events;
 pub mod frames;
 pub mod history;
 pub mod key_results;
+pub mod mechanism;
 pub mod plots;
 pub mod porosity;
 pub mod run_directory;

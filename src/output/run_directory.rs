@@ -17,12 +17,13 @@ use super::atomic::{sync, write_atomic, write_durable};
 use super::checkpoint::{Checkpoint, ResumeError};
 use super::csv_file::CsvFile;
 use super::key_results::{KeyResults, Phase, Results};
+use super::mechanism::Mechanism;
 use super::run_record::{CLASTIC_VERSION, OutcomeRecord, Resumed, RunFacts, RunRecord};
 use super::snapshot::Snapshot;
 use super::{OutputError, directory, dump, events, frames, history, plots, porosity, timings};
 use crate::run::stages::Script;
 use crate::run::{Outcome, WorldState};
-use crate::scene::format::{Contact, Record, Scene, Stage};
+use crate::scene::format::{Bond, Contact, Record, Scene, Stage};
 use crate::scene::{LoadedScene, StoredParticle};
 
 /// Where and what to write.
@@ -70,7 +71,7 @@ pub struct RunWriter {
     fresh: Vec<PathBuf>,
     /// Increment of the last checkpoint.
     saved: Option<u64>,
-    /// Seconds that the last checkpoint took, until they are booked.
+    /// Seconds of checkpoints since the last row of the timings, which they came after.
     saving: f64,
 }
 
@@ -88,6 +89,20 @@ pub struct WriterState {
     start: Snapshot,
     /// At the peak so far: with its caption.
     peak: Option<(Snapshot, String)>,
+}
+
+impl WriterState {
+    /// The files that are there once and for all, and that the end of a run makes no others of.
+    fn files(&self) -> Vec<&'static str> {
+        let mut files = Vec::new();
+        if self.specimen {
+            files.push(directory::SPECIMEN);
+        }
+        if self.results.has_mechanism() {
+            files.extend([directory::MECHANISM, plots::MECHANISM]);
+        }
+        files
+    }
 }
 
 /// A specimen that waits for the reference stage: only when that has made its first increment do
@@ -208,7 +223,7 @@ impl RunWriter {
             next.write(directory)?;
             write_durable(&scene_file, &next.scene)?;
         }
-        directory::rewind(directory, increment, next.output.specimen)?;
+        directory::rewind(directory, increment, &next.output.files())?;
         make_frames(directory, &loaded.scene)?;
         let reference_stage = Script::new(&loaded.scene).reference_stage();
         let mut record = RunRecord::new(loaded, &next.facts, reference_stage);
@@ -283,6 +298,7 @@ impl RunWriter {
         if self.state.results.observe(&observation, phase) && self.scene.output.plots {
             self.state.peak = Some((Snapshot::take(world), caption(&observation)));
         }
+        self.write_mechanism(world)?;
         if due.frame {
             let path = directory::frame(&self.directory, increment);
             frames::write_frame(&path, &Snapshot::take(world))?;
@@ -293,22 +309,22 @@ impl RunWriter {
             dump::write_program(&path, world)?;
             self.is_fresh(path);
         }
-        let output = clock.elapsed().as_secs_f64() - if stalled { self.saving } else { 0.0 };
         let timings = world.resource::<Timings>();
         if due.row {
-            self.timings.push(timings::row(increment, timings, output, self.saving))?;
+            let output = clock.elapsed().as_secs_f64() + std::mem::take(&mut self.saving);
+            self.timings.push(timings::row(increment, timings, output))?;
         }
-        self.saving = 0.0;
         let every = u64::from(self.checkpoint_every);
         if every > 0 && increment.is_multiple_of(every) && !stalled {
+            let clock = Instant::now();
             self.save(world)?;
+            self.saving += clock.elapsed().as_secs_f64();
         }
         Ok(())
     }
 
     /// Writes a checkpoint.
     fn save(&mut self, world: &mut World) -> Result<(), OutputError> {
-        let clock = Instant::now();
         // A checkpoint must not reach the disk before the rows and files that it counts on.
         for path in self.fresh.drain(..) {
             sync(&path).map_err(OutputError::at(&path))?;
@@ -332,7 +348,6 @@ impl RunWriter {
         };
         checkpoint.write(&self.directory)?;
         self.saved = Some(increment);
-        self.saving = clock.elapsed().as_secs_f64();
         Ok(())
     }
 
@@ -410,6 +425,32 @@ impl RunWriter {
         Ok(())
     }
 
+    /// Where the increment was the first collapse.
+    fn write_mechanism(&mut self, world: &mut World) -> Result<(), OutputError> {
+        let Some(mechanism) = Mechanism::of(world) else { return Ok(()) };
+        if !self.state.results.see_mechanism(mechanism.record) {
+            return Ok(());
+        }
+        let path = self.directory.join(directory::MECHANISM);
+        mechanism.write(&path)?;
+        self.is_fresh(path);
+        if self.scene.output.plots {
+            let observation = world.resource::<Observation>();
+            let caption = format!(
+                "mechanism of the collapse in increment {} of stage {}",
+                observation.increment, observation.stage
+            );
+            let title = &self.scene.title;
+            let now = Snapshot::take(world);
+            if let Some(svg) = plots::mechanism::svg(&mechanism, &now, title, &caption) {
+                let path = self.directory.join(plots::MECHANISM);
+                write_atomic(&path, svg)?;
+                self.is_fresh(path);
+            }
+        }
+        Ok(())
+    }
+
     fn is_fresh(&mut self, path: PathBuf) {
         if self.checkpoint_every > 0 {
             self.fresh.push(path);
@@ -464,14 +505,11 @@ fn caption(o: &Observation) -> String {
 /// Whether nothing in a scene is elastic.
 fn is_rigid(scene: &Scene) -> bool {
     let rigid = |c: &Contact| c.normal_stiffness.is_none() && c.tangential_stiffness.is_none();
-    scene.walls.iter().all(|wall| rigid(&wall.contact))
-        && scene.materials.values().all(|m| {
-            let bond = m.bond.as_ref();
-            rigid(&m.contact)
-                && bond.is_none_or(|b| {
-                    b.normal_stiffness.is_none() && b.tangential_stiffness.is_none()
-                })
-        })
+    let rigid_bond = |bond: Option<&Bond>| {
+        bond.is_none_or(|b| b.normal_stiffness.is_none() && b.tangential_stiffness.is_none())
+    };
+    scene.walls.iter().all(|wall| rigid(&wall.contact) && rigid_bond(wall.bond.as_ref()))
+        && scene.materials.values().all(|m| rigid(&m.contact) && rigid_bond(m.bond.as_ref()))
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use clastic_components::observation::Timings;
 use super::csv_file::Row;
 
 /// Columns.
-pub const COLUMNS: [&str; 10] = [
+pub const COLUMNS: [&str; 9] = [
     "increment",
     "detect_s",
     "assemble_s",
@@ -15,13 +15,12 @@ pub const COLUMNS: [&str; 10] = [
     "walls_s",
     "record_s",
     "output_s",
-    "checkpoint_s",
 ];
 
-/// The row of an increment; `output` is the time that its other files took, `checkpoint` that of a
-/// checkpoint since the row before.
+/// The row of an increment; `output` is the time that its other files took, and that of a checkpoint
+/// since the row before.
 #[must_use]
-pub fn row(increment: u64, t: &Timings, output: f64, checkpoint: f64) -> Row {
+pub fn row(increment: u64, t: &Timings, output: f64) -> Row {
     let parts = [t.detect, t.assemble, t.solve, t.update, t.rupture, t.walls, t.record];
-    Row::default().count(increment).numbers(parts).numbers([output, checkpoint])
+    Row::default().count(increment).numbers(parts).number(output)
 }

@@ -4,6 +4,7 @@
 //! the same with its own app: [`spawn::spawn_scene`] fills a world, [`stages::advance`] takes it
 //! one increment on.
 
+mod advice;
 pub mod cement;
 pub mod changes;
 pub mod compact;

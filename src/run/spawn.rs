@@ -147,7 +147,9 @@ pub fn contact_law(contact: &scene::Contact) -> ContactLaw {
     }
 }
 
-fn bond_law(bond: &scene::Bond) -> BondLaw {
+/// The engine's law for a scene's bond.
+#[must_use]
+pub fn bond_law(bond: &scene::Bond) -> BondLaw {
     BondLaw {
         normal_compliance: compliance(bond.normal_stiffness),
         tangential_compliance: compliance(bond.tangential_stiffness),

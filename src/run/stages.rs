@@ -12,6 +12,7 @@ use clastic_systems::record::take_reference;
 use clastic_systems::schedule::{ControlWalls, Increment};
 use clastic_systems::solve_program::Solver;
 
+use super::advice::with_advice;
 use super::{cement, compact, load};
 use crate::scene::format::{Record, Scene, Stage, Stop};
 
@@ -260,7 +261,7 @@ fn after_increment(world: &mut World, stage: &Stage) {
             Some(EndedBy::Collapse)
         }
         IncrementStatus::Locked | IncrementStatus::Stalled => {
-            let message = complaint_with_advice(world, stage, status, &complaint);
+            let message = with_advice(world, stage, status, &complaint);
             world.resource_mut::<Script>().outcome = Some(Outcome::Stalled { increment, message });
             Some(EndedBy::Stalled)
         }
@@ -273,29 +274,6 @@ fn after_increment(world: &mut World, stage: &Stage) {
         let mut progress = world.resource_mut::<Progress>();
         progress.done = progress.total;
     }
-}
-
-fn complaint_with_advice(
-    world: &World,
-    stage: &Stage,
-    status: IncrementStatus,
-    complaint: &str,
-) -> String {
-    let increment = world.resource::<Progress>().increment;
-    let name = stage.name();
-    let advice = match (status, stage) {
-        (IncrementStatus::Locked, Stage::Compact(_)) => {
-            "the packing is jammed before its target: aim for a greater height or porosity, or a smaller step"
-        }
-        (IncrementStatus::Locked, _) => {
-            "rigid bodies are forced into each other: give the contacts a stiffness or free a wall"
-        }
-        _ => {
-            "smaller increments (more `increments`, smaller displacements), a greater `acceptance.halvings`, \
-             or, if grains are thrown, walls that hold the specimen"
-        }
-    };
-    format!("increment {increment} of stage `{name}`: {complaint}; try: {advice}")
 }
 
 /// The first stop condition of the stage that is met.

@@ -375,6 +375,9 @@ pub struct Wall {
     /// Law of its contacts with particles; without it rigid and frictionless.
     #[serde(default)]
     pub contact: Contact,
+    /// Bonds of particles to it; without it they have the law of the particle's material.
+    #[serde(default)]
+    pub bond: Option<Bond>,
     /// Whether it is there from the start; a stage can bring it in.
     #[serde(default = "yes")]
     pub present: bool,

@@ -184,6 +184,7 @@ fn walls(r: &mut Random, low: (f64, f64), high: (f64, f64)) -> Vec<Wall> {
             start: *start,
             end: *end,
             contact: law,
+            bond: None,
             present: true,
             probe: None,
         })

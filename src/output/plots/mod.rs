@@ -5,6 +5,8 @@ pub(crate) mod chart;
 pub mod compare;
 pub mod force_displacement;
 pub mod history;
+pub mod mechanism;
+mod sheet;
 pub mod specimen;
 pub mod stress_strain;
 
@@ -25,8 +27,10 @@ pub const PROBES: &str = "probes.svg";
 pub const SPECIMEN: &str = "specimen.svg";
 /// The specimen at the peak of the axial stress.
 pub const SPECIMEN_PEAK: &str = "specimen_peak.svg";
+/// The mechanism of the first collapse, drawn when it happens.
+pub const MECHANISM: &str = "mechanism.svg";
 /// All pictures.
-pub const FILES: [&str; 5] = [CURVES, VOLUMETRIC, PROBES, SPECIMEN, SPECIMEN_PEAK];
+pub const FILES: [&str; 6] = [CURVES, VOLUMETRIC, PROBES, SPECIMEN, SPECIMEN_PEAK, MECHANISM];
 
 /// Draws the curves that the history defines; of the probes only where no stress is defined.
 ///

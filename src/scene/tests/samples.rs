@@ -31,7 +31,8 @@ Scene(
     bonds: [(a: 0, b: 1)],
     walls: [
         (name: "bottom", start: (0.0, 0.0), end: (1.0, 0.0), contact: (friction: 0.2), probe: "w"),
-        (name: "top", start: (1.0, 1.0), end: (0.0, 1.0)),
+        (name: "top", start: (1.0, 1.0), end: (0.0, 1.0),
+            bond: (normal_stiffness: 1e9, cohesion: 2e5, tensile_strength: 1e5)),
         (name: "left", start: (0.0, 1.0), end: (0.0, 0.0)),
         (name: "right", start: (1.0, 0.0), end: (1.0, 1.0)),
         (name: "lid", start: (1.0, 2.0), end: (0.0, 2.0), present: false),

@@ -2,7 +2,7 @@
 
 use std::fmt::Arguments;
 
-use crate::scene::format::Contact;
+use crate::scene::format::{Bond, Contact};
 use crate::scene::spans::join;
 
 use super::Context;
@@ -19,24 +19,21 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
         let density = material.density;
         findings.positive(format_args!("{path}.density"), density, "a density in kg/m^3");
         contact(format_args!("{path}.contact"), material.contact, findings);
-        let Some(bond) = material.bond else { continue };
-        stiffnesses(
-            format_args!("{path}.bond"),
-            (bond.normal_stiffness, bond.tangential_stiffness),
-            findings,
-        );
-        frictions(format_args!("{path}.bond"), (bond.friction, bond.rolling_friction), findings);
-        findings.not_negative(
-            format_args!("{path}.bond.cohesion"),
-            bond.cohesion,
-            "a cohesion in Pa",
-        );
-        findings.not_negative(
-            format_args!("{path}.bond.tensile_strength"),
-            bond.tensile_strength,
-            "a tensile strength in Pa",
-        );
+        bond(format_args!("{path}.bond"), material.bond, findings);
     }
+}
+
+/// A bond law, of a material or of a wall, where there is one.
+pub(super) fn bond(path: Arguments, bond: Option<Bond>, findings: &mut Findings) {
+    let Some(bond) = bond else { return };
+    stiffnesses(path, (bond.normal_stiffness, bond.tangential_stiffness), findings);
+    frictions(path, (bond.friction, bond.rolling_friction), findings);
+    findings.not_negative(format_args!("{path}.cohesion"), bond.cohesion, "a cohesion in Pa");
+    findings.not_negative(
+        format_args!("{path}.tensile_strength"),
+        bond.tensile_strength,
+        "a tensile strength in Pa",
+    );
 }
 
 /// A contact law, of a material or of a wall.

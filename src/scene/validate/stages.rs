@@ -125,7 +125,10 @@ fn record(path: Arguments, record: &Record, findings: &mut Findings) {
 fn cement(context: &Context, path: Arguments, stage: &Cement, findings: &mut Findings) {
     findings.not_negative(format_args!("{path}.length"), stage.length, "a bond length in m");
     let no_law = context.scene.materials.values().all(|material| material.bond.is_none());
-    if no_law && findings.is_sure_of("materials") {
+    let to_walls = stage.walls
+        && (context.scene.walls.iter().any(|wall| wall.bond.is_some())
+            || !findings.is_sure_of("walls"));
+    if no_law && !to_walls && findings.is_sure_of("materials") {
         let help = "add `bond: (...)` to the material that is to be cemented";
         findings.add(path, "no material has a bond law", help);
     }

@@ -4,7 +4,7 @@ use crate::scene::format::{Specimen, Wall};
 
 use super::Context;
 use super::findings::Findings;
-use super::materials::contact;
+use super::materials::{bond, contact};
 
 pub(super) fn check(context: &Context, findings: &mut Findings) {
     let walls = &context.scene.walls;
@@ -16,6 +16,7 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
             findings.add(format_args!("walls[{i}].end"), message, "move its end");
         }
         contact(format_args!("walls[{i}].contact"), wall.contact, findings);
+        bond(format_args!("walls[{i}].bond"), wall.bond, findings);
     }
     if findings.is_sure_of("walls") {
         let names = walls.iter().enumerate();

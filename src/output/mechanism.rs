@@ -1,0 +1,101 @@
+//! `mechanism.csv`: the mechanism by which the specimen collapsed, as the certificate has it.
+
+use std::path::Path;
+
+use bevy_ecs::prelude::*;
+use glam::DVec2;
+use serde::{Deserialize, Serialize};
+
+use clastic_components::attempt::IncrementStatus;
+use clastic_components::contact::Bodies;
+use clastic_components::observation::Observation;
+use clastic_components::program::{ConeProgram, ConeSolution};
+
+use super::OutputError;
+use super::atomic::write_atomic;
+use super::csv_file::Row;
+
+/// Columns. Displacements are over the greatest motion, and so without dimension; rotations are
+/// over the same motion, in rad/m.
+pub const COLUMNS: [&str; 6] = ["body", "x_m", "y_m", "u_x", "u_y", "rotation"];
+
+/// How good a mechanism is, as `run.json` has it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MechanismRecord {
+    /// Increment of the collapse.
+    pub increment: u64,
+    /// Work of the loads less greatest dissipation, over the work of the loads: positive proves the
+    /// collapse.
+    pub margin: f64,
+    /// Greatest violation of the mechanism's kinematic conditions over its greatest motion.
+    pub defect: f64,
+}
+
+/// A body of a mechanism.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MechanismRow {
+    /// Its identity.
+    pub body: usize,
+    /// Its place, m.
+    pub position: DVec2,
+    /// Its displacement; the greatest component of all is 1, rotations counted by the mean radius.
+    pub displacement: DVec2,
+    /// Its rotation, 1/m.
+    pub rotation: f64,
+}
+
+/// The mechanism of a collapse.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mechanism {
+    /// How good it is.
+    pub record: MechanismRecord,
+    /// Particles, then the walls that are there.
+    pub rows: Vec<MechanismRow>,
+}
+
+impl Mechanism {
+    /// The mechanism of the last increment; none where it did not collapse, or where the collapse
+    /// has no certificate.
+    #[must_use]
+    pub fn of(world: &World) -> Option<Self> {
+        let observation = world.resource::<Observation>();
+        let collapsed = observation.status == IncrementStatus::Collapsed;
+        let (bodies, program) = (world.resource::<Bodies>(), world.resource::<ConeProgram>());
+        let certificate = world.resource::<ConeSolution>().certificate.as_ref();
+        let certificate =
+            certificate.filter(|c| collapsed && c.mechanism.len() == program.bodies.len())?;
+        // A wall that was taken away leaves an unused entry.
+        let walls = bodies.walls.iter().map(|wall| wall.body as usize);
+        let row = |body: usize| {
+            let local = certificate.mechanism.get(body)?;
+            let [x, y, rotation] = program.bodies[body].to_global(*local);
+            let displacement = DVec2::new(x, y);
+            Some(MechanismRow { body, position: bodies.positions[body], displacement, rotation })
+        };
+        Some(Self {
+            record: MechanismRecord {
+                increment: observation.increment,
+                margin: certificate.margin,
+                defect: certificate.defect,
+            },
+            rows: (0..bodies.particles).chain(walls).filter_map(row).collect(),
+        })
+    }
+
+    /// Writes it as CSV.
+    ///
+    /// # Errors
+    /// Where the file cannot be written.
+    pub fn write(&self, path: &Path) -> Result<(), OutputError> {
+        let mut text = COLUMNS.join(",") + "\n";
+        for row in &self.rows {
+            let row = Row::default()
+                .count(row.body as u64)
+                .numbers(row.position.to_array())
+                .numbers(row.displacement.to_array())
+                .number(row.rotation);
+            text.push_str(&row.line());
+        }
+        write_atomic(path, text)
+    }
+}

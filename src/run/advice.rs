@@ -1,0 +1,48 @@
+//! What to say about an increment that could not be solved, and what to try.
+
+use bevy_ecs::prelude::*;
+
+use clastic_components::attempt::IncrementStatus;
+use clastic_components::increment::{Acceptance, Progress};
+use clastic_components::program::ConeSolution;
+
+use crate::scene::format::Stage;
+
+/// A solution whose greatest residual is below this is a good one, if not as good as was asked for.
+const GOOD: f64 = 1e-6;
+
+/// The complaint about an increment that ended as `status`, with its place and a remedy.
+pub fn with_advice(
+    world: &World,
+    stage: &Stage,
+    status: IncrementStatus,
+    complaint: &str,
+) -> String {
+    let increment = world.resource::<Progress>().increment;
+    let name = stage.name();
+    let mut advice = String::new();
+    if let Some(worst) = nearly(world).filter(|_| status == IncrementStatus::Stalled) {
+        advice = format!("a greater `acceptance.residual` ({worst:.1e} was reached), ");
+    }
+    advice += match (status, stage) {
+        (IncrementStatus::Locked, Stage::Compact(_)) => {
+            "the packing is jammed before its target: aim for a greater height or porosity, or a smaller step"
+        }
+        (IncrementStatus::Locked, _) => {
+            "rigid bodies are forced into each other: give the contacts a stiffness or free a wall"
+        }
+        _ => {
+            "smaller increments (more `increments`, smaller displacements), a greater `acceptance.halvings`, \
+             or, if grains are thrown, walls that hold the specimen"
+        }
+    };
+    format!("increment {increment} of stage `{name}`: {complaint}; try: {advice}")
+}
+
+/// Greatest residual of the last solution, if it is a good one that `acceptance.residual` alone
+/// keeps from being accepted.
+fn nearly(world: &World) -> Option<f64> {
+    let worst = world.resource::<ConeSolution>().residuals.worst();
+    let accepted = world.resource::<Acceptance>().residual;
+    (worst > accepted && worst <= GOOD).then_some(worst)
+}
