@@ -3,7 +3,8 @@
 //! A force is on its limit when its slack is below [`RuptureRules::slack`] of the limit. A limit
 //! with no compliance before it (rolling always, tension and shear of rigid bonds) can be met by
 //! forces that are not unique; there the bond breaks when the multiplier is active, that is when
-//! the two bodies really move against each other. At the apex of the tension limit more than one
+//! the two bodies really move against each other: by more than [`RuptureRules::multiplier`], and, in
+//! units of the greatest motion, by more than the slack is in units of the limit. At the apex of the tension limit more than one
 //! limit is active: tension is reported.
 
 use bevy_app::{App, Plugin};
@@ -19,7 +20,7 @@ use clastic_components::program::{ConeProgram, ConeSolution, Interaction, Kinema
 
 use crate::assemble_program::interactions::{contact_law, shear_after_rupture};
 use crate::schedule::{Increment, IncrementSystems, lap};
-use crate::solve_program::residuals::multipliers;
+use crate::solve_program::residuals::{displacement_scale, multipliers};
 
 /// Adds [`rupture_bonds`]; it runs only where there are bonds.
 pub struct RuptureBondsPlugin;
@@ -46,10 +47,11 @@ pub fn find_ruptures(
     solution: &ConeSolution,
 ) -> Vec<Rupture> {
     let mut ruptures = Vec::new();
+    let greatest = displacement_scale(program, &solution.displacements);
     for ((contact, c), f) in contacts.iter().zip(&program.interactions).zip(&solution.forces) {
         let Some(bond) = contact.bond.map(|k| &bodies.bonds[k as usize]) else { continue };
         let e = program.kinematics(c, &solution.displacements);
-        let Some(mode) = mode(rules, program.scales.length, c, &e, f) else { continue };
+        let Some(mode) = mode(rules, [program.scales.length, greatest], c, &e, f) else { continue };
         ruptures.push(Rupture {
             increment,
             bond: bond.id,
@@ -69,7 +71,7 @@ pub fn find_ruptures(
 /// The limit that an intact bond has reached.
 fn mode(
     rules: &RuptureRules,
-    length: f64,
+    [length, greatest]: [f64; 2],
     c: &Interaction,
     e: &Kinematics,
     f: &[f64; 3],
@@ -78,26 +80,33 @@ fn mode(
     let m = multipliers(c, e, f);
     let [p, q, tau] = *f;
     let moves = rules.multiplier * length;
+    // Without compliance a solver ends with a small product of slack and multiplier, and it is the
+    // greater of the two that counts.
+    let met = |slack: f64, limit: f64, compliance: f64, multiplier: f64| {
+        if compliance > 0.0 {
+            slack <= rules.slack * limit
+        } else {
+            multiplier > moves && slack * greatest <= multiplier * limit
+        }
+    };
 
-    let on_tension = l.tension > 0.0 && p + l.tension <= rules.slack * l.tension;
-    if on_tension && (c.normal_compliance > 0.0 || m.tension > moves) {
+    let reachable = l.tension > 0.0 && l.least_normal_force() <= -l.tension;
+    if reachable && met(p + l.tension, l.tension, c.normal_compliance, m.tension) {
         return Some(RuptureMode::Tension);
     }
     let shear = l.cohesion + l.friction * p;
-    let little = rules.slack * (l.cohesion + l.friction * p.abs());
-    let on_shear = l.has_shear() && shear - q.abs() <= little;
+    let most = l.cohesion + l.friction * p.abs();
     // Pulled apart at the apex of the shear limit, a bond opens without slip.
-    let slides = m.slip.abs() > moves || (shear <= little && m.tension > moves);
-    if on_shear && (c.tangential_compliance > 0.0 || slides) {
+    let apex = if shear <= rules.slack * most { m.tension } else { 0.0 };
+    let slips = m.slip.abs().max(apex);
+    if l.has_shear() && met(shear - q.abs(), most, c.tangential_compliance, slips) {
         return Some(RuptureMode::Shear);
     }
     let roll = l.rolling * (p + l.tension);
-    let on_rolling =
-        l.has_rolling() && roll - tau.abs() <= rules.slack * l.rolling * (p.abs() + l.tension);
-    if rules.rolling == RollingLimit::Breaks && on_rolling && m.rotation.abs() > rules.multiplier {
-        return Some(RuptureMode::Rolling);
-    }
-    None
+    let most = l.rolling * (p.abs() + l.tension);
+    let breaks = rules.rolling == RollingLimit::Breaks && l.has_rolling();
+    let rolls = breaks && met(roll - tau.abs(), most, 0.0, length * m.rotation.abs());
+    rolls.then_some(RuptureMode::Rolling)
 }
 
 /// Breaks the bonds that the accepted attempt brought to a limit. Their contacts go on with what

@@ -3,6 +3,9 @@
 
 mod common;
 
+use std::collections::BTreeSet;
+use std::path::Path;
+
 use clastic::components::attempt::IncrementStatus;
 use clastic::components::bond::RuptureMode;
 use clastic::components::contact::{Bodies, Contacts};
@@ -395,4 +398,32 @@ fn results_do_not_depend_on_the_regularisation() {
             assert!((a - b).abs() <= 1e-7 * peak, "increment {k}: {a:e} Pa and {b:e} Pa");
         }
     }
+}
+
+/// The forces of a rigid specimen at its limit load are not unique. Two solvers end somewhere among
+/// them, and must break the same bonds, after which nothing carries any load (4.4.2 of the paper).
+#[test]
+fn rigid_specimen_breaks_the_same_bonds_with_every_solver_and_carries_nothing_then() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/uniaxial_rigid_small.ron");
+    let broken = |solver: &str| {
+        let loaded = clastic::scene::load(&path, &[format!("solver={solver}")]).unwrap();
+        let mut simulation = Simulation::new(&loaded.scene, loaded.specimen.as_ref());
+        let mut step = || {
+            assert_eq!(simulation.step(), Step::Increment);
+            simulation.world().resource::<Observation>().clone()
+        };
+        let (first, second) = (step(), step());
+        let left = second.axial_stress.unwrap() / first.axial_stress.unwrap();
+        assert!(left.abs() < 1e-6, "{solver}: {left} of the limit load is left");
+        first.ruptures.iter().map(|r| r.bond.0).collect::<BTreeSet<_>>()
+    };
+    let (own, other) = (broken("Condensed"), broken("Clarabel()"));
+    let common = own.intersection(&other).count();
+    println!("{} and {} bonds, {common} of them the same", own.len(), other.len());
+    assert!(
+        20 * common >= 19 * own.len().max(other.len()),
+        "{common} of {} and {}",
+        own.len(),
+        other.len()
+    );
 }

@@ -15,7 +15,7 @@ pub mod newton;
 pub mod reduced;
 pub mod scaled;
 
-use clastic_components::program::{ConeProgram, ConeSolution, SolveStatus};
+use clastic_components::program::{ConeProgram, ConeSolution, Dof, SolveStatus};
 
 use self::matrix::BodyMatrix;
 use self::reduced::Reduced;
@@ -193,7 +193,9 @@ impl Condensed {
             }
         }
         let (result, mut solution) = last?;
-        let enough = program.interactions.len() > LARGE || tolerance > TOLERANCE;
+        let enough = program.interactions.len() > LARGE
+            || tolerance > TOLERANCE
+            || is_rigid_plastic(program);
         if enough && solution.status == SolveStatus::Solved {
             return Some(solution);
         }
@@ -210,6 +212,15 @@ impl Condensed {
         }
         None
     }
+}
+
+/// Whether bonds without compliance make forces and mechanism a matter of choice. The interior point
+/// converges to the middle of all choices, where a limit is active only if it is so in all of them:
+/// those are the bonds that break. A polish would take it to a corner.
+fn is_rigid_plastic(program: &ConeProgram) -> bool {
+    let inert = |d: &Dof| matches!(d, Dof::Free(f) if f.inertia > 0.0);
+    program.interactions.iter().any(|c| c.limits.tension > 0.0 && c.normal_compliance == 0.0)
+        && !program.bodies.iter().any(|b| b.dofs.iter().any(inert))
 }
 
 /// The interior point in the numbering of the lowered program.
