@@ -90,7 +90,8 @@ fn remove_frames(directory: &Path, which: impl Fn(u64) -> bool) -> Result<(), Ou
     if frames.is_dir() {
         for name in entries(&frames)? {
             let part = name.strip_suffix(PART);
-            let number = numbered(part.unwrap_or(&name), "frame_", ".csv");
+            let name_of = |extension| numbered(part.unwrap_or(&name), "frame_", extension);
+            let number = name_of(".csv").or_else(|| name_of(".svg"));
             if number.is_some_and(|number| part.is_some() || which(number)) {
                 remove(&frames.join(&name))?;
             }

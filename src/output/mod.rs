@@ -9,6 +9,7 @@
 //! | `timings.csv` | wall clock; it lives here alone, all other files are the same bytes on every run |
 //! | `specimen.csv` | the prepared specimen at the start of the reference stage: scenes can read it |
 //! | `frames/frame_000123.csv` | all particles after increment 123, where the scene asks for frames |
+//! | `frames/frame_000123.svg` | its picture |
 //! | `final_particles.csv` | all particles at the end |
 //! | `program_000123.json` | cone program and solution of increment 123, where asked for |
 //! | `mechanism.csv` | the mechanism of the first collapse |

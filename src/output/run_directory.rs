@@ -300,9 +300,7 @@ impl RunWriter {
         }
         self.write_mechanism(world)?;
         if due.frame {
-            let path = directory::frame(&self.directory, increment);
-            frames::write_frame(&path, &Snapshot::take(world))?;
-            self.is_fresh(path);
+            self.write_frame(&Snapshot::take(world), &observation)?;
         }
         if self.dump_programs.contains(&increment) {
             let path = directory::program(&self.directory, increment);
@@ -320,6 +318,22 @@ impl RunWriter {
             self.save(world)?;
             self.saving += clock.elapsed().as_secs_f64();
         }
+        Ok(())
+    }
+
+    /// Writes a frame, with its picture.
+    fn write_frame(&mut self, now: &Snapshot, at: &Observation) -> Result<(), OutputError> {
+        let path = directory::frame(&self.directory, at.increment);
+        frames::write_frame(&path, now)?;
+        if self.scene.output.plots
+            && let Some(picture) =
+                plots::specimen::svg(now, &self.state.start, &self.scene.title, &caption(at))
+        {
+            let path = path.with_extension("svg");
+            write_atomic(&path, picture)?;
+            self.is_fresh(path);
+        }
+        self.is_fresh(path);
         Ok(())
     }
 
@@ -592,7 +606,9 @@ mod tests {
             "events.csv",
             "final_particles.csv",
             "frame_000002.csv",
+            "frame_000002.svg",
             "frame_000004.csv",
+            "frame_000004.svg",
             "history.csv",
             "probes.svg",
             "program_000003.json",
@@ -647,7 +663,9 @@ mod tests {
         }
         let names: Vec<_> = files(parent.path())?.into_iter().map(|(name, _)| name).collect();
         let frames: Vec<_> = names.iter().filter(|name| name.starts_with("frame_")).collect();
-        assert_eq!(frames, ["frame_000001.csv", "frame_000004.csv"]);
+        let expected =
+            ["frame_000001.csv", "frame_000001.svg", "frame_000004.csv", "frame_000004.svg"];
+        assert_eq!(frames, expected);
         // The bond that breaks in between is in the record all the same.
         let record: serde_json::Value = serde_json::from_str(&written(directory::RUN)?)?;
         assert_eq!(record["increments"], 4);
