@@ -2,7 +2,10 @@
 
 mod common;
 
+use std::f64::consts::PI;
+
 use clastic::run::Simulation;
+use clastic::scene::format::Scene;
 use common::*;
 
 const G: f64 = 9.81;
@@ -73,4 +76,82 @@ fn column_collapse_loses_energy_and_spreads_as_published() {
     );
     let law = 1.42 * aspect.powf(2.0 / 3.0);
     assert!((0.75 * law..1.25 * law).contains(&slump), "{slump} instead of {law}");
+}
+
+/// A column of 500 disks with the aspect ratio `a` = h0/d0, and its width, m.
+fn column(a: f64, seed: u64) -> (Scene, f64) {
+    // 500 disks of 10 mm and a porosity of 0.2.
+    let width = (500.0 * PI * 25.3e-6 / 0.8 / a).sqrt();
+    let columns = (width / 12.5e-3) as usize;
+    let origin = 0.5 * (width - columns as f64 * 12.5e-3);
+    let top = 12.5e-3 * 500_f64.div_euclid(columns as f64) + 30e-3;
+    // Six times the time of fall from the top.
+    let release = (6.0 * (a * width / G).sqrt() / 2e-3).ceil();
+    let text = format!(
+        r#"(
+            version: 1, title: "column",
+            analysis: Dynamic(dt: 2.0e-3, theta: 1.0), gravity: (0.0, -9.81),
+            materials: {{ "stone": (density: 2650.0, contact: (friction: 0.5)) }},
+            specimen: Packing(
+                count: 500, columns: {columns}, spacing: 12.5e-3, origin: ({origin}, 0.0),
+                sizes: Uniform(radius: (4.0e-3, 6.0e-3)), seed: {seed},
+            ),
+            walls: [
+                (name: "floor", start: (0.0, 0.0), end: ({width}, 0.0), contact: (friction: 0.5)),
+                (name: "back", start: (0.0, {top}), end: (0.0, 0.0)),
+                (name: "gate", start: ({width}, 0.0), end: ({width}, {top})),
+                (name: "lid", start: ({width}, {top}), end: (0.0, {top})),
+            ],
+            stages: [
+                Compact(name: "compact", wall: "lid", base: "floor", target: Porosity(0.2),
+                    step: 10.0e-3, agitation: 0.1, seed: {seed}),
+                Load(name: "settle", increments: 50, remove_walls: ["lid"]),
+                Load(name: "release", increments: {release}, remove_walls: ["gate"]),
+            ],
+        )"#
+    );
+    (parse(&text), width)
+}
+
+/// Aspect ratio, run-out (d - d0)/d0 and h0/h of a column that has collapsed.
+fn collapse(a: f64, seed: u64) -> [f64; 3] {
+    let (scene, width) = column(a, seed);
+    let mut simulation = Simulation::new(&scene, None);
+    let mut column = 0.0;
+    while let Some(record) = next(&mut simulation) {
+        if record.stage == "settle" {
+            column = height(&states(&mut simulation));
+        }
+    }
+    let end = states(&mut simulation);
+    [column / width, front(&end) / width - 1.0, column / height(&end)]
+}
+
+/// Exponent of a power law through points, by least squares of logarithms.
+fn exponent(points: &[(f64, f64)]) -> f64 {
+    let n = points.len() as f64;
+    let logarithms = || points.iter().map(|(x, y)| (x.ln(), y.ln()));
+    let (x, y) = logarithms().fold((0.0, 0.0), |(x, y), (u, v)| (x + u / n, y + v / n));
+    let (xy, xx) = logarithms()
+        .fold((0.0, 0.0), |(xy, xx), (u, v)| (xy + (u - x) * (v - y), xx + (u - x) * (u - x)));
+    xy / xx
+}
+
+#[test]
+#[ignore = "15 columns of 500 disks"]
+fn run_out_and_height_grow_with_the_aspect_ratio_as_published() {
+    let mut all = Vec::new();
+    for a in [0.8, 1.4, 2.5, 4.5, 8.0] {
+        for seed in 1..=3 {
+            let measured = collapse(a, seed);
+            println!("{a} {seed}: a, run-out, h0/h = {measured:.3?}");
+            all.push(measured);
+        }
+    }
+    let law = |range: std::ops::Range<f64>, which: usize| {
+        let inside = all.iter().filter(|m| range.contains(&m[0]));
+        exponent(&inside.map(|m| (m[0], m[which])).collect::<Vec<_>>())
+    };
+    let (low, high, slump) = (law(0.65..2.0, 1), law(2.0..9.0, 1), law(2.0..9.0, 2));
+    println!("exponents: run-out {low:.3} below 2, {high:.3} above; h0/h {slump:.3} above");
 }

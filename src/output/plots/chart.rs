@@ -14,13 +14,17 @@ const LEGEND: (f64, f64) = (0.3, 0.2);
 const SIZE: (u32, u32) = (760, 520);
 /// Plotters draws on whole pixels, which shows as steps in a straight line: draw larger.
 const ZOOM: u32 = 8;
-const COLORS: [RGBColor; 6] = [
+const COLORS: [RGBColor; 10] = [
     RGBColor(31, 73, 125),
     RGBColor(214, 130, 20),
     RGBColor(60, 130, 60),
     RGBColor(120, 80, 160),
     RGBColor(20, 140, 150),
     RGBColor(110, 110, 110),
+    RGBColor(150, 90, 60),
+    RGBColor(220, 120, 170),
+    RGBColor(160, 160, 40),
+    RGBColor(0, 0, 0),
 ];
 const SECONDARY: RGBColor = RGBColor(200, 40, 40);
 

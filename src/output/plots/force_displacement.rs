@@ -27,8 +27,8 @@ fn work(points: &[(f64, f64)]) -> f64 {
     points.windows(2).map(|w| 0.5 * (w[0].1 + w[1].1) * (w[1].0 - w[0].0)).sum::<f64>().abs()
 }
 
-/// Force against displacement along the one axis on which the most work is done: in the rigs that
-/// this is for, the one that is driven.
+/// Force against displacement along the one axis on which the most work is done in the last stage:
+/// in the rigs that this is for, the one that is driven after everything else is in place.
 fn worked(title: &str, history: &History) -> Option<Chart> {
     let probes = history.probes();
     let along = |(motion, force, _): (&str, &str, &str), probe: &str| {
@@ -36,7 +36,9 @@ fn worked(title: &str, history: &History) -> Option<Chart> {
         // Displacements count from the start: so does the curve.
         std::iter::once((0.0, 0.0)).chain(points).collect::<Vec<_>>()
     };
-    let total = |axis| probes.iter().map(|probe| work(&along(axis, probe))).fold(0.0, f64::max);
+    // Row k of the history is point k + 1: this starts with the last one before the stage.
+    let late = |points: &[_]| work(points.get(history.last_stage()..).unwrap_or_default());
+    let total = |axis| probes.iter().map(|probe| late(&along(axis, probe))).fold(0.0, f64::max);
     let axis = AXES.into_iter().max_by(|a, b| total(*a).total_cmp(&total(*b)))?;
     let most = total(axis);
     if most <= 0.0 {
@@ -45,7 +47,7 @@ fn worked(title: &str, history: &History) -> Option<Chart> {
     let lines: Vec<_> = probes
         .iter()
         .map(|probe| Line { name: (*probe).to_owned(), points: along(axis, probe) })
-        .filter(|line| work(&line.points) > 1e-6 * most)
+        .filter(|line| late(&line.points) > 1e-6 * most)
         .collect();
     let turning = axis.2 == "rotation";
     let greatest = lines.iter().flat_map(|l| &l.points).map(|p| p.0.abs()).fold(0.0, f64::max);
@@ -96,4 +98,23 @@ fn moved(title: &str, history: &History) -> Option<Chart> {
         lines,
         second: None,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_load_that_stands_before_the_last_stage_is_not_the_curve() -> Result<(), std::io::Error> {
+        let file = tempfile::NamedTempFile::new()?;
+        let text = "stage,p.x_m,p.y_m,p.rotation_rad,p.force_x_n,p.force_y_n,p.moment_nm\n\
+                    press,0,-1,0,0,-5,0\n\
+                    turn,0,-1,1e-6,0,-5,0.1\n\
+                    turn,0,-1,2e-6,0,-5,0.1\n";
+        std::fs::write(file.path(), text)?;
+        let history = History::read(file.path()).map_err(std::io::Error::other)?;
+        let chart = probes("", &history).unwrap_or_default();
+        assert_eq!(chart.lines[0].points, [(0.0, 0.0), (0.0, 0.0), (1e-6, 0.1), (2e-6, 0.1)]);
+        Ok(())
+    }
 }

@@ -10,6 +10,8 @@ use crate::output::history::PROBE_COLUMNS;
 pub struct History {
     names: Vec<String>,
     rows: Vec<Vec<Option<f64>>>,
+    /// Row that the last stage starts with.
+    last_stage: usize,
 }
 
 impl History {
@@ -20,14 +22,20 @@ impl History {
     pub fn read(path: &Path) -> Result<Self, OutputError> {
         let mut reader = csv::Reader::from_path(path).map_err(OutputError::at(path))?;
         let names = reader.headers().map_err(OutputError::at(path))?;
-        let names = names.iter().map(str::to_owned).collect();
+        let names: Vec<_> = names.iter().map(str::to_owned).collect();
+        let stage = names.iter().position(|n| n == "stage");
         let mut rows = Vec::new();
+        let mut last_stage = (None, 0);
         for row in reader.records() {
             let row = row.map_err(OutputError::at(path))?;
+            let now = stage.and_then(|k| row.get(k)).map(str::to_owned);
+            if now != last_stage.0 {
+                last_stage = (now, rows.len());
+            }
             let number = |field: &str| field.parse().ok().filter(|x: &f64| x.is_finite());
             rows.push(row.iter().map(number).collect());
         }
-        Ok(Self { names, rows })
+        Ok(Self { names, rows, last_stage: last_stage.1 })
     }
 
     /// A column; empty where there is none of that name.
@@ -42,6 +50,12 @@ impl History {
     pub fn points(&self, x: &str, y: &str) -> Vec<(f64, f64)> {
         let pairs = self.column(x).into_iter().zip(self.column(y));
         pairs.filter_map(|(x, y)| Some((x?, y?))).collect()
+    }
+
+    /// Row that the last stage starts with.
+    #[must_use]
+    pub fn last_stage(&self) -> usize {
+        self.last_stage
     }
 
     /// Names of the probes.
