@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use glam::DVec2;
 
 use crate::bond::Rupture;
+use crate::program::Residuals;
 
 /// What to do after an attempt.
 #[derive(Clone, Debug, PartialEq, Default)]
@@ -136,6 +137,9 @@ pub struct Attempt {
     pub centre: Vec<[f64; 3]>,
     /// Moves of that centre in this attempt.
     pub centres: u32,
+    /// Of all solutions of this increment that did not converge, the residuals of the one that came
+    /// closest, and what the solver said of it.
+    pub best: Option<(Residuals, String)>,
     /// Magnitudes of the last rejected solution: greatest displacement (m) and force (N).
     pub magnitudes: Option<(f64, f64)>,
     /// Whether a cap was hit.

@@ -104,7 +104,7 @@ pub struct ExternalForce(pub [f64; 3]);
 #[component(immutable)]
 pub struct Probe(pub String);
 
-/// Name of a group of particles that stages and measures can select.
+/// Name of a group of particles that stages can select.
 #[derive(Component, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[component(immutable)]
 pub struct Group(pub String);

@@ -77,6 +77,13 @@ impl Limits {
         self.cohesion > 0.0 || self.friction > 0.0
     }
 
+    /// Whether the interaction resists being pulled apart or sheared without any pressure, as an
+    /// intact bond does. One without any strength is no more than a contact.
+    #[must_use]
+    pub fn has_strength(&self) -> bool {
+        self.tension > 0.0 || self.cohesion > 0.0
+    }
+
     /// Whether the interaction has a rolling moment.
     #[must_use]
     pub fn has_rolling(&self) -> bool {
@@ -199,6 +206,13 @@ impl ConeProgram {
                 }
             }
         }
+    }
+
+    /// Displacements by body in its own axes as far as they are imposed; zero where they are free.
+    #[must_use]
+    pub fn imposed(&self) -> Vec<[f64; 3]> {
+        let known = |dof| if let Dof::Fixed(u) = dof { u } else { 0.0 };
+        self.bodies.iter().map(|body| body.dofs.map(known)).collect()
     }
 
     /// Number of force variables, balance rows and limit rows that a solver needs.

@@ -127,8 +127,7 @@ pub fn book_energies(
             .bond
             .map(|k| &bodies.bonds[k as usize])
             .is_some_and(|b| attempt.ruptures.iter().any(|r| r.bond == b.id));
-        let has_strength = c.limits.tension > 0.0 || c.limits.cohesion > 0.0;
-        let as_bond = contact.bond.is_some() && (has_strength || !broken);
+        let as_bond = contact.bond.is_some() && (c.limits.has_strength() || !broken);
         broke_before |= broken && !as_bond;
         let key = (contact.a, contact.b);
         let opening = attempt

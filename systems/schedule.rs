@@ -9,7 +9,8 @@
 //!   Walls runs       ControlWalls: BuiltIn -> Custom, for the increment that follows
 //! ```
 //!
-//! Nothing in the attempts changes bodies, walls, bonds or contact history: an attempt that does
+//! Attempts change no bodies, walls, bonds or contact history, but for grains that settle
+//! ([`settle`](crate::attempt::settle)), and they are put back if the increment fails: one that does
 //! not converge leaves no trace.
 
 use std::time::Instant;

@@ -174,8 +174,7 @@ pub fn remember_contacts(
     let nothing = 1e-9 * force_scale(&program, &solution.forces);
     history.0.clear();
     for ((contact, c), f) in contacts.0.iter().zip(&program.interactions).zip(&solution.forces) {
-        let bonded = c.limits.tension > 0.0 || c.limits.cohesion > 0.0;
-        if !bonded && f[0] <= nothing {
+        if !c.limits.has_strength() && f[0] <= nothing {
             continue;
         }
         let q = if c.tangential_compliance > 0.0 {

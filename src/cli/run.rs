@@ -75,7 +75,7 @@ pub fn to_the_end(
         Ending::Finished(Outcome::Stalled { message, .. }) => {
             Err(Failure { exit: Exit::Solver, message })
         }
-        Ending::Finished(Outcome::Completed | Outcome::Collapsed { .. }) => Ok(Exit::Ok),
+        Ending::Finished(Outcome::Completed | Outcome::Collapsed(_)) => Ok(Exit::Ok),
     }
 }
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use clastic::output::{Ending, Results};
-use clastic::run::{Outcome, StageEnd};
+use clastic::run::{Collapse, Outcome, StageEnd};
 
 /// How the run ended, what came out, where it is.
 pub fn summary(
@@ -16,8 +16,8 @@ pub fn summary(
     let outcome = match ending {
         Ending::Interrupted => format!("interrupted after increment {increment}"),
         Ending::Finished(Outcome::Completed) => format!("completed in {increment} increments"),
-        Ending::Finished(Outcome::Collapsed { stage, increment }) => {
-            format!("collapsed in increment {increment} of stage {stage}")
+        Ending::Finished(Outcome::Collapsed(Collapse { stage, increment, reason })) => {
+            format!("collapsed in increment {increment} of stage {stage}: {reason}")
         }
         Ending::Finished(Outcome::Stalled { increment, .. }) => {
             format!("stalled at increment {increment}")

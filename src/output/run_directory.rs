@@ -415,7 +415,7 @@ impl RunWriter {
                 ],
             )?;
         }
-        if let Ending::Finished(Outcome::Completed | Outcome::Collapsed { .. }) = ending {
+        if let Ending::Finished(Outcome::Completed | Outcome::Collapsed(_)) = ending {
             // Last of all: as long as it is there, the run is not at its end.
             directory::remove_if_there(&dir.join(directory::CHECKPOINT))?;
         }

@@ -10,10 +10,10 @@ use sha2::{Digest, Sha256};
 use super::OutputError;
 use super::atomic::write_atomic;
 use super::key_results::Results;
-use crate::run::{Outcome, StageEnd};
+use crate::run::{Collapse, Outcome, StageEnd};
 use crate::scene::LoadedScene;
 use crate::scene::format::{
-    self, Acceptance, Analysis, FrictionLaw, Rupture, Solver, Specimen, Stage,
+    self, Acceptance, Analysis, Corrector, FrictionLaw, Rupture, Solver, Specimen, Stage,
 };
 
 /// Version of this program.
@@ -96,6 +96,7 @@ pub struct Resumed {
 struct Settings {
     analysis: Analysis,
     friction_law: FrictionLaw,
+    corrector: Option<Corrector>,
     rupture: Rupture,
     solver: Solver,
     acceptance: Acceptance,
@@ -134,8 +135,8 @@ impl OutcomeRecord {
         match outcome {
             None => at("interrupted", stage, increment, None),
             Some(Outcome::Completed) => at("completed", stage, increment, None),
-            Some(Outcome::Collapsed { stage, increment }) => {
-                at("collapsed", stage.clone(), *increment, None)
+            Some(Outcome::Collapsed(Collapse { stage, increment, reason })) => {
+                at("collapsed", stage.clone(), *increment, Some(reason.clone()))
             }
             Some(Outcome::Stalled { increment, message }) => {
                 at("stalled", stage, *increment, Some(message.clone()))
@@ -191,6 +192,7 @@ impl RunRecord {
             settings: Settings {
                 analysis: scene.analysis,
                 friction_law: scene.friction_law,
+                corrector: scene.corrector,
                 rupture: scene.rupture,
                 solver: scene.solver,
                 acceptance: scene.acceptance,

@@ -26,10 +26,10 @@ pub fn with_advice(
     }
     advice += match (status, stage) {
         (IncrementStatus::Locked, Stage::Compact(_)) => {
-            "the packing is jammed before its target: aim for a greater height or porosity, or a smaller step"
+            "a greater height or porosity as the target (the packing is jammed before this one), a smaller step"
         }
         (IncrementStatus::Locked, _) => {
-            "rigid bodies are forced into each other: give the contacts a stiffness or free a wall"
+            "a stiffness for the contacts, or a wall that is free to give way"
         }
         _ => {
             "smaller increments (more `increments`, smaller displacements), a greater `acceptance.halvings`, \
@@ -39,7 +39,7 @@ pub fn with_advice(
     format!("increment {increment} of stage `{name}`: {complaint}; try: {advice}")
 }
 
-/// Greatest residual of the last solution, if it is a good one that `acceptance.residual` alone
+/// Greatest residual of the best solution of the increment, if it is a good one that `acceptance.residual` alone
 /// keeps from being accepted.
 fn nearly(world: &World) -> Option<f64> {
     let worst = world.resource::<ConeSolution>().residuals.worst();

@@ -82,6 +82,9 @@ fn stage_under_way(old: &Load, new: &Load, state: &WorldState) -> Option<&'stati
             "it is under way; of such a stage `increments`, `stop`, `record` and the motion of walls can change",
         );
     }
+    if f64::from(new.increments) < state.progress.done {
+        return Some("it is under way and has made more increments than that");
+    }
     let ramps = state.walls.iter().any(|wall| wall.control.is_ramp())
         || state.particles.iter().any(|p| p.load_control.0.iter().any(|(from, to)| from != to));
     (ramps && old.increments != new.increments).then_some(

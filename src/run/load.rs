@@ -92,6 +92,28 @@ fn control_walls(world: &mut World, stage: &scene::Load) {
     }
 }
 
+/// Ends the stage under way before its loads are where they were to go: what they have reached is what
+/// the next stage starts from, and keeps where it says nothing else.
+pub fn end_early(world: &mut World) {
+    let progress = world.resource::<Progress>().clone();
+    let reached = |from: f64, to: f64| progress.ramp(from, to).from;
+    let mut walls = world.query::<&mut WallControl>();
+    for mut control in walls.iter_mut(world) {
+        match &mut *control {
+            WallControl::Force { from, to } | WallControl::Stress { from, to, .. } => {
+                *to = reached(*from, *to);
+            }
+            _ => {}
+        }
+    }
+    let mut particles = world.query::<&mut LoadControl>();
+    for mut control in particles.iter_mut(world) {
+        for (from, to) in &mut control.0 {
+            *to = reached(*from, *to);
+        }
+    }
+}
+
 /// What a stress control acts on, and its current size in m times the thickness.
 fn stress_length(
     world: &mut World,

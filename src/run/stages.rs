@@ -8,13 +8,14 @@ use clastic_components::body::Velocity;
 use clastic_components::bond::Rupture;
 use clastic_components::increment::Progress;
 use clastic_components::observation::{Measures, Observation};
+use clastic_components::program::ConeSolution;
 use clastic_systems::record::take_reference;
 use clastic_systems::schedule::{ControlWalls, Increment};
 use clastic_systems::solve_program::Solver;
 
 use super::advice::with_advice;
 use super::{cement, compact, load};
-use crate::scene::format::{Record, Scene, Stage, Stop};
+use crate::scene::format::{Scene, Stage, Stop};
 
 /// The scene's stages and where the run stands among them.
 #[derive(Resource, Clone, Debug)]
@@ -25,14 +26,40 @@ pub struct Script {
     pub begun: bool,
     /// Greatest speed of a particle after the last increment of the stage, m/s.
     pub speed: Option<f64>,
-    /// Greatest axial stress of the stage so far, Pa.
+    /// Axial stress of the greatest magnitude in the stage so far, Pa.
     pub peak: f64,
-    /// The first collapse: stage and increment.
-    pub collapse: Option<(String, u64)>,
+    /// The first collapse.
+    pub collapse: Option<Collapse>,
     /// How the run ended, once it has.
     pub outcome: Option<Outcome>,
     /// The stages so far and how they ended; that under way is the last.
     pub ends: Vec<StageEnd>,
+}
+
+/// How a specimen collapsed.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Collapse {
+    /// The stage.
+    pub stage: String,
+    /// Its last increment, of which nothing was committed.
+    pub increment: u64,
+    /// What tells: a mechanism that proves that no equilibrium exists, or else how the specimen gave
+    /// way.
+    pub reason: String,
+}
+
+impl Collapse {
+    /// The collapse that the last increment found.
+    fn found(world: &World, stage: &Stage) -> Self {
+        let complaint = &world.resource::<Attempt>().complaint;
+        let reason = if world.resource::<ConeSolution>().certificate.is_some() {
+            "no equilibrium exists: a mechanism proves it".to_owned()
+        } else {
+            format!("it gave way, which no mechanism proves: {complaint}")
+        };
+        let increment = world.resource::<Progress>().increment;
+        Self { stage: stage.name().to_owned(), increment, reason }
+    }
 }
 
 /// A stage of a run and how it ended.
@@ -86,28 +113,6 @@ impl Script {
     }
 }
 
-impl Stage {
-    /// Name of the stage.
-    #[must_use]
-    pub fn name(&self) -> &str {
-        match self {
-            Self::Compact(s) => &s.name,
-            Self::Cement(s) => &s.name,
-            Self::Load(s) => &s.name,
-        }
-    }
-
-    /// What it records; none where it takes no increments.
-    #[must_use]
-    pub fn record(&self) -> Option<&Record> {
-        match self {
-            Self::Compact(s) => Some(&s.record),
-            Self::Cement(_) => None,
-            Self::Load(s) => Some(&s.record),
-        }
-    }
-}
-
 /// What an increment changes even where it stalls, as it was before: the state of a stalled run is
 /// the one before that increment.
 #[derive(Resource, Clone, Debug, Default)]
@@ -149,12 +154,10 @@ pub enum Outcome {
     /// All stages ran to their end.
     Completed,
     /// All stages ran, and in one of them the specimen collapsed: a result.
-    Collapsed {
-        /// The first stage that ended so.
-        stage: String,
-        /// Its last increment.
-        increment: u64,
-    },
+    Collapsed(
+        /// The first of them.
+        Collapse,
+    ),
     /// An increment could not be solved; nothing of it was committed.
     Stalled {
         /// The increment.
@@ -174,7 +177,7 @@ pub fn advance(world: &mut World) -> Step {
         let stage = world.resource::<Progress>().stage;
         let Some(stage) = script.scene.stages.get(stage).cloned() else {
             let outcome = match script.collapse.clone() {
-                Some((stage, increment)) => Outcome::Collapsed { stage, increment },
+                Some(collapse) => Outcome::Collapsed(collapse),
                 None => Outcome::Completed,
             };
             world.resource_mut::<Script>().outcome = Some(outcome);
@@ -256,8 +259,8 @@ fn after_increment(world: &mut World, stage: &Stage) {
             held.map(|_| EndedBy::Stop)
         }
         IncrementStatus::Collapsed => {
-            let mut script = world.resource_mut::<Script>();
-            script.collapse.get_or_insert((stage.name().to_owned(), increment));
+            let collapse = Collapse::found(world, stage);
+            world.resource_mut::<Script>().collapse.get_or_insert(collapse);
             Some(EndedBy::Collapse)
         }
         IncrementStatus::Locked | IncrementStatus::Stalled => {
@@ -271,6 +274,7 @@ fn after_increment(world: &mut World, stage: &Stage) {
         (end.ended_by, end.stop) = (ended_by, held);
     }
     if matches!(ended_by, Some(EndedBy::Stop | EndedBy::Collapse)) {
+        load::end_early(world);
         let mut progress = world.resource_mut::<Progress>();
         progress.done = progress.total;
     }
@@ -286,15 +290,18 @@ fn stopped(world: &mut World, stage: &Stage) -> Option<Stop> {
     let greatest = velocities.iter(world).map(|v| v.0.length()).fold(0.0, f64::max);
     let mut script = world.resource_mut::<Script>();
     let last = script.speed.replace(greatest);
-    if let Some(stress) = stress {
-        script.peak = script.peak.max(stress);
+    if let Some(stress) = stress.filter(|s| s.abs() > script.peak.abs()) {
+        script.peak = stress;
     }
-    let peak = script.peak;
+    // In a tension test the peak is negative.
+    let (peak, sign) = (script.peak.abs(), script.peak.signum());
     load.stop.iter().copied().find(|stop| match *stop {
         // Strains are sums of increments: the last bits must not cost one more of them.
         Stop::AxialStrain(limit) => strain
             .is_some_and(|e| if limit < 0.0 { e <= limit + 1e-12 } else { e >= limit - 1e-12 }),
-        Stop::StressDrop(fraction) => stress.is_some_and(|s| peak > 0.0 && s < fraction * peak),
+        Stop::StressDrop(fraction) => {
+            stress.is_some_and(|s| peak > 0.0 && sign * s < fraction * peak)
+        }
         Stop::Time(limit) => time >= limit * (1.0 - 1e-12),
         // What begins to fall is slow too: at rest nothing gets faster.
         Stop::Rest(speed) => greatest < speed && last.is_some_and(|last| greatest <= last),

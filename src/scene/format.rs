@@ -344,7 +344,7 @@ pub struct Particle {
     /// Initial angular velocity, rad/s.
     #[serde(default)]
     pub angular_velocity: f64,
-    /// Group for selection by stages and measures.
+    /// Group for selection by stages.
     #[serde(default)]
     pub group: Option<String>,
     /// Name under which the history records it.
@@ -401,6 +401,28 @@ pub enum Stage {
     Cement(Cement),
     /// Increments under controlled walls and particles.
     Load(Load),
+}
+
+impl Stage {
+    /// Name of the stage.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Compact(s) => &s.name,
+            Self::Cement(s) => &s.name,
+            Self::Load(s) => &s.name,
+        }
+    }
+
+    /// What it records; none where it takes no increments.
+    #[must_use]
+    pub fn record(&self) -> Option<&Record> {
+        match self {
+            Self::Compact(s) => Some(&s.record),
+            Self::Cement(_) => None,
+            Self::Load(s) => Some(&s.record),
+        }
+    }
 }
 
 /// See [`Stage::Compact`].

@@ -44,18 +44,6 @@ pub enum LoadError {
     Scene(SceneErrors),
 }
 
-impl LoadError {
-    /// Exit code of a command that fails with this error: 1 file, 2 usage, 3 scene.
-    #[must_use]
-    pub fn exit_code(&self) -> u8 {
-        match self {
-            Self::Read { .. } => 1,
-            Self::Set(_) => 2,
-            Self::Scene(_) => 3,
-        }
-    }
-}
-
 impl fmt::Display for LoadError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

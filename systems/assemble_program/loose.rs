@@ -88,10 +88,7 @@ pub fn find_loaded(
 
 /// Whether an interaction is stiff at the start of the increment: a bond, or closed.
 fn is_stiff(c: &Interaction, history: &ContactHistory) -> bool {
-    c.limits.tension > 0.0
-        || c.limits.cohesion > 0.0
-        || c.offset <= 0.0
-        || history.get(c.a, c.b).is_some_and(|m| m.p > 0.0)
+    c.limits.has_strength() || c.offset <= 0.0 || history.get(c.a, c.b).is_some_and(|m| m.p > 0.0)
 }
 
 fn free_dofs(program: &ConeProgram, body: usize) -> usize {

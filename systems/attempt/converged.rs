@@ -33,6 +33,9 @@ pub fn judge(
         SolveStatus::Locked => IncrementStatus::Locked,
         SolveStatus::Stalled => IncrementStatus::Stalled,
     };
+    if solution.status == SolveStatus::Stalled && attempt.settling.is_none() {
+        keep_best(&solution, &mut attempt);
+    }
     attempt.verdict = match solution.status {
         SolveStatus::Solved => match runaway(&program, &solution) {
             None => Verdict::Accept,
@@ -75,11 +78,11 @@ pub fn judge(
                 attempt.centre.clone_from(&solution.displacements);
                 Verdict::Again
             } else {
-                let reason = Verdict::Reject(complaint(&solution, &acceptance));
+                let reason = Verdict::Reject(complaint(&attempt, &acceptance));
                 collapsed_or(&program, &mut solution, &mut attempt, reason)
             }
         }
-        SolveStatus::Stalled => Verdict::Reject(complaint(&solution, &acceptance)),
+        SolveStatus::Stalled => Verdict::Reject(complaint(&attempt, &acceptance)),
     };
     if matches!(attempt.verdict, Verdict::Reject(_)) {
         attempt.magnitudes = magnitudes(&solution, bodies.mean_radius);
@@ -130,11 +133,20 @@ fn biased(program: &ConeProgram, solution: &ConeSolution, acceptance: &Acceptanc
             <= acceptance.residual
 }
 
-fn complaint(solution: &ConeSolution, acceptance: &Acceptance) -> String {
-    let r = &solution.residuals;
+/// Keeps the residuals of the solution that came closest in this increment. What is regularised has
+/// its bias in them, so that later attempts may be further off than the first.
+fn keep_best(solution: &ConeSolution, attempt: &mut Attempt) {
+    let worst = solution.residuals.worst();
+    if attempt.best.as_ref().is_none_or(|(best, _)| !(best.worst() <= worst)) {
+        attempt.best = Some((solution.residuals, solution.message.clone()));
+    }
+}
+
+fn complaint(attempt: &Attempt, acceptance: &Acceptance) -> String {
+    let Some((r, message)) = &attempt.best else { return "no solution was found".to_owned() };
     format!(
         "no solution was found; residuals of the best one: balance {:.1e}, kinematics {:.1e}, cone \
-         {:.1e}, complementarity {:.1e}; accepted {:.0e} (the solver says \"{}\")",
-        r.balance, r.kinematics, r.cone, r.complementarity, acceptance.residual, solution.message
+         {:.1e}, complementarity {:.1e}; accepted {:.0e} (the solver says \"{message}\")",
+        r.balance, r.kinematics, r.cone, r.complementarity, acceptance.residual
     )
 }

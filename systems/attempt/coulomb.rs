@@ -36,7 +36,7 @@ pub fn judge(
         list.binary_search_by_key(&key, |o| o.0).map_or(0.0, |k| list[k].1)
     };
     for ((c, f), contact) in program.interactions.iter().zip(&solution.forces).zip(&contacts.0) {
-        if c.limits.tension > 0.0 || c.limits.cohesion > 0.0 {
+        if c.limits.has_strength() {
             continue;
         }
         let m = multipliers(c, &program.kinematics(c, &solution.displacements), f);

@@ -101,6 +101,8 @@ pub fn run_attempts(world: &mut World) {
     }
     let before = settle::Snapshot::take(world);
     let mut strained = 0.0;
+    // Whether grains settled without bonds that a cascade had broken.
+    let mut parted = false;
     // Of a whole increment, not of what the last one could take: else a specimen that is stuck
     // would creep on in ever smaller steps.
     let finest = 0.5_f64.powf(f64::from(acceptance.halvings));
@@ -114,6 +116,7 @@ pub fn run_attempts(world: &mut World) {
             verdict => verdict,
         };
         let mut snaps = false;
+        let rejected = matches!(verdict, Verdict::Reject(_));
         let reason = match verdict {
             Verdict::Accept => {
                 if attempt.status == IncrementStatus::Solved && attempt.capped {
@@ -139,12 +142,14 @@ pub fn run_attempts(world: &mut World) {
             Verdict::Thrown(reason) => {
                 snaps = attempt.snaps;
                 if attempt.settled < settle::MAX_STEPS {
-                    forget(&mut attempt, reason.clone());
+                    // What a cascade broke stays broken while the grains settle: it is why they do.
+                    parted |= !attempt.ruptures.is_empty();
+                    forget_solution(&mut attempt, reason.clone());
                     match settle::settle(world, &mut strained) {
                         Settled::Moved => continue,
                         Settled::AtRest => {}
                         Settled::GaveWay => {
-                            return give_way(world, before, reason);
+                            return give_way(world, &before, reason);
                         }
                     }
                 }
@@ -155,11 +160,14 @@ pub fn run_attempts(world: &mut World) {
         let mut attempt = world.resource_mut::<Attempt>();
         if half < finest || attempt.solves >= MAX_SOLVES {
             if snaps {
-                return give_way(world, before, reason);
+                return give_way(world, &before, reason);
             }
             let mut attempt = world.resource_mut::<Attempt>();
             attempt.status = final_status(attempt.status);
             attempt.complaint = reason;
+            if let Some((best, _)) = attempt.best.take().filter(|_| rejected) {
+                world.resource_mut::<ConeSolution>().residuals = best;
+            }
             before.restore(world);
             return;
         }
@@ -167,6 +175,11 @@ pub fn run_attempts(world: &mut World) {
         attempt.magnitudes = None;
         forget(&mut attempt, reason);
         world.resource_mut::<Progress>().fraction = half;
+        if std::mem::take(&mut parted) {
+            // Half the increment may break none of them.
+            before.restore(world);
+            strained = 0.0;
+        }
     }
 }
 
@@ -184,7 +197,7 @@ fn carries_loads(world: &mut World) -> bool {
 
 /// Ends the increment as a collapse that no program proves: the specimen strains on and on under its
 /// loads, or takes no part of what is added to them without doing so.
-fn give_way(world: &mut World, before: settle::Snapshot, reason: String) {
+fn give_way(world: &mut World, before: &settle::Snapshot, reason: String) {
     world.resource_mut::<ConeSolution>().certificate = None;
     let mut attempt = world.resource_mut::<Attempt>();
     attempt.status = IncrementStatus::Collapsed;
@@ -200,11 +213,16 @@ fn final_status(status: IncrementStatus) -> IncrementStatus {
 
 /// Drops what a rejected attempt had concluded; pairs stay, they cost little.
 fn forget(attempt: &mut Attempt, reason: String) {
-    attempt.complaint = reason;
+    forget_solution(attempt, reason);
     attempt.ruptures.clear();
+    attempt.cascade_rounds = 0;
+}
+
+/// Drops what a rejected attempt had concluded, except for what a cascade has broken.
+fn forget_solution(attempt: &mut Attempt, reason: String) {
+    attempt.complaint = reason;
     attempt.snaps = false;
     attempt.capped = false;
-    attempt.cascade_rounds = 0;
     attempt.openings.clear();
     attempt.coulomb_passes = 0;
     attempt.corrections.clear();

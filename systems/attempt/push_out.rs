@@ -30,7 +30,7 @@ pub fn judge(
         return;
     }
     let overlaps = contacts.0.iter().zip(&program.interactions).any(|(contact, c)| {
-        let bonded = c.limits.tension > 0.0 || c.limits.cohesion > 0.0;
+        let bonded = c.limits.has_strength();
         c.normal_compliance == 0.0 && !bonded && contact.gap < -LEAST * bodies.mean_radius
     });
     if overlaps {

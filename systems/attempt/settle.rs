@@ -78,15 +78,15 @@ impl Snapshot {
     }
 
     /// Puts them back.
-    pub fn restore(self, world: &mut World) {
-        for (entity, position, rotation, motion) in self.bodies {
+    pub fn restore(&self, world: &mut World) {
+        for &(entity, position, rotation, motion) in &self.bodies {
             let mut entity = world.entity_mut(entity);
             entity.insert((position, motion));
             if let Some(rotation) = rotation {
                 entity.insert(rotation);
             }
         }
-        world.insert_resource(self.history);
+        world.insert_resource(self.history.clone());
         let _ = world.run_system_once(control_walls);
     }
 }

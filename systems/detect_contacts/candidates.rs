@@ -96,11 +96,8 @@ impl CandidatePairs {
 
     /// The listed pairs with gap <= `reach` (m) at these positions, sorted: all there are, if
     /// [`ensure`](Self::ensure) was called with these positions and a reach no less.
-    ///
-    /// # Panics
-    ///
-    /// Where there are fewer disks than `ensure` was last given.
-    pub fn within(
+    #[cfg(test)]
+    fn within(
         &self,
         positions: &[DVec2],
         radii: &[f64],
@@ -115,7 +112,8 @@ impl CandidatePairs {
     }
 
     /// Number of times the list has been built.
-    pub fn rebuilds(&self) -> u64 {
+    #[cfg(test)]
+    fn rebuilds(&self) -> u64 {
         self.rebuilds
     }
 
@@ -196,7 +194,6 @@ mod tests {
     use super::*;
     use crate::detect_contacts::test_packings::*;
     use proptest::prelude::*;
-    use std::time::Instant;
 
     /// Brings the list up to date and checks it against all pairs.
     fn check(list: &mut CandidatePairs, positions: &[DVec2], radii: &[f64], reach: f64) -> bool {
@@ -351,59 +348,6 @@ mod tests {
             for i in 0..200 {
                 let x = DVec2::new(3.0 - f64::from(i) * step, 0.0);
                 check(&mut list, &[-x, x, 9.0 * DVec2::Y], &[0.5; 3], reach);
-            }
-        }
-    }
-
-    #[test]
-    #[ignore = "prints times: cargo test --release -- --ignored --nocapture"]
-    fn measure() {
-        let time = |name: &str, run: &mut dyn FnMut() -> usize| {
-            let mut found = 0;
-            let mut times: Vec<f64> = (0..9)
-                .map(|_| {
-                    let start = Instant::now();
-                    found = run();
-                    start.elapsed().as_secs_f64() * 1e3
-                })
-                .collect();
-            times.sort_by(f64::total_cmp);
-            println!("{name}: {:.3} ms, {found} pairs", times[times.len() / 2]);
-        };
-        for n in [7380_usize, 100_000] {
-            let side = (n as f64).sqrt();
-            for ratio in [2.0, 10.0, 100.0] {
-                let (positions, radii) = uniform(&mut Random(1), n, side, ratio);
-                let radii: Vec<_> = radii.iter().map(|r| 0.4 * r).collect();
-                let mut out = Vec::new();
-                time(&format!("{n} random, radii 1:{ratio}, grid"), &mut || {
-                    grid::pairs_within(&positions, &radii, 0.04, &mut out);
-                    out.len()
-                });
-                time(&format!("{n} random, radii 1:{ratio}, edges"), &mut || {
-                    delaunay::edges(&positions, &mut out);
-                    out.len()
-                });
-            }
-            let mut random = Random(2);
-            let (mut positions, radii) = lattice(side as u32, 1.0);
-            for position in &mut positions {
-                *position += 0.02 * random.point();
-            }
-            for preferred in [SearchMethod::Delaunay, SearchMethod::Grid] {
-                let mut list = CandidatePairs { preferred, ..Default::default() };
-                let mut shift = 0.0;
-                time(&format!("{n} shaken lattice, rebuild by {preferred:?}"), &mut || {
-                    shift += 1.0;
-                    let moved: Vec<_> = positions.iter().map(|x| x + shift).collect();
-                    assert!(list.ensure(&moved, &radii, 0.02) && list.method() == preferred);
-                    list.pairs().len()
-                });
-                let moved: Vec<_> = positions.iter().map(|x| x + shift + 1e-3).collect();
-                time(&format!("{n} shaken lattice, no rebuild"), &mut || {
-                    assert!(!list.ensure(&moved, &radii, 0.02));
-                    list.within(&moved, &radii, 0.02).count()
-                });
             }
         }
     }

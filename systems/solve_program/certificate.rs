@@ -82,16 +82,7 @@ pub fn locks(program: &ConeProgram, forces: &[[f64; 3]]) -> bool {
     let forces: Vec<[f64; 3]> = forces.iter().map(|f| f.map(|f| f / greatest)).collect();
     let mut rows = vec![[0.0; 3]; program.bodies.len()];
     program.add_forces(&forces, &mut rows);
-    let known: Vec<[f64; 3]> = program
-        .bodies
-        .iter()
-        .map(|body| {
-            body.dofs.map(|d| match d {
-                Dof::Fixed(u) => u,
-                Dof::Free(_) => 0.0,
-            })
-        })
-        .collect();
+    let known = program.imposed();
     let balanced = program.bodies.iter().zip(&rows).all(|(body, row)| {
         (0..3).all(|k| {
             let unit = if k < 2 { 1.0 } else { length };

@@ -14,7 +14,7 @@ use clarabel::solver::{
 use clastic_components::program::{ConeProgram, ConeSolution, Dof, SolveStatus};
 
 use super::certificate::{certificate, locks, proves};
-use super::lowering::{displacements, forces, known_displacements, lower, polish};
+use super::lowering::{displacements, forces, lower, polish};
 use super::polish::Point;
 use super::{ConeSolver, MalformedProgram};
 
@@ -49,7 +49,7 @@ impl ConeSolver for Clarabel {
         if variables == 0 {
             return Ok(ConeSolution {
                 status: SolveStatus::Solved,
-                displacements: known_displacements(program),
+                displacements: program.imposed(),
                 ..Default::default()
             });
         }

@@ -73,11 +73,7 @@ pub(super) fn lower(program: &ConeProgram) -> Lowered {
     let (du, df) = units(program);
     let length = program.scales.length;
     let stiffness = program.scales.force / program.scales.displacement;
-    let fixed: Vec<[f64; 3]> = program
-        .bodies
-        .iter()
-        .map(|b| b.dofs.map(|d| if let Dof::Fixed(u) = d { u } else { 0.0 }))
-        .collect();
+    let fixed = program.imposed();
     let mut low = Lowered {
         quadratic: Vec::new(),
         linear: Vec::new(),
@@ -233,21 +229,13 @@ pub(super) fn polish(
     }
 }
 
-pub(super) fn known_displacements(program: &ConeProgram) -> Vec<[f64; 3]> {
-    program
-        .bodies
-        .iter()
-        .map(|b| b.dofs.map(|d| if let Dof::Fixed(u) = d { u } else { 0.0 }))
-        .collect()
-}
-
 pub(super) fn displacements(
     program: &ConeProgram,
     rows: &[[Option<usize>; 3]],
     z: &[f64],
 ) -> Vec<[f64; 3]> {
     let (du, _) = units(program);
-    let mut out = known_displacements(program);
+    let mut out = program.imposed();
     for (u, rows) in out.iter_mut().zip(rows) {
         for k in 0..3 {
             if let Some(row) = rows[k] {

@@ -34,7 +34,8 @@ pub trait ConeSolver: Send + Sync {
     /// Solves the program. Every ending of a well-formed program is a [`ConeSolution`].
     ///
     /// # Errors
-    /// Only for a program that is malformed: indices out of range, numbers that are not finite.
+    /// Only for a program that is malformed: indices out of range, numbers that are not finite,
+    /// negative inertias, compliances or limits.
     fn solve(&mut self, program: &ConeProgram) -> Result<ConeSolution, MalformedProgram>;
 
     /// What the next answer depends on besides the program, by body: where a warm start begins.
@@ -123,6 +124,20 @@ fn displacements_from_forces(program: &ConeProgram, solution: &mut ConeSolution)
 /// Refuses programs that are malformed.
 fn check(program: &ConeProgram) -> Result<(), MalformedProgram> {
     let n = program.bodies.len();
+    for (k, body) in program.bodies.iter().enumerate() {
+        let sound = |dof: &Dof| match dof {
+            Dof::Fixed(u) => u.is_finite(),
+            Dof::Free(f) => {
+                [f.load, f.momentum, f.reference].iter().all(|x| x.is_finite())
+                    && [f.inertia, f.proximal].iter().all(|x| x.is_finite() && *x >= 0.0)
+            }
+        };
+        if !body.axis.is_finite() || !body.dofs.iter().all(sound) {
+            return Err(MalformedProgram(format!(
+                "body {k} has a number that is not finite, or a negative inertia"
+            )));
+        }
+    }
     for (k, c) in program.interactions.iter().enumerate() {
         if c.a as usize >= n || c.b as usize >= n || c.a == c.b {
             return Err(MalformedProgram(format!(

@@ -391,7 +391,7 @@ fn random_scenes_are_solved_or_say_why_not() {
                 increments += story.increments;
                 outcomes[match story.outcome {
                     Outcome::Completed => 0,
-                    Outcome::Collapsed { .. } => 1,
+                    Outcome::Collapsed(_) => 1,
                     Outcome::Stalled { .. } => 2,
                 }] += 1;
                 if !story.findings.complaints.is_empty() {

@@ -31,7 +31,7 @@ use clastic_components::observation::{Observation, RuptureCount};
 use clastic_components::particle::{MaterialIndex, Particle};
 use clastic_components::wall::{Wall, WallDrive, WallName};
 
-use super::stages::StageEnd;
+use super::stages::{Collapse, StageEnd};
 use crate::scene::{StoredParticle, StoredSpecimen};
 
 /// The state of a run between two increments.
@@ -74,10 +74,10 @@ pub struct ScriptState {
     pub begun: bool,
     /// Greatest speed after the last increment of the stage, m/s.
     pub speed: Option<f64>,
-    /// Greatest axial stress of the stage so far, Pa.
+    /// Axial stress of the greatest magnitude in the stage so far, Pa.
     pub peak: f64,
-    /// The first collapse: stage and increment.
-    pub collapse: Option<(String, u64)>,
+    /// The first collapse.
+    pub collapse: Option<Collapse>,
     /// The stages so far and how they ended.
     pub ends: Vec<StageEnd>,
 }

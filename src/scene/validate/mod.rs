@@ -67,19 +67,11 @@ impl<'a> Context<'a> {
             specimen,
             materials: scene.materials.keys().map(String::as_str).collect(),
             walls: scene.walls.iter().map(|wall| wall.name.as_str()).collect(),
-            stages: scene.stages.iter().map(stage_name).collect(),
+            stages: scene.stages.iter().map(Stage::name).collect(),
             particles: match &scene.specimen {
                 Specimen::File { .. } if specimen.is_none() => None,
                 of => Some(memory::particles(of, specimen)),
             },
         }
-    }
-}
-
-fn stage_name(stage: &Stage) -> &str {
-    match stage {
-        Stage::Compact(stage) => &stage.name,
-        Stage::Cement(stage) => &stage.name,
-        Stage::Load(stage) => &stage.name,
     }
 }

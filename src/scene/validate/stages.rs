@@ -11,7 +11,7 @@ use crate::scene::suggest;
 
 use super::findings::Findings;
 use super::specimen::index_exists;
-use super::{Context, stage_name, walls};
+use super::{Context, walls};
 
 const WALL: (&str, &str) = ("wall", "walls");
 
@@ -24,9 +24,13 @@ const MOST_STEPS: f64 = 1e8;
 pub(super) fn check(context: &Context, findings: &mut Findings) {
     let scene = context.scene;
     let names = scene.stages.iter().enumerate();
-    let names = names.map(|(i, stage)| (format!("stages[{i}].name"), stage_name(stage)));
+    let names = names.map(|(i, stage)| (format!("stages[{i}].name"), stage.name()));
     if findings.is_sure_of("stages") {
         findings.unique("name of a stage", names);
+    }
+    if scene.stages.is_empty() && findings.is_sure_of("stages") {
+        let help = "add one, such as Load(name: \"load\", increments: 10)";
+        findings.add(format_args!("stages"), "no stage: nothing would happen".to_owned(), help);
     }
     let mut present: Vec<bool> = scene.walls.iter().map(|wall| wall.present).collect();
     for (i, stage) in scene.stages.iter().enumerate() {
@@ -332,8 +336,10 @@ fn stops(context: &Context, path: Arguments, stop: Stop, timeless: bool, finding
     let sure = findings.is_sure_of("measures");
     match stop {
         Stop::AxialStrain(strain) => {
-            let allowed = |strain: f64| strain != 0.0 && strain.abs() < 1.0;
-            findings.number(number, strain, allowed, "a strain as a fraction: 0.12 is 12 %");
+            // Negative ones are fine: extension.
+            let allowed = |size: f64| size > 0.0 && size < 1.0;
+            let what = "a strain as a fraction: 0.12 is 12 %";
+            findings.number(number, strain.abs(), allowed, what);
             if measures.axial_strain.is_none() && sure {
                 let help = "add `axial_strain` to `measures`";
                 findings.add(path, "no axial strain is measured", help);
