@@ -154,4 +154,8 @@ fn run_out_and_height_grow_with_the_aspect_ratio_as_published() {
     };
     let (low, high, slump) = (law(0.65..2.0, 1), law(2.0..9.0, 1), law(2.0..9.0, 2));
     println!("exponents: run-out {low:.3} below 2, {high:.3} above; h0/h {slump:.3} above");
+    // Published: 0.96 to 1 below, 0.7 to 0.73 above; 2/3.
+    assert_within(low, 0.98, 0.12);
+    assert_within(high, 0.715, 0.1);
+    assert_within(slump, 2.0 / 3.0, 0.05);
 }

@@ -63,6 +63,25 @@ fn loads_of_a_stage_that_ends_early_go_on_from_where_they_were() {
 }
 
 #[test]
+fn particles_of_a_packing_can_be_probes() {
+    let text = r#"(
+        version: 1, title: "marked",
+        materials: { "stone": () },
+        specimen: Lattice(columns: 3, rows: 3, radius: 0.5, origin: (0.0, 0.0)),
+        probes: { "seventh": 7, "first": 0 },
+        stages: [Load(name: "move", increments: 1, particles: [
+            (select: All, x: Held, y: Held, rotation: Held),
+            (select: Probe("seventh"), x: Displacement(1.0e-3), y: Held, rotation: Held),
+        ])],
+    )"#;
+    let records = records(text);
+    let names: Vec<_> = records[0].probes.iter().map(|p| p.name.as_str()).collect();
+    assert_eq!(names, ["first", "seventh"]);
+    let moved: Vec<_> = records[0].probes.iter().map(|p| p.motion[0]).collect();
+    assert_eq!(moved, [0.0, 1e-3]);
+}
+
+#[test]
 fn stress_drop_ends_a_tension_test() {
     let text = r#"(
         version: 1, title: "pulled",

@@ -4,6 +4,8 @@
 //! that the scene does not define, or that do not exist yet: strains count from the start of the
 //! reference stage.
 
+use std::collections::BTreeMap;
+
 use clastic_components::attempt::IncrementStatus;
 use clastic_components::energy::EnergyLedger;
 use clastic_components::observation::Observation;
@@ -60,15 +62,18 @@ pub const ENERGY_COLUMNS: [&str; 10] = [
     "energy_error_j",
 ];
 
-/// Names of a scene's probes: particles in the order of the specimen, then walls.
+/// Names of a scene's probes: particles by index, then walls.
 #[must_use]
 pub fn probes(scene: &Scene) -> Vec<String> {
     let particles = match &scene.specimen {
         Specimen::Particles(list) => list.as_slice(),
         _ => &[],
     };
-    let of_particles = particles.iter().filter_map(|p| p.probe.clone());
-    of_particles.chain(scene.walls.iter().filter_map(|w| w.probe.clone())).collect()
+    let listed = particles.iter().zip(0..).filter_map(|(p, i)| Some((i, p.probe.clone()?)));
+    let named = scene.probes.iter().map(|(name, i)| (*i, name.clone()));
+    let of_particles: BTreeMap<u32, String> = listed.chain(named).collect();
+    let of_walls = scene.walls.iter().filter_map(|w| w.probe.clone());
+    of_particles.into_values().chain(of_walls).collect()
 }
 
 /// The energies of a row, in the order of [`ENERGY_COLUMNS`].

@@ -106,6 +106,13 @@ pub fn spawn_scene(world: &mut World, scene: &scene::Scene, stored: Option<&Stor
         }
     }
 
+    let mut particles = world.query_filtered::<(Entity, &BodyId), With<Particle>>();
+    for (name, index) in &scene.probes {
+        if let Some((entity, _)) = particles.iter(world).find(|(_, id)| id.0 == *index) {
+            world.entity_mut(entity).insert(Probe(name.clone()));
+        }
+    }
+
     for wall in scene.walls.iter().filter(|w| w.present) {
         spawn_wall(world, &wall.name);
     }

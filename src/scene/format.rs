@@ -53,6 +53,10 @@ pub struct Scene {
     /// Bonds that are there from the start, free of stress; cementing stages add more.
     #[serde(default)]
     pub bonds: Vec<ExplicitBond>,
+    /// Names under which the history records particles, by index: for those that are not listed one
+    /// by one.
+    #[serde(default, deserialize_with = "unique_keys::deserialize")]
+    pub probes: BTreeMap<String, u32>,
     /// Straight walls.
     #[serde(default)]
     pub walls: Vec<Wall>,

@@ -55,6 +55,7 @@ pub fn random_scene(seed: u64, greatest: u32) -> Scene {
             cascade: r.maybe(0.3, |r| r.pick(&[1, 5, 50])),
         },
         corrector: None,
+        probes: BTreeMap::new(),
         solver: if r.chance(0.05) {
             Solver::Clarabel { tolerance: 1e-10, max_iterations: 200 }
         } else {

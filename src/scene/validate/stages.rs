@@ -316,7 +316,9 @@ fn select(context: &Context, path: Arguments, select: &Select, findings: &mut Fi
             findings.reference(format_args!("{path}[0]"), name, ("group", "specimen"), &names);
         }
         Select::Probe(name) => {
-            let names: Vec<_> = particles.iter().filter_map(|p| p.probe.as_deref()).collect();
+            let listed = particles.iter().filter_map(|p| p.probe.as_deref());
+            let named = context.scene.probes.keys().map(String::as_str);
+            let names: Vec<_> = listed.chain(named).collect();
             findings.reference(format_args!("{path}[0]"), name, ("probe", "specimen"), &names);
         }
         Select::Box { min, max } => {

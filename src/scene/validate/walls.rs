@@ -1,10 +1,14 @@
 //! Walls, and the names under which walls and particles are recorded.
 
-use crate::scene::format::{Specimen, Wall};
+use std::collections::BTreeMap;
+
+use crate::scene::format::{Particle, Specimen, Wall};
+use crate::scene::spans::join;
 
 use super::Context;
 use super::findings::Findings;
 use super::materials::{bond, contact};
+use super::specimen::index_exists;
 
 pub(super) fn check(context: &Context, findings: &mut Findings) {
     let walls = &context.scene.walls;
@@ -30,11 +34,30 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
     let of_particles = particles.iter().enumerate().filter_map(|(i, particle)| {
         Some((format!("specimen[{i}].probe"), particle.probe.as_deref()?))
     });
+    let named = context.scene.probes.keys();
+    let named = named.map(|name| (join("probes", name), name.as_str()));
     let of_walls = walls
         .iter()
         .enumerate()
         .filter_map(|(i, wall)| Some((format!("walls[{i}].probe"), wall.probe.as_deref()?)));
-    findings.unique("name of a probe", of_particles.chain(of_walls));
+    findings.unique("name of a probe", of_particles.chain(named).chain(of_walls));
+    probes(context, particles, findings);
+}
+
+/// Checks the particles that `probes` names: each has one name.
+fn probes(context: &Context, particles: &[Particle], findings: &mut Findings) {
+    let listed = particles.iter().zip(0..).filter_map(|(p, i)| Some((i, p.probe.as_deref()?)));
+    let mut names: BTreeMap<u32, &str> = listed.collect();
+    for (name, index) in &context.scene.probes {
+        let path = join("probes", name);
+        if !index_exists(context, format_args!("{path}"), *index, findings) {
+            continue;
+        }
+        if let Some(other) = names.insert(*index, name) {
+            let message = format!("particle {index} is the probe `{other}` already");
+            findings.add(format_args!("{path}"), message, "give it one name");
+        }
+    }
 }
 
 /// Length of the drawn segment, m.
