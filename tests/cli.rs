@@ -226,7 +226,7 @@ const SQUEEZED: &str = r#"// A rigid disk in a rigid vice.
     ],
     stages: [
         // Touches the disk after two increments.
-        Load(name: "close", increments: 10, walls: { "top": Displacement(0.0, -1.0e-3) }),
+        Load(name: "close", increments: 9, walls: { "top": Displacement(0.0, -1.0e-3) }),
     ],
 )"#;
 

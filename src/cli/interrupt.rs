@@ -19,7 +19,10 @@ impl Interrupt {
             if flag.0.swap(true, Ordering::Relaxed) {
                 process::exit(Exit::Interrupted as i32);
             }
-            complain("\nfinishing the increment; Ctrl-C again stops at once");
+            complain(
+                "\nfinishing the increment; Ctrl-C again stops at once, without what is new since the last \
+                 checkpoint",
+            );
         });
         if let Err(error) = listening {
             complain(format_args!("Ctrl-C will not wait for the increment: {error}"));

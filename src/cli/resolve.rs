@@ -8,11 +8,15 @@ use super::exit::{Exit, Failure};
 /// Directory of the scenes that can be called by name.
 pub const SCENES: &str = "scenes";
 
-/// A file, or the bare name of a scene in [`SCENES`]. A directory that happens to have the name of a
+/// A file, with or without its `.ron`, or the bare name of a scene in [`SCENES`]. A directory that happens to have the name of a
 /// scene is no scene.
 pub fn resolve(scene: &Path) -> Result<PathBuf, Failure> {
     if scene.exists() && !scene.is_dir() {
         return Ok(scene.to_owned());
+    }
+    let with_extension = scene.with_extension("ron");
+    if scene.extension().is_none() && with_extension.is_file() {
+        return Ok(with_extension);
     }
     let name = scene.to_string_lossy();
     if scene.components().count() == 1 {

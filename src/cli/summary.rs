@@ -14,7 +14,10 @@ pub fn summary(
     directory: &Path,
 ) -> String {
     let outcome = match ending {
-        Ending::Interrupted => format!("interrupted after increment {increment}"),
+        Ending::Interrupted => format!(
+            "interrupted after increment {increment}; `clastic resume {}` goes on",
+            directory.display()
+        ),
         Ending::Finished(Outcome::Completed) => format!("completed in {increment} increments"),
         Ending::Finished(Outcome::Collapsed(Collapse { stage, increment, reason })) => {
             format!("collapsed in increment {increment} of stage {stage}: {reason}")
@@ -30,7 +33,7 @@ pub fn summary(
         parts.push(format!("peak stress {} at a strain of {:.4} %", stress(peak), 100.0 * strain));
     }
     parts.extend(r.limit_load_pa.map(|s| format!("limit load {}", stress(s))));
-    if r.peak_stress_pa.is_some() {
+    if r.peak_stress_pa.is_some() || r.bonds_created == 0 {
         parts.extend(r.porosity.map(|n| format!("porosity {n:.4}")));
     }
     if r.bonds_created > 0 {

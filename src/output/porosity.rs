@@ -29,6 +29,13 @@ pub fn porosity(world: &World, start: &Snapshot) -> Option<f64> {
     Some(1.0 - disks / (height * width)).filter(|p| p.is_finite())
 }
 
+/// Porosity within the box around the disks, along the axes. None without disks.
+#[must_use]
+pub fn in_box(disks: &Snapshot) -> Option<f64> {
+    let area: f64 = disks.radii.iter().map(|r| PI * r * r).sum();
+    Some(1.0 - area / (extent(disks, DVec2::X)? * extent(disks, DVec2::Y)?))
+}
+
 /// Extent of the disks along a direction, m.
 fn extent(snapshot: &Snapshot, axis: DVec2) -> Option<f64> {
     let disks = snapshot.positions.iter().zip(&snapshot.radii);

@@ -288,7 +288,12 @@ impl RunWriter {
             self.state.prepared = Some(Prepared::of(world));
         }
         if compacting && progress.done >= progress.total {
-            self.write_specimen(&Prepared::of(world))?;
+            let packing = Prepared::of(world);
+            self.write_specimen(&packing)?;
+            if progress.stage >= self.reference_stage {
+                // Nothing is loaded: what the scene is for is the packing.
+                self.state.results.set_porosity(porosity::in_box(&packing.snapshot));
+            }
         }
         let phase = match (compacting, progress.stage >= self.reference_stage) {
             (true, _) => Phase::Preparation,

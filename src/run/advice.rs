@@ -33,7 +33,7 @@ pub fn with_advice(
         }
         _ => {
             "smaller increments (more `increments`, smaller displacements), a greater `acceptance.halvings`, \
-             or, if grains are thrown, walls that hold the specimen"
+             or, if grains are thrown, walls that hold the specimen or a greater `acceptance.throw`"
         }
     };
     format!("increment {increment} of stage `{name}`: {complaint}; try: {advice}")

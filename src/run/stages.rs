@@ -55,7 +55,10 @@ impl Collapse {
         let reason = if world.resource::<ConeSolution>().certificate.is_some() {
             "no equilibrium exists: a mechanism proves it".to_owned()
         } else {
-            format!("it gave way, which no mechanism proves: {complaint}")
+            format!(
+                "no equilibrium was found near by, though no mechanism proves that there is none \
+                 ({complaint})"
+            )
         };
         let increment = world.resource::<Progress>().increment;
         Self { stage: stage.name().to_owned(), increment, reason }

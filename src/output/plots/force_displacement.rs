@@ -77,12 +77,14 @@ fn worked(title: &str, history: &History) -> Option<Chart> {
     })
 }
 
-/// Displacements against time.
+/// Displacements against time; where there is none, against the number of the increment.
 fn moved(title: &str, history: &History) -> Option<Chart> {
     let mut lines = Vec::new();
+    let timeless = history.column("time_s").iter().all(|t| *t == Some(0.0));
+    let (along, x) = if timeless { ("increment", "increment") } else { ("time_s", "time, s") };
     for probe in history.probes() {
         for (motion, _, axis) in &AXES[..2] {
-            let points = history.points("time_s", &format!("{probe}{motion}"));
+            let points = history.points(along, &format!("{probe}{motion}"));
             let moves =
                 points.iter().any(|p| p.1 != 0.0) && points.windows(2).any(|w| w[0].0 < w[1].0);
             if moves {
@@ -93,7 +95,7 @@ fn moved(title: &str, history: &History) -> Option<Chart> {
     (!lines.is_empty()).then(|| Chart {
         title: title.to_owned(),
         caption: "displacement since the start, axes of the scene".to_owned(),
-        x: "time, s".to_owned(),
+        x: x.to_owned(),
         y: "displacement, m".to_owned(),
         lines,
         second: None,

@@ -2,6 +2,7 @@
 //!
 //! Every check adds a [`Finding`] and goes on, so that one run reports everything.
 
+mod crossing;
 mod findings;
 mod materials;
 mod measures;
@@ -45,9 +46,13 @@ pub(super) fn findings(
     walls::check(&context, &mut findings);
     specimen::check(&context, &mut findings);
     stages::check(&context, &mut findings);
+    crossing::check(&context, &mut findings);
     measures::check(&context, &mut findings);
     findings.into_list()
 }
+
+/// Normals of opposite walls may deviate from each other by this much (1 - cos).
+const ASKEW: f64 = 1e-9;
 
 /// The scene and the names in it.
 struct Context<'a> {

@@ -11,12 +11,9 @@ use crate::scene::suggest;
 
 use super::findings::Findings;
 use super::specimen::index_exists;
-use super::{Context, walls};
+use super::{ASKEW, Context, walls};
 
 const WALL: (&str, &str) = ("wall", "walls");
-
-/// Normals of opposite walls may deviate from each other by this much (1 - cos).
-const ASKEW: f64 = 1e-9;
 
 /// Nobody waits for a compaction of more increments than this.
 const MOST_STEPS: f64 = 1e8;

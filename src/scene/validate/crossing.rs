@@ -1,0 +1,76 @@
+//! Walls that pass through each other: a displacement is given for every increment, and who takes it
+//! for that of the stage asks for a specimen of no height.
+
+use super::findings::Findings;
+use super::walls::length;
+use super::{ASKEW, Context};
+use crate::scene::format::{Load, Stage, Wall, WallControl};
+use crate::scene::spans::join;
+
+/// Checks the imposed motions of walls: no two parallel walls that face each other may meet in a stage
+/// that nothing stops before. What moved them apart in stages before counts, nothing else does.
+pub(super) fn check(context: &Context, findings: &mut Findings) {
+    if !["walls", "stages"].iter().all(|part| findings.is_sure_of(part)) {
+        return;
+    }
+    let walls = &context.scene.walls;
+    for (i, a) in walls.iter().enumerate() {
+        for b in &walls[i + 1..] {
+            if let Some(distance) = facing(a, b) {
+                pair(context, (a, b), distance, findings);
+            }
+        }
+    }
+}
+
+fn pair(context: &Context, (a, b): (&Wall, &Wall), drawn: f64, findings: &mut Findings) {
+    let mut distance = drawn;
+    for (i, stage) in context.scene.stages.iter().enumerate() {
+        let Stage::Load(stage) = stage else { continue };
+        let closing = closing(stage, a) + closing(stage, b);
+        let total = closing * f64::from(stage.increments);
+        if closing < 0.0 {
+            distance -= total;
+        }
+        let meets = if stage.stop.is_empty() { total } else { closing };
+        if meets < distance {
+            continue;
+        }
+        let (mover, other) = if self::closing(stage, a) > 0.0 { (a, b) } else { (b, a) };
+        let path = join(&format!("stages[{i}].walls"), &mover.name);
+        let message = format!(
+            "comes to wall `{}`, {distance:?} m away: the two close by {closing:?} m in every one of {} \
+             increments",
+            other.name, stage.increments
+        );
+        let help = "give less for an increment; a displacement is not that of the whole stage";
+        findings.add(format_args!("{path}"), message, help);
+    }
+}
+
+/// What a stage moves a wall inwards in every increment, m.
+fn closing(stage: &Load, wall: &Wall) -> f64 {
+    match stage.walls.get(&wall.name) {
+        Some(WallControl::Displacement(x, y)) => {
+            let (nx, ny) = inward(wall);
+            x * nx + y * ny
+        }
+        _ => 0.0,
+    }
+}
+
+/// Unit normal on the left of the way from start to end.
+fn inward(wall: &Wall) -> (f64, f64) {
+    let length = length(wall);
+    ((wall.start.1 - wall.end.1) / length, (wall.end.0 - wall.start.0) / length)
+}
+
+/// Distance of two parallel walls whose insides face each other, m.
+fn facing(a: &Wall, b: &Wall) -> Option<f64> {
+    if !(length(a) > 0.0 && length(b) > 0.0) {
+        return None;
+    }
+    let (n, m) = (inward(a), inward(b));
+    let distance = (b.start.0 - a.start.0) * n.0 + (b.start.1 - a.start.1) * n.1;
+    (n.0 * m.0 + n.1 * m.1 < ASKEW - 1.0 && distance > 0.0).then_some(distance)
+}
