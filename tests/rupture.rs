@@ -66,12 +66,6 @@ fn pulled_fork(cascade: &str, pull: &str) -> Simulation {
     )
 }
 
-/// The record of the next increment, whatever its status.
-fn step(simulation: &mut Simulation) -> Option<Observation> {
-    let Step::Increment = simulation.step() else { return None };
-    Some(simulation.world().resource::<Observation>().clone())
-}
-
 /// Bonds (in order of creation) that broke in the increment.
 fn broken(record: &Observation) -> Vec<u32> {
     record.ruptures.iter().map(|r| r.bond.0).collect()
@@ -356,7 +350,7 @@ fn a_packing_that_jams_is_not_driven_on_in_ever_smaller_steps() {
     let Stage::Compact(compact) = &mut scene.stages[0] else { unreachable!() };
     compact.target = CompactTarget::Porosity(0.1);
     let mut simulation = Simulation::new(&scene, None);
-    let records: Vec<_> = std::iter::from_fn(|| next(&mut simulation)).collect();
+    let records: Vec<_> = std::iter::from_fn(|| step(&mut simulation)).collect();
     let Outcome::Stalled { message, .. } = simulation.run() else { panic!("it did not jam") };
     assert!(message.contains("jammed"), "{message}");
     let (last, before) = records.split_last().unwrap();

@@ -46,14 +46,19 @@ pub fn stage<'a>(scene: &'a mut Scene, name: &str) -> &'a mut Load {
         .unwrap()
 }
 
+/// Runs one increment and returns its record, whatever its status, or nothing at the end.
+pub fn step(simulation: &mut Simulation) -> Option<Observation> {
+    let Step::Increment = simulation.step() else { return None };
+    Some(simulation.world().resource::<Observation>().clone())
+}
+
 /// Runs one increment and returns its record, or nothing at the end.
 ///
 /// # Panics
 /// Where an increment is neither solved nor a collapse, or leaves a residual above 1e-8: no test
 /// that uses this accepts one.
 pub fn next(simulation: &mut Simulation) -> Option<Observation> {
-    let Step::Increment = simulation.step() else { return None };
-    let record = simulation.world().resource::<Observation>().clone();
+    let record = step(simulation)?;
     let n = record.increment;
     if record.status == IncrementStatus::Solved {
         assert!(record.residuals.worst() <= 1e-8, "increment {n}: {:?}", record.residuals);
