@@ -27,9 +27,9 @@ pub enum SearchMethod {
 /// Pairs of disks that are, or may soon be, within reach of each other.
 ///
 /// The list is built with a *skin*: it holds every pair with gap <= reach + skin, and so every pair
-/// with gap <= reach for as long as no two disks have together moved farther than the skin. What
-/// [`within`](Self::within) yields does not depend on when the list was built: a resumed run sees
-/// the pairs of an uninterrupted one.
+/// with gap <= reach for as long as no two disks have together moved farther than the skin. Those of
+/// its pairs that are within reach do not depend on when it was built: a resumed run sees the pairs of
+/// an uninterrupted one.
 #[derive(Clone, Debug)]
 pub struct CandidatePairs {
     /// Skin as a part of the mean radius. A thicker one is rebuilt less often and is longer to go
