@@ -62,6 +62,21 @@ fn loads_of_a_stage_that_ends_early_go_on_from_where_they_were() {
     }
 }
 
+/// Walls that follow loads, and those that are taken away, are in nobody's way.
+#[test]
+fn a_wall_may_move_far_where_the_opposite_one_gives_way_or_is_gone() {
+    let stage = |rest: &str| {
+        let lid = r#""lid": Displacement(0.0, -0.2)"#;
+        pressed(&format!(r#"stages: [Load(name: "move", increments: 10, {rest})],"#))
+            .replace("LID", lid)
+    };
+    parse(&stage(r#"walls: { LID, "floor": Force(1.0) }"#));
+    parse(&stage(r#"walls: { LID }, remove_walls: ["floor"]"#));
+    parse(&stage(r#"walls: { LID, "floor": Displacement(0.0, -0.2) }"#));
+    let refused = std::panic::catch_unwind(|| parse(&stage("walls: { LID }")));
+    assert!(refused.is_err(), "the lid passes through the floor");
+}
+
 #[test]
 fn particles_of_a_packing_can_be_probes() {
     let text = r#"(

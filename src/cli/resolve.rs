@@ -8,8 +8,8 @@ use super::exit::{Exit, Failure};
 /// Directory of the scenes that can be called by name.
 pub const SCENES: &str = "scenes";
 
-/// A file, with or without its `.ron`, or the bare name of a scene in [`SCENES`]. A directory that happens to have the name of a
-/// scene is no scene.
+/// A file, with or without its `.ron`, or the bare name of a scene in [`SCENES`]. A directory that
+/// happens to have the name of a scene is no scene.
 pub fn resolve(scene: &Path) -> Result<PathBuf, Failure> {
     if scene.exists() && !scene.is_dir() {
         return Ok(scene.to_owned());

@@ -39,8 +39,8 @@ pub fn with_advice(
     format!("increment {increment} of stage `{name}`: {complaint}; try: {advice}")
 }
 
-/// Greatest residual of the best solution of the increment, if it is a good one that `acceptance.residual` alone
-/// keeps from being accepted.
+/// Greatest residual of the best solution of the increment, if it is a good one that
+/// `acceptance.residual` alone keeps from being accepted.
 fn nearly(world: &World) -> Option<f64> {
     let worst = world.resource::<ConeSolution>().residuals.worst();
     let accepted = world.resource::<Acceptance>().residual;

@@ -37,8 +37,8 @@ pub fn refused(old: &Scene, new: &Scene, state: &WorldState) -> Vec<String> {
     fixed("analysis", old.analysis == new.analysis, own);
     fixed("gravity", old.gravity == new.gravity, own);
     fixed("measures", old.measures == new.measures, "the history has a column under each");
-    let energy = old.output.energy == new.output.energy;
     fixed("probes", old.probes == new.probes, "the history has columns for each");
+    let energy = old.output.energy == new.output.energy;
     fixed("output.energy", energy, "the history has its columns or not, and the ledger its past");
     let reference = |scene: &Scene| Script::new(scene).reference_stage();
     fixed("stages", reference(old) == reference(new), "strains count from the same stage");

@@ -1,5 +1,7 @@
 //! Fills a world with a scene: settings, materials, particles, walls, explicit bonds, stages.
 
+use std::collections::BTreeMap;
+
 use bevy_ecs::prelude::*;
 use glam::DVec2;
 
@@ -85,6 +87,7 @@ pub fn spawn_scene(world: &mut World, scene: &scene::Scene, stored: Option<&Stor
     let seeds = particles(&scene.specimen, stored);
     insert_settings(world, scene, seeds.len() as u32);
     let names: Vec<&String> = scene.materials.keys().collect();
+    let probes: BTreeMap<u32, &String> = scene.probes.iter().map(|(name, i)| (*i, name)).collect();
     for (i, seed) in seeds.iter().enumerate() {
         let index =
             seed.material.as_ref().and_then(|m| names.iter().position(|n| *n == m)).unwrap_or(0);
@@ -101,15 +104,8 @@ pub fn spawn_scene(world: &mut World, scene: &scene::Scene, stored: Option<&Stor
         if let Some(group) = &seed.group {
             entity.insert(Group(group.clone()));
         }
-        if let Some(probe) = &seed.probe {
+        if let Some(probe) = seed.probe.as_ref().or(probes.get(&(i as u32)).copied()) {
             entity.insert(Probe(probe.clone()));
-        }
-    }
-
-    let mut particles = world.query_filtered::<(Entity, &BodyId), With<Particle>>();
-    for (name, index) in &scene.probes {
-        if let Some((entity, _)) = particles.iter(world).find(|(_, id)| id.0 == *index) {
-            world.entity_mut(entity).insert(Probe(name.clone()));
         }
     }
 

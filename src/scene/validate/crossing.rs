@@ -8,7 +8,8 @@ use crate::scene::format::{Load, Stage, Wall, WallControl};
 use crate::scene::spans::join;
 
 /// Checks the imposed motions of walls: no two parallel walls that face each other may meet in a stage
-/// that nothing stops before. What moved them apart in stages before counts, nothing else does.
+/// that nothing stops before. What moved them apart in stages before counts. Where a wall is not there,
+/// or follows a load, a velocity or another system, nothing is known of the two from then on.
 pub(super) fn check(context: &Context, findings: &mut Findings) {
     if !["walls", "stages"].iter().all(|part| findings.is_sure_of(part)) {
         return;
@@ -16,7 +17,7 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
     let walls = &context.scene.walls;
     for (i, a) in walls.iter().enumerate() {
         for b in &walls[i + 1..] {
-            if let Some(distance) = facing(a, b) {
+            if let Some(distance) = facing(a, b).filter(|_| a.present && b.present) {
                 pair(context, (a, b), distance, findings);
             }
         }
@@ -27,16 +28,17 @@ fn pair(context: &Context, (a, b): (&Wall, &Wall), drawn: f64, findings: &mut Fi
     let mut distance = drawn;
     for (i, stage) in context.scene.stages.iter().enumerate() {
         let Stage::Load(stage) = stage else { continue };
-        let closing = closing(stage, a) + closing(stage, b);
+        let (Some(of_a), Some(of_b)) = (closing(stage, a), closing(stage, b)) else { return };
+        let closing = of_a + of_b;
         let total = closing * f64::from(stage.increments);
         if closing < 0.0 {
             distance -= total;
         }
         let meets = if stage.stop.is_empty() { total } else { closing };
-        if meets < distance {
+        if meets < distance || closing <= 0.0 {
             continue;
         }
-        let (mover, other) = if self::closing(stage, a) > 0.0 { (a, b) } else { (b, a) };
+        let (mover, other) = if of_a > 0.0 { (a, b) } else { (b, a) };
         let path = join(&format!("stages[{i}].walls"), &mover.name);
         let message = format!(
             "comes to wall `{}`, {distance:?} m away: the two close by {closing:?} m in every one of {} \
@@ -48,14 +50,19 @@ fn pair(context: &Context, (a, b): (&Wall, &Wall), drawn: f64, findings: &mut Fi
     }
 }
 
-/// What a stage moves a wall inwards in every increment, m.
-fn closing(stage: &Load, wall: &Wall) -> f64 {
+/// What a stage moves a wall inwards in every increment, m; none where that does not follow from the
+/// scene.
+fn closing(stage: &Load, wall: &Wall) -> Option<f64> {
+    if stage.remove_walls.contains(&wall.name) {
+        return None;
+    }
     match stage.walls.get(&wall.name) {
+        None | Some(WallControl::Fixed) => Some(0.0),
         Some(WallControl::Displacement(x, y)) => {
             let (nx, ny) = inward(wall);
-            x * nx + y * ny
+            Some(x * nx + y * ny).filter(|u| u.is_finite())
         }
-        _ => 0.0,
+        Some(_) => None,
     }
 }
 
