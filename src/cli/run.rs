@@ -8,6 +8,7 @@ use clastic::output::directory::default_directory;
 use clastic::output::{Ending, OutputError, RunOptions, RunWriter};
 use clastic::run::stages::Script;
 use clastic::run::{Outcome, Simulation, Step};
+use clastic::scene::format::Stage;
 use clastic::scene::load;
 
 use super::RunArgs;
@@ -68,8 +69,13 @@ pub fn to_the_end(
             "--dump-program {missed}: the run ended with increment {increments}"
         ));
     }
-    let stages = &simulation.world().resource::<Script>().ends;
-    say(summary(&ending, increments, stages, &results, directory))?;
+    let script = simulation.world().resource::<Script>();
+    let mut text = summary(&ending, increments, &script.ends, &results, directory);
+    let packs = script.scene.stages.iter().all(|s| matches!(s, Stage::Compact(_)));
+    if let Some(porosity) = results.porosity.filter(|_| packs) {
+        text += &format!("\nporosity of the packing {porosity:.4}");
+    }
+    say(text)?;
     match ending {
         Ending::Interrupted => Ok(Exit::Interrupted),
         Ending::Finished(Outcome::Stalled { message, .. }) => {

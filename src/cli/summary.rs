@@ -33,7 +33,7 @@ pub fn summary(
         parts.push(format!("peak stress {} at a strain of {:.4} %", stress(peak), 100.0 * strain));
     }
     parts.extend(r.limit_load_pa.map(|s| format!("limit load {}", stress(s))));
-    if r.peak_stress_pa.is_some() || r.bonds_created == 0 {
+    if r.peak_stress_pa.is_some() {
         parts.extend(r.porosity.map(|n| format!("porosity {n:.4}")));
     }
     if r.bonds_created > 0 {
