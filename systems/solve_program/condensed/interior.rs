@@ -5,9 +5,9 @@
 //! ([`local_system`](super::local_system)): `ds = T (G' du) + ds_0`, which leaves
 //! `(M + G T G') du = r` for the bodies.
 
-use super::local_system::{LocalSystem, Right};
+use super::local_system::{LocalSystem, Right, Slacks};
 use super::matrix::BodyMatrix;
-use super::scaled::{Local, ROWS, Scaled};
+use super::scaled::{Local, ROWS, Scaled, add_forces, by_kind, kinematics};
 
 /// An interior point.
 pub struct Interior {
@@ -36,33 +36,29 @@ const ENOUGH: f64 = 10.0;
 /// The best iterate of a stalled iteration is worth polishing when it is this good.
 const WORTH: f64 = 1e-3;
 
-struct Slacks {
-    w: [f64; ROWS],
-    lambda: [f64; ROWS],
-    dw: [f64; ROWS],
-    dlambda: [f64; ROWS],
-    defect: [f64; ROWS],
-}
-
-fn times(k: &[[f64; 3]; 3], v: &[f64; 3]) -> [f64; 3] {
-    [0, 1, 2].map(|i| k[i][0] * v[0] + k[i][1] * v[1] + k[i][2] * v[2])
+/// All that the method knows of one interaction.
+#[derive(Clone, Default)]
+struct Cell {
+    /// Forces.
+    s: [f64; 3],
+    /// Steps of the forces.
+    ds: [f64; 3],
+    /// Residuals of stationarity.
+    stationarity: [f64; 3],
+    slacks: Slacks,
+    system: LocalSystem,
+    right: Right,
 }
 
 /// Forces, slacks and multipliers near the elastic trial at the starting displacements.
-fn start_local(local: &Local, u: &[[f64; 3]]) -> ([f64; 3], Slacks) {
+fn start_local(local: &Local, u: &[[f64; 3]]) -> Cell {
     let e = Scaled::kinematics(local, u);
     let mut trial = [0.0; 3];
     for f in (0..2).filter(|f| local.has[*f]) {
         let c = local.compliance[f];
         trial[f] = if c > 0.0 { (e[f] - local.linear[f]) / c } else { 0.0 };
     }
-    let mut s = Slacks {
-        w: [1.0; ROWS],
-        lambda: [0.0; ROWS],
-        dw: [0.0; ROWS],
-        dlambda: [0.0; ROWS],
-        defect: [0.0; ROWS],
-    };
+    let mut s = Slacks { w: [1.0; ROWS], ..Slacks::default() };
     // The trial clamped to the limits: normal force first, then shear at that normal force.
     let lowest = (0..local.count)
         .filter(|q| local.limits[*q][0] < 0.0)
@@ -85,7 +81,7 @@ fn start_local(local: &Local, u: &[[f64; 3]]) -> ([f64; 3], Slacks) {
         s.w[q] = 0.5 * if x > 0.0 { x + root } else { 4.0 * START * START / (root - x) };
         s.lambda[q] = START * START / s.w[q] * compliance;
     }
-    (force, s)
+    Cell { s: force, slacks: s, ..Cell::default() }
 }
 
 /// Runs the method from the displacements `start` until the residual is at most `goal`. `None` if
@@ -103,67 +99,47 @@ pub fn solve(
             [0, 1, 2].map(|k| if program.free[i][k] { start[i][k] } else { program.known[i][k] })
         })
         .collect();
-    let (mut s, mut slacks): (Vec<_>, Vec<_>) =
-        program.locals.iter().map(|l| start_local(l, &u)).unzip();
-
+    let mut cells: Vec<Cell> = program.locals.iter().map(|l| start_local(l, &u)).collect();
     let limits: usize = program.locals.iter().map(|l| l.count).sum();
-    let m = program.locals.len();
-    let (mut stationarity, mut ds) = (vec![[0.0; 3]; m], vec![[0.0; 3]; m]);
-    let mut rights = vec![Right::default(); m];
-    let mut systems = vec![LocalSystem::default(); m];
-    let mut stiffness = vec![[[0.0; 3]; 3]; m];
+    let limits = limits.max(1) as f64;
     let mut best: Option<(f64, Interior)> = None;
     let mut since_best = 0;
     let mut iterations = 0;
     let mut last_merit = f64::INFINITY;
+    let mut balance = vec![[0.0; 3]; n];
+    let mut right = vec![[0.0; 3]; n];
+    let mut du = vec![[0.0; 3]; n];
+    let mut defect = vec![[0.0; 3]; n];
     loop {
         // Residuals.
-        let mut balance: Vec<[f64; 3]> = (0..n)
-            .map(|i| {
-                [0, 1, 2].map(|k| {
-                    if program.free[i][k] {
-                        program.weight[i][k] * u[i][k] - program.right[i][k]
-                    } else {
-                        0.0
-                    }
-                })
-            })
-            .collect();
-        let (mut mu, mut kinematic, mut primal, mut force) = (0.0, 0.0_f64, 0.0_f64, 1e-3_f64);
-        let mut product = 0.0_f64;
-        for (k, local) in program.locals.iter().enumerate() {
-            Scaled::add_forces(local, &s[k], 1.0, &mut balance);
-            let e = Scaled::kinematics(local, &u);
-            let sl = &mut slacks[k];
-            let mut r = [0, 1, 2].map(|f| local.linear[f] + local.compliance[f] * s[k][f] - e[f]);
-            for q in 0..local.count {
-                let a = &local.limits[q];
-                for f in 0..3 {
-                    r[f] += a[f] * sl.lambda[q];
-                }
-                sl.defect[q] =
-                    a[0] * s[k][0] + a[1] * s[k][1] + a[2] * s[k][2] + sl.w[q] - local.right[q];
-                primal = primal.max(sl.defect[q].abs());
-                mu += sl.w[q] * sl.lambda[q];
-                product = product.max(sl.w[q] * sl.lambda[q]);
+        for i in 0..n {
+            for k in 0..3 {
+                balance[i][k] = if program.free[i][k] {
+                    program.weight[i][k] * u[i][k] - program.right[i][k]
+                } else {
+                    0.0
+                };
             }
-            for f in 0..3 {
-                stationarity[k][f] = if local.has[f] { r[f] } else { 0.0 };
-                kinematic = kinematic.max(stationarity[k][f].abs());
-            }
-            force = force.max(s[k][0].abs());
         }
-        mu /= limits.max(1) as f64;
-        let unbalance = balance.iter().flatten().map(|r| r.abs()).fold(0.0, f64::max);
-        let sum = unbalance + kinematic + primal + mu;
+        let mut size = Sizes::default();
+        for (cell, local) in cells.iter_mut().zip(&program.locals) {
+            by_kind!(local.kind, evaluate(cell, local, &u, &mut balance, &mut size));
+        }
+        let mu = size.products / limits;
+        let unbalance = greatest(&balance);
+        let force = size.force.max(1e-3);
+        let sum = unbalance + size.kinematic + size.primal + mu;
         // Products count by the greatest: started near a solution most of them are nothing.
-        let merit = (unbalance.max(primal) / force).max(kinematic).max(PRODUCT * product / force);
+        let merit = (unbalance.max(size.primal) / force)
+            .max(size.kinematic)
+            .max(PRODUCT * size.product / force);
         if !sum.is_finite() {
             break;
         }
         if best.as_ref().is_none_or(|b| merit < b.0) {
-            let lambda = slacks.iter().map(|s| s.lambda).collect();
-            best = Some((merit, Interior { u: u.clone(), s: s.clone(), lambda, iterations }));
+            let s = cells.iter().map(|c| c.s).collect();
+            let lambda = cells.iter().map(|c| c.slacks.lambda).collect();
+            best = Some((merit, Interior { u: u.clone(), s, lambda, iterations }));
             since_best = 0;
         } else {
             since_best += 1;
@@ -181,7 +157,7 @@ pub fn solve(
         iterations += 1;
 
         // The condensed matrix.
-        matrix.values.iter_mut().for_each(|v| *v = 0.0);
+        matrix.clear();
         for i in 0..n {
             for k in 0..3 {
                 // A vanishing proximal weight keeps what nothing holds from going to infinity.
@@ -193,83 +169,35 @@ pub fn solve(
                 matrix.values[matrix.diagonal[i][k]] += weight;
             }
         }
-        for (k, local) in program.locals.iter().enumerate() {
-            systems[k].set(local, &slacks[k].w, &slacks[k].lambda);
-            stiffness[k] = systems[k].compliance_inverse();
-            add_blocks(matrix, k, local, &stiffness[k]);
+        for (k, (cell, local)) in cells.iter_mut().zip(&program.locals).enumerate() {
+            by_kind!(local.kind, condense(cell, local, k, matrix));
         }
         if !factorise(matrix) {
             break;
         }
 
-        // Predictor, then corrector.
-        let mut target = 0.0;
-        let mut step = 1.0;
-        let mut du = vec![[0.0; 3]; n];
-        for corrector in [false, true] {
-            let mut right: Vec<[f64; 3]> = balance.iter().map(|r| r.map(|r| -r)).collect();
-            for (k, local) in program.locals.iter().enumerate() {
-                let sl = &slacks[k];
-                // Complementarity that is to be left: w lambda + ... = target, less second order.
-                let products = [0, 1, 2, 3, 4].map(|q| {
-                    let second = if corrector { sl.dw[q] * sl.dlambda[q] } else { 0.0 };
-                    sl.w[q] * sl.lambda[q] - target + second
-                });
-                rights[k] = Right { stationarity: stationarity[k], defects: sl.defect, products };
-                let s0 = systems[k].forces(local, &[0.0; 3], &rights[k], &sl.w, &sl.lambda);
-                Scaled::add_forces(local, &s0, -1.0, &mut right);
-            }
-            du.clone_from(&right);
-            matrix.solve(&mut du);
-            // The predictor only aims the corrector.
-            if corrector {
-                refine(program, matrix, &stiffness, &right, &mut du);
-            }
-            step = 1.0;
-            for (k, local) in program.locals.iter().enumerate() {
-                let e = kinematics_free(local, &du);
-                let sl = &mut slacks[k];
-                let (step_s, steps) = systems[k].solve(local, &e, &rights[k], &sl.w, &sl.lambda);
-                ds[k] = step_s;
-                for q in 0..local.count {
-                    let (dw, dl) = steps[q];
-                    sl.dw[q] = dw;
-                    sl.dlambda[q] = dl;
-                    if dw < 0.0 {
-                        step = f64::min(step, -sl.w[q] / dw);
-                    }
-                    if dl < 0.0 {
-                        step = f64::min(step, -sl.lambda[q] / dl);
-                    }
-                }
-            }
-            if !corrector {
-                let mut after = 0.0;
-                for (sl, local) in slacks.iter().zip(&program.locals) {
-                    for q in 0..local.count {
-                        after +=
-                            (sl.w[q] + step * sl.dw[q]) * (sl.lambda[q] + step * sl.dlambda[q]);
-                    }
-                }
-                after /= limits.max(1) as f64;
-                let ratio = if mu > 0.0 { after / mu } else { 0.0 };
-                target = ratio.powi(3).min(1.0) * mu;
-            }
-        }
+        // The predictor takes all products away; it only aims the corrector.
+        aim::<false>(program, &mut cells, &balance, 0.0, &mut right);
+        du.clone_from(&right);
+        matrix.solve(&mut du);
+        let ahead = steps(program, &mut cells, &du);
+        let after = ahead.products_after() / limits;
+        let ratio = if mu > 0.0 { after / mu } else { 0.0 };
+        let target = ratio.powi(3).min(1.0) * mu;
+
+        aim::<true>(program, &mut cells, &balance, target, &mut right);
+        du.clone_from(&right);
+        matrix.solve(&mut du);
+        refine(program, matrix, &cells, &right, &mut du, &mut defect);
+        let step = steps(program, &mut cells, &du).length;
         let length = if step < 1.0 { step * (1.0 - mu.min(0.01)).clamp(0.99, 0.9995) } else { 1.0 };
         for (u, du) in u.iter_mut().zip(&du) {
             for k in 0..3 {
                 u[k] += length * du[k];
             }
         }
-        for (k, sl) in slacks.iter_mut().enumerate() {
-            for f in 0..3 {
-                s[k][f] += length * ds[k][f];
-            }
-            for q in 0..program.locals[k].count {
-                sl.w[q] += length * sl.dw[q];
-                sl.lambda[q] += length * sl.dlambda[q];
-            }
+        for (cell, local) in cells.iter_mut().zip(&program.locals) {
+            by_kind!(local.kind, make_step(cell, length));
         }
     }
     let (merit, mut point) = best?;
@@ -277,41 +205,156 @@ pub fn solve(
     (merit <= WORTH).then_some(point)
 }
 
-/// Kinematics of a change of free degrees of freedom.
-fn kinematics_free(local: &Local, du: &[[f64; 3]]) -> [f64; 3] {
-    let mut e = [0.0; 3];
-    for side in 0..2 {
-        let v = &du[local.bodies[side]];
-        for k in 0..3 {
-            for f in 0..3 {
-                e[f] += local.rows[side][k][f] * v[k];
-            }
-        }
-    }
-    e
+/// Greatest residuals, greatest force, and products.
+#[derive(Default)]
+struct Sizes {
+    kinematic: f64,
+    primal: f64,
+    force: f64,
+    products: f64,
+    product: f64,
 }
 
-/// Adds `G D G'` of one interaction.
-pub(super) fn add_blocks(matrix: &mut BodyMatrix, k: usize, local: &Local, d: &[[f64; 3]; 3]) {
-    let product = |x: &[[f64; 3]; 3], y: &[[f64; 3]; 3]| {
-        let mut out = [[0.0; 3]; 3];
-        for i in 0..3 {
-            let xd = [0, 1, 2].map(|c| x[i][0] * d[0][c] + x[i][1] * d[1][c] + x[i][2] * d[2][c]);
-            for j in 0..3 {
-                out[i][j] = xd[0] * y[j][0] + xd[1] * y[j][1] + xd[2] * y[j][2];
-            }
+fn greatest(rows: &[[f64; 3]]) -> f64 {
+    rows.iter().flatten().map(|r| r.abs()).fold(0.0, f64::max)
+}
+
+/// Residuals of an interaction; its forces go to the balance.
+fn evaluate<const F: usize, const Q: usize>(
+    cell: &mut Cell,
+    local: &Local,
+    u: &[[f64; 3]],
+    balance: &mut [[f64; 3]],
+    size: &mut Sizes,
+) {
+    add_forces::<F>(local, &cell.s, 1.0, balance);
+    let e = kinematics::<F>(local, u);
+    let slacks = &mut cell.slacks;
+    let mut r = [0.0; 3];
+    for f in 0..F {
+        r[f] = local.linear[f] + local.compliance[f] * cell.s[f] - e[f];
+    }
+    for q in 0..Q {
+        let a = &local.limits[q];
+        let (w, lambda) = (slacks.w[q], slacks.lambda[q]);
+        let mut defect = w - local.right[q];
+        for f in 0..F {
+            r[f] += a[f] * lambda;
+            defect += a[f] * cell.s[f];
         }
-        out
-    };
-    let [ga, gb] = &local.rows;
-    matrix.add_diagonal(local.bodies[0], &product(ga, ga));
-    matrix.add_diagonal(local.bodies[1], &product(gb, gb));
-    let off = product(ga, gb);
-    let place = matrix.places[k].entries;
-    for i in 0..3 {
-        for j in 0..3 {
-            matrix.values[place[3 * i + j]] += off[i][j];
+        slacks.defect[q] = defect;
+        size.primal = size.primal.max(defect.abs());
+        size.products += w * lambda;
+        size.product = size.product.max(w * lambda);
+    }
+    for f in 0..F {
+        size.kinematic = size.kinematic.max(r[f].abs());
+    }
+    cell.stationarity = r;
+    size.force = size.force.max(cell.s[0].abs());
+}
+
+/// Sets up the system of an interaction and adds what is left of it to the matrix.
+fn condense<const F: usize, const Q: usize>(
+    cell: &mut Cell,
+    local: &Local,
+    number: usize,
+    matrix: &mut BodyMatrix,
+) {
+    cell.system.set::<F, Q>(local, &cell.slacks);
+    matrix.add::<F>(number, local.bodies, &local.rows, &cell.system.stiffness);
+}
+
+/// Right side of the condensed system: that of the predictor, or that of the corrector, which leaves
+/// products of `target` and takes the second order of the predictor's steps into account.
+fn aim<const CORRECTOR: bool>(
+    program: &Scaled,
+    cells: &mut [Cell],
+    balance: &[[f64; 3]],
+    target: f64,
+    right: &mut [[f64; 3]],
+) {
+    for (right, balance) in right.iter_mut().zip(balance) {
+        *right = balance.map(|r| -r);
+    }
+    for (cell, local) in cells.iter_mut().zip(&program.locals) {
+        by_kind!(local.kind, aim_one(cell, local, CORRECTOR, target, right));
+    }
+}
+
+#[inline]
+fn aim_one<const F: usize, const Q: usize>(
+    cell: &mut Cell,
+    local: &Local,
+    corrector: bool,
+    target: f64,
+    right: &mut [[f64; 3]],
+) {
+    let slacks = &mut cell.slacks;
+    for q in 0..Q {
+        let second = if corrector { slacks.dw[q] * slacks.dlambda[q] } else { 0.0 };
+        slacks.product[q] = slacks.w[q] * slacks.lambda[q] - target + second;
+    }
+    cell.right = cell.system.right::<F, Q>(local, &cell.stationarity, slacks);
+    add_forces::<F>(local, &cell.system.forces::<F, Q>(&cell.right), -1.0, right);
+}
+
+/// How far one can go along a step, and what becomes of the products on the way.
+struct Ahead {
+    /// The step that leaves all slacks and multipliers positive, at most 1.
+    length: f64,
+    /// Sum of products, and its derivatives by the length: first, and half the second.
+    products: [f64; 3],
+}
+
+impl Ahead {
+    fn products_after(&self) -> f64 {
+        let [constant, linear, quadratic] = self.products;
+        constant + self.length * (linear + self.length * quadratic)
+    }
+}
+
+/// Steps of forces, slacks and multipliers that belong to steps of the displacements.
+fn steps(program: &Scaled, cells: &mut [Cell], du: &[[f64; 3]]) -> Ahead {
+    let mut ahead = Ahead { length: 1.0, products: [0.0; 3] };
+    for (cell, local) in cells.iter_mut().zip(&program.locals) {
+        by_kind!(local.kind, steps_of_one(cell, local, du, &mut ahead));
+    }
+    ahead
+}
+
+fn steps_of_one<const F: usize, const Q: usize>(
+    cell: &mut Cell,
+    local: &Local,
+    du: &[[f64; 3]],
+    ahead: &mut Ahead,
+) {
+    let e = kinematics::<F>(local, du);
+    let slacks = &mut cell.slacks;
+    cell.ds = cell.system.solve::<F, Q>(local, &e, &cell.right, slacks);
+    for q in 0..Q {
+        let (w, lambda) = (slacks.w[q], slacks.lambda[q]);
+        let (dw, dlambda) = (slacks.dw[q], slacks.dlambda[q]);
+        if w + ahead.length * dw < 0.0 {
+            ahead.length = -w / dw;
         }
+        if lambda + ahead.length * dlambda < 0.0 {
+            ahead.length = -lambda / dlambda;
+        }
+        ahead.products[0] += w * lambda;
+        ahead.products[1] += w * dlambda + lambda * dw;
+        ahead.products[2] += dw * dlambda;
+    }
+}
+
+fn make_step<const F: usize, const Q: usize>(cell: &mut Cell, length: f64) {
+    for f in 0..F {
+        cell.s[f] += length * cell.ds[f];
+    }
+    let slacks = &mut cell.slacks;
+    for q in 0..Q {
+        slacks.w[q] += length * slacks.dw[q];
+        slacks.lambda[q] += length * slacks.dlambda[q];
     }
 }
 
@@ -339,34 +382,50 @@ pub(super) fn factorise(matrix: &mut BodyMatrix) -> bool {
 fn refine(
     program: &Scaled,
     matrix: &mut BodyMatrix,
-    stiffness: &[[[f64; 3]; 3]],
+    cells: &[Cell],
     right: &[[f64; 3]],
     du: &mut [[f64; 3]],
+    defect: &mut [[f64; 3]],
 ) {
-    let scale = right.iter().flatten().map(|r| r.abs()).fold(0.0, f64::max);
+    let scale = greatest(right);
     for _ in 0..MAX_REFINEMENTS {
-        let mut defect: Vec<[f64; 3]> = right
-            .iter()
-            .enumerate()
-            .map(|(i, r)| {
-                [0, 1, 2].map(|k| {
-                    if program.free[i][k] { r[k] - program.weight[i][k] * du[i][k] } else { 0.0 }
-                })
-            })
-            .collect();
-        for (local, t) in program.locals.iter().zip(stiffness) {
-            let e = kinematics_free(local, du);
-            Scaled::add_forces(local, &times(t, &e), -1.0, &mut defect);
+        for (i, defect) in defect.iter_mut().enumerate() {
+            for k in 0..3 {
+                defect[k] = if program.free[i][k] {
+                    right[i][k] - program.weight[i][k] * du[i][k]
+                } else {
+                    0.0
+                };
+            }
         }
-        let error = defect.iter().flatten().map(|r| r.abs()).fold(0.0, f64::max);
-        if error <= REFINED * scale {
+        for (cell, local) in cells.iter().zip(&program.locals) {
+            by_kind!(local.kind, take_away(cell, local, du, defect));
+        }
+        if greatest(defect) <= REFINED * scale {
             return;
         }
-        matrix.solve(&mut defect);
-        for (du, d) in du.iter_mut().zip(&defect) {
+        matrix.solve(defect);
+        for (du, d) in du.iter_mut().zip(&*defect) {
             for k in 0..3 {
                 du[k] += d[k];
             }
         }
     }
+}
+
+/// Takes what an interaction adds to the condensed operator away from the defect.
+fn take_away<const F: usize, const Q: usize>(
+    cell: &Cell,
+    local: &Local,
+    du: &[[f64; 3]],
+    defect: &mut [[f64; 3]],
+) {
+    let e = kinematics::<F>(local, du);
+    let mut s = [0.0; 3];
+    for f in 0..F {
+        for g in 0..F {
+            s[f] += cell.system.stiffness[f][g] * e[g];
+        }
+    }
+    add_forces::<F>(local, &s, -1.0, defect);
 }

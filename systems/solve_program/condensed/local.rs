@@ -64,11 +64,11 @@ impl Adjacency {
 }
 
 /// Brings the bodies that are furthest out of balance to balance; returns whether any moved.
-pub fn eliminate(
+pub(super) fn eliminate(
     program: &Scaled,
     adjacency: &Adjacency,
     gradient: &[[f64; 3]],
-    e: &[[f64; 3]],
+    e: &[[f64; 2]],
     u: &mut [[f64; 3]],
 ) -> bool {
     let unbalance: Vec<f64> =
@@ -169,14 +169,17 @@ fn balance(
     part.locals = used
         .iter()
         .map(|&k| {
-            let l = &program.locals[k];
-            let mut rows = l.rows;
-            for side in 0..2 {
-                if !is_member(l.bodies[side]) {
-                    rows[side] = [[0.0; 3]; 3];
+            let mut l = program.locals[k].clone();
+            // Who is held is known, like what is fixed.
+            for side in (0..2).filter(|side| !is_member(l.bodies[*side])) {
+                let rows = std::mem::take(&mut l.rows[side]);
+                for (row, u) in rows.iter().zip(&start[l.bodies[side]]) {
+                    for f in 0..3 {
+                        l.linear[f] -= row[f] * u;
+                    }
                 }
             }
-            Local { bodies: l.bodies.map(number), rows, ..l.clone() }
+            Local { bodies: l.bodies.map(number), ..l }
         })
         .collect();
     let pairs: Vec<(u32, u32)> =

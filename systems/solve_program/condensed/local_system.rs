@@ -11,194 +11,218 @@
 //! system with their multiplier, `A ds - (w/lambda) dlambda = -d + c/lambda`, and their slack follows
 //! from complementarity; the others are folded into the compliance by `theta = lambda/w`, and their
 //! multiplier follows from complementarity.
+//!
+//! All this is done for every interaction in every iteration: functions are compiled for the number
+//! `F` of forces and `Q` of limits (see [`Kind`](super::scaled::Kind)).
 
 use super::scaled::{Local, ROWS};
 
-/// Unknowns at most: three forces and four multipliers (limits of rolling imply that of tension), or
-/// two forces and three.
-const SIZE: usize = 7;
+/// Unknowns at most: forces and multipliers.
+const SIZE: usize = 3 + ROWS;
 
-/// Right sides of the system.
+/// Slacks and multipliers of the limits, their steps, and what the steps are to bring about.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Slacks {
+    /// Slacks w.
+    pub w: [f64; ROWS],
+    /// Multipliers lambda.
+    pub lambda: [f64; ROWS],
+    /// Steps of w.
+    pub dw: [f64; ROWS],
+    /// Steps of lambda.
+    pub dlambda: [f64; ROWS],
+    /// Defects d of the limits.
+    pub defect: [f64; ROWS],
+    /// Products c to be taken away.
+    pub product: [f64; ROWS],
+}
+
+/// Right side of the system without kinematics: rows of forces, rows of active multipliers.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Right {
-    /// r.
-    pub stationarity: [f64; 3],
-    /// d.
-    pub defects: [f64; ROWS],
-    /// c.
-    pub products: [f64; ROWS],
+    forces: [f64; 3],
+    limits: [f64; ROWS],
 }
 
-/// The inverse of the system.
-#[derive(Clone, Copy, Debug)]
+/// The inverse of the system by blocks; rows and columns of limits that are not active are zero.
+#[derive(Clone, Copy, Debug, Default)]
 pub struct LocalSystem {
-    /// Rows of `size` entries: forces that exist, then multipliers of active limits.
-    inverse: [f64; SIZE * SIZE],
-    size: u8,
-    forces: u8,
-    /// Force by unknown.
-    force: [u8; 3],
-    /// Limit by active multiplier.
-    active: [u8; ROWS],
-    is_active: [bool; ROWS],
-}
-
-impl Default for LocalSystem {
-    fn default() -> Self {
-        Self {
-            inverse: [0.0; SIZE * SIZE],
-            size: 0,
-            forces: 0,
-            force: [0; 3],
-            active: [0; ROWS],
-            is_active: [false; ROWS],
-        }
-    }
+    /// Takes kinematics to forces: T.
+    pub stiffness: [[f64; 3]; 3],
+    mixed: [[f64; ROWS]; 3],
+    limits: [[f64; ROWS]; ROWS],
+    active: [bool; ROWS],
 }
 
 impl LocalSystem {
     /// Sets up and inverts the system at slacks w and multipliers lambda.
-    pub fn set(&mut self, local: &Local, w: &[f64; ROWS], lambda: &[f64; ROWS]) {
-        let mut n = 0;
-        for f in (0..3).filter(|f| local.has[*f]) {
-            self.force[n] = f as u8;
-            n += 1;
+    pub fn set<const F: usize, const Q: usize>(&mut self, local: &Local, slacks: &Slacks) {
+        let (w, lambda) = (&slacks.w, &slacks.lambda);
+        *self = Self::default();
+        let mut any = false;
+        for q in 0..Q {
+            self.active[q] = lambda[q] > w[q];
+            any |= self.active[q];
         }
-        self.forces = n as u8;
-        let forces = n;
-        for q in 0..local.count {
-            self.is_active[q] = lambda[q] > w[q];
-            if self.is_active[q] {
-                self.active[n - forces] = q as u8;
-                n += 1;
-            }
+        if !any && F == 2 {
+            self.stiffness = inverse_of_two::<Q>(local, w, lambda);
+            return;
         }
-        self.size = n as u8;
         let mut m = [[0.0; SIZE]; SIZE];
-        for i in 0..forces {
-            m[i][i] = local.compliance[self.force[i] as usize];
+        for f in 0..F {
+            m[f][f] = local.compliance[f];
         }
-        for q in (0..local.count).filter(|q| !self.is_active[*q]) {
+        // Limit by unknown.
+        let mut limit = [0; SIZE];
+        let mut n = F;
+        for q in 0..Q {
             let a = &local.limits[q];
-            let theta = lambda[q] / w[q];
-            for i in 0..forces {
-                let scaled = theta * a[self.force[i] as usize];
-                for j in 0..forces {
-                    m[i][j] += scaled * a[self.force[j] as usize];
+            if self.active[q] {
+                for f in 0..F {
+                    m[f][n] = a[f];
+                    m[n][f] = a[f];
+                }
+                m[n][n] = -w[q] / lambda[q];
+                limit[n] = q;
+                n += 1;
+            } else {
+                let theta = lambda[q] / w[q];
+                for f in 0..F {
+                    for g in 0..F {
+                        m[f][g] += theta * a[f] * a[g];
+                    }
                 }
             }
         }
-        for k in forces..n {
-            let q = self.active[k - forces] as usize;
-            for i in 0..forces {
-                let a = local.limits[q][self.force[i] as usize];
-                m[i][k] = a;
-                m[k][i] = a;
+        let inverse = invert(&mut m, n);
+        for f in 0..F {
+            for g in 0..F {
+                self.stiffness[f][g] = inverse[f][g];
             }
-            m[k][k] = -w[q] / lambda[q];
-        }
-        invert(&mut m, n, &mut self.inverse);
-    }
-
-    /// The part T of the inverse that takes kinematics to forces.
-    #[must_use]
-    pub fn compliance_inverse(&self) -> [[f64; 3]; 3] {
-        let mut t = [[0.0; 3]; 3];
-        let (n, forces) = (self.size as usize, self.forces as usize);
-        for i in 0..forces {
-            for j in 0..forces {
-                t[self.force[i] as usize][self.force[j] as usize] = self.inverse[n * i + j];
+            for k in F..n {
+                self.mixed[f][limit[k]] = inverse[f][k];
             }
         }
-        t
+        for k in F..n {
+            for l in F..n {
+                self.limits[limit[k]][limit[l]] = inverse[k][l];
+            }
+        }
     }
 
-    /// Steps of the forces for the kinematics e.
+    /// Right side for the residuals r of stationarity, and for the defects and products of `slacks`.
+    #[inline]
     #[must_use]
-    pub fn forces(
+    pub fn right<const F: usize, const Q: usize>(
         &self,
         local: &Local,
-        e: &[f64; 3],
-        right: &Right,
-        w: &[f64; ROWS],
-        lambda: &[f64; ROWS],
-    ) -> [f64; 3] {
-        let b = self.right_side(local, e, right, w, lambda);
-        let n = self.size as usize;
+        stationarity: &[f64; 3],
+        slacks: &Slacks,
+    ) -> Right {
+        let mut right = Right::default();
+        for f in 0..F {
+            right.forces[f] = -stationarity[f];
+        }
+        for q in 0..Q {
+            let (w, lambda) = (slacks.w[q], slacks.lambda[q]);
+            let (d, c) = (slacks.defect[q], slacks.product[q]);
+            if self.active[q] {
+                right.limits[q] = c / lambda - d;
+            } else {
+                // dlambda = (-c - lambda dw)/w with dw = -d - A ds.
+                let constant = (lambda * d - c) / w;
+                for f in 0..F {
+                    right.forces[f] -= local.limits[q][f] * constant;
+                }
+            }
+        }
+        right
+    }
+
+    /// Steps of the forces without kinematics.
+    #[inline]
+    #[must_use]
+    pub fn forces<const F: usize, const Q: usize>(&self, right: &Right) -> [f64; 3] {
         let mut ds = [0.0; 3];
-        for i in 0..self.forces as usize {
-            ds[self.force[i] as usize] = dot(&self.inverse[n * i..n * (i + 1)], &b);
+        for f in 0..F {
+            for g in 0..F {
+                ds[f] += self.stiffness[f][g] * right.forces[g];
+            }
+            for q in 0..Q {
+                ds[f] += self.mixed[f][q] * right.limits[q];
+            }
         }
         ds
     }
 
-    fn right_side(
+    /// Steps of the forces for the kinematics e; those of slacks and multipliers go to `slacks`.
+    #[inline]
+    pub fn solve<const F: usize, const Q: usize>(
         &self,
         local: &Local,
         e: &[f64; 3],
         right: &Right,
-        w: &[f64; ROWS],
-        lambda: &[f64; ROWS],
-    ) -> [f64; SIZE] {
-        let mut b = [0.0; SIZE];
-        let (n, forces) = (self.size as usize, self.forces as usize);
-        for i in 0..forces {
-            let f = self.force[i] as usize;
-            b[i] = e[f] - right.stationarity[f];
+        slacks: &mut Slacks,
+    ) -> [f64; 3] {
+        let mut right = *right;
+        for f in 0..F {
+            right.forces[f] += e[f];
         }
-        for k in forces..n {
-            let q = self.active[k - forces] as usize;
-            b[k] = -right.defects[q] + right.products[q] / lambda[q];
-        }
-        for q in (0..local.count).filter(|q| !self.is_active[*q]) {
-            // dlambda = (-c - lambda dw)/w with dw = -d - A ds.
-            let constant = (lambda[q] * right.defects[q] - right.products[q]) / w[q];
-            for i in 0..forces {
-                b[i] -= local.limits[q][self.force[i] as usize] * constant;
-            }
-        }
-        b
-    }
-
-    /// Steps of the forces, and (dw, dlambda) of the limits, for the kinematics e.
-    #[must_use]
-    pub fn solve(
-        &self,
-        local: &Local,
-        e: &[f64; 3],
-        right: &Right,
-        w: &[f64; ROWS],
-        lambda: &[f64; ROWS],
-    ) -> ([f64; 3], [(f64, f64); ROWS]) {
-        let b = self.right_side(local, e, right, w, lambda);
-        let (n, forces) = (self.size as usize, self.forces as usize);
-        let mut ds = [0.0; 3];
-        let mut steps = [(0.0, 0.0); ROWS];
-        for i in 0..n {
-            let y = dot(&self.inverse[n * i..n * (i + 1)], &b);
-            if i < forces {
-                ds[self.force[i] as usize] = y;
+        let ds = self.forces::<F, Q>(&right);
+        for q in 0..Q {
+            let (w, lambda, c) = (slacks.w[q], slacks.lambda[q], slacks.product[q]);
+            if self.active[q] {
+                let mut step = 0.0;
+                for f in 0..F {
+                    step += self.mixed[f][q] * right.forces[f];
+                }
+                for k in 0..Q {
+                    step += self.limits[q][k] * right.limits[k];
+                }
+                slacks.dlambda[q] = step;
+                slacks.dw[q] = -(c + w * step) / lambda;
             } else {
-                let q = self.active[i - forces] as usize;
-                steps[q] = (-(right.products[q] + w[q] * y) / lambda[q], y);
+                let mut step = -slacks.defect[q];
+                for f in 0..F {
+                    step -= local.limits[q][f] * ds[f];
+                }
+                slacks.dw[q] = step;
+                slacks.dlambda[q] = -(c + lambda * step) / w;
             }
         }
-        for q in (0..local.count).filter(|q| !self.is_active[*q]) {
-            let a = &local.limits[q];
-            let dw = -right.defects[q] - (a[0] * ds[0] + a[1] * ds[1] + a[2] * ds[2]);
-            steps[q] = (dw, -(right.products[q] + lambda[q] * dw) / w[q]);
-        }
-        (ds, steps)
+        ds
     }
 }
 
-fn dot(row: &[f64], b: &[f64; SIZE]) -> f64 {
-    row.iter().zip(b).map(|(x, y)| x * y).sum()
+/// Inverse for two forces and no active limit. The determinant is a sum of terms that are not
+/// negative (Cauchy and Binet): nothing cancels where a limit outweighs all else.
+fn inverse_of_two<const Q: usize>(
+    local: &Local,
+    w: &[f64; ROWS],
+    lambda: &[f64; ROWS],
+) -> [[f64; 3]; 3] {
+    let [c0, c1, _] = local.compliance;
+    let (mut k00, mut k01, mut k11, mut determinant) = (c0, 0.0, c1, c0 * c1);
+    let mut theta = [0.0; Q];
+    for q in 0..Q {
+        theta[q] = lambda[q] / w[q];
+        let a = &local.limits[q];
+        k00 += theta[q] * a[0] * a[0];
+        k01 += theta[q] * a[0] * a[1];
+        k11 += theta[q] * a[1] * a[1];
+        determinant += theta[q] * (c0 * a[1] * a[1] + c1 * a[0] * a[0]);
+        for p in 0..q {
+            let b = &local.limits[p];
+            let area = a[0] * b[1] - a[1] * b[0];
+            determinant += theta[q] * theta[p] * area * area;
+        }
+    }
+    let d = 1.0 / determinant;
+    [[k11 * d, -k01 * d, 0.0], [-k01 * d, k00 * d, 0.0], [0.0; 3]]
 }
 
-/// Inverts the leading `n` rows and columns by Gauss and Jordan with partial pivoting, into rows of
-/// `n` entries.
-fn invert(m: &mut [[f64; SIZE]; SIZE], n: usize, out: &mut [f64; SIZE * SIZE]) {
+/// Inverse of the leading `n` rows and columns by Gauss and Jordan with partial pivoting.
+fn invert(m: &mut [[f64; SIZE]; SIZE], n: usize) -> [[f64; SIZE]; SIZE] {
     let mut inverse = [[0.0; SIZE]; SIZE];
     for (i, row) in inverse.iter_mut().enumerate().take(n) {
         row[i] = 1.0;
@@ -227,7 +251,5 @@ fn invert(m: &mut [[f64; SIZE]; SIZE], n: usize, out: &mut [f64; SIZE * SIZE]) {
             }
         }
     }
-    for i in 0..n {
-        out[n * i..n * (i + 1)].copy_from_slice(&inverse[i][..n]);
-    }
+    inverse
 }

@@ -15,11 +15,13 @@ use faer::sparse::linalg::{SupernodalThreshold, amd};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Side};
 
-/// Where the blocks of an interaction lie in the values of the matrix.
+/// Where the block of a pair (a, b) lies in the values of the matrix.
 #[derive(Clone, Copy, Debug)]
-pub struct BlockPlace {
-    /// Positions of entry (row i of a, column j of b), `3 i + j`.
-    pub entries: [usize; 9],
+struct BlockPlace {
+    /// Where its three columns start; their rows follow.
+    columns: [usize; 3],
+    /// Whether columns belong to a, and rows to b.
+    forward: bool,
 }
 
 /// The matrix, its factor, and what depends on its pattern only.
@@ -32,8 +34,8 @@ pub struct BodyMatrix {
     pub values: Vec<f64>,
     /// Positions of the three diagonal entries of every body; entries below follow.
     pub diagonal: Vec<[usize; 3]>,
-    /// Positions of the off-diagonal blocks of every pair, in the order of the pairs given.
-    pub places: Vec<BlockPlace>,
+    /// The off-diagonal blocks of every pair, in the order of the pairs given.
+    places: Vec<BlockPlace>,
     symbolic: SymbolicCholesky<usize>,
     factor: Vec<f64>,
     memory: MemBuffer,
@@ -84,15 +86,9 @@ impl BodyMatrix {
                 let (low, high) = (a.min(b), a.max(b));
                 let list = &below[below_starts[low]..below_starts[low + 1]];
                 let k = list.partition_point(|j| *j < high);
-                let mut entries = [0; 9];
-                for i in 0..3 {
-                    for j in 0..3 {
-                        let (column, row) = if a < b { (i, j) } else { (j, i) };
-                        entries[3 * i + j] =
-                            column_starts[3 * low + column] + (3 - column) + 3 * k + row;
-                    }
-                }
-                BlockPlace { entries }
+                let columns =
+                    [0, 1, 2].map(|c| column_starts[3 * low + c] + (3 - c) + 3 * k);
+                BlockPlace { columns, forward: a < b }
             })
             .collect();
         let symbolic = symbolic(3 * bodies, &column_starts, &row_indices)?;
@@ -114,11 +110,34 @@ impl BodyMatrix {
         })
     }
 
-    /// Adds a symmetric block to the diagonal of a body.
-    pub fn add_diagonal(&mut self, body: usize, block: &[[f64; 3]; 3]) {
-        for c in 0..3 {
-            for r in c..3 {
-                self.values[self.diagonal[body][c] + r - c] += block[r][c];
+    /// Sets all values to zero.
+    pub fn clear(&mut self) {
+        self.values.fill(0.0);
+    }
+
+    /// Adds `G D G'` of a pair, with `G` of `F` columns in the rows of its two bodies.
+    #[inline]
+    pub fn add<const F: usize>(
+        &mut self,
+        pair: usize,
+        bodies: [usize; 2],
+        rows: &[[[f64; 3]; 3]; 2],
+        d: &[[f64; 3]; 3],
+    ) {
+        for (rows, body) in rows.iter().zip(bodies) {
+            let left = times::<F>(rows, d);
+            for (c, start) in self.diagonal[body].into_iter().enumerate() {
+                for (r, value) in self.values[start..start + 3 - c].iter_mut().enumerate() {
+                    *value += dot::<F>(&left[c], &rows[c + r]);
+                }
+            }
+        }
+        let place = self.places[pair];
+        let [of_columns, of_rows] = if place.forward { [0, 1] } else { [1, 0] };
+        let left = times::<F>(&rows[of_columns], d);
+        for (left, start) in left.iter().zip(place.columns) {
+            for (value, row) in self.values[start..start + 3].iter_mut().zip(&rows[of_rows]) {
+                *value += dot::<F>(left, row);
             }
         }
     }
@@ -168,6 +187,28 @@ impl BodyMatrix {
             x[i].copy_from_slice(&self.work[3 * k..3 * k + 3]);
         }
     }
+}
+
+#[inline]
+fn dot<const F: usize>(x: &[f64; 3], y: &[f64; 3]) -> f64 {
+    let mut sum = 0.0;
+    for f in 0..F {
+        sum += x[f] * y[f];
+    }
+    sum
+}
+
+#[inline]
+fn times<const F: usize>(rows: &[[f64; 3]; 3], d: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
+    let mut out = [[0.0; 3]; 3];
+    for (out, row) in out.iter_mut().zip(rows) {
+        for f in 0..F {
+            for g in 0..F {
+                out[f] += row[g] * d[g][f];
+            }
+        }
+    }
+    out
 }
 
 fn adjacency(bodies: usize, pairs: &[(u32, u32)]) -> (Vec<usize>, Vec<usize>) {

@@ -6,10 +6,10 @@
 //! function of u, and its generalised Hessian is the condensed matrix of the current regions. The
 //! line search is exact: the derivative along the step is monotone and piecewise linear.
 
-use super::interior::{add_blocks, factorise};
+use super::interior::factorise;
 use super::local::{Adjacency, eliminate};
 use super::matrix::BodyMatrix;
-use super::scaled::{Local, Scaled};
+use super::scaled::{Kind, Local, Scaled, add_forces, kinematics};
 
 /// What ends the iteration, and what damps it.
 #[derive(Clone, Copy, Debug)]
@@ -64,60 +64,101 @@ pub fn applies(program: &Scaled) -> bool {
         .all(|l| !l.has[2] && l.compliance[0] > 0.0 && (!l.has[1] || l.compliance[1] > 0.0))
 }
 
-/// Projection of the elastic trial (p, q), with the derivative of (p, q) by (e_n, e_t).
-pub(super) fn project(l: &Local, e: &[f64; 3]) -> ([f64; 3], [[f64; 3]; 3]) {
-    let kn = 1.0 / l.compliance[0];
-    let pt = (e[0] - l.linear[0]) * kn;
-    let mut d = [[0.0; 3]; 3];
-    if !l.has[1] {
-        let low = -l.right[0];
-        if pt > low {
-            d[0][0] = kn;
-            return ([pt, 0.0, 0.0], d);
+/// What the forces of an elastic interaction follow from.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Spring {
+    /// Stiffness in normal and tangential direction, 1 over the compliance.
+    stiffness: [f64; 2],
+    /// Kinematics without forces.
+    linear: [f64; 2],
+    /// Coefficient of friction, cohesion, and tensile strength (infinite where friction says it all).
+    friction: f64,
+    cohesion: f64,
+    tension: f64,
+    shears: bool,
+}
+
+/// Forces (p, q) with their derivatives by (e_n, e_t): those of p by e_n, of p by e_t (and q by e_n),
+/// and of q by e_t.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Response {
+    /// Forces.
+    pub s: [f64; 2],
+    d: [f64; 3],
+}
+
+impl Spring {
+    /// Of an interaction with compliance in each of its forces, and without rolling moment.
+    pub(super) fn new(l: &Local) -> Self {
+        let (friction, cohesion, tension) = match l.kind {
+            Kind::Normal => (0.0, 0.0, l.right[0]),
+            Kind::Bond => (-l.limits[0][0], l.right[0], l.right[2]),
+            Kind::Friction | Kind::Rolling | Kind::Wheel => {
+                (-l.limits[0][0], l.right[0], f64::INFINITY)
+            }
+        };
+        Self {
+            stiffness: [1.0 / l.compliance[0], 1.0 / l.compliance[1]],
+            linear: [l.linear[0], l.linear[1]],
+            friction,
+            cohesion,
+            tension,
+            shears: l.has[1],
         }
-        return ([low, 0.0, 0.0], d);
     }
-    let kt = 1.0 / l.compliance[1];
-    let qt = (e[1] - l.linear[1]) * kt;
-    let mu = -l.limits[0][0];
-    let cohesion = l.right[0];
-    let tension = if l.count == 3 { l.right[2] } else { f64::INFINITY };
-    let sign = if qt < 0.0 { -1.0 } else { 1.0 };
-    let size = qt.abs();
-    // The corner of the limits: where tension cuts the shear cone, or the cone's own apex.
-    let at_tension = cohesion - mu * tension;
-    let (p0, q0) = if at_tension >= 0.0 { (-tension, at_tension) } else { (-cohesion / mu, 0.0) };
-    let over = size - cohesion - mu * pt;
-    if over <= 0.0 {
-        if pt >= p0 {
-            d[0][0] = kn;
-            d[1][1] = kt;
-            return ([pt, qt, 0.0], d);
+
+    /// Projection of the elastic trial onto the limits.
+    #[inline]
+    pub(super) fn respond(&self, e: [f64; 2]) -> Response {
+        let [kn, kt] = self.stiffness;
+        let pt = (e[0] - self.linear[0]) * kn;
+        let qt = (e[1] - self.linear[1]) * kt;
+        let size = qt.abs();
+        let over = size - self.cohesion - self.friction * pt;
+        if self.shears && over <= 0.0 && pt >= -self.tension {
+            return Response { s: [pt, qt], d: [kn, 0.0, kt] };
         }
-        if size <= q0 && q0 > 0.0 {
-            d[1][1] = kt;
-            return ([p0, qt, 0.0], d);
+        self.limited(pt, qt)
+    }
+
+    /// The projection of a trial that may be outside of the limits.
+    fn limited(&self, pt: f64, qt: f64) -> Response {
+        let [kn, kt] = self.stiffness;
+        let (mu, cohesion, tension) = (self.friction, self.cohesion, self.tension);
+        if !self.shears {
+            return if pt > -tension {
+                Response { s: [pt, 0.0], d: [kn, 0.0, 0.0] }
+            } else {
+                Response { s: [-tension, 0.0], d: [0.0; 3] }
+            };
         }
-        return ([p0, sign * q0.min(size), 0.0], d);
-    }
-    if pt < p0 && size <= q0 {
-        if q0 > 0.0 {
-            d[1][1] = kt;
+        let sign = if qt < 0.0 { -1.0 } else { 1.0 };
+        let size = qt.abs();
+        // The corner of the limits: where tension cuts the shear cone, or the cone's own apex.
+        let at_tension = cohesion - mu * tension;
+        let (p0, q0) =
+            if at_tension >= 0.0 { (-tension, at_tension) } else { (-cohesion / mu, 0.0) };
+        let over = size - cohesion - mu * pt;
+        if pt < p0 && (over <= 0.0 || size <= q0) {
+            return if size <= q0 && q0 > 0.0 {
+                Response { s: [p0, qt], d: [0.0, 0.0, kt] }
+            } else {
+                Response { s: [p0, sign * q0.min(size)], d: [0.0; 3] }
+            };
         }
-        return ([p0, qt, 0.0], d);
+        if over <= 0.0 {
+            return Response { s: [pt, qt], d: [kn, 0.0, kt] };
+        }
+        let sum = kt + mu * mu * kn;
+        let slip = over / sum;
+        let p = pt + mu * kn * slip;
+        if p >= p0 {
+            let (vn, vt) = (-mu * kn, sign * kt);
+            let d = [kn - vn * vn / sum, -vn * vt / sum, kt - vt * vt / sum];
+            return Response { s: [p, sign * (size - kt * slip)], d };
+        }
+        Response { s: [p0, sign * q0], d: [0.0; 3] }
     }
-    let sum = kt + mu * mu * kn;
-    let slip = over / sum;
-    let p = pt + mu * kn * slip;
-    if p >= p0 {
-        let (vn, vt) = (-mu * kn, sign * kt);
-        d[0][0] = kn - vn * vn / sum;
-        d[0][1] = -vn * vt / sum;
-        d[1][0] = d[0][1];
-        d[1][1] = kt - vt * vt / sum;
-        return ([p, sign * (size - kt * slip), 0.0], d);
-    }
-    ([p0, sign * q0, 0.0], d)
 }
 
 /// Solves the program from the displacements `start`, with local elimination, until the unbalance over
@@ -143,34 +184,36 @@ pub fn iterate(
             [0, 1, 2].map(|k| if program.free[i][k] { start[i][k] } else { program.known[i][k] })
         })
         .collect();
-    let m = program.locals.len();
-    let (mut s, mut d) = (vec![[0.0; 3]; m], vec![[[0.0; 3]; 3]; m]);
-    let mut e = vec![[0.0; 3]; m];
+    let springs: Vec<Spring> = program.locals.iter().map(Spring::new).collect();
+    let mut responses = vec![Response::default(); springs.len()];
+    let mut e = vec![[0.0; 2]; springs.len()];
+    let mut de = e.clone();
+    let mut gradient = vec![[0.0; 3]; n];
+    let mut du = gradient.clone();
     let mut iterations = 0;
     let mut tiny = 0;
     let mut step = 0.0;
     let mut eliminated = false;
     let mut damping = limits.damping;
     loop {
+        for i in 0..n {
+            for k in 0..3 {
+                gradient[i][k] = if program.free[i][k] {
+                    program.weight[i][k] * u[i][k] - program.right[i][k]
+                } else {
+                    0.0
+                };
+            }
+        }
+        let mut force = 1e-3_f64;
         for (k, l) in program.locals.iter().enumerate() {
-            e[k] = Scaled::kinematics(l, &u);
-            (s[k], d[k]) = project(l, &e[k]);
+            let [e_n, e_t, _] = kinematics::<2>(l, &u);
+            e[k] = [e_n, e_t];
+            responses[k] = springs[k].respond(e[k]);
+            let [p, q] = responses[k].s;
+            add_forces::<2>(l, &[p, q, 0.0], 1.0, &mut gradient);
+            force = force.max(p.abs()).max(q.abs());
         }
-        let mut gradient: Vec<[f64; 3]> = (0..n)
-            .map(|i| {
-                [0, 1, 2].map(|k| {
-                    if program.free[i][k] {
-                        program.weight[i][k] * u[i][k] - program.right[i][k]
-                    } else {
-                        0.0
-                    }
-                })
-            })
-            .collect();
-        for (l, s) in program.locals.iter().zip(&s) {
-            Scaled::add_forces(l, s, 1.0, &mut gradient);
-        }
-        let force = s.iter().map(|s| s[0].abs().max(s[1].abs())).fold(1e-3, f64::max);
         let unbalance = gradient.iter().flatten().map(|g| g.abs()).fold(0.0, f64::max);
         let finite = gradient.iter().flatten().all(|g| g.is_finite());
         let done = iterations >= limits.iterations || tiny >= limits.tiny;
@@ -187,7 +230,7 @@ pub fn iterate(
         }
         eliminated = false;
         iterations += 1;
-        matrix.values.iter_mut().for_each(|v| *v = 0.0);
+        matrix.clear();
         for i in 0..n {
             for k in 0..3 {
                 let weight = if program.free[i][k] { program.weight[i][k] + damping } else { 1.0 };
@@ -195,12 +238,16 @@ pub fn iterate(
             }
         }
         for (k, l) in program.locals.iter().enumerate() {
-            add_blocks(matrix, k, l, &d[k]);
+            let [nn, nt, tt] = responses[k].d;
+            let d = [[nn, nt, 0.0], [nt, tt, 0.0], [0.0; 3]];
+            matrix.add::<2>(k, l.bodies, &l.rows, &d);
         }
         if !factorise(matrix) {
             break;
         }
-        let mut du: Vec<[f64; 3]> = gradient.iter().map(|g| g.map(|g| -g)).collect();
+        for (du, g) in du.iter_mut().zip(&gradient) {
+            *du = g.map(|g| -g);
+        }
         matrix.solve(&mut du);
         for (i, du) in du.iter_mut().enumerate() {
             for k in (0..3).filter(|k| !program.free[i][*k]) {
@@ -208,7 +255,11 @@ pub fn iterate(
             }
         }
         damping = (0.5 * damping).max(limits.least_damping);
-        step = line_search(program, &u, &du, &e, &gradient);
+        for (de, l) in de.iter_mut().zip(&program.locals) {
+            let [e_n, e_t, _] = kinematics::<2>(l, &du);
+            *de = [e_n, e_t];
+        }
+        step = line_search(program, &springs, [&u, &du, &gradient], &e, &de);
         tiny = if step < TINY { tiny + 1 } else { 0 };
         for (u, du) in u.iter_mut().zip(&du) {
             for k in 0..3 {
@@ -216,18 +267,18 @@ pub fn iterate(
             }
         }
     }
+    let s = responses.iter().map(|r| [r.s[0], r.s[1], 0.0]).collect();
     Newton { u, s, iterations }
 }
 
 /// The step at which the derivative along `du` vanishes, to a few per cent.
 fn line_search(
     program: &Scaled,
-    u: &[[f64; 3]],
-    du: &[[f64; 3]],
-    e: &[[f64; 3]],
-    gradient: &[[f64; 3]],
+    springs: &[Spring],
+    [u, du, gradient]: [&[[f64; 3]]; 3],
+    e: &[[f64; 2]],
+    de: &[[f64; 2]],
 ) -> f64 {
-    let de: Vec<[f64; 3]> = program.locals.iter().map(|l| Scaled::kinematics(l, du)).collect();
     let dot = |x: &[[f64; 3]], y: &[[f64; 3]]| -> f64 {
         x.iter().flatten().zip(y.iter().flatten()).map(|(x, y)| x * y).sum()
     };
@@ -241,11 +292,11 @@ fn line_search(
     }
     let derivative = |a: f64| {
         let (mut value, mut curvature) = (linear + a * quadratic, quadratic);
-        for ((l, e), de) in program.locals.iter().zip(e).zip(&de) {
-            let (s, d) = project(l, &[0, 1, 2].map(|f| e[f] + a * de[f]));
+        for ((spring, e), de) in springs.iter().zip(e).zip(de) {
+            let Response { s, d } = spring.respond([e[0] + a * de[0], e[1] + a * de[1]]);
             value += s[0] * de[0] + s[1] * de[1];
-            curvature += de[0] * (d[0][0] * de[0] + d[0][1] * de[1])
-                + de[1] * (d[1][0] * de[0] + d[1][1] * de[1]);
+            curvature +=
+                d[0] * de[0] * de[0] + 2.0 * d[1] * de[0] * de[1] + d[2] * de[1] * de[1];
         }
         (value, curvature)
     };

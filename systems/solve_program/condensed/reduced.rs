@@ -7,7 +7,7 @@
 
 use clastic_components::program::{ConeProgram, ConeSolution, Dof, Interaction};
 
-use super::newton::project;
+use super::newton::Spring;
 use super::scaled::Scaled;
 
 /// The program without what is known, and the way back.
@@ -78,7 +78,7 @@ impl Reduced {
         for (k, c) in program.interactions.iter().enumerate() {
             forces[k] = match left.next_if(|(place, _)| **place == k) {
                 Some((_, f)) => *f,
-                None => alone(program, c, &displacements),
+                None => alone(program, c),
             };
         }
         let certificate = part.certificate.map(|mut certificate| {
@@ -106,7 +106,7 @@ fn is_known(program: &ConeProgram, c: &Interaction) -> bool {
 }
 
 /// Forces of an interaction between two known bodies.
-fn alone(program: &ConeProgram, c: &Interaction, displacements: &[[f64; 3]]) -> [f64; 3] {
+fn alone(program: &ConeProgram, c: &Interaction) -> [f64; 3] {
     let (a, b) = (c.a as usize, c.b as usize);
     let mut single = Interaction { a: 0, b: 1, ..*c };
     single.limits.rolling = 0.0;
@@ -115,10 +115,7 @@ fn alone(program: &ConeProgram, c: &Interaction, displacements: &[[f64; 3]]) -> 
         interactions: vec![single],
         scales: program.scales,
     };
-    let scaled = Scaled::new(&pair);
-    let (du, df) = super::super::lowering::units(program);
-    let u = [a, b].map(|i| [0, 1, 2].map(|k| displacements[i][k] / du[k]));
-    let local = &scaled.locals[0];
-    let (s, _) = project(local, &Scaled::kinematics(local, &u));
+    let (_, df) = super::super::lowering::units(program);
+    let s = Spring::new(&Scaled::new(&pair).locals[0]).respond([0.0; 2]).s;
     [s[0] * df[0], s[1] * df[0], 0.0]
 }

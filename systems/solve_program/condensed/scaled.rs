@@ -7,23 +7,54 @@ use clastic_components::program::{ConeProgram, Dof};
 
 use super::super::lowering::units;
 
-/// Most limit rows of an interaction.
-pub const ROWS: usize = 5;
+/// Most limit rows of an interaction: two of shear and two of rolling, which imply that of tension.
+pub const ROWS: usize = 4;
+
+/// What forces an interaction has, and how many limits they have: what is done for every interaction
+/// in every iteration is compiled for each kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// p alone, with the limit of tension.
+    Normal,
+    /// p and q, with two limits of shear.
+    Friction,
+    /// p and q, with two limits of shear and that of tension.
+    Bond,
+    /// p, q and tau, with two limits of shear and two of rolling.
+    Rolling,
+    /// p and tau, with two limits of rolling; q has a compliance, and nothing acts on it.
+    Wheel,
+}
+
+/// Calls a function that is generic in the numbers of forces and limits for the kind of an
+/// interaction.
+macro_rules! by_kind {
+    ($kind:expr, $name:ident ( $($argument:expr),* $(,)? )) => {
+        match $kind {
+            $crate::solve_program::condensed::scaled::Kind::Normal => $name::<1, 1>($($argument),*),
+            $crate::solve_program::condensed::scaled::Kind::Friction => $name::<2, 2>($($argument),*),
+            $crate::solve_program::condensed::scaled::Kind::Bond => $name::<2, 3>($($argument),*),
+            $crate::solve_program::condensed::scaled::Kind::Rolling => $name::<3, 4>($($argument),*),
+            $crate::solve_program::condensed::scaled::Kind::Wheel => $name::<3, 2>($($argument),*),
+        }
+    };
+}
+pub(super) use by_kind;
 
 /// One interaction.
 #[derive(Clone, Debug)]
 pub struct Local {
     /// Bodies.
     pub bodies: [usize; 2],
+    /// What it has.
+    pub kind: Kind,
     /// Rows of the two bodies: `[body][dof][force]`, zero where the degree of freedom is fixed.
     pub rows: [[[f64; 3]; 3]; 2],
-    /// The same with fixed degrees of freedom.
-    pub all_rows: [[[f64; 3]; 3]; 2],
     /// Which of p, q, tau exist.
     pub has: [bool; 3],
     /// Compliances.
     pub compliance: [f64; 3],
-    /// Linear terms.
+    /// Linear terms, less the kinematics of the fixed degrees of freedom.
     pub linear: [f64; 3],
     /// Limits: coefficients.
     pub limits: [[f64; 3]; ROWS],
@@ -78,33 +109,44 @@ impl Scaled {
             let l = &c.limits;
             let has = [true, l.has_shear(), l.has_rolling()];
             let bodies = [c.a as usize, c.b as usize];
-            let mut all_rows = [[[0.0; 3]; 3]; 2];
-            let mut rows = all_rows;
+            let kind = match (l.has_shear(), l.has_rolling()) {
+                (false, false) => Kind::Normal,
+                (true, false) if l.has_tension_row() => Kind::Bond,
+                (true, false) => Kind::Friction,
+                (true, true) => Kind::Rolling,
+                (false, true) => Kind::Wheel,
+            };
+            let mut rows = [[[0.0; 3]; 3]; 2];
+            let mut fixed = [0.0; 3];
             for (side, first) in [(0, true), (1, false)] {
                 let raw = c.rows(program.bodies[bodies[side]].axis, first);
                 for k in 0..3 {
                     for f in 0..3 {
                         let unit = if f == 2 { df[2] } else { df[0] };
                         let value = if has[f] { raw[k][f] * unit / df[k] } else { 0.0 };
-                        all_rows[side][k][f] = value;
-                        rows[side][k][f] = if out.free[bodies[side]][k] { value } else { 0.0 };
+                        let body = bodies[side];
+                        if out.free[body][k] {
+                            rows[side][k][f] = value;
+                        } else {
+                            fixed[f] += value * out.known[body][k];
+                        }
                     }
                 }
             }
             let mut local = Local {
                 bodies,
+                kind,
                 rows,
-                all_rows,
                 has,
                 compliance: [
                     c.normal_compliance * stiffness,
-                    c.tangential_compliance * stiffness,
+                    if has[1] { c.tangential_compliance * stiffness } else { 1.0 },
                     0.0,
                 ],
                 linear: [
-                    c.offset / du[0],
-                    -c.tangential_compliance * stiffness * c.previous_shear / df[0],
-                    0.0,
+                    c.offset / du[0] - fixed[0],
+                    -c.tangential_compliance * stiffness * c.previous_shear / df[0] - fixed[1],
+                    -fixed[2],
                 ],
                 limits: [[0.0; 3]; ROWS],
                 right: [0.0; ROWS],
@@ -131,31 +173,49 @@ impl Scaled {
         out
     }
 
-    /// Kinematics `e = G'u` of an interaction, fixed degrees of freedom included.
+    /// Kinematics `e = G'u` of an interaction, without what fixed degrees of freedom add.
     #[must_use]
     pub fn kinematics(local: &Local, u: &[[f64; 3]]) -> [f64; 3] {
-        transpose_times(&local.all_rows, &u[local.bodies[0]], &u[local.bodies[1]])
+        kinematics::<3>(local, u)
     }
 
     /// Adds `sign G s` to the rows of free degrees of freedom.
     pub fn add_forces(local: &Local, s: &[f64; 3], sign: f64, out: &mut [[f64; 3]]) {
-        for side in 0..2 {
-            let row = &mut out[local.bodies[side]];
-            for k in 0..3 {
-                let g = &local.rows[side][k];
-                row[k] += sign * (g[0] * s[0] + g[1] * s[1] + g[2] * s[2]);
-            }
-        }
+        add_forces::<3>(local, s, sign, out);
     }
 }
 
-/// `G' v` for rows of two bodies.
-fn transpose_times(rows: &[[[f64; 3]; 3]; 2], a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
+/// Kinematics of the first `F` forces, without what fixed degrees of freedom add.
+#[inline]
+pub fn kinematics<const F: usize>(local: &Local, u: &[[f64; 3]]) -> [f64; 3] {
     let mut e = [0.0; 3];
-    for (f, e) in e.iter_mut().enumerate() {
+    for (rows, body) in local.rows.iter().zip(local.bodies) {
+        let v = &u[body];
         for k in 0..3 {
-            *e += rows[0][k][f] * a[k] + rows[1][k][f] * b[k];
+            for f in 0..F {
+                e[f] += rows[k][f] * v[k];
+            }
         }
     }
     e
+}
+
+/// Adds `sign G s` of the first `F` forces to the rows of free degrees of freedom.
+#[inline]
+pub fn add_forces<const F: usize>(
+    local: &Local,
+    s: &[f64; 3],
+    sign: f64,
+    out: &mut [[f64; 3]],
+) {
+    for (rows, body) in local.rows.iter().zip(local.bodies) {
+        let out = &mut out[body];
+        for k in 0..3 {
+            let mut sum = 0.0;
+            for f in 0..F {
+                sum += rows[k][f] * s[f];
+            }
+            out[k] += sign * sum;
+        }
+    }
 }
