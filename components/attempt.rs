@@ -126,6 +126,8 @@ pub struct Attempt {
     pub swinging: Vec<bool>,
     /// Bodies that are held where they are while others settle; empty where none is.
     pub held: Vec<bool>,
+    /// Solves since the last throw that were to keep the grains from it.
+    pub replies: u32,
     /// Solves that settled loose grains in this increment.
     pub settled: u32,
     /// Whether loads act on a specimen that carried something before the increment: then it may not

@@ -7,10 +7,8 @@ use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::increment::Acceptance;
 use clastic_components::program::{Certificate, ConeProgram, ConeSolution, SolveStatus};
 
-use super::closed_pairs::add_closed;
 use super::magnitudes;
-use super::restraints::restrain;
-use super::thrown_grains::thrown;
+use super::thrown_grains::{reply, thrown};
 use crate::solve_program::certificate::{certificate, proves};
 use crate::solve_program::residuals::regularised_residuals;
 
@@ -59,16 +57,7 @@ pub fn judge(
         SolveStatus::Stalled if biased(&program, &solution, &acceptance) => {
             if let Some(reason) = thrown(&bodies, &program, &solution, &acceptance) {
                 // A grain that finds no support must not have been kept from it by pruning.
-                if restrain(&bodies, &program, &solution, &acceptance, &mut attempt)
-                    || add_closed(
-                        &bodies,
-                        &contacts,
-                        &program,
-                        &solution,
-                        &acceptance,
-                        &mut attempt,
-                    )
-                {
+                if reply(&bodies, &contacts, &program, &solution, &acceptance, &mut attempt) {
                     Verdict::Again
                 } else {
                     collapsed_or(&program, &mut solution, &mut attempt, Verdict::Thrown(reason))

@@ -1,7 +1,7 @@
 //! The attempts at one increment, and the judges that accept, extend or reject them.
 //!
 //! Judges run in this order, each only while the verdict is still to accept: [`converged`],
-//! [`closing_mechanism`], [`restraints`], [`closed_pairs`], [`thrown_grains`], [`push_out`],
+//! [`closing_mechanism`], [`restraints`], [`thrown_grains`], [`closed_pairs`], [`snaps`], [`push_out`],
 //! [`coulomb`], [`corrector`], [`cascade`]. What an attempt finds out (pairs, restraints, openings,
 //! ruptures) is kept in [`Attempt`] until the increment is committed.
 //!
@@ -19,6 +19,7 @@ pub mod coulomb;
 pub mod push_out;
 pub mod restraints;
 pub mod settle;
+pub mod snaps;
 pub mod thrown_grains;
 
 use bevy_app::{App, Plugin};
@@ -60,8 +61,9 @@ impl Plugin for AttemptPlugin {
                     converged::judge,
                     closing_mechanism::judge.run_if(collapsed),
                     restraints::judge.run_if(collapsed),
-                    closed_pairs::judge.run_if(accepted),
                     thrown_grains::judge.run_if(accepted),
+                    closed_pairs::judge.run_if(accepted),
+                    snaps::judge.run_if(accepted),
                     push_out::judge.run_if(accepted),
                     coulomb::judge.run_if(accepted),
                     corrector::judge.run_if(accepted),
@@ -222,6 +224,7 @@ fn forget(attempt: &mut Attempt, reason: String) {
 fn forget_solution(attempt: &mut Attempt, reason: String) {
     attempt.complaint = reason;
     attempt.snaps = false;
+    attempt.replies = 0;
     attempt.capped = false;
     attempt.openings.clear();
     attempt.coulomb_passes = 0;

@@ -217,6 +217,7 @@ fn approach(world: &mut World, strained: &mut f64) -> Settled {
         }
         attempt.settled += 1;
         attempt.settling = Some(weight);
+        attempt.replies = 0;
         let far = if solves(world) { furthest_motion(world) } else { f64::INFINITY };
         if !(far <= TOO_FAR) {
             failures += 1;

@@ -7,42 +7,58 @@ use glam::DVec2;
 
 use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::body::Drive;
-use clastic_components::contact::Bodies;
-use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
+use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
 use clastic_components::program::{ConeProgram, ConeSolution};
-use clastic_components::wall::WallDrive;
 
+use super::closed_pairs::add_closed;
 use super::restraints::restrain;
 
 /// Fewer grains than this have a mean motion, but no affine field.
 const FEW: usize = 6;
 
+/// Solves in a row that try to keep grains from being thrown by what the last one shows.
+const MAX_REPLIES: u32 = 1;
+
 /// Rejects a static solution in which a grain moves further than [`Acceptance::throw`] radii
 /// about the mean field.
 pub fn judge(
     bodies: Res<Bodies>,
+    contacts: Res<Contacts>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
     acceptance: Res<Acceptance>,
     analysis: Res<Analysis>,
-    progress: Res<Progress>,
     mut attempt: ResMut<Attempt>,
 ) {
     if analysis.kind != AnalysisKind::Static {
         return;
     }
-    if let Some(reason) = thrown(&bodies, &program, &solution, &acceptance) {
-        attempt.verdict = if restrain(&bodies, &program, &solution, &acceptance, &mut attempt) {
-            Verdict::Again
-        } else {
-            Verdict::Thrown(reason)
-        };
-    } else if attempt.bounded
-        && let Some(reason) = snapped(&bodies, &program, &solution, &progress, &acceptance)
+    if let Some(reason) = thrown(&bodies, &program, &solution, &acceptance)
+        && !reply(&bodies, &contacts, &program, &solution, &acceptance, &mut attempt)
     {
-        attempt.snaps = true;
         attempt.verdict = Verdict::Thrown(reason);
     }
+}
+
+/// Asks for another attempt in which what a throw shows keeps grains from it: pairs that were not in
+/// the program, and [restraints](super::restraints). Not again and again: settling does that better.
+pub(super) fn reply(
+    bodies: &Bodies,
+    contacts: &Contacts,
+    program: &ConeProgram,
+    solution: &ConeSolution,
+    acceptance: &Acceptance,
+    attempt: &mut Attempt,
+) -> bool {
+    let restrained = restrain(bodies, program, solution, acceptance, attempt);
+    let closed = add_closed(bodies, contacts, program, solution, acceptance, attempt);
+    let replies = (restrained || closed) && attempt.replies < MAX_REPLIES;
+    if replies {
+        attempt.replies += 1;
+        attempt.verdict = Verdict::Again;
+    }
+    replies
 }
 
 /// Complaint about the grain that a solution throws furthest, if it throws any too far.
@@ -110,40 +126,6 @@ pub fn motions(particles: usize, program: &ConeProgram, solution: &ConeSolution)
 pub fn mean_strain(bodies: &Bodies, program: &ConeProgram, solution: &ConeSolution) -> f64 {
     let n = bodies.particles;
     MeanField::fit(&bodies.positions[..n], &motions(n, program, solution)).strain()
-}
-
-/// Complaint about a specimen that strains much further than it is made to. The bound on single
-/// grains says nothing about a motion that all of them share.
-fn snapped(
-    bodies: &Bodies,
-    program: &ConeProgram,
-    solution: &ConeSolution,
-    progress: &Progress,
-    acceptance: &Acceptance,
-) -> Option<String> {
-    let strain = mean_strain(bodies, program, solution);
-    let imposed = bodies.drives.iter().flat_map(|d| &d[..2]).filter_map(|d| match d {
-        Drive::Imposed(u) => Some(u.abs()),
-        Drive::Free => None,
-    });
-    let walls = bodies.walls.iter().filter_map(|w| match w.drive {
-        WallDrive::Imposed(u) => Some(u.length()),
-        WallDrive::Loaded(_) => None,
-    });
-    let imposed = progress.fraction * imposed.chain(walls).fold(0.0, f64::max);
-    let n = bodies.particles;
-    let (low, high) = bodies.positions[..n]
-        .iter()
-        .fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)));
-    // Twice: a specimen that is compressed one way may yield as much the other way.
-    let imposed = 2.0 * imposed / (high - low).min_element().max(bodies.mean_radius);
-    (strain > acceptance.snap + imposed).then(|| {
-        format!(
-            "the specimen strains by {:.1} % at once; accepted {:.1} % beyond what is imposed",
-            100.0 * strain,
-            100.0 * acceptance.snap
-        )
-    })
 }
 
 /// An affine displacement field `u(x) = u_0 + H (x - x_0)`.

@@ -26,6 +26,9 @@ const MAX_ITERATIONS: u32 = 80;
 const START: f64 = 0.3;
 /// Greatest compliance that the starting point counts with, in units of displacement over force.
 const SOFT: f64 = 10.0;
+/// Weight of the proximal term by the mean product, and what is left of it in the end.
+const PROXIMAL: f64 = 1e-3;
+const LEAST_PROXIMAL: f64 = 1e-10;
 /// Steps of refinement at most, and the relative defect at which there is no need of one.
 const MAX_REFINEMENTS: usize = 3;
 const REFINED: f64 = 1e-4;
@@ -110,6 +113,7 @@ pub fn solve(
     let mut right = vec![[0.0; 3]; n];
     let mut du = vec![[0.0; 3]; n];
     let mut defect = vec![[0.0; 3]; n];
+    let mut weight = vec![[0.0; 3]; n];
     loop {
         // Residuals.
         for i in 0..n {
@@ -158,15 +162,13 @@ pub fn solve(
 
         // The condensed matrix.
         matrix.clear();
+        // A vanishing proximal weight keeps what nothing holds from going to infinity.
+        let proximal = LEAST_PROXIMAL + PROXIMAL * mu.min(1.0);
         for i in 0..n {
             for k in 0..3 {
-                // A vanishing proximal weight keeps what nothing holds from going to infinity.
-                let weight = if program.free[i][k] {
-                    program.weight[i][k] + 1e-10 + 1e-3 * mu.min(1.0)
-                } else {
-                    1.0
-                };
-                matrix.values[matrix.diagonal[i][k]] += weight;
+                weight[i][k] = program.weight[i][k] + proximal;
+                let diagonal = if program.free[i][k] { weight[i][k] } else { 1.0 };
+                matrix.values[matrix.diagonal[i][k]] += diagonal;
             }
         }
         for (k, (cell, local)) in cells.iter_mut().zip(&program.locals).enumerate() {
@@ -188,7 +190,7 @@ pub fn solve(
         aim::<true>(program, &mut cells, &balance, target, &mut right);
         du.clone_from(&right);
         matrix.solve(&mut du);
-        refine(program, matrix, &cells, &right, &mut du, &mut defect);
+        refine(program, matrix, &cells, &weight, &right, &mut du, &mut defect);
         let step = steps(program, &mut cells, &du).length;
         let length = if step < 1.0 { step * (1.0 - mu.min(0.01)).clamp(0.99, 0.9995) } else { 1.0 };
         for (u, du) in u.iter_mut().zip(&du) {
@@ -378,11 +380,12 @@ pub(super) fn factorise(matrix: &mut BodyMatrix) -> bool {
     false
 }
 
-/// Steps of refinement on the condensed operator.
+/// Steps of refinement on the condensed operator, with the weights of the degrees of freedom.
 fn refine(
     program: &Scaled,
     matrix: &mut BodyMatrix,
     cells: &[Cell],
+    weight: &[[f64; 3]],
     right: &[[f64; 3]],
     du: &mut [[f64; 3]],
     defect: &mut [[f64; 3]],
@@ -392,7 +395,7 @@ fn refine(
         for (i, defect) in defect.iter_mut().enumerate() {
             for k in 0..3 {
                 defect[k] = if program.free[i][k] {
-                    right[i][k] - program.weight[i][k] * du[i][k]
+                    right[i][k] - weight[i][k] * du[i][k]
                 } else {
                     0.0
                 };

@@ -1,0 +1,67 @@
+//! Judge: does the specimen as a whole strain much further than it is made to? The bound on the motion
+//! of single grains says nothing about a motion that all of them share.
+
+use bevy_ecs::prelude::*;
+use glam::DVec2;
+
+use clastic_components::attempt::{Attempt, Verdict};
+use clastic_components::body::Drive;
+use clastic_components::contact::Bodies;
+use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
+use clastic_components::program::{ConeProgram, ConeSolution};
+use clastic_components::wall::WallDrive;
+
+use super::thrown_grains::mean_strain;
+
+/// Rejects a static solution that strains a loaded specimen by more than [`Acceptance::snap`] beyond
+/// what is imposed.
+pub fn judge(
+    bodies: Res<Bodies>,
+    program: Res<ConeProgram>,
+    solution: Res<ConeSolution>,
+    acceptance: Res<Acceptance>,
+    analysis: Res<Analysis>,
+    progress: Res<Progress>,
+    mut attempt: ResMut<Attempt>,
+) {
+    if analysis.kind == AnalysisKind::Static
+        && attempt.bounded
+        && let Some(reason) = snapped(&bodies, &program, &solution, &progress, &acceptance)
+    {
+        attempt.snaps = true;
+        attempt.verdict = Verdict::Thrown(reason);
+    }
+}
+
+/// Complaint about a specimen that strains much further than it is made to.
+fn snapped(
+    bodies: &Bodies,
+    program: &ConeProgram,
+    solution: &ConeSolution,
+    progress: &Progress,
+    acceptance: &Acceptance,
+) -> Option<String> {
+    let strain = mean_strain(bodies, program, solution);
+    let imposed = bodies.drives.iter().flat_map(|d| &d[..2]).filter_map(|d| match d {
+        Drive::Imposed(u) => Some(u.abs()),
+        Drive::Free => None,
+    });
+    let walls = bodies.walls.iter().filter_map(|w| match w.drive {
+        WallDrive::Imposed(u) => Some(u.length()),
+        WallDrive::Loaded(_) => None,
+    });
+    let imposed = progress.fraction * imposed.chain(walls).fold(0.0, f64::max);
+    let n = bodies.particles;
+    let (low, high) = bodies.positions[..n]
+        .iter()
+        .fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)));
+    // Twice: a specimen that is compressed one way may yield as much the other way.
+    let imposed = 2.0 * imposed / (high - low).min_element().max(bodies.mean_radius);
+    (strain > acceptance.snap + imposed).then(|| {
+        format!(
+            "the specimen strains by {:.1} % at once; accepted {:.1} % beyond what is imposed",
+            100.0 * strain,
+            100.0 * acceptance.snap
+        )
+    })
+}
