@@ -128,6 +128,9 @@ pub struct Attempt {
     pub held: Vec<bool>,
     /// Solves since the last throw that were to keep the grains from it.
     pub replies: u32,
+    /// How far, in radii, the grain was thrown that was to settle with others held, the last time that
+    /// grains settled; `None` where none was held.
+    pub patched: Option<f64>,
     /// Solves that settled loose grains in this increment.
     pub settled: u32,
     /// Whether loads act on a specimen that carried something before the increment: then it may not

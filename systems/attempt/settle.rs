@@ -40,6 +40,9 @@ const RESTFUL: f64 = 1e-2;
 /// and with them what lies within so many interactions.
 const FAR: f64 = 0.25;
 const RINGS: u32 = 4;
+/// Where that leaves a throw of more than this fraction of what it was, what keeps the grains moving is
+/// further away: all settle.
+const CURED: f64 = 0.5;
 /// The weight that damps nothing, in units of force scale over displacement scale. The last steps are
 /// made with it, limited in number: what still moves then (bonds at their limits, which settling does
 /// not break) would do so without end.
@@ -144,7 +147,12 @@ fn still(ramp: Ramp) -> Ramp {
 /// increment that follows lets go of all of them. Where nothing moves so, what keeps them is further
 /// away, and all settle. `strained` is what the mean field has strained so far in this increment.
 pub fn settle(world: &mut World, strained: &mut f64) -> Settled {
-    world.resource_mut::<Attempt>().held = patch(world);
+    let far = furthest_motion(world);
+    let cured = world.resource::<Attempt>().patched.is_none_or(|before| far <= CURED * before);
+    let held = if cured { patch(world) } else { Vec::new() };
+    let mut attempt = world.resource_mut::<Attempt>();
+    attempt.patched = (!held.is_empty()).then_some(far);
+    attempt.held = held;
     let mut settled = approach(world, strained);
     let held = std::mem::take(&mut world.resource_mut::<Attempt>().held);
     if settled == Settled::AtRest && !held.is_empty() {

@@ -23,6 +23,7 @@ const REST: f64 = 0.1;
 const LIMITS: Limits = Limits {
     iterations: 30,
     tiny: 30,
+    patience: 30,
     goal: 1e-10,
     unbalance: 0.0,
     damping: 1e-3,

@@ -18,6 +18,8 @@ pub struct Limits {
     pub iterations: u32,
     /// So many tiny steps in a row.
     pub tiny: u32,
+    /// Factorisations after which the unbalance over the greatest force must be below [`LOST`].
+    pub patience: u32,
     /// Unbalance over the greatest force at which it is done,
     pub goal: f64,
     /// or unbalance in units of force.
@@ -33,6 +35,7 @@ pub struct Limits {
 const GLOBAL: Limits = Limits {
     iterations: 16,
     tiny: 4,
+    patience: 8,
     goal: 1e-10,
     unbalance: 0.0,
     damping: 1e-10,
@@ -40,6 +43,8 @@ const GLOBAL: Limits = Limits {
 };
 /// Steps shorter than this mean that every loose cluster holds all others back.
 const TINY: f64 = 0.02;
+/// Started near enough to a solution it gets so far within a few factorisations.
+const LOST: f64 = 1e-2;
 /// [Local elimination](eliminate) comes before a global step where the unbalance over the greatest
 /// force is more than this and the last step was shorter than that.
 const UNBALANCED: f64 = 1e-5;
@@ -165,7 +170,11 @@ impl Spring {
 /// the greatest force is at most `goal`.
 #[must_use]
 pub fn solve(program: &Scaled, matrix: &mut BodyMatrix, start: &[[f64; 3]], goal: f64) -> Newton {
-    iterate(program, matrix, start, &Limits { goal, ..GLOBAL }, Some(&Adjacency::new(program)))
+    let free = program.free.iter().flatten().zip(program.weight.iter().flatten());
+    let damped = free.filter(|(free, _)| **free).all(|(_, weight)| *weight > 0.0);
+    let patience = if damped { GLOBAL.iterations } else { GLOBAL.patience };
+    let limits = Limits { goal, patience, ..GLOBAL };
+    iterate(program, matrix, start, &limits, Some(&Adjacency::new(program)))
 }
 
 /// Runs the iteration from the displacements `start`; with local elimination where the adjacency of
@@ -216,7 +225,8 @@ pub fn iterate(
         }
         let unbalance = gradient.iter().flatten().map(|g| g.abs()).fold(0.0, f64::max);
         let finite = gradient.iter().flatten().all(|g| g.is_finite());
-        let done = iterations >= limits.iterations || tiny >= limits.tiny;
+        let lost = iterations >= limits.patience && unbalance > LOST * force;
+        let done = iterations >= limits.iterations || tiny >= limits.tiny || lost;
         if !finite || unbalance <= (limits.goal * force).max(limits.unbalance) || done {
             break;
         }
