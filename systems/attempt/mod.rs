@@ -88,6 +88,9 @@ fn collapsed(attempt: Res<Attempt>) -> bool {
 /// More solves than this in one increment mean that the attempts go round in circles.
 const MAX_SOLVES: u32 = 1000;
 
+/// A throw of more than this fraction of what it was in the whole increment has other reasons.
+const IN_VAIN: f64 = 0.75;
+
 /// Runs [`AttemptIncrement`] until an attempt is accepted, the increment collapses, or nothing
 /// that helps is left.
 pub fn run_attempts(world: &mut World) {
@@ -103,6 +106,8 @@ pub fn run_attempts(world: &mut World) {
     }
     let before = settle::Snapshot::take(world);
     let mut strained = 0.0;
+    // How far grains were thrown when the increment was last halved for it.
+    let mut halved: Option<f64> = None;
     // Whether grains settled without bonds that a cascade had broken.
     let mut parted = false;
     // Of a whole increment, not of what the last one could take: else a specimen that is stuck
@@ -143,7 +148,19 @@ pub fn run_attempts(world: &mut World) {
             }
             Verdict::Thrown(reason) => {
                 snaps = attempt.snaps;
-                if attempt.settled < settle::MAX_STEPS {
+                let settled = attempt.settled;
+                let far = settle::furthest_motion(world);
+                // Grains that go as far as before they settled follow what moves in this increment:
+                // in half of it they go half as far.
+                let by_half = !snaps
+                    && !settle::is_cured(world)
+                    && 0.5 * far <= acceptance.throw
+                    && halved.is_none_or(|before| far <= IN_VAIN * before)
+                    && 0.5 * world.resource::<Progress>().fraction >= finest;
+                let mut attempt = world.resource_mut::<Attempt>();
+                if by_half {
+                    halved = Some(far);
+                } else if settled < settle::MAX_STEPS {
                     // What a cascade broke stays broken while the grains settle: it is why they do.
                     parted |= !attempt.ruptures.is_empty();
                     forget_solution(&mut attempt, reason.clone());

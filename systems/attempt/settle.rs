@@ -148,8 +148,7 @@ fn still(ramp: Ramp) -> Ramp {
 /// away, and all settle. `strained` is what the mean field has strained so far in this increment.
 pub fn settle(world: &mut World, strained: &mut f64) -> Settled {
     let far = furthest_motion(world);
-    let cured = world.resource::<Attempt>().patched.is_none_or(|before| far <= CURED * before);
-    let held = if cured { patch(world) } else { Vec::new() };
+    let held = if is_cured(world) { patch(world) } else { Vec::new() };
     let mut attempt = world.resource_mut::<Attempt>();
     attempt.patched = (!held.is_empty()).then_some(far);
     attempt.held = held;
@@ -161,6 +160,12 @@ pub fn settle(world: &mut World, strained: &mut f64) -> Settled {
     // A stress acts on the length that there is now.
     let _ = world.run_system_once(control_walls);
     settled
+}
+
+/// Whether the last throw is much less than what grains were to settle for with others held.
+pub fn is_cured(world: &World) -> bool {
+    let before = world.resource::<Attempt>().patched;
+    before.is_none_or(|before| furthest_motion(world) <= CURED * before)
 }
 
 /// What came of settling.
@@ -276,7 +281,7 @@ fn gives_way(world: &World, strained: f64) -> bool {
 }
 
 /// How far, in its radii, the grain that moves furthest moves about the mean field.
-fn furthest_motion(world: &World) -> f64 {
+pub fn furthest_motion(world: &World) -> f64 {
     furthest(world.resource(), world.resource(), world.resource()).map_or(0.0, |(_, far)| far)
 }
 
