@@ -126,8 +126,8 @@ pub struct Attempt {
     pub swinging: Vec<bool>,
     /// Bodies that are held where they are while others settle; empty where none is.
     pub held: Vec<bool>,
-    /// Solves since the last throw that were to keep the grains from it.
-    pub replies: u32,
+    /// Whether the last throw has shown anything (pairs, restraints) that was not in the program.
+    pub learnt: bool,
     /// How far, in radii, the grain was thrown that was to settle with others held, the last time that
     /// grains settled; `None` where none was held.
     pub patched: Option<f64>,

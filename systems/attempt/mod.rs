@@ -149,6 +149,7 @@ pub fn run_attempts(world: &mut World) {
             Verdict::Thrown(reason) => {
                 snaps = attempt.snaps;
                 let settled = attempt.settled;
+                let learnt = std::mem::take(&mut attempt.learnt);
                 let far = settle::furthest_motion(world);
                 // Grains that go as far as before they settled follow what moves in this increment:
                 // in half of it they go half as far.
@@ -166,6 +167,7 @@ pub fn run_attempts(world: &mut World) {
                     forget_solution(&mut attempt, reason.clone());
                     match settle::settle(world, &mut strained) {
                         Settled::Moved => continue,
+                        Settled::AtRest if learnt => continue,
                         Settled::AtRest => {}
                         Settled::GaveWay => {
                             return give_way(world, &before, reason);
@@ -241,7 +243,6 @@ fn forget(attempt: &mut Attempt, reason: String) {
 fn forget_solution(attempt: &mut Attempt, reason: String) {
     attempt.complaint = reason;
     attempt.snaps = false;
-    attempt.replies = 0;
     attempt.capped = false;
     attempt.openings.clear();
     attempt.coulomb_passes = 0;

@@ -230,7 +230,6 @@ fn approach(world: &mut World, strained: &mut f64) -> Settled {
         }
         attempt.settled += 1;
         attempt.settling = Some(weight);
-        attempt.replies = 0;
         let far = if solves(world) { furthest_motion(world) } else { f64::INFINITY };
         if !(far <= TOO_FAR) {
             failures += 1;
@@ -264,6 +263,7 @@ fn approach(world: &mut World, strained: &mut f64) -> Settled {
     }
     let mut attempt = world.resource_mut::<Attempt>();
     attempt.settling = None;
+    attempt.learnt = false;
     attempt.reach = 0.0;
     attempt.status = IncrementStatus::Solved;
     rest.end(world);
@@ -293,8 +293,10 @@ fn solves(world: &mut World) -> bool {
         let mut attempt = world.resource_mut::<Attempt>();
         match std::mem::take(&mut attempt.verdict) {
             Verdict::Accept => return attempt.status == IncrementStatus::Solved,
-            Verdict::Again if furthest_motion(world) <= MUCH_TOO_FAR => {}
-            Verdict::Again | Verdict::Reject(_) | Verdict::Thrown(_) => return false,
+            Verdict::Reject(_) => return false,
+            Verdict::Thrown(_) if !std::mem::take(&mut attempt.learnt) => return false,
+            Verdict::Again | Verdict::Thrown(_) if furthest_motion(world) <= MUCH_TOO_FAR => {}
+            Verdict::Again | Verdict::Thrown(_) => return false,
         }
     }
     false

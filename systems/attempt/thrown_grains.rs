@@ -17,9 +17,6 @@ use super::restraints::restrain;
 /// Fewer grains than this have a mean motion, but no affine field.
 const FEW: usize = 6;
 
-/// Solves in a row that try to keep grains from being thrown by what the last one shows.
-const MAX_REPLIES: u32 = 1;
-
 /// Rejects a static solution in which a grain moves further than [`Acceptance::throw`] radii
 /// about the mean field.
 pub fn judge(
@@ -34,31 +31,25 @@ pub fn judge(
     if analysis.kind != AnalysisKind::Static {
         return;
     }
-    if let Some(reason) = thrown(&bodies, &program, &solution, &acceptance)
-        && !reply(&bodies, &contacts, &program, &solution, &acceptance, &mut attempt)
-    {
+    if let Some(reason) = thrown(&bodies, &program, &solution, &acceptance) {
+        learn(&bodies, &contacts, &program, &solution, &acceptance, &mut attempt);
         attempt.verdict = Verdict::Thrown(reason);
     }
 }
 
-/// Asks for another attempt in which what a throw shows keeps grains from it: pairs that were not in
-/// the program, and [restraints](super::restraints). Not again and again: settling does that better.
-pub(super) fn reply(
+/// Notes down for the next attempt what a throw shows: pairs that were not in the program, and
+/// [restraints](super::restraints).
+pub(super) fn learn(
     bodies: &Bodies,
     contacts: &Contacts,
     program: &ConeProgram,
     solution: &ConeSolution,
     acceptance: &Acceptance,
     attempt: &mut Attempt,
-) -> bool {
+) {
     let restrained = restrain(bodies, program, solution, acceptance, attempt);
     let closed = add_closed(bodies, contacts, program, solution, acceptance, attempt);
-    let replies = (restrained || closed) && attempt.replies < MAX_REPLIES;
-    if replies {
-        attempt.replies += 1;
-        attempt.verdict = Verdict::Again;
-    }
-    replies
+    attempt.learnt = restrained || closed;
 }
 
 /// Complaint about the grain that a solution throws furthest, if it throws any too far.

@@ -22,6 +22,9 @@ pub struct Interior {
 }
 
 const MAX_ITERATIONS: u32 = 80;
+/// Where the residual falls to no less than this fraction in so many iterations it will not get there.
+const PATIENCE: usize = 20;
+const LITTLE: f64 = 0.1;
 /// Complementarity product of the starting point.
 const START: f64 = 0.3;
 /// Greatest compliance that the starting point counts with, in units of displacement over force.
@@ -109,6 +112,7 @@ pub fn solve(
     let mut since_best = 0;
     let mut iterations = 0;
     let mut last_merit = f64::INFINITY;
+    let mut merits = Vec::new();
     let mut balance = vec![[0.0; 3]; n];
     let mut right = vec![[0.0; 3]; n];
     let mut du = vec![[0.0; 3]; n];
@@ -148,6 +152,8 @@ pub fn solve(
         } else {
             since_best += 1;
         }
+        merits.push(best.as_ref().map_or(merit, |b| b.0));
+        let earlier = merits.len().checked_sub(PATIENCE + 1).map_or(f64::INFINITY, |k| merits[k]);
         let slow = merit > 0.3 * last_merit;
         last_merit = merit;
         if merit <= goal
@@ -155,6 +161,7 @@ pub fn solve(
             || iterations >= MAX_ITERATIONS
             || (since_best > 8 && merit > 1e3 * best.as_ref().map_or(0.0, |b| b.0))
             || since_best > 15
+            || merits[merits.len() - 1] > LITTLE * earlier
         {
             break;
         }

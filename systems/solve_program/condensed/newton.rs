@@ -170,9 +170,7 @@ impl Spring {
 /// the greatest force is at most `goal`.
 #[must_use]
 pub fn solve(program: &Scaled, matrix: &mut BodyMatrix, start: &[[f64; 3]], goal: f64) -> Newton {
-    let free = program.free.iter().flatten().zip(program.weight.iter().flatten());
-    let damped = free.filter(|(free, _)| **free).all(|(_, weight)| *weight > 0.0);
-    let patience = if damped { GLOBAL.iterations } else { GLOBAL.patience };
+    let patience = if program.is_damped() { GLOBAL.iterations } else { GLOBAL.patience };
     let limits = Limits { goal, patience, ..GLOBAL };
     iterate(program, matrix, start, &limits, Some(&Adjacency::new(program)))
 }

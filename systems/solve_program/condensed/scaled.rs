@@ -173,6 +173,13 @@ impl Scaled {
         out
     }
 
+    /// Whether inertia or regularisation keeps every degree of freedom from moving without end.
+    #[must_use]
+    pub fn is_damped(&self) -> bool {
+        let free = self.free.iter().flatten().zip(self.weight.iter().flatten());
+        free.filter(|(free, _)| **free).all(|(_, weight)| *weight > 0.0)
+    }
+
     /// Kinematics `e = G'u` of an interaction, without what fixed degrees of freedom add.
     #[must_use]
     pub fn kinematics(local: &Local, u: &[[f64; 3]]) -> [f64; 3] {
