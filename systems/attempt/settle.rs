@@ -61,6 +61,9 @@ const SMALL_WEIGHT: f64 = 1e-6;
 /// steps the other way.
 const RISE: f64 = 10.0;
 const FALL: f64 = 100.0;
+/// The next weights stay above one that went too far by this factor, and by [`RISE`] less with every
+/// step.
+const ABOVE: f64 = 3.0;
 /// Failures in a row that end the settling.
 const MAX_FAILURES: u32 = 8;
 /// Steps in which grains turned back or were thrown again, after which settling ends.
@@ -217,6 +220,8 @@ fn approach(world: &mut World, strained: &mut f64) -> Settled {
     world.resource_mut::<Attempt>().reach = reach;
     let nearly = furthest_motion(world) <= NEARLY * world.resource::<Acceptance>().throw;
     let mut weight = if nearly { LEAST_WEIGHT } else { FIRST_WEIGHT };
+    // Not to fall at once to what went too far.
+    let mut least = LEAST_WEIGHT;
     let mut failures = 0;
     // A grain on a hinge swings to and fro and never comes to rest; the others do.
     let mut turns = 0;
@@ -234,7 +239,8 @@ fn approach(world: &mut World, strained: &mut f64) -> Settled {
         if !(far <= TOO_FAR) {
             failures += 1;
             turns += u32::from(travelled > 0.0);
-            weight = (weight * RISE).max(FIRST_WEIGHT);
+            least = weight * ABOVE;
+            weight = if weight < SMALL_WEIGHT { FIRST_WEIGHT } else { weight * RISE };
             continue;
         }
         failures = 0;
@@ -257,8 +263,9 @@ fn approach(world: &mut World, strained: &mut f64) -> Settled {
             turns += 1;
             (weight * RISE).max(FIRST_WEIGHT)
         } else {
-            (weight * (far / STEP).powi(3).clamp(1.0 / FALL, 1.0)).max(LEAST_WEIGHT)
+            (weight * (far / STEP).powi(3).clamp(1.0 / FALL, 1.0)).max(least)
         };
+        least = (least / RISE).max(LEAST_WEIGHT);
         last = motion;
     }
     let mut attempt = world.resource_mut::<Attempt>();
