@@ -128,6 +128,8 @@ pub struct Attempt {
     pub held: Vec<bool>,
     /// Whether the last throw has shown anything (pairs, restraints) that was not in the program.
     pub learnt: bool,
+    /// Attempts in a row that were made with that, without settling.
+    pub replies: u32,
     /// How far, in radii, the grain was thrown that was to settle with others held, the last time that
     /// grains settled; `None` where none was held.
     pub patched: Option<f64>,

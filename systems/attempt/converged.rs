@@ -8,7 +8,7 @@ use clastic_components::increment::Acceptance;
 use clastic_components::program::{Certificate, ConeProgram, ConeSolution, SolveStatus};
 
 use super::magnitudes;
-use super::thrown_grains::{learn, thrown};
+use super::thrown_grains::{reply, thrown};
 use crate::solve_program::certificate::{certificate, proves};
 use crate::solve_program::residuals::regularised_residuals;
 
@@ -57,8 +57,18 @@ pub fn judge(
         SolveStatus::Stalled if biased(&program, &solution, &acceptance) => {
             if let Some(reason) = thrown(&bodies, &program, &solution, &acceptance) {
                 // A grain that finds no support must not have been kept from it by pruning.
-                learn(&bodies, &contacts, &program, &solution, &acceptance, &mut attempt);
-                collapsed_or(&program, &mut solution, &mut attempt, Verdict::Thrown(reason))
+                match reply(
+                    &bodies,
+                    &contacts,
+                    &program,
+                    &solution,
+                    &acceptance,
+                    &mut attempt,
+                    reason,
+                ) {
+                    Verdict::Again => Verdict::Again,
+                    thrown => collapsed_or(&program, &mut solution, &mut attempt, thrown),
+                }
             } else if attempt.centres < MAX_CENTRES {
                 attempt.centres += 1;
                 attempt.centre.clone_from(&solution.displacements);

@@ -243,6 +243,7 @@ fn forget(attempt: &mut Attempt, reason: String) {
 fn forget_solution(attempt: &mut Attempt, reason: String) {
     attempt.complaint = reason;
     attempt.snaps = false;
+    attempt.replies = 0;
     attempt.capped = false;
     attempt.openings.clear();
     attempt.coulomb_passes = 0;

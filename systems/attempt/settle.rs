@@ -235,6 +235,7 @@ fn approach(world: &mut World, strained: &mut f64) -> Settled {
         }
         attempt.settled += 1;
         attempt.settling = Some(weight);
+        attempt.replies = 0;
         let far = if solves(world) { furthest_motion(world) } else { f64::INFINITY };
         if !(far <= TOO_FAR) {
             failures += 1;
@@ -270,7 +271,7 @@ fn approach(world: &mut World, strained: &mut f64) -> Settled {
     }
     let mut attempt = world.resource_mut::<Attempt>();
     attempt.settling = None;
-    attempt.learnt = false;
+    (attempt.learnt, attempt.replies) = (false, 0);
     attempt.reach = 0.0;
     attempt.status = IncrementStatus::Solved;
     rest.end(world);

@@ -14,8 +14,10 @@ use clastic_components::program::{ConeProgram, ConeSolution};
 use super::closed_pairs::add_closed;
 use super::restraints::restrain;
 
-/// Fewer grains than this have a mean motion, but no affine field.
+/// Fewer grains than this have a mean motion, but no affine field, and are few to be thrown.
 const FEW: usize = 6;
+/// So many attempts in a row are made for a few that are thrown.
+const MAX_REPLIES: u32 = 3;
 
 /// Rejects a static solution in which a grain moves further than [`Acceptance::throw`] radii
 /// about the mean field.
@@ -32,24 +34,34 @@ pub fn judge(
         return;
     }
     if let Some(reason) = thrown(&bodies, &program, &solution, &acceptance) {
-        learn(&bodies, &contacts, &program, &solution, &acceptance, &mut attempt);
-        attempt.verdict = Verdict::Thrown(reason);
+        attempt.verdict =
+            reply(&bodies, &contacts, &program, &solution, &acceptance, &mut attempt, reason);
     }
 }
 
-/// Notes down for the next attempt what a throw shows: pairs that were not in the program, and
-/// [restraints](super::restraints).
-pub(super) fn learn(
+/// What to do about a throw. It shows pairs that were not in the program, or
+/// [restraints](super::restraints): the next attempt has them. Where few grains are thrown that is
+/// enough, mostly, and it is made at once; many have to settle first.
+pub(super) fn reply(
     bodies: &Bodies,
     contacts: &Contacts,
     program: &ConeProgram,
     solution: &ConeSolution,
     acceptance: &Acceptance,
     attempt: &mut Attempt,
-) {
-    let restrained = restrain(bodies, program, solution, acceptance, attempt);
-    let closed = add_closed(bodies, contacts, program, solution, acceptance, attempt);
-    attempt.learnt = restrained || closed;
+    reason: String,
+) -> Verdict {
+    // What stops a grain must not be mistaken for what holds it back.
+    attempt.learnt = add_closed(bodies, contacts, program, solution, acceptance, attempt)
+        || restrain(bodies, program, solution, acceptance, attempt);
+    let far = far_motions(bodies, program, solution);
+    let few = far.iter().filter(|far| !(**far <= acceptance.throw)).count() < FEW;
+    if attempt.learnt && few && attempt.replies < MAX_REPLIES {
+        attempt.replies += 1;
+        Verdict::Again
+    } else {
+        Verdict::Thrown(reason)
+    }
 }
 
 /// Complaint about the grain that a solution throws furthest, if it throws any too far.
