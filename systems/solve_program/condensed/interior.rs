@@ -113,6 +113,8 @@ pub fn solve(
     let mut iterations = 0;
     let mut last_merit = f64::INFINITY;
     let mut merits = Vec::new();
+    // Of the step that the interactions have still to make: every pass over them costs.
+    let mut length = 0.0;
     let mut balance = vec![[0.0; 3]; n];
     let mut right = vec![[0.0; 3]; n];
     let mut du = vec![[0.0; 3]; n];
@@ -131,7 +133,7 @@ pub fn solve(
         }
         let mut size = Sizes::default();
         for (cell, local) in cells.iter_mut().zip(&program.locals) {
-            by_kind!(local.kind, evaluate(cell, local, &u, &mut balance, &mut size));
+            by_kind!(local.kind, evaluate(cell, local, length, &u, &mut balance, &mut size));
         }
         let mu = size.products / limits;
         let unbalance = greatest(&balance);
@@ -178,15 +180,14 @@ pub fn solve(
                 matrix.values[matrix.diagonal[i][k]] += diagonal;
             }
         }
+        // The predictor takes all products away; it only aims the corrector.
+        set_negative(&mut right, &balance);
         for (k, (cell, local)) in cells.iter_mut().zip(&program.locals).enumerate() {
-            by_kind!(local.kind, condense(cell, local, k, matrix));
+            by_kind!(local.kind, condense(cell, local, k, matrix, &mut right));
         }
         if !factorise(matrix) {
             break;
         }
-
-        // The predictor takes all products away; it only aims the corrector.
-        aim::<false>(program, &mut cells, &balance, 0.0, &mut right);
         du.clone_from(&right);
         matrix.solve(&mut du);
         let ahead = steps(program, &mut cells, &du);
@@ -194,19 +195,19 @@ pub fn solve(
         let ratio = if mu > 0.0 { after / mu } else { 0.0 };
         let target = ratio.powi(3).min(1.0) * mu;
 
-        aim::<true>(program, &mut cells, &balance, target, &mut right);
+        set_negative(&mut right, &balance);
+        for (cell, local) in cells.iter_mut().zip(&program.locals) {
+            by_kind!(local.kind, aim(cell, local, true, target, &mut right));
+        }
         du.clone_from(&right);
         matrix.solve(&mut du);
         refine(program, matrix, &cells, &weight, &right, &mut du, &mut defect);
         let step = steps(program, &mut cells, &du).length;
-        let length = if step < 1.0 { step * (1.0 - mu.min(0.01)).clamp(0.99, 0.9995) } else { 1.0 };
+        length = if step < 1.0 { step * (1.0 - mu.min(0.01)).clamp(0.99, 0.9995) } else { 1.0 };
         for (u, du) in u.iter_mut().zip(&du) {
             for k in 0..3 {
                 u[k] += length * du[k];
             }
-        }
-        for (cell, local) in cells.iter_mut().zip(&program.locals) {
-            by_kind!(local.kind, make_step(cell, length));
         }
     }
     let (merit, mut point) = best?;
@@ -228,17 +229,32 @@ fn greatest(rows: &[[f64; 3]]) -> f64 {
     rows.iter().flatten().map(|r| r.abs()).fold(0.0, f64::max)
 }
 
-/// Residuals of an interaction; its forces go to the balance.
+fn set_negative(rows: &mut [[f64; 3]], of: &[[f64; 3]]) {
+    for (row, of) in rows.iter_mut().zip(of) {
+        *row = of.map(|r| -r);
+    }
+}
+
+/// Makes the step of an interaction, up to `length`, and evaluates its residuals; its forces go to the
+/// balance.
 fn evaluate<const F: usize, const Q: usize>(
     cell: &mut Cell,
     local: &Local,
+    length: f64,
     u: &[[f64; 3]],
     balance: &mut [[f64; 3]],
     size: &mut Sizes,
 ) {
+    for f in 0..F {
+        cell.s[f] += length * cell.ds[f];
+    }
+    let slacks = &mut cell.slacks;
+    for q in 0..Q {
+        slacks.w[q] += length * slacks.dw[q];
+        slacks.lambda[q] += length * slacks.dlambda[q];
+    }
     add_forces::<F>(local, &cell.s, 1.0, balance);
     let e = kinematics::<F>(local, u);
-    let slacks = &mut cell.slacks;
     let mut r = [0.0; 3];
     for f in 0..F {
         r[f] = local.linear[f] + local.compliance[f] * cell.s[f] - e[f];
@@ -263,36 +279,24 @@ fn evaluate<const F: usize, const Q: usize>(
     size.force = size.force.max(cell.s[0].abs());
 }
 
-/// Sets up the system of an interaction and adds what is left of it to the matrix.
+/// Sets up the system of an interaction, adds what is left of it to the matrix, and aims the predictor.
 fn condense<const F: usize, const Q: usize>(
     cell: &mut Cell,
     local: &Local,
     number: usize,
     matrix: &mut BodyMatrix,
+    right: &mut [[f64; 3]],
 ) {
     cell.system.set::<F, Q>(local, &cell.slacks);
     matrix.add::<F>(number, local.bodies, &local.rows, &cell.system.stiffness);
+    aim::<F, Q>(cell, local, false, 0.0, right);
 }
 
-/// Right side of the condensed system: that of the predictor, or that of the corrector, which leaves
-/// products of `target` and takes the second order of the predictor's steps into account.
-fn aim<const CORRECTOR: bool>(
-    program: &Scaled,
-    cells: &mut [Cell],
-    balance: &[[f64; 3]],
-    target: f64,
-    right: &mut [[f64; 3]],
-) {
-    for (right, balance) in right.iter_mut().zip(balance) {
-        *right = balance.map(|r| -r);
-    }
-    for (cell, local) in cells.iter_mut().zip(&program.locals) {
-        by_kind!(local.kind, aim_one(cell, local, CORRECTOR, target, right));
-    }
-}
-
+/// Adds what an interaction has in the right side of the condensed system: for the predictor, or for
+/// the corrector, which leaves products of `target` and takes the second order of the predictor's steps
+/// into account.
 #[inline]
-fn aim_one<const F: usize, const Q: usize>(
+fn aim<const F: usize, const Q: usize>(
     cell: &mut Cell,
     local: &Local,
     corrector: bool,
@@ -356,17 +360,6 @@ fn steps_of_one<const F: usize, const Q: usize>(
     }
 }
 
-fn make_step<const F: usize, const Q: usize>(cell: &mut Cell, length: f64) {
-    for f in 0..F {
-        cell.s[f] += length * cell.ds[f];
-    }
-    let slacks = &mut cell.slacks;
-    for q in 0..Q {
-        slacks.w[q] += length * slacks.dw[q];
-        slacks.lambda[q] += length * slacks.dlambda[q];
-    }
-}
-
 /// Factorises, with a larger diagonal where round-off has cost positive definiteness.
 pub(super) fn factorise(matrix: &mut BodyMatrix) -> bool {
     if matrix.factorise() {
@@ -401,11 +394,8 @@ fn refine(
     for _ in 0..MAX_REFINEMENTS {
         for (i, defect) in defect.iter_mut().enumerate() {
             for k in 0..3 {
-                defect[k] = if program.free[i][k] {
-                    right[i][k] - weight[i][k] * du[i][k]
-                } else {
-                    0.0
-                };
+                defect[k] =
+                    if program.free[i][k] { right[i][k] - weight[i][k] * du[i][k] } else { 0.0 };
             }
         }
         for (cell, local) in cells.iter().zip(&program.locals) {

@@ -86,8 +86,7 @@ impl BodyMatrix {
                 let (low, high) = (a.min(b), a.max(b));
                 let list = &below[below_starts[low]..below_starts[low + 1]];
                 let k = list.partition_point(|j| *j < high);
-                let columns =
-                    [0, 1, 2].map(|c| column_starts[3 * low + c] + (3 - c) + 3 * k);
+                let columns = [0, 1, 2].map(|c| column_starts[3 * low + c] + (3 - c) + 3 * k);
                 BlockPlace { columns, forward: a < b }
             })
             .collect();

@@ -303,8 +303,7 @@ fn line_search(
         for ((spring, e), de) in springs.iter().zip(e).zip(de) {
             let Response { s, d } = spring.respond([e[0] + a * de[0], e[1] + a * de[1]]);
             value += s[0] * de[0] + s[1] * de[1];
-            curvature +=
-                d[0] * de[0] * de[0] + 2.0 * d[1] * de[0] * de[1] + d[2] * de[1] * de[1];
+            curvature += d[0] * de[0] * de[0] + 2.0 * d[1] * de[0] * de[1] + d[2] * de[1] * de[1];
         }
         (value, curvature)
     };

@@ -209,12 +209,7 @@ pub fn kinematics<const F: usize>(local: &Local, u: &[[f64; 3]]) -> [f64; 3] {
 
 /// Adds `sign G s` of the first `F` forces to the rows of free degrees of freedom.
 #[inline]
-pub fn add_forces<const F: usize>(
-    local: &Local,
-    s: &[f64; 3],
-    sign: f64,
-    out: &mut [[f64; 3]],
-) {
+pub fn add_forces<const F: usize>(local: &Local, s: &[f64; 3], sign: f64, out: &mut [[f64; 3]]) {
     for (rows, body) in local.rows.iter().zip(local.bodies) {
         let out = &mut out[body];
         for k in 0..3 {
