@@ -174,7 +174,7 @@ fn programs(kind: &Kind, seed: u32) -> Vec<ConeProgram> {
 }
 
 /// Seeds of every kind.
-const SEEDS: u32 = 4;
+const SEEDS: u32 = 8;
 
 /// All programs of all kinds, with where they come from.
 fn random_programs() -> Vec<(String, ConeProgram)> {
@@ -240,7 +240,7 @@ fn objective(program: &ConeProgram, solution: &ConeSolution) -> (f64, f64) {
 #[test]
 fn condensed_and_clarabel_agree() {
     let programs = random_programs();
-    assert!(programs.len() >= 200, "{} programs", programs.len());
+    assert!(programs.len() >= 1000, "{} programs", programs.len());
     let (mut ended, mut own, mut alone, mut failures) = ([0; 4], 0, 0, Vec::new());
     for (name, program) in &programs {
         let a = solve(&mut Condensed::default(), program);
@@ -266,17 +266,18 @@ fn condensed_and_clarabel_agree() {
         if !((value - other).abs() <= 1e-7 * magnitude) {
             failures.push(format!("{name}: objective {value:e} and {other:e} of {magnitude:e}"));
         }
-        // Forces behind a compliance are unique, and so are motions against inertia.
+        // Forces behind a compliance are unique, and so are motions against inertia. What residuals may be
+        // off by in the kinematics, a spring makes a force: more than F where it carries next to nothing.
         let force = force_scale(program, &a.forces);
+        let u = displacement_scale(program, &a.displacements);
         for (k, c) in program.interactions.iter().enumerate() {
             for (f, compliance) in [(0, c.normal_compliance), (1, c.tangential_compliance)] {
                 let difference = (a.forces[k][f] - b.forces[k][f]).abs();
-                if compliance > 0.0 && !(difference <= 1e-6 * force) {
+                if compliance > 0.0 && !(difference <= 1e-6 * force + RESIDUAL * u / compliance) {
                     failures.push(format!("{name}: force {f} of {k}: {difference:e} of {force:e}"));
                 }
             }
         }
-        let u = displacement_scale(program, &a.displacements);
         for (i, body) in program.bodies.iter().enumerate() {
             for k in 0..2 {
                 let difference = (a.displacements[i][k] - b.displacements[i][k]).abs();
