@@ -92,10 +92,10 @@ scenes! {
     #[ignore = "7380 disks, 120 increments"]
     uniaxial: "uniaxial", COMPLETES, &[
         ("bonds_created", 16027.0),
-        ("youngs_modulus_pa", 74417047872.44447),
-        ("youngs_modulus_secant_half_peak_pa", 74400883473.04115),
-        ("first_crack_stress_pa", 145126187.66926786),
-        ("peak_stress_pa", 219057212.19590083),
+        ("youngs_modulus_pa", 74424618824.83643),
+        ("youngs_modulus_secant_half_peak_pa", 74408374491.72641),
+        ("first_crack_stress_pa", 145140836.44895348),
+        ("peak_stress_pa", 219058670.5190591),
         ("strain_at_peak", 0.0031500000000031524),
     ];
     #[ignore = "7380 disks, 120 increments"]
