@@ -19,6 +19,8 @@ pub struct Interior {
     pub lambda: Vec<[f64; ROWS]>,
     /// Factorisations.
     pub iterations: u32,
+    /// Residual of the point, as the method measures it.
+    pub merit: f64,
 }
 
 const MAX_ITERATIONS: u32 = 80;
@@ -39,8 +41,6 @@ const REFINED: f64 = 1e-4;
 const PRODUCT: f64 = 0.02;
 /// What is enough where there is little progress, over the residual at which it is done.
 const ENOUGH: f64 = 10.0;
-/// The best iterate of a stalled iteration is worth polishing when it is this good.
-const WORTH: f64 = 1e-3;
 
 /// All that the method knows of one interaction.
 #[derive(Clone, Default)]
@@ -90,8 +90,8 @@ fn start_local(local: &Local, u: &[[f64; 3]]) -> Cell {
     Cell { s: force, slacks: s, ..Cell::default() }
 }
 
-/// Runs the method from the displacements `start` until the residual is at most `goal`. `None` if
-/// it fails far from a solution.
+/// Runs the method from the displacements `start` until the residual is at most `goal`, or no longer
+/// falls: the best point on the way. `None` if there is none.
 #[must_use]
 pub fn solve(
     program: &Scaled,
@@ -108,7 +108,7 @@ pub fn solve(
     let mut cells: Vec<Cell> = program.locals.iter().map(|l| start_local(l, &u)).collect();
     let limits: usize = program.locals.iter().map(|l| l.count).sum();
     let limits = limits.max(1) as f64;
-    let mut best: Option<(f64, Interior)> = None;
+    let mut best: Option<Interior> = None;
     let mut since_best = 0;
     let mut iterations = 0;
     let mut last_merit = f64::INFINITY;
@@ -146,22 +146,22 @@ pub fn solve(
         if !sum.is_finite() {
             break;
         }
-        if best.as_ref().is_none_or(|b| merit < b.0) {
+        if best.as_ref().is_none_or(|b| merit < b.merit) {
             let s = cells.iter().map(|c| c.s).collect();
             let lambda = cells.iter().map(|c| c.slacks.lambda).collect();
-            best = Some((merit, Interior { u: u.clone(), s, lambda, iterations }));
+            best = Some(Interior { u: u.clone(), s, lambda, iterations, merit });
             since_best = 0;
         } else {
             since_best += 1;
         }
-        merits.push(best.as_ref().map_or(merit, |b| b.0));
+        merits.push(best.as_ref().map_or(merit, |b| b.merit));
         let earlier = merits.len().checked_sub(PATIENCE + 1).map_or(f64::INFINITY, |k| merits[k]);
         let slow = merit > 0.3 * last_merit;
         last_merit = merit;
         if merit <= goal
             || (merit <= ENOUGH * goal && slow)
             || iterations >= MAX_ITERATIONS
-            || (since_best > 8 && merit > 1e3 * best.as_ref().map_or(0.0, |b| b.0))
+            || (since_best > 8 && merit > 1e3 * best.as_ref().map_or(0.0, |b| b.merit))
             || since_best > 15
             || merits[merits.len() - 1] > LITTLE * earlier
         {
@@ -210,9 +210,9 @@ pub fn solve(
             }
         }
     }
-    let (merit, mut point) = best?;
+    let mut point = best?;
     point.iterations = iterations;
-    (merit <= WORTH).then_some(point)
+    Some(point)
 }
 
 /// Greatest residuals, greatest force, and products.

@@ -41,6 +41,9 @@ const ROUND_OFF: f64 = 1e-14;
 /// them, either method does.
 const LARGE: usize = 2500;
 
+/// What the interior point leaves is worth polishing when its residual is this good.
+const WORTH: f64 = 1e-3;
+
 /// A starting point with greater displacements, in units of the scale, is not used.
 const FAR: f64 = 20.0;
 
@@ -180,6 +183,8 @@ impl Condensed {
             // Where it gave up is a good place for the interior point to begin, mostly.
             starts.insert(0, result.u);
         }
+        let large = program.interactions.len() > LARGE;
+        let damped = scaled.is_damped();
         let mut last = None;
         for start in &starts {
             let Some(result) = interior::solve(&scaled, matrix, start, goal(INTERIOR_MARGIN))
@@ -187,6 +192,9 @@ impl Condensed {
                 continue;
             };
             iterations += result.iterations;
+            if result.merit > WORTH && (damped || !large) {
+                continue;
+            }
             let solution = back(&result.u, &result.s, iterations, "interior");
             let solved = solution.status == SolveStatus::Solved;
             last = Some((result, solution));
@@ -195,13 +203,11 @@ impl Condensed {
             }
         }
         let (result, mut solution) = last?;
-        let enough = program.interactions.len() > LARGE
-            || tolerance > TOLERANCE
-            || is_rigid_plastic(program);
+        let enough = large || tolerance > TOLERANCE || is_rigid_plastic(program);
         if enough && solution.status == SolveStatus::Solved {
             return Some(solution);
         }
-        if program.interactions.len() > LARGE && !scaled.is_damped() {
+        if large && !damped {
             return Some(solution);
         }
         let low = lower(program);
