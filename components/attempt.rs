@@ -128,10 +128,10 @@ pub struct Attempt {
     pub held: Vec<bool>,
     /// Whether the last throw has shown anything (pairs, restraints) that was not in the program.
     pub learnt: bool,
-    /// Attempts in a row that were made with that, without settling.
+    /// Attempts that were made with that since grains last settled.
     pub replies: u32,
     /// How far, in radii, the grain was thrown that was to settle with others held, the last time that
-    /// grains settled; `None` where none was held.
+    /// grains settled; `None` where none was to be held.
     pub patched: Option<f64>,
     /// Solves that settled loose grains in this increment.
     pub settled: u32,

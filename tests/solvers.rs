@@ -55,6 +55,13 @@ const KINDS: &[Kind] = &[
         stages: PRESS,
     },
     Kind {
+        name: "rolling without friction",
+        contact: "normal_stiffness: 6.0e7, rolling_friction: 0.1",
+        bond: "",
+        scene: "",
+        stages: PRESS,
+    },
+    Kind {
         name: "rigid under a force",
         contact: "friction: 0.4",
         bond: "",
@@ -298,8 +305,34 @@ fn condensed_and_clarabel_agree() {
     let [solved, collapsed, locked, _] = ended;
     println!("{} programs: solved, collapsed, locked, stalled {ended:?}", programs.len());
     assert!(collapsed >= 3 && locked >= 3, "{ended:?}");
-    assert!(20 * alone <= programs.len(), "Clarabel stalled on {alone} of {}", programs.len());
+    // Of those that roll without friction Clarabel gives up on a quarter.
+    assert!(16 * alone <= programs.len(), "Clarabel stalled on {alone} of {}", programs.len());
     assert!(20 * own >= 19 * solved, "Clarabel had to solve {} of {solved}", solved - own);
+}
+
+#[test]
+fn a_contact_that_rolls_without_friction_carries_no_shear_whatever_was_left_over() {
+    let (mut program, mut compared) = (None, 0);
+    for increment in programs(&KINDS[3], 1) {
+        let loaded = solve(&mut Condensed::default(), &increment);
+        if loaded.forces.iter().any(|f| f[2] != 0.0) {
+            program = Some(increment);
+        }
+    }
+    let mut program = program.expect("a rolling moment");
+    let expected = solve(&mut Condensed::default(), &program);
+    for c in &mut program.interactions {
+        (c.tangential_compliance, c.previous_shear) = (1e-7, 50.0);
+    }
+    let solution = solve(&mut Condensed::default(), &program);
+    assert_eq!(solution.status, SolveStatus::Solved);
+    let force = force_scale(&program, &solution.forces);
+    for (a, b) in solution.forces.iter().zip(&expected.forces) {
+        assert_eq!(a[1], 0.0);
+        assert!((a[0] - b[0]).abs() <= 1e-6 * force, "{} {}", a[0], b[0]);
+        compared += 1;
+    }
+    assert!(compared > 10);
 }
 
 #[test]

@@ -67,6 +67,7 @@ pub fn judge(
                     reason,
                 ) {
                     Verdict::Again => Verdict::Again,
+                    thrown if attempt.learnt => thrown,
                     thrown => collapsed_or(&program, &mut solution, &mut attempt, thrown),
                 }
             } else if attempt.centres < MAX_CENTRES {

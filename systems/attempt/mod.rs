@@ -173,6 +173,9 @@ pub fn run_attempts(world: &mut World) {
                             return give_way(world, &before, reason);
                         }
                     }
+                } else if learnt && attempt.solves < MAX_SOLVES {
+                    forget_solution(&mut attempt, reason);
+                    continue;
                 }
                 reason
             }

@@ -29,6 +29,7 @@ pub fn judge(
         && let Some(reason) = snapped(&bodies, &program, &solution, &progress, &acceptance)
     {
         attempt.snaps = true;
+        attempt.learnt = false;
         attempt.verdict = Verdict::Thrown(reason);
     }
 }

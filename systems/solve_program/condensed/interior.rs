@@ -323,7 +323,7 @@ struct Ahead {
 impl Ahead {
     fn products_after(&self) -> f64 {
         let [constant, linear, quadratic] = self.products;
-        constant + self.length * (linear + self.length * quadratic)
+        (constant + self.length * (linear + self.length * quadratic)).max(0.0)
     }
 }
 

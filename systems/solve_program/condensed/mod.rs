@@ -36,9 +36,9 @@ const INTERIOR_MARGIN: f64 = 900.0;
 const ROUND_OFF: f64 = 1e-14;
 
 /// Where a program has more interactions than this and is solved, the polish would cost more than
-/// it gains. Where it is not solved and nothing in it is damped, bodies move so far that Clarabel does
-/// not do better in twenty times the time; with all of them regularised, as the next attempt has
-/// them, either method does.
+/// it gains. Where it is static, not solved, and not all of it is regularised, bodies move so far that
+/// Clarabel does not do better in twenty times the time; with all of them regularised, as a later
+/// attempt has them, either method does.
 const LARGE: usize = 2500;
 
 /// What the interior point leaves is worth polishing when its residual is this good.
@@ -184,7 +184,8 @@ impl Condensed {
             starts.insert(0, result.u);
         }
         let large = program.interactions.len() > LARGE;
-        let damped = scaled.is_damped();
+        // Whether a later attempt regularises it.
+        let undamped = !scaled.is_damped() && !is_dynamic(program);
         let mut last = None;
         for start in &starts {
             let Some(result) = interior::solve(&scaled, matrix, start, goal(INTERIOR_MARGIN))
@@ -192,12 +193,15 @@ impl Condensed {
                 continue;
             };
             iterations += result.iterations;
-            if result.merit > WORTH && (damped || !large) {
+            if result.merit > WORTH && !(large && undamped) {
                 continue;
             }
             let solution = back(&result.u, &result.s, iterations, "interior");
             let solved = solution.status == SolveStatus::Solved;
-            last = Some((result, solution));
+            let better = |(last, _): &(interior::Interior, _)| result.merit < last.merit;
+            if solved || last.as_ref().is_none_or(better) {
+                last = Some((result, solution));
+            }
             if solved {
                 break;
             }
@@ -207,7 +211,7 @@ impl Condensed {
         if enough && solution.status == SolveStatus::Solved {
             return Some(solution);
         }
-        if large && !damped {
+        if large && undamped {
             return Some(solution);
         }
         let low = lower(program);
@@ -229,9 +233,14 @@ impl Condensed {
 /// converges to the middle of all choices, where a limit is active only if it is so in all of them:
 /// those are the bonds that break. A polish would take it to a corner.
 fn is_rigid_plastic(program: &ConeProgram) -> bool {
-    let inert = |d: &Dof| matches!(d, Dof::Free(f) if f.inertia > 0.0);
     program.interactions.iter().any(|c| c.limits.tension > 0.0 && c.normal_compliance == 0.0)
-        && !program.bodies.iter().any(|b| b.dofs.iter().any(inert))
+        && !is_dynamic(program)
+}
+
+/// Whether any body has inertia.
+fn is_dynamic(program: &ConeProgram) -> bool {
+    let inert = |d: &Dof| matches!(d, Dof::Free(f) if f.inertia > 0.0);
+    program.bodies.iter().any(|b| b.dofs.iter().any(inert))
 }
 
 /// The interior point in the numbering of the lowered program.

@@ -145,7 +145,12 @@ impl Scaled {
                 ],
                 linear: [
                     c.offset / du[0] - fixed[0],
-                    -c.tangential_compliance * stiffness * c.previous_shear / df[0] - fixed[1],
+                    // Where there is no shear force none is left over either.
+                    if has[1] {
+                        -c.tangential_compliance * stiffness * c.previous_shear / df[0] - fixed[1]
+                    } else {
+                        0.0
+                    },
                     -fixed[2],
                 ],
                 limits: [[0.0; 3]; ROWS],
@@ -184,11 +189,6 @@ impl Scaled {
     #[must_use]
     pub fn kinematics(local: &Local, u: &[[f64; 3]]) -> [f64; 3] {
         kinematics::<3>(local, u)
-    }
-
-    /// Adds `sign G s` to the rows of free degrees of freedom.
-    pub fn add_forces(local: &Local, s: &[f64; 3], sign: f64, out: &mut [[f64; 3]]) {
-        add_forces::<3>(local, s, sign, out);
     }
 }
 
