@@ -18,7 +18,7 @@ pub struct Limits {
     pub iterations: u32,
     /// So many tiny steps in a row.
     pub tiny: u32,
-    /// Factorisations after which the unbalance over the greatest force must be below [`LOST`].
+    /// Factorisations after which the unbalance over the greatest force must be below 1 %.
     pub patience: u32,
     /// Unbalance over the greatest force at which it is done,
     pub goal: f64,
