@@ -147,8 +147,9 @@ fn still(ramp: Ramp) -> Ramp {
 }
 
 /// Lets the grains that were thrown and their neighbours settle, with all others held: the
-/// increment that follows lets go of all of them. Where nothing moves so, what keeps them is further
-/// away, and all settle. `strained` is what the mean field has strained so far in this increment.
+/// increment that follows lets go of all of them. Where nothing moves so, or that has not cured the
+/// throw before, what keeps them is further away, and all settle. `strained` is what the mean field has
+/// strained so far in this increment.
 pub fn settle(world: &mut World, strained: &mut f64) -> Settled {
     let far = furthest_motion(world);
     let held = if is_cured(world) { patch(world) } else { Vec::new() };

@@ -2,6 +2,8 @@
 //! particles.
 #![allow(dead_code, reason = "every test program uses its own part of this")]
 
+pub mod programs;
+
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -122,15 +122,7 @@ pub fn solve(
     let mut weight = vec![[0.0; 3]; n];
     loop {
         // Residuals.
-        for i in 0..n {
-            for k in 0..3 {
-                balance[i][k] = if program.free[i][k] {
-                    program.weight[i][k] * u[i][k] - program.right[i][k]
-                } else {
-                    0.0
-                };
-            }
-        }
+        program.balance_of_bodies(&u, &mut balance);
         let mut size = Sizes::default();
         for (cell, local) in cells.iter_mut().zip(&program.locals) {
             by_kind!(local.kind, evaluate(cell, local, length, &u, &mut balance, &mut size));

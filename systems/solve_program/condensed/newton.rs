@@ -203,15 +203,7 @@ pub fn iterate(
     let mut eliminated = false;
     let mut damping = limits.damping;
     loop {
-        for i in 0..n {
-            for k in 0..3 {
-                gradient[i][k] = if program.free[i][k] {
-                    program.weight[i][k] * u[i][k] - program.right[i][k]
-                } else {
-                    0.0
-                };
-            }
-        }
+        program.balance_of_bodies(&u, &mut gradient);
         let mut force = 1e-3_f64;
         for (k, l) in program.locals.iter().enumerate() {
             let [e_n, e_t, _] = kinematics::<2>(l, &u);

@@ -185,6 +185,19 @@ impl Scaled {
         free.filter(|(free, _)| **free).all(|(_, weight)| *weight > 0.0)
     }
 
+    /// Sets `out` to `m u - f` on free degrees of freedom, the balance without the forces of interactions.
+    pub fn balance_of_bodies(&self, u: &[[f64; 3]], out: &mut [[f64; 3]]) {
+        for (i, out) in out.iter_mut().enumerate() {
+            for k in 0..3 {
+                out[k] = if self.free[i][k] {
+                    self.weight[i][k] * u[i][k] - self.right[i][k]
+                } else {
+                    0.0
+                };
+            }
+        }
+    }
+
     /// Kinematics `e = G'u` of an interaction, without what fixed degrees of freedom add.
     #[must_use]
     pub fn kinematics(local: &Local, u: &[[f64; 3]]) -> [f64; 3] {

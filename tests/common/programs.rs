@@ -1,0 +1,189 @@
+//! Cone programs of small random specimens, and solvers whose word is checked.
+
+use clastic::components::attempt::{Attempt, IncrementStatus};
+use clastic::components::program::{ConeProgram, ConeSolution, SolveStatus};
+use clastic::run::{Simulation, Step};
+use clastic::systems::solve_program::ConeSolver;
+use clastic::systems::solve_program::certificate::proves;
+use clastic::systems::solve_program::residuals::regularised_residuals;
+
+/// Greatest residual of a solution that counts.
+pub const RESIDUAL: f64 = 1e-8;
+
+/// A kind of scene: law of contacts, law of bonds, analysis, stages after the compaction.
+pub struct Kind {
+    /// What it is called.
+    pub name: &'static str,
+    contact: &'static str,
+    bond: &'static str,
+    scene: &'static str,
+    stages: &'static str,
+}
+
+const ELASTIC: &str = "normal_stiffness: 6.0e7, tangential_stiffness: 3.0e7, ";
+const STRENGTH: &str = "cohesion: 5.0e4, tensile_strength: 5.0e4, friction: 0.5, ";
+const PRESS: &str =
+    r#"Load(name: "load", increments: 5, walls: { "top": Displacement(0.0, -5.0e-5) })"#;
+const CEMENT_AND_CRUSH: &str = r#"Cement(name: "cement", length: 2.0e-3),
+    Load(name: "load", increments: 6, remove_walls: ["left", "right"],
+        walls: { "top": Displacement(0.0, -2.0e-5) })"#;
+
+/// What the solvers are compared on.
+pub const KINDS: &[Kind] = &[
+    Kind { name: "frictionless", contact: ELASTIC, bond: "", scene: "", stages: PRESS },
+    Kind {
+        name: "friction",
+        contact: "normal_stiffness: 6.0e7, tangential_stiffness: 3.0e7, friction: 0.3",
+        bond: "",
+        scene: "",
+        stages: PRESS,
+    },
+    Kind {
+        name: "rolling",
+        contact: "normal_stiffness: 6.0e7, tangential_stiffness: 3.0e7, friction: 0.3, rolling_friction: 0.1",
+        bond: "",
+        scene: "",
+        stages: PRESS,
+    },
+    Kind {
+        name: "rigid under a force",
+        contact: "friction: 0.4",
+        bond: "",
+        scene: "",
+        stages: r#"Load(name: "load", increments: 4, walls: { "top": Force(500.0) })"#,
+    },
+    Kind {
+        name: "elastic bonds",
+        contact: "normal_stiffness: 6.0e7, tangential_stiffness: 3.0e7, friction: 0.3",
+        bond: ELASTIC,
+        scene: "",
+        stages: CEMENT_AND_CRUSH,
+    },
+    Kind {
+        name: "elastic bonds with rolling",
+        contact: "normal_stiffness: 6.0e7, friction: 0.3",
+        bond: "normal_stiffness: 6.0e7, tangential_stiffness: 3.0e7, rolling_friction: 0.05, ",
+        scene: "rupture: (rolling: Yields),",
+        stages: CEMENT_AND_CRUSH,
+    },
+    Kind {
+        name: "rigid bonds",
+        contact: "friction: 0.3",
+        bond: " ",
+        scene: "",
+        stages: CEMENT_AND_CRUSH,
+    },
+    Kind {
+        name: "stress on the lid",
+        contact: "normal_stiffness: 6.0e7, tangential_stiffness: 3.0e7, friction: 0.3",
+        bond: ELASTIC,
+        scene: "",
+        stages: r#"Cement(name: "cement", length: 2.0e-3), Load(name: "load", increments: 5,
+            walls: { "top": Stress(stress: 2.0e4, between: ("left", "right")) })"#,
+    },
+    Kind {
+        name: "dynamic, rigid",
+        contact: "friction: 0.3",
+        bond: "",
+        scene: "analysis: Dynamic(dt: 5.0e-3), gravity: (0.0, -9.81),",
+        stages: r#"Load(name: "load", increments: 6, remove_walls: ["top", "right"])"#,
+    },
+    Kind {
+        name: "dynamic, elastic, bonds",
+        contact: "normal_stiffness: 1.0e5, tangential_stiffness: 1.0e5, friction: 0.3, rolling_friction: 0.1",
+        bond: "normal_stiffness: 1.0e5, tangential_stiffness: 1.0e5, ",
+        scene: "analysis: Dynamic(dt: 1.0e-3, theta: 0.6), gravity: (3.0, -9.81),",
+        stages: r#"Cement(name: "cement", length: 0.5e-3),
+            Load(name: "load", increments: 6, remove_walls: ["top", "right"])"#,
+    },
+    Kind {
+        name: "infeasible",
+        contact: "normal_stiffness: 6.0e7, friction: 0.3",
+        bond: ELASTIC,
+        scene: "",
+        stages: r#"Cement(name: "cement", length: 2.0e-3, walls: true),
+            Load(name: "load", increments: 1, remove_walls: ["top", "right"],
+                particles: [(select: All, force: (900.0, 2000.0))])"#,
+    },
+    Kind {
+        name: "jammed",
+        contact: "",
+        bond: "",
+        scene: "acceptance: (halvings: 0),",
+        stages: r#"Load(name: "load", increments: 6, walls: { "top": Displacement(0.0, -1.5e-3) })"#,
+    },
+    Kind {
+        name: "no contacts",
+        contact: "",
+        bond: "",
+        scene: "",
+        stages: r#"Load(name: "spread", increments: 2, remove_walls: ["bottom", "top", "left", "right"],
+            particles: [(select: All, affine: ((1.0, 0.0), (0.0, 1.0)))]),
+            Load(name: "rest", increments: 2)"#,
+    },
+];
+
+/// Contacts that roll but do not slide against any resistance: degenerate, since nothing but p is elastic.
+pub const WHEELS: Kind = Kind {
+    name: "rolling without friction",
+    contact: "normal_stiffness: 6.0e7, rolling_friction: 0.1",
+    bond: "",
+    scene: "",
+    stages: PRESS,
+};
+
+/// The cone programs of a small random specimen, loaded as its kind says: the last one of every
+/// increment, compaction included.
+pub fn programs(kind: &Kind, seed: u32) -> Vec<ConeProgram> {
+    let Kind { contact, scene, stages, .. } = kind;
+    let bond = if kind.bond.is_empty() {
+        String::new()
+    } else {
+        format!("bond: ({STRENGTH}{})", kind.bond.trim())
+    };
+    let scene = super::parse(&format!(
+        "(
+            version: 1,
+            title: \"small specimen\",
+            {scene}
+            materials: {{ \"sand\": (contact: ({contact}), {bond}) }},
+            specimen: Packing(count: 12, columns: 4, spacing: 10.0e-3, origin: (0.5e-3, 0.0),
+                sizes: Uniform(radius: (3.0e-3, 5.0e-3)), seed: {seed}),
+            walls: [
+                (name: \"bottom\", start: (0.0, 0.0), end: (0.041, 0.0), contact: ({contact})),
+                (name: \"top\", start: (0.041, 0.0305), end: (0.0, 0.0305), contact: ({contact})),
+                (name: \"left\", start: (0.0, 0.0305), end: (0.0, 0.0), contact: ({contact})),
+                (name: \"right\", start: (0.041, 0.0), end: (0.041, 0.0305), contact: ({contact})),
+            ],
+            stages: [
+                Compact(name: \"compact\", wall: \"top\", base: \"bottom\", target: Porosity(0.34),
+                    step: 1.0e-3, agitation: 0.1, seed: {seed}),
+                {stages},
+            ],
+        )"
+    ));
+    let mut simulation = Simulation::new(&scene, None);
+    let mut programs = Vec::new();
+    while let Step::Increment = simulation.step() {
+        // An increment that stalls leaves the last of many tries, not a program of the scene.
+        if simulation.world().resource::<Attempt>().status != IncrementStatus::Stalled {
+            programs.push(simulation.world().resource::<ConeProgram>().clone());
+        }
+    }
+    programs
+}
+
+/// Solves; the status is what residuals and certificate say, whatever the solver does.
+pub fn solve(solver: &mut dyn ConeSolver, program: &ConeProgram) -> ConeSolution {
+    let mut solution = solver.solve(program).unwrap_or_else(|e| panic!("{e}"));
+    match solution.status {
+        SolveStatus::Solved | SolveStatus::Stalled => {
+            let r = regularised_residuals(program, &solution.forces, &solution.displacements);
+            let converged = r.worst() <= RESIDUAL;
+            solution.status = if converged { SolveStatus::Solved } else { SolveStatus::Stalled };
+        }
+        SolveStatus::Collapsed => assert!(solution.certificate.as_ref().is_some_and(proves)),
+        SolveStatus::Locked => {}
+    }
+    solution
+}
