@@ -124,6 +124,8 @@ pub struct ContactMemory {
     /// Shear force at the end of the last increment, N, in the contact's own frame: it turns
     /// with the contact.
     pub q: f64,
+    /// Rolling moment at the end of the last increment, N m.
+    pub tau: f64,
 }
 
 /// Memory of the contacts that carried force, sorted by (a, b).

@@ -136,6 +136,12 @@ pub struct Interaction {
 pub type Kinematics = [f64; 3];
 
 impl ProgramBody {
+    /// Whether any of its displacements is unknown.
+    #[must_use]
+    pub fn is_free(&self) -> bool {
+        self.dofs.iter().any(|dof| matches!(dof, Dof::Free(_)))
+    }
+
     /// A displacement in the body's own axes turned into (x, y, rotation).
     #[must_use]
     pub fn to_global(&self, local: [f64; 3]) -> [f64; 3] {
@@ -182,6 +188,9 @@ pub struct ConeProgram {
     pub interactions: Vec<Interaction>,
     /// Expected magnitudes.
     pub scales: Scales,
+    /// Forces (p, q, tau) of the interactions at the end of the last increment, in their order, as far as
+    /// they are known; what lies beyond carried none. No part of the problem: a guess of its solution.
+    pub last_forces: Vec<[f64; 3]>,
 }
 
 impl ConeProgram {
@@ -213,6 +222,13 @@ impl ConeProgram {
     pub fn imposed(&self) -> Vec<[f64; 3]> {
         let known = |dof| if let Dof::Fixed(u) = dof { u } else { 0.0 };
         self.bodies.iter().map(|body| body.dofs.map(known)).collect()
+    }
+
+    /// Whether any body has inertia.
+    #[must_use]
+    pub fn is_dynamic(&self) -> bool {
+        let inert = |dof: &Dof| matches!(dof, Dof::Free(f) if f.inertia > 0.0);
+        self.bodies.iter().any(|body| body.dofs.iter().any(inert))
     }
 
     /// Number of force variables, balance rows and limit rows that a solver needs.

@@ -184,7 +184,7 @@ pub fn remember_contacts(
         } else {
             f[1]
         };
-        history.0.push(ContactMemory { a: contact.a, b: contact.b, p: f[0], q });
+        history.0.push(ContactMemory { a: contact.a, b: contact.b, p: f[0], q, tau: f[2] });
     }
 }
 

@@ -105,6 +105,7 @@ fn disk_on_plate() -> (ConeProgram, Vec<[f64; 3]>, Vec<[f64; 3]>) {
             limits: Limits { cohesion: 0.0, friction: 0.5, tension: 0.0, rolling: 1e-3 },
         }],
         scales: Scales { length: 0.01, displacement: 1e-4, force: 100.0 },
+        ..Default::default()
     };
     (program, vec![[100.0, 0.0, 0.0]], vec![[0.0, -1e-4, 0.0], [0.0; 3]])
 }

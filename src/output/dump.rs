@@ -282,6 +282,7 @@ pub fn read_program(path: &Path) -> Result<(ConeProgram, ConeSolution), OutputEr
             displacement: dump.scales.displacement,
             force: dump.scales.force,
         },
+        last_forces: Vec::new(),
     };
     let s = dump.solution;
     let solution = ConeSolution {

@@ -20,7 +20,8 @@ use clastic_components::program::{Interaction, Limits};
 /// program nothing else need move, and where nothing can they would count as forced into each other.
 const ROUND_OFF: f64 = 1e-9;
 
-/// Fills `out` with one interaction per contact, in the order of the contacts.
+/// Fills `out` with one interaction per contact, in the order of the contacts, and `last` with the forces
+/// that they carried.
 pub fn assemble(
     bodies: &Bodies,
     contacts: &[Contact],
@@ -29,11 +30,15 @@ pub fn assemble(
     analysis: &Analysis,
     attempt: &Attempt,
     out: &mut Vec<Interaction>,
+    last: &mut Vec<[f64; 3]>,
 ) {
     out.clear();
+    last.clear();
     out.extend(contacts.iter().map(|contact| {
         let law = contact_law(bodies, materials, analysis, contact);
-        let memory = history.get(contact.a, contact.b).map_or(0.0, |m| m.q);
+        let memory = history.get(contact.a, contact.b);
+        last.push(memory.map_or([0.0; 3], |m| [m.p, m.q, m.tau]));
+        let memory = memory.map_or(0.0, |m| m.q);
         let bond = contact.bond.map(|k| &bodies.bonds[k as usize]);
         let broken = bond.is_some_and(|b| attempt.ruptures.iter().any(|r| r.bond == b.id));
         match bond.filter(|_| !broken) {

@@ -58,6 +58,7 @@ pub fn assemble_program(
         &analysis,
         &attempt,
         &mut program.interactions,
+        &mut program.last_forces,
     );
     taut::assemble(&bodies, &contacts.0, &analysis, &attempt, &mut program.interactions);
     balance::assemble(

@@ -15,7 +15,9 @@
 
 use glam::DVec2;
 
-use clastic_components::program::{ConeProgram, Dof, Interaction, Kinematics, Residuals};
+use clastic_components::program::{
+    ConeProgram, Dof, Interaction, Kinematics, ProgramBody, Residuals,
+};
 
 /// Multipliers of the limits of one interaction, m, m, rad: tension, slip (signed), rotation
 /// (signed).
@@ -119,25 +121,64 @@ fn evaluate(
     displacements: &[[f64; 3]],
     regularisation: f64,
 ) -> Residuals {
-    let force = force_scale(program, forces);
-    let length = program.scales.length;
-    let displacement = displacement_scale(program, displacements);
+    let units = Units {
+        force: force_scale(program, forces),
+        displacement: displacement_scale(program, displacements),
+        length: program.scales.length,
+    };
     let mut out = Residuals::default();
-
     let mut rows = vec![[0.0; 3]; program.bodies.len()];
     program.add_forces(forces, &mut rows);
     for ((body, row), u) in program.bodies.iter().zip(&rows).zip(displacements) {
+        units.of_balance(body, row, u, regularisation, &mut out);
+    }
+    for (c, f) in program.interactions.iter().zip(forces) {
+        units.of_interaction(c, &program.kinematics(c, displacements), f, &mut out);
+    }
+    out
+}
+
+/// What residuals are relative to.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Units {
+    /// Force, N.
+    pub(super) force: f64,
+    /// Displacement, m.
+    pub(super) displacement: f64,
+    /// Length that makes moments of forces, m.
+    pub(super) length: f64,
+}
+
+impl Units {
+    /// Raises the residual of the balance to what it is at a body: `row` is what its interactions resist.
+    pub(super) fn of_balance(
+        &self,
+        body: &ProgramBody,
+        row: &[f64; 3],
+        u: &[f64; 3],
+        regularisation: f64,
+        out: &mut Residuals,
+    ) {
         for k in 0..3 {
             if let Dof::Free(f) = &body.dofs[k] {
                 let pull = regularisation * f.proximal * (u[k] - f.reference);
                 let defect = f.inertia * u[k] + pull + row[k] - f.load;
-                let unit = if k < 2 { force } else { force * length };
+                let unit = if k < 2 { self.force } else { self.force * self.length };
                 worsen(&mut out.balance, defect.abs() / unit);
             }
         }
     }
-    for (c, f) in program.interactions.iter().zip(forces) {
-        let m = multipliers(c, &program.kinematics(c, displacements), f);
+
+    /// Raises the other residuals to what they are at an interaction.
+    pub(super) fn of_interaction(
+        &self,
+        c: &Interaction,
+        e: &Kinematics,
+        f: &[f64; 3],
+        out: &mut Residuals,
+    ) {
+        let Units { force, displacement, length } = *self;
+        let m = multipliers(c, e, f);
         let l = &c.limits;
         let [p, q, tau] = *f;
         worsen(&mut out.kinematics, -m.tension / displacement);
@@ -168,7 +209,6 @@ fn evaluate(
         product(m.slip, shear - q * m.slip.signum(), 1.0);
         product(m.rotation, roll - tau * m.rotation.signum(), length);
     }
-    out
 }
 
 /// Raises a residual; once it is not a number it stays so.

@@ -210,7 +210,8 @@ fn times<const F: usize>(rows: &[[f64; 3]; 3], d: &[[f64; 3]; 3]) -> [[f64; 3]; 
     out
 }
 
-fn adjacency(bodies: usize, pairs: &[(u32, u32)]) -> (Vec<usize>, Vec<usize>) {
+/// Neighbours of every body in ascending order: where they start, and their list.
+pub(super) fn adjacency(bodies: usize, pairs: &[(u32, u32)]) -> (Vec<usize>, Vec<usize>) {
     let mut lists = vec![Vec::new(); bodies];
     for &(a, b) in pairs {
         lists[a as usize].push(b as usize);

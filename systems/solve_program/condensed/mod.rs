@@ -13,9 +13,10 @@ pub mod local_system;
 pub mod matrix;
 pub mod newton;
 pub mod reduced;
+pub mod rest;
 pub mod scaled;
 
-use clastic_components::program::{ConeProgram, ConeSolution, Dof, SolveStatus};
+use clastic_components::program::{ConeProgram, ConeSolution, SolveStatus};
 
 use self::matrix::BodyMatrix;
 use self::reduced::Reduced;
@@ -98,17 +99,10 @@ impl ConeSolver for Condensed {
         if self.last.len() != program.bodies.len() {
             self.last = vec![[0.0; 3]; program.bodies.len()];
         }
-        let solution = match Reduced::new(program) {
-            Some(part) => {
-                let start: Vec<_> = part.bodies.iter().map(|i| self.last[*i]).collect();
-                part.expand(program, self.solve_part(&part.program, &start)?)
-            }
-            None => {
-                let start = std::mem::take(&mut self.last);
-                let solution = self.solve_part(program, &start);
-                self.last = start;
-                solution?
-            }
+        let asleep = rest::find(program, &self.last);
+        let solution = match asleep.map(|asleep| self.solve_awake(program, asleep)).transpose()? {
+            Some(solution) if solution.status == SolveStatus::Solved => solution,
+            _ => self.solve_reduced(program, vec![false; program.bodies.len()])?,
         };
         if solution.status == SolveStatus::Solved {
             self.last.clone_from(&solution.displacements);
@@ -127,6 +121,52 @@ impl ConeSolver for Condensed {
 }
 
 impl Condensed {
+    /// Solves what is not at rest. Solved only if that leaves nothing of the whole program open.
+    fn solve_awake(
+        &mut self,
+        program: &ConeProgram,
+        asleep: Vec<bool>,
+    ) -> Result<ConeSolution, MalformedProgram> {
+        let mut bodies = program.bodies.iter().zip(&asleep);
+        let mut solution = if bodies.all(|(body, asleep)| *asleep || !body.is_free()) {
+            let mut forces = program.last_forces.clone();
+            forces.resize(program.interactions.len(), [0.0; 3]);
+            let displacements = program.imposed();
+            let message = "at rest".to_owned();
+            let status = SolveStatus::Solved;
+            ConeSolution { status, forces, displacements, message, ..Default::default() }
+        } else {
+            self.solve_reduced(program, asleep)?
+        };
+        if solution.status == SolveStatus::Solved {
+            let r = regularised_residuals(program, &solution.forces, &solution.displacements);
+            if !(r.worst() <= self.tolerance) {
+                solution.status = SolveStatus::Stalled;
+            }
+        }
+        Ok(solution)
+    }
+
+    /// Solves a program without what is known or at rest.
+    fn solve_reduced(
+        &mut self,
+        program: &ConeProgram,
+        at_rest: Vec<bool>,
+    ) -> Result<ConeSolution, MalformedProgram> {
+        match Reduced::new(program, at_rest) {
+            Some(part) => {
+                let start: Vec<_> = part.bodies.iter().map(|i| self.last[*i]).collect();
+                Ok(part.expand(program, self.solve_part(&part.program, &start)?))
+            }
+            None => {
+                let start = std::mem::take(&mut self.last);
+                let solution = self.solve_part(program, &start);
+                self.last = start;
+                solution
+            }
+        }
+    }
+
     fn solve_part(
         &mut self,
         program: &ConeProgram,
@@ -185,7 +225,7 @@ impl Condensed {
         }
         let large = program.interactions.len() > LARGE;
         // Whether a later attempt regularises it.
-        let undamped = !scaled.is_damped() && !is_dynamic(program);
+        let undamped = !scaled.is_damped() && !program.is_dynamic();
         let mut last = None;
         for start in &starts {
             let Some(result) = interior::solve(&scaled, matrix, start, goal(INTERIOR_MARGIN))
@@ -234,13 +274,7 @@ impl Condensed {
 /// those are the bonds that break. A polish would take it to a corner.
 fn is_rigid_plastic(program: &ConeProgram) -> bool {
     program.interactions.iter().any(|c| c.limits.tension > 0.0 && c.normal_compliance == 0.0)
-        && !is_dynamic(program)
-}
-
-/// Whether any body has inertia.
-fn is_dynamic(program: &ConeProgram) -> bool {
-    let inert = |d: &Dof| matches!(d, Dof::Free(f) if f.inertia > 0.0);
-    program.bodies.iter().any(|b| b.dofs.iter().any(inert))
+        && !program.is_dynamic()
 }
 
 /// The interior point in the numbering of the lowered program.

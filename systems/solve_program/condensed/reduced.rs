@@ -1,5 +1,5 @@
 //! Leaves out of the program what does not depend on the rest: interactions between bodies whose
-//! motion is known, and bodies that no other interaction touches.
+//! motion is known, bodies that no other interaction touches, and what is [at rest](super::rest).
 //!
 //! With both bodies known an elastic interaction is a problem of its own: its forces are the
 //! projection of its trial onto its limits. What remains are the free bodies and those next to
@@ -18,19 +18,20 @@ pub struct Reduced {
     pub bodies: Vec<usize>,
     /// Interactions left.
     interactions: Vec<usize>,
+    /// Bodies that keep their place and their forces.
+    at_rest: Vec<bool>,
 }
 
 impl Reduced {
-    /// `None` where there is nothing to leave out.
+    /// `None` where there is nothing to leave out. `at_rest` are whole clusters of free bodies.
     #[must_use]
-    pub fn new(program: &ConeProgram) -> Option<Self> {
-        let free: Vec<bool> = program
-            .bodies
-            .iter()
-            .map(|b| b.dofs.iter().any(|d| matches!(d, Dof::Free(_))))
-            .collect();
-        let stays =
-            |c: &Interaction| free[c.a as usize] || free[c.b as usize] || !is_known(program, c);
+    pub fn new(program: &ConeProgram, at_rest: Vec<bool>) -> Option<Self> {
+        let free: Vec<bool> =
+            program.bodies.iter().zip(&at_rest).map(|(b, rests)| b.is_free() && !rests).collect();
+        let stays = |c: &Interaction| {
+            let [a, b] = [c.a as usize, c.b as usize];
+            free[a] || free[b] || !(at_rest[a] || at_rest[b] || is_known(program, c))
+        };
         if program.interactions.iter().all(stays) {
             return None;
         }
@@ -56,8 +57,9 @@ impl Reduced {
                 })
                 .collect(),
             scales: program.scales,
+            last_forces: Vec::new(),
         };
-        Some(Self { program: part, bodies, interactions })
+        Some(Self { program: part, bodies, interactions, at_rest })
     }
 
     /// The solution of the whole program that belongs to one of what is left.
@@ -78,6 +80,9 @@ impl Reduced {
         for (k, c) in program.interactions.iter().enumerate() {
             forces[k] = match left.next_if(|(place, _)| **place == k) {
                 Some((_, f)) => *f,
+                None if self.at_rest[c.a as usize] || self.at_rest[c.b as usize] => {
+                    program.last_forces.get(k).copied().unwrap_or_default()
+                }
                 None => alone(program, c),
             };
         }
@@ -114,6 +119,7 @@ fn alone(program: &ConeProgram, c: &Interaction) -> [f64; 3] {
         bodies: vec![program.bodies[a], program.bodies[b]],
         interactions: vec![single],
         scales: program.scales,
+        last_forces: Vec::new(),
     };
     let (_, df) = super::super::lowering::units(program);
     let s = Spring::new(&Scaled::new(&pair).locals[0]).respond([0.0; 2]).s;

@@ -1,0 +1,86 @@
+//! Finds what is at rest: bodies that need not move, because the forces of the last increment still
+//! balance them and obey all limits.
+//!
+//! In dynamics whole clusters of touching bodies rest while others move: a pile on the ground while more
+//! falls, an island in a large scene. A cluster is asleep where zero displacement with the forces of the
+//! last increment solves its rows more exactly than a solver would. It wakes by itself: a body that comes
+//! near is a contact that joins the cluster to what moves, and what its rows leave adds up in the
+//! velocities until they no longer pass.
+//!
+//! There is no such thing in a static program: beside displacements that vanish everywhere the round-off
+//! of a gap is no longer nothing.
+
+use clastic_components::program::{ConeProgram, Dof, Residuals};
+
+use super::super::residuals::{Units, displacement_scale, force_scale};
+use super::matrix::adjacency;
+
+/// Greatest residual of what is at rest: a hundredth of what is accepted by default.
+const AT_REST: f64 = 1e-10;
+
+/// Bodies at rest; `None` where there are none. `moved` are the displacements of the last increment:
+/// what is little beside them is nothing.
+#[must_use]
+pub fn find(program: &ConeProgram, moved: &[[f64; 3]]) -> Option<Vec<bool>> {
+    let forces = &program.last_forces;
+    if forces.is_empty() || !program.is_dynamic() {
+        return None;
+    }
+    let units = Units {
+        force: force_scale(program, forces),
+        displacement: displacement_scale(program, moved),
+        length: program.scales.length,
+    };
+    let still = program.imposed();
+    let free: Vec<bool> = program.bodies.iter().map(|b| b.is_free()).collect();
+    let mut rests = free.clone();
+    let mut known_rest = true;
+    let nothing = [0.0; 3];
+    for (c, f) in program.interactions.iter().zip(forces.iter().chain(std::iter::repeat(&nothing)))
+    {
+        let mut left = Residuals::default();
+        units.of_interaction(c, &program.kinematics(c, &still), f, &mut left);
+        if left.worst() <= AT_REST {
+            continue;
+        }
+        let [a, b] = [c.a as usize, c.b as usize];
+        known_rest &= free[a] || free[b];
+        (rests[a], rests[b]) = (false, false);
+    }
+    let mut rows = vec![[0.0; 3]; program.bodies.len()];
+    program.add_forces(forces, &mut rows);
+    for (i, body) in program.bodies.iter().enumerate().filter(|(i, _)| free[*i]) {
+        let mut left = Residuals::default();
+        units.of_balance(body, &rows[i], &[0.0; 3], 1.0, &mut left);
+        let slow = (0..3).all(|k| match &body.dofs[k] {
+            Dof::Free(f) if f.inertia > 0.0 => {
+                let length = if k < 2 { 1.0 } else { units.length };
+                let motion = (f.load - rows[i][k]) / f.inertia * length;
+                motion.abs() <= AT_REST * units.displacement
+            }
+            _ => true,
+        });
+        if !(left.worst() <= AT_REST && slow) {
+            rests[i] = false;
+        }
+    }
+    wake_neighbours(program, &free, &mut rests);
+    let all = (0..rests.len()).all(|i| rests[i] == free[i]);
+    let any = rests.contains(&true);
+    (any && (known_rest || !all)).then_some(rests)
+}
+
+/// Wakes all bodies of a cluster of which one is awake.
+fn wake_neighbours(program: &ConeProgram, free: &[bool], rests: &mut [bool]) {
+    let both_free = program.interactions.iter().map(|c| (c.a, c.b));
+    let pairs: Vec<_> = both_free.filter(|(a, b)| free[*a as usize] && free[*b as usize]).collect();
+    let (starts, neighbours) = adjacency(rests.len(), &pairs);
+    let mut awake: Vec<usize> = (0..rests.len()).filter(|i| free[*i] && !rests[*i]).collect();
+    while let Some(i) = awake.pop() {
+        for &j in &neighbours[starts[i]..starts[i + 1]] {
+            if std::mem::replace(&mut rests[j], false) {
+                awake.push(j);
+            }
+        }
+    }
+}
