@@ -2,6 +2,7 @@
 
 use clastic::components::energy::{Energies, EnergyLedger};
 use clastic::components::increment::Acceptance;
+use clastic::components::observation::Observation;
 use clastic::components::program::{ConeProgram, ConeSolution};
 use clastic::run::Simulation;
 use clastic::scene::format::{Analysis, FrictionLaw, Scene};
@@ -21,11 +22,15 @@ pub fn accepted_error(simulation: &Simulation) -> f64 {
     // Here pressures count that nothing determines, between bodies that are held: they do work too.
     let greatest = solution.forces.iter().map(|f| f[0].abs().max(f[1].abs())).fold(0.0, f64::max);
     let force = force_scale(program, &solution.forces).max(greatest);
-    let motion = displacement_scale(program, &solution.displacements);
+    let turn = solution.displacements.iter().map(|u| u[2].abs()).fold(0.0, f64::max);
+    let motion =
+        displacement_scale(program, &solution.displacements).max(turn * program.scales.length);
+    let kinetic = world.resource::<Observation>().kinetic_energy;
     let e = world.resource::<EnergyLedger>();
     let residual = world.resource::<Acceptance>().residual;
     residual * rows as f64 * force * motion
         + 1e-12 * (e.increment.throughput() + e.stored.unwrap_or_default())
+        + 1e-14 * kinetic
 }
 
 /// Runs a scene with its ledger; every increment must close. Returns the increments' energies.

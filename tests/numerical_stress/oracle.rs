@@ -15,7 +15,7 @@ use clastic::components::particle::{MaterialIndex, Particle};
 use clastic::components::program::{ConeProgram, ConeSolution, Dof};
 use clastic::components::wall::{Wall, WallControl};
 use clastic::run::Simulation;
-use clastic::scene::format::{Bond as BondLaw, Contact as ContactLaw, Scene};
+use clastic::scene::format::{Bond as BondLaw, Contact as ContactLaw, Scene, Stage};
 use glam::DVec2;
 
 use crate::common::{State, states};
@@ -95,9 +95,12 @@ fn wall_positions(simulation: &mut Simulation) -> BTreeMap<u32, DVec2> {
 }
 
 impl Oracle {
-    pub fn before(simulation: &mut Simulation) -> Self {
+    pub fn before(simulation: &mut Simulation, scene: &Scene) -> Self {
         let kind = simulation.world().resource::<Analysis>().kind;
-        let compacting = matches!(kind, AnalysisKind::LeastMotion { .. });
+        // A compaction that is at its target has no increment.
+        let begins = simulation.world().resource::<Observation>().increment == 0
+            && matches!(scene.stages.first(), Some(Stage::Compact(_)));
+        let compacting = begins || matches!(kind, AnalysisKind::LeastMotion { .. });
         Self { particles: states(simulation), walls: wall_positions(simulation), compacting }
     }
 
@@ -365,6 +368,10 @@ impl Oracle {
             let plastic = if slides { slip - ct / theta * (q - c.previous_shear) } else { 0.0 };
             let rolls = if rolling > 0.0 { turn } else { 0.0 };
             let start = if cn > 0.0 { offset / theta } else { offset };
+            // Section 4 of the formulation: in static increments what rigid bodies overlap by less than
+            // this is what the last increment left, and no overlap.
+            let left = -1e-9 * mean_radius..0.0;
+            let start = if cn == 0.0 && !dynamic && left.contains(&start) { 0.0 } else { start };
             let rest = start + opening + cn / theta * p
                 - closing
                 - friction * plastic.abs()

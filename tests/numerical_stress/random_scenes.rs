@@ -341,7 +341,7 @@ pub fn run_checked(scene: &Scene) -> Story {
         took: Duration::ZERO,
     };
     loop {
-        let oracle = Oracle::before(&mut simulation);
+        let oracle = Oracle::before(&mut simulation, &scene);
         match simulation.step() {
             Step::Finished(outcome) => {
                 story.outcome = outcome;
