@@ -13,7 +13,7 @@ use crate::output::plots::history::History;
 use crate::output::{OutputError, RunOptions, RunWriter, directory, timings};
 use crate::run::{Outcome, Simulation, Step};
 use crate::scene::LoadedScene;
-use crate::scene::format::{Load, Stage};
+use crate::scene::format::{Load, Particle, Specimen, Stage, WallControl};
 
 /// Increments of the last stage that are averaged over, after the first one.
 const INCREMENTS: u32 = 5;
@@ -49,9 +49,10 @@ pub fn run(scenes: &Scenes, extent: Extent, scratch: &Path) -> Result<Part, Benc
         table.rows.push(row(name, &loaded, &scratch.join("stages_run"), &repetitions)?);
     }
     let text = "Means over five increments after the first of a stage, which orders and analyses the \
-        matrix. All but the first two and the last two rows are the biaxial scene with something taken \
+        matrix. All but the first two and the last four rows are the biaxial scene with something taken \
         away or added; `oedometric`: between fixed sides. `held`: nothing moves and nothing has \
-        changed since the last increment. `output` writes history, events and timings.";
+        changed since the last increment. `columns`: 40 columns of ten rigid disks on one floor. `output` \
+        writes history, events and timings.";
     Ok(Part { name: "stages", text: text.to_owned(), tables: vec![table], charts: Vec::new() })
 }
 
@@ -111,9 +112,36 @@ fn variants(scenes: &Scenes, full: bool) -> Result<Vec<(&'static str, LoadedScen
         ("no bonds, oedometric", without_bonds(biaxial(&[])?)),
         ("no bonds, frictionless, oedometric", without_bonds(biaxial(&frictionless)?)),
         ("dynamic", biaxial(&["stages.load.analysis=Dynamic(dt: 1.0e-3)"])?),
+        ("columns at rest, a disk falls", columns(scenes, None)?),
+        ("the same, floor shaken", columns(scenes, Some(1e-6))?),
         ("one body in contact", scenes.load("incline_rests", &[])?),
         ("one body in flight", scenes.load("bounce", &["stages.drop.increments=90"])?),
     ])
+}
+
+/// Forty columns of ten disks at rest on one floor, and a disk that falls beside them. The floor may be
+/// driven sideways, m an increment: then nothing is at rest.
+fn columns(scenes: &Scenes, shaken: Option<f64>) -> Result<LoadedScene, BenchError> {
+    let increments = format!("stages.rest.increments={}", 4 * INCREMENTS);
+    let mut loaded = scenes.load("stack", &[&increments, "friction_law=Associated"])?;
+    let Specimen::Particles(column) = &mut loaded.scene.specimen else {
+        return Err(BenchError::Run("the stack is not a list of particles".to_owned()));
+    };
+    let mut all = Vec::new();
+    for k in 0..40 {
+        all.extend(column.iter().map(|disk| {
+            let place = (disk.position.0 + 0.03 * f64::from(k), disk.position.1);
+            Particle { position: place, probe: None, ..disk.clone() }
+        }));
+    }
+    let falling = column[0].clone();
+    all.push(Particle { position: (-0.05, 0.2), probe: None, ..falling });
+    *column = all;
+    loaded.scene.walls[0].end.0 = 1.3;
+    if let (Some(u), Some(Stage::Load(load))) = (shaken, loaded.scene.stages.last_mut()) {
+        load.walls.insert("floor".to_owned(), WallControl::Displacement(u, 0.0));
+    }
+    Ok(loaded)
 }
 
 fn row(
