@@ -219,17 +219,9 @@ fn random_programs_end_in_a_status_that_is_true() {
     println!("solved, collapsed, locked, stalled: own {:?}, Clarabel {:?}", counts[0], counts[1]);
     println!("stalled: {stalled:?}");
     assert!(failed.is_empty(), "add to {CORPUS}: {failed:?}");
-    println!("contradictions:\n{}", contradictions.join("\n"));
+    assert!(contradictions.is_empty(), "{}", contradictions.join("\n"));
     let tried = cases + kept.len() as u64;
-    // Open defects, of which there are to be no more. One solver calls solved what the other proves
-    // to collapse: rigid bodies that are locked in another part of the program carry forces without
-    // bound, and residuals are relative to the greatest force.
-    assert!(
-        1000 * contradictions.len() as u64 <= tried + 1000 * kept.len() as u64,
-        "{} of {tried}",
-        contradictions.len()
-    );
-    // And where Clarabel finds no forces, its mechanism often does not prove it: both stall.
+    // Open: where Clarabel finds no forces, its mechanism often does not prove it, and both stall.
     // The programs must be of all kinds.
     assert!(counts[0][..3].iter().all(|count| 50 * count > cases), "{counts:?}");
     assert!(14 * stalled.len() as u64 <= tried, "{} of {tried} stalled", stalled.len());

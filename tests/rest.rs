@@ -3,13 +3,13 @@
 mod common;
 
 use clastic::components::program::{ConeProgram, ConeSolution, SolveStatus};
-use clastic::run::Simulation;
-use clastic::scene::format::Scene;
+use clastic::run::{Outcome, Simulation};
+use clastic::scene::format::{Load, Motion, ParticleControl, Scene, Select, Stage, WallControl};
 use clastic::systems::solve_program::ConeSolver;
 use clastic::systems::solve_program::condensed::{Condensed, rest};
 use clastic::systems::solve_program::residuals::{displacement_scale, force_scale};
 
-use common::{next, parse, states};
+use common::{next, parse, run, states};
 
 /// Three disks upon each other, and one that falls at x with a velocity v.
 fn stack(contact: &str, solver: &str, [x, v]: [f64; 2]) -> Scene {
@@ -40,11 +40,13 @@ const ELASTIC: &str =
 const BESIDE: [f64; 2] = [0.1, 0.3];
 const UPON: [f64; 2] = [0.008, 0.0];
 
-/// Bodies that were found at rest in the increment that was just solved.
-fn asleep(simulation: &Simulation) -> Vec<usize> {
+/// Bodies that were left out of the increment that was just solved; `moved` are the displacements of the
+/// one before, and become those of this one.
+fn asleep(simulation: &Simulation, moved: &mut Vec<[f64; 3]>) -> Vec<usize> {
     let program = simulation.world().resource::<ConeProgram>();
-    let solution = simulation.world().resource::<ConeSolution>();
-    let found = rest::find(program, &solution.displacements).unwrap_or_default();
+    moved.resize(program.bodies.len(), [0.0; 3]);
+    let found = rest::find(program, moved).unwrap_or_default();
+    moved.clone_from(&simulation.world().resource::<ConeSolution>().displacements);
     (0..found.len()).filter(|i| found[*i]).collect()
 }
 
@@ -53,10 +55,10 @@ fn a_stack_sleeps_while_a_disk_falls_beside_it() {
     for contact in [RIGID, ELASTIC] {
         let mut own = Simulation::new(&stack(contact, "Condensed", BESIDE), None);
         let mut oracle = Simulation::new(&stack(contact, "Clarabel()", BESIDE), None);
-        let (mut slept, mut woke) = (0, 0);
+        let (mut slept, mut woke, mut last) = (0, 0, Vec::new());
         while let Some(record) = next(&mut own) {
             next(&mut oracle).unwrap();
-            let asleep = asleep(&own);
+            let asleep = asleep(&own, &mut last);
             assert!(!asleep.contains(&3), "{record:?}");
             assert!(asleep.is_empty() || asleep == [0, 1, 2], "half of a stack: {asleep:?}");
             slept += u32::from(!asleep.is_empty());
@@ -74,10 +76,10 @@ fn a_stack_sleeps_while_a_disk_falls_beside_it() {
 fn a_stack_wakes_when_a_disk_falls_on_it() {
     for contact in [RIGID, ELASTIC] {
         let mut own = Simulation::new(&stack(contact, "Condensed", UPON), None);
-        let (mut slept, mut moved) = (false, false);
+        let (mut slept, mut moved, mut last) = (false, false, Vec::new());
         let before = states(&mut own);
         while next(&mut own).is_some() {
-            slept |= !asleep(&own).is_empty();
+            slept |= !asleep(&own, &mut last).is_empty();
             let now = states(&mut own);
             moved |= (0..3).any(|i| now[i].position.distance(before[i].position) > 1e-4);
         }
@@ -89,9 +91,9 @@ fn a_stack_wakes_when_a_disk_falls_on_it() {
 #[test]
 fn what_is_at_rest_is_what_would_be_solved() {
     let mut simulation = Simulation::new(&stack(ELASTIC, "Condensed", BESIDE), None);
-    let mut compared = 0;
+    let (mut compared, mut last) = (0, Vec::new());
     while next(&mut simulation).is_some() {
-        if asleep(&simulation).is_empty() {
+        if asleep(&simulation, &mut last).is_empty() {
             continue;
         }
         let mut program = simulation.world().resource::<ConeProgram>().clone();
@@ -102,7 +104,9 @@ fn what_is_at_rest_is_what_would_be_solved() {
         let force = force_scale(&program, &without.forces);
         let far = displacement_scale(&program, &without.displacements);
         for (a, b) in with.forces.iter().zip(&without.forces) {
-            assert!((a[0] - b[0]).abs() <= 1e-6 * force, "{a:?} {b:?}");
+            for k in 0..2 {
+                assert!((a[k] - b[k]).abs() <= 1e-6 * force, "{a:?} {b:?}");
+            }
         }
         for (a, b) in with.displacements.iter().zip(&without.displacements) {
             assert!((a[0] - b[0]).hypot(a[1] - b[1]) <= 1e-7 * far, "{a:?} {b:?}");
@@ -110,4 +114,45 @@ fn what_is_at_rest_is_what_would_be_solved() {
         compared += 1;
     }
     assert!(compared >= 150, "{compared}");
+}
+
+/// A floor that creeps sideways shears the stack by an imposed slip that is nothing beside the motion of
+/// the fast disk, and that adds up in no gap and no velocity.
+#[test]
+fn imposed_slip_keeps_a_stack_awake() {
+    let mut scene = stack(ELASTIC, "Condensed", BESIDE);
+    for stage in &mut scene.stages {
+        if let Stage::Load(load) = stage {
+            load.walls.insert("floor".to_owned(), WallControl::Displacement(1e-15, 0.0));
+        }
+    }
+    let mut simulation = Simulation::new(&scene, None);
+    let mut last = Vec::new();
+    while let Some(record) = next(&mut simulation) {
+        let asleep = asleep(&simulation, &mut last);
+        assert!(asleep.is_empty(), "{asleep:?} in increment {}", record.increment);
+    }
+}
+
+/// Where what is fast stops, the scale of motion falls at once; what slept by the greater scale must not
+/// be taken for solved by the solver and for stalled by the engine.
+#[test]
+fn a_stack_sleeps_on_or_is_solved_when_what_is_fast_stops() {
+    let mut scene = stack(RIGID, "Condensed", BESIDE);
+    let Some(Stage::Load(mut hold)) = scene.stages.pop() else { panic!("no load") };
+    scene.stages.push(Stage::Load(Load { increments: 40, ..hold.clone() }));
+    hold.name = "hold".to_owned();
+    hold.particles = vec![ParticleControl {
+        select: Select::Index(vec![3]),
+        x: Motion::Held,
+        y: Motion::Held,
+        rotation: Motion::Held,
+        affine: None,
+        force: None,
+        moment: None,
+    }];
+    scene.stages.push(Stage::Load(hold));
+    let (records, outcome) = run(&scene);
+    assert_eq!(outcome, Outcome::Completed);
+    assert!(records.iter().all(|r| r.solves == 1), "an increment was solved again");
 }

@@ -113,17 +113,19 @@ fn differences(
 /// Clarabel's solution, found as what is to be added to the displacements `base`. Far-moving bodies on
 /// stiff springs leave it no digits for the forces; about a point nearby, in units of what the springs
 /// give, nothing is far. For springs alone: what they have is moved into offsets and former shear.
-fn solve_from(program: &ConeProgram, base: &[[f64; 3]]) -> ConeSolution {
+fn solve_from(program: &ConeProgram, base: &[[f64; 3]]) -> Option<ConeSolution> {
     let mut about = program.clone();
     for c in &mut about.interactions {
         let [closing, slip, _] = program.kinematics(c, base);
         c.offset -= closing;
         if c.tangential_compliance > 0.0 {
             c.previous_shear += slip / c.tangential_compliance;
-        } else {
-            assert!(!c.limits.has_shear(), "no spring takes the slip");
+        } else if c.limits.has_shear() {
+            return None;
         }
-        assert!(!c.limits.has_rolling(), "no spring takes the rotation");
+        if c.limits.has_rolling() {
+            return None;
+        }
     }
     for (body, base) in about.bodies.iter_mut().zip(base) {
         for (dof, u) in body.dofs.iter_mut().zip(base) {
@@ -144,12 +146,13 @@ fn solve_from(program: &ConeProgram, base: &[[f64; 3]]) -> ConeSolution {
             u[k] += base[k];
         }
     }
-    solution
+    Some(solution)
 }
 
 /// Compares the two solvers; panics where they contradict each other or both stall.
 fn compare(programs: &[(String, ConeProgram)]) -> Agreement {
-    let (mut ended, mut own, mut alone, mut failures) = ([0; 4], 0, 0, Vec::new());
+    let (mut ended, mut own, mut alone, mut doubtful) = ([0; 4], 0, 0, 0);
+    let mut failures = Vec::new();
     for (name, program) in programs {
         let a = solve(&mut Condensed::default(), program);
         let b = solve(&mut Clarabel::default(), program);
@@ -172,28 +175,38 @@ fn compare(programs: &[(String, ConeProgram)]) -> Agreement {
         if differences(program, &a, &b, UNIQUE).is_empty() {
             continue;
         }
-        // Both are asked again, for more.
-        let a = solve(&mut Condensed::new(1e-12), program);
-        let b = solve_from(program, &solve_from(program, &b.displacements).displacements);
+        // Both are asked again, for more. What the first came to must be as near to that as before; the
+        // second is not always so near: contacts that just touch and carry nothing are off by the root of
+        // what it leaves of the product of gap and force.
+        doubtful += 1;
+        let exact = solve(&mut Condensed::new(1e-12), program);
+        let Some(b) = solve_from(program, &b.displacements)
+            .and_then(|b| solve_from(program, &b.displacements))
+        else {
+            failures.push(format!("{name}: differs, and not all of it are springs"));
+            continue;
+        };
         let left =
             |s: &ConeSolution| regularised_residuals(program, &s.forces, &s.displacements).worst();
-        // Contacts that just touch and carry nothing are off by the root of what a product of gap and
-        // force is off by.
-        let found = differences(program, &a, &b, UNIQUE.max(2.0 * left(&b).sqrt()));
-        if left(&a) > 1e-12 || left(&b) > 1e-9 || !found.is_empty() {
+        let bound = UNIQUE.max(2.0 * left(&b).sqrt());
+        let mut found = differences(program, &a, &exact, UNIQUE);
+        found.extend(differences(program, &exact, &b, bound));
+        if left(&exact) > 1e-12 || left(&b) > 1e-9 || !found.is_empty() {
             failures.push(format!(
                 "{name}: {} ({:e} by {}; {:e} by {})",
                 found.join(", "),
-                left(&a),
-                a.message,
+                left(&exact),
+                exact.message,
                 left(&b),
                 b.message
             ));
         }
     }
+    assert!(500 * doubtful <= programs.len(), "{doubtful} of {} differ", programs.len());
     assert!(failures.is_empty(), "{} programs\n{}", programs.len(), failures.join("\n"));
     println!(
-        "{} programs: solved, collapsed, locked, stalled {ended:?}, Clarabel stalled on {alone}",
+        "{} programs: solved, collapsed, locked, stalled {ended:?}, Clarabel stalled on {alone}, {doubtful} \
+         asked again",
         programs.len()
     );
     Agreement { ended, own, alone }
@@ -213,9 +226,10 @@ fn condensed_and_clarabel_agree() {
 #[test]
 fn what_rolls_without_friction_is_solved_whether_clarabel_can_or_not() {
     let programs = random_programs(&[WHEELS]);
-    let Agreement { ended, alone, .. } = compare(&programs);
-    let solved = ended[SolveStatus::Solved as usize] + alone;
-    assert!(alone > 0 && 50 * solved >= 49 * programs.len(), "{solved} of {}", programs.len());
+    let Agreement { ended, own, alone } = compare(&programs);
+    let both = ended[SolveStatus::Solved as usize];
+    assert!(50 * (both + alone) >= 49 * programs.len(), "{both}, {alone} of {}", programs.len());
+    assert!(20 * own >= 19 * both && 3 * alone <= programs.len(), "{own} of {both}, {alone}");
 }
 
 #[test]
@@ -245,7 +259,7 @@ fn a_contact_that_rolls_without_friction_carries_no_shear_whatever_was_left_over
 
 #[test]
 fn nothing_that_is_solved_proves_a_collapse() {
-    for (name, program) in random_programs(KINDS) {
+    for (name, program) in [random_programs(KINDS), random_programs(&[WHEELS])].concat() {
         let solution = solve(&mut Condensed::default(), &program);
         // What only the regularisation holds may well collapse.
         let r = residuals(&program, &solution.forces, &solution.displacements).worst();

@@ -113,7 +113,7 @@ fn variants(scenes: &Scenes, full: bool) -> Result<Vec<(&'static str, LoadedScen
         ("no bonds, frictionless, oedometric", without_bonds(biaxial(&frictionless)?)),
         ("dynamic", biaxial(&["stages.load.analysis=Dynamic(dt: 1.0e-3)"])?),
         ("columns at rest, a disk falls", columns(scenes, None)?),
-        ("the same, floor shaken", columns(scenes, Some(1e-6))?),
+        ("the same, floor driven", columns(scenes, Some(1e-6))?),
         ("one body in contact", scenes.load("incline_rests", &[])?),
         ("one body in flight", scenes.load("bounce", &["stages.drop.increments=90"])?),
     ])
@@ -121,7 +121,7 @@ fn variants(scenes: &Scenes, full: bool) -> Result<Vec<(&'static str, LoadedScen
 
 /// Forty columns of ten disks at rest on one floor, and a disk that falls beside them. The floor may be
 /// driven sideways, m an increment: then nothing is at rest.
-fn columns(scenes: &Scenes, shaken: Option<f64>) -> Result<LoadedScene, BenchError> {
+fn columns(scenes: &Scenes, driven: Option<f64>) -> Result<LoadedScene, BenchError> {
     let increments = format!("stages.rest.increments={}", 4 * INCREMENTS);
     let mut loaded = scenes.load("stack", &[&increments, "friction_law=Associated"])?;
     let Specimen::Particles(column) = &mut loaded.scene.specimen else {
@@ -138,7 +138,7 @@ fn columns(scenes: &Scenes, shaken: Option<f64>) -> Result<LoadedScene, BenchErr
     all.push(Particle { position: (-0.05, 0.2), probe: None, ..falling });
     *column = all;
     loaded.scene.walls[0].end.0 = 1.3;
-    if let (Some(u), Some(Stage::Load(load))) = (shaken, loaded.scene.stages.last_mut()) {
+    if let (Some(u), Some(Stage::Load(load))) = (driven, loaded.scene.stages.last_mut()) {
         load.walls.insert("floor".to_owned(), WallControl::Displacement(u, 0.0));
     }
     Ok(loaded)

@@ -26,8 +26,11 @@ pub fn estimate(
     let displacement = displacement.max(1e-9 * length);
     let force = force(history, program, displacement);
     match attempt.magnitudes {
-        // What a failed attempt found, as long as it found something: noise is no scale.
-        Some((u, f)) => Scales { length, displacement: u, force: f.max(LEAST * force) },
+        // What a failed attempt found, as long as it found something: noise is no scale, and what a
+        // solver diverged to neither, beside which no error would show.
+        Some((u, f)) => {
+            Scales { length, displacement: u, force: f.clamp(LEAST * force, MOST * force) }
+        }
         None => Scales { length, displacement, force },
     }
 }
@@ -35,6 +38,9 @@ pub fn estimate(
 /// The least force scale, as a fraction of what the displacement would cost in one contact or of
 /// the strength. Forces that are far smaller are what is left of zero.
 const LEAST: f64 = 1e-3;
+
+/// The greatest force scale that a failed attempt sets, over what is expected without it.
+const MOST: f64 = 1e2;
 
 fn displacement(bodies: &Bodies, analysis: &Analysis, progress: &Progress) -> f64 {
     let f = progress.fraction;

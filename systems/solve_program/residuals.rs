@@ -51,7 +51,7 @@ pub fn multipliers(c: &Interaction, e: &Kinematics, f: &[f64; 3]) -> Multipliers
 /// Contact forces above this many times what is expected or applied are no scale: rigid bodies that
 /// are locked into each other carry any force, and beside it loads that nothing balances elsewhere
 /// would not show.
-const GREATEST_FORCE: f64 = 1e8;
+const GREATEST_FORCE: f64 = 1e5;
 
 /// Greatest force in the program: contact or applied, N; the scale where all are zero.
 ///
@@ -121,11 +121,7 @@ fn evaluate(
     displacements: &[[f64; 3]],
     regularisation: f64,
 ) -> Residuals {
-    let units = Units {
-        force: force_scale(program, forces),
-        displacement: displacement_scale(program, displacements),
-        length: program.scales.length,
-    };
+    let units = Units::of(program, forces, displacements);
     let mut out = Residuals::default();
     let mut rows = vec![[0.0; 3]; program.bodies.len()];
     program.add_forces(forces, &mut rows);
@@ -150,6 +146,19 @@ pub(super) struct Units {
 }
 
 impl Units {
+    /// Of a program with these forces and displacements.
+    pub(super) fn of(
+        program: &ConeProgram,
+        forces: &[[f64; 3]],
+        displacements: &[[f64; 3]],
+    ) -> Self {
+        Self {
+            force: force_scale(program, forces),
+            displacement: displacement_scale(program, displacements),
+            length: program.scales.length,
+        }
+    }
+
     /// Raises the residual of the balance to what it is at a body: `row` is what its interactions resist.
     pub(super) fn of_balance(
         &self,

@@ -97,7 +97,7 @@ fn wall_positions(simulation: &mut Simulation) -> BTreeMap<u32, DVec2> {
 impl Oracle {
     pub fn before(simulation: &mut Simulation, scene: &Scene) -> Self {
         let kind = simulation.world().resource::<Analysis>().kind;
-        // A compaction that is at its target has no increment.
+        // A compaction takes all velocities away, even one that is at its target and has no increment.
         let begins = simulation.world().resource::<Observation>().increment == 0
             && matches!(scene.stages.first(), Some(Stage::Compact(_)));
         let compacting = begins || matches!(kind, AnalysisKind::LeastMotion { .. });
@@ -371,7 +371,11 @@ impl Oracle {
             // Section 4 of the formulation: in static increments what rigid bodies overlap by less than
             // this is what the last increment left, and no overlap.
             let left = -1e-9 * mean_radius..0.0;
-            let start = if cn == 0.0 && !dynamic && left.contains(&start) { 0.0 } else { start };
+            let start = if cn == 0.0 && !dynamic && !least_motion && left.contains(&start) {
+                0.0
+            } else {
+                start
+            };
             let rest = start + opening + cn / theta * p
                 - closing
                 - friction * plastic.abs()

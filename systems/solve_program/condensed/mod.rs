@@ -25,7 +25,7 @@ use super::clarabel::Clarabel;
 use super::lowering::{lower, polish, units};
 use super::polish::Point;
 use super::residuals::regularised_residuals;
-use super::{ConeSolver, MalformedProgram};
+use super::{ConeSolver, MalformedProgram, displacements_from_forces};
 
 /// Default tolerance: just below the residual that increments are accepted with by default.
 const TOLERANCE: f64 = 9e-9;
@@ -139,6 +139,8 @@ impl Condensed {
             self.solve_reduced(program, asleep)?
         };
         if solution.status == SolveStatus::Solved {
+            // What will be committed: little as they are, forces at rest leave something.
+            displacements_from_forces(program, &mut solution);
             let r = regularised_residuals(program, &solution.forces, &solution.displacements);
             if !(r.worst() <= self.tolerance) {
                 solution.status = SolveStatus::Stalled;

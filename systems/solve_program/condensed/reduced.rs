@@ -65,13 +65,7 @@ impl Reduced {
     /// The solution of the whole program that belongs to one of what is left.
     #[must_use]
     pub fn expand(&self, program: &ConeProgram, part: ConeSolution) -> ConeSolution {
-        let known = |i: usize| {
-            program.bodies[i].dofs.map(|d| match d {
-                Dof::Fixed(u) => u,
-                Dof::Free(_) => 0.0,
-            })
-        };
-        let mut displacements: Vec<[f64; 3]> = (0..program.bodies.len()).map(known).collect();
+        let mut displacements = program.imposed();
         for (u, &i) in part.displacements.iter().zip(&self.bodies) {
             displacements[i] = *u;
         }

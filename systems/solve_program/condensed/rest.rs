@@ -4,33 +4,30 @@
 //! In dynamics whole clusters of touching bodies rest while others move: a pile on the ground while more
 //! falls, an island in a large scene. A cluster is asleep where zero displacement with the forces of the
 //! last increment solves its rows more exactly than a solver would. It wakes by itself: a body that comes
-//! near is a contact that joins the cluster to what moves, and what its rows leave adds up in the
-//! velocities until they no longer pass.
+//! near is a contact that joins the cluster to what moves; what its balance leaves adds up in the
+//! velocities, and what its gaps leave in the gaps, until they no longer pass. Slip that is imposed on it
+//! adds up nowhere, and keeps it awake however small.
 //!
-//! There is no such thing in a static program: beside displacements that vanish everywhere the round-off
-//! of a gap is no longer nothing.
+//! There is no such thing without inertia: beside displacements that vanish everywhere the round-off of a
+//! gap is no longer nothing.
 
 use clastic_components::program::{ConeProgram, Dof, Residuals};
 
-use super::super::residuals::{Units, displacement_scale, force_scale};
+use super::super::residuals::Units;
 use super::matrix::adjacency;
 
 /// Greatest residual of what is at rest: a hundredth of what is accepted by default.
 const AT_REST: f64 = 1e-10;
 
-/// Bodies at rest; `None` where there are none. `moved` are the displacements of the last increment:
-/// what is little beside them is nothing.
+/// Bodies at rest; `None` where there are none. `moved` are the displacements of the last solution: what
+/// is little beside them is nothing.
 #[must_use]
 pub fn find(program: &ConeProgram, moved: &[[f64; 3]]) -> Option<Vec<bool>> {
     let forces = &program.last_forces;
     if forces.is_empty() || !program.is_dynamic() {
         return None;
     }
-    let units = Units {
-        force: force_scale(program, forces),
-        displacement: displacement_scale(program, moved),
-        length: program.scales.length,
-    };
+    let units = Units::of(program, forces, moved);
     let still = program.imposed();
     let free: Vec<bool> = program.bodies.iter().map(|b| b.is_free()).collect();
     let mut rests = free.clone();
@@ -39,8 +36,9 @@ pub fn find(program: &ConeProgram, moved: &[[f64; 3]]) -> Option<Vec<bool>> {
     for (c, f) in program.interactions.iter().zip(forces.iter().chain(std::iter::repeat(&nothing)))
     {
         let mut left = Residuals::default();
-        units.of_interaction(c, &program.kinematics(c, &still), f, &mut left);
-        if left.worst() <= AT_REST {
+        let e = program.kinematics(c, &still);
+        units.of_interaction(c, &e, f, &mut left);
+        if left.worst() <= AT_REST && e[1] == 0.0 && e[2] == 0.0 {
             continue;
         }
         let [a, b] = [c.a as usize, c.b as usize];
@@ -63,6 +61,9 @@ pub fn find(program: &ConeProgram, moved: &[[f64; 3]]) -> Option<Vec<bool>> {
         if !(left.worst() <= AT_REST && slow) {
             rests[i] = false;
         }
+    }
+    if !rests.contains(&true) {
+        return None;
     }
     wake_neighbours(program, &free, &mut rests);
     let all = (0..rests.len()).all(|i| rests[i] == free[i]);
