@@ -5,7 +5,8 @@
     cargo run --release -- run bench/large/uniaxial.ron
 
 The specimen is the stored packing of 50 x 120 mm, every other tile mirrored, so that the disks at the
-edge of a tile touch their mirror images. Everything else is as in scenes/uniaxial.ron.
+edge of a tile touch their mirror images. Rock and increments are those of scenes/uniaxial.ron; the
+test ends when the stress has fallen to 90 % of its peak.
 """
 
 import argparse
@@ -17,7 +18,7 @@ WIDTH, HEIGHT = 0.05, 0.12
 
 SCENE = """(
     version: 1,
-    title: "Uniaxial compression of rock, {count} disks",
+    title: "Uniaxial compression of rock, {columns} x {rows} tiles",
     materials: {{
         "rock": (
             contact: (normal_stiffness: 3.4e10, tangential_stiffness: 3.4e10, friction: 0.4),
@@ -58,10 +59,12 @@ SCENE = """(
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--columns", type=int, default=5)
-    parser.add_argument("--rows", type=int, default=3)
-    parser.add_argument("--out", type=Path, default=Path("bench/large"))
+    parser.add_argument("--columns", type=int, default=5, help="tiles side by side")
+    parser.add_argument("--rows", type=int, default=3, help="tiles upon each other")
+    parser.add_argument("--out", type=Path, default=Path("bench/large"), help="directory to write")
     args = parser.parse_args()
+    if args.columns < 1 or args.rows < 1:
+        parser.error("--columns and --rows: at least 1")
 
     with PACKING.open(newline="") as file:
         disks = [[float(value) for value in row] for row in list(csv.reader(file))[1:]]
@@ -77,7 +80,7 @@ def main():
                     y = HEIGHT - y if row % 2 else y
                     rows.writerow([column * WIDTH + x, row * HEIGHT + y, radius])
     count = len(disks) * args.columns * args.rows
-    text = SCENE.format(count=count, width=width, height=height, step=-5e-5 * height)
+    text = SCENE.format(columns=args.columns, rows=args.rows, width=width, height=height, step=-5e-5 * height)
     (args.out / "uniaxial.ron").write_text(text)
     print(f"{count} disks, {width:g} x {height:g} m: {args.out / 'uniaxial.ron'}")
 

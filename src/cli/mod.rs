@@ -114,7 +114,7 @@ struct OutputArgs {
     /// Write a checkpoint after every N increments, for `clastic resume` [default of resume: as before]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     checkpoint_every: Option<u32>,
-    /// Threads to use at most; results do not depend on it (this version always uses one)
+    /// Threads to use at most; results do not depend on it (one is used: a second gains nothing)
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     threads: Option<u32>,
     /// No progress, only the result

@@ -11,7 +11,7 @@
 //! There is no such thing without inertia: beside displacements that vanish everywhere the round-off of a
 //! gap is no longer nothing.
 
-use clastic_components::program::{ConeProgram, Dof, Residuals};
+use clastic_components::program::{ConeProgram, Dof, ProgramBody, Residuals};
 
 use super::super::residuals::Units;
 use super::matrix::adjacency;
@@ -29,7 +29,7 @@ pub fn find(program: &ConeProgram, moved: &[[f64; 3]]) -> Option<Vec<bool>> {
     }
     let units = Units::of(program, forces, moved);
     let still = program.imposed();
-    let free: Vec<bool> = program.bodies.iter().map(|b| b.is_free()).collect();
+    let free: Vec<bool> = program.bodies.iter().map(ProgramBody::is_free).collect();
     let mut rests = free.clone();
     let mut known_rest = true;
     let nothing = [0.0; 3];
