@@ -69,6 +69,8 @@ pub fn assemble_program(
         &attempt.held,
         &mut program.bodies,
     );
-    program.scales = scales::estimate(&bodies, &history, &analysis, &progress, &attempt, program);
+    let count = contacts.0.len();
+    program.scales =
+        scales::estimate(&bodies, &history, &analysis, &progress, &attempt, count, program);
     loose::regularise(&bodies, &history, &analysis, &acceptance, &attempt, program);
 }

@@ -7,7 +7,7 @@ use clastic_components::attempt::Attempt;
 use clastic_components::body::Drive;
 use clastic_components::contact::{Bodies, ContactHistory};
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
-use clastic_components::program::{ConeProgram, Dof, FreeDof, Scales};
+use clastic_components::program::{ConeProgram, Dof, FreeDof, Interaction, Scales};
 use clastic_components::wall::WallDrive;
 
 /// Estimates the scales of the program; a rejected attempt's own magnitudes come first.
@@ -17,14 +17,18 @@ pub fn estimate(
     analysis: &Analysis,
     progress: &Progress,
     attempt: &Attempt,
+    contacts: usize,
     program: &ConeProgram,
 ) -> Scales {
     let length = bodies.mean_radius;
-    let known = displacement(bodies, analysis, progress).max(rigid_overlap(program));
+    // Companions of taut bonds come after those of contacts, and are as soft as their tension is small.
+    let interactions = &program.interactions[..contacts.min(program.interactions.len())];
+    let known = displacement(bodies, analysis, progress).max(rigid_overlap(interactions));
     // Loaded from rest: what the loads do to one contact.
-    let displacement = if known > 0.0 { known } else { greatest_load(program) * softest(program) };
+    let displacement =
+        if known > 0.0 { known } else { greatest_load(program) * softest(interactions) };
     let displacement = displacement.max(1e-9 * length);
-    let force = force(history, program, displacement);
+    let force = force(history, program, interactions, displacement);
     match attempt.magnitudes {
         // What a failed attempt found, as long as it found something: noise is no scale, and what a
         // solver diverged to neither, beside which no error would show.
@@ -81,17 +85,22 @@ fn greatest_load(program: &ConeProgram) -> f64 {
 }
 
 /// The greatest overlap that rigid interactions have to take out, m.
-fn rigid_overlap(program: &ConeProgram) -> f64 {
-    let rigid = program.interactions.iter().filter(|c| c.normal_compliance == 0.0);
+fn rigid_overlap(interactions: &[Interaction]) -> f64 {
+    let rigid = interactions.iter().filter(|c| c.normal_compliance == 0.0);
     rigid.map(|c| -c.offset).fold(0.0, f64::max)
 }
 
 /// The greatest normal compliance, m/N.
-fn softest(program: &ConeProgram) -> f64 {
-    program.interactions.iter().map(|c| c.normal_compliance).fold(0.0, f64::max)
+fn softest(interactions: &[Interaction]) -> f64 {
+    interactions.iter().map(|c| c.normal_compliance).fold(0.0, f64::max)
 }
 
-fn force(history: &ContactHistory, program: &ConeProgram, displacement: f64) -> f64 {
+fn force(
+    history: &ContactHistory,
+    program: &ConeProgram,
+    interactions: &[Interaction],
+    displacement: f64,
+) -> f64 {
     let remembered = history.0.iter().map(|m| m.p.abs().max(m.q.abs())).fold(0.0, f64::max);
     let loads = greatest_load(program);
     let inertial = free_translations(program).map(|f| f.inertia * displacement).fold(0.0, f64::max);
@@ -100,7 +109,7 @@ fn force(history: &ContactHistory, program: &ConeProgram, displacement: f64) -> 
     // is rigid, the strength.
     let mut elastic = f64::INFINITY;
     let mut strength = 0.0_f64;
-    for c in &program.interactions {
+    for c in interactions {
         if c.normal_compliance > 0.0 {
             elastic = elastic.min(0.1 * displacement / c.normal_compliance);
         }
