@@ -50,3 +50,20 @@ fn runs_of_one_name_are_told_apart_and_unfinished_ones_are_marked() {
     let stress = fs::read_to_string(out.join("stress.svg")).unwrap();
     assert!(stress.contains("new/lattice (running)") && stress.contains("old/lattice"));
 }
+
+/// Pictures of other runs stayed where none was drawn, and passed for those of these.
+#[test]
+fn a_comparison_without_curves_leaves_no_older_picture() {
+    let parent = tempfile::tempdir().unwrap();
+    let at = |name: &str| parent.path().join(name);
+    run("bounce", &at("bounce"), "output.plots=false");
+    let out = at("pictures");
+    fs::create_dir(&out).unwrap();
+    for file in ["stress.svg", "volumetric.svg"] {
+        fs::write(out.join(file), "older").unwrap();
+    }
+    let paths = [&out, &at("bounce")].map(|path| path.to_str().unwrap().to_owned());
+    let said = clastic(&["compare", "--out", &paths[0], &paths[1]]);
+    assert!(said.contains("no picture"), "{said}");
+    assert_eq!(fs::read_dir(&out).unwrap().count(), 0);
+}

@@ -54,12 +54,15 @@ pub fn compare(directories: &[PathBuf], out: &Path) -> Result<Exit, Failure> {
         [("stress.svg", compare::stress(&read)), ("volumetric.svg", compare::volumetric(&read))];
     let mut drawn = false;
     for (file, chart) in charts {
-        if let Some(chart) = chart {
-            let path = out.join(file);
-            write_atomic(&path, chart.svg().map_err(OutputError::at(&path))?)?;
-            say(format_args!("drawn: {}", path.display()))?;
-            drawn = true;
-        }
+        let path = out.join(file);
+        let Some(chart) = chart else {
+            // Of other runs, compared before.
+            directory::remove_if_there(&path)?;
+            continue;
+        };
+        write_atomic(&path, chart.svg().map_err(OutputError::at(&path))?)?;
+        say(format_args!("drawn: {}", path.display()))?;
+        drawn = true;
     }
     if !drawn {
         say(format_args!("no picture: none of the runs defines an axial strain with a stress"))?;
