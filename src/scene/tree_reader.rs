@@ -52,6 +52,16 @@ impl<'a> Reader<'a> {
                 (_, Ok(value)) if value >= 0.0 && value.fract() == 0.0 && value < 1e9 => {
                     format!("write {value:.0}")
                 }
+                (_, Ok(value)) if value > 0.0 && value < 1e9 && what.contains("whole") => {
+                    format!("write {:.0} or {:.0}", value.floor(), value.ceil())
+                }
+                _ => String::new(),
+            },
+            Shape::Tuple if number => match self.node.entries.as_slice() {
+                [Entry { key: None, value }] if self.named() == Some("Some") => {
+                    format!("write `{}`, without `Some`", self.cx.literal(value))
+                }
+                [_, _, ..] => "give one number".to_owned(),
                 _ => String::new(),
             },
             Shape::Nothing if self.path.is_empty() => {
