@@ -3,31 +3,35 @@
 //!
 //! After a rupture a few contacts out of thousands change their state, and a cluster that came loose
 //! sends the global direction far off; the one global step length then serves one cluster per
-//! factorisation. Each cluster on its own is a small problem. (Nonlinear elimination, or
-//! nonlinearly preconditioned Newton: Cai and Keyes 2002.)
+//! factorisation. Each cluster on its own is a small problem. It is solved to the end: what is left
+//! would be the residual of the whole program after the next step, if all but a few clusters are elastic.
+//! (Nonlinear elimination, or nonlinearly preconditioned Newton: Cai and Keyes 2002.)
 
 use super::matrix::BodyMatrix;
 use super::newton::{self, Limits};
 use super::scaled::{Local, Scaled};
 
-/// Bodies with more than this fraction of the greatest unbalance are eliminated,
-const SHARE: f64 = 0.02;
+/// Bodies with more than this fraction of the greatest unbalance are eliminated, and those that the last
+/// step left behind,
+const SHARE: f64 = 0.05;
 /// with what lies within so many interactions of them,
 const RINGS: usize = 2;
 /// where that is no more bodies than this.
 const LARGEST: usize = 1500;
+/// Bodies with more interactions than this are walls, mostly.
+const CROWDED: usize = 32;
 /// Open contacts further than this, in units of displacement, join nothing.
 const NEAR: f64 = 50.0;
 /// What is left of their unbalance, as a fraction of the greatest.
-const REST: f64 = 0.1;
+const REST: f64 = 1e-8;
 const LIMITS: Limits = Limits {
     iterations: 30,
     tiny: 30,
     patience: 30,
     goal: 1e-10,
     unbalance: 0.0,
-    damping: 1e-3,
-    least_damping: 1e-6,
+    damping: 1e-6,
+    least_damping: 1e-10,
 };
 
 /// The interactions of every body.
@@ -62,26 +66,31 @@ impl Adjacency {
     fn of(&self, body: usize) -> &[usize] {
         &self.interactions[self.starts[body]..self.starts[body + 1]]
     }
+
+    /// Walls touch bodies everywhere: elimination leaves them where they are.
+    pub(super) fn is_crowded(&self, body: usize) -> bool {
+        self.of(body).len() > CROWDED
+    }
 }
 
-/// Brings the bodies that are furthest out of balance to balance; returns whether any moved.
+/// Brings the bodies that are furthest out of balance, and those that are `fast` (none if it is empty),
+/// to balance; returns whether any moved.
 pub(super) fn eliminate(
     program: &Scaled,
     adjacency: &Adjacency,
     gradient: &[[f64; 3]],
     e: &[[f64; 2]],
+    fast: &[bool],
     u: &mut [[f64; 3]],
 ) -> bool {
     let unbalance: Vec<f64> =
         gradient.iter().map(|g| g.iter().fold(0.0_f64, |m, g| m.max(g.abs()))).collect();
     let greatest = unbalance.iter().copied().fold(0.0, f64::max);
     let n = unbalance.len();
-    let mobile = |i: usize| program.free[i].contains(&true);
-    // Walls touch bodies everywhere: they stay where they are.
-    let crowded = |i: usize| adjacency.of(i).len() > 32;
+    let mobile = |i: usize| program.free[i].contains(&true) && !adjacency.is_crowded(i);
+    let wanted = |i: usize| unbalance[i] > SHARE * greatest || fast.get(i) == Some(&true);
     let mut inside = vec![false; n];
-    let mut list: Vec<usize> =
-        (0..n).filter(|i| unbalance[*i] > SHARE * greatest && mobile(*i) && !crowded(*i)).collect();
+    let mut list: Vec<usize> = (0..n).filter(|i| wanted(*i) && mobile(*i)).collect();
     for i in &list {
         inside[*i] = true;
     }
@@ -100,7 +109,6 @@ pub(super) fn eliminate(
                 if let Some(j) = joined(k, list[at])
                     && !inside[j]
                     && mobile(j)
-                    && !crowded(j)
                 {
                     inside[j] = true;
                     list.push(j);

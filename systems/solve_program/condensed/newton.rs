@@ -46,9 +46,15 @@ const TINY: f64 = 0.02;
 /// Started near enough to a solution it gets so far within a few factorisations.
 const LOST: f64 = 1e-2;
 /// [Local elimination](eliminate) comes before a global step where the unbalance over the greatest
-/// force is more than this and the last step was shorter than that.
-const UNBALANCED: f64 = 1e-5;
+/// force is more than this and the last step was shorter than that, or left fast bodies behind.
+const UNBALANCED: f64 = 1e-9;
 const SHORT: f64 = 0.7;
+/// Bodies that a step moves further than so many times as far as this fraction of all bodies move are
+/// fast,
+const FAST: f64 = 2.0;
+const MOST: f64 = 0.97;
+/// and left behind where that makes the step longer by this factor.
+const LONGER: f64 = 2.0;
 
 /// Result of the iteration, converged or not.
 pub struct Newton {
@@ -202,6 +208,7 @@ pub fn iterate(
     let mut step = 0.0;
     let mut eliminated = false;
     let mut damping = limits.damping;
+    let mut fast: Vec<bool> = Vec::new();
     loop {
         program.balance_of_bodies(&u, &mut gradient);
         let mut force = 1e-3_f64;
@@ -222,9 +229,8 @@ pub fn iterate(
         }
         if let Some(adjacency) = adjacency
             && !std::mem::replace(&mut eliminated, true)
-            && unbalance > UNBALANCED * force
-            && step < SHORT
-            && eliminate(program, adjacency, &gradient, &e, &mut u)
+            && ((unbalance > UNBALANCED * force && step < SHORT) || !fast.is_empty())
+            && eliminate(program, adjacency, &gradient, &e, &fast, &mut u)
         {
             continue;
         }
@@ -260,6 +266,18 @@ pub fn iterate(
             *de = [e_n, e_t];
         }
         step = line_search(program, &springs, [&u, &du, &gradient], &e, &de);
+        fast.clear();
+        if let Some(adjacency) = adjacency.filter(|_| step < SHORT) {
+            let slow = SlowPart::of(program, adjacency, &du, &de);
+            let longer = slow.as_ref().map_or(0.0, |slow| {
+                line_search(program, &springs, [&u, &slow.du, &gradient], &e, &slow.de)
+            });
+            if let Some(slow) = slow.filter(|_| longer > LONGER * step) {
+                step = longer.min(1.0);
+                du = slow.du;
+                fast = slow.fast;
+            }
+        }
         tiny = if step < TINY { tiny + 1 } else { 0 };
         for (u, du) in u.iter_mut().zip(&du) {
             for k in 0..3 {
@@ -269,6 +287,42 @@ pub fn iterate(
     }
     let s = responses.iter().map(|r| [r.s[0], r.s[1], 0.0]).collect();
     Newton { u, s, iterations }
+}
+
+/// A step without the bodies that it moves fastest. Where a few loose bodies go far, the state of their
+/// contacts changes at once: alone they would end a step that all others could make. Those are what
+/// [local elimination](eliminate) takes on next.
+struct SlowPart {
+    fast: Vec<bool>,
+    du: Vec<[f64; 3]>,
+    /// Zero where one of the bodies is fast.
+    de: Vec<[f64; 2]>,
+}
+
+impl SlowPart {
+    /// `None` where no body is fast.
+    fn of(
+        program: &Scaled,
+        adjacency: &Adjacency,
+        du: &[[f64; 3]],
+        de: &[[f64; 2]],
+    ) -> Option<Self> {
+        let size = |du: &[f64; 3]| du[0].hypot(du[1]).max(du[2].abs());
+        let mut sizes: Vec<f64> = du.iter().map(size).collect();
+        let place = (MOST * sizes.len() as f64) as usize;
+        let (_, usual, _) = sizes.select_nth_unstable_by(place, f64::total_cmp);
+        let greatest = FAST * *usual;
+        let is_fast = |i: usize| size(&du[i]) > greatest && !adjacency.is_crowded(i);
+        let fast: Vec<bool> = (0..du.len()).map(is_fast).collect();
+        fast.contains(&true).then(|| {
+            let slow = |(du, fast): (&[f64; 3], &bool)| if *fast { [0.0; 3] } else { *du };
+            let both_slow = |l: &Local| !l.bodies.iter().any(|i| fast[*i]);
+            let du = du.iter().zip(&fast).map(slow).collect();
+            let of_both = |(de, l): (&[f64; 2], &Local)| if both_slow(l) { *de } else { [0.0; 2] };
+            let de = de.iter().zip(&program.locals).map(of_both).collect();
+            Self { fast, du, de }
+        })
+    }
 }
 
 /// The step at which the derivative along `du` vanishes, to a few per cent.
