@@ -67,3 +67,14 @@ fn a_comparison_without_curves_leaves_no_older_picture() {
     assert!(said.contains("no picture"), "{said}");
     assert_eq!(fs::read_dir(&out).unwrap().count(), 0);
 }
+
+#[test]
+fn a_directory_without_a_run_is_named() {
+    let parent = tempfile::tempdir().unwrap();
+    let program = Command::new(env!("CARGO_BIN_EXE_clastic"))
+        .args(["compare", parent.path().to_str().unwrap()])
+        .assert()
+        .code(1);
+    let said = String::from_utf8_lossy(&program.get_output().stderr).into_owned();
+    assert!(said.contains("no run is here (no run.json)"), "{said}");
+}

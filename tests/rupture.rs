@@ -353,6 +353,7 @@ fn a_packing_that_jams_is_not_driven_on_in_ever_smaller_steps() {
     let records: Vec<_> = std::iter::from_fn(|| step(&mut simulation)).collect();
     let Outcome::Stalled { message, .. } = simulation.run() else { panic!("it did not jam") };
     assert!(message.contains("jammed"), "{message}");
+    assert!(message.contains("at a height of"), "{message}");
     let (last, before) = records.split_last().unwrap();
     assert_eq!(last.status, IncrementStatus::Locked);
     // Six halvings of a whole increment at most.

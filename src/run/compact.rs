@@ -5,6 +5,7 @@
 //! increment, however large, makes listed disks overlap.
 
 use bevy_ecs::prelude::*;
+use glam::DVec2;
 
 use clastic_components::body::{
     AngularVelocity, BodyId, ExternalForce, LastMotion, Position, Velocity,
@@ -29,20 +30,16 @@ pub fn begin(world: &mut World, stage: &Compact) {
     else {
         return;
     };
+    let (height, length) = extent(world, wall, base);
     let mut walls = world.query::<&mut WallControl>();
     for mut control in walls.iter_mut(world) {
         *control = WallControl::Fixed;
     }
     let target = match stage.target {
         CompactTarget::Height(height) => height,
-        CompactTarget::Porosity(porosity) => {
-            let length = world.get::<Wall>(base).map_or(1.0, |w| 2.0 * w.half_length);
-            area / ((1.0 - porosity) * length)
-        }
+        CompactTarget::Porosity(porosity) => area / ((1.0 - porosity) * length),
     };
     let inward = world.get::<Wall>(base).map(Wall::inward).unwrap_or_default();
-    let place = |world: &World, wall| world.get::<Position>(wall).map(|x| x.0).unwrap_or_default();
-    let height = (place(world, wall) - place(world, base)).dot(inward);
     let distance = height - target;
     if distance <= 0.0 {
         return;
@@ -50,6 +47,23 @@ pub fn begin(world: &mut World, stage: &Compact) {
     let steps = (distance / stage.step).ceil().max(1.0);
     world.resource_mut::<Progress>().total = steps;
     world.entity_mut(wall).insert(WallControl::Displacement(-inward * (distance / steps)));
+}
+
+/// Height (m) and porosity of the packing between the walls of the stage, as its target counts them.
+pub fn reached(world: &mut World, stage: &Compact) -> Option<(f64, f64)> {
+    let (wall, base) = (find_wall(world, &stage.wall)?, find_wall(world, &stage.base)?);
+    let (height, length) = extent(world, wall, base);
+    let (area, _) = disks(world);
+    Some((height, 1.0 - area / (height * length)))
+}
+
+/// Distance of the wall from the base, and length of the base, m.
+fn extent(world: &World, wall: Entity, base: Entity) -> (f64, f64) {
+    let place = |wall| world.get::<Position>(wall).map(|x| x.0).unwrap_or_default();
+    let (inward, length) = world
+        .get::<Wall>(base)
+        .map_or((DVec2::ZERO, 1.0), |base| (base.inward(), 2.0 * base.half_length));
+    ((place(wall) - place(base)).dot(inward), length)
 }
 
 /// Total area and mean radius of the particles, summed in identity order.

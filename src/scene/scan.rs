@@ -361,7 +361,6 @@ impl<'t> Scanner<'t> {
     }
 
     fn entry(&mut self, open: char) -> Result<Entry, Fault> {
-        let start = self.at;
         if open == '[' {
             return Ok(Entry { key: None, value: self.value()? });
         }
@@ -374,7 +373,7 @@ impl<'t> Scanner<'t> {
                 let fault = self.fault(self.at, "`=` after a field name", "write `:`");
                 self.faults.push(fault);
             }
-            _ if open == '{' => {
+            next if open == '{' && !matches!(next, Some(',' | '}')) => {
                 return Err(self.fault(end, "missing `:` after a key", "write `key: value`"));
             }
             _ => {
@@ -384,10 +383,6 @@ impl<'t> Scanner<'t> {
         }
         self.at += 1;
         let quoted = first.shape == Shape::Text;
-        if quoted && open == '(' {
-            let fault = self.fault(start, "a field name in quotes", "leave the quotes out");
-            self.faults.push(fault);
-        }
         let literal = self.text.get(first.span.clone()).unwrap_or_default();
         let text = if quoted { unquote(literal) } else { None };
         let text = text.unwrap_or_else(|| literal.trim_start_matches("r#").to_owned());

@@ -36,8 +36,12 @@ impl<'a> Reader<'a> {
 
     /// Notes that something else was expected here, and makes it up.
     fn expected(&self, what: &str) -> StandIn {
+        self.expected_with(what, self.meant(what))
+    }
+
+    fn expected_with(&self, what: &str, help: impl Into<String>) -> StandIn {
         let message = format!("expected {what}, found {}", self.cx.found(self.node));
-        self.cx.note(self.node.span.start, &self.path, message, self.meant(what));
+        self.cx.note(self.node.span.start, &self.path, message, help);
         self.cx.made_up(self.path.clone());
         StandIn
     }
@@ -69,7 +73,12 @@ impl<'a> Reader<'a> {
                     .into()
             }
             Shape::Text if number => "leave the quotes out".to_owned(),
-            Shape::Word if what.starts_with("a text") => format!("write `\"{literal}\"`"),
+            Shape::Word | Shape::Number if what.starts_with("a text") => {
+                format!("write `\"{literal}\"`")
+            }
+            Shape::Map | Shape::Struct | Shape::Tuple if what.starts_with("a list") => {
+                "write `[` before the first item and `]` after the last".to_owned()
+            }
             _ => String::new(),
         }
     }
@@ -166,10 +175,16 @@ impl<'de> de::Deserializer<'de> for Reader<'de> {
     }
 
     fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Failure> {
-        if self.node.shape == Shape::Map {
-            visitor.visit_map(Pairs { reader: &self, next: 0 })
-        } else {
-            self.expected("a map `{\"name\": ...}`").deserialize_map(visitor)
+        const MAP: &str = "a map `{\"name\": ...}`";
+        let keys = || self.node.entries.iter().filter_map(|entry| entry.key.as_ref());
+        match self.node.shape {
+            Shape::Map => visitor.visit_map(Pairs { reader: &self, next: 0 }),
+            // Meant as a map, if its names are those of one.
+            Shape::Struct if self.node.name.is_none() && keys().all(|key| key.quoted) => {
+                self.expected_with(MAP, "write `{` and `}` for `(` and `)`");
+                visitor.visit_map(Pairs { reader: &self, next: 0 })
+            }
+            _ => self.expected(MAP).deserialize_map(visitor),
         }
     }
 
@@ -185,7 +200,16 @@ impl<'de> de::Deserializer<'de> for Reader<'de> {
         let other_name = !self.inside && self.named().is_some_and(|found| found != name);
         if other_name || !brackets {
             let what = format!("`({}: ...)`", fields.first().copied().unwrap_or_default());
-            return self.expected(&what).deserialize_struct(name, fields, visitor);
+            let help = match self.node.entries.as_slice() {
+                [Entry { key: None, value }] if is_group(value) => {
+                    "leave out one pair of brackets".to_owned()
+                }
+                _ if shape == Shape::Tuple && !other_name => {
+                    format!("write `name: value`; the fields here are {}", suggest::list(fields))
+                }
+                _ => self.meant(&what),
+            };
+            return self.expected_with(&what, help).deserialize_struct(name, fields, visitor);
         }
         self.fields(fields, visitor)
     }
@@ -268,10 +292,14 @@ impl<'a> de::MapAccess<'a> for Pairs<'_, 'a> {
     ) -> Result<Option<S::Value>, Failure> {
         let Reader { cx, node, path, .. } = self.reader;
         loop {
-            let Some(Entry { key: Some(key), .. }) = node.entries.get(self.next) else {
-                return Ok(None);
-            };
+            let Some(entry) = node.entries.get(self.next) else { return Ok(None) };
             self.next += 1;
+            let Some(key) = &entry.key else {
+                let message =
+                    format!("expected `\"name\": value`, found {}", cx.found(&entry.value));
+                cx.note(entry.value.span.start, path, message, "");
+                continue;
+            };
             let path = join(path, &key.text);
             if !key.quoted {
                 let help = format!("write `\"{}\"`", key.text);
@@ -315,6 +343,10 @@ impl<'a> Fields<'_, 'a> {
     fn meant(&self, key: &Key) -> Option<&'static str> {
         let Reader { cx, node, path, .. } = self.reader;
         let at = key.span.start;
+        if key.quoted {
+            let message = "a field name in quotes".to_owned();
+            cx.note(at, &join(path, &key.text), message, "leave the quotes out");
+        }
         if let Some(field) = self.allowed.iter().find(|field| **field == key.text) {
             if self.given.contains(field) {
                 let message = format!("`{field}` is given twice");
@@ -447,7 +479,14 @@ impl<'a> de::VariantAccess<'a> for Variant<'a> {
         let unnamed = |entry: &Entry| entry.key.is_none();
         if self.reader.node.entries.iter().any(unnamed) {
             let first = fields.first().copied().unwrap_or_default();
-            let stand_in = self.reader.expected(&format!("`{}({first}: ...)`", self.name));
+            let what = format!("`{}({first}: ...)`", self.name);
+            let help = match self.reader.node.entries.as_slice() {
+                [Entry { value, .. }] => {
+                    format!("write `{}({first}: {})`", self.name, self.reader.cx.literal(value))
+                }
+                _ => format!("write `name: value`; the fields here are {}", suggest::list(fields)),
+            };
+            let stand_in = self.reader.expected_with(&what, help);
             return de::Deserializer::deserialize_struct(stand_in, "", fields, visitor);
         }
         self.reader.fields(fields, visitor)

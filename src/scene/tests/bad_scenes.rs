@@ -74,7 +74,7 @@ fn syntax() {
         (
             "density: 2650.0",
             r#""density": 2650.0"#,
-            "6:13: a field name in quotes; leave the quotes out",
+            "6:13: materials.grain.density: a field name in quotes; leave the quotes out",
         ),
         (r#""grain""#, "grain", r#"5:9: materials.grain: a key without quotes; write `"grain"`"#),
         (
@@ -108,7 +108,7 @@ fn fields() {
         (PARTICLE, "(position: (2.0, 1.0), radius: 1.0, radius: 2.0)",
          "12:45: specimen[1].radius: `radius` is given twice; give it once"),
         (PARTICLE, "((2.0, 1.0), 1.0)",
-         "12:9: specimen[1]: expected `(position: ...)`, found `((2.0, 1.0), 1.0)`"),
+         "12:9: specimen[1]: expected `(position: ...)`, found `((2.0, 1.0), 1.0)`; write `name: value`; the fields here are `position`, `radius`, `material`, `velocity`, `angular_velocity`, `group`, `probe`"),
         (PARTICLE, "(position: [2.0, 1.0], radius: 1.0)",
          "12:20: specimen[1].position: expected 2 values in round brackets `(...)`, found `[2.0, 1.0]`"),
         (PARTICLE, "(position: (2.0, 1.0, 0.0), radius: 1.0)",
@@ -143,7 +143,7 @@ fn fields() {
          "18:15: analysis: expected plain `Static`, found `Static(1.0)`"),
         (STAGES, "analysis: Dynamic(1.0),
     stages: [",
-         "18:15: analysis: expected `Dynamic(dt: ...)`, found `Dynamic(1.0)`"),
+         "18:15: analysis: expected `Dynamic(dt: ...)`, found `Dynamic(1.0)`; write `Dynamic(dt: 1.0)`"),
         (FORCE, "Force",
          "22:28: stages[0].walls.top: expected `Force(...)`, found `Force`"),
         (FORCE, "Force(1.0, 2.0)",
@@ -151,7 +151,18 @@ fn fields() {
         (FORCE, "Displacement(1.0)",
          "22:28: stages[0].walls.top: expected 2 values in brackets, found `Displacement(1.0)`"),
         (FORCE, "Stress(1.0)",
-         "22:28: stages[0].walls.top: expected `Stress(stress: ...)`, found `Stress(1.0)`"),
+         "22:28: stages[0].walls.top: expected `Stress(stress: ...)`, found `Stress(1.0)`; write `Stress(stress: 1.0)`"),
+        (FORCE, "Stress(1.0, 2.0)",
+         "22:28: stages[0].walls.top: expected `Stress(stress: ...)`, found `Stress(1.0, 2.0)`; write `name: value`; the fields here are `stress`, `between`"),
+        (r#"title: "Small""#, "title: 5",
+         "3:12: title: expected a text in quotes, found `5`; write `\"5\"`"),
+        (r#"{"top": Force(1.0)}"#, r#"("top": Force(1.0))"#,
+         "22:20: stages[0].walls: expected a map `{\"name\": ...}`, found `(\"top\": Force(1.0))`; write `{` and `}` for `(` and `)`"),
+        (r#"{"top": Force(1.0)}"#, r#"{"top", Force(1.0)}"#,
+         "22:21: stages[0].walls: expected `\"name\": value`, found `\"top\"`
+22:28: stages[0].walls: expected `\"name\": value`, found `Force(1.0)`"),
+        (r#"(position: (2.0, 1.0), radius: 1.0)"#, r#"(position: {2.0, 1.0}, radius: 1.0)"#,
+         "12:20: specimen[1].position: expected 2 values in round brackets `(...)`, found `{2.0, 1.0}`"),
         (FORCE, "Push(1.0)",
          "22:28: stages[0].walls.top: unknown variant `Push`; there are the variants `Fixed`, `Displacement`, `Velocity`, `Force`, `Stress`, `Custom`"),
         (r#""grain": ("#, r#""grain": Grain("#,
@@ -162,7 +173,7 @@ fn fields() {
          "7:45: materials.grain.bond.cohesion: missing field `cohesion`; add `cohesion: ...`, in Pa
 7:45: materials.grain.bond.tensile_strength: missing field `tensile_strength`; add `tensile_strength: ...`, in Pa"),
         ("contact: (friction: 0.5)", "contact: (friction: 0.5), bond: ((cohesion: 1.0, tensile_strength: 1.0))",
-         "7:45: materials.grain.bond: expected `(normal_stiffness: ...)`, found `((cohesion: 1.0, tensile_strength: 1.0))`"),
+         "7:45: materials.grain.bond: expected `(normal_stiffness: ...)`, found `((cohesion: 1.0, tensile_strength: 1.0))`; leave out one pair of brackets"),
         (r#"Load(
             name: "load",
             increments: 4,
@@ -313,7 +324,7 @@ fn recipes() {
         (SPECIMEN, "Partices([])",
          "10:15: specimen: unknown variant `Partices`; did you mean `Particles`? there are the variants `Particles`, `Lattice`, `Packing`, `File`"),
         (SPECIMEN, "File(path: 3)",
-         "10:26: specimen.path: expected a text in quotes, found `3`"),
+         "10:26: specimen.path: expected a text in quotes, found `3`; write `\"3\"`"),
     ]);
 }
 
