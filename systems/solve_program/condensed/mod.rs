@@ -100,9 +100,14 @@ impl ConeSolver for Condensed {
             self.last = vec![[0.0; 3]; program.bodies.len()];
         }
         let asleep = rest::find(program, &self.last);
-        let solution = match asleep.map(|asleep| self.solve_awake(program, asleep)).transpose()? {
+        let awake = asleep.map(|asleep| self.solve_awake(program, asleep)).transpose()?;
+        let spent = awake.as_ref().map_or(0, |solution| solution.iterations);
+        let solution = match awake {
             Some(solution) if solution.status == SolveStatus::Solved => solution,
-            _ => self.solve_reduced(program, vec![false; program.bodies.len()])?,
+            _ => {
+                let whole = self.solve_reduced(program, vec![false; program.bodies.len()])?;
+                ConeSolution { iterations: spent + whole.iterations, ..whole }
+            }
         };
         if solution.status == SolveStatus::Solved {
             self.last.clone_from(&solution.displacements);
