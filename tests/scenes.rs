@@ -103,9 +103,9 @@ scenes! {
         ("porosity", 0.18611620589347233),
         ("bonds_created", 16025.0),
         ("youngs_modulus_pa", 7437985544.670817),
-        ("youngs_modulus_secant_half_peak_pa", 7445330659.128814),
-        ("first_crack_stress_pa", 141399357.014491),
-        ("peak_stress_pa", 220165333.71242955),
+        ("youngs_modulus_secant_half_peak_pa", 7445352803.117826),
+        ("first_crack_stress_pa", 141399685.66932768),
+        ("peak_stress_pa", 220165600.76945472),
         ("strain_at_peak", 0.0320000000000024),
     ];
     #[ignore = "7380 disks, rigid"]

@@ -1,6 +1,6 @@
 //! `checkpoint.bin`: a run between two increments, whole, so that it can go on from there.
 //!
-//! One line of text, `clastic checkpoint, format 2, sha256 <hash of what follows>`, then a
+//! One line of text, `clastic checkpoint, format N, sha256 <hash of what follows>`, then a
 //! [`Checkpoint`] in postcard's encoding: documented, compact, and f64 by its bits, those that are not
 //! finite too. The file is written under another name, forced to the disk and renamed: at every
 //! moment there is a whole checkpoint, the new one or the one before.

@@ -3,7 +3,7 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::IncrementStatus;
-use clastic_components::increment::{Acceptance, Progress};
+use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
 use clastic_components::program::ConeSolution;
 
 use super::compact;
@@ -21,6 +21,7 @@ pub fn with_advice(
 ) -> String {
     let increment = world.resource::<Progress>().increment;
     let name = stage.name();
+    let dynamic = matches!(world.resource::<Analysis>().kind, AnalysisKind::Dynamic { .. });
     let mut advice = String::new();
     if let Some(worst) = nearly(world).filter(|_| status == IncrementStatus::Stalled) {
         advice = format!("a greater `acceptance.residual` ({worst:.1e} was reached), ");
@@ -38,6 +39,7 @@ pub fn with_advice(
         (IncrementStatus::Locked, _) => {
             "a stiffness for the contacts, or a wall that is free to give way".to_owned()
         }
+        _ if dynamic => "a smaller `dt`, a greater `acceptance.halvings`".to_owned(),
         _ => {
             "smaller increments (more `increments`, smaller displacements), a greater `acceptance.halvings`, \
              or, if grains are thrown, walls that hold the specimen or a greater `acceptance.throw`"

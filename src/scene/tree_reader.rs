@@ -56,13 +56,15 @@ impl<'a> Reader<'a> {
                 (_, Ok(value)) if value >= 0.0 && value.fract() == 0.0 && value < 1e9 => {
                     format!("write {value:.0}")
                 }
-                (_, Ok(value)) if value > 0.0 && value < 1e9 && what.contains("whole") => {
+                (_, Ok(value)) if value > 1.0 && value < 1e9 && what.contains("whole") => {
                     format!("write {:.0} or {:.0}", value.floor(), value.ceil())
                 }
                 _ => String::new(),
             },
             Shape::Tuple if number => match self.node.entries.as_slice() {
-                [Entry { key: None, value }] if self.named() == Some("Some") => {
+                [Entry { key: None, value }]
+                    if self.named() == Some("Some") && value.shape == Shape::Number =>
+                {
                     format!("write `{}`, without `Some`", self.cx.literal(value))
                 }
                 [_, _, ..] => "give one number".to_owned(),
@@ -73,11 +75,17 @@ impl<'a> Reader<'a> {
                     .into()
             }
             Shape::Text if number => "leave the quotes out".to_owned(),
-            Shape::Word | Shape::Number if what.starts_with("a text") => {
-                format!("write `\"{literal}\"`")
+            Shape::Word | Shape::Number | Shape::Char if what.starts_with("a text") => {
+                format!("write `\"{}\"`", literal.trim_matches('\''))
             }
-            Shape::Map | Shape::Struct | Shape::Tuple if what.starts_with("a list") => {
-                "write `[` before the first item and `]` after the last".to_owned()
+            Shape::Text if what.starts_with("a text") && literal.contains('\\') => {
+                "a backslash in a text is written twice, `\\\\`; in paths `/` will do".to_owned()
+            }
+            Shape::Tuple if what.starts_with("a list") && self.node.name.is_none() => {
+                "write `[` and `]` for `(` and `)`".to_owned()
+            }
+            Shape::Map if what.starts_with("a list") => {
+                "items of a list are in `[` and `]`, with no name before them".to_owned()
             }
             _ => String::new(),
         }
@@ -181,7 +189,9 @@ impl<'de> de::Deserializer<'de> for Reader<'de> {
             Shape::Map => visitor.visit_map(Pairs { reader: &self, next: 0 }),
             // Meant as a map, if its names are those of one.
             Shape::Struct if self.node.name.is_none() && keys().all(|key| key.quoted) => {
-                self.expected_with(MAP, "write `{` and `}` for `(` and `)`");
+                let message = format!("expected {MAP}, found {}", self.cx.found(self.node));
+                let help = "write `{` and `}` for `(` and `)`";
+                self.cx.note(self.node.span.start, &self.path, message, help);
                 visitor.visit_map(Pairs { reader: &self, next: 0 })
             }
             _ => self.expected(MAP).deserialize_map(visitor),
@@ -201,7 +211,7 @@ impl<'de> de::Deserializer<'de> for Reader<'de> {
         if other_name || !brackets {
             let what = format!("`({}: ...)`", fields.first().copied().unwrap_or_default());
             let help = match self.node.entries.as_slice() {
-                [Entry { key: None, value }] if is_group(value) => {
+                [Entry { key: None, value }] if value.shape == Shape::Struct => {
                     "leave out one pair of brackets".to_owned()
                 }
                 _ if shape == Shape::Tuple && !other_name => {
@@ -297,7 +307,7 @@ impl<'a> de::MapAccess<'a> for Pairs<'_, 'a> {
             let Some(key) = &entry.key else {
                 let message =
                     format!("expected `\"name\": value`, found {}", cx.found(&entry.value));
-                cx.note(entry.value.span.start, path, message, "");
+                cx.note(entry.value.span.start, path, message, "put a name and `:` before it");
                 continue;
             };
             let path = join(path, &key.text);
@@ -477,11 +487,23 @@ impl<'a> de::VariantAccess<'a> for Variant<'a> {
         visitor: V,
     ) -> Result<V::Value, Failure> {
         let unnamed = |entry: &Entry| entry.key.is_none();
+        if self.reader.node.shape == Shape::Word {
+            let what = format!("`{}(...)`", self.name);
+            let help = match fields {
+                [] => format!("write `{}()`", self.name),
+                _ => format!("its fields are {}", suggest::list(fields)),
+            };
+            let stand_in = self.reader.expected_with(&what, help);
+            return de::Deserializer::deserialize_struct(stand_in, "", fields, visitor);
+        }
         if self.reader.node.entries.iter().any(unnamed) {
             let first = fields.first().copied().unwrap_or_default();
             let what = format!("`{}({first}: ...)`", self.name);
             let help = match self.reader.node.entries.as_slice() {
-                [Entry { value, .. }] => {
+                [Entry { value, .. }] if value.shape == Shape::Struct => {
+                    "leave out one pair of brackets".to_owned()
+                }
+                [Entry { value, .. }] if !is_group(value) => {
                     format!("write `{}({first}: {})`", self.name, self.reader.cx.literal(value))
                 }
                 _ => format!("write `name: value`; the fields here are {}", suggest::list(fields)),

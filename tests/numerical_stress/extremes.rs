@@ -276,7 +276,7 @@ fn overlaps_are_pushed_out_without_explosion() {
     }
 }
 
-/// A bond that was compressed breaks, and its rigid contact overlaps: no explosion either.
+/// Free rigid disks that overlap, as those of a broken bond may, part without an explosion.
 #[test]
 fn a_rigid_overlap_in_flight_keeps_momentum_and_adds_no_energy() {
     let scene = packed(

@@ -1,6 +1,6 @@
 //! Numerical stress: random scenes, balances, invariance, extremes, long runs, Coulomb's fixed
 //! point. A part of the cases runs with every `cargo test`; `CLASTIC_CASES=10000` sets how many
-//! random scenes, and `cargo test --release --test numerical_stress -- --include-ignored` runs all.
+//! random scenes, `CLASTIC_FULL=1` makes long runs long, and `-- --include-ignored` adds the slow ones.
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -14,4 +14,5 @@ mod momentum;
 mod objectivity;
 mod oracle;
 mod random;
+mod random_rigs;
 mod random_scenes;

@@ -301,8 +301,11 @@ impl Oracle {
             let as_bond = bonds.get(&key).map(|(born, _)| {
                 let la = law(contact.a).bond;
                 let lb = other(contact.b).map_or(la, |m| m.bond);
-                // A bond to a wall follows the material of its particle.
-                let bond = between_bonds(la.unwrap(), lb.unwrap());
+                // A bond to a wall has the law of the wall, or that of the particle's material.
+                let own = (contact.b as usize)
+                    .checked_sub(materials.len())
+                    .and_then(|wall| scene.walls[wall].bond);
+                let bond = own.unwrap_or_else(|| between_bonds(la.unwrap(), lb.unwrap()));
                 let limits = [
                     bond.cohesion * area,
                     bond.friction,

@@ -90,7 +90,10 @@ fn a_setting_that_does_not_fit_is_refused() {
     refused("thickness=1.0, version: 2", "`1.0, version: 2` is not a value in RON");
     refused("thickness=1.0 // thin", "`1.0 // thin` is not a value in RON");
     refused("thickness=", "`` is not a value in RON");
-    refused("analysis=Dynamic", "missing field `dt`; add `dt: ...`, in s");
+    refused(
+        "analysis=Dynamic",
+        "expected `Dynamic(...)`, found `Dynamic`; its fields are `dt`, `theta`",
+    );
     refused(
         "solver.tolerance=1e-9",
         "expected one of `Condensed`, `Clarabel`, found `(tolerance: 1e-9)`",

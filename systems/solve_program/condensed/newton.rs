@@ -4,7 +4,8 @@
 //! Given u, the forces of a contact are the projection of its elastic trial onto its limits in the
 //! metric of the compliances; the balance is then the gradient of a convex, piecewise quadratic
 //! function of u, and its generalised Hessian is the condensed matrix of the current regions. The
-//! line search is exact: the derivative along the step is monotone and piecewise linear.
+//! line search is exact: the derivative along the step is monotone and piecewise linear. Where a step
+//! leaves fast bodies behind it is one of the others alone: what that does to those bodies is not counted.
 
 use super::interior::factorise;
 use super::local::{Adjacency, eliminate};
