@@ -3,6 +3,7 @@
 mod common;
 
 use clastic::components::program::{ConeProgram, ConeSolution, Dof, SolveStatus};
+use clastic::run::Simulation;
 use clastic::systems::solve_program::ConeSolver;
 use clastic::systems::solve_program::certificate::{certificate, proves};
 use clastic::systems::solve_program::clarabel::Clarabel;
@@ -12,6 +13,7 @@ use clastic::systems::solve_program::residuals::{
 };
 
 use common::programs::{KINDS, Kind, RESIDUAL, WHEELS, programs, solve};
+use common::{load, step};
 
 /// Seeds of every kind.
 const SEEDS: u32 = 8;
@@ -221,6 +223,24 @@ fn condensed_and_clarabel_agree() {
     assert!(collapsed >= 3 && locked >= 3, "{ended:?}");
     assert!(20 * alone <= programs.len(), "Clarabel stalled on {alone} of {}", programs.len());
     assert!(20 * own >= 19 * solved, "Clarabel had to solve {} of {solved}", solved - own);
+}
+
+/// Programs of 400 disks of which more and more are loose: Newton's steps leave the fast ones behind,
+/// which small programs have no room for.
+#[test]
+fn condensed_and_clarabel_agree_while_a_specimen_breaks() {
+    let mut simulation = Simulation::new(&load("uniaxial_small"), None);
+    let mut programs = Vec::new();
+    while let Some(record) = step(&mut simulation) {
+        if !record.ruptures.is_empty() {
+            let program = simulation.world().resource::<ConeProgram>().clone();
+            programs.push((format!("increment {}", record.increment), program));
+        }
+    }
+    let agreement = compare(&programs);
+    assert!(programs.len() >= 10, "{} increments with ruptures", programs.len());
+    assert_eq!(agreement.ended[0] + agreement.alone, programs.len());
+    assert_eq!(agreement.own + agreement.alone, programs.len(), "Clarabel had to help");
 }
 
 #[test]
