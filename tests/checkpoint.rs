@@ -236,6 +236,21 @@ fn bounce_direct_shear_and_clarabel() {
     same_from_anywhere(&clarabel, |k| k % 7 == 0);
 }
 
+#[test]
+fn the_ledger_and_the_corrector_go_on() {
+    let sets = ["output=(energy: true)", "corrector=(passes: 20)", "stages.drop.increments=40"];
+    same_from_anywhere(&load("bounce", &sets), |k| k % 6 == 1);
+    let sets = [
+        "output=(energy: true)",
+        "corrector=(passes: 20)",
+        "stages.confine.increments=2",
+        "stages.load.increments=5",
+        "stages.load.walls.top[1]=-0.16e-3",
+    ];
+    let records = same_from_anywhere(&load("biaxial_small", &sets), |k| k % 2 == 1);
+    assert!(records.iter().any(|o| o.solves > 1), "nothing was corrected");
+}
+
 /// A bond breaks under the 25th newton and nothing holds the rest; a stage follows.
 const COLLAPSE: &str = r#"(
     version: 1,
