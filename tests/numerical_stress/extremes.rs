@@ -188,20 +188,25 @@ fn pile(head: &str, contact: &str, increments: u32) -> Scene {
 
 #[test]
 fn friction_from_none_to_five() {
+    let mut completed = 0;
     for friction in [0.0, 1e-9, 1e-3, 0.5, 1.0, 2.0, 5.0] {
         for law in ["Associated", "Coulomb(tolerance: 1e-6)"] {
             let head = format!("friction_law: {law}, analysis: Dynamic(dt: 1.0e-3)");
-            sound(&pile(
+            let outcome = sound(&pile(
                 &head,
                 &format!("friction: {friction:?}, rolling_friction: {:?}", 0.1 * friction),
                 40,
             ));
+            completed += u32::from(outcome == Outcome::Completed);
         }
     }
+    // At the greatest friction a fixed point may end at its cap, or an increment stall and say so.
+    assert!(completed >= 12, "{completed} of 14 completed");
 }
 
 #[test]
 fn thetas_and_time_steps() {
+    let mut stopped = Vec::new();
     for theta in [0.5, 0.51, 0.75, 1.0] {
         for dt in [1e-7, 1e-5, 1e-3, 1e-1, 1.0] {
             for contact in [
@@ -209,10 +214,13 @@ fn thetas_and_time_steps() {
                 "normal_stiffness: 1.0e7, tangential_stiffness: 5.0e6, friction: 0.5",
             ] {
                 let head = format!("analysis: Dynamic(dt: {dt:?}, theta: {theta:?})");
-                sound(&pile(&head, contact, 10));
+                if sound(&pile(&head, contact, 10)) != Outcome::Completed {
+                    stopped.push((theta, dt, contact));
+                }
             }
         }
     }
+    assert!(stopped.is_empty(), "{stopped:?} of 40 stopped");
 }
 
 #[test]
@@ -229,8 +237,10 @@ fn increments_that_are_a_hundred_times_too_large() {
         }
         scene
     };
-    sound(&confined(1e-3, 3));
-    sound(&confined(1e-2, 1));
+    completes(&confined(1e-3, 3));
+    // Crushed by a tenth of its height at once, it may also give way.
+    let crushed = sound(&confined(1e-2, 1));
+    assert!(!matches!(crushed, Outcome::Stalled { .. }), "{crushed:?}");
 }
 
 /// Two equal disks that overlap: elastic ones part with the elastic energy, rigid ones at rest.
