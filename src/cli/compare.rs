@@ -3,11 +3,11 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use clastic::output::OutputError;
 use clastic::output::atomic::write_atomic;
 use clastic::output::directory;
 use clastic::output::plots::compare;
 use clastic::output::plots::history::History;
-use clastic::output::{OutputError, ResumeError};
 
 use serde_json::Value;
 
@@ -39,13 +39,7 @@ impl Run {
 pub fn compare(directories: &[PathBuf], out: &Path) -> Result<Exit, Failure> {
     let mut runs = Vec::new();
     for (directory, name) in directories.iter().zip(names(directories)) {
-        let path = directory.join(directory::RUN);
-        if !path.exists() {
-            return Err(ResumeError::NoRun(directory.clone()).into());
-        }
-        let text = fs::read_to_string(&path).map_err(OutputError::at(&path))?;
-        let record = serde_json::from_str(&text).map_err(OutputError::at(&path))?;
-        runs.push(Run { name, record });
+        runs.push(Run { name, record: directory::record(directory)? });
     }
     let mut read = Vec::new();
     for (directory, run) in directories.iter().zip(&runs) {

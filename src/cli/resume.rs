@@ -1,11 +1,10 @@
 //! `clastic resume`: takes a run on from its checkpoint.
 
-use std::fs;
 use std::path::Path;
 
 use clastic::output::directory;
 use clastic::output::run_record::CLASTIC_VERSION;
-use clastic::output::{Checkpoint, OutputError, ResumeError, RunWriter};
+use clastic::output::{Checkpoint, ResumeError, RunWriter};
 use clastic::run::{Simulation, changes};
 use clastic::scene::from_str_with;
 
@@ -57,8 +56,6 @@ pub fn resume(args: &ResumeArgs) -> Result<Exit, Failure> {
 
 /// Whether the run of a directory came to its end.
 fn ended(directory: &Path) -> Result<bool, Failure> {
-    let path = directory.join(directory::RUN);
-    let text = fs::read_to_string(&path).map_err(OutputError::at(&path))?;
-    let record: serde_json::Value = serde_json::from_str(&text).map_err(OutputError::at(&path))?;
+    let record = directory::record(directory)?;
     Ok(["completed", "collapsed"].map(Some).contains(&record["outcome"]["status"].as_str()))
 }

@@ -49,9 +49,6 @@ pub struct Checkpoint {
 /// Why a run cannot be resumed.
 #[derive(Debug, thiserror::Error)]
 pub enum ResumeError {
-    /// The directory holds no run.
-    #[error("{}: no run is here (no {}); give the directory of a run, such as runs/NAME", .0.display(), directory::RUN)]
-    NoRun(PathBuf),
     /// There is no checkpoint.
     #[error(
         "{}: no checkpoint is here; a run writes one with --checkpoint-every N, when Ctrl-C interrupts it \
@@ -131,10 +128,8 @@ impl Checkpoint {
         let bytes = match fs::read(&path) {
             Ok(bytes) => bytes,
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
-                let run = directory.join(directory::RUN).exists();
-                let directory = directory.to_owned();
-                let error = if run { ResumeError::NoCheckpoint } else { ResumeError::NoRun };
-                return Err(error(directory));
+                directory::record(directory)?;
+                return Err(ResumeError::NoCheckpoint(directory.to_owned()));
             }
             Err(error) => return Err(OutputError::at(&path)(error).into()),
         };

@@ -113,6 +113,21 @@ fn remove(path: &Path) -> Result<(), OutputError> {
     fs::remove_file(path).map_err(OutputError::at(path))
 }
 
+/// What the `run.json` of a directory says.
+///
+/// # Errors
+/// Where there is none, or it cannot be read.
+pub fn record(directory: &Path) -> Result<serde_json::Value, OutputError> {
+    let path = directory.join(RUN);
+    let text = match fs::read_to_string(&path) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => {
+            return Err(OutputError::NoRun(directory.to_owned()));
+        }
+        text => text.map_err(OutputError::at(&path))?,
+    };
+    serde_json::from_str(&text).map_err(OutputError::at(&path))
+}
+
 /// Removes a file that may not be there.
 ///
 /// # Errors

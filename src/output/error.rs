@@ -3,12 +3,17 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
+use super::directory;
+
 /// Why something could not be written.
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
     /// The directory holds something already.
     #[error("{}: not empty; choose another directory with --out, or write over it with --force", .0.display())]
     Exists(PathBuf),
+    /// The directory holds no run.
+    #[error("{}: no run is here (no {}); give the directory of a run, such as runs/NAME", .0.display(), directory::RUN)]
+    NoRun(PathBuf),
     /// A file or directory cannot be read or written.
     #[error("{}: {source}", path.display())]
     Io {

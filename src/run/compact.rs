@@ -39,13 +39,13 @@ pub fn begin(world: &mut World, stage: &Compact) {
         CompactTarget::Height(height) => height,
         CompactTarget::Porosity(porosity) => area / ((1.0 - porosity) * length),
     };
-    let inward = world.get::<Wall>(base).map(Wall::inward).unwrap_or_default();
     let distance = height - target;
     if distance <= 0.0 {
         return;
     }
     let steps = (distance / stage.step).ceil().max(1.0);
     world.resource_mut::<Progress>().total = steps;
+    let inward = world.get::<Wall>(base).map(Wall::inward).unwrap_or_default();
     world.entity_mut(wall).insert(WallControl::Displacement(-inward * (distance / steps)));
 }
 

@@ -188,7 +188,6 @@ fn pile(head: &str, contact: &str, increments: u32) -> Scene {
 
 #[test]
 fn friction_from_none_to_five() {
-    let mut completed = 0;
     for friction in [0.0, 1e-9, 1e-3, 0.5, 1.0, 2.0, 5.0] {
         for law in ["Associated", "Coulomb(tolerance: 1e-6)"] {
             let head = format!("friction_law: {law}, analysis: Dynamic(dt: 1.0e-3)");
@@ -197,11 +196,11 @@ fn friction_from_none_to_five() {
                 &format!("friction: {friction:?}, rolling_friction: {:?}", 0.1 * friction),
                 40,
             ));
-            completed += u32::from(outcome == Outcome::Completed);
+            // Open: shear forces a tenth of what residuals are accepted with, between rigid bodies, stall,
+            // and that is said.
+            assert!(outcome == Outcome::Completed || friction == 1e-9, "{friction}: {outcome:?}");
         }
     }
-    // At the greatest friction a fixed point may end at its cap, or an increment stall and say so.
-    assert!(completed >= 12, "{completed} of 14 completed");
 }
 
 #[test]
