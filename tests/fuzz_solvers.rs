@@ -122,6 +122,7 @@ fn program(case: u64) -> ConeProgram {
         bodies,
         interactions,
         scales: Scales { length: 0.005, displacement: 1e-5, force: 100.0 },
+        tolerance: 0.0,
         last_forces: Vec::new(),
     }
 }

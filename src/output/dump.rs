@@ -282,6 +282,7 @@ pub fn read_program(path: &Path) -> Result<(ConeProgram, ConeSolution), OutputEr
             displacement: dump.scales.displacement,
             force: dump.scales.force,
         },
+        tolerance: 0.0,
         last_forces: Vec::new(),
     };
     let s = dump.solution;

@@ -37,6 +37,9 @@ impl Plugin for AssembleProgramPlugin {
     }
 }
 
+/// Residual that is good enough for a step in which grains settle.
+const RESIDUAL_OF_SETTLING: f64 = 1e-3;
+
 /// Fills [`ConeProgram`] from the gathered bodies, the contacts and their history.
 pub fn assemble_program(
     bodies: Res<Bodies>,
@@ -72,5 +75,12 @@ pub fn assemble_program(
     let count = contacts.0.len();
     program.scales =
         scales::estimate(&bodies, &history, &analysis, &progress, &attempt, count, program);
+    program.tolerance = if attempt.settling.is_some() {
+        acceptance.residual.max(RESIDUAL_OF_SETTLING)
+    } else if acceptance.residual > Acceptance::default().residual {
+        acceptance.residual
+    } else {
+        0.0
+    };
     loose::regularise(&bodies, &history, &analysis, &acceptance, &attempt, program);
 }

@@ -11,22 +11,33 @@ use clastic_components::wall::WallDrive;
 pub struct ExpectedMotion {
     displacement: Vec<DVec2>,
     imposed: f64,
+    /// Part of the motion of the faster body that comes on top in dynamics.
+    hit: f64,
     floor: f64,
     ceiling: f64,
 }
 
+/// In dynamics one body that hits another gives it part of its motion, and free flight of the two says
+/// nothing of it: pairs reach further by this part of the motion of the faster one,
+const HIT: f64 = 0.25;
+/// and at least so many mean radii; elsewhere this many.
+const LEAST_IN_DYNAMICS: f64 = 0.06;
+const LEAST: f64 = 0.01;
+
 impl ExpectedMotion {
     /// The gap up to which the pair (a, b) is kept: twice the expected relative motion, half the
-    /// greatest imposed motion, and a hundredth of a radius.
+    /// greatest imposed motion, and a little, in dynamics part of the motion of the faster.
     pub fn pair_reach(&self, a: u32, b: u32) -> f64 {
-        let relative = self.displacement[a as usize] - self.displacement[b as usize];
-        (2.0 * relative.length() + self.margin()).min(self.ceiling)
+        let [a, b] = [a as usize, b as usize];
+        let [u, v] = [self.displacement[a], self.displacement[b]];
+        let hit = self.hit * u.length().max(v.length());
+        (2.0 * (u - v).length() + hit + self.margin()).min(self.ceiling)
     }
 
     /// No pair of the first `n` bodies reaches further than this.
     pub fn greatest_reach(&self, n: usize) -> f64 {
         let greatest = self.displacement[..n].iter().map(|d| d.length()).fold(0.0, f64::max);
-        (4.0 * greatest + self.margin()).min(self.ceiling)
+        ((4.0 + self.hit) * greatest + self.margin()).min(self.ceiling)
     }
 
     fn margin(&self) -> f64 {
@@ -71,12 +82,17 @@ pub fn expected_motion(
             displacement[wall.body as usize] = DVec2::ZERO;
         }
     }
+    let (hit, floor) = match analysis.kind {
+        AnalysisKind::Dynamic { .. } => (HIT, LEAST_IN_DYNAMICS),
+        AnalysisKind::Static | AnalysisKind::LeastMotion { .. } => (0.0, LEAST),
+    };
     // A few radii are always enough to begin with: what comes from further away is found by the
     // check of the solution.
     ExpectedMotion {
         displacement,
         imposed,
-        floor: least.max(0.01 * bodies.mean_radius),
+        hit,
+        floor: least.max(floor * bodies.mean_radius),
         ceiling: 2.0 * bodies.mean_radius,
     }
 }

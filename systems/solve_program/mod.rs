@@ -97,7 +97,8 @@ pub fn solve_program(
         }
         solution.residuals = evaluate(&program, &solution.forces, &solution.displacements);
         // The solver's word does not count, in either direction. NaN compares false.
-        let converged = solution.residuals.worst() <= acceptance.residual;
+        let enough = acceptance.residual.max(program.tolerance);
+        let converged = solution.residuals.worst() <= enough;
         solution.status = if converged { SolveStatus::Solved } else { SolveStatus::Stalled };
     }
     attempt.solves += 1;

@@ -94,7 +94,15 @@ impl LocalSystem {
                 }
             }
         }
-        let inverse = invert(&mut m, n);
+        let inverse = match n {
+            1 => invert::<1>(&mut m),
+            2 => invert::<2>(&mut m),
+            3 => invert::<3>(&mut m),
+            4 => invert::<4>(&mut m),
+            5 => invert::<5>(&mut m),
+            6 => invert::<6>(&mut m),
+            _ => invert::<SIZE>(&mut m),
+        };
         for f in 0..F {
             for g in 0..F {
                 self.stiffness[f][g] = inverse[f][g];
@@ -221,15 +229,15 @@ fn inverse_of_two<const Q: usize>(
     [[k11 * d, -k01 * d, 0.0], [-k01 * d, k00 * d, 0.0], [0.0; 3]]
 }
 
-/// Inverse of the leading `n` rows and columns by Gauss and Jordan with partial pivoting.
-fn invert(m: &mut [[f64; SIZE]; SIZE], n: usize) -> [[f64; SIZE]; SIZE] {
+/// Inverse of the leading `N` rows and columns by Gauss and Jordan with partial pivoting.
+fn invert<const N: usize>(m: &mut [[f64; SIZE]; SIZE]) -> [[f64; SIZE]; SIZE] {
     let mut inverse = [[0.0; SIZE]; SIZE];
-    for (i, row) in inverse.iter_mut().enumerate().take(n) {
+    for (i, row) in inverse.iter_mut().enumerate().take(N) {
         row[i] = 1.0;
     }
-    for c in 0..n {
+    for c in 0..N {
         let mut pivot = c;
-        for r in c + 1..n {
+        for r in c + 1..N {
             if m[r][c].abs() > m[pivot][c].abs() {
                 pivot = r;
             }
@@ -237,14 +245,14 @@ fn invert(m: &mut [[f64; SIZE]; SIZE], n: usize) -> [[f64; SIZE]; SIZE] {
         m.swap(c, pivot);
         inverse.swap(c, pivot);
         let d = 1.0 / m[c][c];
-        for j in 0..n {
+        for j in 0..N {
             m[c][j] *= d;
             inverse[c][j] *= d;
         }
-        for i in (0..n).filter(|i| *i != c) {
+        for i in (0..N).filter(|i| *i != c) {
             let factor = m[i][c];
             if factor != 0.0 {
-                for j in 0..n {
+                for j in 0..N {
                     m[i][j] -= factor * m[c][j];
                     inverse[i][j] -= factor * inverse[c][j];
                 }

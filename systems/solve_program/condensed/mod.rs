@@ -27,8 +27,10 @@ use super::polish::Point;
 use super::residuals::regularised_residuals;
 use super::{ConeSolver, MalformedProgram, displacements_from_forces};
 
-/// Default tolerance: just below the residual that increments are accepted with by default.
-const TOLERANCE: f64 = 9e-9;
+/// Default tolerance: just below the residual that increments are accepted with by default,
+const TOLERANCE: f64 = BELOW * 1e-8;
+/// as what a program says is good enough is to be kept to.
+const BELOW: f64 = 0.9;
 /// The tolerance over what the Newton iteration and the interior point aim at: what they measure
 /// is not the residual of the program, and the interior point is to be polished.
 const NEWTON_MARGIN: f64 = 90.0;
@@ -76,6 +78,10 @@ impl Condensed {
             last: Vec::new(),
             fallback: Clarabel::default(),
         }
+    }
+
+    fn tolerance(&self, program: &ConeProgram) -> f64 {
+        self.tolerance.max(BELOW * program.tolerance)
     }
 
     fn prepare(&mut self, program: &ConeProgram) -> Option<()> {
@@ -147,7 +153,7 @@ impl Condensed {
             // What will be committed: little as they are, forces at rest leave something.
             displacements_from_forces(program, &mut solution);
             let r = regularised_residuals(program, &solution.forces, &solution.displacements);
-            if !(r.worst() <= self.tolerance) {
+            if !(r.worst() <= self.tolerance(program)) {
                 solution.status = SolveStatus::Stalled;
             }
         }
@@ -191,7 +197,7 @@ impl Condensed {
             return None;
         }
         self.prepare(program)?;
-        let tolerance = self.tolerance;
+        let tolerance = self.tolerance(program);
         let goal = |margin: f64| (tolerance / margin).max(ROUND_OFF);
         let matrix = self.matrix.as_mut()?;
         let scaled = Scaled::new(program);

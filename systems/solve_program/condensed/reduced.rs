@@ -57,6 +57,7 @@ impl Reduced {
                 })
                 .collect(),
             scales: program.scales,
+            tolerance: program.tolerance,
             last_forces: Vec::new(),
         };
         Some(Self { program: part, bodies, interactions, at_rest })
@@ -113,7 +114,7 @@ fn alone(program: &ConeProgram, c: &Interaction) -> [f64; 3] {
         bodies: vec![program.bodies[a], program.bodies[b]],
         interactions: vec![single],
         scales: program.scales,
-        last_forces: Vec::new(),
+        ..ConeProgram::default()
     };
     let (_, df) = super::super::lowering::units(program);
     let s = Spring::new(&Scaled::new(&pair).locals[0]).respond([0.0; 2]).s;
