@@ -60,10 +60,7 @@ const SMALL_WEIGHT: f64 = 1e-6;
 /// Factor between a weight that throws grains and the next one tried, and the greatest between two
 /// steps the other way.
 const RISE: f64 = 10.0;
-const FALL: f64 = 1000.0;
-/// The weight falls with this power of the motion over what is aimed at: grains that a great weight stops
-/// short are stopped by contacts too, mostly, and are to be let go soon.
-const POWER: i32 = 6;
+const FALL: f64 = 100.0;
 /// The next weights stay above one that went too far by this factor, and by [`RISE`] less with every
 /// step.
 const ABOVE: f64 = 3.0;
@@ -268,7 +265,7 @@ fn approach(world: &mut World, strained: &mut f64) -> Settled {
             turns += 1;
             (weight * RISE).max(FIRST_WEIGHT)
         } else {
-            (weight * (far / STEP).powi(POWER).clamp(1.0 / FALL, 1.0)).max(least)
+            (weight * (far / STEP).powi(3).clamp(1.0 / FALL, 1.0)).max(least)
         };
         least = (least / RISE).max(LEAST_WEIGHT);
         last = motion;

@@ -7,6 +7,13 @@ use clastic_components::contact::Bodies;
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::wall::WallDrive;
 
+/// In dynamics one body that hits another gives it part of its motion, and free flight of the two says
+/// nothing of it: pairs reach further by this part of the motion of the faster one,
+const HIT: f64 = 0.25;
+/// and at least so many mean radii; elsewhere this many.
+const LEAST_IN_DYNAMICS: f64 = 0.06;
+const LEAST: f64 = 0.01;
+
 /// Expected displacements by body and the greatest imposed one.
 pub struct ExpectedMotion {
     displacement: Vec<DVec2>,
@@ -16,13 +23,6 @@ pub struct ExpectedMotion {
     floor: f64,
     ceiling: f64,
 }
-
-/// In dynamics one body that hits another gives it part of its motion, and free flight of the two says
-/// nothing of it: pairs reach further by this part of the motion of the faster one,
-const HIT: f64 = 0.25;
-/// and at least so many mean radii; elsewhere this many.
-const LEAST_IN_DYNAMICS: f64 = 0.06;
-const LEAST: f64 = 0.01;
 
 impl ExpectedMotion {
     /// The gap up to which the pair (a, b) is kept: twice the expected relative motion, half the
