@@ -67,8 +67,9 @@ impl Default for Condensed {
 }
 
 impl Condensed {
-    /// A solver that accepts residuals up to `tolerance` before it tries the next method. Small
-    /// programs are polished even so, unless the tolerance is looser than the default of 9e-9.
+    /// A solver that accepts residuals up to `tolerance`, or to what a program says is good enough, before
+    /// it tries the next method. Small programs are polished even so, unless that is looser than the
+    /// default of 9e-9.
     #[must_use]
     pub fn new(tolerance: f64) -> Self {
         Self {
@@ -80,6 +81,8 @@ impl Condensed {
         }
     }
 
+    /// Residual that is accepted of a program: what the program says is good enough, if that is more than
+    /// the solver's own.
     fn tolerance(&self, program: &ConeProgram) -> f64 {
         self.tolerance.max(BELOW * program.tolerance)
     }
