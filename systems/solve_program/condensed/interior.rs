@@ -172,7 +172,7 @@ pub fn solve(
             for k in 0..3 {
                 weight[i][k] = program.weight[i][k] + proximal;
                 let diagonal = if program.free[i][k] { weight[i][k] } else { 1.0 };
-                matrix.values[matrix.diagonal[i][k]] += diagonal;
+                matrix.add_diagonal(i, k, diagonal);
             }
         }
         // The predictor takes all products away; it only aims the corrector.
@@ -361,12 +361,11 @@ pub(super) fn factorise(matrix: &mut BodyMatrix) -> bool {
     if matrix.factorise() {
         return true;
     }
-    let greatest = matrix.diagonal.iter().flatten().map(|d| matrix.values[*d]).fold(0.0, f64::max);
+    let greatest = matrix.greatest_diagonal();
     for shift in [1e-14, 1e-12, 1e-10] {
-        for body in 0..matrix.diagonal.len() {
+        for body in 0..matrix.bodies() {
             for k in 0..3 {
-                let d = matrix.diagonal[body][k];
-                matrix.values[d] += shift * greatest;
+                matrix.add_diagonal(body, k, shift * greatest);
             }
         }
         if matrix.factorise() {

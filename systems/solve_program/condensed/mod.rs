@@ -90,7 +90,7 @@ impl Condensed {
     fn prepare(&mut self, program: &ConeProgram) -> Option<()> {
         let bodies = program.bodies.len();
         let known = program.interactions.iter().map(|c| (c.a, c.b)).eq(self.pairs.iter().copied())
-            && self.matrix.as_ref().is_some_and(|m| m.diagonal.len() == bodies);
+            && self.matrix.as_ref().is_some_and(|m| m.bodies() == bodies);
         if !known {
             self.pairs = program.interactions.iter().map(|c| (c.a, c.b)).collect();
             self.matrix = BodyMatrix::new(bodies, &self.pairs);

@@ -241,7 +241,7 @@ pub fn iterate(
         for i in 0..n {
             for k in 0..3 {
                 let weight = if program.free[i][k] { program.weight[i][k] + damping } else { 1.0 };
-                matrix.values[matrix.diagonal[i][k]] += weight;
+                matrix.add_diagonal(i, k, weight);
             }
         }
         for (k, l) in program.locals.iter().enumerate() {
