@@ -9,7 +9,6 @@
 
 pub mod interior;
 pub mod local;
-pub mod local_system;
 pub mod matrix;
 pub mod newton;
 pub mod reduced;

@@ -90,6 +90,23 @@ pub(super) struct Spring {
     shears: bool,
 }
 
+/// What two forces of an interaction act on.
+struct Arms {
+    bodies: [u32; 2],
+    rows: [[[f64; 2]; 3]; 2],
+}
+
+impl Arms {
+    fn new(l: &Local) -> Self {
+        let rows = l.rows.map(|rows| rows.map(|[normal, shear, _]| [normal, shear]));
+        Self { bodies: l.bodies.map(|i| i as u32), rows }
+    }
+
+    fn kinematics(&self, u: &[[f64; 3]]) -> [f64; 2] {
+        kinematics(self.bodies, &self.rows, u)
+    }
+}
+
 /// Forces (p, q) with their derivatives by (e_n, e_t): those of p by e_n, of p by e_t (and q by e_n),
 /// and of q by e_t.
 #[derive(Clone, Copy, Debug, Default)]
@@ -199,6 +216,7 @@ pub fn iterate(
         })
         .collect();
     let springs: Vec<Spring> = program.locals.iter().map(Spring::new).collect();
+    let arms: Vec<Arms> = program.locals.iter().map(Arms::new).collect();
     let mut responses = vec![Response::default(); springs.len()];
     let mut e = vec![[0.0; 2]; springs.len()];
     let mut de = e.clone();
@@ -213,12 +231,11 @@ pub fn iterate(
     loop {
         program.balance_of_bodies(&u, &mut gradient);
         let mut force = 1e-3_f64;
-        for (k, l) in program.locals.iter().enumerate() {
-            let [e_n, e_t, _] = kinematics::<2>(l, &u);
-            e[k] = [e_n, e_t];
-            responses[k] = springs[k].respond(e[k]);
+        for (k, (spring, arms)) in springs.iter().zip(&arms).enumerate() {
+            e[k] = arms.kinematics(&u);
+            responses[k] = spring.respond(e[k]);
             let [p, q] = responses[k].s;
-            add_forces::<2>(l, &[p, q, 0.0], 1.0, &mut gradient);
+            add_forces(arms.bodies, &arms.rows, &[p, q], 1.0, &mut gradient);
             force = force.max(p.abs()).max(q.abs());
         }
         let unbalance = gradient.iter().flatten().map(|g| g.abs()).fold(0.0, f64::max);
@@ -244,10 +261,9 @@ pub fn iterate(
                 matrix.add_diagonal(i, k, weight);
             }
         }
-        for (k, l) in program.locals.iter().enumerate() {
-            let [nn, nt, tt] = responses[k].d;
-            let d = [[nn, nt, 0.0], [nt, tt, 0.0], [0.0; 3]];
-            matrix.add::<2>(k, l.bodies, &l.rows, &d);
+        for (k, (arms, response)) in arms.iter().zip(&responses).enumerate() {
+            let [nn, nt, tt] = response.d;
+            matrix.add(k, arms.bodies, &arms.rows, &[[nn, nt], [nt, tt]]);
         }
         if !factorise(matrix) {
             break;
@@ -262,9 +278,8 @@ pub fn iterate(
             }
         }
         damping = (0.5 * damping).max(limits.least_damping);
-        for (de, l) in de.iter_mut().zip(&program.locals) {
-            let [e_n, e_t, _] = kinematics::<2>(l, &du);
-            *de = [e_n, e_t];
+        for (de, arms) in de.iter_mut().zip(&arms) {
+            *de = arms.kinematics(&du);
         }
         step = line_search(program, &springs, [&u, &du, &gradient], &e, &de);
         fast.clear();

@@ -26,21 +26,6 @@ pub enum Kind {
     Wheel,
 }
 
-/// Calls a function that is generic in the numbers of forces and limits for the kind of an
-/// interaction.
-macro_rules! by_kind {
-    ($kind:expr, $name:ident ( $($argument:expr),* $(,)? )) => {
-        match $kind {
-            $crate::solve_program::condensed::scaled::Kind::Normal => $name::<1, 1>($($argument),*),
-            $crate::solve_program::condensed::scaled::Kind::Friction => $name::<2, 2>($($argument),*),
-            $crate::solve_program::condensed::scaled::Kind::Bond => $name::<2, 3>($($argument),*),
-            $crate::solve_program::condensed::scaled::Kind::Rolling => $name::<3, 4>($($argument),*),
-            $crate::solve_program::condensed::scaled::Kind::Wheel => $name::<3, 2>($($argument),*),
-        }
-    };
-}
-pub(super) use by_kind;
-
 /// One interaction.
 #[derive(Clone, Debug)]
 pub struct Local {
@@ -201,16 +186,20 @@ impl Scaled {
     /// Kinematics `e = G'u` of an interaction, without what fixed degrees of freedom add.
     #[must_use]
     pub fn kinematics(local: &Local, u: &[[f64; 3]]) -> [f64; 3] {
-        kinematics::<3>(local, u)
+        kinematics(local.bodies.map(|i| i as u32), &local.rows, u)
     }
 }
 
-/// Kinematics of the first `F` forces, without what fixed degrees of freedom add.
+/// Kinematics of `F` forces with these rows, without what fixed degrees of freedom add.
 #[inline]
-pub fn kinematics<const F: usize>(local: &Local, u: &[[f64; 3]]) -> [f64; 3] {
-    let mut e = [0.0; 3];
-    for (rows, body) in local.rows.iter().zip(local.bodies) {
-        let v = &u[body];
+pub fn kinematics<const F: usize>(
+    bodies: [u32; 2],
+    rows: &[[[f64; F]; 3]; 2],
+    u: &[[f64; 3]],
+) -> [f64; F] {
+    let mut e = [0.0; F];
+    for (rows, body) in rows.iter().zip(bodies) {
+        let v = &u[body as usize];
         for k in 0..3 {
             for f in 0..F {
                 e[f] += rows[k][f] * v[k];
@@ -220,11 +209,17 @@ pub fn kinematics<const F: usize>(local: &Local, u: &[[f64; 3]]) -> [f64; 3] {
     e
 }
 
-/// Adds `sign G s` of the first `F` forces to the rows of free degrees of freedom.
+/// Adds `sign G s` of `F` forces with these rows to those of free degrees of freedom.
 #[inline]
-pub fn add_forces<const F: usize>(local: &Local, s: &[f64; 3], sign: f64, out: &mut [[f64; 3]]) {
-    for (rows, body) in local.rows.iter().zip(local.bodies) {
-        let out = &mut out[body];
+pub fn add_forces<const F: usize>(
+    bodies: [u32; 2],
+    rows: &[[[f64; F]; 3]; 2],
+    s: &[f64; F],
+    sign: f64,
+    out: &mut [[f64; 3]],
+) {
+    for (rows, body) in rows.iter().zip(bodies) {
+        let out = &mut out[body as usize];
         for k in 0..3 {
             let mut sum = 0.0;
             for f in 0..F {

@@ -137,27 +137,27 @@ impl BodyMatrix {
     pub fn add<const F: usize>(
         &mut self,
         pair: usize,
-        bodies: [usize; 2],
-        rows: &[[[f64; 3]; 3]; 2],
-        d: &[[f64; 3]; 3],
+        bodies: [u32; 2],
+        rows: &[[[f64; F]; 3]; 2],
+        d: &[[f64; F]; F],
     ) {
         for (rows, body) in rows.iter().zip(bodies) {
-            let left = times::<F>(rows, d);
-            let start = self.diagonal[body];
+            let left = times(rows, d);
+            let start = self.diagonal[body as usize];
             let block = &mut self.values[start..start + DIAGONAL];
             for (k, (c, r)) in
                 [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].into_iter().enumerate()
             {
-                block[k] += dot::<F>(&left[c], &rows[r]);
+                block[k] += dot(&left[c], &rows[r]);
             }
         }
         let BlockPlace { start, forward } = self.pairs[pair];
         let [of_columns, of_rows] = if forward { [0, 1] } else { [1, 0] };
-        let left = times::<F>(&rows[of_columns], d);
+        let left = times(&rows[of_columns], d);
         let block = &mut self.values[start..start + PAIR];
         for (left, column) in left.iter().zip(block.chunks_exact_mut(3)) {
             for (value, row) in column.iter_mut().zip(&rows[of_rows]) {
-                *value += dot::<F>(left, row);
+                *value += dot(left, row);
             }
         }
     }
@@ -320,7 +320,7 @@ impl WithSimd for Solve<'_> {
 }
 
 #[inline]
-fn dot<const F: usize>(x: &[f64; 3], y: &[f64; 3]) -> f64 {
+fn dot<const F: usize>(x: &[f64; F], y: &[f64; F]) -> f64 {
     let mut sum = 0.0;
     for f in 0..F {
         sum += x[f] * y[f];
@@ -329,8 +329,8 @@ fn dot<const F: usize>(x: &[f64; 3], y: &[f64; 3]) -> f64 {
 }
 
 #[inline]
-fn times<const F: usize>(rows: &[[f64; 3]; 3], d: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
-    let mut out = [[0.0; 3]; 3];
+fn times<const F: usize>(rows: &[[f64; F]; 3], d: &[[f64; F]; F]) -> [[f64; F]; 3] {
+    let mut out = [[0.0; F]; 3];
     for (out, row) in out.iter_mut().zip(rows) {
         for f in 0..F {
             for g in 0..F {

@@ -12,51 +12,76 @@
 //! from complementarity; the others are folded into the compliance by `theta = lambda/w`, and their
 //! multiplier follows from complementarity.
 //!
-//! All this is done for every interaction in every iteration: functions are compiled for the number
-//! `F` of forces and `Q` of limits (see [`Kind`](super::scaled::Kind)).
+//! All this is done for every interaction in every iteration: it is compiled for the number `F` of
+//! forces and `Q` of limits (see [`Kind`](super::super::scaled::Kind)).
 
-use super::scaled::{Local, ROWS};
+use super::super::scaled::ROWS;
+use super::cell::Law;
 
 /// Unknowns at most: forces and multipliers.
 const SIZE: usize = 3 + ROWS;
 
 /// Slacks and multipliers of the limits, their steps, and what the steps are to bring about.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Slacks {
+#[derive(Clone, Copy, Debug)]
+pub struct Slacks<const Q: usize> {
     /// Slacks w.
-    pub w: [f64; ROWS],
+    pub w: [f64; Q],
     /// Multipliers lambda.
-    pub lambda: [f64; ROWS],
+    pub lambda: [f64; Q],
     /// Steps of w.
-    pub dw: [f64; ROWS],
+    pub dw: [f64; Q],
     /// Steps of lambda.
-    pub dlambda: [f64; ROWS],
+    pub dlambda: [f64; Q],
     /// Defects d of the limits.
-    pub defect: [f64; ROWS],
+    pub defect: [f64; Q],
     /// Products c to be taken away.
-    pub product: [f64; ROWS],
+    pub product: [f64; Q],
+}
+
+impl<const Q: usize> Default for Slacks<Q> {
+    fn default() -> Self {
+        let [w, zero] = [[1.0; Q], [0.0; Q]];
+        Self { w, lambda: zero, dw: zero, dlambda: zero, defect: zero, product: zero }
+    }
 }
 
 /// Right side of the system without kinematics: rows of forces, rows of active multipliers.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Right {
-    forces: [f64; 3],
-    limits: [f64; ROWS],
+#[derive(Clone, Copy, Debug)]
+pub struct Right<const F: usize, const Q: usize> {
+    forces: [f64; F],
+    limits: [f64; Q],
+}
+
+impl<const F: usize, const Q: usize> Default for Right<F, Q> {
+    fn default() -> Self {
+        Self { forces: [0.0; F], limits: [0.0; Q] }
+    }
 }
 
 /// The inverse of the system by blocks; rows and columns of limits that are not active are zero.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct LocalSystem {
+#[derive(Clone, Copy, Debug)]
+pub struct LocalSystem<const F: usize, const Q: usize> {
     /// Takes kinematics to forces: T.
-    pub stiffness: [[f64; 3]; 3],
-    mixed: [[f64; ROWS]; 3],
-    limits: [[f64; ROWS]; ROWS],
-    active: [bool; ROWS],
+    pub stiffness: [[f64; F]; F],
+    mixed: [[f64; Q]; F],
+    limits: [[f64; Q]; Q],
+    active: [bool; Q],
 }
 
-impl LocalSystem {
+impl<const F: usize, const Q: usize> Default for LocalSystem<F, Q> {
+    fn default() -> Self {
+        Self {
+            stiffness: [[0.0; F]; F],
+            mixed: [[0.0; Q]; F],
+            limits: [[0.0; Q]; Q],
+            active: [false; Q],
+        }
+    }
+}
+
+impl<const F: usize, const Q: usize> LocalSystem<F, Q> {
     /// Sets up and inverts the system at slacks w and multipliers lambda.
-    pub fn set<const F: usize, const Q: usize>(&mut self, local: &Local, slacks: &Slacks) {
+    pub fn set(&mut self, law: &Law<F, Q>, slacks: &Slacks<Q>) {
         let (w, lambda) = (&slacks.w, &slacks.lambda);
         *self = Self::default();
         let mut any = false;
@@ -65,18 +90,21 @@ impl LocalSystem {
             any |= self.active[q];
         }
         if !any && F == 2 {
-            self.stiffness = inverse_of_two::<Q>(local, w, lambda);
+            let inverse = inverse_of_two(law, w, lambda);
+            for f in 0..F {
+                self.stiffness[f].copy_from_slice(&inverse[f][..F]);
+            }
             return;
         }
         let mut m = [[0.0; SIZE]; SIZE];
         for f in 0..F {
-            m[f][f] = local.compliance[f];
+            m[f][f] = law.compliance[f];
         }
         // Limit by unknown.
         let mut limit = [0; SIZE];
         let mut n = F;
         for q in 0..Q {
-            let a = &local.limits[q];
+            let a = &law.limits[q];
             if self.active[q] {
                 for f in 0..F {
                     m[f][n] = a[f];
@@ -121,12 +149,12 @@ impl LocalSystem {
     /// Right side for the residuals r of stationarity, and for the defects and products of `slacks`.
     #[inline]
     #[must_use]
-    pub fn right<const F: usize, const Q: usize>(
+    pub fn right(
         &self,
-        local: &Local,
-        stationarity: &[f64; 3],
-        slacks: &Slacks,
-    ) -> Right {
+        law: &Law<F, Q>,
+        stationarity: &[f64; F],
+        slacks: &Slacks<Q>,
+    ) -> Right<F, Q> {
         let mut right = Right::default();
         for f in 0..F {
             right.forces[f] = -stationarity[f];
@@ -140,7 +168,7 @@ impl LocalSystem {
                 // dlambda = (-c - lambda dw)/w with dw = -d - A ds.
                 let constant = (lambda * d - c) / w;
                 for f in 0..F {
-                    right.forces[f] -= local.limits[q][f] * constant;
+                    right.forces[f] -= law.limits[q][f] * constant;
                 }
             }
         }
@@ -150,8 +178,8 @@ impl LocalSystem {
     /// Steps of the forces without kinematics.
     #[inline]
     #[must_use]
-    pub fn forces<const F: usize, const Q: usize>(&self, right: &Right) -> [f64; 3] {
-        let mut ds = [0.0; 3];
+    pub fn forces(&self, right: &Right<F, Q>) -> [f64; F] {
+        let mut ds = [0.0; F];
         for f in 0..F {
             for g in 0..F {
                 ds[f] += self.stiffness[f][g] * right.forces[g];
@@ -165,18 +193,18 @@ impl LocalSystem {
 
     /// Steps of the forces for the kinematics e; those of slacks and multipliers go to `slacks`.
     #[inline]
-    pub fn solve<const F: usize, const Q: usize>(
+    pub fn solve(
         &self,
-        local: &Local,
-        e: &[f64; 3],
-        right: &Right,
-        slacks: &mut Slacks,
-    ) -> [f64; 3] {
+        law: &Law<F, Q>,
+        e: &[f64; F],
+        right: &Right<F, Q>,
+        slacks: &mut Slacks<Q>,
+    ) -> [f64; F] {
         let mut right = *right;
         for f in 0..F {
             right.forces[f] += e[f];
         }
-        let ds = self.forces::<F, Q>(&right);
+        let ds = self.forces(&right);
         for q in 0..Q {
             let (w, lambda, c) = (slacks.w[q], slacks.lambda[q], slacks.product[q]);
             if self.active[q] {
@@ -192,7 +220,7 @@ impl LocalSystem {
             } else {
                 let mut step = -slacks.defect[q];
                 for f in 0..F {
-                    step -= local.limits[q][f] * ds[f];
+                    step -= law.limits[q][f] * ds[f];
                 }
                 slacks.dw[q] = step;
                 slacks.dlambda[q] = -(c + lambda * step) / w;
@@ -204,29 +232,29 @@ impl LocalSystem {
 
 /// Inverse for two forces and no active limit. The determinant is a sum of terms that are not
 /// negative (Cauchy and Binet): nothing cancels where a limit outweighs all else.
-fn inverse_of_two<const Q: usize>(
-    local: &Local,
-    w: &[f64; ROWS],
-    lambda: &[f64; ROWS],
-) -> [[f64; 3]; 3] {
-    let [c0, c1, _] = local.compliance;
+fn inverse_of_two<const F: usize, const Q: usize>(
+    law: &Law<F, Q>,
+    w: &[f64; Q],
+    lambda: &[f64; Q],
+) -> [[f64; 2]; 2] {
+    let [c0, c1] = [law.compliance[0], law.compliance[1]];
     let (mut k00, mut k01, mut k11, mut determinant) = (c0, 0.0, c1, c0 * c1);
     let mut theta = [0.0; Q];
     for q in 0..Q {
         theta[q] = lambda[q] / w[q];
-        let a = &local.limits[q];
+        let a = &law.limits[q];
         k00 += theta[q] * a[0] * a[0];
         k01 += theta[q] * a[0] * a[1];
         k11 += theta[q] * a[1] * a[1];
         determinant += theta[q] * (c0 * a[1] * a[1] + c1 * a[0] * a[0]);
         for p in 0..q {
-            let b = &local.limits[p];
+            let b = &law.limits[p];
             let area = a[0] * b[1] - a[1] * b[0];
             determinant += theta[q] * theta[p] * area * area;
         }
     }
     let d = 1.0 / determinant;
-    [[k11 * d, -k01 * d, 0.0], [-k01 * d, k00 * d, 0.0], [0.0; 3]]
+    [[k11 * d, -k01 * d], [-k01 * d, k00 * d]]
 }
 
 /// Inverse of the leading `N` rows and columns by Gauss and Jordan with partial pivoting.

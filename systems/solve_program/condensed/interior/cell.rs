@@ -1,0 +1,309 @@
+//! What the interior-point method knows of one interaction, and does with it in every iteration.
+//!
+//! All of it is read or written several times in an iteration, and memory is what these passes wait
+//! for: interactions of a kind lie together, and have no room for what their kind does not have.
+
+use super::super::matrix::BodyMatrix;
+use super::super::scaled::{Kind, Local, ROWS, Scaled, add_forces, kinematics};
+use super::local_system::{LocalSystem, Right, Slacks};
+
+/// Complementarity product of the starting point.
+const START: f64 = 0.3;
+/// Greatest compliance that the starting point counts with, in units of displacement over force.
+const SOFT: f64 = 10.0;
+
+/// What the program says of an interaction with `F` forces and `Q` limits: see [`Local`].
+#[derive(Clone)]
+pub struct Law<const F: usize, const Q: usize> {
+    pub bodies: [u32; 2],
+    pub rows: [[[f64; F]; 3]; 2],
+    pub compliance: [f64; F],
+    pub linear: [f64; F],
+    pub limits: [[f64; F]; Q],
+    pub right: [f64; Q],
+}
+
+/// One interaction.
+#[derive(Clone)]
+pub struct Cell<const F: usize, const Q: usize> {
+    /// Its place in the program.
+    number: usize,
+    law: Law<F, Q>,
+    /// Forces.
+    s: [f64; F],
+    /// Steps of the forces.
+    ds: [f64; F],
+    /// Residuals of stationarity.
+    stationarity: [f64; F],
+    slacks: Slacks<Q>,
+    system: LocalSystem<F, Q>,
+    right: Right<F, Q>,
+}
+
+/// All interactions, by their kind.
+#[derive(Default)]
+pub struct Cells {
+    pub normal: Vec<Cell<1, 1>>,
+    pub friction: Vec<Cell<2, 2>>,
+    pub bond: Vec<Cell<2, 3>>,
+    pub rolling: Vec<Cell<3, 4>>,
+    pub wheel: Vec<Cell<3, 2>>,
+}
+
+/// Does the same for every interaction.
+macro_rules! for_each {
+    ($cell:ident of $cells:expr => $what:expr) => {{
+        let cells: &mut $crate::solve_program::condensed::interior::cell::Cells = $cells;
+        for $cell in &mut cells.normal {
+            $what;
+        }
+        for $cell in &mut cells.friction {
+            $what;
+        }
+        for $cell in &mut cells.bond {
+            $what;
+        }
+        for $cell in &mut cells.rolling {
+            $what;
+        }
+        for $cell in &mut cells.wheel {
+            $what;
+        }
+    }};
+}
+pub(super) use for_each;
+
+impl Cells {
+    /// All near the elastic trial at the starting displacements.
+    pub fn new(program: &Scaled, u: &[[f64; 3]]) -> Self {
+        let mut cells = Self::default();
+        for (number, local) in program.locals.iter().enumerate() {
+            match local.kind {
+                Kind::Normal => cells.normal.push(Cell::new(number, local, u)),
+                Kind::Friction => cells.friction.push(Cell::new(number, local, u)),
+                Kind::Bond => cells.bond.push(Cell::new(number, local, u)),
+                Kind::Rolling => cells.rolling.push(Cell::new(number, local, u)),
+                Kind::Wheel => cells.wheel.push(Cell::new(number, local, u)),
+            }
+        }
+        cells
+    }
+}
+
+/// Greatest residuals, greatest force, and products.
+#[derive(Default)]
+pub struct Sizes {
+    pub kinematic: f64,
+    pub primal: f64,
+    pub force: f64,
+    pub products: f64,
+    pub product: f64,
+}
+
+/// How far one can go along a step, and what becomes of the products on the way.
+pub struct Ahead {
+    /// The step that leaves all slacks and multipliers positive, at most 1.
+    pub length: f64,
+    /// Sum of products, and its derivatives by the length: first, and half the second.
+    products: [f64; 3],
+}
+
+impl Default for Ahead {
+    fn default() -> Self {
+        Self { length: 1.0, products: [0.0; 3] }
+    }
+}
+
+impl Ahead {
+    pub fn products_after(&self) -> f64 {
+        let [constant, linear, quadratic] = self.products;
+        (constant + self.length * (linear + self.length * quadratic)).max(0.0)
+    }
+}
+
+/// What the steps are to leave of the products of slacks and multipliers.
+#[derive(Clone, Copy)]
+pub enum Aim {
+    /// Nothing (predictor).
+    Zero,
+    /// So much, with the products of the predictor's steps taken into account (corrector).
+    Target(f64),
+}
+
+/// The first of these numbers.
+fn first<const N: usize>(x: &[f64]) -> [f64; N] {
+    std::array::from_fn(|k| x[k])
+}
+
+impl<const F: usize, const Q: usize> Law<F, Q> {
+    fn new(local: &Local) -> Self {
+        Self {
+            bodies: local.bodies.map(|i| i as u32),
+            rows: local.rows.map(|rows| rows.map(|row| first(&row))),
+            compliance: first(&local.compliance),
+            linear: first(&local.linear),
+            limits: std::array::from_fn(|q| first(&local.limits[q])),
+            right: first(&local.right),
+        }
+    }
+
+    fn kinematics(&self, u: &[[f64; 3]]) -> [f64; F] {
+        kinematics(self.bodies, &self.rows, u)
+    }
+
+    fn add_forces(&self, s: &[f64; F], sign: f64, out: &mut [[f64; 3]]) {
+        add_forces(self.bodies, &self.rows, s, sign, out);
+    }
+}
+
+impl<const F: usize, const Q: usize> Cell<F, Q> {
+    /// Forces, slacks and multipliers near the elastic trial at the displacements.
+    fn new(number: usize, local: &Local, u: &[[f64; 3]]) -> Self {
+        let law = Law::<F, Q>::new(local);
+        let e = law.kinematics(u);
+        let mut trial = [0.0; F];
+        for f in (0..F.min(2)).filter(|f| local.has[*f]) {
+            let c = law.compliance[f];
+            trial[f] = if c > 0.0 { (e[f] - law.linear[f]) / c } else { 0.0 };
+        }
+        let mut slacks = Slacks::default();
+        // The trial clamped to the limits: normal force first, then shear at that normal force.
+        let lowest = (0..Q)
+            .filter(|q| law.limits[*q][0] < 0.0)
+            .map(|q| law.right[q] / law.limits[q][0])
+            .fold(f64::NEG_INFINITY, f64::max);
+        let mut s = [0.0; F];
+        s[0] = trial[0].max(lowest);
+        if local.has[1] {
+            let strength = law.right[0] - law.limits[0][0] * s[0];
+            s[1] = trial[1].clamp(-strength.max(0.0), strength.max(0.0));
+        }
+        // Slack where it is inside; where it was clamped, the excess is the multiplier.
+        // What is far softer than the rest must not start with products far greater than theirs.
+        let compliance = if law.compliance[0] > 0.0 { law.compliance[0].min(SOFT) } else { 1.0 };
+        for q in 0..Q {
+            let (mut slack, mut excess) = (law.right[q], 0.0);
+            for f in 0..F.min(2) {
+                slack -= law.limits[q][f] * s[f];
+                excess += law.limits[q][f] * (trial[f] - s[f]);
+            }
+            let x = slack.max(0.0) - excess.max(0.0);
+            let root = x.hypot(2.0 * START);
+            slacks.w[q] = 0.5 * if x > 0.0 { x + root } else { 4.0 * START * START / (root - x) };
+            slacks.lambda[q] = START * START / slacks.w[q] * compliance;
+        }
+        Self {
+            number,
+            law,
+            s,
+            ds: [0.0; F],
+            stationarity: [0.0; F],
+            slacks,
+            system: LocalSystem::default(),
+            right: Right::default(),
+        }
+    }
+
+    /// Makes the step, up to `length`, and evaluates the residuals; the forces go to the balance.
+    pub fn evaluate(
+        &mut self,
+        length: f64,
+        u: &[[f64; 3]],
+        balance: &mut [[f64; 3]],
+        size: &mut Sizes,
+    ) {
+        for f in 0..F {
+            self.s[f] += length * self.ds[f];
+        }
+        let slacks = &mut self.slacks;
+        for q in 0..Q {
+            slacks.w[q] += length * slacks.dw[q];
+            slacks.lambda[q] += length * slacks.dlambda[q];
+        }
+        let law = &self.law;
+        law.add_forces(&self.s, 1.0, balance);
+        let e = law.kinematics(u);
+        let mut r = [0.0; F];
+        for f in 0..F {
+            r[f] = law.linear[f] + law.compliance[f] * self.s[f] - e[f];
+        }
+        for q in 0..Q {
+            let a = &law.limits[q];
+            let (w, lambda) = (slacks.w[q], slacks.lambda[q]);
+            let mut defect = w - law.right[q];
+            for f in 0..F {
+                r[f] += a[f] * lambda;
+                defect += a[f] * self.s[f];
+            }
+            slacks.defect[q] = defect;
+            size.primal = size.primal.max(defect.abs());
+            size.products += w * lambda;
+            size.product = size.product.max(w * lambda);
+        }
+        for f in 0..F {
+            size.kinematic = size.kinematic.max(r[f].abs());
+        }
+        self.stationarity = r;
+        size.force = size.force.max(self.s[0].abs());
+    }
+
+    /// Forces and multipliers, to their place in the program.
+    pub fn store(&self, forces: &mut [[f64; 3]], multipliers: &mut [[f64; ROWS]]) {
+        forces[self.number][..F].copy_from_slice(&self.s);
+        multipliers[self.number][..Q].copy_from_slice(&self.slacks.lambda);
+    }
+
+    /// Sets up the system, adds what is left of it to the matrix, and aims the predictor.
+    pub fn condense(&mut self, matrix: &mut BodyMatrix, right: &mut [[f64; 3]]) {
+        self.system.set(&self.law, &self.slacks);
+        matrix.add(self.number, self.law.bodies, &self.law.rows, &self.system.stiffness);
+        self.aim(Aim::Zero, right);
+    }
+
+    /// Adds what it has in the right side of the condensed system.
+    #[inline]
+    pub fn aim(&mut self, aim: Aim, right: &mut [[f64; 3]]) {
+        let slacks = &mut self.slacks;
+        for q in 0..Q {
+            slacks.product[q] = slacks.w[q] * slacks.lambda[q]
+                + match aim {
+                    Aim::Zero => 0.0,
+                    Aim::Target(target) => slacks.dw[q] * slacks.dlambda[q] - target,
+                };
+        }
+        self.right = self.system.right(&self.law, &self.stationarity, slacks);
+        self.law.add_forces(&self.system.forces(&self.right), -1.0, right);
+    }
+
+    /// Steps of forces, slacks and multipliers that belong to steps of the displacements.
+    pub fn step(&mut self, du: &[[f64; 3]], ahead: &mut Ahead) {
+        let e = self.law.kinematics(du);
+        let slacks = &mut self.slacks;
+        self.ds = self.system.solve(&self.law, &e, &self.right, slacks);
+        for q in 0..Q {
+            let (w, lambda) = (slacks.w[q], slacks.lambda[q]);
+            let (dw, dlambda) = (slacks.dw[q], slacks.dlambda[q]);
+            if w + ahead.length * dw < 0.0 {
+                ahead.length = -w / dw;
+            }
+            if lambda + ahead.length * dlambda < 0.0 {
+                ahead.length = -lambda / dlambda;
+            }
+            ahead.products[0] += w * lambda;
+            ahead.products[1] += w * dlambda + lambda * dw;
+            ahead.products[2] += dw * dlambda;
+        }
+    }
+
+    /// Takes what it adds to the condensed operator away from the defect.
+    pub fn take_away(&self, du: &[[f64; 3]], defect: &mut [[f64; 3]]) {
+        let e = self.law.kinematics(du);
+        let mut s = [0.0; F];
+        for f in 0..F {
+            for g in 0..F {
+                s[f] += self.system.stiffness[f][g] * e[g];
+            }
+        }
+        self.law.add_forces(&s, -1.0, defect);
+    }
+}

@@ -1,0 +1,234 @@
+//! Primal-dual interior-point method on the condensed system (predictor and corrector after
+//! Mehrotra).
+//!
+//! An interaction's forces and multipliers are eliminated through its own small system
+//! ([`local_system`]): `ds = T (G' du) + ds_0`, which leaves
+//! `(M + G T G') du = r` for the bodies.
+
+mod cell;
+mod local_system;
+
+use self::cell::{Ahead, Aim, Cells, Sizes, for_each};
+use super::matrix::BodyMatrix;
+use super::scaled::{ROWS, Scaled};
+
+/// An interior point.
+pub struct Interior {
+    /// Displacements by body.
+    pub u: Vec<[f64; 3]>,
+    /// Forces by interaction.
+    pub s: Vec<[f64; 3]>,
+    /// Multipliers of the limits.
+    pub lambda: Vec<[f64; ROWS]>,
+    /// Factorisations.
+    pub iterations: u32,
+    /// Residual of the point, as the method measures it.
+    pub merit: f64,
+}
+
+impl Interior {
+    /// Room for a point.
+    fn of(program: &Scaled) -> Self {
+        let count = program.locals.len();
+        let (s, lambda) = (vec![[0.0; 3]; count], vec![[0.0; ROWS]; count]);
+        Self { u: Vec::new(), s, lambda, iterations: 0, merit: f64::INFINITY }
+    }
+}
+
+const MAX_ITERATIONS: u32 = 80;
+/// Where the residual falls to no less than this fraction in so many iterations it will not get there.
+const PATIENCE: usize = 20;
+const LITTLE: f64 = 0.1;
+/// Weight of the proximal term by the mean product, and what is left of it in the end.
+const PROXIMAL: f64 = 1e-3;
+const LEAST_PROXIMAL: f64 = 1e-10;
+/// The products aimed at are what the predictor leaves of them to the third (Mehrotra). Squared, products
+/// fall more slowly and the other residuals faster: fewer iterations where the goal is above this.
+const LOOSE: f64 = 1e-8;
+/// Steps of refinement at most, and the relative defect at which there is no need of one.
+const MAX_REFINEMENTS: usize = 3;
+const REFINED: f64 = 1e-4;
+/// Weight of the greatest complementarity product beside the other residuals.
+const PRODUCT: f64 = 0.02;
+/// What is enough where there is little progress, over the residual at which it is done.
+const ENOUGH: f64 = 10.0;
+
+/// Runs the method from the displacements `start` until the residual is at most `goal`, or no longer
+/// falls: the best point on the way. `None` if there is none.
+#[must_use]
+pub fn solve(
+    program: &Scaled,
+    matrix: &mut BodyMatrix,
+    start: &[[f64; 3]],
+    goal: f64,
+) -> Option<Interior> {
+    let n = program.free.len();
+    let mut u: Vec<[f64; 3]> = (0..n)
+        .map(|i| {
+            [0, 1, 2].map(|k| if program.free[i][k] { start[i][k] } else { program.known[i][k] })
+        })
+        .collect();
+    let mut cells = Cells::new(program, &u);
+    let limits: usize = program.locals.iter().map(|l| l.count).sum();
+    let limits = limits.max(1) as f64;
+    let mut best: Option<Interior> = None;
+    let mut since_best = 0;
+    let mut iterations = 0;
+    let mut last_merit = f64::INFINITY;
+    let mut merits = Vec::new();
+    // Of the step that the interactions have still to make: every pass over them costs.
+    let mut length = 0.0;
+    let mut balance = vec![[0.0; 3]; n];
+    let mut right = vec![[0.0; 3]; n];
+    let mut du = vec![[0.0; 3]; n];
+    let mut defect = vec![[0.0; 3]; n];
+    let mut weight = vec![[0.0; 3]; n];
+    loop {
+        // Residuals.
+        program.balance_of_bodies(&u, &mut balance);
+        let mut size = Sizes::default();
+        for_each!(cell of &mut cells => cell.evaluate(length, &u, &mut balance, &mut size));
+        let mu = size.products / limits;
+        let unbalance = greatest(&balance);
+        let force = size.force.max(1e-3);
+        let sum = unbalance + size.kinematic + size.primal + mu;
+        // Products count by the greatest: started near a solution most of them are nothing.
+        let merit = (unbalance.max(size.primal) / force)
+            .max(size.kinematic)
+            .max(PRODUCT * size.product / force);
+        if !sum.is_finite() {
+            break;
+        }
+        if best.as_ref().is_none_or(|b| merit < b.merit) {
+            let point = best.get_or_insert_with(|| Interior::of(program));
+            point.u.clone_from(&u);
+            point.merit = merit;
+            for_each!(cell of &mut cells => cell.store(&mut point.s, &mut point.lambda));
+            since_best = 0;
+        } else {
+            since_best += 1;
+        }
+        merits.push(best.as_ref().map_or(merit, |b| b.merit));
+        let earlier = merits.len().checked_sub(PATIENCE + 1).map_or(f64::INFINITY, |k| merits[k]);
+        let slow = merit > 0.3 * last_merit;
+        last_merit = merit;
+        if merit <= goal
+            || (merit <= ENOUGH * goal && slow)
+            || iterations >= MAX_ITERATIONS
+            || (since_best > 8 && merit > 1e3 * best.as_ref().map_or(0.0, |b| b.merit))
+            || since_best > 15
+            || merits[merits.len() - 1] > LITTLE * earlier
+        {
+            break;
+        }
+        iterations += 1;
+
+        // The condensed matrix.
+        matrix.clear();
+        // A vanishing proximal weight keeps what nothing holds from going to infinity.
+        let proximal = LEAST_PROXIMAL + PROXIMAL * mu.min(1.0);
+        for i in 0..n {
+            for k in 0..3 {
+                weight[i][k] = program.weight[i][k] + proximal;
+                let diagonal = if program.free[i][k] { weight[i][k] } else { 1.0 };
+                matrix.add_diagonal(i, k, diagonal);
+            }
+        }
+        // The predictor takes all products away; it only aims the corrector.
+        set_negative(&mut right, &balance);
+        for_each!(cell of &mut cells => cell.condense(matrix, &mut right));
+        if !factorise(matrix) {
+            break;
+        }
+        du.clone_from(&right);
+        matrix.solve(&mut du);
+        let ahead = steps(&mut cells, &du);
+        let after = ahead.products_after() / limits;
+        let ratio = if mu > 0.0 { after / mu } else { 0.0 };
+        let exponent = if goal > LOOSE { 2 } else { 3 };
+        let target = ratio.powi(exponent).min(1.0) * mu;
+
+        set_negative(&mut right, &balance);
+        for_each!(cell of &mut cells => cell.aim(Aim::Target(target), &mut right));
+        du.clone_from(&right);
+        matrix.solve(&mut du);
+        refine(program, matrix, &mut cells, &weight, &right, &mut du, &mut defect);
+        let step = steps(&mut cells, &du).length;
+        length = if step < 1.0 { step * (1.0 - mu.min(0.01)).clamp(0.99, 0.9995) } else { 1.0 };
+        for (u, du) in u.iter_mut().zip(&du) {
+            for k in 0..3 {
+                u[k] += length * du[k];
+            }
+        }
+    }
+    let mut point = best?;
+    point.iterations = iterations;
+    Some(point)
+}
+
+fn greatest(rows: &[[f64; 3]]) -> f64 {
+    rows.iter().flatten().map(|r| r.abs()).fold(0.0, f64::max)
+}
+
+fn set_negative(rows: &mut [[f64; 3]], of: &[[f64; 3]]) {
+    for (row, of) in rows.iter_mut().zip(of) {
+        *row = of.map(|r| -r);
+    }
+}
+
+/// Steps of forces, slacks and multipliers that belong to steps of the displacements.
+fn steps(cells: &mut Cells, du: &[[f64; 3]]) -> Ahead {
+    let mut ahead = Ahead::default();
+    for_each!(cell of cells => cell.step(du, &mut ahead));
+    ahead
+}
+
+/// Factorises, with a larger diagonal where round-off has cost positive definiteness.
+pub(super) fn factorise(matrix: &mut BodyMatrix) -> bool {
+    if matrix.factorise() {
+        return true;
+    }
+    let greatest = matrix.greatest_diagonal();
+    for shift in [1e-14, 1e-12, 1e-10] {
+        for body in 0..matrix.bodies() {
+            for k in 0..3 {
+                matrix.add_diagonal(body, k, shift * greatest);
+            }
+        }
+        if matrix.factorise() {
+            return true;
+        }
+    }
+    false
+}
+
+/// Steps of refinement on the condensed operator, with the weights of the degrees of freedom.
+fn refine(
+    program: &Scaled,
+    matrix: &mut BodyMatrix,
+    cells: &mut Cells,
+    weight: &[[f64; 3]],
+    right: &[[f64; 3]],
+    du: &mut [[f64; 3]],
+    defect: &mut [[f64; 3]],
+) {
+    let scale = greatest(right);
+    for _ in 0..MAX_REFINEMENTS {
+        for (i, defect) in defect.iter_mut().enumerate() {
+            for k in 0..3 {
+                defect[k] =
+                    if program.free[i][k] { right[i][k] - weight[i][k] * du[i][k] } else { 0.0 };
+            }
+        }
+        for_each!(cell of cells => cell.take_away(du, defect));
+        if greatest(defect) <= REFINED * scale {
+            return;
+        }
+        matrix.solve(defect);
+        for (du, d) in du.iter_mut().zip(&*defect) {
+            for k in 0..3 {
+                du[k] += d[k];
+            }
+        }
+    }
+}
