@@ -7,7 +7,7 @@
 //! line search is exact: the derivative along the step is monotone and piecewise linear. Where a step
 //! leaves fast bodies behind it is one of the others alone: what that does to those bodies is not counted.
 
-use super::interior::factorise;
+use super::interior::factorise_and_solve;
 use super::local::{Adjacency, eliminate};
 use super::matrix::BodyMatrix;
 use super::scaled::{Kind, Local, Scaled, add_forces, kinematics};
@@ -265,13 +265,12 @@ pub fn iterate(
             let [nn, nt, tt] = response.d;
             matrix.add(k, arms.bodies, &arms.rows, &[[nn, nt], [nt, tt]]);
         }
-        if !factorise(matrix) {
-            break;
-        }
         for (du, g) in du.iter_mut().zip(&gradient) {
             *du = g.map(|g| -g);
         }
-        matrix.solve(&mut du);
+        if !factorise_and_solve(matrix, &mut du) {
+            break;
+        }
         for (i, du) in du.iter_mut().enumerate() {
             for k in (0..3).filter(|k| !program.free[i][*k]) {
                 du[k] = 0.0;

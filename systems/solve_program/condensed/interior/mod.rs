@@ -137,11 +137,10 @@ pub fn solve(
         // The predictor takes all products away; it only aims the corrector.
         set_negative(&mut right, &balance);
         for_each!(cell of &mut cells => cell.condense(matrix, &mut right));
-        if !factorise(matrix) {
+        du.clone_from(&right);
+        if !factorise_and_solve(matrix, &mut du) {
             break;
         }
-        du.clone_from(&right);
-        matrix.solve(&mut du);
         let ahead = steps(&mut cells, &du);
         let after = ahead.products_after() / limits;
         let ratio = if mu > 0.0 { after / mu } else { 0.0 };
@@ -183,9 +182,9 @@ fn steps(cells: &mut Cells, du: &[[f64; 3]]) -> Ahead {
     ahead
 }
 
-/// Factorises, with a larger diagonal where round-off has cost positive definiteness.
-pub(super) fn factorise(matrix: &mut BodyMatrix) -> bool {
-    if matrix.factorise() {
+/// Factorises and solves, with a larger diagonal where round-off has cost positive definiteness.
+pub(super) fn factorise_and_solve(matrix: &mut BodyMatrix, x: &mut [[f64; 3]]) -> bool {
+    if matrix.factorise_and_solve(x) {
         return true;
     }
     let greatest = matrix.greatest_diagonal();
@@ -195,7 +194,7 @@ pub(super) fn factorise(matrix: &mut BodyMatrix) -> bool {
                 matrix.add_diagonal(body, k, shift * greatest);
             }
         }
-        if matrix.factorise() {
+        if matrix.factorise_and_solve(x) {
             return true;
         }
     }

@@ -1,11 +1,13 @@
 //! Dense arithmetic on one front: Cholesky factorisation of its trapezoid, its update, and the
 //! triangular solves.
 //!
-//! A trapezoid lies column by column, `height` numbers each: rows of the pivots from the first on,
-//! rows below from `top` on, both padded to [`LANES`]. What lies above the diagonal or in the
-//! padding is zero, or never used. Diagonal blocks of three are kept apart. All functions are inlined into a caller that
-//! is compiled for the instructions of the machine (`pulp`): loops over constant lengths become
-//! vector instructions, and products and sums are fused.
+//! A trapezoid is made column by column, `height` numbers each: rows of the pivots from the first on,
+//! rows below from `top` on, both padded to [`LANES`]; what is above the diagonal means nothing. What
+//! is kept of it has no such room: block after block of three columns, each from the row below its
+//! pivots on and padded at its end, and the triangles of the pivots apart. Solves read it all, and
+//! wait for memory. All functions are inlined into a caller that is compiled for the instructions of
+//! the machine (`pulp`): loops over constant lengths become vector instructions, and products and sums
+//! are fused.
 
 use super::fronts::LANES;
 
@@ -101,9 +103,6 @@ pub fn factorise(panel: &mut [f64], height: usize, triangles: &mut [Triangle]) -
             *y = (-xy).mul_add(*x, *y) * yy;
             *z = (-yz).mul_add(*y, (-xz).mul_add(*x, *z)) * zz;
         }
-        for column in [x, y, z] {
-            column[..below].fill(0.0);
-        }
     }
     true
 }
@@ -140,33 +139,69 @@ pub fn update(panel: &[f64], height: usize, top: usize, out: &mut [f64]) {
     }
 }
 
-/// Forward solve of one front: `x` has its pivots, and then zeros for what they take from the rows.
+/// Rows of the block of the given pivot that are kept, of `bodies` pivots and rows of a front.
+pub fn kept_rows(bodies: usize, pivot: usize) -> usize {
+    (3 * (bodies - 1 - pivot)).next_multiple_of(LANES)
+}
+
+/// Keeps what is below the pivots of a trapezoid.
 #[inline(always)]
-pub fn forward(panel: &[f64], height: usize, triangles: &[Triangle], x: &mut [f64]) {
-    for (k, (block, triangle)) in panel.chunks_exact(3 * height).zip(triangles).enumerate() {
-        let pivot = 3 * k;
+pub fn keep(
+    panel: &[f64],
+    [height, top]: [usize; 2],
+    pivots: usize,
+    rows: usize,
+    kept: &mut [f64],
+) {
+    let (width, mut kept) = (3 * pivots, kept);
+    for (k, block) in panel.chunks_exact(3 * height).take(pivots).enumerate() {
+        let below = 3 * k + 3;
+        let split = width - below;
+        let len = kept_rows(pivots + rows, k);
+        let (out, rest) = std::mem::take(&mut kept).split_at_mut(3 * len);
+        kept = rest;
+        if len == 0 {
+            continue;
+        }
+        for (out, column) in out.chunks_exact_mut(len).zip(block.chunks_exact(height)) {
+            out[..split].copy_from_slice(&column[below..width]);
+            out[split..split + 3 * rows].copy_from_slice(&column[top..top + 3 * rows]);
+        }
+    }
+}
+
+/// Forward solve of one front of so many pivots and rows: `x` has its pivots, and then zeros for what
+/// they take from the rows, and for padding.
+#[inline(always)]
+pub fn forward(kept: &[f64], bodies: usize, triangles: &[Triangle], x: &mut [f64]) {
+    let mut kept = kept;
+    for (k, triangle) in triangles.iter().enumerate() {
+        let (own, below) = x[3 * k..].split_at_mut(3);
         let [xx, xy, xz, yy, yz, zz] = *triangle;
-        let mut y = [x[pivot], x[pivot + 1], x[pivot + 2]];
-        y[0] *= xx;
-        y[1] = (y[1] - xy * y[0]) * yy;
-        y[2] = (y[2] - xz * y[0] - yz * y[1]) * zz;
-        x[pivot..pivot + 3].copy_from_slice(&y);
-        for (x, columns) in rows_mut(x, pivot + 3).zip(block_rows(block, height, pivot + 3)) {
+        let y0 = own[0] * xx;
+        let y1 = (own[1] - xy * y0) * yy;
+        let y2 = (own[2] - xz * y0 - yz * y1) * zz;
+        own.copy_from_slice(&[y0, y1, y2]);
+        let (block, rest) = kept.split_at(3 * kept_rows(bodies, k));
+        kept = rest;
+        for (x, [a, b, c]) in below.as_chunks_mut::<LANES>().0.iter_mut().zip(pieces(block)) {
             for l in 0..LANES {
-                let products = columns[1][l].mul_add(y[1], columns[2][l] * y[2]);
-                x[l] -= columns[0][l].mul_add(y[0], products);
+                x[l] -= a[l].mul_add(y0, b[l].mul_add(y1, c[l] * y2));
             }
         }
     }
 }
 
-/// Backward solve of one front: `x` has its pivots, and of its rows the solution.
+/// Backward solve of one front: `x` has its pivots, of its rows the solution, and zeros for padding.
 #[inline(always)]
-pub fn backward(panel: &[f64], height: usize, triangles: &[Triangle], x: &mut [f64]) {
-    for (k, (block, triangle)) in panel.chunks_exact(3 * height).zip(triangles).enumerate().rev() {
-        let pivot = 3 * k;
+pub fn backward(kept: &[f64], bodies: usize, triangles: &[Triangle], x: &mut [f64]) {
+    let mut kept = kept;
+    for (k, triangle) in triangles.iter().enumerate().rev() {
+        let (own, below) = x[3 * k..].split_at_mut(3);
+        let (rest, block) = kept.split_at(kept.len() - 3 * kept_rows(bodies, k));
+        kept = rest;
         let mut sums = [[0.0; LANES]; 3];
-        for (x, columns) in rows(x, pivot + 3).zip(block_rows(block, height, pivot + 3)) {
+        for (x, columns) in below.as_chunks::<LANES>().0.iter().zip(pieces(block)) {
             for (sums, column) in sums.iter_mut().zip(columns) {
                 for l in 0..LANES {
                     sums[l] = column[l].mul_add(x[l], sums[l]);
@@ -175,33 +210,18 @@ pub fn backward(panel: &[f64], height: usize, triangles: &[Triangle], x: &mut [f
         }
         let sums = sums.map(|[a, b, c, d]| (a + b) + (c + d));
         let [xx, xy, xz, yy, yz, zz] = *triangle;
-        let mut y = [x[pivot] - sums[0], x[pivot + 1] - sums[1], x[pivot + 2] - sums[2]];
-        y[2] *= zz;
-        y[1] = (y[1] - yz * y[2]) * yy;
-        y[0] = (y[0] - xy * y[1] - xz * y[2]) * xx;
-        x[pivot..pivot + 3].copy_from_slice(&y);
+        let y2 = (own[2] - sums[2]) * zz;
+        let y1 = (own[1] - sums[1] - yz * y2) * yy;
+        let y0 = (own[0] - sums[0] - xy * y1 - xz * y2) * xx;
+        own.copy_from_slice(&[y0, y1, y2]);
     }
 }
 
-/// Rows from the piece on that `from` is in.
+/// Rows of a block, piece by piece, of its three columns.
 #[inline(always)]
-fn rows(x: &[f64], from: usize) -> impl Iterator<Item = &[f64; LANES]> {
-    x[from - from % LANES..].as_chunks().0.iter()
-}
-
-#[inline(always)]
-fn rows_mut(x: &mut [f64], from: usize) -> impl Iterator<Item = &mut [f64; LANES]> {
-    x[from - from % LANES..].as_chunks_mut().0.iter_mut()
-}
-
-/// The same of three columns.
-#[inline(always)]
-fn block_rows(
-    block: &[f64],
-    height: usize,
-    from: usize,
-) -> impl Iterator<Item = [&[f64; LANES]; 3]> {
-    let (x, rest) = block.split_at(height);
-    let (y, z) = rest.split_at(height);
-    rows(x, from).zip(rows(y, from)).zip(rows(z, from)).map(|((x, y), z)| [x, y, z])
+fn pieces(block: &[f64]) -> impl Iterator<Item = [&[f64; LANES]; 3]> {
+    let (x, rest) = block.split_at(block.len() / 3);
+    let (y, z) = rest.split_at(block.len() / 3);
+    let [x, y, z] = [x, y, z].map(|column| column.as_chunks().0.iter());
+    x.zip(y).zip(z).map(|((x, y), z)| [x, y, z])
 }

@@ -8,6 +8,8 @@
 use std::cmp::Reverse;
 use std::ops::Range;
 
+use super::dense::kept_rows;
+
 /// Rows are padded to a multiple of this, so that loops over them have no remainder.
 pub const LANES: usize = 4;
 
@@ -28,8 +30,8 @@ pub struct Front {
     pub inside: usize,
     /// Where its children are in [`Fronts::children`].
     pub children: Range<usize>,
-    /// Where its trapezoid starts.
-    pub panel: usize,
+    /// Where what is kept of its trapezoid starts in the factor.
+    pub factor: usize,
     /// Where its update starts, in the one of the two stacks that `odd` tells.
     pub update: usize,
     /// Whether its depth in the tree is odd: updates of parent and child are in different stacks.
@@ -62,6 +64,16 @@ impl Front {
         self.height() * self.width()
     }
 
+    /// Its pivots and rows.
+    pub fn bodies(&self) -> usize {
+        self.pivots.len() + self.rows.len()
+    }
+
+    /// Numbers that are kept of the trapezoid.
+    pub fn factor_len(&self) -> usize {
+        (0..self.pivots.len()).map(|k| 3 * kept_rows(self.bodies(), k)).sum()
+    }
+
     /// Numbers in the update, a square of which the lower triangle means something.
     pub fn update_len(&self) -> usize {
         self.bottom() * 3 * self.rows.len()
@@ -80,8 +92,8 @@ pub struct Fronts {
     pub in_parent: Vec<u32>,
     /// Fronts whose updates a front takes.
     pub children: Vec<u32>,
-    /// Numbers in all trapezoids.
-    pub panel_len: usize,
+    /// Numbers in the factor, without the triangles of the pivots.
+    pub factor_len: usize,
     /// Numbers that the two stacks of updates hold at most.
     pub update_len: [usize; 2],
 }
@@ -193,7 +205,7 @@ fn layout(
         rows: Vec::new(),
         in_parent: Vec::new(),
         children: Vec::new(),
-        panel_len: 0,
+        factor_len: 0,
         update_len: [0; 2],
     };
     let mut place = vec![0; n];
@@ -216,7 +228,7 @@ fn layout(
             rows: first_row..first_row + column_rows[column].len(),
             inside: 0,
             children: first_child..fronts.children.len(),
-            panel: fronts.panel_len,
+            factor: fronts.factor_len,
             update: used[mine],
             odd: mine == 1,
         };
@@ -226,7 +238,7 @@ fn layout(
         }
         used[mine] += front.update_len();
         fronts.update_len[mine] = fronts.update_len[mine].max(used[mine]);
-        fronts.panel_len += front.panel_len();
+        fronts.factor_len += front.factor_len();
         fronts.rows.extend(&column_rows[column]);
         number[column] = fronts.list.len();
         columns.push(column);

@@ -13,7 +13,7 @@ mod ordering;
 use pulp::{Arch, Simd, WithSimd};
 
 use self::dense::Triangle;
-use self::fronts::{Front, Fronts};
+use self::fronts::{Front, Fronts, LANES};
 pub(super) use self::ordering::adjacency;
 
 /// Numbers in a block of the diagonal (its lower triangle by columns) and of a pair.
@@ -42,12 +42,14 @@ pub struct BodyMatrix {
     /// and where those of each front end.
     targets: Vec<u32>,
     target_ends: Vec<usize>,
-    /// Trapezoids of the factor, front by front.
+    /// What is kept of the trapezoids, front by front.
     factor: Vec<f64>,
     /// Its diagonal blocks, in the order of elimination.
     triangles: Vec<Triangle>,
     /// Updates that wait for the parents of their fronts, of those in even and odd depth.
     updates: [Vec<f64>; 2],
+    /// The trapezoid of one front.
+    panel: Vec<f64>,
     /// Right side and solution in the order of elimination, and of one front.
     work: Vec<f64>,
     front_work: Vec<f64>,
@@ -91,18 +93,19 @@ impl BodyMatrix {
             }
             target_ends.push(targets.len());
         }
-        let highest = fronts.list.iter().map(Front::height).max().unwrap_or(0);
+        let greatest = |of: fn(&Front) -> usize| fronts.list.iter().map(of).max().unwrap_or(0);
         Some(Self {
             values: vec![0.0; start],
             diagonal,
             pairs: blocks,
             targets,
             target_ends,
-            factor: vec![0.0; fronts.panel_len],
+            factor: vec![0.0; fronts.factor_len],
+            panel: vec![0.0; greatest(Front::panel_len)],
             triangles: vec![[0.0; 6]; bodies],
             updates: fronts.update_len.map(|len| vec![0.0; len]),
             work: vec![0.0; 3 * bodies],
-            front_work: vec![0.0; highest],
+            front_work: vec![0.0; 3 * greatest(Front::bodies) + LANES],
             fronts,
             instructions: Arch::new(),
         })
@@ -162,32 +165,102 @@ impl BodyMatrix {
         }
     }
 
-    /// Factorises; whether the matrix was positive definite.
-    pub fn factorise(&mut self) -> bool {
-        self.instructions.dispatch(Factorise(self))
+    /// Factorises, and solves in place; whether the matrix was positive definite. `x` by body, left
+    /// as it was if not.
+    pub fn factorise_and_solve(&mut self, x: &mut [[f64; 3]]) -> bool {
+        self.instructions.dispatch(FactoriseAndSolve(self, x))
     }
 
     /// Solves in place with the last factor; `x` by body.
     pub fn solve(&mut self, x: &mut [[f64; 3]]) {
         self.instructions.dispatch(Solve(self, x));
     }
+
+    /// Puts the right side into the order of elimination.
+    fn take(&mut self, x: &[[f64; 3]]) {
+        for (work, &body) in self.work.chunks_exact_mut(3).zip(&self.fronts.order) {
+            work.copy_from_slice(&x[body]);
+        }
+    }
+
+    /// Solves from the last front to the first, and puts the solution where it belongs.
+    #[inline(always)]
+    fn solve_backward(&mut self, x: &mut [[f64; 3]]) {
+        let Self { fronts, factor, triangles, work, front_work, .. } = self;
+        for front in fronts.list.iter().rev() {
+            let width = front.width();
+            let pivots = 3 * front.pivots.start..3 * front.pivots.end;
+            let local = &mut front_work[..3 * front.bodies() + LANES];
+            local[..width].copy_from_slice(&work[pivots.clone()]);
+            let rows = &fronts.rows[front.rows.clone()];
+            for (&row, values) in rows.iter().zip(local[width..].chunks_exact_mut(3)) {
+                let row = 3 * row as usize;
+                values.copy_from_slice(&work[row..row + 3]);
+            }
+            local[3 * front.bodies()..].fill(0.0);
+            let kept = &factor[front.factor..front.factor + front.factor_len()];
+            dense::backward(kept, front.bodies(), &triangles[front.pivots.clone()], local);
+            work[pivots].copy_from_slice(&local[..width]);
+        }
+        for (work, &body) in work.chunks_exact(3).zip(&fronts.order) {
+            x[body].copy_from_slice(work);
+        }
+    }
 }
 
-struct Factorise<'a>(&'a mut BodyMatrix);
+/// Solves for the pivots of one front, and takes what they contribute away from its rows.
+#[inline(always)]
+fn solve_front(
+    front: &Front,
+    rows: &[u32],
+    kept: &[f64],
+    triangles: &[Triangle],
+    work: &mut [f64],
+    local: &mut [f64],
+) {
+    let width = front.width();
+    let pivots = 3 * front.pivots.start..3 * front.pivots.end;
+    let local = &mut local[..3 * front.bodies() + LANES];
+    local[..width].copy_from_slice(&work[pivots.clone()]);
+    local[width..].fill(0.0);
+    dense::forward(kept, front.bodies(), triangles, local);
+    work[pivots].copy_from_slice(&local[..width]);
+    for (&row, values) in rows.iter().zip(local[width..].chunks_exact(3)) {
+        let row = 3 * row as usize;
+        for (x, value) in work[row..row + 3].iter_mut().zip(values) {
+            *x += value;
+        }
+    }
+}
 
-impl WithSimd for Factorise<'_> {
+struct FactoriseAndSolve<'a>(&'a mut BodyMatrix, &'a mut [[f64; 3]]);
+
+impl WithSimd for FactoriseAndSolve<'_> {
     type Output = bool;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> bool {
-        let BodyMatrix { values, targets, target_ends, fronts, factor, triangles, updates, .. } =
-            self.0;
+        let Self(matrix, x) = self;
+        matrix.take(x);
+        let BodyMatrix {
+            values,
+            targets,
+            target_ends,
+            fronts,
+            factor,
+            triangles,
+            updates,
+            panel,
+            work,
+            front_work,
+            ..
+        } = &mut *matrix;
         let mut values = &values[..];
         let mut first_target = 0;
         let [even, odd] = updates;
         for (front, &target_end) in fronts.list.iter().zip(&*target_ends) {
             let (height, top) = (front.height(), front.top());
-            let panel = &mut factor[front.panel..front.panel + front.panel_len()];
+            let panel = &mut panel[..front.panel_len()];
             panel.fill(0.0);
             let (diagonal, rest) = values.split_at(DIAGONAL * front.pivots.len());
             for (k, block) in diagonal.as_chunks().0.iter().enumerate() {
@@ -207,9 +280,14 @@ impl WithSimd for Factorise<'_> {
                 let places = &fronts.in_parent[child.rows.clone()];
                 extend(panel, height, 0, update, places, 0..child.inside);
             }
-            if !dense::factorise(panel, height, &mut triangles[front.pivots.clone()]) {
+            let triangles = &mut triangles[front.pivots.clone()];
+            if !dense::factorise(panel, height, triangles) {
                 return false;
             }
+            let kept = &mut factor[front.factor..front.factor + front.factor_len()];
+            dense::keep(panel, [height, top], front.pivots.len(), front.rows.len(), kept);
+            let rows = &fronts.rows[front.rows.clone()];
+            solve_front(front, rows, kept, triangles, work, front_work);
             let update = &mut mine[front.update..front.update + front.update_len()];
             dense::update(panel, height, top, update);
             for child in children.iter().map(|c| &fronts.list[*c as usize]) {
@@ -218,6 +296,7 @@ impl WithSimd for Factorise<'_> {
                 extend(update, front.bottom(), top, of_child, places, child.inside..places.len());
             }
         }
+        matrix.solve_backward(x);
         true
     }
 }
@@ -252,7 +331,7 @@ fn extend(
     places: &[u32],
     which: std::ops::Range<usize>,
 ) {
-    let child_height = (3 * places.len()).next_multiple_of(fronts::LANES);
+    let child_height = (3 * places.len()).next_multiple_of(LANES);
     for k in which {
         let rows = &places[k..];
         for c in 0..3 {
@@ -277,45 +356,14 @@ impl WithSimd for Solve<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let Self(matrix, x) = self;
-        let BodyMatrix { fronts, factor, triangles, work, front_work, .. } = matrix;
-        for (work, &body) in work.chunks_exact_mut(3).zip(&fronts.order) {
-            work.copy_from_slice(&x[body]);
-        }
+        matrix.take(x);
+        let BodyMatrix { fronts, factor, triangles, work, front_work, .. } = &mut *matrix;
         for front in &fronts.list {
-            let (height, width) = (front.height(), front.width());
-            let pivots = 3 * front.pivots.start..3 * front.pivots.end;
-            let local = &mut front_work[..height];
-            local[..width].copy_from_slice(&work[pivots.clone()]);
-            local[width..].fill(0.0);
-            let panel = &factor[front.panel..front.panel + front.panel_len()];
-            dense::forward(panel, height, &triangles[front.pivots.clone()], local);
-            work[pivots].copy_from_slice(&local[..width]);
             let rows = &fronts.rows[front.rows.clone()];
-            for (&row, values) in rows.iter().zip(local[front.top()..].chunks_exact(3)) {
-                let row = 3 * row as usize;
-                for (x, value) in work[row..row + 3].iter_mut().zip(values) {
-                    *x += value;
-                }
-            }
+            let kept = &factor[front.factor..front.factor + front.factor_len()];
+            solve_front(front, rows, kept, &triangles[front.pivots.clone()], work, front_work);
         }
-        for front in fronts.list.iter().rev() {
-            let (height, width, top) = (front.height(), front.width(), front.top());
-            let pivots = 3 * front.pivots.start..3 * front.pivots.end;
-            let local = &mut front_work[..height];
-            local.fill(0.0);
-            local[..width].copy_from_slice(&work[pivots.clone()]);
-            let rows = &fronts.rows[front.rows.clone()];
-            for (&row, values) in rows.iter().zip(local[top..].chunks_exact_mut(3)) {
-                let row = 3 * row as usize;
-                values.copy_from_slice(&work[row..row + 3]);
-            }
-            let panel = &factor[front.panel..front.panel + front.panel_len()];
-            dense::backward(panel, height, &triangles[front.pivots.clone()], local);
-            work[pivots].copy_from_slice(&local[..width]);
-        }
-        for (work, &body) in work.chunks_exact(3).zip(&fronts.order) {
-            x[body].copy_from_slice(work);
-        }
+        matrix.solve_backward(x);
     }
 }
 
