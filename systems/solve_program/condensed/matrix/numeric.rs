@@ -1,0 +1,207 @@
+//! The factorisation and the solves, front by front.
+//!
+//! Every front: its trapezoid from the values of the matrix and the updates of its children, its
+//! factorisation, its update for the parent. The forward solve of the right side that comes with a
+//! matrix goes along, while what it needs is at hand.
+
+use std::ops::Range;
+
+use pulp::{Simd, WithSimd};
+
+use super::dense::{self, Triangle};
+use super::fronts::{Front, LANES};
+use super::{BodyMatrix, DIAGONAL, PAIR};
+
+impl BodyMatrix {
+    /// Puts the right side into the order of elimination.
+    fn take(&mut self, x: &[[f64; 3]]) {
+        for (work, &body) in self.work.chunks_exact_mut(3).zip(&self.fronts.order) {
+            work.copy_from_slice(&x[body]);
+        }
+    }
+
+    /// Solves from the last front to the first, and puts the solution where it belongs.
+    #[inline(always)]
+    fn solve_backward(&mut self, x: &mut [[f64; 3]]) {
+        let Self { fronts, factor, triangles, work, front_work, .. } = self;
+        for front in fronts.list.iter().rev() {
+            let width = front.width();
+            let pivots = 3 * front.pivots.start..3 * front.pivots.end;
+            let local = &mut front_work[..3 * front.bodies() + LANES];
+            local[..width].copy_from_slice(&work[pivots.clone()]);
+            let rows = &fronts.rows[front.rows.clone()];
+            for (&row, values) in rows.iter().zip(local[width..].chunks_exact_mut(3)) {
+                let row = 3 * row as usize;
+                values.copy_from_slice(&work[row..row + 3]);
+            }
+            local[3 * front.bodies()..].fill(0.0);
+            let kept = &factor[front.factor..front.factor + front.factor_len()];
+            dense::backward(kept, front.bodies(), &triangles[front.pivots.clone()], local);
+            work[pivots].copy_from_slice(&local[..width]);
+        }
+        for (work, &body) in work.chunks_exact(3).zip(&fronts.order) {
+            x[body].copy_from_slice(work);
+        }
+    }
+}
+
+/// Solves for the pivots of one front, and takes what they contribute away from its rows.
+#[inline(always)]
+fn solve_front(
+    front: &Front,
+    rows: &[u32],
+    kept: &[f64],
+    triangles: &[Triangle],
+    work: &mut [f64],
+    local: &mut [f64],
+) {
+    let width = front.width();
+    let pivots = 3 * front.pivots.start..3 * front.pivots.end;
+    let local = &mut local[..3 * front.bodies() + LANES];
+    local[..width].copy_from_slice(&work[pivots.clone()]);
+    local[width..].fill(0.0);
+    dense::forward(kept, front.bodies(), triangles, local);
+    work[pivots].copy_from_slice(&local[..width]);
+    for (&row, values) in rows.iter().zip(local[width..].chunks_exact(3)) {
+        let row = 3 * row as usize;
+        for (x, value) in work[row..row + 3].iter_mut().zip(values) {
+            *x += value;
+        }
+    }
+}
+
+/// Factorisation, and solution in place; whether the matrix was positive definite.
+pub struct FactoriseAndSolve<'a>(pub &'a mut BodyMatrix, pub &'a mut [[f64; 3]]);
+
+impl WithSimd for FactoriseAndSolve<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> bool {
+        let Self(matrix, x) = self;
+        matrix.take(x);
+        let BodyMatrix {
+            values,
+            targets,
+            target_ends,
+            fronts,
+            factor,
+            triangles,
+            updates,
+            panel,
+            work,
+            front_work,
+            ..
+        } = &mut *matrix;
+        let mut values = &values[..];
+        let mut first_target = 0;
+        let [even, odd] = updates;
+        for (front, &target_end) in fronts.list.iter().zip(&*target_ends) {
+            let (height, top) = (front.height(), front.top());
+            let panel = &mut panel[..front.panel_len()];
+            panel.fill(0.0);
+            let (diagonal, rest) = values.split_at(DIAGONAL * front.pivots.len());
+            for (k, block) in diagonal.as_chunks().0.iter().enumerate() {
+                set_diagonal(panel, height, 3 * k, block);
+            }
+            let targets = &targets[std::mem::replace(&mut first_target, target_end)..target_end];
+            let (blocks, rest) = rest.split_at(PAIR * targets.len());
+            for (&target, block) in targets.iter().zip(blocks.as_chunks().0) {
+                add_block(panel, height, target as usize, block);
+            }
+            values = rest;
+
+            let (mine, theirs) = if front.odd { (&mut *odd, &*even) } else { (&mut *even, &*odd) };
+            let children = &fronts.children[front.children.clone()];
+            for child in children.iter().map(|c| &fronts.list[*c as usize]) {
+                let update = &theirs[child.update..child.update + child.update_len()];
+                let places = &fronts.in_parent[child.rows.clone()];
+                extend(panel, height, 0, update, places, 0..child.inside);
+            }
+            let triangles = &mut triangles[front.pivots.clone()];
+            if !dense::factorise(panel, height, triangles) {
+                return false;
+            }
+            let kept = &mut factor[front.factor..front.factor + front.factor_len()];
+            dense::keep(panel, [height, top], front.pivots.len(), front.rows.len(), kept);
+            let rows = &fronts.rows[front.rows.clone()];
+            solve_front(front, rows, kept, triangles, work, front_work);
+            let update = &mut mine[front.update..front.update + front.update_len()];
+            dense::update(panel, height, top, update);
+            for child in children.iter().map(|c| &fronts.list[*c as usize]) {
+                let of_child = &theirs[child.update..child.update + child.update_len()];
+                let places = &fronts.in_parent[child.rows.clone()];
+                extend(update, front.bottom(), top, of_child, places, child.inside..places.len());
+            }
+        }
+        matrix.solve_backward(x);
+        true
+    }
+}
+
+#[inline(always)]
+fn set_diagonal(panel: &mut [f64], height: usize, pivot: usize, block: &[f64; DIAGONAL]) {
+    let columns = [&block[..3], &block[3..5], &block[5..]];
+    for (c, values) in columns.into_iter().enumerate() {
+        let start = (pivot + c) * height + pivot + c;
+        panel[start..start + values.len()].copy_from_slice(values);
+    }
+}
+
+#[inline(always)]
+fn add_block(panel: &mut [f64], height: usize, target: usize, block: &[f64; PAIR]) {
+    for (c, values) in block.as_chunks::<3>().0.iter().enumerate() {
+        let start = target + c * height;
+        for (x, value) in panel[start..start + 3].iter_mut().zip(values) {
+            *x += value;
+        }
+    }
+}
+
+/// Adds the columns `which` of the update of a child, three each, to the trapezoid or the update of
+/// its parent, whose columns have `height` rows and are counted from `first` on in `places`.
+#[inline(always)]
+fn extend(
+    out: &mut [f64],
+    height: usize,
+    first: usize,
+    update: &[f64],
+    places: &[u32],
+    which: Range<usize>,
+) {
+    let child_height = (3 * places.len()).next_multiple_of(LANES);
+    for k in which {
+        let rows = &places[k..];
+        for c in 0..3 {
+            let from = (3 * k + c) * child_height + 3 * k;
+            let to = (places[k] as usize - first + c) * height;
+            let (from, to) = (&update[from..], &mut out[to..to + height]);
+            for (row, values) in rows.iter().zip(from.as_chunks::<3>().0) {
+                let row = *row as usize - first;
+                for (x, value) in to[row..row + 3].iter_mut().zip(values) {
+                    *x += value;
+                }
+            }
+        }
+    }
+}
+
+/// Solution in place with the last factor.
+pub struct Solve<'a>(pub &'a mut BodyMatrix, pub &'a mut [[f64; 3]]);
+
+impl WithSimd for Solve<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self(matrix, x) = self;
+        matrix.take(x);
+        let BodyMatrix { fronts, factor, triangles, work, front_work, .. } = &mut *matrix;
+        for front in &fronts.list {
+            let rows = &fronts.rows[front.rows.clone()];
+            let kept = &factor[front.factor..front.factor + front.factor_len()];
+            solve_front(front, rows, kept, &triangles[front.pivots.clone()], work, front_work);
+        }
+        matrix.solve_backward(x);
+    }
+}

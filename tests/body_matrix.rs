@@ -1,0 +1,158 @@
+//! The factorisation of the condensed matrix, against faer's dense Cholesky factorisation of the same
+//! matrix, set up apart, and against the definition of a solution.
+
+use clastic::systems::solve_program::condensed::matrix::BodyMatrix;
+use faer::linalg::solvers::Solve;
+use faer::{Mat, Side};
+use proptest::prelude::*;
+
+/// One interaction: bodies, rows of (p, q) for both, and the 2 x 2 block between.
+type Interaction = ((u32, u32), [[[f64; 2]; 3]; 2], [[f64; 2]; 2]);
+
+/// A graph of bodies, with weights on the diagonal.
+#[derive(Clone, Debug)]
+struct Sample {
+    weights: Vec<f64>,
+    interactions: Vec<Interaction>,
+}
+
+impl Sample {
+    fn matrix(&self) -> BodyMatrix {
+        let pairs: Vec<_> = self.interactions.iter().map(|(pair, ..)| *pair).collect();
+        let mut matrix = BodyMatrix::new(self.weights.len(), &pairs).expect("an order");
+        matrix.clear();
+        for (i, weight) in self.weights.iter().enumerate() {
+            (0..3).for_each(|k| matrix.add_diagonal(i, k, *weight));
+        }
+        for (k, ((a, b), rows, d)) in self.interactions.iter().enumerate() {
+            matrix.add(k, [*a, *b], rows, d);
+        }
+        matrix
+    }
+
+    fn dense(&self) -> Mat<f64> {
+        let n = 3 * self.weights.len();
+        let mut dense = Mat::zeros(n, n);
+        for (i, weight) in self.weights.iter().enumerate() {
+            (0..3).for_each(|k| dense[(3 * i + k, 3 * i + k)] += weight);
+        }
+        for ((a, b), rows, d) in &self.interactions {
+            let place = |k: usize| 3 * (if k < 3 { *a } else { *b }) as usize + k % 3;
+            let row = |k: usize| rows[k / 3][k % 3];
+            for (k, l) in (0..36).map(|k| (k / 6, k % 6)) {
+                for (f, g) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+                    dense[(place(k), place(l))] += row(k)[f] * d[f][g] * row(l)[g];
+                }
+            }
+        }
+        dense
+    }
+}
+
+fn right_side(bodies: usize) -> Vec<[f64; 3]> {
+    (0..bodies).map(|i| [1.0, (i % 7) as f64 - 3.0, 0.1 * (i % 11) as f64]).collect()
+}
+
+fn samples() -> impl Strategy<Value = Sample> {
+    let row = || prop::array::uniform3(prop::array::uniform2(-1.0..1.0_f64));
+    let interaction = (any::<(u32, u32)>(), row(), row(), 0.0..1.0_f64, -1.0..1.0_f64, -3..4_i32);
+    // A body that nearly all others touch, as a wall, in every other sample.
+    (1..120_usize, prop::collection::vec(interaction, 0..400), 0..7_usize, any::<bool>()).prop_map(
+        |(bodies, interactions, spread, wall)| {
+            let n = bodies as u32;
+            let mut list: Vec<Interaction> = interactions
+                .into_iter()
+                .map(|((a, b), first, second, shear, mixed, magnitude)| {
+                    // Near in their numbers, so that fronts of all sizes come up.
+                    let a = a % n;
+                    let b = (a + 1 + b % (1 << spread)) % n;
+                    let size = 10.0_f64.powi(magnitude);
+                    let mixed = mixed * shear.sqrt();
+                    ((a, b), [first, second], [[size, mixed * size], [mixed * size, shear * size]])
+                })
+                .filter(|((a, b), ..)| a != b)
+                .collect();
+            if wall {
+                list.extend((1..n).map(|i| {
+                    let rows = [[[1.0, 0.0], [0.0, 1.0], [0.5, 0.0]]; 2];
+                    ((i, 0), rows, [[2.0, 0.0], [0.0, 1.0]])
+                }));
+            }
+            Sample {
+                weights: (0..bodies).map(|i| 0.1 + (i % 5) as f64).collect(),
+                interactions: list,
+            }
+        },
+    )
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(300))]
+
+    #[test]
+    fn solutions_are_those_of_a_dense_factorisation(sample in samples()) {
+        let n = sample.weights.len();
+        let dense = sample.dense();
+        let right = Mat::from_fn(3 * n, 1, |k, _| right_side(n)[k / 3][k % 3]);
+        let expected = dense.llt(Side::Lower).expect("positive definite").solve(&right);
+        let mut matrix = sample.matrix();
+        let mut x = right_side(n);
+        prop_assert!(matrix.factorise_and_solve(&mut x));
+        let scale = expected.norm_max();
+        for k in 0..3 * n {
+            let error = (x[k / 3][k % 3] - expected[(k, 0)]).abs();
+            prop_assert!(error <= 1e-11 * scale, "{error:e} of {scale:e} at {k}");
+        }
+        // The same factor once more, on its own.
+        let mut again = right_side(n);
+        matrix.solve(&mut again);
+        prop_assert_eq!(x, again);
+    }
+
+    /// A matrix that is not positive definite is refused, and the right side stays.
+    #[test]
+    fn what_is_not_positive_definite_is_refused(sample in samples(), which in any::<usize>()) {
+        let n = sample.weights.len();
+        let mut matrix = sample.matrix();
+        matrix.add_diagonal(which % n, which % 3, -1e7);
+        let mut x = right_side(n);
+        prop_assert!(!matrix.factorise_and_solve(&mut x));
+        prop_assert_eq!(x, right_side(n));
+    }
+}
+
+/// Stiffnesses that differ by 1e16, as those of active and inactive contacts do in the interior-point
+/// method: the solution is that of a matrix that is as near as round-off (Higham 2002, theorem 10.4).
+#[test]
+fn contrast_of_stiffness_does_not_cost_backward_stability() {
+    let bodies: usize = 400;
+    let interactions: Vec<Interaction> = (0..bodies as u32)
+        .flat_map(|i| [(i, i + 1), (i, i + 20)])
+        .filter(|(_, b)| *b < 400)
+        .enumerate()
+        .map(|(k, pair)| {
+            let angle = k as f64;
+            let (s, c) = angle.sin_cos();
+            let rows = [[[c, -s], [s, c], [0.0, 0.5]], [[-c, s], [-s, -c], [0.0, 0.5]]];
+            (pair, rows, [[10.0_f64.powi((k % 17) as i32 - 8), 0.0], [0.0, 1e-4]])
+        })
+        .collect();
+    let sample = Sample { weights: vec![1e-6; bodies], interactions };
+    let dense = sample.dense();
+    let mut x = right_side(bodies);
+    assert!(sample.matrix().factorise_and_solve(&mut x));
+    let solution = Mat::from_fn(3 * bodies, 1, |k, _| x[k / 3][k % 3]);
+    let defect =
+        &dense * &solution - Mat::from_fn(3 * bodies, 1, |k, _| right_side(bodies)[k / 3][k % 3]);
+    let bound = 1e-14 * dense.norm_l2() * solution.norm_l2();
+    assert!(defect.norm_l2() <= bound, "{:e} above {bound:e}", defect.norm_l2());
+}
+
+/// A scene of one body has one front without rows.
+#[test]
+fn one_body() {
+    let sample = Sample { weights: vec![4.0], interactions: Vec::new() };
+    let mut x = vec![[8.0, -2.0, 1.0]];
+    assert!(sample.matrix().factorise_and_solve(&mut x));
+    assert_eq!(x, [[2.0, -0.5, 0.25]]);
+}
