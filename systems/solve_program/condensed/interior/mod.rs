@@ -2,7 +2,7 @@
 //! Mehrotra).
 //!
 //! An interaction's forces and multipliers are eliminated through its own small system
-//! ([`local_system`]): `ds = T (G' du) + ds_0`, which leaves
+//! (`local_system`): `ds = T (G' du) + ds_0`, which leaves
 //! `(M + G T G') du = r` for the bodies.
 
 mod cell;

@@ -1,13 +1,12 @@
 //! Dense arithmetic on one front: Cholesky factorisation of its trapezoid, its update, and the
 //! triangular solves.
 //!
-//! A trapezoid is made column by column, `height` numbers each: rows of the pivots from the first on,
-//! rows below from `top` on, both padded to [`LANES`]; what is above the diagonal means nothing. What
-//! is kept of it has no such room: block after block of three columns, each from the row below its
-//! pivots on and padded at its end, and the triangles of the pivots apart. Solves read it all, and
-//! wait for memory. All functions are inlined into a caller that is compiled for the instructions of
-//! the machine (`pulp`): loops over constant lengths become vector instructions, and products and sums
-//! are fused.
+//! A trapezoid is made column by column, `height` numbers each, with room for padding to [`LANES`];
+//! what is above the diagonal means nothing. What is kept of it has no such room: block after block of
+//! three columns, each from the row below its pivots on and padded at its end, and the triangles of the
+//! pivots apart. Solves read it all, and wait for memory. All functions are inlined into a caller that
+//! is compiled for the instructions of the machine (`pulp`): loops over constant lengths become vector
+//! instructions, and products and sums are fused.
 
 use super::fronts::LANES;
 
@@ -69,10 +68,10 @@ fn set_products<const R: usize>(
     i: usize,
     panel: &[f64],
     block: &mut [f64],
-    [height, top, bottom]: [usize; 3],
+    [height, width, bottom]: [usize; 3],
     column: usize,
 ) {
-    let sums = products::<R>(panel, height, top + i, column);
+    let sums = products::<R>(panel, height, width + i, column);
     for (sums, column) in sums.iter().zip(block.chunks_exact_mut(bottom)) {
         for (x, sum) in column[i..i + R].iter_mut().zip(sums) {
             *x = -sum;
@@ -125,17 +124,16 @@ fn factor_of([xx, xy, xz, yy, yz, zz]: [f64; 6]) -> Option<Triangle> {
     (zz > 0.0).then(|| [xx, xy, xz, yy, yz, 1.0 / zz.sqrt()])
 }
 
-/// The update `-B B'`, with `B` the rows below the pivots.
+/// The update `-B B'`, with `B` the rows of the trapezoid below its first `width`.
 #[inline(always)]
-pub fn update(panel: &[f64], height: usize, top: usize, out: &mut [f64]) {
-    let bottom = height - top;
+pub fn update(panel: &[f64], height: usize, width: usize, bottom: usize, out: &mut [f64]) {
     if bottom == 0 {
         return;
     }
     for (k, block) in out.chunks_exact_mut(3 * bottom).enumerate() {
         let from = 3 * k - 3 * k % LANES;
-        let sizes = [height, top, bottom];
-        in_pieces!(from, bottom, set_products(panel, block, sizes, top + 3 * k));
+        let sizes = [height, width, bottom];
+        in_pieces!(from, bottom, set_products(panel, block, sizes, width + 3 * k));
     }
 }
 
@@ -144,34 +142,27 @@ pub fn kept_rows(bodies: usize, pivot: usize) -> usize {
     (3 * (bodies - 1 - pivot)).next_multiple_of(LANES)
 }
 
-/// Keeps what is below the pivots of a trapezoid.
+/// Keeps what is below the pivots of a trapezoid of so many pivots and rows.
 #[inline(always)]
-pub fn keep(
-    panel: &[f64],
-    [height, top]: [usize; 2],
-    pivots: usize,
-    rows: usize,
-    kept: &mut [f64],
-) {
-    let (width, mut kept) = (3 * pivots, kept);
-    for (k, block) in panel.chunks_exact(3 * height).take(pivots).enumerate() {
-        let below = 3 * k + 3;
-        let split = width - below;
-        let len = kept_rows(pivots + rows, k);
-        let (out, rest) = std::mem::take(&mut kept).split_at_mut(3 * len);
+pub fn keep(panel: &[f64], height: usize, bodies: usize, kept: &mut [f64]) {
+    let mut kept = kept;
+    for (k, block) in panel.chunks_exact(3 * height).enumerate() {
+        let rows = kept_rows(bodies, k);
+        let (out, rest) = std::mem::take(&mut kept).split_at_mut(3 * rows);
         kept = rest;
-        if len == 0 {
+        if rows == 0 {
             continue;
         }
-        for (out, column) in out.chunks_exact_mut(len).zip(block.chunks_exact(height)) {
-            out[..split].copy_from_slice(&column[below..width]);
-            out[split..split + 3 * rows].copy_from_slice(&column[top..top + 3 * rows]);
+        for (out, column) in out.chunks_exact_mut(rows).zip(block.chunks_exact(height)) {
+            let column = column[3 * k + 3..].as_chunks::<LANES>().0;
+            for (out, values) in out.as_chunks_mut().0.iter_mut().zip(column) {
+                *out = *values;
+            }
         }
     }
 }
 
-/// Forward solve of one front of so many pivots and rows: `x` has its pivots, and then zeros for what
-/// they take from the rows, and for padding.
+/// Forward solve of one front of so many pivots and rows: `x` has its pivots, its rows, and padding.
 #[inline(always)]
 pub fn forward(kept: &[f64], bodies: usize, triangles: &[Triangle], x: &mut [f64]) {
     let mut kept = kept;

@@ -30,8 +30,8 @@ pub struct Front {
     pub inside: usize,
     /// Where its children are in [`Fronts::children`].
     pub children: Range<usize>,
-    /// Where what is kept of its trapezoid starts in the factor.
-    pub factor: usize,
+    /// Where what is kept of its trapezoid is in the factor.
+    pub factor: Range<usize>,
     /// Where its update starts, in the one of the two stacks that `odd` tells.
     pub update: usize,
     /// Whether its depth in the tree is odd: updates of parent and child are in different stacks.
@@ -44,19 +44,15 @@ impl Front {
         3 * self.pivots.len()
     }
 
-    /// Rows of the trapezoid that belong to pivots, with padding.
-    pub fn top(&self) -> usize {
-        self.width().next_multiple_of(LANES)
-    }
-
-    /// Rows of the trapezoid below, with padding: also those of a column of the update.
+    /// Rows of a column of the update, with padding.
     pub fn bottom(&self) -> usize {
         (3 * self.rows.len()).next_multiple_of(LANES)
     }
 
-    /// All rows of the trapezoid, which lies column by column.
+    /// Rows of the trapezoid, which lies column by column, with padding: pieces of [`LANES`] may begin
+    /// anywhere.
     pub fn height(&self) -> usize {
-        self.top() + self.bottom()
+        (3 * self.bodies() + LANES - 1).next_multiple_of(LANES)
     }
 
     /// Numbers in the trapezoid.
@@ -67,11 +63,6 @@ impl Front {
     /// Its pivots and rows.
     pub fn bodies(&self) -> usize {
         self.pivots.len() + self.rows.len()
-    }
-
-    /// Numbers that are kept of the trapezoid.
-    pub fn factor_len(&self) -> usize {
-        (0..self.pivots.len()).map(|k| 3 * kept_rows(self.bodies(), k)).sum()
     }
 
     /// Numbers in the update, a square of which the lower triangle means something.
@@ -123,7 +114,7 @@ impl Fronts {
             3 * (other - front.pivots.start)
         } else {
             let rows = &self.rows[front.rows.clone()];
-            front.top() + 3 * rows.partition_point(|r| (*r as usize) < other)
+            front.width() + 3 * rows.partition_point(|r| (*r as usize) < other)
         };
         3 * (pivot - front.pivots.start) * front.height() + row
     }
@@ -223,12 +214,14 @@ fn layout(
         fronts.children.extend(group.children.iter().map(|c| number[*c] as u32));
         let first_row = fronts.rows.len();
         let [mine, theirs] = [depth % 2, 1 - depth % 2];
+        let (pivots, rows) = (group.pivots.len(), column_rows[column].len());
+        let kept: usize = (0..pivots).map(|k| 3 * kept_rows(pivots + rows, k)).sum();
         let front = Front {
-            pivots: first..fronts.order.len(),
-            rows: first_row..first_row + column_rows[column].len(),
+            pivots: first..first + pivots,
+            rows: first_row..first_row + rows,
             inside: 0,
             children: first_child..fronts.children.len(),
-            factor: fronts.factor_len,
+            factor: fronts.factor_len..fronts.factor_len + kept,
             update: used[mine],
             odd: mine == 1,
         };
@@ -238,7 +231,7 @@ fn layout(
         }
         used[mine] += front.update_len();
         fronts.update_len[mine] = fronts.update_len[mine].max(used[mine]);
-        fronts.factor_len += front.factor_len();
+        fronts.factor_len += kept;
         fronts.rows.extend(&column_rows[column]);
         number[column] = fronts.list.len();
         columns.push(column);
@@ -293,7 +286,7 @@ fn find_in_parent(fronts: &mut Fronts, child: usize, parent: usize) -> usize {
             3 * (row as usize - parent.pivots.start)
         } else {
             at += below[at..].partition_point(|r| *r < row);
-            parent.top() + 3 * at
+            parent.width() + 3 * at
         };
         fronts.in_parent[k] = start as u32;
     }

@@ -53,7 +53,7 @@ pub struct BodyMatrix {
     /// The trapezoid of one front.
     panel: Vec<f64>,
     /// Right side and solution in the order of elimination, and of one front.
-    work: Vec<f64>,
+    work: Vec<[f64; 3]>,
     front_work: Vec<f64>,
     instructions: Arch,
 }
@@ -106,7 +106,7 @@ impl BodyMatrix {
             panel: vec![0.0; greatest(Front::panel_len)],
             triangles: vec![[0.0; 6]; bodies],
             updates: fronts.update_len.map(|len| vec![0.0; len]),
-            work: vec![0.0; 3 * bodies],
+            work: vec![[0.0; 3]; bodies],
             front_work: vec![0.0; 3 * greatest(Front::bodies) + LANES],
             fronts,
             instructions: Arch::new(),

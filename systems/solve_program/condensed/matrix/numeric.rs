@@ -15,8 +15,8 @@ use super::{BodyMatrix, DIAGONAL, PAIR};
 impl BodyMatrix {
     /// Puts the right side into the order of elimination.
     fn take(&mut self, x: &[[f64; 3]]) {
-        for (work, &body) in self.work.chunks_exact_mut(3).zip(&self.fronts.order) {
-            work.copy_from_slice(&x[body]);
+        for (work, &body) in self.work.iter_mut().zip(&self.fronts.order) {
+            *work = x[body];
         }
     }
 
@@ -25,23 +25,43 @@ impl BodyMatrix {
     fn solve_backward(&mut self, x: &mut [[f64; 3]]) {
         let Self { fronts, factor, triangles, work, front_work, .. } = self;
         for front in fronts.list.iter().rev() {
-            let width = front.width();
-            let pivots = 3 * front.pivots.start..3 * front.pivots.end;
-            let local = &mut front_work[..3 * front.bodies() + LANES];
-            local[..width].copy_from_slice(&work[pivots.clone()]);
             let rows = &fronts.rows[front.rows.clone()];
-            for (&row, values) in rows.iter().zip(local[width..].chunks_exact_mut(3)) {
-                let row = 3 * row as usize;
-                values.copy_from_slice(&work[row..row + 3]);
-            }
-            local[3 * front.bodies()..].fill(0.0);
-            let kept = &factor[front.factor..front.factor + front.factor_len()];
-            dense::backward(kept, front.bodies(), &triangles[front.pivots.clone()], local);
-            work[pivots].copy_from_slice(&local[..width]);
+            let local = gather(front, rows, work, front_work);
+            let triangles = &triangles[front.pivots.clone()];
+            dense::backward(&factor[front.factor.clone()], front.bodies(), triangles, local);
+            store(&mut work[front.pivots.clone()], local);
         }
-        for (work, &body) in work.chunks_exact(3).zip(&fronts.order) {
-            x[body].copy_from_slice(work);
+        for (work, &body) in work.iter().zip(&fronts.order) {
+            x[body] = *work;
         }
+    }
+}
+
+/// Brings together what belongs to the pivots and the rows of a front.
+#[inline(always)]
+fn gather<'a>(
+    front: &Front,
+    rows: &[u32],
+    work: &[[f64; 3]],
+    local: &'a mut [f64],
+) -> &'a mut [f64] {
+    let (of_pivots, of_rows) = local.as_chunks_mut().0.split_at_mut(front.pivots.len());
+    for (local, work) in of_pivots.iter_mut().zip(&work[front.pivots.clone()]) {
+        *local = *work;
+    }
+    for (local, &row) in of_rows.iter_mut().zip(rows) {
+        *local = work[row as usize];
+    }
+    let padding = 3 * front.bodies();
+    local[padding..padding + LANES].fill(0.0);
+    &mut local[..padding + LANES]
+}
+
+/// Puts the first numbers where they belong.
+#[inline(always)]
+fn store(work: &mut [[f64; 3]], local: &[f64]) {
+    for (work, local) in work.iter_mut().zip(local.as_chunks().0) {
+        *work = *local;
     }
 }
 
@@ -52,21 +72,14 @@ fn solve_front(
     rows: &[u32],
     kept: &[f64],
     triangles: &[Triangle],
-    work: &mut [f64],
+    work: &mut [[f64; 3]],
     local: &mut [f64],
 ) {
-    let width = front.width();
-    let pivots = 3 * front.pivots.start..3 * front.pivots.end;
-    let local = &mut local[..3 * front.bodies() + LANES];
-    local[..width].copy_from_slice(&work[pivots.clone()]);
-    local[width..].fill(0.0);
+    let local = gather(front, rows, work, local);
     dense::forward(kept, front.bodies(), triangles, local);
-    work[pivots].copy_from_slice(&local[..width]);
-    for (&row, values) in rows.iter().zip(local[width..].chunks_exact(3)) {
-        let row = 3 * row as usize;
-        for (x, value) in work[row..row + 3].iter_mut().zip(values) {
-            *x += value;
-        }
+    store(&mut work[front.pivots.clone()], local);
+    for (&row, value) in rows.iter().zip(local[front.width()..].as_chunks().0) {
+        work[row as usize] = *value;
     }
 }
 
@@ -97,7 +110,7 @@ impl WithSimd for FactoriseAndSolve<'_> {
         let mut first_target = 0;
         let [even, odd] = updates;
         for (front, &target_end) in fronts.list.iter().zip(&*target_ends) {
-            let (height, top) = (front.height(), front.top());
+            let (height, width) = (front.height(), front.width());
             let panel = &mut panel[..front.panel_len()];
             panel.fill(0.0);
             let (diagonal, rest) = values.split_at(DIAGONAL * front.pivots.len());
@@ -122,16 +135,16 @@ impl WithSimd for FactoriseAndSolve<'_> {
             if !dense::factorise(panel, height, triangles) {
                 return false;
             }
-            let kept = &mut factor[front.factor..front.factor + front.factor_len()];
-            dense::keep(panel, [height, top], front.pivots.len(), front.rows.len(), kept);
+            let kept = &mut factor[front.factor.clone()];
+            dense::keep(panel, height, front.bodies(), kept);
             let rows = &fronts.rows[front.rows.clone()];
             solve_front(front, rows, kept, triangles, work, front_work);
             let update = &mut mine[front.update..front.update + front.update_len()];
-            dense::update(panel, height, top, update);
+            dense::update(panel, height, width, front.bottom(), update);
             for child in children.iter().map(|c| &fronts.list[*c as usize]) {
                 let of_child = &theirs[child.update..child.update + child.update_len()];
                 let places = &fronts.in_parent[child.rows.clone()];
-                extend(update, front.bottom(), top, of_child, places, child.inside..places.len());
+                extend(update, front.bottom(), width, of_child, places, child.inside..places.len());
             }
         }
         matrix.solve_backward(x);
@@ -199,7 +212,7 @@ impl WithSimd for Solve<'_> {
         let BodyMatrix { fronts, factor, triangles, work, front_work, .. } = &mut *matrix;
         for front in &fronts.list {
             let rows = &fronts.rows[front.rows.clone()];
-            let kept = &factor[front.factor..front.factor + front.factor_len()];
+            let kept = &factor[front.factor.clone()];
             solve_front(front, rows, kept, &triangles[front.pivots.clone()], work, front_work);
         }
         matrix.solve_backward(x);
