@@ -243,8 +243,11 @@ impl Condensed {
         let undamped = !scaled.is_damped() && !program.is_dynamic();
         let mut last = None;
         for start in &starts {
-            let Some(result) = interior::solve(&scaled, matrix, start, goal(INTERIOR_MARGIN))
-            else {
+            let solved = |point: &interior::Interior| {
+                back(&point.u, &point.s, 0, "interior").status == SolveStatus::Solved
+            };
+            let result = interior::solve(&scaled, matrix, start, goal(INTERIOR_MARGIN), solved);
+            let Some(result) = result else {
                 continue;
             };
             iterations += result.iterations;

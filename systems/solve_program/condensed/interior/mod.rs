@@ -50,17 +50,19 @@ const MAX_REFINEMENTS: usize = 3;
 const REFINED: f64 = 1e-4;
 /// Weight of the greatest complementarity product beside the other residuals.
 const PRODUCT: f64 = 0.02;
-/// What is enough where there is little progress, over the residual at which it is done.
+/// What may be enough where there is little progress, over the residual at which it is done.
 const ENOUGH: f64 = 10.0;
 
 /// Runs the method from the displacements `start` until the residual is at most `goal`, or no longer
-/// falls: the best point on the way. `None` if there is none.
+/// falls: the best point on the way. `None` if there is none. Near the goal it also ends where there is
+/// little progress and the point `is_enough`.
 #[must_use]
 pub fn solve(
     program: &Scaled,
     matrix: &mut BodyMatrix,
     start: &[[f64; 3]],
     goal: f64,
+    is_enough: impl Fn(&Interior) -> bool,
 ) -> Option<Interior> {
     let n = program.free.len();
     let mut u: Vec<[f64; 3]> = (0..n)
@@ -113,7 +115,7 @@ pub fn solve(
         let slow = merit > 0.3 * last_merit;
         last_merit = merit;
         if merit <= goal
-            || (merit <= ENOUGH * goal && slow)
+            || (merit <= ENOUGH * goal && slow && best.as_ref().is_some_and(&is_enough))
             || iterations >= MAX_ITERATIONS
             || (since_best > 8 && merit > 1e3 * best.as_ref().map_or(0.0, |b| b.merit))
             || since_best > 15
