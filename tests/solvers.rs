@@ -10,6 +10,9 @@ use clastic::systems::solve_program::ConeSolver;
 use clastic::systems::solve_program::certificate::{certificate, proves};
 use clastic::systems::solve_program::clarabel::Clarabel;
 use clastic::systems::solve_program::condensed::Condensed;
+use clastic::systems::solve_program::condensed::interior;
+use clastic::systems::solve_program::condensed::matrix::BodyMatrix;
+use clastic::systems::solve_program::condensed::scaled::Scaled;
 use clastic::systems::solve_program::residuals::{displacement_scale, force_scale, residuals};
 use glam::DVec2;
 
@@ -254,4 +257,28 @@ fn a_vice_that_closes_on_a_rigid_disk_is_locked() {
     assert_eq!(solution.status, SolveStatus::Solved);
     let p = solution.forces[1][0];
     assert!((p - 1e5).abs() < 1e-3, "{p} N");
+}
+
+/// The interior point used to end near its goal wherever it was slow, a hair above what is accepted as
+/// often as not; polish and Clarabel then took a hundred times the time of the iteration or two that
+/// were wanting (5000 disks that collapse).
+#[test]
+fn an_interior_point_that_is_not_enough_goes_on_near_its_goal() {
+    let mut went_on = 0;
+    for kind in KINDS.iter().filter(|k| k.name.starts_with("rigid") || k.name == "rolling") {
+        for program in (1..=4).flat_map(|seed| programs(kind, seed)) {
+            let scaled = Scaled::new(&program);
+            let pairs: Vec<_> = program.interactions.iter().map(|c| (c.a, c.b)).collect();
+            let start = vec![[0.0; 3]; program.bodies.len()];
+            let end = |enough: bool| {
+                let mut matrix = BodyMatrix::new(program.bodies.len(), &pairs)?;
+                interior::solve(&scaled, &mut matrix, &start, 1e-11, |_| enough)
+            };
+            let (Some(soon), Some(late)) = (end(true), end(false)) else { continue };
+            assert!(late.merit <= soon.merit);
+            assert!(late.iterations >= soon.iterations);
+            went_on += usize::from(late.merit < soon.merit);
+        }
+    }
+    assert!(went_on >= 10, "{went_on} went on");
 }
