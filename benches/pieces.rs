@@ -26,6 +26,12 @@ use clastic::systems::solve_program::ConeSolver;
 use clastic::systems::solve_program::condensed::Condensed;
 use clastic::systems::solve_program::condensed::matrix::BodyMatrix;
 use criterion::{BatchSize, BenchmarkId, Criterion, criterion_group, criterion_main};
+use faer::Mat;
+
+#[path = "beside/faer.rs"]
+mod beside;
+
+use beside::FaerCholesky;
 
 fn scenes() -> Scenes {
     Scenes::new(&Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes"))
@@ -85,19 +91,40 @@ fn detection_and_assembly(c: &mut Criterion) {
         let bodies = program.bodies.len();
         let symbolic = || BodyMatrix::new(bodies, &pairs).unwrap_or_else(|| panic!("no matrix"));
         group.bench_function(BenchmarkId::new("order and symbolic", n), |b| b.iter(symbolic));
+        // What is in it does not matter to a Cholesky factorisation as long as it is definite; with
+        // these springs solutions of solutions tend to their mean, not to zero.
         let mut matrix = symbolic();
-        // What is in it does not matter to a Cholesky factorisation as long as it is definite.
         for body in 0..bodies {
-            for k in 0..3 {
-                matrix.add_diagonal(body, k, 1e3);
-            }
+            (0..3).for_each(|k| matrix.add_diagonal(body, k, 1.0));
         }
-        let mut x = vec![[1.0; 3]; bodies];
+        let spring = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let away = spring.map(|row| row.map(|x: f64| -x));
+        for (k, (a, b)) in pairs.iter().enumerate() {
+            matrix.add(k, [*a, *b], &[spring, away], &spring);
+        }
+        let load = |i: usize| 1.0 + (i % 7) as f64;
+        let mut x: Vec<_> = (0..bodies).map(|i| [3 * i, 3 * i + 1, 3 * i + 2].map(load)).collect();
+        assert!(matrix.factorise_and_solve(&mut x));
+        let mut other = FaerCholesky::new(bodies, &pairs, 1.0);
+        let mut y = Mat::from_fn(3 * bodies, 1, |i, _| load(i));
+        other.factorise();
+        other.solve(&mut y);
+        let difference = |i: usize| (y[(i, 0)] - x[i / 3][i % 3]).abs();
+        assert!((0..3 * bodies).all(|i| difference(i) < 1e-12 * x[i / 3][i % 3]));
         group.bench_function(BenchmarkId::new("factorise and solve", n), |b| {
             b.iter(|| assert!(matrix.factorise_and_solve(&mut x)));
         });
         group.bench_function(BenchmarkId::new("solve with factor", n), |b| {
             b.iter(|| matrix.solve(&mut x));
+        });
+        group.bench_function(BenchmarkId::new("factorise and solve, faer", n), |b| {
+            b.iter(|| {
+                other.factorise();
+                other.solve(&mut y);
+            });
+        });
+        group.bench_function(BenchmarkId::new("solve with factor, faer", n), |b| {
+            b.iter(|| other.solve(&mut y));
         });
     }
     group.finish();
