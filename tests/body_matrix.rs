@@ -86,6 +86,22 @@ fn samples() -> impl Strategy<Value = Sample> {
     )
 }
 
+/// What round-off leaves of [`backward_error`]: 1e-17 is usual, a wrong solution has 1e-10 and more.
+const BACKWARD: f64 = 1e-15;
+
+/// Greatest defect of a row, over what the row adds up with every entry of the matrix replaced by
+/// the geometric mean of those on the diagonal (Higham 2002, theorem 10.4 and after): for a Cholesky
+/// factorisation some units of round-off, however different the stiffnesses are.
+fn backward_error(dense: &Mat<f64>, x: &[[f64; 3]]) -> f64 {
+    let solution = Mat::from_fn(3 * x.len(), 1, |k, _| x[k / 3][k % 3]);
+    let product = dense * &solution;
+    let root = |k: usize| dense[(k, k)].sqrt();
+    let sum: f64 = (0..3 * x.len()).map(|k| root(k) * solution[(k, 0)].abs()).sum();
+    let right = right_side(x.len());
+    let defect = |k: usize| (product[(k, 0)] - right[k / 3][k % 3]).abs();
+    (0..3 * x.len()).map(|k| defect(k) / (root(k) * sum)).fold(0.0, f64::max)
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(300))]
 
@@ -101,15 +117,17 @@ proptest! {
         let scale = expected.norm_max();
         for k in 0..3 * n {
             let error = (x[k / 3][k % 3] - expected[(k, 0)]).abs();
-            prop_assert!(error <= 1e-11 * scale, "{error:e} of {scale:e} at {k}");
+            prop_assert!(error <= 1e-9 * scale, "{error:e} of {scale:e} at {k}");
         }
+        prop_assert!(backward_error(&dense, &x) <= BACKWARD);
         // The same factor once more, on its own.
         let mut again = right_side(n);
         matrix.solve(&mut again);
         prop_assert_eq!(x, again);
     }
 
-    /// A matrix that is not positive definite is refused, and the right side stays.
+    /// A matrix that is not positive definite is refused, and the right side stays; with a greater
+    /// diagonal it is factorised.
     #[test]
     fn what_is_not_positive_definite_is_refused(sample in samples(), which in any::<usize>()) {
         let n = sample.weights.len();
@@ -117,12 +135,23 @@ proptest! {
         matrix.add_diagonal(which % n, which % 3, -1e7);
         let mut x = right_side(n);
         prop_assert!(!matrix.factorise_and_solve(&mut x));
+        prop_assert_eq!(&x, &right_side(n));
+
+        matrix.add_diagonal(which % n, which % 3, 2e7);
+        prop_assert!(matrix.factorise_and_solve(&mut x));
+        let mut dense = sample.dense();
+        dense[(3 * (which % n) + which % 3, 3 * (which % n) + which % 3)] += 1e7;
+        prop_assert!(backward_error(&dense, &x) <= BACKWARD);
+
+        matrix.add_diagonal(which % n, which % 3, f64::NAN);
+        let mut x = right_side(n);
+        prop_assert!(!matrix.factorise_and_solve(&mut x));
         prop_assert_eq!(x, right_side(n));
     }
 }
 
 /// Stiffnesses that differ by 1e16, as those of active and inactive contacts do in the interior-point
-/// method: the solution is that of a matrix that is as near as round-off (Higham 2002, theorem 10.4).
+/// method.
 #[test]
 fn contrast_of_stiffness_does_not_cost_backward_stability() {
     let bodies: usize = 400;
@@ -141,11 +170,11 @@ fn contrast_of_stiffness_does_not_cost_backward_stability() {
     let dense = sample.dense();
     let mut x = right_side(bodies);
     assert!(sample.matrix().factorise_and_solve(&mut x));
-    let solution = Mat::from_fn(3 * bodies, 1, |k, _| x[k / 3][k % 3]);
-    let defect =
-        &dense * &solution - Mat::from_fn(3 * bodies, 1, |k, _| right_side(bodies)[k / 3][k % 3]);
-    let bound = 1e-14 * dense.norm_l2() * solution.norm_l2();
-    assert!(defect.norm_l2() <= bound, "{:e} above {bound:e}", defect.norm_l2());
+    let error = backward_error(&dense, &x);
+    assert!(error <= BACKWARD, "{error:e}");
+    // The measure sees what a norm of the whole matrix hides.
+    let twice: Vec<_> = x.iter().map(|x| x.map(|x| 2.0 * x)).collect();
+    assert!(backward_error(&dense, &twice) > 1e3 * BACKWARD);
 }
 
 /// A scene of one body has one front without rows.
@@ -155,4 +184,15 @@ fn one_body() {
     let mut x = vec![[8.0, -2.0, 1.0]];
     assert!(sample.matrix().factorise_and_solve(&mut x));
     assert_eq!(x, [[2.0, -0.5, 0.25]]);
+}
+
+/// Neither does one without bodies fail.
+#[test]
+fn no_body() {
+    let mut none: Vec<[f64; 3]> = Vec::new();
+    assert!(
+        Sample { weights: Vec::new(), interactions: Vec::new() }
+            .matrix()
+            .factorise_and_solve(&mut none)
+    );
 }

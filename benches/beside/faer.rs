@@ -1,7 +1,9 @@
-//! The same matrix in faer's sparse Cholesky factorisation, in its own order of minimum degree.
+//! The same matrix in faer's sparse Cholesky factorisation, supernodal and in an order of minimum
+//! degree.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltRegularization;
+use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering,
     factorize_symbolic_cholesky,
@@ -37,7 +39,10 @@ impl FaerCholesky {
             matrix.symbolic(),
             Side::Lower,
             SymmetricOrdering::Amd,
-            CholeskySymbolicParams::default(),
+            CholeskySymbolicParams {
+                supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
+                ..Default::default()
+            },
         )
         .unwrap_or_else(|e| panic!("{e:?}"));
         let scratch = symbolic

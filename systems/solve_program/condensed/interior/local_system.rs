@@ -40,8 +40,8 @@ pub struct Slacks<const Q: usize> {
 
 impl<const Q: usize> Default for Slacks<Q> {
     fn default() -> Self {
-        let [w, zero] = [[1.0; Q], [0.0; Q]];
-        Self { w, lambda: zero, dw: zero, dlambda: zero, defect: zero, product: zero }
+        let zero = [0.0; Q];
+        Self { w: zero, lambda: zero, dw: zero, dlambda: zero, defect: zero, product: zero }
     }
 }
 

@@ -55,7 +55,8 @@ const ENOUGH: f64 = 10.0;
 
 /// Runs the method from the displacements `start` until the residual is at most `goal`, or no longer
 /// falls: the best point on the way. `None` if there is none. Near the goal it also ends where there is
-/// little progress and the point `is_enough`.
+/// little progress and the point `is_enough`; where none ever is, that costs the iterations of
+/// patience.
 #[must_use]
 pub fn solve(
     program: &Scaled,
@@ -77,6 +78,7 @@ pub fn solve(
     let mut since_best = 0;
     let mut iterations = 0;
     let mut last_merit = f64::INFINITY;
+    let mut refused = f64::INFINITY;
     let mut merits = Vec::new();
     // Of the step that the interactions have still to make: every pass over them costs.
     let mut length = 0.0;
@@ -113,9 +115,13 @@ pub fn solve(
         merits.push(best.as_ref().map_or(merit, |b| b.merit));
         let earlier = merits.len().checked_sub(PATIENCE + 1).map_or(f64::INFINITY, |k| merits[k]);
         let slow = merit > 0.3 * last_merit;
+        // Asked once of every point: it looks at the whole program.
+        let near = best.as_ref().filter(|b| merit <= ENOUGH * goal && slow && b.merit < refused);
+        let enough = near.is_some_and(&is_enough);
+        refused = near.map_or(refused, |b| b.merit);
         last_merit = merit;
         if merit <= goal
-            || (merit <= ENOUGH * goal && slow && best.as_ref().is_some_and(&is_enough))
+            || enough
             || iterations >= MAX_ITERATIONS
             || (since_best > 8 && merit > 1e3 * best.as_ref().map_or(0.0, |b| b.merit))
             || since_best > 15

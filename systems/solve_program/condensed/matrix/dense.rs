@@ -4,9 +4,12 @@
 //! A trapezoid is made column by column, `height` numbers each, with room for padding to [`LANES`];
 //! what is above the diagonal means nothing. What is kept of it has no such room: block after block of
 //! three columns, each from the row below its pivots on and padded at its end, and the triangles of the
-//! pivots apart. Solves read it all, and wait for memory. All functions are inlined into a caller that
-//! is compiled for the instructions of the machine (`pulp`): loops over constant lengths become vector
-//! instructions, and products and sums are fused.
+//! pivots apart. Solves read it all, and wait for memory.
+//!
+//! All functions are inlined into a caller that is compiled for the instructions of the machine
+//! (`pulp`): loops over constant lengths become vector instructions. Which of them there are does not
+//! show in the results: the order of every sum is fixed, and what is fused is so explicitly. A machine
+//! without fused multiplication computes it in software, far more slowly.
 
 use super::fronts::LANES;
 
@@ -106,22 +109,28 @@ pub fn factorise(panel: &mut [f64], height: usize, triangles: &mut [Triangle]) -
     true
 }
 
+/// Positive and finite.
+#[inline(always)]
+fn is_pivot(x: f64) -> bool {
+    x > 0.0 && x < f64::INFINITY
+}
+
 /// Cholesky factor of a symmetric block, whose lower triangle is given by columns.
 #[inline(always)]
 fn factor_of([xx, xy, xz, yy, yz, zz]: [f64; 6]) -> Option<Triangle> {
-    if !(xx > 0.0) {
+    if !is_pivot(xx) {
         return None;
     }
     let xx = 1.0 / xx.sqrt();
     let (xy, xz) = (xy * xx, xz * xx);
     let yy = yy - xy * xy;
-    if !(yy > 0.0) {
+    if !is_pivot(yy) {
         return None;
     }
     let yy = 1.0 / yy.sqrt();
     let yz = (yz - xz * xy) * yy;
     let zz = zz - xz * xz - yz * yz;
-    (zz > 0.0).then(|| [xx, xy, xz, yy, yz, 1.0 / zz.sqrt()])
+    is_pivot(zz).then(|| [xx, xy, xz, yy, yz, 1.0 / zz.sqrt()])
 }
 
 /// The update `-B B'`, with `B` the rows of the trapezoid below its first `width`.

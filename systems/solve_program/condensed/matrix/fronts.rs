@@ -201,7 +201,6 @@ fn layout(
     };
     let mut place = vec![0; n];
     let mut number = vec![NONE; n];
-    let mut columns = Vec::new();
     let mut used = [0; 2];
     for (column, depth) in postorder(parents, groups) {
         let Some(group) = &groups[column] else { continue };
@@ -234,7 +233,6 @@ fn layout(
         fronts.factor_len += kept;
         fronts.rows.extend(&column_rows[column]);
         number[column] = fronts.list.len();
-        columns.push(column);
         fronts.list.push(front);
     }
     // Rows are eliminated after their front: only now do all have their places.

@@ -124,7 +124,7 @@ impl BodyMatrix {
         self.values.fill(0.0);
     }
 
-    /// Adds to the diagonal of degree of freedom `k` of a body.
+    /// Adds to the diagonal of degree of freedom `k` of a body: 0 and 1 translations, 2 the rotation.
     #[inline]
     pub fn add_diagonal(&mut self, body: usize, k: usize, value: f64) {
         self.values[self.diagonal[body] + [0, 3, 5][k]] += value;
@@ -137,7 +137,8 @@ impl BodyMatrix {
         on_diagonal.map(|k| self.values[k]).fold(0.0, f64::max)
     }
 
-    /// Adds `G D G'` of a pair, with `G` of `F` columns in the rows of its two bodies.
+    /// Adds `G D G'` of a pair, with `G` of `F` columns in the rows of its two bodies, which are those
+    /// that the pattern was made of, in that order. `D` is symmetric.
     #[inline]
     pub fn add<const F: usize>(
         &mut self,
@@ -169,11 +170,13 @@ impl BodyMatrix {
 
     /// Factorises, and solves in place; whether the matrix was positive definite. `x` by body, left
     /// as it was if not.
+    #[must_use = "a matrix that is not positive definite leaves the right side where the solution would be"]
     pub fn factorise_and_solve(&mut self, x: &mut [[f64; 3]]) -> bool {
         self.instructions.dispatch(FactoriseAndSolve(self, x))
     }
 
-    /// Solves in place with the last factor; `x` by body.
+    /// Solves in place with the last factor; `x` by body. Only after `factorise_and_solve` has
+    /// returned true.
     pub fn solve(&mut self, x: &mut [[f64; 3]]) {
         self.instructions.dispatch(Solve(self, x));
     }
