@@ -177,6 +177,37 @@ fn contrast_of_stiffness_does_not_cost_backward_stability() {
     assert!(backward_error(&dense, &twice) > 1e3 * BACKWARD);
 }
 
+/// Two crowds in which everything touches everything share half of their bodies: a front of rows enough
+/// to be copied into chunks, with a parent that is as large, and with children, which hang on it.
+#[test]
+fn a_large_front() {
+    let spring = |k: u32| {
+        let (s, c) = f64::from(k).sin_cos();
+        ([[[c, -s], [s, c], [0.1, 0.5]], [[-c, s], [-s, -c], [0.2, 0.5]]], [[1.0, 0.2], [0.2, 0.3]])
+    };
+    for crowd in [20, 100, 101, 102, 103, 130_u32] {
+        let crowds =
+            |shift: u32| (0..crowd).flat_map(move |a| (0..a).map(move |b| (a + shift, b + shift)));
+        let end = crowd + crowd / 2;
+        let hanging = (end..end + 90).map(|a| (a, a - end));
+        let interactions: Vec<Interaction> = crowds(0)
+            .chain(crowds(crowd / 2))
+            .chain(hanging)
+            .enumerate()
+            .map(|(k, pair)| {
+                let (rows, d) = spring(k as u32);
+                (pair, rows, d)
+            })
+            .collect();
+        let bodies = end as usize + 90;
+        let sample = Sample { weights: vec![1e-3; bodies], interactions };
+        let mut x = right_side(bodies);
+        assert!(sample.matrix().factorise_and_solve(&mut x));
+        let error = backward_error(&sample.dense(), &x);
+        assert!(error <= BACKWARD, "{crowd} bodies: {error:e}");
+    }
+}
+
 /// A scene of one body has one front without rows.
 #[test]
 fn one_body() {

@@ -92,19 +92,32 @@ pub fn factorise(panel: &mut [f64], height: usize, triangles: &mut [Triangle]) -
         if k > 0 {
             in_pieces!(pivot - pivot % LANES, height, take_away(before, block, height, pivot));
         }
-        let (x, rest) = block.split_at_mut(height);
-        let (y, z) = rest.split_at_mut(height);
-        let diagonal =
-            [x[pivot], x[pivot + 1], x[pivot + 2], y[pivot + 1], y[pivot + 2], z[pivot + 2]];
-        let Some(factor) = factor_of(diagonal) else { return false };
-        *triangle = factor;
-        let [xx, xy, xz, yy, yz, zz] = factor;
-        let below = pivot + 3;
-        for ((x, y), z) in x[below..].iter_mut().zip(&mut y[below..]).zip(&mut z[below..]) {
-            *x *= xx;
-            *y = (-xy).mul_add(*x, *y) * yy;
-            *z = (-yz).mul_add(*y, (-xz).mul_add(*x, *z)) * zz;
+        if !finish_block(block, height, pivot, triangle) {
+            return false;
         }
+    }
+    true
+}
+
+/// Factorises three columns from which those before have been taken away.
+#[inline(always)]
+pub fn finish_block(
+    block: &mut [f64],
+    height: usize,
+    pivot: usize,
+    triangle: &mut Triangle,
+) -> bool {
+    let (x, rest) = block.split_at_mut(height);
+    let (y, z) = rest.split_at_mut(height);
+    let diagonal = [x[pivot], x[pivot + 1], x[pivot + 2], y[pivot + 1], y[pivot + 2], z[pivot + 2]];
+    let Some(factor) = factor_of(diagonal) else { return false };
+    *triangle = factor;
+    let [xx, xy, xz, yy, yz, zz] = factor;
+    let below = pivot + 3;
+    for ((x, y), z) in x[below..].iter_mut().zip(&mut y[below..]).zip(&mut z[below..]) {
+        *x *= xx;
+        *y = (-xy).mul_add(*x, *y) * yy;
+        *z = (-yz).mul_add(*y, (-xz).mul_add(*x, *z)) * zz;
     }
     true
 }

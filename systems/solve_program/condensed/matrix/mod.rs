@@ -10,6 +10,7 @@ mod dense;
 mod fronts;
 mod numeric;
 mod ordering;
+mod packed;
 
 use pulp::Arch;
 
@@ -50,8 +51,9 @@ pub struct BodyMatrix {
     triangles: Vec<Triangle>,
     /// Updates that wait for the parents of their fronts, of those in even and odd depth.
     updates: [Vec<f64>; 2],
-    /// The trapezoid of one front.
+    /// The trapezoid of one front, and its copy if it is large.
     panel: Vec<f64>,
+    packed: Vec<f64>,
     /// Right side and solution in the order of elimination, and of one front.
     work: Vec<[f64; 3]>,
     front_work: Vec<f64>,
@@ -104,6 +106,7 @@ impl BodyMatrix {
             target_ends,
             factor: vec![0.0; fronts.factor_len],
             panel: vec![0.0; greatest(Front::panel_len)],
+            packed: vec![0.0; greatest(packed::packed_len)],
             triangles: vec![[0.0; 6]; bodies],
             updates: fronts.update_len.map(|len| vec![0.0; len]),
             work: vec![[0.0; 3]; bodies],

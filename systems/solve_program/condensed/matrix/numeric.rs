@@ -10,7 +10,7 @@ use pulp::{Simd, WithSimd};
 
 use super::dense::{self, Triangle};
 use super::fronts::{Front, LANES};
-use super::{BodyMatrix, DIAGONAL, PAIR};
+use super::{BodyMatrix, DIAGONAL, PAIR, packed};
 
 impl BodyMatrix {
     /// Puts the right side into the order of elimination.
@@ -102,6 +102,7 @@ impl WithSimd for FactoriseAndSolve<'_> {
             triangles,
             updates,
             panel,
+            packed,
             work,
             front_work,
             ..
@@ -132,7 +133,13 @@ impl WithSimd for FactoriseAndSolve<'_> {
                 extend(panel, height, 0, update, places, 0..child.inside);
             }
             let triangles = &mut triangles[front.pivots.clone()];
-            if !dense::factorise(panel, height, triangles) {
+            let packed = &mut packed[..packed::packed_len(front)];
+            let definite = if packed.is_empty() {
+                dense::factorise(panel, height, triangles)
+            } else {
+                packed::factorise(panel, height, triangles, packed)
+            };
+            if !definite {
                 return false;
             }
             let kept = &mut factor[front.factor.clone()];
@@ -140,7 +147,11 @@ impl WithSimd for FactoriseAndSolve<'_> {
             let rows = &fronts.rows[front.rows.clone()];
             solve_front(front, rows, kept, triangles, work, front_work);
             let update = &mut mine[front.update..front.update + front.update_len()];
-            dense::update(panel, height, width, front.bottom(), update);
+            if packed.is_empty() {
+                dense::update(panel, height, width, front.bottom(), update);
+            } else {
+                packed::update(packed, width, front.bottom(), update);
+            }
             for child in children.iter().map(|c| &fronts.list[*c as usize]) {
                 let of_child = &theirs[child.update..child.update + child.update_len()];
                 let places = &fronts.in_parent[child.rows.clone()];
