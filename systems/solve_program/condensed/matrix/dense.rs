@@ -11,7 +11,8 @@
 //! show in the results: the order of every sum is fixed, and what is fused is so explicitly. A machine
 //! without fused multiplication computes it in software, far more slowly.
 
-use super::fronts::LANES;
+/// Rows are padded to a multiple of this, so that loops over them have no remainder.
+pub const LANES: usize = 4;
 
 /// Lower triangle of three, column by column, with the inverses of the numbers on its diagonal.
 pub type Triangle = [f64; 6];

@@ -8,10 +8,7 @@
 use std::cmp::Reverse;
 use std::ops::Range;
 
-use super::dense::kept_rows;
-
-/// Rows are padded to a multiple of this, so that loops over them have no remainder.
-pub const LANES: usize = 4;
+use super::dense::{LANES, kept_rows};
 
 /// Fronts are merged with their parent, with zeros in the factor, as long as there are at most so
 /// many pivots and so great a part of the trapezoid is zero: less to do for each, and wider

@@ -14,8 +14,8 @@ mod packed;
 
 use pulp::Arch;
 
-use self::dense::Triangle;
-use self::fronts::{Front, Fronts, LANES};
+use self::dense::{LANES, Triangle};
+use self::fronts::{Front, Fronts};
 use self::numeric::{FactoriseAndSolve, Solve};
 pub(super) use self::ordering::adjacency;
 

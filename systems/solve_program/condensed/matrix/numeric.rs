@@ -8,8 +8,8 @@ use std::ops::Range;
 
 use pulp::{Simd, WithSimd};
 
-use super::dense::{self, Triangle};
-use super::fronts::{Front, LANES};
+use super::dense::{self, LANES, Triangle};
+use super::fronts::Front;
 use super::{BodyMatrix, DIAGONAL, PAIR, packed};
 
 impl BodyMatrix {

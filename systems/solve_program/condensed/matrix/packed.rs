@@ -4,8 +4,8 @@
 //! column each is in a page of its own. A chunk has [`CHUNK`] rows of all columns one after the
 //! other. Sums and their order are those of [`dense`](super::dense): so are the results, byte by byte.
 
-use super::dense::{Triangle, finish_block};
-use super::fronts::{Front, LANES};
+use super::dense::{LANES, Triangle, finish_block};
+use super::fronts::Front;
 
 /// Rows of a chunk: a multiple of three, so that no block of three rows is in two of them.
 const CHUNK: usize = 3 * LANES;
