@@ -267,11 +267,11 @@ fn an_interior_point_that_is_not_enough_goes_on_near_its_goal() {
     let mut went_on = 0;
     for kind in KINDS.iter().filter(|k| k.name.starts_with("rigid") || k.name == "rolling") {
         for program in (1..=4).flat_map(|seed| programs(kind, seed)) {
-            let scaled = Scaled::new(&program);
             let pairs: Vec<_> = program.interactions.iter().map(|c| (c.a, c.b)).collect();
             let start = vec![[0.0; 3]; program.bodies.len()];
             let end = |enough: bool| {
                 let mut matrix = BodyMatrix::new(program.bodies.len(), &pairs)?;
+                let scaled = Scaled::new(&program, matrix.order());
                 interior::solve(&scaled, &mut matrix, &start, 1e-11, |_| enough)
             };
             let (Some(soon), Some(late)) = (end(true), end(false)) else { continue };

@@ -12,11 +12,14 @@ mod resolve;
 mod resume;
 mod run;
 mod summary;
+mod threads;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
+
+use self::threads::on_threads;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -114,7 +117,7 @@ struct OutputArgs {
     /// Write a checkpoint after every N increments, for `clastic resume` [default of resume: as before]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     checkpoint_every: Option<u32>,
-    /// Threads to use at most; results do not depend on it (one is used: a second gains nothing)
+    /// Threads to use at most; results do not depend on it [default: as many as there are cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     threads: Option<u32>,
     /// No progress, only the result
@@ -125,8 +128,8 @@ struct OutputArgs {
 /// Runs the program.
 pub fn main() -> ExitCode {
     let done = match Cli::parse().command {
-        Command::Run(args) => run::run(&args),
-        Command::Resume(args) => resume::resume(&args),
+        Command::Run(args) => on_threads(args.output.threads, || run::run(&args)),
+        Command::Resume(args) => on_threads(args.output.threads, || resume::resume(&args)),
         Command::Check(args) => check::check(&args),
         Command::List => list::list(),
         Command::Bench(args) => bench::bench(&args),

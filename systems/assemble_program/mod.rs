@@ -75,6 +75,7 @@ pub fn assemble_program(
     let count = contacts.0.len();
     program.scales =
         scales::estimate(&bodies, &history, &analysis, &progress, &attempt, count, program);
-    program.tolerance = if attempt.settling.is_some() { RESIDUAL_OF_SETTLING } else { 0.0 };
+    program.tolerance =
+        if attempt.settling.is_some() { RESIDUAL_OF_SETTLING } else { acceptance.residual };
     loose::regularise(&bodies, &history, &analysis, &acceptance, &attempt, program);
 }

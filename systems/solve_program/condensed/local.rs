@@ -166,6 +166,15 @@ fn balance(
     bodies.sort_unstable();
     bodies.dedup();
     let number = |i: usize| bodies.binary_search(&i).unwrap_or(usize::MAX);
+    let of_pair = |k: &usize| program.locals[*k].bodies.map(|i| number(i) as u32).into();
+    let pairs: Vec<(u32, u32)> = used.iter().map(of_pair).collect();
+    let Some(mut matrix) = BodyMatrix::new(bodies.len(), &pairs) else { return false };
+    let mut place = vec![0; bodies.len()];
+    for (k, &i) in matrix.order().iter().enumerate() {
+        place[i] = k;
+    }
+    let number = |i: usize| place[number(i)];
+    let bodies: Vec<usize> = matrix.order().iter().map(|k| bodies[*k]).collect();
     let is_member = |i: usize| members.binary_search(&i).is_ok();
     let mut part = Scaled::default();
     for &i in &bodies {
@@ -191,9 +200,6 @@ fn balance(
             Local { bodies: l.bodies.map(number), ..l }
         })
         .collect();
-    let pairs: Vec<(u32, u32)> =
-        part.locals.iter().map(|l| (l.bodies[0] as u32, l.bodies[1] as u32)).collect();
-    let Some(mut matrix) = BodyMatrix::new(bodies.len(), &pairs) else { return false };
     let from: Vec<[f64; 3]> = bodies.iter().map(|i| start[*i]).collect();
     let result = newton::iterate(&part, &mut matrix, &from, limits, None);
     if result.iterations == 0 || !result.u.iter().flatten().all(|u| u.is_finite()) {

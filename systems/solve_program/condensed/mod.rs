@@ -11,6 +11,7 @@ pub mod interior;
 pub mod local;
 pub mod matrix;
 pub mod newton;
+mod parallel;
 pub mod reduced;
 pub mod rest;
 pub mod scaled;
@@ -202,19 +203,23 @@ impl Condensed {
         let tolerance = self.tolerance(program);
         let goal = |margin: f64| (tolerance / margin).max(ROUND_OFF);
         let matrix = self.matrix.as_mut()?;
-        let scaled = Scaled::new(program);
+        let order = matrix.order().to_vec();
+        let scaled = Scaled::new(program, &order);
         let (du, df) = units(program);
         // A start far away (a grain that settled, another increment) is worse than none.
         let near = |u: &[f64; 3]| u[0].hypot(u[1]) <= FAR * du[0];
-        let start: Vec<[f64; 3]> = start
-            .iter()
-            .map(|u| if near(u) { [0, 1, 2].map(|k| u[k] / du[k]) } else { [0.0; 3] })
-            .collect();
+        let in_units =
+            |u: &[f64; 3]| if near(u) { [0, 1, 2].map(|k| u[k] / du[k]) } else { [0.0; 3] };
+        let start: Vec<[f64; 3]> = order.iter().map(|i| in_units(&start[*i])).collect();
         let back = |u: &[[f64; 3]], s: &[[f64; 3]], iterations: u32, message: &str| {
+            let mut displacements = vec![[0.0; 3]; order.len()];
+            for (u, &i) in u.iter().zip(&order) {
+                displacements[i] = [0, 1, 2].map(|k| u[k] * du[k]);
+            }
             let mut solution = ConeSolution {
                 status: SolveStatus::Stalled,
                 forces: s.iter().map(|s| [s[0] * df[0], s[1] * df[0], s[2] * df[2]]).collect(),
-                displacements: u.iter().map(|u| [0, 1, 2].map(|k| u[k] * du[k])).collect(),
+                displacements,
                 iterations,
                 message: message.to_owned(),
                 ..Default::default()
@@ -273,7 +278,7 @@ impl Condensed {
             return Some(solution);
         }
         let low = lower(program);
-        let point = lowered_point(&scaled, &low, &result);
+        let point = lowered_point(&scaled, &order, &low, &result);
         let mut low = low;
         let (rows, variables) = (low.right.len(), low.linear.len());
         let a = std::mem::take(&mut low.matrix).matrix(rows, variables);
@@ -298,6 +303,7 @@ fn is_rigid_plastic(program: &ConeProgram) -> bool {
 /// The interior point in the numbering of the lowered program.
 fn lowered_point(
     scaled: &Scaled,
+    order: &[usize],
     low: &super::lowering::Lowered,
     result: &interior::Interior,
 ) -> Point {
@@ -317,7 +323,11 @@ fn lowered_point(
         .columns
         .last()
         .map_or(0, |_| scaled.locals.iter().map(|l| l.has.iter().filter(|h| **h).count()).sum());
-    for (i, rows) in low.rows.iter().enumerate() {
+    let mut place = vec![0; order.len()];
+    for (k, &i) in order.iter().enumerate() {
+        place[i] = k;
+    }
+    for (rows, i) in low.rows.iter().zip(place) {
         for k in 0..3 {
             if let Some(r) = rows[k] {
                 z[r] = -result.u[i][k];

@@ -255,15 +255,16 @@ pub fn iterate(
         eliminated = false;
         iterations += 1;
         matrix.clear();
+        let mut values = matrix.assembly();
         for i in 0..n {
             for k in 0..3 {
                 let weight = if program.free[i][k] { program.weight[i][k] + damping } else { 1.0 };
-                matrix.add_diagonal(i, k, weight);
+                values.add_diagonal(i, k, weight);
             }
         }
         for (k, (arms, response)) in arms.iter().zip(&responses).enumerate() {
             let [nn, nt, tt] = response.d;
-            matrix.add(k, arms.bodies, &arms.rows, &[[nn, nt], [nt, tt]]);
+            values.add(k, &arms.rows, &[[nn, nt], [nt, tt]]);
         }
         for (du, g) in du.iter_mut().zip(&gradient) {
             *du = g.map(|g| -g);

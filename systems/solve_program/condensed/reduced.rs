@@ -117,6 +117,6 @@ fn alone(program: &ConeProgram, c: &Interaction) -> [f64; 3] {
         ..ConeProgram::default()
     };
     let (_, df) = super::super::lowering::units(program);
-    let s = Spring::new(&Scaled::new(&pair).locals[0]).respond([0.0; 2]).s;
+    let s = Spring::new(&Scaled::new(&pair, &[0, 1]).locals[0]).respond([0.0; 2]).s;
     [s[0] * df[0], s[1] * df[0], 0.0]
 }

@@ -65,14 +65,17 @@ pub struct Scaled {
 }
 
 impl Scaled {
-    /// Scales a program.
+    /// Scales a program. Its bodies come in this `order`: here, body k is `order[k]` of the program.
     #[must_use]
-    pub fn new(program: &ConeProgram) -> Self {
+    pub fn new(program: &ConeProgram, order: &[usize]) -> Self {
         let (du, df) = units(program);
         let s = &program.scales;
         let stiffness = s.force / s.displacement;
         let mut out = Self::default();
-        for body in &program.bodies {
+        let mut place = vec![0; order.len()];
+        for (k, &body) in order.iter().enumerate() {
+            place[body] = k;
+            let body = &program.bodies[body];
             let (mut free, mut weight, mut right, mut known) =
                 ([false; 3], [0.0; 3], [0.0; 3], [0.0; 3]);
             for k in 0..3 {
@@ -93,7 +96,7 @@ impl Scaled {
         for c in &program.interactions {
             let l = &c.limits;
             let has = [true, l.has_shear(), l.has_rolling()];
-            let bodies = [c.a as usize, c.b as usize];
+            let bodies = [c.a, c.b].map(|i| place[i as usize]);
             let kind = match (l.has_shear(), l.has_rolling()) {
                 (false, false) => Kind::Normal,
                 (true, false) if l.has_tension_row() => Kind::Bond,
@@ -103,8 +106,8 @@ impl Scaled {
             };
             let mut rows = [[[0.0; 3]; 3]; 2];
             let mut fixed = [0.0; 3];
-            for (side, first) in [(0, true), (1, false)] {
-                let raw = c.rows(program.bodies[bodies[side]].axis, first);
+            for (side, (body, first)) in [(c.a, true), (c.b, false)].into_iter().enumerate() {
+                let raw = c.rows(program.bodies[body as usize].axis, first);
                 for k in 0..3 {
                     for f in 0..3 {
                         let unit = if f == 2 { df[2] } else { df[0] };

@@ -3,8 +3,9 @@
 //! All of it is read or written several times in an iteration, and memory is what these passes wait
 //! for: interactions of a kind lie together, and have no room for what their kind does not have.
 
-use super::super::matrix::BodyMatrix;
-use super::super::scaled::{Kind, Local, ROWS, Scaled, add_forces, kinematics};
+use super::super::matrix::Assembly;
+use super::super::scaled::{Kind, Local, ROWS, add_forces, kinematics};
+use super::groups::Rows;
 use super::local_system::{LocalSystem, Right, Slacks};
 
 /// Complementarity product of the starting point.
@@ -40,7 +41,7 @@ pub struct Cell<const F: usize, const Q: usize> {
     right: Right<F, Q>,
 }
 
-/// All interactions, by their kind.
+/// Interactions, by their kind.
 #[derive(Default)]
 pub struct Cells {
     pub normal: Vec<Cell<1, 1>>,
@@ -50,7 +51,7 @@ pub struct Cells {
     pub wheel: Vec<Cell<3, 2>>,
 }
 
-/// Does the same for every interaction.
+/// Does the same for each of them.
 macro_rules! for_each {
     ($cell:ident of $cells:expr => $what:expr) => {{
         let cells: &mut $crate::solve_program::condensed::interior::cell::Cells = $cells;
@@ -74,19 +75,15 @@ macro_rules! for_each {
 pub(super) use for_each;
 
 impl Cells {
-    /// All near the elastic trial at the starting displacements.
-    pub fn new(program: &Scaled, u: &[[f64; 3]]) -> Self {
-        let mut cells = Self::default();
-        for (number, local) in program.locals.iter().enumerate() {
-            match local.kind {
-                Kind::Normal => cells.normal.push(Cell::new(number, local, u)),
-                Kind::Friction => cells.friction.push(Cell::new(number, local, u)),
-                Kind::Bond => cells.bond.push(Cell::new(number, local, u)),
-                Kind::Rolling => cells.rolling.push(Cell::new(number, local, u)),
-                Kind::Wheel => cells.wheel.push(Cell::new(number, local, u)),
-            }
+    /// Adds an interaction, near the elastic trial at the starting displacements.
+    pub fn push(&mut self, number: usize, local: &Local, u: &[[f64; 3]]) {
+        match local.kind {
+            Kind::Normal => self.normal.push(Cell::new(number, local, u)),
+            Kind::Friction => self.friction.push(Cell::new(number, local, u)),
+            Kind::Bond => self.bond.push(Cell::new(number, local, u)),
+            Kind::Rolling => self.rolling.push(Cell::new(number, local, u)),
+            Kind::Wheel => self.wheel.push(Cell::new(number, local, u)),
         }
-        cells
     }
 }
 
@@ -98,6 +95,19 @@ pub struct Sizes {
     pub force: f64,
     pub products: f64,
     pub product: f64,
+}
+
+impl Sizes {
+    /// Of both.
+    pub fn and(self, other: Self) -> Self {
+        Self {
+            kinematic: self.kinematic.max(other.kinematic),
+            primal: self.primal.max(other.primal),
+            force: self.force.max(other.force),
+            products: self.products + other.products,
+            product: self.product.max(other.product),
+        }
+    }
 }
 
 /// How far one can go along a step, and what becomes of the products on the way.
@@ -115,6 +125,12 @@ impl Default for Ahead {
 }
 
 impl Ahead {
+    /// Of both.
+    pub fn and(self, other: Self) -> Self {
+        let products = [0, 1, 2].map(|k| self.products[k] + other.products[k]);
+        Self { length: self.length.min(other.length), products }
+    }
+
     pub fn products_after(&self) -> f64 {
         let [constant, linear, quadratic] = self.products;
         (constant + self.length * (linear + self.length * quadratic)).max(0.0)
@@ -151,8 +167,8 @@ impl<const F: usize, const Q: usize> Law<F, Q> {
         kinematics(self.bodies, &self.rows, u)
     }
 
-    fn add_forces(&self, s: &[f64; F], sign: f64, out: &mut [[f64; 3]]) {
-        add_forces(self.bodies, &self.rows, s, sign, out);
+    fn add_forces(&self, s: &[f64; F], sign: f64, out: &mut Rows) {
+        add_forces(self.bodies.map(|i| i - out.first), &self.rows, s, sign, out.rows);
     }
 }
 
@@ -205,13 +221,7 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
     }
 
     /// Makes the step, up to `length`, and evaluates the residuals; the forces go to the balance.
-    pub fn evaluate(
-        &mut self,
-        length: f64,
-        u: &[[f64; 3]],
-        balance: &mut [[f64; 3]],
-        size: &mut Sizes,
-    ) {
+    pub fn evaluate(&mut self, length: f64, u: &[[f64; 3]], balance: &mut Rows, size: &mut Sizes) {
         for f in 0..F {
             self.s[f] += length * self.ds[f];
         }
@@ -254,15 +264,15 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
     }
 
     /// Sets up the system, adds what is left of it to the matrix, and aims the predictor.
-    pub fn condense(&mut self, matrix: &mut BodyMatrix, right: &mut [[f64; 3]]) {
+    pub fn condense(&mut self, matrix: &mut Assembly, right: &mut Rows) {
         self.system.set(&self.law, &self.slacks);
-        matrix.add(self.number, self.law.bodies, &self.law.rows, &self.system.stiffness);
+        matrix.add(self.number, &self.law.rows, &self.system.stiffness);
         self.aim(Aim::Zero, right);
     }
 
     /// Adds what it has in the right side of the condensed system.
     #[inline]
-    pub fn aim(&mut self, aim: Aim, right: &mut [[f64; 3]]) {
+    pub fn aim(&mut self, aim: Aim, right: &mut Rows) {
         let slacks = &mut self.slacks;
         for q in 0..Q {
             slacks.product[q] = slacks.w[q] * slacks.lambda[q]
@@ -296,7 +306,7 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
     }
 
     /// Takes what it adds to the condensed operator away from the defect.
-    pub fn take_away(&self, du: &[[f64; 3]], defect: &mut [[f64; 3]]) {
+    pub fn take_away(&self, du: &[[f64; 3]], defect: &mut Rows) {
         let e = self.law.kinematics(du);
         let mut s = [0.0; F];
         for f in 0..F {

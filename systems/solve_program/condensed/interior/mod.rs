@@ -6,9 +6,11 @@
 //! `(M + G T G') du = r` for the bodies.
 
 mod cell;
+mod groups;
 mod local_system;
 
-use self::cell::{Ahead, Aim, Cells, Sizes, for_each};
+use self::cell::{Ahead, Aim, Sizes, for_each};
+use self::groups::Groups;
 use super::matrix::BodyMatrix;
 use super::scaled::{ROWS, Scaled};
 
@@ -71,7 +73,7 @@ pub fn solve(
             [0, 1, 2].map(|k| if program.free[i][k] { start[i][k] } else { program.known[i][k] })
         })
         .collect();
-    let mut cells = Cells::new(program, &u);
+    let mut groups = Groups::new(program, matrix, &u);
     let limits: usize = program.locals.iter().map(|l| l.count).sum();
     let limits = limits.max(1) as f64;
     let mut best: Option<Interior> = None;
@@ -90,8 +92,12 @@ pub fn solve(
     loop {
         // Residuals.
         program.balance_of_bodies(&u, &mut balance);
-        let mut size = Sizes::default();
-        for_each!(cell of &mut cells => cell.evaluate(length, &u, &mut balance, &mut size));
+        let sizes = groups.scatter(&mut balance, |cells, balance| {
+            let mut size = Sizes::default();
+            for_each!(cell of cells => cell.evaluate(length, &u, balance, &mut size));
+            size
+        });
+        let size = sizes.into_iter().fold(Sizes::default(), Sizes::and);
         let mu = size.products / limits;
         let unbalance = greatest(&balance);
         let force = size.force.max(1e-3);
@@ -107,7 +113,9 @@ pub fn solve(
             let point = best.get_or_insert_with(|| Interior::of(program));
             point.u.clone_from(&u);
             point.merit = merit;
-            for_each!(cell of &mut cells => cell.store(&mut point.s, &mut point.lambda));
+            for cells in groups.all() {
+                for_each!(cell of cells => cell.store(&mut point.s, &mut point.lambda));
+            }
             since_best = 0;
         } else {
             since_best += 1;
@@ -133,34 +141,39 @@ pub fn solve(
 
         // The condensed matrix.
         matrix.clear();
+        let mut values = matrix.assembly();
         // A vanishing proximal weight keeps what nothing holds from going to infinity.
         let proximal = LEAST_PROXIMAL + PROXIMAL * mu.min(1.0);
         for i in 0..n {
             for k in 0..3 {
                 weight[i][k] = program.weight[i][k] + proximal;
                 let diagonal = if program.free[i][k] { weight[i][k] } else { 1.0 };
-                matrix.add_diagonal(i, k, diagonal);
+                values.add_diagonal(i, k, diagonal);
             }
         }
         // The predictor takes all products away; it only aims the corrector.
         set_negative(&mut right, &balance);
-        for_each!(cell of &mut cells => cell.condense(matrix, &mut right));
+        groups.condense(matrix, &mut right, |cells, values, right| {
+            for_each!(cell of cells => cell.condense(values, right));
+        });
         du.clone_from(&right);
         if !factorise_and_solve(matrix, &mut du) {
             break;
         }
-        let ahead = steps(&mut cells, &du);
+        let ahead = steps(&mut groups, &du);
         let after = ahead.products_after() / limits;
         let ratio = if mu > 0.0 { after / mu } else { 0.0 };
         let exponent = if goal > LOOSE { 2 } else { 3 };
         let target = ratio.powi(exponent).min(1.0) * mu;
 
         set_negative(&mut right, &balance);
-        for_each!(cell of &mut cells => cell.aim(Aim::Target(target), &mut right));
+        groups.scatter(&mut right, |cells, right| {
+            for_each!(cell of cells => cell.aim(Aim::Target(target), right));
+        });
         du.clone_from(&right);
         matrix.solve(&mut du);
-        refine(program, matrix, &mut cells, &weight, &right, &mut du, &mut defect);
-        let step = steps(&mut cells, &du).length;
+        refine(program, matrix, &mut groups, &weight, &right, &mut du, &mut defect);
+        let step = steps(&mut groups, &du).length;
         length = if step < 1.0 { step * (1.0 - mu.min(0.01)).clamp(0.99, 0.9995) } else { 1.0 };
         for (u, du) in u.iter_mut().zip(&du) {
             for k in 0..3 {
@@ -184,10 +197,13 @@ fn set_negative(rows: &mut [[f64; 3]], of: &[[f64; 3]]) {
 }
 
 /// Steps of forces, slacks and multipliers that belong to steps of the displacements.
-fn steps(cells: &mut Cells, du: &[[f64; 3]]) -> Ahead {
-    let mut ahead = Ahead::default();
-    for_each!(cell of cells => cell.step(du, &mut ahead));
-    ahead
+fn steps(groups: &mut Groups, du: &[[f64; 3]]) -> Ahead {
+    let ahead = groups.each(|cells| {
+        let mut ahead = Ahead::default();
+        for_each!(cell of cells => cell.step(du, &mut ahead));
+        ahead
+    });
+    ahead.into_iter().fold(Ahead::default(), Ahead::and)
 }
 
 /// Factorises and solves, with a larger diagonal where round-off has cost positive definiteness.
@@ -199,7 +215,7 @@ pub(super) fn factorise_and_solve(matrix: &mut BodyMatrix, x: &mut [[f64; 3]]) -
     for shift in [1e-14, 1e-12, 1e-10] {
         for body in 0..matrix.bodies() {
             for k in 0..3 {
-                matrix.add_diagonal(body, k, shift * greatest);
+                matrix.assembly().add_diagonal(body, k, shift * greatest);
             }
         }
         if matrix.factorise_and_solve(x) {
@@ -213,7 +229,7 @@ pub(super) fn factorise_and_solve(matrix: &mut BodyMatrix, x: &mut [[f64; 3]]) -
 fn refine(
     program: &Scaled,
     matrix: &mut BodyMatrix,
-    cells: &mut Cells,
+    groups: &mut Groups,
     weight: &[[f64; 3]],
     right: &[[f64; 3]],
     du: &mut [[f64; 3]],
@@ -227,7 +243,9 @@ fn refine(
                     if program.free[i][k] { right[i][k] - weight[i][k] * du[i][k] } else { 0.0 };
             }
         }
-        for_each!(cell of cells => cell.take_away(du, defect));
+        groups.scatter(defect, |cells, defect| {
+            for_each!(cell of cells => cell.take_away(du, defect));
+        });
         if greatest(defect) <= REFINED * scale {
             return;
         }

@@ -8,6 +8,7 @@
 use std::cmp::Reverse;
 use std::ops::Range;
 
+use super::branches;
 use super::dense::{LANES, kept_rows};
 
 /// Fronts are merged with their parent, with zeros in the factor, as long as there are at most so
@@ -17,7 +18,7 @@ const MERGED: [(usize, f64); 3] = [(2, 0.5), (8, 0.2), (32, 0.05)];
 
 const NONE: usize = usize::MAX;
 
-/// One front. Places of bodies are those in [`Fronts::order`].
+/// One front. Places of bodies are those in [`Fronts::order`], less those before its branch.
 pub struct Front {
     /// Places of the pivots.
     pub pivots: Range<usize>,
@@ -27,9 +28,9 @@ pub struct Front {
     pub inside: usize,
     /// Where its children are in [`Fronts::children`].
     pub children: Range<usize>,
-    /// Where what is kept of its trapezoid is in the factor.
+    /// Where what is kept of its trapezoid is in the factor of its branch.
     pub factor: Range<usize>,
-    /// Where its update starts, in the one of the two stacks that `odd` tells.
+    /// Where its update starts, in the one of the two stacks of its branch that `odd` tells.
     pub update: usize,
     /// Whether its depth in the tree is odd: updates of parent and child are in different stacks.
     pub odd: bool,
@@ -68,29 +69,45 @@ impl Front {
     }
 }
 
+/// Fronts that are worked on together: a branch of the tree, or the trunk.
+#[derive(Default)]
+pub struct Branch {
+    /// Its fronts.
+    pub fronts: Range<usize>,
+    /// Its bodies in the order of elimination.
+    pub places: Range<usize>,
+    /// Numbers in its factor, without the triangles of the pivots.
+    pub factor_len: usize,
+    /// Numbers that its two stacks of updates hold at most.
+    pub update_len: [usize; 2],
+}
+
 /// All fronts, children before their parents.
 pub struct Fronts {
     /// Bodies in the order of their elimination.
     pub order: Vec<usize>,
     /// The fronts.
     pub list: Vec<Front>,
-    /// Places of the rows of all fronts, ascending within each.
+    /// Branches, in the order of elimination.
+    pub branches: Vec<Branch>,
+    /// What comes after them.
+    pub trunk: Branch,
+    /// Places of the rows of all fronts, ascending within each: less those before the branch and, in the
+    /// trunk, between branch and trunk.
     pub rows: Vec<u32>,
     /// For every row, where its three numbers start in a column of the parent's trapezoid.
     pub in_parent: Vec<u32>,
     /// Fronts whose updates a front takes.
     pub children: Vec<u32>,
-    /// Numbers in the factor, without the triangles of the pivots.
-    pub factor_len: usize,
-    /// Numbers that the two stacks of updates hold at most.
-    pub update_len: [usize; 2],
 }
 
 /// A group of bodies that may still become part of its parent.
 #[derive(Default)]
-struct Group {
-    pivots: Vec<u32>,
-    children: Vec<usize>,
+pub struct Group {
+    /// Its columns.
+    pub pivots: Vec<u32>,
+    /// Groups whose parent it is.
+    pub children: Vec<usize>,
     /// Blocks of its trapezoid that are zero.
     zeros: usize,
 }
@@ -104,9 +121,15 @@ impl Fronts {
         layout(order, &rows, &parents, &groups)
     }
 
+    /// Branches and trunk.
+    pub fn parts(&self) -> impl Iterator<Item = &Branch> {
+        self.branches.iter().chain([&self.trunk])
+    }
+
     /// Where the block of a pivot and another body, eliminated later, starts in the trapezoid of the
-    /// front of the pivot.
-    pub fn target(&self, front: &Front, pivot: usize, other: usize) -> usize {
+    /// front of the pivot; places are those in [`order`](Self::order).
+    pub fn target(&self, branch: &Branch, front: &Front, pivot: usize, other: usize) -> usize {
+        let [pivot, other] = [pivot, other].map(|place| self.within(branch, place));
         let row = if other < front.pivots.end {
             3 * (other - front.pivots.start)
         } else {
@@ -114,6 +137,15 @@ impl Fronts {
             front.width() + 3 * rows.partition_point(|r| (*r as usize) < other)
         };
         3 * (pivot - front.pivots.start) * front.height() + row
+    }
+
+    /// The place of a body less what lies before the branch, and between it and the trunk.
+    fn within(&self, branch: &Branch, place: usize) -> usize {
+        if place < branch.places.end {
+            place - branch.places.start
+        } else {
+            branch.places.len() + place - self.trunk.places.start
+        }
     }
 }
 
@@ -179,7 +211,7 @@ fn merge(rows: &[Vec<u32>], parents: &[usize]) -> Vec<Option<Group>> {
     groups
 }
 
-/// Puts children before parents, and finds a place for everything.
+/// Puts children before parents and branches before the trunk, and finds a place for everything.
 fn layout(
     order: &[usize],
     column_rows: &[Vec<u32>],
@@ -187,50 +219,34 @@ fn layout(
     groups: &[Option<Group>],
 ) -> Fronts {
     let n = order.len();
-    let mut fronts = Fronts {
-        order: Vec::with_capacity(n),
-        list: Vec::new(),
-        rows: Vec::new(),
-        in_parent: Vec::new(),
-        children: Vec::new(),
-        factor_len: 0,
-        update_len: [0; 2],
+    let roots: Vec<usize> = (0..n).filter(|k| parents[*k] == NONE).collect();
+    let branches = branches::cut(column_rows, groups, &roots);
+    let mut layout = Layout {
+        column_rows,
+        groups,
+        fronts: Fronts {
+            order: Vec::with_capacity(n),
+            list: Vec::new(),
+            branches: Vec::new(),
+            trunk: Branch::default(),
+            rows: Vec::new(),
+            in_parent: Vec::new(),
+            children: Vec::new(),
+        },
+        columns: Vec::new(),
+        number: vec![NONE; n],
     };
+    for feet in &branches {
+        let branch = layout.lay_out(feet);
+        layout.fronts.branches.push(branch);
+    }
+    // Branches have their numbers: what is left is the trunk.
+    layout.fronts.trunk = layout.lay_out(&roots);
+    let Layout { mut fronts, columns, .. } = layout;
     let mut place = vec![0; n];
-    let mut number = vec![NONE; n];
-    let mut used = [0; 2];
-    for (column, depth) in postorder(parents, groups) {
-        let Some(group) = &groups[column] else { continue };
-        let first = fronts.order.len();
-        for &k in &group.pivots {
-            place[k as usize] = fronts.order.len() as u32;
-            fronts.order.push(order[k as usize]);
-        }
-        let first_child = fronts.children.len();
-        fronts.children.extend(group.children.iter().map(|c| number[*c] as u32));
-        let first_row = fronts.rows.len();
-        let [mine, theirs] = [depth % 2, 1 - depth % 2];
-        let (pivots, rows) = (group.pivots.len(), column_rows[column].len());
-        let kept: usize = (0..pivots).map(|k| 3 * kept_rows(pivots + rows, k)).sum();
-        let front = Front {
-            pivots: first..first + pivots,
-            rows: first_row..first_row + rows,
-            inside: 0,
-            children: first_child..fronts.children.len(),
-            factor: fronts.factor_len..fronts.factor_len + kept,
-            update: used[mine],
-            odd: mine == 1,
-        };
-        // It takes the updates of its children, which are the last ones in their stack.
-        if let Some(&child) = fronts.children.get(first_child) {
-            used[theirs] = fronts.list[child as usize].update;
-        }
-        used[mine] += front.update_len();
-        fronts.update_len[mine] = fronts.update_len[mine].max(used[mine]);
-        fronts.factor_len += kept;
-        fronts.rows.extend(&column_rows[column]);
-        number[column] = fronts.list.len();
-        fronts.list.push(front);
+    for &column in columns.iter().filter_map(|c| groups[*c].as_ref()).flat_map(|g| &g.pivots) {
+        place[column as usize] = fronts.order.len() as u32;
+        fronts.order.push(order[column as usize]);
     }
     // Rows are eliminated after their front: only now do all have their places.
     for front in &fronts.list {
@@ -247,26 +263,86 @@ fn layout(
             fronts.list[child].inside = find_in_parent(&mut fronts, child, parent);
         }
     }
+    count_within_branches(&mut fronts);
     fronts
 }
 
-/// Groups with their depth, children before parents.
-fn postorder(parents: &[usize], groups: &[Option<Group>]) -> Vec<(usize, usize)> {
-    let mut order = Vec::new();
-    for root in (0..parents.len()).filter(|k| parents[*k] == NONE) {
-        let mut path = vec![(root, 0)];
-        while let Some((column, next)) = path.last_mut() {
-            let children = groups[*column].as_ref().map_or(&[][..], |group| &group.children);
-            if let Some(&child) = children.get(*next) {
-                *next += 1;
-                path.push((child, 0));
-            } else {
-                order.push((*column, path.len() - 1));
-                path.pop();
+/// What grows while fronts are laid out.
+struct Layout<'a> {
+    column_rows: &'a [Vec<u32>],
+    groups: &'a [Option<Group>],
+    fronts: Fronts,
+    /// The column under which the group of every front is.
+    columns: Vec<usize>,
+    /// The front of every group that has one already.
+    number: Vec<usize>,
+}
+
+impl Layout<'_> {
+    /// Lays out the subtrees on these feet, without what is laid out already.
+    fn lay_out(&mut self, feet: &[usize]) -> Branch {
+        let first_front = self.fronts.list.len();
+        let first_place = self.fronts.list.last().map_or(0, |front| front.pivots.end);
+        let (mut place, mut factor_len) = (first_place, 0);
+        let (mut used, mut update_len) = ([0; 2], [0; 2]);
+        for (column, depth) in self.postorder(feet) {
+            let Some(group) = &self.groups[column] else { continue };
+            let fronts = &mut self.fronts;
+            let first_child = fronts.children.len();
+            fronts.children.extend(group.children.iter().map(|c| self.number[*c] as u32));
+            let first_row = fronts.rows.len();
+            let [mine, theirs] = [depth % 2, 1 - depth % 2];
+            let (pivots, rows) = (group.pivots.len(), self.column_rows[column].len());
+            let kept: usize = (0..pivots).map(|k| 3 * kept_rows(pivots + rows, k)).sum();
+            let front = Front {
+                pivots: place..place + pivots,
+                rows: first_row..first_row + rows,
+                inside: 0,
+                children: first_child..fronts.children.len(),
+                factor: factor_len..factor_len + kept,
+                update: used[mine],
+                odd: mine == 1,
+            };
+            // It takes the updates of its children, which are the last ones in their stack; those of
+            // branches are in other stacks.
+            let mut children = fronts.children[first_child..].iter().map(|c| *c as usize);
+            if let Some(child) = children.find(|c| *c >= first_front) {
+                used[theirs] = fronts.list[child].update;
+            }
+            used[mine] += front.update_len();
+            update_len[mine] = update_len[mine].max(used[mine]);
+            factor_len += kept;
+            place += pivots;
+            fronts.rows.extend(&self.column_rows[column]);
+            self.number[column] = fronts.list.len();
+            self.columns.push(column);
+            fronts.list.push(front);
+        }
+        let fronts = first_front..self.fronts.list.len();
+        Branch { fronts, places: first_place..place, factor_len, update_len }
+    }
+
+    /// Groups above these feet with their depth, children before parents.
+    fn postorder(&self, feet: &[usize]) -> Vec<(usize, usize)> {
+        let mut order = Vec::new();
+        let is_new = |column: usize| self.number[column] == NONE;
+        for &foot in feet.iter().filter(|foot| is_new(**foot)) {
+            let mut path = vec![(foot, 0)];
+            while let Some((column, next)) = path.last_mut() {
+                let children = self.groups[*column].as_ref().map_or(&[][..], |g| &g.children);
+                if let Some(&child) = children.get(*next) {
+                    *next += 1;
+                    if is_new(child) {
+                        path.push((child, 0));
+                    }
+                } else {
+                    order.push((*column, path.len() - 1));
+                    path.pop();
+                }
             }
         }
+        order
     }
-    order
 }
 
 /// Finds the rows of a front in its parent, and how many of them are pivots there.
@@ -286,4 +362,22 @@ fn find_in_parent(fronts: &mut Fronts, child: usize, parent: usize) -> usize {
         fronts.in_parent[k] = start as u32;
     }
     inside
+}
+
+/// Takes away from all places of a branch what comes before it.
+fn count_within_branches(fronts: &mut Fronts) {
+    let within = |fronts: &Fronts, branch: &Branch| {
+        let rows = branch.fronts.clone().flat_map(|k| fronts.list[k].rows.clone());
+        rows.map(|k| fronts.within(branch, fronts.rows[k] as usize) as u32).collect::<Vec<_>>()
+    };
+    // Rows lie front by front.
+    fronts.rows = fronts.parts().flat_map(|branch| within(fronts, branch)).collect();
+    let branches = std::mem::take(&mut fronts.branches);
+    for branch in branches.iter().chain([&fronts.trunk]) {
+        let first = branch.places.start;
+        for front in &mut fronts.list[branch.fronts.clone()] {
+            front.pivots = front.pivots.start - first..front.pivots.end - first;
+        }
+    }
+    fronts.branches = branches;
 }

@@ -6,30 +6,35 @@
 //! a handful of bodies for most, and three unknowns a body are known when this is compiled: that is
 //! what makes it three times as fast as a factorisation for any matrix (docs/benchmarks.md).
 
+mod branches;
 mod dense;
 mod fronts;
 mod numeric;
 mod ordering;
 mod packed;
 
+use std::ops::Range;
+
 use pulp::Arch;
 
-use self::dense::{LANES, Triangle};
-use self::fronts::{Front, Fronts};
-use self::numeric::{FactoriseAndSolve, Solve};
+use self::fronts::Fronts;
+use self::numeric::{Backward, Eliminate, Forward, Part};
 pub(super) use self::ordering::adjacency;
+use super::parallel::{in_parallel, split};
 
 /// Numbers in a block of the diagonal (its lower triangle by columns) and of a pair.
 const DIAGONAL: usize = 6;
 const PAIR: usize = 9;
 
-/// Where the block of a pair (a, b) lies in the values of the matrix.
+/// Where what a pair (a, b) adds lies in the values of the matrix.
 #[derive(Clone, Copy, Debug, Default)]
-struct BlockPlace {
-    /// Where its three columns start, three rows each.
+struct PairPlace {
+    /// Where the three columns of its block start, three rows each.
     start: usize,
     /// Whether columns belong to a, and rows to b.
     forward: bool,
+    /// The places of its bodies.
+    bodies: [u32; 2],
 }
 
 /// The matrix, its factor, and what depends on its pattern only.
@@ -38,26 +43,70 @@ pub struct BodyMatrix {
     values: Vec<f64>,
     /// Where the block of the diagonal of every body starts.
     diagonal: Vec<usize>,
-    /// The blocks of every pair, in the order of the pairs given.
-    pairs: Vec<BlockPlace>,
-    fronts: Fronts,
-    /// Where the block of each pair, in the order of the values, lies in the trapezoid of its front,
-    /// and where those of each front end.
-    targets: Vec<u32>,
-    target_ends: Vec<usize>,
-    /// What is kept of the trapezoids, front by front.
-    factor: Vec<f64>,
-    /// Its diagonal blocks, in the order of elimination.
-    triangles: Vec<Triangle>,
-    /// Updates that wait for the parents of their fronts, of those in even and odd depth.
-    updates: [Vec<f64>; 2],
-    /// The trapezoid of one front, and its copy if it is large.
-    panel: Vec<f64>,
-    packed: Vec<f64>,
-    /// Right side and solution in the order of elimination, and of one front.
-    work: Vec<[f64; 3]>,
-    front_work: Vec<f64>,
+    /// Of every pair, in the order of the pairs given.
+    pairs: Vec<PairPlace>,
+    pattern: Pattern,
+    branches: Vec<Part>,
+    trunk: Part,
     instructions: Arch,
+}
+
+/// The fronts, and where what they begin with is found.
+struct Pattern {
+    fronts: Fronts,
+    /// Where the values of each front start.
+    starts: Vec<usize>,
+    /// Where the block of each pair, in the order of the values, lies in the trapezoid of its front,
+    /// and where those of each front start.
+    targets: Vec<u32>,
+    target_starts: Vec<usize>,
+}
+
+/// What can be added to at once by several threads: the rows and columns of a branch, or all.
+pub struct Assembly<'a> {
+    values: &'a mut [f64],
+    first: usize,
+    diagonal: &'a [usize],
+    pairs: &'a [PairPlace],
+}
+
+impl Assembly<'_> {
+    /// Adds to the diagonal of degree of freedom `k` of a body: 0 and 1 translations, 2 the rotation.
+    #[inline]
+    pub fn add_diagonal(&mut self, body: usize, k: usize, value: f64) {
+        self.values[self.diagonal[body] - self.first + [0, 3, 5][k]] += value;
+    }
+
+    /// Adds `G D G'` of a pair, with `G` of `F` columns in the rows of its two bodies, in the order in
+    /// which the pattern was made of them. `D` is symmetric.
+    #[inline]
+    pub fn add<const F: usize>(
+        &mut self,
+        pair: usize,
+        rows: &[[[f64; F]; 3]; 2],
+        d: &[[f64; F]; F],
+    ) {
+        let PairPlace { start, forward, bodies } = self.pairs[pair];
+        for (rows, body) in rows.iter().zip(bodies) {
+            let left = times(rows, d);
+            let start = self.diagonal[body as usize] - self.first;
+            let block = &mut self.values[start..start + DIAGONAL];
+            for (k, (c, r)) in
+                [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].into_iter().enumerate()
+            {
+                block[k] += dot(&left[c], &rows[r]);
+            }
+        }
+        let [of_columns, of_rows] = if forward { [0, 1] } else { [1, 0] };
+        let left = times(&rows[of_columns], d);
+        let start = start - self.first;
+        let block = &mut self.values[start..start + PAIR];
+        for (left, column) in left.iter().zip(block.chunks_exact_mut(3)) {
+            for (value, row) in column.iter_mut().zip(&rows[of_rows]) {
+                *value += dot(left, row);
+            }
+        }
+    }
 }
 
 impl BodyMatrix {
@@ -69,10 +118,13 @@ impl BodyMatrix {
         let fronts = Fronts::new(&order, &starts, &neighbours);
 
         let (mut place, mut front_of) = (vec![0; bodies], vec![0; bodies]);
-        for (number, front) in fronts.list.iter().enumerate() {
-            for k in front.pivots.clone() {
-                place[fronts.order[k]] = k;
-                front_of[k] = number;
+        for (k, &body) in fronts.order.iter().enumerate() {
+            place[body] = k;
+        }
+        for part in fronts.parts() {
+            for number in part.fronts.clone() {
+                let pivots = fronts.list[number].pivots.clone();
+                front_of[part.places.start..][pivots].fill(number);
             }
         }
         let mut of_front = vec![Vec::new(); fronts.list.len()];
@@ -80,38 +132,39 @@ impl BodyMatrix {
             let (a, b) = (place[a as usize], place[b as usize]);
             of_front[front_of[a.min(b)]].push((number, a, b));
         }
-        let mut diagonal = vec![0; bodies];
-        let mut blocks = vec![BlockPlace::default(); pairs.len()];
+        let mut diagonal = Vec::with_capacity(bodies);
+        let mut places = vec![PairPlace::default(); pairs.len()];
         let mut targets = Vec::with_capacity(pairs.len());
-        let mut target_ends = Vec::with_capacity(fronts.list.len());
+        let mut target_starts = Vec::with_capacity(fronts.list.len() + 1);
+        let mut starts = Vec::with_capacity(fronts.list.len() + 1);
         let mut start = 0;
-        for (front, of_front) in fronts.list.iter().zip(of_front) {
-            for k in front.pivots.clone() {
-                diagonal[fronts.order[k]] = start;
-                start += DIAGONAL;
+        for part in fronts.parts() {
+            for number in part.fronts.clone() {
+                let front = &fronts.list[number];
+                starts.push(start);
+                target_starts.push(targets.len());
+                for _ in front.pivots.clone() {
+                    diagonal.push(start);
+                    start += DIAGONAL;
+                }
+                for &(pair, a, b) in &of_front[number] {
+                    let bodies = [a as u32, b as u32];
+                    places[pair] = PairPlace { start, forward: a < b, bodies };
+                    start += PAIR;
+                    targets.push(fronts.target(part, front, a.min(b), a.max(b)) as u32);
+                }
             }
-            for (number, a, b) in of_front {
-                blocks[number] = BlockPlace { start, forward: a < b };
-                start += PAIR;
-                targets.push(fronts.target(front, a.min(b), a.max(b)) as u32);
-            }
-            target_ends.push(targets.len());
         }
-        let greatest = |of: fn(&Front) -> usize| fronts.list.iter().map(of).max().unwrap_or(0);
+        starts.push(start);
+        target_starts.push(targets.len());
+        let in_trunk = fronts.trunk.places.len();
         Some(Self {
             values: vec![0.0; start],
             diagonal,
-            pairs: blocks,
-            targets,
-            target_ends,
-            factor: vec![0.0; fronts.factor_len],
-            panel: vec![0.0; greatest(Front::panel_len)],
-            packed: vec![0.0; greatest(packed::packed_len)],
-            triangles: vec![[0.0; 6]; bodies],
-            updates: fronts.update_len.map(|len| vec![0.0; len]),
-            work: vec![[0.0; 3]; bodies],
-            front_work: vec![0.0; 3 * greatest(Front::bodies) + LANES],
-            fronts,
+            pairs: places,
+            branches: fronts.branches.iter().map(|b| Part::new(&fronts, b, in_trunk)).collect(),
+            trunk: Part::new(&fronts, &fronts.trunk, 0),
+            pattern: Pattern { fronts, starts, targets, target_starts },
             instructions: Arch::new(),
         })
     }
@@ -122,15 +175,44 @@ impl BodyMatrix {
         self.diagonal.len()
     }
 
+    /// Bodies in the order of elimination. Elsewhere a body of the matrix is its place in this order.
+    #[must_use]
+    pub fn order(&self) -> &[usize] {
+        &self.pattern.fronts.order
+    }
+
+    /// Places that no pair joins with those of another of these ranges, from the first place on: work on
+    /// them can go on at once. None if there is too little of it.
+    #[must_use]
+    pub fn branches(&self) -> Vec<Range<usize>> {
+        self.pattern.fronts.branches.iter().map(|branch| branch.places.clone()).collect()
+    }
+
     /// Sets all values to zero.
     pub fn clear(&mut self) {
         self.values.fill(0.0);
     }
 
-    /// Adds to the diagonal of degree of freedom `k` of a body: 0 and 1 translations, 2 the rotation.
-    #[inline]
-    pub fn add_diagonal(&mut self, body: usize, k: usize, value: f64) {
-        self.values[self.diagonal[body] + [0, 3, 5][k]] += value;
+    /// All values, to be added to.
+    pub fn assembly(&mut self) -> Assembly<'_> {
+        let Self { values, diagonal, pairs, .. } = self;
+        Assembly { values, first: 0, diagonal, pairs }
+    }
+
+    /// Values of the [branches](Self::branches), to be added to.
+    pub fn assemblies(&mut self) -> Vec<Assembly<'_>> {
+        let Self { values, pattern, diagonal, pairs, .. } = self;
+        let fronts = pattern.fronts.branches.iter().map(|branch| &branch.fronts);
+        let ranges = fronts.map(|fronts| pattern.starts[fronts.start]..pattern.starts[fronts.end]);
+        let (pieces, _) = split(values, ranges.clone());
+        let pieces = pieces.into_iter().zip(ranges);
+        let assembly = |(values, range): (_, Range<_>)| Assembly {
+            values,
+            first: range.start,
+            diagonal,
+            pairs,
+        };
+        pieces.map(assembly).collect()
     }
 
     /// The greatest value on the diagonal.
@@ -140,48 +222,76 @@ impl BodyMatrix {
         on_diagonal.map(|k| self.values[k]).fold(0.0, f64::max)
     }
 
-    /// Adds `G D G'` of a pair, with `G` of `F` columns in the rows of its two bodies, which are those
-    /// that the pattern was made of, in that order. `D` is symmetric.
-    #[inline]
-    pub fn add<const F: usize>(
-        &mut self,
-        pair: usize,
-        bodies: [u32; 2],
-        rows: &[[[f64; F]; 3]; 2],
-        d: &[[f64; F]; F],
-    ) {
-        for (rows, body) in rows.iter().zip(bodies) {
-            let left = times(rows, d);
-            let start = self.diagonal[body as usize];
-            let block = &mut self.values[start..start + DIAGONAL];
-            for (k, (c, r)) in
-                [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].into_iter().enumerate()
-            {
-                block[k] += dot(&left[c], &rows[r]);
-            }
-        }
-        let BlockPlace { start, forward } = self.pairs[pair];
-        let [of_columns, of_rows] = if forward { [0, 1] } else { [1, 0] };
-        let left = times(&rows[of_columns], d);
-        let block = &mut self.values[start..start + PAIR];
-        for (left, column) in left.iter().zip(block.chunks_exact_mut(3)) {
-            for (value, row) in column.iter_mut().zip(&rows[of_rows]) {
-                *value += dot(left, row);
-            }
-        }
-    }
-
-    /// Factorises, and solves in place; whether the matrix was positive definite. `x` by body, left
-    /// as it was if not.
+    /// Factorises, and solves in place; whether the matrix was positive definite. `x` in the order of
+    /// elimination, left as it was if not.
     #[must_use = "a matrix that is not positive definite leaves the right side where the solution would be"]
     pub fn factorise_and_solve(&mut self, x: &mut [[f64; 3]]) -> bool {
-        self.instructions.dispatch(FactoriseAndSolve(self, x))
+        let Self { values, pattern, branches, trunk, instructions, .. } = self;
+        let fronts = &pattern.fronts;
+        let definite = in_parallel(fronts.branches.iter().zip(&mut *branches), |(branch, part)| {
+            take(&x[branch.places.clone()], part);
+            instructions.dispatch(Eliminate { pattern, values, branch, part, branches: &[] })
+        });
+        if definite.contains(&false) {
+            return false;
+        }
+        let branch = &fronts.trunk;
+        take(&x[branch.places.clone()], trunk);
+        add_branches(trunk, branches);
+        let definite =
+            instructions.dispatch(Eliminate { pattern, values, branch, part: trunk, branches });
+        if definite {
+            self.solve_backward(x);
+        }
+        definite
     }
 
-    /// Solves in place with the last factor; `x` by body. Only after `factorise_and_solve` has
-    /// returned true.
+    /// Solves in place with the last factor; `x` in the order of elimination. Only after
+    /// `factorise_and_solve` has returned true.
     pub fn solve(&mut self, x: &mut [[f64; 3]]) {
-        self.instructions.dispatch(Solve(self, x));
+        let Self { pattern: Pattern { fronts, .. }, branches, trunk, instructions, .. } = self;
+        in_parallel(fronts.branches.iter().zip(&mut *branches), |(branch, part)| {
+            take(&x[branch.places.clone()], part);
+            instructions.dispatch(Forward(fronts, branch, part));
+        });
+        take(&x[fronts.trunk.places.clone()], trunk);
+        add_branches(trunk, branches);
+        instructions.dispatch(Forward(fronts, &fronts.trunk, trunk));
+        self.solve_backward(x);
+    }
+
+    fn solve_backward(&mut self, x: &mut [[f64; 3]]) {
+        let Self { pattern: Pattern { fronts, .. }, branches, trunk, instructions, .. } = self;
+        instructions.dispatch(Backward(fronts, &fronts.trunk, trunk));
+        let (of_branches, of_trunk) =
+            split(x, fronts.branches.iter().map(|branch| branch.places.clone()));
+        of_trunk.copy_from_slice(&trunk.work);
+        let parts = fronts.branches.iter().zip(branches).zip(of_branches);
+        in_parallel(parts, |((branch, part), x)| {
+            part.work[x.len()..].copy_from_slice(&trunk.work);
+            instructions.dispatch(Backward(fronts, branch, part));
+            x.copy_from_slice(&part.work[..x.len()]);
+        });
+    }
+}
+
+/// Puts the right side where it is worked on; what a branch adds to the trunk is yet to come.
+fn take(x: &[[f64; 3]], part: &mut Part) {
+    let (own, beyond) = part.work.split_at_mut(x.len());
+    own.copy_from_slice(x);
+    beyond.fill([0.0; 3]);
+}
+
+/// Adds what the branches leave for the trunk, one after the other.
+fn add_branches(trunk: &mut Part, branches: &[Part]) {
+    let in_trunk = trunk.work.len();
+    for branch in branches {
+        let beyond = &branch.work[branch.work.len() - in_trunk..];
+        for (x, of_branch) in trunk.work.iter_mut().zip(beyond) {
+            for k in 0..3 {
+                x[k] += of_branch[k];
+            }
+        }
     }
 }
 

@@ -9,31 +9,47 @@ use std::ops::Range;
 use pulp::{Simd, WithSimd};
 
 use super::dense::{self, LANES, Triangle};
-use super::fronts::Front;
-use super::{BodyMatrix, DIAGONAL, PAIR, packed};
+use super::fronts::{Branch, Front, Fronts};
+use super::{DIAGONAL, PAIR, Pattern, packed};
 
-impl BodyMatrix {
-    /// Puts the right side into the order of elimination.
-    fn take(&mut self, x: &[[f64; 3]]) {
-        for (work, &body) in self.work.iter_mut().zip(&self.fronts.order) {
-            *work = x[body];
+/// What is computed of a branch, or of the trunk.
+pub struct Part {
+    /// What is kept of the trapezoids, front by front.
+    factor: Vec<f64>,
+    /// Its diagonal blocks, in the order of elimination.
+    triangles: Vec<Triangle>,
+    /// Updates that wait for the parents of their fronts, of those in even and odd depth.
+    updates: [Vec<f64>; 2],
+    /// The trapezoid of one front, and its copy if it is large.
+    panel: Vec<f64>,
+    packed: Vec<f64>,
+    /// Right side and solution of its bodies; after those of a branch come those of the trunk, to which
+    /// the branch adds something, and of which it needs the solution.
+    pub work: Vec<[f64; 3]>,
+    /// The same of one front.
+    front_work: Vec<f64>,
+}
+
+impl Part {
+    /// Room for a branch, or for the trunk with `beyond` = 0; `beyond` is the number of bodies in the
+    /// trunk.
+    pub fn new(fronts: &Fronts, branch: &Branch, beyond: usize) -> Self {
+        let list = &fronts.list[branch.fronts.clone()];
+        let greatest = |of: fn(&Front) -> usize| list.iter().map(of).max().unwrap_or(0);
+        Self {
+            factor: vec![0.0; branch.factor_len],
+            triangles: vec![[0.0; 6]; branch.places.len()],
+            updates: branch.update_len.map(|len| vec![0.0; len]),
+            panel: vec![0.0; greatest(Front::panel_len)],
+            packed: vec![0.0; greatest(packed::packed_len)],
+            work: vec![[0.0; 3]; branch.places.len() + beyond],
+            front_work: vec![0.0; 3 * greatest(Front::bodies) + LANES],
         }
     }
 
-    /// Solves from the last front to the first, and puts the solution where it belongs.
-    #[inline(always)]
-    fn solve_backward(&mut self, x: &mut [[f64; 3]]) {
-        let Self { fronts, factor, triangles, work, front_work, .. } = self;
-        for front in fronts.list.iter().rev() {
-            let rows = &fronts.rows[front.rows.clone()];
-            let local = gather(front, rows, work, front_work);
-            let triangles = &triangles[front.pivots.clone()];
-            dense::backward(&factor[front.factor.clone()], front.bodies(), triangles, local);
-            store(&mut work[front.pivots.clone()], local);
-        }
-        for (work, &body) in work.iter().zip(&fronts.order) {
-            x[body] = *work;
-        }
+    fn update(&self, front: &Front) -> &[f64] {
+        let start = front.update;
+        &self.updates[usize::from(front.odd)][start..start + front.update_len()]
     }
 }
 
@@ -83,52 +99,56 @@ fn solve_front(
     }
 }
 
-/// Factorisation, and solution in place; whether the matrix was positive definite.
-pub struct FactoriseAndSolve<'a>(pub &'a mut BodyMatrix, pub &'a mut [[f64; 3]]);
+/// Factorisation of a branch, or of the trunk on its branches, and forward solve of what is in `work`;
+/// whether it was positive definite.
+pub struct Eliminate<'a> {
+    pub pattern: &'a Pattern,
+    /// Of the whole matrix.
+    pub values: &'a [f64],
+    pub branch: &'a Branch,
+    pub part: &'a mut Part,
+    /// The branches, if this is the trunk.
+    pub branches: &'a [Part],
+}
 
-impl WithSimd for FactoriseAndSolve<'_> {
+impl WithSimd for Eliminate<'_> {
     type Output = bool;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> bool {
-        let Self(matrix, x) = self;
-        matrix.take(x);
-        let BodyMatrix {
-            values,
-            targets,
-            target_ends,
-            fronts,
-            factor,
-            triangles,
-            updates,
-            panel,
-            packed,
-            work,
-            front_work,
-            ..
-        } = &mut *matrix;
-        let mut values = &values[..];
-        let mut first_target = 0;
+        let Self { pattern, values, branch, part, branches } = self;
+        let fronts = &pattern.fronts;
+        let Part { factor, triangles, updates, panel, packed, work, front_work } = part;
         let [even, odd] = updates;
-        for (front, &target_end) in fronts.list.iter().zip(&*target_ends) {
+        for number in branch.fronts.clone() {
+            let front = &fronts.list[number];
             let (height, width) = (front.height(), front.width());
             let panel = &mut panel[..front.panel_len()];
             panel.fill(0.0);
-            let (diagonal, rest) = values.split_at(DIAGONAL * front.pivots.len());
+            let (diagonal, blocks) =
+                values[pattern.starts[number]..].split_at(DIAGONAL * front.pivots.len());
             for (k, block) in diagonal.as_chunks().0.iter().enumerate() {
                 set_diagonal(panel, height, 3 * k, block);
             }
-            let targets = &targets[std::mem::replace(&mut first_target, target_end)..target_end];
-            let (blocks, rest) = rest.split_at(PAIR * targets.len());
+            let targets = &pattern.targets[pattern.target_starts[number]..];
+            let targets =
+                &targets[..pattern.target_starts[number + 1] - pattern.target_starts[number]];
             for (&target, block) in targets.iter().zip(blocks.as_chunks().0) {
                 add_block(panel, height, target as usize, block);
             }
-            values = rest;
 
             let (mine, theirs) = if front.odd { (&mut *odd, &*even) } else { (&mut *even, &*odd) };
             let children = &fronts.children[front.children.clone()];
-            for child in children.iter().map(|c| &fronts.list[*c as usize]) {
-                let update = &theirs[child.update..child.update + child.update_len()];
+            let update_of = |child: usize| {
+                let front = &fronts.list[child];
+                if child >= branch.fronts.start {
+                    return &theirs[front.update..front.update + front.update_len()];
+                }
+                let before = fronts.branches.partition_point(|b| b.fronts.end <= child);
+                branches[before].update(front)
+            };
+            for child in children.iter().map(|c| *c as usize) {
+                let (update, child) = (update_of(child), &fronts.list[child]);
                 let places = &fronts.in_parent[child.rows.clone()];
                 extend(panel, height, 0, update, places, 0..child.inside);
             }
@@ -152,13 +172,12 @@ impl WithSimd for FactoriseAndSolve<'_> {
             } else {
                 packed::update(packed, width, front.bottom(), update);
             }
-            for child in children.iter().map(|c| &fronts.list[*c as usize]) {
-                let of_child = &theirs[child.update..child.update + child.update_len()];
+            for child in children.iter().map(|c| *c as usize) {
+                let (of_child, child) = (update_of(child), &fronts.list[child]);
                 let places = &fronts.in_parent[child.rows.clone()];
                 extend(update, front.bottom(), width, of_child, places, child.inside..places.len());
             }
         }
-        matrix.solve_backward(x);
         true
     }
 }
@@ -210,22 +229,38 @@ fn extend(
     }
 }
 
-/// Solution in place with the last factor.
-pub struct Solve<'a>(pub &'a mut BodyMatrix, pub &'a mut [[f64; 3]]);
+/// Forward solve of what is in `work` with the last factor.
+pub struct Forward<'a>(pub &'a Fronts, pub &'a Branch, pub &'a mut Part);
 
-impl WithSimd for Solve<'_> {
+impl WithSimd for Forward<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Self(matrix, x) = self;
-        matrix.take(x);
-        let BodyMatrix { fronts, factor, triangles, work, front_work, .. } = &mut *matrix;
-        for front in &fronts.list {
+        let Self(fronts, branch, Part { factor, triangles, work, front_work, .. }) = self;
+        for front in &fronts.list[branch.fronts.clone()] {
             let rows = &fronts.rows[front.rows.clone()];
             let kept = &factor[front.factor.clone()];
             solve_front(front, rows, kept, &triangles[front.pivots.clone()], work, front_work);
         }
-        matrix.solve_backward(x);
+    }
+}
+
+/// Backward solve, from the last front to the first.
+pub struct Backward<'a>(pub &'a Fronts, pub &'a Branch, pub &'a mut Part);
+
+impl WithSimd for Backward<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self(fronts, branch, Part { factor, triangles, work, front_work, .. }) = self;
+        for front in fronts.list[branch.fronts.clone()].iter().rev() {
+            let rows = &fronts.rows[front.rows.clone()];
+            let local = gather(front, rows, work, front_work);
+            let triangles = &triangles[front.pivots.clone()];
+            dense::backward(&factor[front.factor.clone()], front.bodies(), triangles, local);
+            store(&mut work[front.pivots.clone()], local);
+        }
     }
 }

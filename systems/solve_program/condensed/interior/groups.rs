@@ -1,0 +1,82 @@
+//! The interactions, by branches of the body matrix: passes over them go on at once.
+//!
+//! What is within a branch touches no body and no block of the matrix of another; what touches the
+//! trunk comes after all branches. Sums are over the branches in their order, on any number of threads.
+
+use std::ops::Range;
+
+use super::super::matrix::{Assembly, BodyMatrix};
+use super::super::parallel::{in_parallel, split};
+use super::super::scaled::Scaled;
+use super::cell::Cells;
+
+/// Interactions by branch.
+pub struct Groups {
+    branches: Vec<Cells>,
+    /// Bodies of each branch.
+    bodies: Vec<Range<usize>>,
+    /// Those of the trunk.
+    rest: Cells,
+}
+
+/// Rows of bodies from the first on.
+pub struct Rows<'a> {
+    pub first: u32,
+    pub rows: &'a mut [[f64; 3]],
+}
+
+impl Groups {
+    /// All near the elastic trial at the starting displacements.
+    pub fn new(program: &Scaled, matrix: &BodyMatrix, u: &[[f64; 3]]) -> Self {
+        let bodies = matrix.branches();
+        let mut branches: Vec<Cells> = bodies.iter().map(|_| Cells::default()).collect();
+        let mut rest = Cells::default();
+        for (number, local) in program.locals.iter().enumerate() {
+            let [a, b] = local.bodies.map(|i| bodies.partition_point(|branch| branch.end <= i));
+            let cells = if a == b { branches.get_mut(a) } else { None };
+            cells.unwrap_or(&mut rest).push(number, local, u);
+        }
+        Self { branches, bodies, rest }
+    }
+
+    /// Branch by branch, and the rest.
+    pub fn all(&mut self) -> impl Iterator<Item = &mut Cells> {
+        self.branches.iter_mut().chain([&mut self.rest])
+    }
+
+    /// Does the same for the interactions of every group, and returns what comes of it.
+    pub fn each<R: Send>(&mut self, f: impl Fn(&mut Cells) -> R + Sync + Send) -> Vec<R> {
+        in_parallel(self.all(), f)
+    }
+
+    /// The same where something is added to the `rows` of their bodies.
+    pub fn scatter<R: Send>(
+        &mut self,
+        rows: &mut [[f64; 3]],
+        f: impl Fn(&mut Cells, &mut Rows) -> R + Sync + Send,
+    ) -> Vec<R> {
+        let (pieces, _) = split(rows, self.bodies.iter().cloned());
+        let branches = self.branches.iter_mut().zip(&self.bodies).zip(pieces);
+        let mut results = in_parallel(branches, |((cells, bodies), rows)| {
+            f(cells, &mut Rows { first: bodies.start as u32, rows })
+        });
+        results.push(f(&mut self.rest, &mut Rows { first: 0, rows }));
+        results
+    }
+
+    /// The same where something is added to the matrix too.
+    pub fn condense(
+        &mut self,
+        matrix: &mut BodyMatrix,
+        rows: &mut [[f64; 3]],
+        f: impl Fn(&mut Cells, &mut Assembly, &mut Rows) + Sync + Send,
+    ) {
+        let (pieces, _) = split(rows, self.bodies.iter().cloned());
+        let branches = self.branches.iter_mut().zip(&self.bodies).zip(pieces);
+        let items = branches.zip(matrix.assemblies());
+        in_parallel(items, |(((cells, bodies), rows), mut values)| {
+            f(cells, &mut values, &mut Rows { first: bodies.start as u32, rows });
+        });
+        f(&mut self.rest, &mut matrix.assembly(), &mut Rows { first: 0, rows });
+    }
+}
