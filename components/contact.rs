@@ -138,4 +138,13 @@ impl ContactHistory {
     pub fn get(&self, a: u32, b: u32) -> Option<&ContactMemory> {
         self.0.binary_search_by_key(&(a, b), |m| (m.a, m.b)).ok().map(|k| &self.0[k])
     }
+
+    /// The memories of pairs (a, b) that are asked for in ascending order: quicker than one by one.
+    pub fn ascending<'a>(&'a self) -> impl FnMut(u32, u32) -> Option<&'a ContactMemory> {
+        let mut rest = self.0.iter().peekable();
+        move |a, b| {
+            while rest.next_if(|m| (m.a, m.b) < (a, b)).is_some() {}
+            rest.next_if(|m| (m.a, m.b) == (a, b))
+        }
+    }
 }

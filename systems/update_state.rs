@@ -173,6 +173,7 @@ pub fn remember_contacts(
     // What an interior point leaves on an open contact is not a force.
     let nothing = 1e-9 * force_scale(&program, &solution.forces);
     let before = std::mem::take(&mut *history);
+    history.0.reserve(contacts.0.len());
     let is_known = |body: u32| !program.bodies[body as usize].is_free();
     for ((contact, c), f) in contacts.0.iter().zip(&program.interactions).zip(&solution.forces) {
         // Between rigid bodies that are both held any force will do: what a solver says of it would be a

@@ -34,9 +34,10 @@ pub fn assemble(
 ) {
     out.clear();
     last.clear();
+    let mut memory_of = history.ascending();
     out.extend(contacts.iter().map(|contact| {
         let law = contact_law(bodies, materials, analysis, contact);
-        let memory = history.get(contact.a, contact.b);
+        let memory = memory_of(contact.a, contact.b);
         last.push(memory.map_or([0.0; 3], |m| [m.p, m.q, m.tau]));
         let memory = memory.map_or(0.0, |m| m.q);
         let bond = contact.bond.map(|k| &bodies.bonds[k as usize]);

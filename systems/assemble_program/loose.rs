@@ -103,7 +103,8 @@ pub fn find_loose(bodies: &Bodies, history: &ContactHistory, program: &ConeProgr
     let held = |c: &Interaction| {
         1 + usize::from(c.limits.has_shear()) + usize::from(c.limits.has_rolling())
     };
-    let mut neighbours = vec![Vec::new(); n];
+    // Room for what most disks have: growing step by step costs more than all else here.
+    let mut neighbours: Vec<Vec<usize>> = (0..n).map(|_| Vec::with_capacity(8)).collect();
     let mut constraints = vec![0; n];
     for (k, c) in stiff.iter().enumerate() {
         for body in [c.a as usize, c.b as usize] {

@@ -116,7 +116,8 @@ fn merged_pairs(
             }
         }
     }
-    all.sort_unstable();
+    // Four runs that are sorted already: a stable sort merges them.
+    all.sort();
     all.dedup();
     all
 }

@@ -9,6 +9,7 @@
 
 use super::matrix::BodyMatrix;
 use super::newton::{self, Limits};
+use super::parallel::in_parallel;
 use super::scaled::{Local, Scaled};
 
 /// Bodies with more than this fraction of the greatest unbalance are eliminated, and those that the last
@@ -118,8 +119,7 @@ pub(super) fn eliminate(
     }
     list.sort_unstable();
     let mut seen = vec![false; n];
-    let mut moved = false;
-    let start = u.to_vec();
+    let mut patches = Vec::new();
     for &seed in &list {
         if std::mem::replace(&mut seen[seed], true) {
             continue;
@@ -139,22 +139,32 @@ pub(super) fn eliminate(
         }
         if members.len() <= LARGEST {
             members.sort_unstable();
-            let limits = Limits { unbalance: REST * greatest, ..LIMITS };
-            moved |= balance(program, adjacency, &members, &start, &limits, u);
+            patches.push(members);
         }
+    }
+    let limits = Limits { unbalance: REST * greatest, ..LIMITS };
+    let solutions = {
+        let start = &*u;
+        let of_patch = |members: &Vec<usize>| balance(program, adjacency, members, start, &limits);
+        in_parallel(patches.iter(), of_patch)
+    };
+    let mut moved = false;
+    for (i, v) in solutions.into_iter().flatten().flatten() {
+        u[i] = v;
+        moved = true;
     }
     moved
 }
 
-/// Solves for the `members` with all others held where `start` has them.
+/// Displacements of the `members` with all others held where `start` has them; `None` if there is no
+/// better.
 fn balance(
     program: &Scaled,
     adjacency: &Adjacency,
     members: &[usize],
     start: &[[f64; 3]],
     limits: &Limits,
-    u: &mut [[f64; 3]],
-) -> bool {
+) -> Option<Vec<(usize, [f64; 3])>> {
     let mut used: Vec<usize> = members.iter().flat_map(|i| adjacency.of(*i)).copied().collect();
     used.sort_unstable();
     used.dedup();
@@ -168,7 +178,7 @@ fn balance(
     let number = |i: usize| bodies.binary_search(&i).unwrap_or(usize::MAX);
     let of_pair = |k: &usize| program.locals[*k].bodies.map(|i| number(i) as u32).into();
     let pairs: Vec<(u32, u32)> = used.iter().map(of_pair).collect();
-    let Some(mut matrix) = BodyMatrix::new(bodies.len(), &pairs) else { return false };
+    let mut matrix = BodyMatrix::new(bodies.len(), &pairs)?;
     let mut place = vec![0; bodies.len()];
     for (k, &i) in matrix.order().iter().enumerate() {
         place[i] = k;
@@ -203,10 +213,7 @@ fn balance(
     let from: Vec<[f64; 3]> = bodies.iter().map(|i| start[*i]).collect();
     let result = newton::iterate(&part, &mut matrix, &from, limits, None);
     if result.iterations == 0 || !result.u.iter().flatten().all(|u| u.is_finite()) {
-        return false;
+        return None;
     }
-    for (&i, v) in bodies.iter().zip(&result.u).filter(|(i, _)| is_member(**i)) {
-        u[i] = *v;
-    }
-    true
+    Some(bodies.into_iter().zip(result.u).filter(|(i, _)| is_member(*i)).collect())
 }
