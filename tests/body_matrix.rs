@@ -231,6 +231,67 @@ fn a_large_front() {
     }
 }
 
+/// A graph large enough for branches: no pair joins two of them, and the solution is that of all its rows
+/// on any number of threads, byte for byte.
+#[test]
+fn branches_and_trunk() {
+    // A square of 36 x 36 bodies, a body that touches one side of it, and a few that touch nothing.
+    let side: u32 = 36;
+    let wall = side * side;
+    let spring = |angle: f64, size: f64| {
+        let (s, c) = angle.sin_cos();
+        let rows = [[[c, -s], [s, c], [0.0, 0.5]], [[-c, s], [-s, -c], [0.0, 0.5]]];
+        (rows, [[size, 0.0], [0.0, 0.3 * size]])
+    };
+    let interactions: Vec<Interaction> = (0..wall)
+        .flat_map(|i| [(i, i + 1, i % side < side - 1), (i, i + side, i + side < wall)])
+        .chain((0..side).map(|i| (i, wall, true)))
+        .filter(|(.., is_pair)| *is_pair)
+        .map(|(a, b, _)| {
+            let (rows, d) = spring(f64::from(a + 3 * b), 10.0_f64.powi((a % 9) as i32 - 4));
+            ((a, b), rows, d)
+        })
+        .collect();
+    let bodies = wall as usize + 5;
+    let sample = Sample { weights: vec![1e-3; bodies], interactions };
+    let matrix = sample.matrix();
+    let branches = matrix.branches();
+    assert!((2..=4).contains(&branches.len()), "{branches:?}");
+    let mut place = vec![0; bodies];
+    for (k, &body) in matrix.order().iter().enumerate() {
+        place[body] = k;
+    }
+    let branch_of = |body: u32| branches.iter().position(|b| b.contains(&place[body as usize]));
+    for ((a, b), ..) in &sample.interactions {
+        let [a, b] = [*a, *b].map(branch_of);
+        assert!(a == b || a.is_none() || b.is_none());
+    }
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let mut matrix = sample.matrix();
+            let (mut x, mut again) = (right_side(bodies), right_side(bodies));
+            assert!(factorise_and_solve(&mut matrix, &mut x));
+            in_its_order(&mut matrix, &mut again, BodyMatrix::solve);
+            assert_eq!(x, again);
+            // Not positive definite in a branch, and in the trunk.
+            for place in [0, bodies - 1] {
+                let mut matrix = sample.matrix();
+                matrix.assembly().add_diagonal(place, 1, -1e9);
+                let mut right = right_side(bodies);
+                assert!(!matrix.factorise_and_solve(&mut right));
+                assert_eq!(right, right_side(bodies));
+            }
+            x
+        })
+    };
+    let one = on(1);
+    assert_eq!(on(2), one);
+    assert_eq!(on(3), one);
+    let error = backward_error(&sample.dense(), &one);
+    assert!(error <= BACKWARD, "{error:e}");
+}
+
 /// A scene of one body has one front without rows.
 #[test]
 fn one_body() {
