@@ -244,10 +244,11 @@ def collapse(bench):
         for k, (x, y, r) in enumerate(disks):
             f.write(f"{k + 1} 1 {2 * r!r} 2650 {x!r} {y!r} 0\n")
 
-    def ours(dt):
+    def ours(dt, residual):
         directory = bench.out / "clastic"
         increments = round(seconds_of_motion / dt)
         sets_now = [*released(sets, packing, increments), f"analysis=Dynamic(dt: {dt}, theta: 1.0)"]
+        sets_now += [f"acceptance.residual={residual!r}"]
         seconds = bench.run_clastic(scene, directory, sets_now)
         rows = table_of(directory / "final_particles.csv")
         return seconds, [[float(r[k]) for k in ("x_m", "y_m", "radius_m")] for r in rows], increments
@@ -265,7 +266,11 @@ def collapse(bench):
             sys.exit(f"LIGGGHTS lost {len(disks) - len(rows)} disks")
         return seconds, rows, round(seconds_of_motion / dt)
 
-    runs = [(f"clastic, dt = {dt:g} s", lambda dt=dt: ours(dt)) for dt in bench.options.steps]
+    runs = [
+        (f"clastic, dt = {dt:g} s, residual {residual:g}", lambda dt=dt, r=residual: ours(dt, r))
+        for residual in bench.options.residuals
+        for dt in bench.options.steps
+    ]
     runs += [("LIGGGHTS, dt = 4e-5 s", lambda: theirs(4e-5))]
     rows = []
     for name, results in bench.interleaved(runs).items():
@@ -341,6 +346,9 @@ def main():
     parser.add_argument("--speeds", type=numbers(float), default=[2.0, 1.0, 0.5], help="uniaxial: speeds of YADE's platen, m/s")
     parser.add_argument("--time", type=float, default=1.0, help="collapse: seconds of motion")
     parser.add_argument("--steps", type=numbers(float), default=[2e-3, 5e-3], help="collapse: clastic's dt, s")
+    parser.add_argument(
+        "--residuals", type=numbers(float), default=[1e-8, 1e-3], help="collapse: what clastic accepts"
+    )
     parser.add_argument("--increment", type=int, default=50, help="nsgs: increment after the release")
     parser.add_argument("--tolerances", type=numbers(float), default=[1e-4, 1e-8], help="nsgs: clastic's tolerances of Coulomb's fixed point")
     parser.add_argument("--iterations", type=numbers(int), default=[100, 1000, 10000], help="nsgs: iterations of Siconos")

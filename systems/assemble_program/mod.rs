@@ -75,7 +75,11 @@ pub fn assemble_program(
     let count = contacts.0.len();
     program.scales =
         scales::estimate(&bodies, &history, &analysis, &progress, &attempt, count, program);
-    program.tolerance =
-        if attempt.settling.is_some() { RESIDUAL_OF_SETTLING } else { acceptance.residual };
+    let usual = Acceptance::default().residual;
+    program.tolerance = match acceptance.residual {
+        _ if attempt.settling.is_some() => RESIDUAL_OF_SETTLING,
+        looser if looser > usual => looser,
+        _ => 0.0,
+    };
     loose::regularise(&bodies, &history, &analysis, &acceptance, &attempt, program);
 }

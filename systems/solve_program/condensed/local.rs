@@ -23,6 +23,8 @@ const LARGEST: usize = 1500;
 const CROWDED: usize = 32;
 /// Open contacts further than this, in units of displacement, join nothing.
 const NEAR: f64 = 50.0;
+/// With fewer bodies in all to be eliminated it does not pay to hand any to another thread.
+const MANY: usize = 300;
 /// What is left of their unbalance, as a fraction of the greatest.
 const REST: f64 = 1e-8;
 const LIMITS: Limits = Limits {
@@ -146,7 +148,12 @@ pub(super) fn eliminate(
     let solutions = {
         let start = &*u;
         let of_patch = |members: &Vec<usize>| balance(program, adjacency, members, start, &limits);
-        in_parallel(patches.iter(), of_patch)
+        let many = patches.iter().map(Vec::len).sum::<usize>() >= MANY;
+        if many {
+            in_parallel(patches.iter(), of_patch)
+        } else {
+            patches.iter().map(of_patch).collect()
+        }
     };
     let mut moved = false;
     for (i, v) in solutions.into_iter().flatten().flatten() {

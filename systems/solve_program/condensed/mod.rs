@@ -19,6 +19,7 @@ pub mod scaled;
 use clastic_components::program::{ConeProgram, ConeSolution, SolveStatus};
 
 use self::matrix::BodyMatrix;
+use self::parallel::in_pool;
 use self::reduced::Reduced;
 use self::scaled::Scaled;
 use super::clarabel::Clarabel;
@@ -204,6 +205,7 @@ impl Condensed {
         let goal = |margin: f64| (tolerance / margin).max(ROUND_OFF);
         let matrix = self.matrix.as_mut()?;
         let order = matrix.order().to_vec();
+        let has_branches = !matrix.branches().is_empty();
         let scaled = Scaled::new(program, &order);
         let (du, df) = units(program);
         // A start far away (a grain that settled, another increment) is worse than none.
@@ -234,7 +236,9 @@ impl Condensed {
         let mut starts = vec![start];
         let mut iterations = 0;
         if newton::applies(&scaled) {
-            let result = newton::solve(&scaled, matrix, &starts[0], goal(NEWTON_MARGIN));
+            let result = in_pool(has_branches, || {
+                newton::solve(&scaled, matrix, &starts[0], goal(NEWTON_MARGIN))
+            });
             iterations += result.iterations;
             let solution = back(&result.u, &result.s, iterations, "newton");
             if solution.status == SolveStatus::Solved {
@@ -251,7 +255,9 @@ impl Condensed {
             let solved = |point: &interior::Interior| {
                 back(&point.u, &point.s, 0, "interior").status == SolveStatus::Solved
             };
-            let result = interior::solve(&scaled, matrix, start, goal(INTERIOR_MARGIN), solved);
+            let result = in_pool(has_branches, || {
+                interior::solve(&scaled, matrix, start, goal(INTERIOR_MARGIN), solved)
+            });
             let Some(result) = result else {
                 continue;
             };

@@ -1,6 +1,6 @@
 //! Work on several threads, with results that do not depend on how many there are.
 //!
-//! Threads are those of the rayon pool that the solver is called in.
+//! Threads are those of the rayon pool that the solver is called in, or of rayon's own.
 
 use std::ops::Range;
 
@@ -17,6 +17,12 @@ pub fn in_parallel<T: Send, R: Send>(
     } else {
         items.into_par_iter().map(f).collect()
     }
+}
+
+/// Does it on a thread of the pool, if it is `worth` the way there: work is handed out more quickly from
+/// there.
+pub fn in_pool<R: Send>(worth: bool, f: impl FnOnce() -> R + Send) -> R {
+    if worth && rayon::current_num_threads() > 1 { rayon::scope(|_| f()) } else { f() }
 }
 
 /// The pieces of a slice at ranges that lie one after the other from its start on, and the rest.

@@ -65,7 +65,7 @@ pub fn solve(
     matrix: &mut BodyMatrix,
     start: &[[f64; 3]],
     goal: f64,
-    is_enough: impl Fn(&Interior) -> bool,
+    is_enough: impl Fn(&Interior) -> bool + Send,
 ) -> Option<Interior> {
     let n = program.free.len();
     let mut u: Vec<[f64; 3]> = (0..n)
