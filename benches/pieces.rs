@@ -27,6 +27,7 @@ use clastic::systems::solve_program::condensed::Condensed;
 use clastic::systems::solve_program::condensed::matrix::BodyMatrix;
 use criterion::{BatchSize, BenchmarkId, Criterion, criterion_group, criterion_main};
 use faer::Mat;
+use rayon::ThreadPoolBuilder;
 
 #[path = "beside/faer.rs"]
 mod beside;
@@ -55,7 +56,14 @@ fn loaded(rock: &LoadedScene) -> Simulation {
     simulation
 }
 
+/// As what stands beside it: faer's factorisation and Clarabel have one thread.
+fn on_one_thread() {
+    // The second to come finds it done.
+    let _ = ThreadPoolBuilder::new().num_threads(1).build_global();
+}
+
 fn detection_and_assembly(c: &mut Criterion) {
+    on_one_thread();
     let mut group = c.benchmark_group("pieces");
     group.sample_size(20).measurement_time(Duration::from_secs(2));
     group.warm_up_time(Duration::from_millis(500));
@@ -143,6 +151,7 @@ fn warm(problem: &Captured) -> Condensed {
 }
 
 fn regimes(c: &mut Criterion) {
+    on_one_thread();
     let mut group = c.benchmark_group("solve");
     group.sample_size(10).measurement_time(Duration::from_secs(2));
     group.warm_up_time(Duration::from_millis(200));

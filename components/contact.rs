@@ -144,7 +144,7 @@ impl ContactHistory {
         let mut rest = self.0.iter().peekable();
         move |a, b| {
             while rest.next_if(|m| (m.a, m.b) < (a, b)).is_some() {}
-            rest.next_if(|m| (m.a, m.b) == (a, b))
+            rest.peek().copied().filter(|m| (m.a, m.b) == (a, b))
         }
     }
 }

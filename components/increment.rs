@@ -106,7 +106,7 @@ impl Default for RuptureRules {
 /// What an increment must satisfy before it is committed.
 #[derive(Resource, Clone, Copy, Debug, PartialEq)]
 pub struct Acceptance {
-    /// Greatest residual.
+    /// Greatest residual. Where it is more than 1e-8, dynamic and without bonds, the default solver aims at it.
     pub residual: f64,
     /// Greatest motion of a grain about the mean field, in its radii; static analysis only.
     pub throw: f64,

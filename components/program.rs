@@ -189,7 +189,7 @@ pub struct ConeProgram {
     /// Expected magnitudes.
     pub scales: Scales,
     /// Residual that is good enough, where it is more than what a solver aims at by itself, else 0: what is
-    /// not committed need not be exact, nor what a scene says is not to be.
+    /// not committed need not be exact, nor what a scene says need not be.
     pub tolerance: f64,
     /// Forces (p, q, tau) of the interactions at the end of the last increment, in their order, as far as
     /// they are known; what lies beyond carried none. No part of the problem: a guess of its solution.

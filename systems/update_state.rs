@@ -19,7 +19,7 @@ use clastic_components::program::{ConeProgram, ConeSolution, Dof};
 use clastic_components::wall::Wall;
 
 use crate::schedule::{Increment, IncrementSystems, lap};
-use crate::solve_program::residuals::force_scale;
+use crate::solve_program::residuals::no_force;
 
 /// Adds the systems of the update.
 pub struct UpdateStatePlugin;
@@ -170,8 +170,7 @@ pub fn remember_contacts(
         AnalysisKind::Dynamic { theta, .. } => theta,
         AnalysisKind::Static | AnalysisKind::LeastMotion { .. } => 1.0,
     };
-    // What an interior point leaves on an open contact is not a force.
-    let nothing = 1e-9 * force_scale(&program, &solution.forces);
+    let nothing = no_force(&program, &solution.forces);
     let before = std::mem::take(&mut *history);
     history.0.reserve(contacts.0.len());
     let is_known = |body: u32| !program.bodies[body as usize].is_free();

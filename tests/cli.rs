@@ -410,7 +410,7 @@ fn two_runs_leave_the_same_bytes() {
         "--dump-program",
         "40",
     ];
-    let (first, a) = run("uniaxial_small", &settings);
+    let (first, a) = run("uniaxial_small", &[&settings[..], &["--threads", "1"]].concat());
     let (second, b) =
         run("uniaxial_small", &[&settings[..], &["--quiet", "--threads", "2"]].concat());
     let (first, second) = (first.code(0), second.code(0));

@@ -88,8 +88,8 @@ pub fn run(
         }
     }
     let text = "Whole runs of `clastic run --threads`: `wall_s` is the median wall time with start \
-        and output, `solve_s` the sum of the solves of the last of the runs. Below a thousand disks the second thread has \
-        nothing to do.";
+        and output, `solve_s` the sum of the solves of the last of the runs. Below a thousand disks the \
+        matrix has no branches.";
     Ok(Part { name: "threads", text: text.to_owned(), tables: vec![table], charts: Vec::new() })
 }
 

@@ -132,7 +132,8 @@ pub fn main() -> ExitCode {
         Command::Resume(args) => on_threads(args.output.threads, || resume::resume(&args)),
         Command::Check(args) => check::check(&args),
         Command::List => list::list(),
-        Command::Bench(args) => bench::bench(&args),
+        // Beside programs that use one core, and solvers that do.
+        Command::Bench(args) => on_threads(Some(1), || bench::bench(&args)),
         Command::Compare { runs, out } => compare::compare(&runs, &out),
     };
     match done {

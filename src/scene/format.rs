@@ -183,7 +183,8 @@ fn clarabel_iterations() -> u32 {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Acceptance {
-    /// Greatest of the four residuals.
+    /// Greatest of the four residuals. Where it is more than 1e-8, dynamic and without bonds, the
+    /// default solver aims at it.
     pub residual: f64,
     /// Greatest motion of a grain about the mean field in a static increment, in its radii.
     pub throw: f64,

@@ -11,7 +11,7 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::Attempt;
 use clastic_components::contact::{Bodies, ContactHistory, Contacts};
-use clastic_components::increment::{Acceptance, Analysis, Progress};
+use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
 use clastic_components::material::Materials;
 use clastic_components::program::ConeProgram;
 
@@ -37,8 +37,28 @@ impl Plugin for AssembleProgramPlugin {
     }
 }
 
+/// Residual that solvers aim at by themselves.
+const USUAL: f64 = 1e-8;
 /// Residual that is good enough for a step in which grains settle.
 const RESIDUAL_OF_SETTLING: f64 = 1e-3;
+
+/// Residual that is good enough where it is more than usual. What loads a bond up to its limit breaks it:
+/// in that nothing is good enough but what is nearly exact.
+fn tolerance(
+    analysis: &Analysis,
+    acceptance: &Acceptance,
+    attempt: &Attempt,
+    bodies: &Bodies,
+) -> f64 {
+    let is_dynamic = matches!(analysis.kind, AnalysisKind::Dynamic { .. });
+    if attempt.settling.is_some() {
+        RESIDUAL_OF_SETTLING
+    } else if is_dynamic && bodies.bonds.is_empty() && acceptance.residual > USUAL {
+        acceptance.residual
+    } else {
+        0.0
+    }
+}
 
 /// Fills [`ConeProgram`] from the gathered bodies, the contacts and their history.
 pub fn assemble_program(
@@ -75,11 +95,6 @@ pub fn assemble_program(
     let count = contacts.0.len();
     program.scales =
         scales::estimate(&bodies, &history, &analysis, &progress, &attempt, count, program);
-    let usual = Acceptance::default().residual;
-    program.tolerance = match acceptance.residual {
-        _ if attempt.settling.is_some() => RESIDUAL_OF_SETTLING,
-        looser if looser > usual => looser,
-        _ => 0.0,
-    };
+    program.tolerance = tolerance(&analysis, &acceptance, &attempt, &bodies);
     loose::regularise(&bodies, &history, &analysis, &acceptance, &attempt, program);
 }

@@ -22,7 +22,7 @@ use clastic_components::increment::{Analysis, AnalysisKind, Corrector};
 use clastic_components::program::{ConeProgram, ConeSolution};
 
 use super::closed_pairs::moved_positions;
-use crate::solve_program::residuals::{displacement_scale, force_scale};
+use crate::solve_program::residuals::{displacement_scale, no_force};
 
 /// Asks for another pass until gap, slip and normal of what carries force are those of the solution.
 pub fn judge(
@@ -44,7 +44,7 @@ pub fn judge(
     }
     let end = moved_positions(&bodies, &program, &solution);
     let unit = displacement_scale(&program, &solution.displacements);
-    let touching = 1e-9 * force_scale(&program, &solution.forces);
+    let touching = no_force(&program, &solution.forces);
     let mut corrections = Vec::new();
     let mut change = 0.0_f64;
     for ((contact, c), f) in contacts.0.iter().zip(&program.interactions).zip(&solution.forces) {

@@ -53,6 +53,14 @@ pub fn multipliers(c: &Interaction, e: &Kinematics, f: &[f64; 3]) -> Multipliers
 /// would not show.
 const GREATEST_FORCE: f64 = 1e5;
 
+/// Greatest normal force, N, that a solution leaves on an open contact: what an interior point leaves of the
+/// product of force and gap. (Of a step in which grains settle all is kept: it says which contacts are near.)
+#[must_use]
+pub fn no_force(program: &ConeProgram, forces: &[[f64; 3]]) -> f64 {
+    let left = if program.is_dynamic() { program.tolerance } else { 0.0 };
+    left.max(1e-9) * force_scale(program, forces)
+}
+
 /// Greatest force in the program: contact or applied, N; the scale where all are zero.
 ///
 /// Contact forces count that act on something free. Between a rigid wall and a disk that is held

@@ -40,7 +40,9 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
         findings.at_least_one(format_args!("solver.max_iterations"), max_iterations, "a number");
     }
     let acceptance = scene.acceptance;
-    findings.positive(format_args!("acceptance.residual"), acceptance.residual, "a residual");
+    let allowed = |value| value > 0.0 && value <= 1e-2;
+    let what = "a residual above 0 and up to 1e-2";
+    findings.number(format_args!("acceptance.residual"), acceptance.residual, allowed, what);
     findings.positive(format_args!("acceptance.throw"), acceptance.throw, "a number of radii");
     findings.positive(format_args!("acceptance.snap"), acceptance.snap, "a strain");
     if acceptance.halvings > MOST_HALVINGS {

@@ -7,7 +7,7 @@
 //! would be the residual of the whole program after the next step, if all but a few clusters are elastic.
 //! (Nonlinear elimination, or nonlinearly preconditioned Newton: Cai and Keyes 2002.)
 
-use super::matrix::BodyMatrix;
+use super::matrix::{BodyMatrix, places};
 use super::newton::{self, Limits};
 use super::parallel::in_parallel;
 use super::scaled::{Local, Scaled};
@@ -163,8 +163,8 @@ pub(super) fn eliminate(
     moved
 }
 
-/// Displacements of the `members` with all others held where `start` has them; `None` if there is no
-/// better.
+/// Displacements of the `members` with all others held where `start` has them; `None` if nothing finite
+/// came of it.
 fn balance(
     program: &Scaled,
     adjacency: &Adjacency,
@@ -186,10 +186,7 @@ fn balance(
     let of_pair = |k: &usize| program.locals[*k].bodies.map(|i| number(i) as u32).into();
     let pairs: Vec<(u32, u32)> = used.iter().map(of_pair).collect();
     let mut matrix = BodyMatrix::new(bodies.len(), &pairs)?;
-    let mut place = vec![0; bodies.len()];
-    for (k, &i) in matrix.order().iter().enumerate() {
-        place[i] = k;
-    }
+    let place = places(matrix.order());
     let number = |i: usize| place[number(i)];
     let bodies: Vec<usize> = matrix.order().iter().map(|k| bodies[*k]).collect();
     let is_member = |i: usize| members.binary_search(&i).is_ok();

@@ -18,7 +18,7 @@ pub mod scaled;
 
 use clastic_components::program::{ConeProgram, ConeSolution, SolveStatus};
 
-use self::matrix::BodyMatrix;
+use self::matrix::{BodyMatrix, places};
 use self::parallel::in_pool;
 use self::reduced::Reduced;
 use self::scaled::Scaled;
@@ -329,11 +329,7 @@ fn lowered_point(
         .columns
         .last()
         .map_or(0, |_| scaled.locals.iter().map(|l| l.has.iter().filter(|h| **h).count()).sum());
-    let mut place = vec![0; order.len()];
-    for (k, &i) in order.iter().enumerate() {
-        place[i] = k;
-    }
-    for (rows, i) in low.rows.iter().zip(place) {
+    for (rows, i) in low.rows.iter().zip(places(order)) {
         for k in 0..3 {
             if let Some(r) = rows[k] {
                 z[r] = -result.u[i][k];

@@ -59,7 +59,7 @@ const LONGER: f64 = 2.0;
 
 /// Result of the iteration, converged or not.
 pub struct Newton {
-    /// Displacements.
+    /// Displacements by body, in the order of elimination.
     pub u: Vec<[f64; 3]>,
     /// Forces.
     pub s: Vec<[f64; 3]>,

@@ -6,6 +6,7 @@
 use clastic_components::program::{ConeProgram, Dof};
 
 use super::super::lowering::units;
+use super::matrix::places;
 
 /// Most limit rows of an interaction: two of shear and two of rolling, which imply that of tension.
 pub const ROWS: usize = 4;
@@ -29,7 +30,7 @@ pub enum Kind {
 /// One interaction.
 #[derive(Clone, Debug)]
 pub struct Local {
-    /// Bodies.
+    /// Bodies, by their places in the order of elimination.
     pub bodies: [usize; 2],
     /// What it has.
     pub kind: Kind,
@@ -72,10 +73,8 @@ impl Scaled {
         let s = &program.scales;
         let stiffness = s.force / s.displacement;
         let mut out = Self::default();
-        let mut place = vec![0; order.len()];
-        for (k, &body) in order.iter().enumerate() {
-            place[body] = k;
-            let body = &program.bodies[body];
+        let place = places(order);
+        for body in order.iter().map(|body| &program.bodies[*body]) {
             let (mut free, mut weight, mut right, mut known) =
                 ([false; 3], [0.0; 3], [0.0; 3], [0.0; 3]);
             for k in 0..3 {

@@ -220,6 +220,11 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
         }
     }
 
+    /// Its normal force.
+    pub fn normal_force(&self) -> f64 {
+        self.s[0]
+    }
+
     /// Makes the step, up to `length`, and evaluates the residuals; the forces go to the balance.
     pub fn evaluate(&mut self, length: f64, u: &[[f64; 3]], balance: &mut Rows, size: &mut Sizes) {
         for f in 0..F {

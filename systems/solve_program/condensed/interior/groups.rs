@@ -8,7 +8,7 @@ use std::ops::Range;
 use super::super::matrix::{Assembly, BodyMatrix};
 use super::super::parallel::{in_parallel, split};
 use super::super::scaled::Scaled;
-use super::cell::Cells;
+use super::cell::{Cells, for_each};
 
 /// Interactions by branch.
 pub struct Groups {
@@ -39,6 +39,15 @@ impl Groups {
         Self { branches, bodies, rest }
     }
 
+    /// The greatest normal force.
+    pub fn greatest_force(&mut self) -> f64 {
+        let mut greatest = 0.0_f64;
+        for cells in self.all() {
+            for_each!(cell of cells => greatest = greatest.max(cell.normal_force().abs()));
+        }
+        greatest
+    }
+
     /// Branch by branch, and the rest.
     pub fn all(&mut self) -> impl Iterator<Item = &mut Cells> {
         self.branches.iter_mut().chain([&mut self.rest])
@@ -55,11 +64,8 @@ impl Groups {
         rows: &mut [[f64; 3]],
         f: impl Fn(&mut Cells, &mut Rows) -> R + Sync + Send,
     ) -> Vec<R> {
-        let (pieces, _) = split(rows, self.bodies.iter().cloned());
-        let branches = self.branches.iter_mut().zip(&self.bodies).zip(pieces);
-        let mut results = in_parallel(branches, |((cells, bodies), rows)| {
-            f(cells, &mut Rows { first: bodies.start as u32, rows })
-        });
+        let mut results =
+            in_parallel(self.with_rows(rows), |(cells, mut rows)| f(cells, &mut rows));
         results.push(f(&mut self.rest, &mut Rows { first: 0, rows }));
         results
     }
@@ -71,12 +77,18 @@ impl Groups {
         rows: &mut [[f64; 3]],
         f: impl Fn(&mut Cells, &mut Assembly, &mut Rows) + Sync + Send,
     ) {
-        let (pieces, _) = split(rows, self.bodies.iter().cloned());
-        let branches = self.branches.iter_mut().zip(&self.bodies).zip(pieces);
-        let items = branches.zip(matrix.assemblies());
-        in_parallel(items, |(((cells, bodies), rows), mut values)| {
-            f(cells, &mut values, &mut Rows { first: bodies.start as u32, rows });
-        });
+        let items = self.with_rows(rows).zip(matrix.assemblies());
+        in_parallel(items, |((cells, mut rows), mut values)| f(cells, &mut values, &mut rows));
         f(&mut self.rest, &mut matrix.assembly(), &mut Rows { first: 0, rows });
+    }
+
+    /// Branches, each with the rows of its bodies.
+    fn with_rows<'a>(
+        &'a mut self,
+        rows: &'a mut [[f64; 3]],
+    ) -> impl Iterator<Item = (&'a mut Cells, Rows<'a>)> {
+        let (pieces, _) = split(rows, self.bodies.iter().cloned());
+        let rows = |(bodies, rows): (&Range<usize>, _)| Rows { first: bodies.start as u32, rows };
+        self.branches.iter_mut().zip(self.bodies.iter().zip(pieces).map(rows))
     }
 }

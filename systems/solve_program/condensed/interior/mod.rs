@@ -16,7 +16,7 @@ use super::scaled::{ROWS, Scaled};
 
 /// An interior point.
 pub struct Interior {
-    /// Displacements by body.
+    /// Displacements by body, in the order of elimination.
     pub u: Vec<[f64; 3]>,
     /// Forces by interaction.
     pub s: Vec<[f64; 3]>,
@@ -38,6 +38,9 @@ impl Interior {
 }
 
 const MAX_ITERATIONS: u32 = 80;
+/// Where the elastic trial of the start has a force of more than so many units, zero is the better start:
+/// nothing leads back from there.
+const WILD: f64 = 1e5;
 /// Where the residual falls to no less than this fraction in so many iterations it will not get there.
 const PATIENCE: usize = 20;
 const LITTLE: f64 = 0.1;
@@ -65,15 +68,20 @@ pub fn solve(
     matrix: &mut BodyMatrix,
     start: &[[f64; 3]],
     goal: f64,
-    is_enough: impl Fn(&Interior) -> bool + Send,
+    is_enough: impl Fn(&Interior) -> bool,
 ) -> Option<Interior> {
     let n = program.free.len();
-    let mut u: Vec<[f64; 3]> = (0..n)
-        .map(|i| {
-            [0, 1, 2].map(|k| if program.free[i][k] { start[i][k] } else { program.known[i][k] })
-        })
-        .collect();
+    let with_known = |start: &dyn Fn(usize) -> [f64; 3]| -> Vec<[f64; 3]> {
+        let of =
+            |i: usize, k: usize| if program.free[i][k] { start(i)[k] } else { program.known[i][k] };
+        (0..n).map(|i| [0, 1, 2].map(|k| of(i, k))).collect()
+    };
+    let mut u = with_known(&|i| start[i]);
     let mut groups = Groups::new(program, matrix, &u);
+    if groups.greatest_force() > WILD {
+        u = with_known(&|_| [0.0; 3]);
+        groups = Groups::new(program, matrix, &u);
+    }
     let limits: usize = program.locals.iter().map(|l| l.count).sum();
     let limits = limits.max(1) as f64;
     let mut best: Option<Interior> = None;
@@ -213,9 +221,11 @@ pub(super) fn factorise_and_solve(matrix: &mut BodyMatrix, x: &mut [[f64; 3]]) -
     }
     let greatest = matrix.greatest_diagonal();
     for shift in [1e-14, 1e-12, 1e-10] {
-        for body in 0..matrix.bodies() {
+        let bodies = matrix.bodies();
+        let mut values = matrix.assembly();
+        for body in 0..bodies {
             for k in 0..3 {
-                matrix.assembly().add_diagonal(body, k, shift * greatest);
+                values.add_diagonal(body, k, shift * greatest);
             }
         }
         if matrix.factorise_and_solve(x) {

@@ -11,8 +11,8 @@ const FEWEST: usize = 1000;
 /// Cuts that are tried after the best one so far.
 const TRIES: usize = 12;
 
-/// What the subtrees of a branch grow from, and their work.
-type Branch = (f64, Vec<usize>);
+/// Work of a branch, and what its subtrees grow from.
+type Share = (f64, Vec<usize>);
 
 /// The columns at the feet of the subtrees of every branch, four at most; none where it does not pay. The
 /// two halves of the list are about as much work, and so are the branches.
@@ -46,13 +46,15 @@ pub fn cut(rows: &[Vec<u32>], groups: &[Option<Group>], roots: &[usize]) -> Vec<
         feet.swap_remove(0);
         feet.extend(&group.children);
     }
-    best.into_iter().map(|(_, feet)| feet).filter(|feet| !feet.is_empty()).collect()
+    let branches: Vec<_> =
+        best.into_iter().map(|(_, feet)| feet).filter(|feet| !feet.is_empty()).collect();
+    if branches.len() < 2 { Vec::new() } else { branches }
 }
 
 /// Gives every subtree, the heaviest first, to the branch with the least work; the branch with the most
 /// comes first, and that with the least next.
-fn share_out(feet: &[usize], whole: &[f64]) -> [Branch; 4] {
-    let mut branches: [Branch; 4] = Default::default();
+fn share_out(feet: &[usize], whole: &[f64]) -> [Share; 4] {
+    let mut branches: [Share; 4] = Default::default();
     for &foot in feet {
         branches.sort_by(|a, b| a.0.total_cmp(&b.0));
         branches[0].0 += whole[foot];

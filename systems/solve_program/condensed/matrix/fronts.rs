@@ -10,6 +10,7 @@ use std::ops::Range;
 
 use super::branches;
 use super::dense::{LANES, kept_rows};
+use super::ordering::places;
 
 /// Fronts are merged with their parent, with zeros in the factor, as long as there are at most so
 /// many pivots and so great a part of the trapezoid is zero: less to do for each, and wider
@@ -152,10 +153,7 @@ impl Fronts {
 /// Of every column of the factor its rows below the diagonal and its parent in the elimination tree.
 fn columns(order: &[usize], starts: &[usize], neighbours: &[usize]) -> (Vec<Vec<u32>>, Vec<usize>) {
     let n = order.len();
-    let mut place = vec![0; n];
-    for (k, &i) in order.iter().enumerate() {
-        place[i] = k;
-    }
+    let place = places(order);
     let mut rows: Vec<Vec<u32>> = Vec::with_capacity(n);
     let mut children = vec![Vec::new(); n];
     let mut parents = vec![NONE; n];

@@ -6,6 +6,7 @@
 //! a handful of bodies for most, and three unknowns a body are known when this is compiled: that is
 //! what makes it three times as fast as a factorisation for any matrix (docs/benchmarks.md).
 
+mod assembly;
 mod branches;
 mod dense;
 mod fronts;
@@ -17,25 +18,16 @@ use std::ops::Range;
 
 use pulp::Arch;
 
+pub use self::assembly::Assembly;
+use self::assembly::PairPlace;
 use self::fronts::Fronts;
 use self::numeric::{Backward, Eliminate, Forward, Part};
-pub(super) use self::ordering::adjacency;
+pub(super) use self::ordering::{adjacency, places};
 use super::parallel::{in_parallel, split};
 
 /// Numbers in a block of the diagonal (its lower triangle by columns) and of a pair.
 const DIAGONAL: usize = 6;
 const PAIR: usize = 9;
-
-/// Where what a pair (a, b) adds lies in the values of the matrix.
-#[derive(Clone, Copy, Debug, Default)]
-struct PairPlace {
-    /// Where the three columns of its block start, three rows each.
-    start: usize,
-    /// Whether columns belong to a, and rows to b.
-    forward: bool,
-    /// The places of its bodies.
-    bodies: [u32; 2],
-}
 
 /// The matrix, its factor, and what depends on its pattern only.
 pub struct BodyMatrix {
@@ -62,53 +54,6 @@ struct Pattern {
     target_starts: Vec<usize>,
 }
 
-/// What can be added to at once by several threads: the rows and columns of a branch, or all.
-pub struct Assembly<'a> {
-    values: &'a mut [f64],
-    first: usize,
-    diagonal: &'a [usize],
-    pairs: &'a [PairPlace],
-}
-
-impl Assembly<'_> {
-    /// Adds to the diagonal of degree of freedom `k` of a body: 0 and 1 translations, 2 the rotation.
-    #[inline]
-    pub fn add_diagonal(&mut self, body: usize, k: usize, value: f64) {
-        self.values[self.diagonal[body] - self.first + [0, 3, 5][k]] += value;
-    }
-
-    /// Adds `G D G'` of a pair, with `G` of `F` columns in the rows of its two bodies, in the order in
-    /// which the pattern was made of them. `D` is symmetric.
-    #[inline]
-    pub fn add<const F: usize>(
-        &mut self,
-        pair: usize,
-        rows: &[[[f64; F]; 3]; 2],
-        d: &[[f64; F]; F],
-    ) {
-        let PairPlace { start, forward, bodies } = self.pairs[pair];
-        for (rows, body) in rows.iter().zip(bodies) {
-            let left = times(rows, d);
-            let start = self.diagonal[body as usize] - self.first;
-            let block = &mut self.values[start..start + DIAGONAL];
-            for (k, (c, r)) in
-                [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].into_iter().enumerate()
-            {
-                block[k] += dot(&left[c], &rows[r]);
-            }
-        }
-        let [of_columns, of_rows] = if forward { [0, 1] } else { [1, 0] };
-        let left = times(&rows[of_columns], d);
-        let start = start - self.first;
-        let block = &mut self.values[start..start + PAIR];
-        for (left, column) in left.iter().zip(block.chunks_exact_mut(3)) {
-            for (value, row) in column.iter_mut().zip(&rows[of_rows]) {
-                *value += dot(left, row);
-            }
-        }
-    }
-}
-
 impl BodyMatrix {
     /// The pattern of `bodies` bodies coupled by `pairs`; `None` if faer finds no order for it.
     #[must_use]
@@ -117,10 +62,8 @@ impl BodyMatrix {
         let order = ordering::minimum_degree(&starts, &neighbours)?;
         let fronts = Fronts::new(&order, &starts, &neighbours);
 
-        let (mut place, mut front_of) = (vec![0; bodies], vec![0; bodies]);
-        for (k, &body) in fronts.order.iter().enumerate() {
-            place[body] = k;
-        }
+        let place = places(&fronts.order);
+        let mut front_of = vec![0; bodies];
         for part in fronts.parts() {
             for number in part.fronts.clone() {
                 let pivots = fronts.list[number].pivots.clone();
@@ -293,26 +236,4 @@ fn add_branches(trunk: &mut Part, branches: &[Part]) {
             }
         }
     }
-}
-
-#[inline]
-fn dot<const F: usize>(x: &[f64; F], y: &[f64; F]) -> f64 {
-    let mut sum = 0.0;
-    for f in 0..F {
-        sum += x[f] * y[f];
-    }
-    sum
-}
-
-#[inline]
-fn times<const F: usize>(rows: &[[f64; F]; 3], d: &[[f64; F]; F]) -> [[f64; F]; 3] {
-    let mut out = [[0.0; F]; 3];
-    for (out, row) in out.iter_mut().zip(rows) {
-        for f in 0..F {
-            for g in 0..F {
-                out[f] += row[g] * d[g][f];
-            }
-        }
-    }
-    out
 }

@@ -4,6 +4,15 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::amd;
 
+/// The place of every body in an order.
+pub fn places(order: &[usize]) -> Vec<usize> {
+    let mut places = vec![0; order.len()];
+    for (place, &body) in order.iter().enumerate() {
+        places[body] = place;
+    }
+    places
+}
+
 /// Neighbours of every body in ascending order: where they start, and their list.
 pub fn adjacency(bodies: usize, pairs: &[(u32, u32)]) -> (Vec<usize>, Vec<usize>) {
     let mut lists = vec![Vec::new(); bodies];

@@ -1,0 +1,84 @@
+//! Blocks of bodies and pairs are added up to the values of the matrix.
+
+use super::{DIAGONAL, PAIR};
+
+/// Where what a pair (a, b) adds lies in the values of the matrix.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct PairPlace {
+    /// Where the three columns of its block start, three rows each.
+    pub start: usize,
+    /// Whether columns belong to a, and rows to b.
+    pub forward: bool,
+    /// The places of its bodies.
+    pub bodies: [u32; 2],
+}
+
+/// What can be added to at once by several threads: the rows and columns of a branch, or all.
+pub struct Assembly<'a> {
+    pub(super) values: &'a mut [f64],
+    /// Where these values start among all.
+    pub(super) first: usize,
+    pub(super) diagonal: &'a [usize],
+    pub(super) pairs: &'a [PairPlace],
+}
+
+impl Assembly<'_> {
+    /// Adds to the diagonal of degree of freedom `k` of a body: 0 and 1 translations, 2 the rotation.
+    #[inline]
+    pub fn add_diagonal(&mut self, body: usize, k: usize, value: f64) {
+        self.values[self.diagonal[body] - self.first + [0, 3, 5][k]] += value;
+    }
+
+    /// Adds `G D G'` of a pair, with `G` of `F` columns in the rows of its two bodies, in the order in
+    /// which the pattern was made of them. `D` is symmetric.
+    #[inline]
+    pub fn add<const F: usize>(
+        &mut self,
+        pair: usize,
+        rows: &[[[f64; F]; 3]; 2],
+        d: &[[f64; F]; F],
+    ) {
+        let PairPlace { start, forward, bodies } = self.pairs[pair];
+        for (rows, body) in rows.iter().zip(bodies) {
+            let left = times(rows, d);
+            let start = self.diagonal[body as usize] - self.first;
+            let block = &mut self.values[start..start + DIAGONAL];
+            for (k, (c, r)) in
+                [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].into_iter().enumerate()
+            {
+                block[k] += dot(&left[c], &rows[r]);
+            }
+        }
+        let [of_columns, of_rows] = if forward { [0, 1] } else { [1, 0] };
+        let left = times(&rows[of_columns], d);
+        let start = start - self.first;
+        let block = &mut self.values[start..start + PAIR];
+        for (left, column) in left.iter().zip(block.chunks_exact_mut(3)) {
+            for (value, row) in column.iter_mut().zip(&rows[of_rows]) {
+                *value += dot(left, row);
+            }
+        }
+    }
+}
+
+#[inline]
+fn dot<const F: usize>(x: &[f64; F], y: &[f64; F]) -> f64 {
+    let mut sum = 0.0;
+    for f in 0..F {
+        sum += x[f] * y[f];
+    }
+    sum
+}
+
+#[inline]
+fn times<const F: usize>(rows: &[[f64; F]; 3], d: &[[f64; F]; F]) -> [[f64; F]; 3] {
+    let mut out = [[0.0; F]; 3];
+    for (out, row) in out.iter_mut().zip(rows) {
+        for f in 0..F {
+            for g in 0..F {
+                out[f] += row[g] * d[g][f];
+            }
+        }
+    }
+    out
+}
