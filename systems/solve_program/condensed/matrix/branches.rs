@@ -4,7 +4,7 @@
 //! The cut follows from the pattern alone, not from the number of threads, and what branches leave for
 //! the trunk is added up in their order: results are the same bytes on any number of threads.
 
-use super::fronts::Group;
+use super::merge::Group;
 
 /// Below so many bodies it does not pay to hand anything to another thread.
 const FEWEST: usize = 1000;

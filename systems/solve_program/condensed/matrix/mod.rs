@@ -10,6 +10,8 @@ mod assembly;
 mod branches;
 mod dense;
 mod fronts;
+mod layout;
+mod merge;
 mod numeric;
 mod ordering;
 mod packed;
@@ -60,7 +62,7 @@ impl BodyMatrix {
     pub fn new(bodies: usize, pairs: &[(u32, u32)]) -> Option<Self> {
         let (starts, neighbours) = adjacency(bodies, pairs);
         let order = ordering::minimum_degree(&starts, &neighbours)?;
-        let fronts = Fronts::new(&order, &starts, &neighbours);
+        let fronts = layout::fronts(&order, &starts, &neighbours);
 
         let place = places(&fronts.order);
         let mut front_of = vec![0; bodies];
