@@ -45,6 +45,8 @@ pub fn run(
                         .args(["run", "--quiet", "--force", "--threads", &threads.to_string()])
                         .args(["--set", &format!("stages.load.increments={increments}")])
                         .args(["--set", "output.plots=false"])
+                        // Pictures of increments that may not come.
+                        .args(["--set", "stages.load.record=()"])
                         .arg("--out")
                         .arg(&out)
                         .arg(scenes.join(format!("{name}.ron")))
