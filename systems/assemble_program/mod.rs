@@ -37,8 +37,6 @@ impl Plugin for AssembleProgramPlugin {
     }
 }
 
-/// Residual that solvers aim at by themselves.
-const USUAL: f64 = 1e-8;
 /// Residual that is good enough for a step in which grains settle.
 const RESIDUAL_OF_SETTLING: f64 = 1e-3;
 
@@ -51,9 +49,11 @@ fn tolerance(
     bodies: &Bodies,
 ) -> f64 {
     let is_dynamic = matches!(analysis.kind, AnalysisKind::Dynamic { .. });
+    // Solvers aim at that by themselves.
+    let usual = Acceptance::default().residual;
     if attempt.settling.is_some() {
         RESIDUAL_OF_SETTLING
-    } else if is_dynamic && bodies.bonds.is_empty() && acceptance.residual > USUAL {
+    } else if is_dynamic && bodies.bonds.is_empty() && acceptance.residual > usual {
         acceptance.residual
     } else {
         0.0

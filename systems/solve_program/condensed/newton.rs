@@ -210,11 +210,7 @@ pub fn iterate(
     adjacency: Option<&Adjacency>,
 ) -> Newton {
     let n = program.free.len();
-    let mut u: Vec<[f64; 3]> = (0..n)
-        .map(|i| {
-            [0, 1, 2].map(|k| if program.free[i][k] { start[i][k] } else { program.known[i][k] })
-        })
-        .collect();
+    let mut u = program.with_known(start);
     let springs: Vec<Spring> = program.locals.iter().map(Spring::new).collect();
     let arms: Vec<Arms> = program.locals.iter().map(Arms::new).collect();
     let mut responses = vec![Response::default(); springs.len()];

@@ -165,6 +165,13 @@ impl Scaled {
         out
     }
 
+    /// These displacements where they are free, and those that are known.
+    #[must_use]
+    pub fn with_known(&self, u: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        let of = |i: usize, k: usize| if self.free[i][k] { u[i][k] } else { self.known[i][k] };
+        (0..self.free.len()).map(|i| [0, 1, 2].map(|k| of(i, k))).collect()
+    }
+
     /// Whether inertia or regularisation keeps every degree of freedom from moving without end.
     #[must_use]
     pub fn is_damped(&self) -> bool {

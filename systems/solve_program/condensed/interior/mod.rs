@@ -71,15 +71,10 @@ pub fn solve(
     is_enough: impl Fn(&Interior) -> bool,
 ) -> Option<Interior> {
     let n = program.free.len();
-    let with_known = |start: &dyn Fn(usize) -> [f64; 3]| -> Vec<[f64; 3]> {
-        let of =
-            |i: usize, k: usize| if program.free[i][k] { start(i)[k] } else { program.known[i][k] };
-        (0..n).map(|i| [0, 1, 2].map(|k| of(i, k))).collect()
-    };
-    let mut u = with_known(&|i| start[i]);
+    let mut u = program.with_known(start);
     let mut groups = Groups::new(program, matrix, &u);
     if groups.greatest_force() > WILD {
-        u = with_known(&|_| [0.0; 3]);
+        u = program.with_known(&vec![[0.0; 3]; n]);
         groups = Groups::new(program, matrix, &u);
     }
     let limits: usize = program.locals.iter().map(|l| l.count).sum();

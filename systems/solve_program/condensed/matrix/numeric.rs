@@ -130,9 +130,8 @@ impl WithSimd for Eliminate<'_> {
             for (k, block) in diagonal.as_chunks().0.iter().enumerate() {
                 set_diagonal(panel, height, 3 * k, block);
             }
-            let targets = &pattern.targets[pattern.target_starts[number]..];
-            let targets =
-                &targets[..pattern.target_starts[number + 1] - pattern.target_starts[number]];
+            let [first, end] = [number, number + 1].map(|k| pattern.target_starts[k]);
+            let targets = &pattern.targets[first..end];
             for (&target, block) in targets.iter().zip(blocks.as_chunks().0) {
                 add_block(panel, height, target as usize, block);
             }
