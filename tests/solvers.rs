@@ -272,7 +272,9 @@ fn an_interior_point_that_is_not_enough_goes_on_near_its_goal() {
             let end = |enough: bool| {
                 let mut matrix = BodyMatrix::new(program.bodies.len(), &pairs)?;
                 let scaled = Scaled::new(&program, matrix.order());
-                interior::solve(&scaled, &mut matrix, &start, 1e-11, |_| enough)
+                interior::solve(&scaled, &mut matrix, &start, interior::Goal::exact(1e-11), |_| {
+                    enough
+                })
             };
             let (Some(soon), Some(late)) = (end(true), end(false)) else { continue };
             assert!(late.merit <= soon.merit);
@@ -296,7 +298,9 @@ fn a_start_that_loads_contacts_wildly_is_none() {
                 let mut matrix = BodyMatrix::new(program.bodies.len(), &pairs)?;
                 let scaled = Scaled::new(&program, matrix.order());
                 let start: Vec<_> = (0..program.bodies.len()).map(|i| [start(i); 3]).collect();
-                interior::solve(&scaled, &mut matrix, &start, 1e-8, |_| false)
+                interior::solve(&scaled, &mut matrix, &start, interior::Goal::exact(1e-8), |_| {
+                    false
+                })
             };
             let Some(near) = from(&|_| 0.0).filter(|point| point.merit <= 1e-8) else { continue };
             let far = from(&|i| if i % 2 == 0 { 1e9 } else { -1e9 }).expect("a point");

@@ -6,7 +6,7 @@
 use super::super::matrix::Assembly;
 use super::super::scaled::{Kind, Local, ROWS, add_forces, kinematics};
 use super::groups::Rows;
-use super::local_system::{LocalSystem, Right, Slacks};
+use super::local_system::{LocalSystem, PAIRS, Slacks};
 
 /// Complementarity product of the starting point.
 const START: f64 = 0.3;
@@ -14,13 +14,14 @@ const START: f64 = 0.3;
 const SOFT: f64 = 10.0;
 
 /// What the program says of an interaction with `F` forces and `Q` limits: see [`Local`].
-#[derive(Clone)]
+#[derive(Clone, Debug)]
 pub struct Law<const F: usize, const Q: usize> {
     pub bodies: [u32; 2],
     pub rows: [[[f64; F]; 3]; 2],
     pub compliance: [f64; F],
     pub linear: [f64; F],
-    pub limits: [[f64; F]; Q],
+    /// Slope m of each pair of limits, `-m p + x` and `-m p - x`.
+    pub slopes: [f64; PAIRS],
     pub right: [f64; Q],
 }
 
@@ -38,7 +39,6 @@ pub struct Cell<const F: usize, const Q: usize> {
     stationarity: [f64; F],
     slacks: Slacks<Q>,
     system: LocalSystem<F, Q>,
-    right: Right<F, Q>,
 }
 
 /// Interactions, by their kind.
@@ -152,13 +152,39 @@ fn first<const N: usize>(x: &[f64]) -> [f64; N] {
 }
 
 impl<const F: usize, const Q: usize> Law<F, Q> {
+    /// Pairs of limits.
+    pub const PAIRS: usize = Q / 2;
+    /// Whether the last limit is one of tension, `-p`.
+    pub const HAS_TENSION: bool = Q % 2 == 1;
+
+    /// The force that a pair of limits holds.
+    #[inline]
+    pub const fn force(pair: usize) -> usize {
+        // A wheel has p, q and tau, and limits of tau.
+        if F == 3 && Q == 2 { 2 } else { pair + 1 }
+    }
+
+    /// What a limit says of the forces: a row of `A s`.
+    #[inline]
+    pub fn limit(&self, q: usize, s: &[f64; F]) -> f64 {
+        if Self::HAS_TENSION && q == Q - 1 {
+            return -s[0];
+        }
+        let x = s[Self::force(q / 2)];
+        if q.is_multiple_of(2) {
+            x - self.slopes[q / 2] * s[0]
+        } else {
+            -x - self.slopes[q / 2] * s[0]
+        }
+    }
+
     fn new(local: &Local) -> Self {
         Self {
             bodies: local.bodies.map(|i| i as u32),
             rows: local.rows.map(|rows| rows.map(|row| first(&row))),
             compliance: first(&local.compliance),
             linear: first(&local.linear),
-            limits: std::array::from_fn(|q| first(&local.limits[q])),
+            slopes: std::array::from_fn(|k| -local.limits[2 * k][0]),
             right: first(&local.right),
         }
     }
@@ -185,24 +211,22 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
         let mut slacks = Slacks::default();
         // The trial clamped to the limits: normal force first, then shear at that normal force.
         let lowest = (0..Q)
-            .filter(|q| law.limits[*q][0] < 0.0)
-            .map(|q| law.right[q] / law.limits[q][0])
+            .map(|q| (law.right[q], -local.limits[q][0]))
+            .filter(|(_, slope)| *slope > 0.0)
+            .map(|(right, slope)| -right / slope)
             .fold(f64::NEG_INFINITY, f64::max);
         let mut s = [0.0; F];
         s[0] = trial[0].max(lowest);
         if local.has[1] {
-            let strength = law.right[0] - law.limits[0][0] * s[0];
+            let strength = law.right[0] + law.slopes[0] * s[0];
             s[1] = trial[1].clamp(-strength.max(0.0), strength.max(0.0));
         }
         // Slack where it is inside; where it was clamped, the excess is the multiplier.
         // What is far softer than the rest must not start with products far greater than theirs.
         let compliance = if law.compliance[0] > 0.0 { law.compliance[0].min(SOFT) } else { 1.0 };
         for q in 0..Q {
-            let (mut slack, mut excess) = (law.right[q], 0.0);
-            for f in 0..F.min(2) {
-                slack -= law.limits[q][f] * s[f];
-                excess += law.limits[q][f] * (trial[f] - s[f]);
-            }
+            let beyond: [f64; F] = std::array::from_fn(|f| trial[f] - s[f]);
+            let (slack, excess) = (law.right[q] - law.limit(q, &s), law.limit(q, &beyond));
             let x = slack.max(0.0) - excess.max(0.0);
             let root = x.hypot(2.0 * START);
             slacks.w[q] = 0.5 * if x > 0.0 { x + root } else { 4.0 * START * START / (root - x) };
@@ -216,7 +240,6 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
             stationarity: [0.0; F],
             slacks,
             system: LocalSystem::default(),
-            right: Right::default(),
         }
     }
 
@@ -243,17 +266,20 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
             r[f] = law.linear[f] + law.compliance[f] * self.s[f] - e[f];
         }
         for q in 0..Q {
-            let a = &law.limits[q];
             let (w, lambda) = (slacks.w[q], slacks.lambda[q]);
-            let mut defect = w - law.right[q];
-            for f in 0..F {
-                r[f] += a[f] * lambda;
-                defect += a[f] * self.s[f];
-            }
+            let defect = w - law.right[q] + law.limit(q, &self.s);
             slacks.defect[q] = defect;
             size.primal = size.primal.max(defect.abs());
             size.products += w * lambda;
             size.product = size.product.max(w * lambda);
+        }
+        for k in 0..Law::<F, Q>::PAIRS {
+            let (plus, minus) = (slacks.lambda[2 * k], slacks.lambda[2 * k + 1]);
+            r[0] -= law.slopes[k] * (plus + minus);
+            r[Law::<F, Q>::force(k)] += plus - minus;
+        }
+        if Law::<F, Q>::HAS_TENSION {
+            r[0] -= slacks.lambda[Q - 1];
         }
         for f in 0..F {
             size.kinematic = size.kinematic.max(r[f].abs());
@@ -286,15 +312,18 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
                     Aim::Target(target) => slacks.dw[q] * slacks.dlambda[q] - target,
                 };
         }
-        self.right = self.system.right(&self.law, &self.stationarity, slacks);
-        self.law.add_forces(&self.system.forces(&self.right), -1.0, right);
+        let e = self.stationarity.map(|r| -r);
+        self.law.add_forces(&self.system.forces(&self.law, &e, slacks), -1.0, right);
     }
 
     /// Steps of forces, slacks and multipliers that belong to steps of the displacements.
     pub fn step(&mut self, du: &[[f64; 3]], ahead: &mut Ahead) {
-        let e = self.law.kinematics(du);
+        let mut e = self.law.kinematics(du);
+        for (e, r) in e.iter_mut().zip(&self.stationarity) {
+            *e -= r;
+        }
         let slacks = &mut self.slacks;
-        self.ds = self.system.solve(&self.law, &e, &self.right, slacks);
+        self.ds = self.system.solve(&self.law, &e, slacks);
         for q in 0..Q {
             let (w, lambda) = (slacks.w[q], slacks.lambda[q]);
             let (dw, dlambda) = (slacks.dw[q], slacks.dlambda[q]);

@@ -1,4 +1,4 @@
-//! The Newton system of one interaction, without cancellation.
+//! The Newton system of one interaction, in closed form and without cancellation.
 //!
 //! ```text
 //! C ds + A' dlambda = e - r         stationarity
@@ -6,20 +6,30 @@
 //! lambda dw + w dlambda = -c        complementarity
 //! ```
 //!
-//! Near the solution w or lambda of a limit vanishes, and whichever is small must come out with a
-//! small *relative* error or the iteration diverges. Limits with `lambda > w` (active) stay in the
-//! system with their multiplier, `A ds - (w/lambda) dlambda = -d + c/lambda`, and their slack follows
-//! from complementarity; the others are folded into the compliance by `theta = lambda/w`, and their
-//! multiplier follows from complementarity.
+//! Limits come in pairs, `-m p + x <= b` and `-m p - x <= b`, one for each force x (shear, rolling moment)
+//! that the normal force p allows, and there may be one of tension, `-p <= b`. With `theta = lambda/w` and
+//! `b = c/lambda - d` the multipliers are `dlambda = theta (A ds - b)`, each x follows from p, and p from
 //!
-//! All this is done for every interaction in every iteration: it is compiled for the number `F` of
-//! forces and `Q` of limits (see [`Kind`](super::super::scaled::Kind)).
+//! ```text
+//! (c_n + sum m a) dp = e_n - r_n + sum m (...),   a = m (S c_x + 4 theta_+ theta_-)/(c_x + S),   S = theta_+ + theta_-
+//! ```
+//!
+//! in which every term of the sums is positive, however much a limit outweighs all else.
+//!
+//! Near the solution w or lambda of a limit vanishes, and whichever is small must come out with a
+//! small *relative* error or the iteration diverges. Of limits with `lambda > w` (active) the multiplier
+//! is not taken from the slack but from stationarity, and the slack from complementarity; of the
+//! others it is the other way round. With one limit of a pair active, the stationarity of x gives its
+//! multiplier. With both (the apex) it gives their difference, and their sum, like the multiplier of
+//! tension, follows from that of p: these are the *ties* of p. Where there are two of them p gives one
+//! sum, and how it is divided follows from what each says of p.
 
-use super::super::scaled::ROWS;
 use super::cell::Law;
 
-/// Unknowns at most: forces and multipliers.
-const SIZE: usize = 3 + ROWS;
+/// Pairs of limits at most.
+pub const PAIRS: usize = 2;
+/// A tie that p hardly enters is no tie: its sum follows from its own limits.
+const SLACK: f64 = 1e-6;
 
 /// Slacks and multipliers of the limits, their steps, and what the steps are to bring about.
 #[derive(Clone, Copy, Debug)]
@@ -45,247 +55,316 @@ impl<const Q: usize> Default for Slacks<Q> {
     }
 }
 
-/// Right side of the system without kinematics: rows of forces, rows of active multipliers.
-#[derive(Clone, Copy, Debug)]
-pub struct Right<const F: usize, const Q: usize> {
-    forces: [f64; F],
-    limits: [f64; Q],
+/// The pair of limits of a force x.
+#[derive(Clone, Copy, Debug, Default)]
+struct Pair {
+    /// `1/(c_x + S)`.
+    flexibility: f64,
+    /// Both theta times that.
+    weights: [f64; 2],
+    /// `theta_+ (c_x + 2 theta_-)/(c_x + S)`, and the other.
+    pulls: [f64; 2],
+    /// By how much the sum of the multipliers falls with p: a.
+    fall: f64,
 }
 
-impl<const F: usize, const Q: usize> Default for Right<F, Q> {
-    fn default() -> Self {
-        Self { forces: [0.0; F], limits: [0.0; Q] }
-    }
-}
-
-/// The inverse of the system by blocks; rows and columns of limits that are not active are zero.
+/// The system at some slacks and multipliers.
 #[derive(Clone, Copy, Debug)]
 pub struct LocalSystem<const F: usize, const Q: usize> {
     /// Takes kinematics to forces: T.
     pub stiffness: [[f64; F]; F],
-    mixed: [[f64; Q]; F],
-    limits: [[f64; Q]; Q],
-    active: [bool; Q],
+    pairs: [Pair; PAIRS],
+    /// Theta of the limit of tension.
+    tension: f64,
 }
 
 impl<const F: usize, const Q: usize> Default for LocalSystem<F, Q> {
     fn default() -> Self {
-        Self {
-            stiffness: [[0.0; F]; F],
-            mixed: [[0.0; Q]; F],
-            limits: [[0.0; Q]; Q],
-            active: [false; Q],
-        }
+        Self { stiffness: [[0.0; F]; F], pairs: [Pair::default(); PAIRS], tension: 0.0 }
     }
 }
 
 impl<const F: usize, const Q: usize> LocalSystem<F, Q> {
-    /// Sets up and inverts the system at slacks w and multipliers lambda.
+    /// Sets up the system at slacks w and multipliers lambda.
+    #[inline]
     pub fn set(&mut self, law: &Law<F, Q>, slacks: &Slacks<Q>) {
         let (w, lambda) = (&slacks.w, &slacks.lambda);
-        *self = Self::default();
-        let mut any = false;
-        for q in 0..Q {
-            self.active[q] = lambda[q] > w[q];
-            any |= self.active[q];
+        let mut sum = law.compliance[0];
+        if Law::<F, Q>::HAS_TENSION {
+            self.tension = lambda[Q - 1] / w[Q - 1];
+            sum += self.tension;
         }
-        if !any && F == 2 {
-            let inverse = inverse_of_two(law, w, lambda);
-            for f in 0..F {
-                self.stiffness[f].copy_from_slice(&inverse[f][..F]);
-            }
-            return;
+        // Of forces without limits of their own.
+        let mut own = law.compliance.map(|c| 1.0 / c);
+        let mut with_p = [0.0; F];
+        for k in 0..Law::<F, Q>::PAIRS {
+            let (c, m, x) = (law.compliance[Law::<F, Q>::force(k)], law.slopes[k], 2 * k);
+            let (plus, minus) = (lambda[x] / w[x], lambda[x + 1] / w[x + 1]);
+            let total = plus + minus;
+            let flexibility = 1.0 / (c + total);
+            let fall = m * (total * c + 4.0 * plus * minus) * flexibility;
+            self.pairs[k] = Pair {
+                flexibility,
+                weights: [plus * flexibility, minus * flexibility],
+                pulls: [
+                    plus * (c + 2.0 * minus) * flexibility,
+                    minus * (c + 2.0 * plus) * flexibility,
+                ],
+                fall,
+            };
+            sum += m * fall;
+            own[Law::<F, Q>::force(k)] = flexibility;
+            with_p[Law::<F, Q>::force(k)] = m * (plus - minus) * flexibility;
         }
-        let mut m = [[0.0; SIZE]; SIZE];
-        for f in 0..F {
-            m[f][f] = law.compliance[f];
-        }
-        // Limit by unknown.
-        let mut limit = [0; SIZE];
-        let mut n = F;
-        for q in 0..Q {
-            let a = &law.limits[q];
-            if self.active[q] {
-                for f in 0..F {
-                    m[f][n] = a[f];
-                    m[n][f] = a[f];
-                }
-                m[n][n] = -w[q] / lambda[q];
-                limit[n] = q;
-                n += 1;
-            } else {
-                let theta = lambda[q] / w[q];
-                for f in 0..F {
-                    for g in 0..F {
-                        m[f][g] += theta * a[f] * a[g];
-                    }
-                }
-            }
-        }
-        let inverse = match n {
-            1 => invert::<1>(&mut m),
-            2 => invert::<2>(&mut m),
-            3 => invert::<3>(&mut m),
-            4 => invert::<4>(&mut m),
-            5 => invert::<5>(&mut m),
-            6 => invert::<6>(&mut m),
-            _ => invert::<SIZE>(&mut m),
-        };
+        with_p[0] = 1.0;
+        own[0] = 0.0;
+        let p = 1.0 / sum;
         for f in 0..F {
             for g in 0..F {
-                self.stiffness[f][g] = inverse[f][g];
+                self.stiffness[f][g] = p * with_p[f] * with_p[g];
             }
-            for k in F..n {
-                self.mixed[f][limit[k]] = inverse[f][k];
-            }
-        }
-        for k in F..n {
-            for l in F..n {
-                self.limits[limit[k]][limit[l]] = inverse[k][l];
-            }
+            self.stiffness[f][f] += own[f];
         }
     }
 
-    /// Right side for the residuals r of stationarity, and for the defects and products of `slacks`.
+    /// Steps of the forces for the kinematics less the residuals of stationarity `e`.
     #[inline]
     #[must_use]
-    pub fn right(
-        &self,
-        law: &Law<F, Q>,
-        stationarity: &[f64; F],
-        slacks: &Slacks<Q>,
-    ) -> Right<F, Q> {
-        let mut right = Right::default();
-        for f in 0..F {
-            right.forces[f] = -stationarity[f];
+    pub fn forces(&self, law: &Law<F, Q>, e: &[f64; F], slacks: &Slacks<Q>) -> [f64; F] {
+        let b = right(slacks);
+        let mut of_p = e[0];
+        if Law::<F, Q>::HAS_TENSION {
+            of_p -= self.tension * b[Q - 1];
         }
-        for q in 0..Q {
-            let (w, lambda) = (slacks.w[q], slacks.lambda[q]);
-            let (d, c) = (slacks.defect[q], slacks.product[q]);
-            if self.active[q] {
-                right.limits[q] = c / lambda - d;
-            } else {
-                // dlambda = (-c - lambda dw)/w with dw = -d - A ds.
-                let constant = (lambda * d - c) / w;
-                for f in 0..F {
-                    right.forces[f] -= law.limits[q][f] * constant;
-                }
-            }
+        for k in 0..Law::<F, Q>::PAIRS {
+            of_p += law.slopes[k] * self.free_sum(k, e, &b);
         }
-        right
-    }
-
-    /// Steps of the forces without kinematics.
-    #[inline]
-    #[must_use]
-    pub fn forces(&self, right: &Right<F, Q>) -> [f64; F] {
         let mut ds = [0.0; F];
-        for f in 0..F {
-            for g in 0..F {
-                ds[f] += self.stiffness[f][g] * right.forces[g];
-            }
-            for q in 0..Q {
-                ds[f] += self.mixed[f][q] * right.limits[q];
-            }
+        // Those of p are the same for every force but itself.
+        ds[0] = self.stiffness[0][0] * of_p;
+        for f in 1..F {
+            ds[f] = e[f] / law.compliance[f];
+        }
+        for k in 0..Law::<F, Q>::PAIRS {
+            let (pair, f, x) = (&self.pairs[k], Law::<F, Q>::force(k), 2 * k);
+            let [plus, minus] = pair.weights;
+            ds[f] = pair.flexibility * e[f] + plus * b[x] - minus * b[x + 1]
+                + law.slopes[k] * (plus - minus) * ds[0];
         }
         ds
     }
 
-    /// Steps of the forces for the kinematics e; those of slacks and multipliers go to `slacks`.
+    /// Sum of the multipliers' steps of a pair where p is held.
     #[inline]
-    pub fn solve(
-        &self,
-        law: &Law<F, Q>,
-        e: &[f64; F],
-        right: &Right<F, Q>,
-        slacks: &mut Slacks<Q>,
-    ) -> [f64; F] {
-        let mut right = *right;
-        for f in 0..F {
-            right.forces[f] += e[f];
-        }
-        let ds = self.forces(&right);
+    fn free_sum(&self, k: usize, e: &[f64; F], b: &[f64; Q]) -> f64 {
+        let (pair, x) = (&self.pairs[k], 2 * k);
+        let lean = pair.weights[0] - pair.weights[1];
+        lean * e[Law::<F, Q>::force(k)] - pair.pulls[0] * b[x] - pair.pulls[1] * b[x + 1]
+    }
+
+    /// Steps of the forces; those of slacks and multipliers go to `slacks`.
+    #[inline]
+    pub fn solve(&self, law: &Law<F, Q>, e: &[f64; F], slacks: &mut Slacks<Q>) -> [f64; F] {
+        let b = right(slacks);
+        let ds = self.forces(law, e, slacks);
+        let Slacks { w, lambda, dw, dlambda, defect, product } = slacks;
+        // As if no limit were active.
         for q in 0..Q {
-            let (w, lambda, c) = (slacks.w[q], slacks.lambda[q], slacks.product[q]);
-            if self.active[q] {
-                let mut step = 0.0;
-                for f in 0..F {
-                    step += self.mixed[f][q] * right.forces[f];
+            let step = -defect[q] - law.limit(q, &ds);
+            dw[q] = step;
+            dlambda[q] = -(product[q] + lambda[q] * step) / w[q];
+        }
+        let is_active = |q: usize| lambda[q] > w[q];
+        // What stationarity of p leaves for its ties.
+        let mut left = law.compliance[0] * ds[0] - e[0];
+        let mut ties = [false; PAIRS];
+        for k in 0..Law::<F, Q>::PAIRS {
+            let (f, x) = (Law::<F, Q>::force(k), 2 * k);
+            let difference = e[f] - law.compliance[f] * ds[f];
+            match [is_active(x), is_active(x + 1)] {
+                [true, false] => dlambda[x] = dlambda[x + 1] + difference,
+                [false, true] => dlambda[x + 1] = dlambda[x] - difference,
+                [true, true] if law.slopes[k] > SLACK => {
+                    ties[k] = true;
+                    continue;
                 }
-                for k in 0..Q {
-                    step += self.limits[q][k] * right.limits[k];
+                [true, true] => {
+                    let sum = self.free_sum(k, e, &b) - self.pairs[k].fall * ds[0];
+                    dlambda[x] = 0.5 * (sum + difference);
+                    dlambda[x + 1] = 0.5 * (sum - difference);
                 }
-                slacks.dlambda[q] = step;
-                slacks.dw[q] = -(c + w * step) / lambda;
-            } else {
-                let mut step = -slacks.defect[q];
-                for f in 0..F {
-                    step -= law.limits[q][f] * ds[f];
-                }
-                slacks.dw[q] = step;
-                slacks.dlambda[q] = -(c + lambda * step) / w;
+                [false, false] => {}
             }
+            left -= law.slopes[k] * (dlambda[x] + dlambda[x + 1]);
+        }
+        let mut tension = false;
+        if Law::<F, Q>::HAS_TENSION {
+            tension = is_active(Q - 1);
+            if !tension {
+                left -= dlambda[Q - 1];
+            }
+        }
+        // A tie by what it says of p: its slope m, the fall a of its sum with p, and its sum where p is held.
+        let tie = |k: usize| Tie {
+            slope: law.slopes[k],
+            fall: self.pairs[k].fall,
+            free: self.free_sum(k, e, &b),
+        };
+        let of_tension = || Tie { slope: 1.0, fall: self.tension, free: -self.tension * b[Q - 1] };
+        let mut divide = |k: usize, sum: f64| {
+            let (f, x) = (Law::<F, Q>::force(k), 2 * k);
+            let difference = e[f] - law.compliance[f] * ds[f];
+            dlambda[x] = 0.5 * (sum + difference);
+            dlambda[x + 1] = 0.5 * (sum - difference);
+        };
+        match (ties, tension) {
+            ([true, true], _) => {
+                let [first, second] = sums(tie(0), tie(1), left);
+                divide(0, first);
+                divide(1, second);
+            }
+            ([true, false], true) => {
+                let [first, second] = sums(tie(0), of_tension(), left);
+                divide(0, first);
+                dlambda[Q - 1] = second;
+            }
+            ([true, false], false) => divide(0, left / law.slopes[0]),
+            ([false, true], _) => divide(1, left / law.slopes[1]),
+            ([false, false], true) => dlambda[Q - 1] = left,
+            ([false, false], false) => {}
+        }
+        for q in (0..Q).filter(|q| lambda[*q] > w[*q]) {
+            dw[q] = -(product[q] + w[q] * dlambda[q]) / lambda[q];
         }
         ds
     }
 }
 
-/// Inverse for two forces and no active limit. The determinant is a sum of terms that are not
-/// negative (Cauchy and Binet): nothing cancels where a limit outweighs all else.
-fn inverse_of_two<const F: usize, const Q: usize>(
-    law: &Law<F, Q>,
-    w: &[f64; Q],
-    lambda: &[f64; Q],
-) -> [[f64; 2]; 2] {
-    let [c0, c1] = [law.compliance[0], law.compliance[1]];
-    let (mut k00, mut k01, mut k11, mut determinant) = (c0, 0.0, c1, c0 * c1);
-    let mut theta = [0.0; Q];
-    for q in 0..Q {
-        theta[q] = lambda[q] / w[q];
-        let a = &law.limits[q];
-        k00 += theta[q] * a[0] * a[0];
-        k01 += theta[q] * a[0] * a[1];
-        k11 += theta[q] * a[1] * a[1];
-        determinant += theta[q] * (c0 * a[1] * a[1] + c1 * a[0] * a[0]);
-        for p in 0..q {
-            let b = &law.limits[p];
-            let area = a[0] * b[1] - a[1] * b[0];
-            determinant += theta[q] * theta[p] * area * area;
-        }
-    }
-    let d = 1.0 / determinant;
-    [[k11 * d, -k01 * d], [-k01 * d, k00 * d]]
+/// What the steps of slacks and multipliers are to bring about: `b = c/lambda - d`.
+#[inline]
+fn right<const Q: usize>(slacks: &Slacks<Q>) -> [f64; Q] {
+    std::array::from_fn(|q| slacks.product[q] / slacks.lambda[q] - slacks.defect[q])
 }
 
-/// Inverse of the leading `N` rows and columns by Gauss and Jordan with partial pivoting.
-fn invert<const N: usize>(m: &mut [[f64; SIZE]; SIZE]) -> [[f64; SIZE]; SIZE] {
-    let mut inverse = [[0.0; SIZE]; SIZE];
-    for (i, row) in inverse.iter_mut().enumerate().take(N) {
-        row[i] = 1.0;
+/// What limits that are all active say of p: their multipliers have the sum `free - fall dp`, which
+/// p feels `slope` times.
+struct Tie {
+    slope: f64,
+    fall: f64,
+    free: f64,
+}
+
+/// The sums of two ties which together have to give `left`.
+#[inline]
+fn sums(first: Tie, second: Tie, left: f64) -> [f64; 2] {
+    let between = first.free / first.fall - second.free / second.fall;
+    let total = 1.0 / (first.slope * first.fall + second.slope * second.fall);
+    [
+        total * first.fall * (second.slope * second.fall * between + left),
+        total * second.fall * (left - first.slope * first.fall * between),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+    use proptest::test_runner::TestRunner;
+
+    use super::super::cell::Law;
+    use super::{LocalSystem, SLACK, Slacks};
+
+    fn power(range: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
+        range.prop_map(|x| 10.0_f64.powf(x))
     }
-    for c in 0..N {
-        let mut pivot = c;
-        for r in c + 1..N {
-            if m[r][c].abs() > m[pivot][c].abs() {
-                pivot = r;
-            }
-        }
-        m.swap(c, pivot);
-        inverse.swap(c, pivot);
-        let d = 1.0 / m[c][c];
-        for j in 0..N {
-            m[c][j] *= d;
-            inverse[c][j] *= d;
-        }
-        for i in (0..N).filter(|i| *i != c) {
-            let factor = m[i][c];
-            if factor != 0.0 {
-                for j in 0..N {
-                    m[i][j] -= factor * m[c][j];
-                    inverse[i][j] -= factor * inverse[c][j];
+
+    fn law<const F: usize, const Q: usize>() -> impl Strategy<Value = Law<F, Q>> {
+        let compliance = prop_oneof![Just(0.0), 1e-6..10.0_f64];
+        let slope = prop_oneof![Just(0.0), Just(1e-9), 1e-3..1.0_f64];
+        let input = ([compliance.clone(), compliance], slope, 1e-3..1.0_f64);
+        input.prop_map(|([n, t], first, second)| Law {
+            bodies: [0, 1],
+            rows: [[[0.0; F]; 3]; 2],
+            // A rolling moment has none; the shear of a wheel has one, and no limits.
+            compliance: std::array::from_fn(|f| match f {
+                0 => n,
+                1 if Law::<F, Q>::force(0) == 2 => 1.0,
+                1 => t,
+                _ => 0.0,
+            }),
+            linear: [0.0; F],
+            // Something limits p.
+            slopes: if Q % 2 == 1 || Q == 4 { [first, second] } else { [second, 0.0] },
+            right: [0.0; Q],
+        })
+    }
+
+    /// Not too far from the central path: products differ by a factor of 1e4 at most.
+    fn slacks<const Q: usize>() -> impl Strategy<Value = Slacks<Q>> {
+        let each = |_| (power(-8.0..2.0), power(-2.0..2.0), -1.0..1.0_f64, 0.0..2.0_f64);
+        (power(-10.0..0.0), std::array::from_fn::<_, Q, _>(each)).prop_map(|(mu, each)| Slacks {
+            w: each.map(|(w, ..)| w),
+            lambda: each.map(|(w, product, ..)| mu * product / w),
+            defect: each.map(|(w, _, defect, _)| defect * w),
+            product: each.map(|(_, product, _, part)| mu * product * part),
+            ..Slacks::default()
+        })
+    }
+
+    /// Whether terms add up to zero, but for what little of the greatest of them and of `size` round-off costs.
+    fn cancel(terms: &[f64], size: f64) -> Result<(), TestCaseError> {
+        let sum: f64 = terms.iter().sum();
+        let greatest = terms.iter().map(|x| x.abs()).fold(size.max(1e-300), f64::max);
+        prop_assert!(sum.abs() <= 1e-8 * greatest, "{terms:?}: {:e}", sum / greatest);
+        Ok(())
+    }
+
+    /// The steps fulfil the three equations of the system, each to round-off of its terms.
+    fn check<const F: usize, const Q: usize>() {
+        let input = (law::<F, Q>(), slacks::<Q>(), prop::array::uniform3(-1.0..1.0_f64));
+        let result = TestRunner::default().run(&input, |(law, mut slacks, e)| {
+            let e: [f64; F] = std::array::from_fn(|f| e[f]);
+            // No limits but those of almost no strength at all are like that.
+            let active = |q: usize| slacks.lambda[q] > slacks.w[q];
+            let no_strength =
+                |k: usize| law.slopes[k] <= SLACK && active(2 * k) && active(2 * k + 1);
+            prop_assume!(!(0..Law::<F, Q>::PAIRS).any(no_strength));
+            let mut system = LocalSystem::default();
+            system.set(&law, &slacks);
+            let ds = system.solve(&law, &e, &mut slacks);
+            let Slacks { w, lambda, dw, dlambda, defect, product } = slacks;
+            let mut rows: Vec<Vec<f64>> =
+                (0..F).map(|f| vec![law.compliance[f] * ds[f], -e[f]]).collect();
+            // Of what is not active the multiplier is as exact as its limit.
+            let mut size = 0.0_f64;
+            for q in 0..Q {
+                let of = |f: usize, s: f64| {
+                    let mut forces = [0.0; F];
+                    forces[f] = s;
+                    law.limit(q, &forces)
+                };
+                let limit: Vec<f64> =
+                    (0..F).map(|f| of(f, ds[f])).chain([dw[q], defect[q]]).collect();
+                if lambda[q] <= w[q] {
+                    let greatest = limit.iter().map(|x| x.abs()).fold(0.0, f64::max);
+                    size = size.max(lambda[q] / w[q] * greatest);
                 }
+                for (f, row) in rows.iter_mut().enumerate() {
+                    row.push(of(f, 1.0) * dlambda[q]);
+                }
+                cancel(&limit, 0.0)?;
+                cancel(&[lambda[q] * dw[q], w[q] * dlambda[q], product[q]], 0.0)?;
             }
-        }
+            rows.iter().try_for_each(|row| cancel(row, size))
+        });
+        assert!(result.is_ok(), "{F} forces, {Q} limits: {}", result.unwrap_err());
     }
-    inverse
+
+    #[test]
+    fn steps_fulfil_the_equations_however_small_slacks_are() {
+        check::<1, 1>();
+        check::<2, 2>();
+        check::<2, 3>();
+        check::<3, 4>();
+        check::<3, 2>();
+    }
 }

@@ -47,27 +47,49 @@ const LITTLE: f64 = 0.1;
 /// Weight of the proximal term by the mean product, and what is left of it in the end.
 const PROXIMAL: f64 = 1e-3;
 const LEAST_PROXIMAL: f64 = 1e-10;
-/// The products aimed at are what the predictor leaves of them to the third (Mehrotra). Squared, products
-/// fall more slowly and the other residuals faster: fewer iterations where the goal is above this.
-const LOOSE: f64 = 1e-8;
 /// Steps of refinement at most, and the relative defect at which there is no need of one.
 const MAX_REFINEMENTS: usize = 3;
 const REFINED: f64 = 1e-4;
 /// Weight of the greatest complementarity product beside the other residuals.
 const PRODUCT: f64 = 0.02;
-/// What may be enough where there is little progress, over the residual at which it is done.
-const ENOUGH: f64 = 10.0;
 
-/// Runs the method from the displacements `start` until the residual is at most `goal`, or no longer
-/// falls: the best point on the way. `None` if there is none. Near the goal it also ends where there is
-/// little progress and the point `is_enough`; where none ever is, that costs the iterations of
-/// patience.
+/// A point that is good enough may end the method where the residual is so many times what it should be.
+const NEAR: f64 = 10.0;
+
+/// What ends the method.
+#[derive(Clone, Copy, Debug)]
+pub struct Goal {
+    /// Residual at which it is done.
+    residual: f64,
+    /// From so many times that residual on, a point that is good enough ends it:
+    near: f64,
+    /// any such point, or only one from which there is little progress.
+    at_once: bool,
+}
+
+impl Goal {
+    /// This residual, or little more where more iterations hardly gain anything.
+    #[must_use]
+    pub fn exact(residual: f64) -> Self {
+        Self { residual, near: NEAR, at_once: false }
+    }
+
+    /// The first point that is good enough, from a residual of `near` on.
+    #[must_use]
+    pub fn enough(residual: f64, near: f64) -> Self {
+        Self { residual, near: near / residual, at_once: true }
+    }
+}
+
+/// Runs the method from the displacements `start` until the residual is what `goal` asks for, or no
+/// longer falls: the best point on the way. `None` if there is none. Near the goal it also ends with a
+/// point that `is_enough`; where none ever is, that costs the iterations of patience.
 #[must_use]
 pub fn solve(
     program: &Scaled,
     matrix: &mut BodyMatrix,
     start: &[[f64; 3]],
-    goal: f64,
+    goal: Goal,
     is_enough: impl Fn(&Interior) -> bool,
 ) -> Option<Interior> {
     let n = program.free.len();
@@ -126,12 +148,13 @@ pub fn solve(
         merits.push(best.as_ref().map_or(merit, |b| b.merit));
         let earlier = merits.len().checked_sub(PATIENCE + 1).map_or(f64::INFINITY, |k| merits[k]);
         let slow = merit > 0.3 * last_merit;
+        let is_near = merit <= goal.near * goal.residual && (slow || goal.at_once);
         // Asked once of every point: it looks at the whole program.
-        let near = best.as_ref().filter(|b| merit <= ENOUGH * goal && slow && b.merit < refused);
+        let near = best.as_ref().filter(|b| is_near && b.merit < refused);
         let enough = near.is_some_and(&is_enough);
         refused = near.map_or(refused, |b| b.merit);
         last_merit = merit;
-        if merit <= goal
+        if merit <= goal.residual
             || enough
             || iterations >= MAX_ITERATIONS
             || (since_best > 8 && merit > 1e3 * best.as_ref().map_or(0.0, |b| b.merit))
@@ -166,8 +189,7 @@ pub fn solve(
         let ahead = steps(&mut groups, &du);
         let after = ahead.products_after() / limits;
         let ratio = if mu > 0.0 { after / mu } else { 0.0 };
-        let exponent = if goal > LOOSE { 2 } else { 3 };
-        let target = ratio.powi(exponent).min(1.0) * mu;
+        let target = ratio.powi(3).min(1.0) * mu;
 
         set_negative(&mut right, &balance);
         groups.scatter(&mut right, |cells, right| {
