@@ -6,8 +6,8 @@
 //! lambda dw + w dlambda = -c        complementarity
 //! ```
 //!
-//! Limits come in pairs, `-m p + x <= b` and `-m p - x <= b`, one for each force x (shear, rolling moment)
-//! that the normal force p allows, and there may be one of tension, `-p <= b`. With `theta = lambda/w` and
+//! Limits come in pairs, of `x - m p` and of `-x - m p`, one for each force x (shear, rolling moment)
+//! that the normal force p allows, and there may be one of tension, of `-p`. With `theta = lambda/w` and
 //! `b = c/lambda - d` the multipliers are `dlambda = theta (A ds - b)`, each x follows from p, and p from
 //!
 //! ```text
