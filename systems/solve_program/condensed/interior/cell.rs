@@ -6,7 +6,7 @@
 use super::super::matrix::Assembly;
 use super::super::scaled::{Kind, Local, ROWS, add_forces, kinematics};
 use super::groups::Rows;
-use super::local_system::{LocalSystem, PAIRS, Slacks};
+use super::local_system::{LocalSystem, MOST_PAIRS, Slacks};
 
 /// Complementarity product of the starting point.
 const START: f64 = 0.3;
@@ -21,7 +21,7 @@ pub struct Law<const F: usize, const Q: usize> {
     pub compliance: [f64; F],
     pub linear: [f64; F],
     /// Slope m of each pair of limits, `-m p + x` and `-m p - x`.
-    pub slopes: [f64; PAIRS],
+    pub slopes: [f64; MOST_PAIRS],
     pub right: [f64; Q],
 }
 

@@ -27,7 +27,7 @@
 use super::cell::Law;
 
 /// Pairs of limits at most.
-pub const PAIRS: usize = 2;
+pub const MOST_PAIRS: usize = 2;
 /// A tie that p hardly enters is no tie: its sum follows from its own limits.
 const SLACK: f64 = 1e-6;
 
@@ -73,14 +73,14 @@ struct Pair {
 pub struct LocalSystem<const F: usize, const Q: usize> {
     /// Takes kinematics to forces: T.
     pub stiffness: [[f64; F]; F],
-    pairs: [Pair; PAIRS],
+    pairs: [Pair; MOST_PAIRS],
     /// Theta of the limit of tension.
     tension: f64,
 }
 
 impl<const F: usize, const Q: usize> Default for LocalSystem<F, Q> {
     fn default() -> Self {
-        Self { stiffness: [[0.0; F]; F], pairs: [Pair::default(); PAIRS], tension: 0.0 }
+        Self { stiffness: [[0.0; F]; F], pairs: [Pair::default(); MOST_PAIRS], tension: 0.0 }
     }
 }
 
@@ -131,20 +131,22 @@ impl<const F: usize, const Q: usize> LocalSystem<F, Q> {
     #[inline]
     #[must_use]
     pub fn forces(&self, law: &Law<F, Q>, e: &[f64; F], slacks: &Slacks<Q>) -> [f64; F] {
-        let b = right(slacks);
+        self.forces_of(law, e, &right(slacks))
+    }
+
+    /// The same for what the limits ask for, `b`.
+    #[inline]
+    fn forces_of(&self, law: &Law<F, Q>, e: &[f64; F], b: &[f64; Q]) -> [f64; F] {
         let mut of_p = e[0];
         if Law::<F, Q>::HAS_TENSION {
             of_p -= self.tension * b[Q - 1];
         }
         for k in 0..Law::<F, Q>::PAIRS {
-            of_p += law.slopes[k] * self.free_sum(k, e, &b);
+            of_p += law.slopes[k] * self.free_sum(k, e, b);
         }
-        let mut ds = [0.0; F];
-        // Those of p are the same for every force but itself.
+        // Of forces without limits of their own; the others follow.
+        let mut ds: [f64; F] = std::array::from_fn(|f| e[f] / law.compliance[f]);
         ds[0] = self.stiffness[0][0] * of_p;
-        for f in 1..F {
-            ds[f] = e[f] / law.compliance[f];
-        }
         for k in 0..Law::<F, Q>::PAIRS {
             let (pair, f, x) = (&self.pairs[k], Law::<F, Q>::force(k), 2 * k);
             let [plus, minus] = pair.weights;
@@ -166,7 +168,7 @@ impl<const F: usize, const Q: usize> LocalSystem<F, Q> {
     #[inline]
     pub fn solve(&self, law: &Law<F, Q>, e: &[f64; F], slacks: &mut Slacks<Q>) -> [f64; F] {
         let b = right(slacks);
-        let ds = self.forces(law, e, slacks);
+        let ds = self.forces_of(law, e, &b);
         let Slacks { w, lambda, dw, dlambda, defect, product } = slacks;
         // As if no limit were active.
         for q in 0..Q {
@@ -175,23 +177,28 @@ impl<const F: usize, const Q: usize> LocalSystem<F, Q> {
             dlambda[q] = -(product[q] + lambda[q] * step) / w[q];
         }
         let is_active = |q: usize| lambda[q] > w[q];
+        // Of the multipliers of a pair.
+        let difference = |k: usize| {
+            let f = Law::<F, Q>::force(k);
+            e[f] - law.compliance[f] * ds[f]
+        };
+        let divide =
+            |k: usize, sum: f64| [0.5 * (sum + difference(k)), 0.5 * (sum - difference(k))];
         // What stationarity of p leaves for its ties.
         let mut left = law.compliance[0] * ds[0] - e[0];
-        let mut ties = [false; PAIRS];
+        let mut ties = [false; MOST_PAIRS];
         for k in 0..Law::<F, Q>::PAIRS {
-            let (f, x) = (Law::<F, Q>::force(k), 2 * k);
-            let difference = e[f] - law.compliance[f] * ds[f];
+            let x = 2 * k;
             match [is_active(x), is_active(x + 1)] {
-                [true, false] => dlambda[x] = dlambda[x + 1] + difference,
-                [false, true] => dlambda[x + 1] = dlambda[x] - difference,
+                [true, false] => dlambda[x] = dlambda[x + 1] + difference(k),
+                [false, true] => dlambda[x + 1] = dlambda[x] - difference(k),
                 [true, true] if law.slopes[k] > SLACK => {
                     ties[k] = true;
                     continue;
                 }
                 [true, true] => {
                     let sum = self.free_sum(k, e, &b) - self.pairs[k].fall * ds[0];
-                    dlambda[x] = 0.5 * (sum + difference);
-                    dlambda[x + 1] = 0.5 * (sum - difference);
+                    [dlambda[x], dlambda[x + 1]] = divide(k, sum);
                 }
                 [false, false] => {}
             }
@@ -211,29 +218,26 @@ impl<const F: usize, const Q: usize> LocalSystem<F, Q> {
             free: self.free_sum(k, e, &b),
         };
         let of_tension = || Tie { slope: 1.0, fall: self.tension, free: -self.tension * b[Q - 1] };
-        let mut divide = |k: usize, sum: f64| {
-            let (f, x) = (Law::<F, Q>::force(k), 2 * k);
-            let difference = e[f] - law.compliance[f] * ds[f];
-            dlambda[x] = 0.5 * (sum + difference);
-            dlambda[x + 1] = 0.5 * (sum - difference);
+        let mut tied = |k: usize, sum: f64| {
+            [dlambda[2 * k], dlambda[2 * k + 1]] = divide(k, sum);
         };
         match (ties, tension) {
             ([true, true], _) => {
                 let [first, second] = sums(tie(0), tie(1), left);
-                divide(0, first);
-                divide(1, second);
+                tied(0, first);
+                tied(1, second);
             }
             ([true, false], true) => {
                 let [first, second] = sums(tie(0), of_tension(), left);
-                divide(0, first);
+                tied(0, first);
                 dlambda[Q - 1] = second;
             }
-            ([true, false], false) => divide(0, left / law.slopes[0]),
-            ([false, true], _) => divide(1, left / law.slopes[1]),
+            ([true, false], false) => tied(0, left / law.slopes[0]),
+            ([false, true], _) => tied(1, left / law.slopes[1]),
             ([false, false], true) => dlambda[Q - 1] = left,
             ([false, false], false) => {}
         }
-        for q in (0..Q).filter(|q| lambda[*q] > w[*q]) {
+        for q in (0..Q).filter(|q| is_active(*q)) {
             dw[q] = -(product[q] + w[q] * dlambda[q]) / lambda[q];
         }
         ds
