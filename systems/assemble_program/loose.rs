@@ -15,6 +15,8 @@ use clastic_components::contact::{Bodies, ContactHistory};
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
 use clastic_components::program::{ConeProgram, Dof, Interaction};
 
+use crate::adjacency::Adjacency;
+
 /// First weight in a repeated attempt, where it applies to every body and its centre follows the
 /// solution until nothing of it is left in the balance; and the factor by which it falls with every
 /// move of the centre, so that what moves on and on is seen to do so.
@@ -103,12 +105,10 @@ pub fn find_loose(bodies: &Bodies, history: &ContactHistory, program: &ConeProgr
     let held = |c: &Interaction| {
         1 + usize::from(c.limits.has_shear()) + usize::from(c.limits.has_rolling())
     };
-    // Room for what most disks have: growing step by step costs more than all else here.
-    let mut neighbours: Vec<Vec<usize>> = (0..n).map(|_| Vec::with_capacity(8)).collect();
+    let adjacency = Adjacency::new(n, stiff.iter().map(|c| [c.a as usize, c.b as usize]));
     let mut constraints = vec![0; n];
-    for (k, c) in stiff.iter().enumerate() {
+    for c in &stiff {
         for body in [c.a as usize, c.b as usize] {
-            neighbours[body].push(k);
             constraints[body] += held(c);
         }
     }
@@ -119,7 +119,7 @@ pub fn find_loose(bodies: &Bodies, history: &ContactHistory, program: &ConeProgr
         if std::mem::replace(&mut loose[i], true) {
             continue;
         }
-        for &k in &neighbours[i] {
+        for &k in adjacency.of(i) {
             let c = stiff[k];
             let j = if c.a as usize == i { c.b } else { c.a } as usize;
             constraints[j] = constraints[j].saturating_sub(held(c));
@@ -129,7 +129,7 @@ pub fn find_loose(bodies: &Bodies, history: &ContactHistory, program: &ConeProgr
         }
     }
     for cluster in clusters(program, &stiff, &loose, &freedom) {
-        hold_cluster(bodies, program, &stiff, &neighbours, &freedom, &cluster, &mut loose);
+        hold_cluster(bodies, program, &stiff, &adjacency, &freedom, &cluster, &mut loose);
     }
     loose
 }
@@ -173,7 +173,7 @@ fn hold_cluster(
     bodies: &Bodies,
     program: &ConeProgram,
     stiff: &[&Interaction],
-    neighbours: &[Vec<usize>],
+    adjacency: &Adjacency,
     freedom: &[usize],
     cluster: &[usize],
     loose: &mut [bool],
@@ -209,7 +209,7 @@ fn hold_cluster(
             }
             add(&row);
         }
-        for &k in &neighbours[i] {
+        for &k in adjacency.of(i) {
             let c = stiff[k];
             let first = c.a as usize == i;
             let other = if first { c.b } else { c.a } as usize;

@@ -9,6 +9,7 @@ use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::increment::Acceptance;
 use clastic_components::program::{ConeProgram, ConeSolution};
 
+use crate::detect_contacts::Candidates;
 use crate::detect_contacts::grid::pairs_within;
 
 /// When pairs are added at all, those come along that are this many mean radii short of closing, or
@@ -21,18 +22,20 @@ const FURTHEST: f64 = 0.5;
 /// Checks all pairs, not just candidates, at the positions after the solution.
 pub fn judge(
     bodies: Res<Bodies>,
+    candidates: Res<Candidates>,
     contacts: Res<Contacts>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
     acceptance: Res<Acceptance>,
     mut attempt: ResMut<Attempt>,
 ) {
-    add_closed(&bodies, &contacts, &program, &solution, &acceptance, &mut attempt);
+    add_closed(&bodies, &candidates, &contacts, &program, &solution, &acceptance, &mut attempt);
 }
 
 /// Asks for another attempt with the pairs that a solution closes; whether there are any.
 pub(super) fn add_closed(
     bodies: &Bodies,
+    candidates: &Candidates,
     contacts: &Contacts,
     program: &ConeProgram,
     solution: &ConeSolution,
@@ -41,7 +44,7 @@ pub(super) fn add_closed(
 ) -> bool {
     let tolerance = acceptance.overlap * bodies.mean_radius;
     let positions = moved_positions(bodies, program, solution);
-    let missed = |reach: f64| unlisted_pairs(bodies, contacts, &positions, reach);
+    let missed = |reach: f64| unlisted_pairs(bodies, candidates, contacts, &positions, reach);
     if missed(-tolerance).is_empty() {
         return false;
     }
@@ -72,23 +75,36 @@ pub(super) fn gap(bodies: &Bodies, positions: &[DVec2], a: u32, b: u32) -> f64 {
     }
 }
 
-/// All pairs that are not in the program and whose gap at the given positions is at most `reach`.
+/// All pairs that are not in the program and whose gap at the given positions is at most `reach`:
+/// searched for only where bodies have left the neighbourhood of the candidates.
 pub(super) fn unlisted_pairs(
     bodies: &Bodies,
+    Candidates(candidates): &Candidates,
     contacts: &Contacts,
     positions: &[DVec2],
     reach: f64,
 ) -> Vec<(u32, u32)> {
-    let mut pairs = Vec::new();
-    pairs_within(&positions[..bodies.particles], &bodies.radii, reach, &mut pairs);
+    let (disks, radii) = (&positions[..bodies.particles], &bodies.radii);
+    let mut pairs = if candidates.is_complete(disks, radii, reach) {
+        candidates.within(disks, radii, reach).collect()
+    } else {
+        let mut found = Vec::new();
+        pairs_within(disks, radii, reach, &mut found);
+        found
+    };
+    // Both are in order.
+    let mut listed = contacts.0.iter().map(|c| (c.a, c.b)).peekable();
+    pairs.retain(|pair| {
+        while listed.next_if(|listed| listed < pair).is_some() {}
+        listed.peek() != Some(pair)
+    });
     for wall in &bodies.walls {
-        for a in 0..bodies.particles as u32 {
-            if gap(bodies, positions, a, wall.body) <= reach {
-                pairs.push((a, wall.body));
+        for pair in (0..bodies.particles as u32).map(|a| (a, wall.body)) {
+            if gap(bodies, positions, pair.0, pair.1) <= reach && !is_listed(contacts, pair) {
+                pairs.push(pair);
             }
         }
     }
-    pairs.retain(|pair| !is_listed(contacts, *pair));
     pairs
 }
 

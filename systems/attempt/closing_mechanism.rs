@@ -11,6 +11,7 @@ use clastic_components::increment::Acceptance;
 use clastic_components::program::{ConeProgram, ConeSolution};
 
 use super::closed_pairs::{add, gap, is_listed, unlisted_pairs};
+use crate::detect_contacts::Candidates;
 
 /// A pair closes if it does so faster than this fraction of the greatest motion.
 const CLOSES: f64 = 1e-6;
@@ -20,6 +21,7 @@ const CLOSES: f64 = 1e-6;
 /// would find support without end. A loaded wall that nothing touches yet comes from any distance.
 pub fn judge(
     bodies: Res<Bodies>,
+    candidates: Res<Candidates>,
     contacts: Res<Contacts>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
@@ -50,7 +52,7 @@ pub fn judge(
         closing > CLOSES * scale * greatest
     };
     let reach = 2.0 * acceptance.throw * bodies.mean_radius;
-    let near = unlisted_pairs(&bodies, &contacts, &bodies.positions, reach);
+    let near = unlisted_pairs(&bodies, &candidates, &contacts, &bodies.positions, reach);
     let touched = |wall: u32| history.0.iter().any(|m| m.b == wall && m.p > 0.0);
     let coming = bodies.walls.iter().filter(|w| motion[w.body as usize] != DVec2::ZERO);
     let coming = coming.filter(|w| !touched(w.body));

@@ -9,6 +9,7 @@ use clastic_components::program::{Certificate, ConeProgram, ConeSolution, SolveS
 
 use super::magnitudes;
 use super::thrown_grains::{reply, thrown};
+use crate::detect_contacts::Candidates;
 use crate::solve_program::certificate::{certificate, proves};
 use crate::solve_program::residuals::regularised_residuals;
 
@@ -22,6 +23,7 @@ pub fn judge(
     mut solution: ResMut<ConeSolution>,
     acceptance: Res<Acceptance>,
     bodies: Res<Bodies>,
+    candidates: Res<Candidates>,
     contacts: Res<Contacts>,
     mut attempt: ResMut<Attempt>,
 ) {
@@ -59,6 +61,7 @@ pub fn judge(
                 // A grain that finds no support must not have been kept from it by pruning.
                 match reply(
                     &bodies,
+                    &candidates,
                     &contacts,
                     &program,
                     &solution,

@@ -13,6 +13,7 @@ use clastic_components::program::{ConeProgram, ConeSolution};
 
 use super::closed_pairs::add_closed;
 use super::restraints::restrain;
+use crate::detect_contacts::Candidates;
 
 /// Fewer grains than this have a mean motion, but no affine field, and are few to be thrown.
 const FEW: usize = 6;
@@ -23,6 +24,7 @@ const MAX_REPLIES: u32 = 3;
 /// about the mean field.
 pub fn judge(
     bodies: Res<Bodies>,
+    candidates: Res<Candidates>,
     contacts: Res<Contacts>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
@@ -34,8 +36,10 @@ pub fn judge(
         return;
     }
     if let Some(reason) = thrown(&bodies, &program, &solution, &acceptance) {
-        attempt.verdict =
-            reply(&bodies, &contacts, &program, &solution, &acceptance, &mut attempt, reason);
+        let (program, solution, attempt) = (&program, &solution, &mut attempt);
+        let verdict =
+            reply(&bodies, &candidates, &contacts, program, solution, &acceptance, attempt, reason);
+        attempt.verdict = verdict;
     }
 }
 
@@ -44,6 +48,7 @@ pub fn judge(
 /// enough, mostly, and it is made at once; many have to settle first.
 pub(super) fn reply(
     bodies: &Bodies,
+    candidates: &Candidates,
     contacts: &Contacts,
     program: &ConeProgram,
     solution: &ConeSolution,
@@ -52,8 +57,9 @@ pub(super) fn reply(
     reason: String,
 ) -> Verdict {
     // What stops a grain must not be mistaken for what holds it back.
-    attempt.learnt = add_closed(bodies, contacts, program, solution, acceptance, attempt)
-        || restrain(bodies, program, solution, acceptance, attempt);
+    attempt.learnt =
+        add_closed(bodies, candidates, contacts, program, solution, acceptance, attempt)
+            || restrain(bodies, program, solution, acceptance, attempt);
     let far = far_motions(bodies, program, solution);
     let few = far.iter().filter(|far| !(**far <= acceptance.throw)).count() < FEW;
     if attempt.learnt && few && attempt.replies < MAX_REPLIES {

@@ -71,18 +71,12 @@ impl CandidatePairs {
     /// Makes sure that every pair with gap <= `reach` (m) is listed, and returns whether the list
     /// had to be rebuilt.
     ///
-    /// It is rebuilt where the disks are others than it was built for, or `reach + d₁ + d₂` exceeds
-    /// what it was built to, with d₁ and d₂ the two greatest displacements since: no gap has closed
-    /// by more than their sum. It is also rebuilt where it has become much wider than asked for. A
-    /// disk whose position or radius is not finite is in no pair for as long.
+    /// It is rebuilt where it may not be [complete](Self::is_complete), and where it has become much
+    /// wider than asked for. A disk whose position or radius is not finite is in no pair for as long.
     pub fn ensure(&mut self, positions: &[DVec2], radii: &[f64], reach: f64) -> bool {
-        let same_disks = positions.len() == self.built_positions.len() && radii == self.built_radii;
         let excess = self.built_reach - reach - self.skin * self.mean_radius;
         let too_wide = excess > GREATEST_EXCESS * self.mean_radius;
-        if same_disks
-            && !too_wide
-            && reach + greatest_approach(&self.built_positions, positions) <= self.built_reach
-        {
+        if !too_wide && self.is_complete(positions, radii, reach) {
             return false;
         }
         self.rebuild(positions, radii, reach);
@@ -94,10 +88,18 @@ impl CandidatePairs {
         &self.pairs
     }
 
-    /// The listed pairs with gap <= `reach` (m) at these positions, sorted: all there are, if
-    /// [`ensure`](Self::ensure) was called with these positions and a reach no less.
-    #[cfg(test)]
-    fn within(
+    /// Whether every pair with gap <= `reach` (m) at these positions is surely listed: the disks are
+    /// those that the list was built for, and `reach + d₁ + d₂` does not exceed what it was built to,
+    /// with d₁ and d₂ the two greatest displacements since: no gap has closed by more than their sum.
+    pub fn is_complete(&self, positions: &[DVec2], radii: &[f64], reach: f64) -> bool {
+        positions.len() == self.built_positions.len()
+            && radii == self.built_radii
+            && reach + greatest_approach(&self.built_positions, positions) <= self.built_reach
+    }
+
+    /// The listed pairs with gap <= `reach` (m) at these positions, sorted: all there are, if the list
+    /// [is complete](Self::is_complete) there.
+    pub fn within(
         &self,
         positions: &[DVec2],
         radii: &[f64],

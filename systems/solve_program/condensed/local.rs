@@ -11,6 +11,7 @@ use super::matrix::{BodyMatrix, places};
 use super::newton::{self, Limits};
 use super::parallel::in_parallel;
 use super::scaled::{Local, Scaled};
+use crate::adjacency::Adjacency;
 
 /// Bodies with more than this fraction of the greatest unbalance are eliminated, and those that the last
 /// step left behind,
@@ -37,43 +38,9 @@ const LIMITS: Limits = Limits {
     least_damping: 1e-10,
 };
 
-/// The interactions of every body.
-pub struct Adjacency {
-    starts: Vec<usize>,
-    interactions: Vec<usize>,
-}
-
-impl Adjacency {
-    /// Of a program.
-    #[must_use]
-    pub fn new(program: &Scaled) -> Self {
-        let n = program.free.len();
-        let mut starts = vec![0; n + 1];
-        for body in program.locals.iter().flat_map(|l| l.bodies) {
-            starts[body + 1] += 1;
-        }
-        for i in 0..n {
-            starts[i + 1] += starts[i];
-        }
-        let mut next = starts.clone();
-        let mut interactions = vec![0; starts[n]];
-        for (k, l) in program.locals.iter().enumerate() {
-            for body in l.bodies {
-                interactions[next[body]] = k;
-                next[body] += 1;
-            }
-        }
-        Self { starts, interactions }
-    }
-
-    fn of(&self, body: usize) -> &[usize] {
-        &self.interactions[self.starts[body]..self.starts[body + 1]]
-    }
-
-    /// Walls touch bodies everywhere: elimination leaves them where they are.
-    pub(super) fn is_crowded(&self, body: usize) -> bool {
-        self.of(body).len() > CROWDED
-    }
+/// Walls touch bodies everywhere: elimination leaves them where they are.
+pub(super) fn is_crowded(adjacency: &Adjacency, body: usize) -> bool {
+    adjacency.of(body).len() > CROWDED
 }
 
 /// Brings the bodies that are furthest out of balance, and those that are `fast` (none if it is empty),
@@ -90,7 +57,7 @@ pub(super) fn eliminate(
         gradient.iter().map(|g| g.iter().fold(0.0_f64, |m, g| m.max(g.abs()))).collect();
     let greatest = unbalance.iter().copied().fold(0.0, f64::max);
     let n = unbalance.len();
-    let mobile = |i: usize| program.free[i].contains(&true) && !adjacency.is_crowded(i);
+    let mobile = |i: usize| program.free[i].contains(&true) && !is_crowded(adjacency, i);
     let wanted = |i: usize| unbalance[i] > SHARE * greatest || fast.get(i) == Some(&true);
     let mut inside = vec![false; n];
     let mut list: Vec<usize> = (0..n).filter(|i| wanted(*i) && mobile(*i)).collect();

@@ -8,9 +8,10 @@
 //! leaves fast bodies behind it is one of the others alone: what that does to those bodies is not counted.
 
 use super::interior::factorise_and_solve;
-use super::local::{Adjacency, eliminate};
+use super::local::{eliminate, is_crowded};
 use super::matrix::BodyMatrix;
 use super::scaled::{Kind, Local, Scaled, add_forces, kinematics};
+use crate::adjacency::Adjacency;
 
 /// What ends the iteration, and what damps it.
 #[derive(Clone, Copy, Debug)]
@@ -196,7 +197,9 @@ impl Spring {
 pub fn solve(program: &Scaled, matrix: &mut BodyMatrix, start: &[[f64; 3]], goal: f64) -> Newton {
     let patience = if program.is_damped() { GLOBAL.iterations } else { GLOBAL.patience };
     let limits = Limits { goal, patience, ..GLOBAL };
-    iterate(program, matrix, start, &limits, Some(&Adjacency::new(program)))
+    let pairs = program.locals.iter().map(|l| l.bodies);
+    let adjacency = Adjacency::new(program.free.len(), pairs);
+    iterate(program, matrix, start, &limits, Some(&adjacency))
 }
 
 /// Runs the iteration from the displacements `start`; with local elimination where the adjacency of
@@ -324,7 +327,7 @@ impl SlowPart {
         let place = (MOST * sizes.len() as f64) as usize;
         let (_, usual, _) = sizes.select_nth_unstable_by(place, f64::total_cmp);
         let greatest = FAST * *usual;
-        let is_fast = |i: usize| size(&du[i]) > greatest && !adjacency.is_crowded(i);
+        let is_fast = |i: usize| size(&du[i]) > greatest && !is_crowded(adjacency, i);
         let fast: Vec<bool> = (0..du.len()).map(is_fast).collect();
         fast.contains(&true).then(|| {
             let slow = |(du, fast): (&[f64; 3], &bool)| if *fast { [0.0; 3] } else { *du };
