@@ -22,7 +22,7 @@ use clastic_components::wall::Wall;
 use crate::control_walls::wall_distance;
 use crate::gather_bodies::gather_bodies;
 use crate::schedule::{Increment, IncrementSystems, lap};
-use crate::solve_program::residuals::no_force;
+use crate::solve_program::residuals::Carrying;
 
 /// Adds the systems of the record.
 pub struct RecordPlugin;
@@ -194,8 +194,9 @@ fn record_state(
     out.stage.clone_from(&progress.stage_name);
     out.fraction = progress.fraction;
     out.time = progress.time;
-    let touching = no_force(&program, &solution.forces);
-    out.contacts = solution.forces.iter().filter(|f| f[0].abs() > touching).count();
+    let carrying = Carrying::new(&program, &solution);
+    let interactions = 0..solution.forces.len().min(program.interactions.len());
+    out.contacts = interactions.filter(|k| carrying.is_carrying(*k)).count();
     out.potential_contacts = contacts.0.len();
     out.bonds = bodies.bonds.len();
     out.broken = count.0;

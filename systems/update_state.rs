@@ -19,7 +19,7 @@ use clastic_components::program::{ConeProgram, ConeSolution, Dof};
 use clastic_components::wall::Wall;
 
 use crate::schedule::{Increment, IncrementSystems, lap};
-use crate::solve_program::residuals::no_force;
+use crate::solve_program::residuals::Carrying;
 
 /// Adds the systems of the update.
 pub struct UpdateStatePlugin;
@@ -170,18 +170,19 @@ pub fn remember_contacts(
         AnalysisKind::Dynamic { theta, .. } => theta,
         AnalysisKind::Static | AnalysisKind::LeastMotion { .. } => 1.0,
     };
-    let nothing = no_force(&program, &solution.forces);
+    let carrying = Carrying::new(&program, &solution);
     let before = std::mem::take(&mut *history);
     history.0.reserve(contacts.0.len());
     let is_known = |body: u32| !program.bodies[body as usize].is_free();
-    for ((contact, c), f) in contacts.0.iter().zip(&program.interactions).zip(&solution.forces) {
+    let forces = program.interactions.iter().zip(&solution.forces);
+    for (k, (contact, (c, f))) in contacts.0.iter().zip(forces).enumerate() {
         // Between rigid bodies that are both held any force will do: what a solver says of it would be a
         // scale beside which no error shows.
         if c.normal_compliance == 0.0 && is_known(c.a) && is_known(c.b) {
             history.0.extend(before.get(contact.a, contact.b).copied());
             continue;
         }
-        if !c.limits.has_strength() && f[0] <= nothing {
+        if !c.limits.has_strength() && !(f[0] > 0.0 && carrying.is_carrying(k)) {
             continue;
         }
         let q = if c.tangential_compliance > 0.0 {

@@ -22,7 +22,7 @@ use clastic_components::increment::{Analysis, AnalysisKind, Corrector};
 use clastic_components::program::{ConeProgram, ConeSolution};
 
 use super::closed_pairs::moved_positions;
-use crate::solve_program::residuals::{displacement_scale, no_force};
+use crate::solve_program::residuals::{Carrying, displacement_scale};
 
 /// Asks for another pass until gap, slip and normal of what carries force are those of the solution.
 pub fn judge(
@@ -44,10 +44,10 @@ pub fn judge(
     }
     let end = moved_positions(&bodies, &program, &solution);
     let unit = displacement_scale(&program, &solution.displacements);
-    let touching = no_force(&program, &solution.forces);
+    let carrying = Carrying::new(&program, &solution);
     let mut corrections = Vec::new();
     let mut change = 0.0_f64;
-    for ((contact, c), f) in contacts.0.iter().zip(&program.interactions).zip(&solution.forces) {
+    for (k, (contact, c)) in contacts.0.iter().zip(&program.interactions).enumerate() {
         let (a, b) = (contact.a as usize, contact.b as usize);
         // The normal of a wall stands still.
         if b >= bodies.particles {
@@ -72,7 +72,7 @@ pub fn judge(
             slip: normal.perp().dot(moved) - length * start.angle_to(finish),
         };
         let old = attempt.correction(new.pair);
-        let carries = f[0].abs() > touching || contact.bond.is_some();
+        let carries = carrying.is_carrying(k) || contact.bond.is_some();
         if carries || gap < 0.0 {
             let expected = old.map_or(contact.gap, |o| o.offset) + c.normal.dot(moved);
             change = change.max((gap - expected).abs() / unit);

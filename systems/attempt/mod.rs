@@ -6,7 +6,7 @@
 //! ruptures) is kept in [`Attempt`] until the increment is committed.
 //!
 //! A rejected increment is tried again: with the magnitudes that the failed attempt found as
-//! scales; then with every body regularised and the centre of the regularisation following the
+//! scales, unless it moved grains very far; then with every body regularised and the centre of the regularisation following the
 //! solution, so that no bias is left; then with half the increment, and so on. Where a solution
 //! would throw grains, they [`settle`] first.
 
@@ -28,9 +28,9 @@ use glam::DVec2;
 
 use clastic_components::attempt::{Attempt, IncrementStatus, Verdict};
 use clastic_components::body::{AppliedLoad, Ramp};
-use clastic_components::contact::ContactHistory;
+use clastic_components::contact::{Bodies, ContactHistory};
 use clastic_components::increment::{
-    Acceptance, Analysis, Corrector, FrictionLaw, Progress, RuptureRules,
+    Acceptance, Analysis, AnalysisKind, Corrector, FrictionLaw, Progress, RuptureRules,
 };
 use clastic_components::program::{ConeSolution, SolveStatus};
 use clastic_components::wall::WallDrive;
@@ -88,6 +88,9 @@ fn collapsed(attempt: Res<Attempt>) -> bool {
 /// More solves than this in one increment mean that the attempts go round in circles.
 const MAX_SOLVES: u32 = 1000;
 
+/// A grain that an unconverged solution moves further than this, in its radii, has nothing to hold it.
+const FLUNG: f64 = 10.0;
+
 /// A throw of more than this fraction of what it was in the whole increment has other reasons.
 const IN_VAIN: f64 = 0.75;
 
@@ -140,7 +143,9 @@ pub fn run_attempts(world: &mut World) {
                 // Rigid bodies that have no motion have none with other scales either.
                 let locked = attempt.status == IncrementStatus::Locked;
                 if !locked && attempt.effort < loose::RETRY && attempt.solves < MAX_SOLVES {
-                    attempt.effort += 1;
+                    let flung = is_flung(world);
+                    let mut attempt = world.resource_mut::<Attempt>();
+                    attempt.effort = if flung { loose::RETRY } else { attempt.effort + 1 };
                     forget(&mut attempt, reason);
                     continue;
                 }
@@ -205,6 +210,16 @@ pub fn run_attempts(world: &mut World) {
             strained = 0.0;
         }
     }
+}
+
+/// Whether a static solution that did not converge moves a grain very far: what it lacks is a hold, not
+/// other scales.
+fn is_flung(world: &World) -> bool {
+    let complete = world.resource::<ConeSolution>().displacements.len()
+        == world.resource::<Bodies>().positions.len();
+    complete
+        && world.resource::<Analysis>().kind == AnalysisKind::Static
+        && settle::furthest_motion(world) > FLUNG
 }
 
 /// Whether anything but walls that move as they are told to acts on a specimen that carries something

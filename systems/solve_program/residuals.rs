@@ -16,7 +16,7 @@
 use glam::DVec2;
 
 use clastic_components::program::{
-    ConeProgram, Dof, Interaction, Kinematics, ProgramBody, Residuals,
+    ConeProgram, ConeSolution, Dof, Interaction, Kinematics, ProgramBody, Residuals,
 };
 
 /// Multipliers of the limits of one interaction, m, m, rad: tension, slip (signed), rotation
@@ -53,13 +53,46 @@ pub fn multipliers(c: &Interaction, e: &Kinematics, f: &[f64; 3]) -> Multipliers
 /// would not show.
 const GREATEST_FORCE: f64 = 1e5;
 
-/// Greatest normal force, N, that a solution leaves on an open contact: what an interior point leaves of the
-/// product of force and gap. (Of a step in which grains settle all is kept: it says which contacts are near.)
-#[must_use]
-pub fn no_force(program: &ConeProgram, forces: &[[f64; 3]]) -> f64 {
-    let left = if program.is_dynamic() { program.tolerance } else { 0.0 };
-    left.max(1e-9) * force_scale(program, forces)
+/// Which interactions carry a normal force: an interior point leaves a little on open contacts, of the
+/// product of force and gap. (Of a step in which grains settle all is kept: it says which contacts are
+/// near.)
+pub struct Carrying<'a> {
+    program: &'a ConeProgram,
+    solution: &'a ConeSolution,
+    /// Greatest normal force that is none, N.
+    nothing: f64,
+    /// Greatest force and displacement where gaps count too, N and m.
+    units: Option<[f64; 2]>,
 }
+
+impl<'a> Carrying<'a> {
+    /// Of a solution. In dynamics it may end with any product that is accepted; then the greater of the two
+    /// factors, each in units of the greatest there is, tells.
+    #[must_use]
+    pub fn new(program: &'a ConeProgram, solution: &'a ConeSolution) -> Self {
+        let force = force_scale(program, &solution.forces);
+        let dynamic = program.is_dynamic();
+        let nothing = if dynamic { program.tolerance.max(NOTHING) } else { NOTHING } * force;
+        let units = (dynamic && solution.displacements.len() == program.bodies.len())
+            .then(|| [force, displacement_scale(program, &solution.displacements)]);
+        Self { program, solution, nothing, units }
+    }
+
+    /// Whether interaction `k` does.
+    #[must_use]
+    pub fn is_carrying(&self, k: usize) -> bool {
+        let (c, f) = (&self.program.interactions[k], &self.solution.forces[k]);
+        let p = f[0].abs();
+        p > self.nothing
+            && self.units.is_none_or(|[force, displacement]| {
+                let e = self.program.kinematics(c, &self.solution.displacements);
+                p * displacement >= multipliers(c, &e, f).tension * force
+            })
+    }
+}
+
+/// Normal force over the greatest that counts as none.
+const NOTHING: f64 = 1e-9;
 
 /// Greatest force in the program: contact or applied, N; the scale where all are zero.
 ///

@@ -50,6 +50,11 @@ const LARGE: usize = 2500;
 /// What the interior point leaves is worth polishing when its residual is this good.
 const WORTH: f64 = 1e-3;
 
+/// Bodies that move less than this in an increment, in mean radii, may be at rest, and matter if they are
+/// more than this fraction.
+const STILL: f64 = 1e-6;
+const RESTING: f64 = 0.02;
+
 /// A starting point with greater displacements, in units of the scale, is not used.
 const FAR: f64 = 20.0;
 
@@ -191,14 +196,23 @@ impl Condensed {
         program: &ConeProgram,
         start: &[[f64; 3]],
     ) -> Result<ConeSolution, MalformedProgram> {
-        match self.try_condensed(program, start) {
+        let mut spent = 0;
+        match self.try_condensed(program, start, &mut spent) {
             Some(solution) => Ok(solution),
-            None => self.fallback.solve(program),
+            None => {
+                let solution = self.fallback.solve(program)?;
+                Ok(ConeSolution { iterations: spent + solution.iterations, ..solution })
+            }
         }
     }
 
-    /// `None` where the fallback may tell what is the matter.
-    fn try_condensed(&mut self, program: &ConeProgram, start: &[[f64; 3]]) -> Option<ConeSolution> {
+    /// `None` where the fallback may tell what is the matter; `iterations` were spent in any case.
+    fn try_condensed(
+        &mut self,
+        program: &ConeProgram,
+        start: &[[f64; 3]],
+        iterations: &mut u32,
+    ) -> Option<ConeSolution> {
         if program.interactions.is_empty() {
             return None;
         }
@@ -212,7 +226,8 @@ impl Condensed {
         // them static grains without load float far about. Where there is nothing of that, what is accepted
         // is all that is needed.
         let is_bonded = || program.interactions.iter().any(|c| c.limits.has_strength());
-        let at_once = program.is_dynamic() && (loose || (large && !is_bonded()));
+        let at_once =
+            program.is_dynamic() && (loose || (large && !is_bonded() && !may_rest(program, start)));
         let residual = goal(INTERIOR_MARGIN);
         let interior_goal = if at_once {
             interior::Goal::enough(residual, tolerance)
@@ -252,13 +267,12 @@ impl Condensed {
             solution
         };
         let mut starts = vec![start];
-        let mut iterations = 0;
         if newton::applies(&scaled) {
             let result = in_pool(has_branches, || {
                 newton::solve(&scaled, matrix, &starts[0], goal(newton_margin))
             });
-            iterations += result.iterations;
-            let solution = back(&result.u, &result.s, iterations, "newton");
+            *iterations += result.iterations;
+            let solution = back(&result.u, &result.s, *iterations, "newton");
             if solution.status == SolveStatus::Solved {
                 return Some(solution);
             }
@@ -278,11 +292,11 @@ impl Condensed {
             let Some(result) = result else {
                 continue;
             };
-            iterations += result.iterations;
+            *iterations += result.iterations;
             if result.merit > WORTH && !(large && undamped) {
                 continue;
             }
-            let solution = back(&result.u, &result.s, iterations, "interior");
+            let solution = back(&result.u, &result.s, *iterations, "interior");
             let solved = solution.status == SolveStatus::Solved;
             let better = |(last, _): &(interior::Interior, _)| result.merit < last.merit;
             if solved || last.as_ref().is_none_or(better) {
@@ -313,6 +327,15 @@ impl Condensed {
         }
         None
     }
+}
+
+/// Whether some of a dynamic program hardly moved in the last increment: only forces that are nearly exact
+/// show that it is [at rest](rest).
+fn may_rest(program: &ConeProgram, last: &[[f64; 3]]) -> bool {
+    let free = program.bodies.iter().zip(last).filter(|(body, _)| body.is_free());
+    let still = |u: &[f64; 3]| u[0].hypot(u[1]) <= STILL * program.scales.length;
+    let resting = free.clone().filter(|(_, u)| still(u)).count();
+    resting as f64 > RESTING * free.count() as f64
 }
 
 /// Whether bonds without compliance make forces and mechanism a matter of choice. The interior point

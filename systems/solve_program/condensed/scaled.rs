@@ -92,6 +92,8 @@ impl Scaled {
             out.right.push(right);
             out.known.push(known);
         }
+        // They are large, and to grow step by step is to copy them all.
+        out.locals.reserve_exact(program.interactions.len());
         for c in &program.interactions {
             let l = &c.limits;
             let has = [true, l.has_shear(), l.has_rolling()];

@@ -211,8 +211,10 @@ pub fn solve(
     Some(point)
 }
 
+/// Greatest magnitude; not a number if any of them is not.
 fn greatest(rows: &[[f64; 3]]) -> f64 {
-    rows.iter().flatten().map(|r| r.abs()).fold(0.0, f64::max)
+    let greater = |m: f64, r: &f64| if r.abs() <= m || m.is_nan() { m } else { r.abs() };
+    rows.iter().flatten().fold(0.0, greater)
 }
 
 fn set_negative(rows: &mut [[f64; 3]], of: &[[f64; 3]]) {
