@@ -2,6 +2,7 @@
 
 mod common;
 
+use clastic::components::contact::ContactHistory;
 use clastic::components::program::{ConeProgram, ConeSolution, SolveStatus};
 use clastic::run::{Outcome, Simulation, WorldState};
 use clastic::scene::format::{
@@ -250,4 +251,55 @@ fn a_stack_sleeps_on_or_is_solved_when_what_is_fast_stops() {
     let (records, outcome) = run(&scene);
     assert_eq!(outcome, Outcome::Completed);
     assert!(records.iter().all(|r| r.solves == 1), "an increment was solved again");
+}
+
+/// Pyramids of fifteen disks, the disks of a row a hundred thousandth of a metre apart, on one floor.
+fn pyramids(count: usize) -> Scene {
+    const R: f64 = 0.01;
+    const GAP: f64 = 1e-5;
+    let mut disks = String::new();
+    for pyramid in 0..count {
+        for (row, disks_of_row) in (1..=5).rev().enumerate() {
+            for k in 0..disks_of_row {
+                let x = 13.0 * R * pyramid as f64 + (2.0 * R + GAP) * (k as f64 + 0.5 * row as f64);
+                let y = R + row as f64 * (4.0 * R * R - (R + 0.5 * GAP).powi(2)).sqrt();
+                disks += &format!("(position: ({x:?}, {y:?}), radius: {R}),");
+            }
+        }
+    }
+    let floor = 13.0 * R * count as f64;
+    parse(&format!(
+        "(
+            version: 1,
+            title: \"pyramids\",
+            analysis: Dynamic(dt: 2.0e-3, theta: 1.0),
+            gravity: (0.0, -9.81),
+            materials: {{ \"stone\": (density: 2650.0, contact: ({RIGID})) }},
+            specimen: Particles([{disks}]),
+            walls: [(name: \"floor\", start: (-1.0, 0.0), end: ({floor}, 0.0), contact: ({RIGID}))],
+            stages: [Load(name: \"rest\", increments: 6)],
+        )"
+    ))
+}
+
+/// A large scene ends with any product of force and gap that is accepted, and every pair with a gap of
+/// 10 um counted as a contact: all 35 of a pyramid.
+#[test]
+fn contacts_of_a_large_scene_touch() {
+    for count in [1, 80] {
+        let mut simulation = Simulation::new(&pyramids(count), None);
+        let mut contacts = 0;
+        while let Some(record) = next(&mut simulation) {
+            contacts = record.contacts;
+        }
+        let x: Vec<_> = states(&mut simulation).iter().map(|s| s.position).collect();
+        let history = &simulation.world().resource::<ContactHistory>().0;
+        assert_eq!(contacts, history.len());
+        // Five on the floor and two under each of ten, but for those that the arches above leave open.
+        assert!((18 * count..=25 * count).contains(&contacts), "{contacts} of {count} pyramids");
+        for m in history.iter().filter(|m| (m.b as usize) < x.len()) {
+            let gap = x[m.a as usize].distance(x[m.b as usize]) - 0.02;
+            assert!(gap.abs() < 1e-8, "a gap of {gap:e} m in {count} pyramids");
+        }
+    }
 }

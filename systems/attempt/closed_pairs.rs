@@ -19,7 +19,7 @@ const COMPANY_OF_MOTION: f64 = 0.5;
 /// But none further than this, in mean radii.
 const FURTHEST: f64 = 0.5;
 
-/// Checks all pairs, not just candidates, at the positions after the solution.
+/// Checks all pairs, not just those of the program, at the positions after the solution.
 pub fn judge(
     bodies: Res<Bodies>,
     candidates: Res<Candidates>,

@@ -50,11 +50,6 @@ const LARGE: usize = 2500;
 /// What the interior point leaves is worth polishing when its residual is this good.
 const WORTH: f64 = 1e-3;
 
-/// Bodies that move less than this in an increment, in mean radii, may be at rest, and matter if they are
-/// more than this fraction.
-const STILL: f64 = 1e-6;
-const RESTING: f64 = 0.02;
-
 /// A starting point with greater displacements, in units of the scale, is not used.
 const FAR: f64 = 20.0;
 
@@ -226,8 +221,7 @@ impl Condensed {
         // them static grains without load float far about. Where there is nothing of that, what is accepted
         // is all that is needed.
         let is_bonded = || program.interactions.iter().any(|c| c.limits.has_strength());
-        let at_once =
-            program.is_dynamic() && (loose || (large && !is_bonded() && !may_rest(program, start)));
+        let at_once = program.is_dynamic() && (loose || (large && !is_bonded()));
         let residual = goal(INTERIOR_MARGIN);
         let interior_goal = if at_once {
             interior::Goal::enough(residual, tolerance)
@@ -327,15 +321,6 @@ impl Condensed {
         }
         None
     }
-}
-
-/// Whether some of a dynamic program hardly moved in the last increment: only forces that are nearly exact
-/// show that it is [at rest](rest).
-fn may_rest(program: &ConeProgram, last: &[[f64; 3]]) -> bool {
-    let free = program.bodies.iter().zip(last).filter(|(body, _)| body.is_free());
-    let still = |u: &[f64; 3]| u[0].hypot(u[1]) <= STILL * program.scales.length;
-    let resting = free.clone().filter(|(_, u)| still(u)).count();
-    resting as f64 > RESTING * free.count() as f64
 }
 
 /// Whether bonds without compliance make forces and mechanism a matter of choice. The interior point
