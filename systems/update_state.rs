@@ -182,7 +182,8 @@ pub fn remember_contacts(
             history.0.extend(before.get(contact.a, contact.b).copied());
             continue;
         }
-        if !c.limits.has_strength() && !(f[0] > 0.0 && carrying.is_carrying(k)) {
+        let is_kept = c.limits.has_strength() || (f[0] > 0.0 && carrying.is_carrying(k));
+        if !is_kept {
             continue;
         }
         let q = if c.tangential_compliance > 0.0 {

@@ -130,7 +130,8 @@ pub fn motions(particles: usize, program: &ConeProgram, solution: &ConeSolution)
         .collect()
 }
 
-/// Strain of the mean field of a solution.
+/// Size of the strain of the mean field of a solution, never negative: the Frobenius norm of its symmetric
+/// gradient.
 #[must_use]
 pub fn mean_strain(bodies: &Bodies, program: &ConeProgram, solution: &ConeSolution) -> f64 {
     let n = bodies.particles;

@@ -38,7 +38,8 @@ pub trait ConeSolver: Send + Sync {
     /// negative inertias, compliances or limits.
     fn solve(&mut self, program: &ConeProgram) -> Result<ConeSolution, MalformedProgram>;
 
-    /// What the next answer depends on besides the program, by body: where a warm start begins.
+    /// What the next answer depends on besides the program: where a warm start begins. By body
+    /// in its own axes: two displacements, m, and a rotation, rad.
     /// A checkpoint stores it.
     fn memory(&self) -> &[[f64; 3]] {
         &[]
