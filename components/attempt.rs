@@ -124,6 +124,8 @@ pub struct Attempt {
     /// Bodies that went far in a rejected solution: their taut bonds pull them back; empty before
     /// there was one.
     pub swinging: Vec<bool>,
+    /// Whether a mechanism is sought by which the specimen collapses, instead of a solution.
+    pub proving: bool,
     /// Bodies that are held where they are while others settle; empty where none is.
     pub held: Vec<bool>,
     /// Whether the last throw has shown anything (pairs, restraints) that was not in the program.

@@ -5,8 +5,10 @@ use std::path::Path;
 
 use clastic::components::attempt::IncrementStatus;
 use clastic::components::observation::Observation;
+use clastic::components::program::{ConeProgram, ConeSolution};
 use clastic::run::{Outcome, Simulation, Step};
 use clastic::scene;
+use clastic::systems::solve_program::certificate::{certificate, proves};
 
 /// Runs a scene of `scenes/` with other settings.
 fn run(name: &str, settings: &[&str]) -> (Vec<Observation>, Outcome) {
@@ -107,4 +109,56 @@ fn confined_specimen_under_stress_collapses_and_does_not_strain_on() {
     let (carried, strain) = limit(&records);
     assert!((700e3..1000e3).contains(&carried), "{carried}");
     assert!(strain < 0.05, "{strain}");
+}
+
+/// A heap of `n` by `n` disks that carries 1 kN between platens, and then loses a side.
+fn heap(n: usize, contact: &str) -> String {
+    let (width, height) = (0.01 * n as f64 + 0.005, 0.01 + 0.01 * 0.75_f64.sqrt() * (n - 1) as f64);
+    format!(
+        "(
+            version: 1,
+            title: \"heap\",
+            materials: {{ \"stone\": (contact: ({contact})) }},
+            specimen: Lattice(columns: {n}, rows: {n}, radius: 5.0e-3, origin: (5.0e-3, 5.0e-3)),
+            walls: [
+                (name: \"bottom\", start: (-1.0, 0.0), end: (2.0, 0.0), contact: ({contact})),
+                (name: \"top\", start: (2.0, {height}), end: (-1.0, {height}), contact: ({contact})),
+                (name: \"left\", start: (0.0, 1.0), end: (0.0, 0.0), contact: ({contact})),
+                (name: \"right\", start: ({width}, 0.0), end: ({width}, 1.0), contact: ({contact})),
+            ],
+            stages: [
+                Load(name: \"press\", increments: 2, walls: {{ \"top\": Force(1000.0) }}),
+                Load(
+                    name: \"load\",
+                    increments: 2,
+                    remove_walls: [\"right\"],
+                    walls: {{ \"top\": Force(1000.0) }},
+                ),
+            ],
+        )"
+    )
+}
+
+/// In large specimens, and in rigid ones that settled before, a collapse was reported without a mechanism
+/// that proves it.
+#[test]
+fn collapse_of_a_heap_is_proved_however_large() {
+    let elastic = "normal_stiffness: 6.0e7, tangential_stiffness: 6.0e7, friction: 0.2";
+    for (n, contact) in [(12, elastic), (12, "friction: 0.2"), (32, elastic)] {
+        let text = heap(n, contact);
+        let loaded = scene::from_str(&text, Path::new("heap.ron"), Path::new(""), &[]).unwrap();
+        let mut simulation = Simulation::new(&loaded.scene, loaded.specimen.as_ref());
+        let outcome = loop {
+            if let Step::Finished(outcome) = simulation.step() {
+                break outcome;
+            }
+        };
+        assert_collapses(&outcome);
+        let Outcome::Collapsed(collapse) = outcome else { unreachable!() };
+        assert!(collapse.reason.contains("a mechanism proves it"), "{n}: {}", collapse.reason);
+        let program = simulation.world().resource::<ConeProgram>();
+        let found = simulation.world().resource::<ConeSolution>().certificate.clone().unwrap();
+        let again = certificate(program, &found.mechanism).filter(proves);
+        assert!(again.is_some_and(|c| c.margin > 0.9), "{n}: {found:?}");
+    }
 }

@@ -18,6 +18,7 @@ use clastic_components::attempt::Attempt;
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
 use clastic_components::program::{ConeProgram, ConeSolution, Dof, SolveStatus};
 
+use self::condensed::mechanism;
 use crate::schedule::{AttemptIncrement, AttemptSystems, lap};
 
 /// A program that no solver can read: an error of whoever assembled it.
@@ -80,7 +81,10 @@ pub fn solve_program(
     mut attempt: ResMut<Attempt>,
     mut solution: ResMut<ConeSolution>,
 ) {
-    *solution = match check(&program).and_then(|()| solver.0.solve(&program)) {
+    let mut solve = |program: &ConeProgram| {
+        if attempt.proving { Ok(mechanism::find(program)) } else { solver.0.solve(program) }
+    };
+    *solution = match check(&program).and_then(|()| solve(&program)) {
         Ok(solution) => solution,
         Err(malformed) => ConeSolution { message: malformed.to_string(), ..Default::default() },
     };

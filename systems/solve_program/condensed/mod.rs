@@ -10,6 +10,7 @@
 pub mod interior;
 pub mod local;
 pub mod matrix;
+pub mod mechanism;
 pub mod newton;
 mod parallel;
 pub mod reduced;
