@@ -6,9 +6,10 @@
 //! ruptures) is kept in [`Attempt`] until the increment is committed.
 //!
 //! A rejected increment is tried again: with the magnitudes that the failed attempt found as
-//! scales, unless it moved grains very far; then with every body regularised and the centre of the regularisation following the
-//! solution, so that no bias is left; then with half the increment, and so on. Where a solution
-//! would throw grains, they [`settle`] first.
+//! scales, unless it moved grains very far; then with every body regularised and the centre of the
+//! regularisation following the solution, so that no bias is left; then with half the increment, and
+//! so on. Where a solution would throw grains, they [`settle`] first. Where a specimen gives way instead,
+//! a mechanism is sought that proves its collapse.
 
 pub mod cascade;
 pub mod closed_pairs;
