@@ -286,6 +286,7 @@ fn pyramids(count: usize) -> Scene {
 /// 10 um counted as a contact: all 35 of a pyramid.
 #[test]
 fn contacts_of_a_large_scene_touch() {
+    let mut alone = 0;
     for count in [1, 80] {
         let mut simulation = Simulation::new(&pyramids(count), None);
         let mut contacts = 0;
@@ -297,6 +298,8 @@ fn contacts_of_a_large_scene_touch() {
         assert_eq!(contacts, history.len());
         // Five on the floor and two under each of ten, but for those that the arches above leave open.
         assert!((18 * count..=25 * count).contains(&contacts), "{contacts} of {count} pyramids");
+        alone = if count == 1 { contacts } else { alone };
+        assert_eq!(contacts, count * alone);
         for m in history.iter().filter(|m| (m.b as usize) < x.len()) {
             let gap = x[m.a as usize].distance(x[m.b as usize]) - 0.02;
             assert!(gap.abs() < 1e-8, "a gap of {gap:e} m in {count} pyramids");

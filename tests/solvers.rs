@@ -277,6 +277,7 @@ fn an_interior_point_that_is_not_enough_goes_on_near_its_goal() {
                 })
             };
             let (Some(soon), Some(late)) = (end(true), end(false)) else { continue };
+            assert!(late.merit <= soon.merit);
             assert!(late.iterations >= soon.iterations);
             went_on += usize::from(late.merit < soon.merit);
         }

@@ -17,6 +17,7 @@ pub mod closing_mechanism;
 pub mod converged;
 pub mod corrector;
 pub mod coulomb;
+mod giving_way;
 pub mod push_out;
 pub mod restraints;
 pub mod settle;
@@ -29,13 +30,14 @@ use glam::DVec2;
 
 use clastic_components::attempt::{Attempt, IncrementStatus, Verdict};
 use clastic_components::body::{AppliedLoad, Ramp};
-use clastic_components::contact::{Bodies, ContactHistory, Contacts};
+use clastic_components::contact::{Bodies, ContactHistory};
 use clastic_components::increment::{
     Acceptance, Analysis, AnalysisKind, Corrector, FrictionLaw, Progress, RuptureRules,
 };
-use clastic_components::program::{ConeProgram, ConeSolution, SolveStatus};
+use clastic_components::program::{ConeSolution, SolveStatus};
 use clastic_components::wall::WallDrive;
 
+use self::giving_way::give_way;
 use self::settle::Settled;
 use crate::assemble_program::loose;
 use crate::schedule::{AttemptIncrement, AttemptSystems, Increment, IncrementSystems, start_clock};
@@ -88,9 +90,6 @@ fn collapsed(attempt: Res<Attempt>) -> bool {
 
 /// More solves than this in one increment mean that the attempts go round in circles.
 const MAX_SOLVES: u32 = 1000;
-
-/// Mechanisms that are looked at for one that proves a collapse.
-const MAX_PROOFS: u32 = 20;
 
 /// A grain that an unconverged solution moves further than this, in its radii, has nothing to hold it.
 const FLUNG: f64 = 10.0;
@@ -236,54 +235,6 @@ fn carries_loads(world: &mut World) -> bool {
         && (world.resource::<Analysis>().gravity != DVec2::ZERO
             || walls.iter(world).any(|d| matches!(d, WallDrive::Loaded(ramp) if acts(ramp)))
             || loads.iter(world).any(|load| load.0.iter().any(acts)))
-}
-
-/// Ends the increment as a collapse: the specimen strains on and on under its loads, or takes no part of
-/// what is added to them without doing so. A mechanism of its state before may prove it.
-fn give_way(world: &mut World, before: &settle::Snapshot, reason: String) {
-    before.restore(world);
-    let attempt = world.resource::<Attempt>().clone();
-    let tables = (
-        world.resource::<Bodies>().clone(),
-        world.resource::<Contacts>().clone(),
-        world.resource::<ConeProgram>().clone(),
-        world.resource::<ConeSolution>().clone(),
-    );
-    if !is_proved(world) {
-        let (bodies, contacts, program, solution) = tables;
-        world.insert_resource(attempt);
-        world.insert_resource(bodies);
-        world.insert_resource(contacts);
-        world.insert_resource(program);
-        world.insert_resource(ConeSolution { certificate: None, ..solution });
-    }
-    let mut attempt = world.resource_mut::<Attempt>();
-    attempt.status = IncrementStatus::Collapsed;
-    attempt.complaint = reason;
-    attempt.verdict = Verdict::Accept;
-}
-
-/// Looks for mechanisms until one closes no pair that is not in the program. Returns whether one proves the
-/// collapse.
-fn is_proved(world: &mut World) -> bool {
-    let mut attempt = world.resource_mut::<Attempt>();
-    attempt.proving = true;
-    attempt.effort = 0;
-    // What a throw over many radii closed is out of the reach of a mechanism.
-    attempt.added_pairs.clear();
-    let mut proved = false;
-    for _ in 0..MAX_PROOFS {
-        world.run_schedule(AttemptIncrement);
-        let mut attempt = world.resource_mut::<Attempt>();
-        let verdict = std::mem::take(&mut attempt.verdict);
-        if verdict != Verdict::Again {
-            let collapsed = attempt.status == IncrementStatus::Collapsed;
-            proved = verdict == Verdict::Accept && collapsed;
-            break;
-        }
-    }
-    world.resource_mut::<Attempt>().proving = false;
-    proved
 }
 
 /// A locked program that no halving unlocks stays locked; all else has stalled.

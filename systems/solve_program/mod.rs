@@ -8,6 +8,7 @@ pub mod certificate;
 pub mod clarabel;
 pub mod condensed;
 mod lowering;
+pub mod mechanism;
 pub mod polish;
 pub mod residuals;
 
@@ -18,7 +19,6 @@ use clastic_components::attempt::Attempt;
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
 use clastic_components::program::{ConeProgram, ConeSolution, Dof, SolveStatus};
 
-use self::condensed::mechanism;
 use crate::schedule::{AttemptIncrement, AttemptSystems, lap};
 
 /// A program that no solver can read: an error of whoever assembled it.

@@ -10,7 +10,6 @@
 pub mod interior;
 pub mod local;
 pub mod matrix;
-pub mod mechanism;
 pub mod newton;
 mod parallel;
 pub mod reduced;

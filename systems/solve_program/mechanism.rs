@@ -6,15 +6,15 @@
 //! inertia w and nothing else, all interactions are rigid and closed, nothing is imposed. It has one solution,
 //! which is zero where forces within the limits balance the loads, and otherwise does more work than is
 //! dissipated (Moreau's decomposition of the loads): the mechanism of a
-//! [certificate](super::super::certificate).
+//! [certificate](super::certificate).
 
 use clastic_components::program::{
     ConeProgram, ConeSolution, Dof, FreeDof, Interaction, Scales, SolveStatus,
 };
 
-use super::super::ConeSolver;
-use super::super::certificate::{certificate, proves};
-use super::Condensed;
+use super::ConeSolver;
+use super::certificate::{certificate, proves};
+use super::condensed::Condensed;
 
 /// Collapsed with a certificate that proves it, or stalled.
 #[must_use]
