@@ -7,10 +7,13 @@ use serde::{Deserialize, Serialize};
 use crate::body::{Drive, Ramp};
 use crate::bond::BondId;
 use crate::material::{BondLaw, ContactLaw};
-use crate::wall::WallDrive;
+use crate::wall::{WallControl, WallDrive};
 
-/// Bodies and intact bonds gathered into identity order, so that nothing downstream depends on
-/// the order of a query. Tables by body have `particles + walls` entries.
+/// Bodies, intact bonds and controls in identity order, so that nothing downstream depends on the order of
+/// a query. Tables by body have `particles + walls` entries.
+///
+/// The table is gathered once per increment. The trials of the increment read it, and a motion that is
+/// followed moves it; entities keep the last committed state until an accepted trial is committed.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Bodies {
     /// Number of particles; walls have the identities from here on.
@@ -19,6 +22,8 @@ pub struct Bodies {
     pub entities: Vec<Entity>,
     /// Centres of particles and middles of walls, m.
     pub positions: Vec<DVec2>,
+    /// Rotations of the particles since the start, rad.
+    pub rotations: Vec<f64>,
     /// Velocities, m/s.
     pub velocities: Vec<DVec2>,
     /// Angular velocities, rad/s.
@@ -43,8 +48,61 @@ pub struct Bodies {
     pub walls: Vec<WallRow>,
     /// The intact bonds, by (a, b).
     pub bonds: Vec<BondRow>,
+    /// The bonds that a motion has broken in this increment, in the order in which they broke.
+    pub broken: Vec<BondRow>,
     /// Mean radius of the particles, m (1 where there are none).
     pub mean_radius: f64,
+    /// Whether imposed motions rest: a motion is followed, with loads at their values at the end of the trial.
+    pub resting: bool,
+}
+
+impl Bodies {
+    /// What the trial does to degree of freedom `k` of particle `i`; displacements are those of a whole
+    /// increment.
+    #[must_use]
+    pub fn drive(&self, i: usize, k: usize) -> Drive {
+        match self.drives[i][k] {
+            Drive::Imposed(_) if self.resting => Drive::Imposed(0.0),
+            drive => drive,
+        }
+    }
+
+    /// What the trial does to a wall; displacements are those of a whole increment.
+    #[must_use]
+    pub fn wall_drive(&self, wall: &WallRow) -> WallDrive {
+        match wall.drive {
+            WallDrive::Imposed(_) if self.resting => WallDrive::default(),
+            drive => drive,
+        }
+    }
+
+    /// Takes the bonds of these pairs, given in ascending order, out of the intact ones.
+    pub fn break_bonds(&mut self, pairs: impl Iterator<Item = (u32, u32)>) {
+        let mut pairs = pairs.peekable();
+        if pairs.peek().is_none() {
+            return;
+        }
+        let broken = &mut self.broken;
+        self.bonds.retain(|bond| {
+            while pairs.next_if(|pair| *pair < (bond.a, bond.b)).is_some() {}
+            let breaks = pairs.peek() == Some(&(bond.a, bond.b));
+            if breaks {
+                broken.push(*bond);
+            }
+            !breaks
+        });
+    }
+
+    /// Moves the bodies by displacements (m, m, rad), body by body.
+    pub fn move_by(&mut self, displacements: impl Iterator<Item = [f64; 3]>) {
+        for (i, u) in displacements.enumerate() {
+            self.positions[i] += DVec2::new(u[0], u[1]);
+            if let Some(rotation) = self.rotations.get_mut(i) {
+                *rotation += u[2];
+            }
+            self.last_motion[i] = u;
+        }
+    }
 }
 
 /// A wall of [`Bodies`].
@@ -54,8 +112,12 @@ pub struct WallRow {
     pub body: u32,
     /// Unit normal into the specimen.
     pub inward: DVec2,
+    /// Half the length of the drawn segment, m.
+    pub half_length: f64,
     /// Law of its contacts.
     pub law: ContactLaw,
+    /// What the stage asks of it.
+    pub control: WallControl,
     /// What it does in this increment.
     pub drive: WallDrive,
 }
@@ -127,6 +189,11 @@ pub struct ContactMemory {
     /// Rolling moment at the end of the last increment, N m.
     pub tau: f64,
 }
+
+/// Memory of the contacts at the start of the trial: that of the last committed increment, or what a motion
+/// that is followed has left.
+#[derive(Resource, Clone, Debug, Default, PartialEq)]
+pub struct DraftHistory(pub ContactHistory);
 
 /// Memory of the contacts that carried force, sorted by (a, b).
 #[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// Where the energy of an increment, or of many, came from and went to, J.
 ///
-/// `external + gravity = kinetic + elastic + friction + rolling + dilation + rupture + numerical`
+/// `external + gravity = kinetic + elastic + friction + rolling + dilation + rupture + motion + numerical`
 /// up to [`error`](Self::error), which is what the solver's residuals leave.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Energies {
@@ -26,6 +26,8 @@ pub struct Energies {
     pub dilation: f64,
     /// Taken by bonds: at their tension limit, and what was stored when they broke.
     pub rupture: f64,
+    /// Kinetic energy that was taken out of motions that were followed within static increments.
+    pub motion: f64,
     /// Taken by the scheme: time integration and impact, frozen normals, changes of the
     /// specimen between increments.
     pub numerical: f64,
@@ -42,6 +44,7 @@ impl Energies {
                 + self.rolling
                 + self.dilation
                 + self.rupture
+                + self.motion
                 + self.numerical)
     }
 
@@ -51,7 +54,7 @@ impl Energies {
         self.all().iter().map(|e| e.abs()).sum()
     }
 
-    fn all(&self) -> [f64; 9] {
+    fn all(&self) -> [f64; 10] {
         [
             self.external,
             self.gravity,
@@ -61,6 +64,7 @@ impl Energies {
             self.rolling,
             self.dilation,
             self.rupture,
+            self.motion,
             self.numerical,
         ]
     }
@@ -76,6 +80,7 @@ impl std::ops::AddAssign for Energies {
         self.rolling += other.rolling;
         self.dilation += other.dilation;
         self.rupture += other.rupture;
+        self.motion += other.motion;
         self.numerical += other.numerical;
     }
 }
@@ -88,5 +93,15 @@ pub struct EnergyLedger {
     /// Since the start, or since the last compaction, which has no energies.
     pub total: Energies,
     /// Elastic energy now, J; `None` before the first increment.
+    pub stored: Option<f64>,
+}
+
+/// Energies of the motions that were followed in the increment under way. They join the ledger when it is
+/// committed.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct MotionEnergies {
+    /// Sum over the steps.
+    pub energies: Energies,
+    /// Elastic energy after the last step, J; `None` before the first.
     pub stored: Option<f64>,
 }

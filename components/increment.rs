@@ -110,9 +110,12 @@ pub struct Acceptance {
     pub residual: f64,
     /// Greatest motion of a grain about the mean field, in its radii; static analysis only.
     pub throw: f64,
-    /// Greatest strain of the mean field in one increment beyond what is imposed, settling included;
-    /// static analysis only. A specimen that strains further under its loads has collapsed.
+    /// Maximum strain of the mean field in one static solution beyond what is imposed. Where a loaded specimen
+    /// strains further the motion is followed; one that strains ten times as far in that motion has collapsed.
     pub snap: f64,
+    /// Travel of the furthest grain about the mean field that a step of a followed motion aims at, in its radii;
+    /// at most half of [`MAX_TRAVEL`](Self::MAX_TRAVEL).
+    pub motion_step: f64,
     /// Greatest overlap of a pair that was not in the program, in mean radii.
     pub overlap: f64,
     /// How often an increment may be halved.
@@ -122,12 +125,19 @@ pub struct Acceptance {
     pub regularisation: f64,
 }
 
+impl Acceptance {
+    /// Maximum travel of the furthest grain about the mean field in a step of a followed motion, in its radii: what
+    /// normals that stay as they are allow.
+    pub const MAX_TRAVEL: f64 = 0.3;
+}
+
 impl Default for Acceptance {
     fn default() -> Self {
         Self {
             residual: 1e-8,
             throw: 0.3,
             snap: 0.02,
+            motion_step: 0.15,
             overlap: 1e-6,
             halvings: 6,
             regularisation: 1e-9,

@@ -15,7 +15,7 @@ pub struct ContactLaw {
     pub tangential_compliance: f64,
     /// Coefficient of friction mu.
     pub friction: f64,
-    /// Coefficient of rolling friction mu_r.
+    /// Coefficient of rolling friction mu_r. With 0 the contact has no rolling moment.
     pub rolling_friction: f64,
 }
 
@@ -49,7 +49,7 @@ pub struct BondLaw {
     pub tangential_compliance: f64,
     /// Internal friction coefficient mu_b.
     pub friction: f64,
-    /// Coefficient of rolling friction mu_r; 0 switches the rolling limit off.
+    /// Coefficient of rolling friction mu_r. With 0 the bond has no rolling moment and never breaks in rolling.
     pub rolling_friction: f64,
     /// Cohesion c, Pa.
     pub cohesion: f64,

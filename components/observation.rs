@@ -119,7 +119,7 @@ pub struct Observation {
     pub contacts: usize,
     /// Potential contacts in the program.
     pub potential_contacts: usize,
-    /// Intact bonds.
+    /// Intact bonds between bodies that are there.
     pub bonds: usize,
     /// Bonds broken so far in tension, shear and rolling.
     pub broken: [usize; 3],
@@ -127,12 +127,16 @@ pub struct Observation {
     pub kinetic_energy: f64,
     /// Solves of the increment.
     pub solves: u32,
-    /// Steps that settled loose grains before the increment.
-    pub settled: u32,
+    /// Steps of motions that were followed before the equilibrium of the increment was found.
+    pub motion_steps: u32,
+    /// Strain of the mean field that these motions made.
+    pub motion_strain: f64,
     /// Solver iterations of the increment.
     pub iterations: u32,
     /// KKT residuals.
     pub residuals: Residuals,
+    /// Loops that ended at their caps: `cascade`, `corrector`, `coulomb`, joined by `+`.
+    pub caps: String,
     /// Coulomb's fixed point: relative change in the last pass.
     pub coulomb_residual: f64,
     /// How it ended.

@@ -5,6 +5,7 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use crate::body::{ExternalForce, LastMotion, Origin, Position, Ramp};
+use crate::increment::Progress;
 use crate::material::ContactLaw;
 
 /// A straight rigid wall: an infinite line for contact, drawn between its ends.
@@ -63,6 +64,27 @@ pub enum WallControl {
     },
     /// Another system writes the wall's [`WallDrive`].
     Custom,
+}
+
+impl WallControl {
+    /// The same load on its way to another value at the end of the stage. It goes on from what it has reached:
+    /// with `s = done/total` the ramp starts at `(reached - to s)/(1 - s)`, so that its line passes through the
+    /// value reached. Controls that are no load stay as they are.
+    #[must_use]
+    pub fn retarget(self, progress: &Progress, target: f64) -> Self {
+        let aim = |from: f64, to: f64| {
+            let s = progress.done / progress.total;
+            let reached = progress.ramp(from, to).from;
+            if s < 1.0 { (reached - target * s) / (1.0 - s) } else { target }
+        };
+        match self {
+            Self::Force { from, to } => Self::Force { from: aim(from, to), to: target },
+            Self::Stress { from, to, length } => {
+                Self::Stress { from: aim(from, to), to: target, length }
+            }
+            other => other,
+        }
+    }
 }
 
 /// The length that a stress-controlled wall is loaded over.

@@ -31,6 +31,7 @@ use clastic_systems::record::RecordPlugin;
 use clastic_systems::rupture_bonds::RuptureBondsPlugin;
 use clastic_systems::schedule::SchedulePlugin;
 use clastic_systems::solve_program::SolveProgramPlugin;
+use clastic_systems::trial_loads::TrialLoadsPlugin;
 use clastic_systems::update_state::UpdateStatePlugin;
 
 /// Everything that an increment needs. The program uses the same group as an embedder.
@@ -41,6 +42,7 @@ impl PluginGroup for ClasticPlugins {
         PluginGroupBuilder::start::<Self>()
             .add(SchedulePlugin)
             .add(GatherBodiesPlugin)
+            .add(TrialLoadsPlugin)
             .add(DetectContactsPlugin)
             .add(AssembleProgramPlugin)
             .add(SolveProgramPlugin)
@@ -60,6 +62,7 @@ pub mod prelude {
     pub use crate::components::body::*;
     pub use crate::components::bond::*;
     pub use crate::components::increment::*;
+    pub use crate::components::loads::TrialLoads;
     pub use crate::components::material::{BondLaw, ContactLaw, Material, Materials};
     pub use crate::components::observation::Observation;
     pub use crate::components::particle::{MaterialIndex, Particle};
@@ -67,6 +70,6 @@ pub mod prelude {
     pub use crate::components::wall::*;
     pub use crate::run::{Outcome, Simulation, Step};
     pub use crate::systems::schedule::{
-        AttemptSystems, ControlSystems, ControlWalls, Increment, IncrementSystems,
+        AttemptSystems, ControlSystems, ControlWalls, Increment, IncrementSystems, Loads,
     };
 }

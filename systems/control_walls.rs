@@ -1,14 +1,17 @@
-//! Turns the control of walls into their drives for the next increment. Forces and stresses go
+//! Turns the control of walls into their drives for the increment that begins. Forces and stresses go
 //! into the program as the wall's own balance row: exact, and without a servo.
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
 use clastic_components::body::Position;
+use clastic_components::contact::Bodies;
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::wall::{LoadedLength, Wall, WallControl, WallDrive};
 
-use crate::schedule::{ControlSystems, ControlWalls, Increment, IncrementSystems, lap};
+use crate::schedule::{
+    ControlSystems, ControlWalls, Increment, IncrementSystems, lap, start_clock,
+};
 
 /// Adds [`control_walls`] and runs it in every increment.
 pub struct ControlWallsPlugin;
@@ -17,9 +20,13 @@ impl Plugin for ControlWallsPlugin {
     fn build(&self, app: &mut App) {
         app.add_systems(ControlWalls, control_walls.in_set(ControlSystems::BuiltIn)).add_systems(
             Increment,
-            (|world: &mut World| world.run_schedule(ControlWalls), lap(|t| &mut t.walls))
+            (
+                start_clock,
+                |world: &mut World| world.run_schedule(ControlWalls),
+                lap(|t| &mut t.walls),
+            )
                 .chain()
-                .in_set(IncrementSystems::Walls),
+                .in_set(IncrementSystems::Controls),
         );
     }
 }
@@ -47,6 +54,29 @@ pub fn control_walls(
             WallControl::Custom => continue,
         };
         drive.set_if_neq(next);
+    }
+}
+
+/// Renews the drives of walls under stress in the table: the stress acts on the length that the walls leave
+/// where a motion that is followed has taken them.
+pub fn renew_stresses(bodies: &mut Bodies, progress: &Progress, analysis: &Analysis) {
+    for k in 0..bodies.walls.len() {
+        let WallControl::Stress { from, to, length } = bodies.walls[k].control else { continue };
+        let length = match length {
+            LoadedLength::Segment => 2.0 * bodies.walls[k].half_length,
+            LoadedLength::Between(first, second) => {
+                let place = |wall: Entity| bodies.entities.iter().position(|e| *e == wall);
+                let inward = |i: usize| bodies.walls.iter().find(|w| w.body as usize == i);
+                match (place(first), place(second)) {
+                    (Some(i), Some(j)) => inward(i).map_or(0.0, |wall| {
+                        (bodies.positions[j] - bodies.positions[i]).dot(wall.inward)
+                    }),
+                    _ => 0.0,
+                }
+            }
+        };
+        let ramp = progress.ramp(from, to).times(length * analysis.thickness);
+        bodies.walls[k].drive = WallDrive::Loaded(ramp);
     }
 }
 

@@ -1,27 +1,32 @@
-//! Gathers bodies and intact bonds from the world into tables by identity.
+//! Gathers bodies, intact bonds, controls and the memory of contacts from the world into tables by identity.
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use glam::DVec2;
 
 use clastic_components::body::{
-    AngularVelocity, AppliedLoad, BodyId, Drives, LastMotion, Position, Velocity,
+    AngularVelocity, AppliedLoad, BodyId, Drives, LastMotion, Position, Rotation, Velocity,
 };
 use clastic_components::bond::{Bond, BondId, BondState};
-use clastic_components::contact::{Bodies, BondRow, WallRow};
+use clastic_components::contact::{Bodies, BondRow, ContactHistory, DraftHistory, WallRow};
 use clastic_components::material::ContactLaw;
 use clastic_components::particle::{MaterialIndex, Particle, Swinging};
-use clastic_components::wall::{Wall, WallDrive};
+use clastic_components::wall::{Wall, WallControl, WallDrive};
 
-use crate::schedule::{AttemptIncrement, AttemptSystems};
+use crate::schedule::{Increment, IncrementSystems};
 
-/// Adds [`gather_bodies`].
+/// Adds [`gather_bodies`] and [`draft_history`].
 pub struct GatherBodiesPlugin;
 
 impl Plugin for GatherBodiesPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<Bodies>()
-            .add_systems(AttemptIncrement, gather_bodies.in_set(AttemptSystems::Gather));
+            .init_resource::<ContactHistory>()
+            .init_resource::<DraftHistory>()
+            .add_systems(
+                Increment,
+                (gather_bodies, draft_history).chain().in_set(IncrementSystems::Gather),
+            );
     }
 }
 
@@ -33,6 +38,7 @@ type ParticleQuery<'w, 's> = Query<
         &'static BodyId,
         &'static Particle,
         &'static Position,
+        &'static Rotation,
         &'static Velocity,
         &'static AngularVelocity,
         &'static LastMotion,
@@ -53,6 +59,7 @@ type WallQuery<'w, 's> = Query<
         &'static Position,
         &'static LastMotion,
         &'static ContactLaw,
+        &'static WallControl,
         &'static WallDrive,
     ),
 >;
@@ -75,6 +82,7 @@ pub fn gather_bodies(
     // scale of displacements.
     bodies.positions.clear();
     bodies.positions.resize(all, DVec2::ZERO);
+    bodies.rotations.resize(n, 0.0);
     bodies.velocities.resize(all, DVec2::ZERO);
     bodies.angular_velocities.resize(all, 0.0);
     bodies.last_motion.clear();
@@ -91,6 +99,7 @@ pub fn gather_bodies(
         id,
         particle,
         position,
+        rotation,
         velocity,
         spin,
         motion,
@@ -103,6 +112,7 @@ pub fn gather_bodies(
         let i = id.index();
         bodies.entities[i] = entity;
         bodies.positions[i] = position.0;
+        bodies.rotations[i] = rotation.0;
         bodies.velocities[i] = velocity.0;
         bodies.angular_velocities[i] = spin.0;
         bodies.last_motion[i] = motion.0;
@@ -117,15 +127,24 @@ pub fn gather_bodies(
     bodies.mean_radius = if n == 0 { 1.0 } else { bodies.radii.iter().sum::<f64>() / n as f64 };
 
     bodies.walls.clear();
-    for (entity, id, wall, position, motion, law, drive) in &walls {
+    for (entity, id, wall, position, motion, law, control, drive) in &walls {
         let i = id.index();
         bodies.entities[i] = entity;
         bodies.positions[i] = position.0;
         bodies.last_motion[i] = motion.0;
-        bodies.walls.push(WallRow { body: id.0, inward: wall.inward(), law: *law, drive: *drive });
+        bodies.walls.push(WallRow {
+            body: id.0,
+            inward: wall.inward(),
+            half_length: wall.half_length,
+            law: *law,
+            control: *control,
+            drive: *drive,
+        });
     }
     bodies.walls.sort_unstable_by_key(|w| w.body);
 
+    bodies.broken.clear();
+    bodies.resting = false;
     bodies.bonds.clear();
     bodies.bonds.extend(bonds.iter().filter(|(.., state)| **state == BondState::Intact).map(
         |(entity, id, bond, _)| BondRow {
@@ -138,4 +157,9 @@ pub fn gather_bodies(
         },
     ));
     bodies.bonds.sort_unstable_by_key(|b| (b.a, b.b));
+}
+
+/// Starts the draft of the contact memory from what the last increment left.
+pub fn draft_history(history: Res<ContactHistory>, mut draft: ResMut<DraftHistory>) {
+    draft.0.clone_from(&history);
 }

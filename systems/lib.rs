@@ -14,4 +14,5 @@ pub mod record;
 pub mod rupture_bonds;
 pub mod schedule;
 pub mod solve_program;
+pub mod trial_loads;
 pub mod update_state;

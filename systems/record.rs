@@ -9,8 +9,10 @@ use clastic_components::attempt::{Attempt, IncrementStatus};
 use clastic_components::body::{
     AngularVelocity, BodyId, ExternalForce, Origin, Position, Probe, Rotation, Velocity,
 };
-use clastic_components::contact::{Bodies, Contacts};
-use clastic_components::increment::{Analysis, AnalysisKind, Progress};
+use clastic_components::bond::{BondState, Rupture};
+use clastic_components::contact::{Bodies, Contact, Contacts};
+use clastic_components::findings::{Corrections, Openings, Ruptures};
+use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
 use clastic_components::observation::{
     MeasureArea, MeasureLength, Measures, Observation, ProbeReading, RuptureCount, StrainMeasure,
     StressComponent, StressMeasure,
@@ -22,13 +24,15 @@ use clastic_components::wall::Wall;
 use crate::control_walls::wall_distance;
 use crate::gather_bodies::gather_bodies;
 use crate::schedule::{Increment, IncrementSystems, lap};
-use crate::solve_program::residuals::Carrying;
+use crate::solve_program::residuals::{Carrying, displacement_scale, force_scale};
 
 /// Adds the systems of the record.
 pub struct RecordPlugin;
 
 impl Plugin for RecordPlugin {
     fn build(&self, app: &mut App) {
+        // Whoever replaces the rule by which bonds break writes the messages that are read here.
+        app.init_resource::<RuptureCount>().add_message::<Rupture>();
         app.init_resource::<Observation>().init_resource::<Measures>().add_systems(
             Increment,
             (
@@ -37,6 +41,7 @@ impl Plugin for RecordPlugin {
                 record_stress,
                 gather_bodies,
                 record_strain,
+                record_ruptures,
                 record_state,
                 record_probes,
                 lap(|t| &mut t.record),
@@ -130,6 +135,57 @@ fn record_stress(
     out.lateral_stress = measures.lateral_stress.as_ref().filter(|_| carried).and_then(evaluate);
 }
 
+/// The error of the axial stress of the last increment that [`Acceptance::residual`] allows, Pa.
+///
+/// Residuals are relative to the maximum force F and the maximum displacement U. A committed solution may
+/// be off by `residual F` in a force. It may be off by `residual U` in a gap, which an elastic contact
+/// turns into the force `residual U / C_N`. The error is the sum over the interactions that make up the
+/// stress.
+pub fn axial_stress_error(
+    bodies: Res<Bodies>,
+    contacts: Res<Contacts>,
+    program: Res<ConeProgram>,
+    solution: Res<ConeSolution>,
+    analysis: Res<Analysis>,
+    acceptance: Res<Acceptance>,
+    measures: Res<Measures>,
+    geometry: Geometry,
+    ids: Query<&BodyId>,
+) -> Option<f64> {
+    let residual = acceptance.residual.max(program.tolerance);
+    let force = force_scale(&program, &solution.forces);
+    let motion = displacement_scale(&program, &solution.displacements);
+    let errors = contacts.0.iter().zip(&program.interactions).map(|(contact, c)| {
+        let elastic = if c.normal_compliance > 0.0 { motion / c.normal_compliance } else { 0.0 };
+        (contact, residual * (force + elastic))
+    });
+    let distance = |a: Entity, b: Entity| wall_distance(a, b, &geometry);
+    let (sum, area) = match measures.axial_stress.as_ref()? {
+        StressMeasure::Walls { walls, length } => {
+            let walls: Vec<u32> =
+                walls.iter().filter_map(|wall| Some(ids.get(*wall).ok()?.0)).collect();
+            let at_walls = errors.filter(|(contact, _)| walls.contains(&contact.b));
+            let length = match *length {
+                MeasureLength::Fixed(length) => length,
+                MeasureLength::Between(a, b) => distance(a, b),
+            };
+            (at_walls.map(|(_, error)| error).sum::<f64>() / walls.len() as f64, length)
+        }
+        StressMeasure::Average { area, .. } => {
+            let branch = |contact: &Contact| {
+                let radius = |body: u32| bodies.radii.get(body as usize).copied().unwrap_or(0.0);
+                radius(contact.a) + contact.gap + radius(contact.b)
+            };
+            let area = match area {
+                MeasureArea::Fixed(area) => *area,
+                MeasureArea::Box([a, b, c, d]) => distance(*a, *b) * distance(*c, *d),
+            };
+            (errors.map(|(contact, error)| error * branch(contact).abs()).sum(), area)
+        }
+    };
+    Some(sum / (area * analysis.thickness))
+}
+
 /// Current value of the distance that a strain measure compares, m.
 #[must_use]
 pub fn strain_distance(
@@ -186,6 +242,7 @@ fn record_state(
     solution: Res<ConeSolution>,
     progress: Res<Progress>,
     attempt: Res<Attempt>,
+    loops: (Res<Ruptures>, Res<Corrections>, Res<Openings>),
     count: Res<RuptureCount>,
     moving: Query<(&BodyId, &Particle, &Velocity, &AngularVelocity)>,
     mut out: ResMut<Observation>,
@@ -198,7 +255,12 @@ fn record_state(
     let interactions = 0..solution.forces.len().min(program.interactions.len());
     out.contacts = interactions.filter(|k| carrying.is_carrying(*k)).count();
     out.potential_contacts = contacts.0.len();
-    out.bonds = bodies.bonds.len();
+    // A bond to a body that is not there holds nothing.
+    let is_there = |body: u32| {
+        let entity = bodies.entities.get(body as usize);
+        entity.is_some_and(|entity| *entity != Entity::PLACEHOLDER)
+    };
+    out.bonds = bodies.bonds.iter().filter(|bond| is_there(bond.a) && is_there(bond.b)).count();
     out.broken = count.0;
     // Summed in identity order: a sum depends on its order, and query order on history.
     let mut energy: Vec<(BodyId, f64)> = moving
@@ -208,16 +270,37 @@ fn record_state(
     energy.sort_unstable_by_key(|(id, _)| *id);
     out.kinetic_energy = energy.iter().map(|(_, e)| e).sum();
     out.solves = attempt.solves;
-    out.settled = attempt.settled;
+    out.motion_steps = attempt.motion_steps;
+    out.motion_strain = attempt.motion_strain;
     out.iterations = attempt.iterations;
     out.residuals = solution.residuals;
-    out.coulomb_residual = attempt.coulomb_residual;
+    let (ruptures, corrections, openings) = loops;
+    out.coulomb_residual = openings.residual;
+    let caps = [
+        (ruptures.capped, "cascade"),
+        (corrections.capped, "corrector"),
+        (openings.capped, "coulomb"),
+    ];
+    let caps: Vec<_> = caps.iter().filter(|(capped, _)| *capped).map(|(_, name)| *name).collect();
+    out.caps = caps.join("+");
     out.status = attempt.status;
-    let broke = !matches!(attempt.status, IncrementStatus::Stalled | IncrementStatus::Locked);
+}
+
+/// Ruptures since the last record, and all bonds that are broken: whatever rule broke them.
+fn record_ruptures(
+    mut messages: MessageReader<Rupture>,
+    bonds: Query<&BondState>,
+    mut count: ResMut<RuptureCount>,
+    mut out: ResMut<Observation>,
+) {
     out.ruptures.clear();
-    if broke {
-        out.ruptures.extend_from_slice(&attempt.ruptures);
-        out.ruptures.sort_unstable_by_key(|r| r.bond);
+    out.ruptures.extend(messages.read().copied());
+    out.ruptures.sort_unstable_by_key(|r| r.bond);
+    *count = RuptureCount::default();
+    for state in &bonds {
+        if let BondState::Broken(mode) = state {
+            count.0[*mode as usize] += 1;
+        }
     }
 }
 

@@ -10,12 +10,11 @@
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use clastic_components::attempt::Attempt;
 use clastic_components::bond::{Bond, BondState, Rupture, RuptureMode};
 use clastic_components::contact::{Bodies, Contact, ContactHistory, Contacts};
+use clastic_components::findings::Ruptures;
 use clastic_components::increment::{Analysis, RollingLimit, RuptureRules};
 use clastic_components::material::Materials;
-use clastic_components::observation::RuptureCount;
 use clastic_components::program::{ConeProgram, ConeSolution, Interaction, Kinematics};
 
 use crate::assemble_program::interactions::{contact_law, shear_after_rupture};
@@ -27,7 +26,8 @@ pub struct RuptureBondsPlugin;
 
 impl Plugin for RuptureBondsPlugin {
     fn build(&self, app: &mut App) {
-        app.init_resource::<RuptureCount>().add_message::<Rupture>().add_systems(
+        app.insert_resource(BuiltInRule);
+        app.add_message::<Rupture>().add_systems(
             Increment,
             (rupture_bonds.run_if(any_with_component::<Bond>), lap(|t| &mut t.rupture))
                 .chain()
@@ -36,10 +36,26 @@ impl Plugin for RuptureBondsPlugin {
     }
 }
 
+/// There where bonds break by the rule of this file: then they do so in motions that are followed as well.
+#[derive(Resource)]
+pub struct BuiltInRule;
+
+/// When a bond counts as being on a limit that a compliance precedes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Met {
+    /// When the slack is below [`RuptureRules::slack`] of the limit: in an exact solution.
+    Slack,
+    /// When the trial force, which an unlimited bond would carry at this motion of its ends, overloads the limit:
+    /// `R = 1 + multiplier/(C limit) > 1`. A step of a motion is solved to a residual of 1e-3, so that a slack
+    /// says little; of slack and overload the greater in its own unit decides, as for rigid bonds.
+    Overload,
+}
+
 /// The bonds that the solution brings to a limit, in the order of the contacts.
 #[must_use]
 pub fn find_ruptures(
     rules: &RuptureRules,
+    met: Met,
     increment: u64,
     bodies: &Bodies,
     contacts: &[Contact],
@@ -51,7 +67,9 @@ pub fn find_ruptures(
     for ((contact, c), f) in contacts.iter().zip(&program.interactions).zip(&solution.forces) {
         let Some(bond) = contact.bond.map(|k| &bodies.bonds[k as usize]) else { continue };
         let e = program.kinematics(c, &solution.displacements);
-        let Some(mode) = mode(rules, [program.scales.length, greatest], c, &e, f) else { continue };
+        let Some(mode) = mode(rules, met, [program.scales.length, greatest], c, &e, f) else {
+            continue;
+        };
         ruptures.push(Rupture {
             increment,
             bond: bond.id,
@@ -71,6 +89,7 @@ pub fn find_ruptures(
 /// The limit that an intact bond has reached.
 fn mode(
     rules: &RuptureRules,
+    how: Met,
     [length, greatest]: [f64; 2],
     c: &Interaction,
     e: &Kinematics,
@@ -83,7 +102,7 @@ fn mode(
     // Without compliance a solver ends with a small product of slack and multiplier, and it is the
     // greater of the two that counts.
     let met = |slack: f64, limit: f64, compliance: f64, multiplier: f64| {
-        if compliance > 0.0 {
+        if compliance > 0.0 && how == Met::Slack {
             slack <= rules.slack * limit
         } else {
             multiplier > moves && slack * greatest <= multiplier * limit
@@ -112,29 +131,46 @@ fn mode(
 /// Breaks the bonds that the accepted attempt brought to a limit. Their contacts go on with what
 /// friction can hold of the shear force.
 pub fn rupture_bonds(
-    attempt: Res<Attempt>,
+    ruptures: Res<Ruptures>,
     bodies: Res<Bodies>,
     contacts: Res<Contacts>,
     materials: Res<Materials>,
     analysis: Res<Analysis>,
     mut history: ResMut<ContactHistory>,
-    mut count: ResMut<RuptureCount>,
     mut messages: MessageWriter<Rupture>,
     mut bonds: Query<&mut BondState>,
 ) {
-    for rupture in &attempt.ruptures {
-        let key = (rupture.a.0, rupture.b.0);
-        let Ok(k) = bodies.bonds.binary_search_by_key(&key, |b| (b.a, b.b)) else { continue };
-        if let Ok(mut state) = bonds.get_mut(bodies.bonds[k].entity) {
+    for rupture in &ruptures.list {
+        let Some(bond) = bodies.bonds.iter().chain(&bodies.broken).find(|b| b.id == rupture.bond)
+        else {
+            continue;
+        };
+        if let Ok(mut state) = bonds.get_mut(bond.entity) {
             *state = BondState::Broken(rupture.mode);
         }
-        count.0[rupture.mode as usize] += 1;
         messages.write(*rupture);
+    }
+    // What broke on the way of a motion has lost its shear force there.
+    let last = ruptures.list.iter().skip(ruptures.on_the_way);
+    release(last, &bodies, &contacts, &materials, &analysis, &mut history);
+}
+
+/// Leaves the contacts of broken bonds what friction can hold of their shear force.
+pub fn release<'a>(
+    ruptures: impl Iterator<Item = &'a Rupture>,
+    bodies: &Bodies,
+    contacts: &Contacts,
+    materials: &Materials,
+    analysis: &Analysis,
+    history: &mut ContactHistory,
+) {
+    for rupture in ruptures {
+        let key = (rupture.a.0, rupture.b.0);
         let contact = contacts.0.binary_search_by_key(&key, |c| (c.a, c.b));
         let memory = history.0.binary_search_by_key(&key, |m| (m.a, m.b));
         if let (Ok(c), Ok(m)) = (contact, memory) {
             let contact = &contacts.0[c];
-            let law = contact_law(&bodies, &materials, &analysis, contact);
+            let law = contact_law(bodies, materials, analysis, contact);
             let memory = &mut history.0[m];
             memory.q = shear_after_rupture(memory.q, contact.gap, &law);
         }

@@ -3,15 +3,15 @@
 //! One run of [`Increment`] commits one increment (or the fraction of one that could be solved):
 //!
 //! ```text
-//! Increment:         Attempts -> Update -> Rupture -> Walls -> Record
+//! Increment:         Controls -> Gather -> Attempts -> Update -> Rupture -> Record
+//!   Controls runs    ControlWalls: BuiltIn -> Custom, for the increment that begins
 //!   Attempts runs    AttemptIncrement, again and again until an attempt is accepted:
-//!                    Gather -> Detect -> Assemble -> AssembleExtra -> Solve -> Judge
-//!   Walls runs       ControlWalls: BuiltIn -> Custom, for the increment that follows
+//!                    Detect -> Assemble -> AssembleExtra -> Solve -> Judge
+//!                    and Loads whenever a trial begins
 //! ```
 //!
-//! Attempts change no bodies, walls, bonds or contact history, but for grains that settle
-//! ([`settle`](crate::attempt::settle)), and they are put back if the increment fails: one that does
-//! not converge leaves no trace.
+//! Attempts read and write tables that are gathered once per increment. Bodies, walls, bonds and the contact
+//! history change only when an attempt is committed: one that fails leaves no trace.
 
 use std::time::Instant;
 
@@ -30,22 +30,32 @@ pub struct Increment;
 #[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct AttemptIncrement;
 
-/// Turns the control of walls into their drives for the next increment; run at the start of a
-/// stage and in [`IncrementSystems::Walls`].
+/// Turns the control of walls and particles into what they do in the increment that begins; run by
+/// [`IncrementSystems::Controls`].
 #[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct ControlWalls;
+
+/// Asks for loads of an embedding program; run once per trial, that is for every part of an increment that is
+/// tried and after every step of a motion that is followed. Its systems read
+/// [`Bodies`](clastic_components::contact::Bodies), which is where the trial starts (entities keep the last
+/// committed state), and [`Progress`](clastic_components::increment::Progress), whose `done + fraction` is
+/// where it ends, and add to [`TrialLoads`](clastic_components::loads::TrialLoads).
+#[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Loads;
 
 /// Sets of [`Increment`], in order.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum IncrementSystems {
+    /// Drives walls and loads particles for the increment that begins.
+    Controls,
+    /// Bodies, bonds, controls and contact memory into tables in identity order.
+    Gather,
     /// Detection, assembly and solve, until an attempt is accepted.
     Attempts,
     /// Commits the accepted attempt to the bodies.
     Update,
     /// Breaks bonds.
     Rupture,
-    /// Drives walls for the next increment.
-    Walls,
     /// Measures what happened.
     Record,
 }
@@ -53,13 +63,11 @@ pub enum IncrementSystems {
 /// Sets of [`AttemptIncrement`], in order.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum AttemptSystems {
-    /// Bodies and bonds into identity order.
-    Gather,
     /// Potential contacts.
     Detect,
     /// The cone program.
     Assemble,
-    /// Rows and loads of an embedding program: write [`ConeProgram`](clastic_components::program::ConeProgram).
+    /// Rows of an embedding program: write [`ConeProgram`](clastic_components::program::ConeProgram).
     AssembleExtra,
     /// The solution.
     Solve,
@@ -108,7 +116,7 @@ pub fn ruptured(attempt: Res<Attempt>) -> bool {
         || matches!(attempt.status, IncrementStatus::Solved | IncrementStatus::Capped)
 }
 
-/// Adds the three schedules with their sets.
+/// Adds the four schedules with their sets.
 pub struct SchedulePlugin;
 
 impl Plugin for SchedulePlugin {
@@ -123,10 +131,11 @@ impl Plugin for SchedulePlugin {
         let mut increment = Schedule::new(Increment);
         increment.configure_sets(
             (
+                IncrementSystems::Controls,
+                IncrementSystems::Gather,
                 IncrementSystems::Attempts,
                 IncrementSystems::Update.run_if(committed),
                 IncrementSystems::Rupture.run_if(ruptured),
-                IncrementSystems::Walls.run_if(committed),
                 IncrementSystems::Record,
             )
                 .chain(),
@@ -134,7 +143,6 @@ impl Plugin for SchedulePlugin {
         let mut attempt = Schedule::new(AttemptIncrement);
         attempt.configure_sets(
             (
-                AttemptSystems::Gather,
                 AttemptSystems::Detect,
                 AttemptSystems::Assemble,
                 AttemptSystems::AssembleExtra,
@@ -145,7 +153,7 @@ impl Plugin for SchedulePlugin {
         );
         let mut control = Schedule::new(ControlWalls);
         control.configure_sets((ControlSystems::BuiltIn, ControlSystems::Custom).chain());
-        for mut schedule in [increment, attempt, control] {
+        for mut schedule in [increment, attempt, control, Schedule::new(Loads)] {
             schedule.set_build_settings(settings.clone());
             // The parts of an increment depend on each other in a chain: threads would only wait.
             schedule.set_executor(SingleThreadedExecutor::new());

@@ -8,12 +8,13 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use glam::DVec2;
 
-use clastic_components::attempt::Attempt;
 use clastic_components::body::{
     AngularVelocity, BodyId, ExternalForce, LastMotion, Position, Rotation, Velocity,
 };
-use clastic_components::contact::{Bodies, ContactHistory, ContactMemory, Contacts};
+use clastic_components::contact::{Bodies, ContactHistory, ContactMemory, Contacts, DraftHistory};
+use clastic_components::findings::{Corrections, Pushed, Restraints};
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
+use clastic_components::loads::TrialLoads;
 use clastic_components::particle::{Particle, Swinging};
 use clastic_components::program::{ConeProgram, ConeSolution, Dof};
 use clastic_components::wall::Wall;
@@ -49,6 +50,7 @@ pub fn external_forces(
     contacts: Res<Contacts>,
     analysis: Res<Analysis>,
     progress: Res<Progress>,
+    loads: Res<TrialLoads>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
     mut out: Query<(&BodyId, &mut ExternalForce)>,
@@ -64,6 +66,8 @@ pub fn external_forces(
             moments[contact.b as usize] += arm.perp_dot(resisted) - f[2];
         }
     }
+    let added = if loads.is_empty() { Vec::new() } else { loads.sums(bodies.positions.len()) };
+    let added = |i: usize| added.get(i).copied().unwrap_or_default();
     for (id, mut external) in &mut out {
         let i = id.index();
         let body = &program.bodies[i];
@@ -73,7 +77,8 @@ pub fn external_forces(
             continue;
         }
         for k in 0..3 {
-            let applied = bodies.loads[i][k].at(progress.fraction);
+            let applied = bodies.loads[i][k].at(progress.fraction) + added(i)[k].force
+                - added(i)[k].stiffness * solution.displacements[i][k];
             external.0[k] = match body.dofs[k] {
                 Dof::Free(_) => applied,
                 Dof::Fixed(u) => match analysis.kind {
@@ -114,7 +119,7 @@ pub fn move_bodies(
     progress: Res<Progress>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
-    attempt: Res<Attempt>,
+    pushed: Res<Pushed>,
     mut particles: Query<
         (
             &BodyId,
@@ -129,14 +134,15 @@ pub fn move_bodies(
     mut walls: Query<(&BodyId, &mut Position, &mut LastMotion), (With<Wall>, Without<Particle>)>,
 ) {
     // What pushes rigid overlaps apart moves bodies and gives no velocity.
-    let motion = attempt.pushed.as_ref().unwrap_or(&solution.displacements);
+    let motion = pushed.0.as_ref().unwrap_or(&solution.displacements);
     for (id, mut x, mut rotation, mut v, mut spin, mut last) in &mut particles {
         let i = id.index();
         let u = program.bodies[i].to_global(solution.displacements[i]);
         let step = DVec2::new(u[0], u[1]);
         let moved = program.bodies[i].to_global(motion[i]);
-        x.0 += DVec2::new(moved[0], moved[1]);
-        rotation.0 += moved[2];
+        // A motion that was followed has moved the table, not the entity.
+        x.0 = bodies.positions[i] + DVec2::new(moved[0], moved[1]);
+        rotation.0 = bodies.rotations[i] + moved[2];
         last.0 = moved;
         if let AnalysisKind::Dynamic { dt, theta } = analysis.kind {
             let dt = dt * progress.fraction;
@@ -151,28 +157,41 @@ pub fn move_bodies(
     }
     for (id, mut x, mut last) in &mut walls {
         let u = program.bodies[id.index()].to_global(motion[id.index()]);
-        x.0 += DVec2::new(u[0], u[1]);
+        x.0 = bodies.positions[id.index()] + DVec2::new(u[0], u[1]);
         last.0 = u;
     }
 }
 
-/// Keeps the forces of contacts that persist. The program's shear is an average over the
-/// increment: `q = q_0 + (q_program - q_0)/theta` at its end.
+/// Keeps the forces of contacts that persist.
 pub fn remember_contacts(
     analysis: Res<Analysis>,
-    attempt: Res<Attempt>,
+    corrections: Res<Corrections>,
     contacts: Res<Contacts>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
+    draft: Res<DraftHistory>,
     mut history: ResMut<ContactHistory>,
 ) {
+    *history = remembered(&analysis, &corrections, &contacts, &program, &solution, &draft.0);
+}
+
+/// Forces of the contacts that persist after a solution, given those `before` it. The program's shear is an
+/// average over the increment: `q = q_0 + (q_program - q_0)/theta` at its end.
+#[must_use]
+pub fn remembered(
+    analysis: &Analysis,
+    corrections: &Corrections,
+    contacts: &Contacts,
+    program: &ConeProgram,
+    solution: &ConeSolution,
+    before: &ContactHistory,
+) -> ContactHistory {
     let theta = match analysis.kind {
         AnalysisKind::Dynamic { theta, .. } => theta,
         AnalysisKind::Static | AnalysisKind::LeastMotion { .. } => 1.0,
     };
-    let carrying = Carrying::new(&program, &solution);
-    let before = std::mem::take(&mut *history);
-    history.0.reserve(contacts.0.len());
+    let carrying = Carrying::new(program, solution);
+    let mut history = ContactHistory(Vec::with_capacity(contacts.0.len()));
     let is_known = |body: u32| !program.bodies[body as usize].is_free();
     let forces = program.interactions.iter().zip(&solution.forces);
     for (k, (contact, (c, f))) in contacts.0.iter().zip(forces).enumerate() {
@@ -187,7 +206,7 @@ pub fn remember_contacts(
             continue;
         }
         let q = if c.tangential_compliance > 0.0 {
-            let shift = attempt.shear_shift((contact.a, contact.b), c.tangential_compliance);
+            let shift = corrections.shear_shift((contact.a, contact.b), c.tangential_compliance);
             let before = c.previous_shear - shift;
             before + (f[1] - before) / theta
         } else {
@@ -195,11 +214,12 @@ pub fn remember_contacts(
         };
         history.0.push(ContactMemory { a: contact.a, b: contact.b, p: f[0], q, tau: f[2] });
     }
+    history
 }
 
 /// Marks the particles that the attempts found to [swing](Swinging).
-pub fn remember_swinging(bodies: Res<Bodies>, attempt: Res<Attempt>, mut commands: Commands) {
-    for (i, _) in attempt.swinging.iter().enumerate().filter(|(i, s)| **s && !bodies.swinging[*i]) {
+pub fn remember_swinging(bodies: Res<Bodies>, found: Res<Restraints>, mut commands: Commands) {
+    for (i, _) in found.swinging.iter().enumerate().filter(|(i, s)| **s && !bodies.swinging[*i]) {
         commands.entity(bodies.entities[i]).insert(Swinging);
     }
 }

@@ -287,3 +287,36 @@ fn a_bond_to_a_wall_has_the_law_of_the_wall_if_there_is_one() {
         assert_eq!(broken + 1, (strength / stiffness / 0.07e-6).ceil() as usize);
     }
 }
+
+#[test]
+fn without_rolling_friction_a_bond_has_no_moment_and_does_not_break_in_rolling() {
+    // The disks roll on each other: their turns are opposite, so that nothing slips.
+    let rolled = |friction: f64| {
+        let text = format!(
+            r#"(
+                version: 1, title: "rolled",
+                materials: {{ "stone": (bond: (normal_stiffness: 8.0e6, tangential_stiffness: 4.0e6,
+                    rolling_friction: {friction:?}, cohesion: 4.0e3, tensile_strength: 2.0e3)) }},
+                specimen: Particles([
+                    (position: (0.0, 0.0), radius: 6.0e-3, probe: "left"),
+                    (position: (12.0e-3, 0.0), radius: 6.0e-3),
+                ]),
+                bonds: [(a: 0, b: 1)],
+                stages: [Load(name: "roll", increments: 2, particles: [
+                    (select: Index([0]), x: Held, y: Held, rotation: Displacement(1.0e-7)),
+                    (select: Index([1]), x: Held, y: Held, rotation: Displacement(-1.0e-7)),
+                ])],
+            )"#
+        );
+        run(&parse(&text)).0
+    };
+    for record in rolled(0.0) {
+        assert_eq!((record.bonds, record.broken), (1, [0; 3]));
+        assert_within(probe(&record, "left").force[2], 0.0, EXACT);
+    }
+    // With it the moment is on its limit mu_r r (p + f_t), where the bond breaks. Rolling opens the bond by
+    // mu_r r times the turn, which presses it by p = 1 mN.
+    let first = &rolled(0.1)[0];
+    assert_relative(probe(first, "left").force[2], 0.1 * RADIUS * TENSILE_STRENGTH, 1e-4);
+    assert_eq!((first.bonds, first.broken), (0, [0, 0, 1]));
+}

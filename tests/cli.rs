@@ -111,6 +111,52 @@ fn check_says_what_a_sound_scene_is() {
 }
 
 #[test]
+fn control_characters_of_a_scene_do_not_reach_the_terminal() {
+    // Clears the screen, rings the bell, goes back to the begin of the line.
+    let (path, directory) = edited("tension.ron", "(4.1)", "\\u{1b}[2J\\u{7}\\r\\nok: forged");
+    let text = fs::read_to_string(&path).unwrap();
+    let named = text.replace("name: \"pull\"", "name: \"pu\\u{1b}[31m\\nll\"");
+    assert_ne!(named, text);
+    fs::write(&path, named).unwrap();
+    let scenes = directory.path().join("scenes");
+    fs::create_dir(&scenes).unwrap();
+    fs::copy(&path, scenes.join("tension.ron")).unwrap();
+    let one = "stages[0].increments=1";
+    // The name is quoted by a complaint as well, and the run fails with it.
+    let stalls = ["run", "tension.ron", "--force", "--set", "acceptance.residual=1e-25"];
+    let wrong = ["check", "tension.ron", "--set", "stages[0].walls={\"\u{1b}]0;x\": Fixed}"];
+    let calls: [&[&str]; 5] = [
+        &["check", "tension.ron"],
+        &["list"],
+        &["run", "tension.ron", "--set", one],
+        &stalls,
+        &wrong,
+    ];
+    for arguments in calls {
+        let mut command = Command::new(PROGRAM);
+        let done = command.current_dir(directory.path()).args(arguments).assert();
+        let said = stdout(&done) + &stderr(&done);
+        let raw = |c: char| c.is_control() && c != '\n';
+        assert!(!said.contains(raw), "{arguments:?}: {said:?}");
+        assert!(said.contains("\\u{1b}"), "{arguments:?}: {said:?}");
+        assert!(!said.lines().any(|line| line.starts_with("ok: forged")), "{said}");
+    }
+}
+
+#[test]
+fn long_tokens_are_shortened_in_messages() {
+    let long = "x".repeat(300_000);
+    let name = format!("radius: 6.0e-3, {long}: 1, radius");
+    let (path, _directory) = edited("tension.ron", "radius", &name);
+    let said = stderr(&clastic(&["check", path.to_str().unwrap()]).code(3));
+    assert!(said.len() < 2000, "{} bytes", said.len());
+    assert!(said.contains("`xxxx") && said.contains("... (300000 characters)"), "{said}");
+    let set = format!("stages.{}.increments=1", &long[..100_000]);
+    let said = stderr(&clastic(&["check", "tension", "--set", &set]).code(2));
+    assert!(said.len() < 2000 && said.contains("characters)"), "{said}");
+}
+
+#[test]
 fn a_directory_does_not_hide_the_scene_of_its_name() {
     let here = tempfile::tempdir().unwrap();
     fs::create_dir_all(here.path().join("tension")).unwrap();
@@ -125,6 +171,36 @@ fn a_directory_does_not_hide_the_scene_of_its_name() {
 }
 
 #[test]
+fn shipped_scenes_are_found_anywhere() {
+    let here = tempfile::tempdir().unwrap();
+    let call = |arguments: &[&str]| {
+        Command::new(PROGRAM).current_dir(here.path()).args(arguments).assert()
+    };
+    let listed = stdout(&call(&["list"]).code(0));
+    assert_eq!(listed, stdout(&clastic(&["list"]).code(0)));
+    // With the stored specimen that it names, and the same results as from its file.
+    let one = ["run", "biaxial_small", "--quiet", "--set", "stages.load.increments=1"];
+    call(&one).code(0);
+    let (from_file, out) = run("scenes/biaxial_small.ron", &one[2..]);
+    from_file.code(0);
+    assert!(files(&here.path().join("runs/biaxial_small")) == files(out.path()));
+    // A scene in ./scenes goes before the shipped one of its name.
+    fs::create_dir(here.path().join("scenes")).unwrap();
+    fs::write(here.path().join("scenes/tension.ron"), "(").unwrap();
+    let own = stderr(&call(&["check", "tension"]).code(3));
+    assert!(own.starts_with("scenes/tension.ron:1:"), "{own}");
+    assert!(stdout(&call(&["list"]).code(0)).contains("(not sound; see `clastic check tension`)"));
+    // Mistakes say that the scene is the shipped one; what is nowhere says where it was looked for.
+    let set = ["check", "stack", "--set", "specimen=File(path: \"none.csv\")"];
+    let missing = stderr(&call(&set).code(3));
+    assert!(missing.contains("`<clastic>/scenes/none.csv`"), "{missing}");
+    let nowhere = stderr(&call(&["run", "no_such_scene"]).code(1));
+    for place in ["no such file here", "./scenes", "clastic ships none", "clastic list"] {
+        assert!(nowhere.contains(place), "no `{place}` in {nowhere}");
+    }
+}
+
+#[test]
 fn exit_1_files() {
     let missing = stderr(&clastic(&["run", "no_such_place/no_such_scene.ron"]).code(1));
     assert!(missing.contains("no_such_place/no_such_scene.ron"), "{missing}");
@@ -136,10 +212,11 @@ fn exit_1_files() {
     let said = stderr(&clastic(&["check", folder.path().to_str().unwrap()]).code(1));
     assert!(said.contains("no scene"), "{said}");
 
-    // No directory of scenes.
+    // What stands where a directory of scenes should be.
     let empty = tempfile::tempdir().unwrap();
+    fs::write(empty.path().join("scenes"), "").unwrap();
     let list = Command::new(PROGRAM).current_dir(empty.path()).arg("list").assert().code(1);
-    assert!(stderr(&list).contains("scenes"), "{}", stderr(&list));
+    assert!(stderr(&list).contains("./scenes"), "{}", stderr(&list));
 
     // A file where a directory should be.
     let file = empty.path().join("file");
@@ -164,6 +241,57 @@ fn an_existing_run_is_written_over_by_force_only() {
     assert_eq!(rows(directory.path(), "history.csv").len(), 12);
     assert_eq!(json(directory.path(), "run.json")["overrides"][0], "stages.pull.increments=12");
     assert!(read(directory.path(), "scene.ron").contains("increments: 12,"));
+}
+
+#[cfg(unix)]
+#[test]
+fn what_is_no_regular_file_is_refused() {
+    let directory = tempfile::tempdir().unwrap();
+    let pipe = directory.path().join("pipe.ron");
+    assert!(Process::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let out = directory.path().join("out");
+    // Nobody writes to the pipe: whoever opens it waits for ever.
+    let refuse = |arguments: &[&str]| {
+        let mut command = Command::new(PROGRAM);
+        command.current_dir(ROOT).args(arguments).timeout(Duration::from_secs(60));
+        stderr(&command.assert())
+    };
+    for command in ["check", "run"] {
+        let said = refuse(&[command, pipe.to_str().unwrap()]);
+        let expected = "pipe.ron: cannot read the scene: it is a named pipe, not a regular file";
+        assert!(said.contains(expected), "{said}");
+    }
+    let specimen = format!("specimen.path={:?}", pipe.to_str().unwrap());
+    let out = out.to_str().unwrap();
+    let said = refuse(&["run", "biaxial_small", "--set", &specimen, "--out", out]);
+    assert!(said.contains("pipe.ron`: it is a named pipe, not a regular file"), "{said}");
+}
+
+#[test]
+fn a_specimen_of_only_a_header_is_an_input_error() {
+    let directory = tempfile::tempdir().unwrap();
+    let specimen = directory.path().join("header.csv");
+    fs::write(&specimen, "x_m,y_m,radius_m\n").unwrap();
+    let set = format!("specimen.path={:?}", specimen.to_str().unwrap());
+    let (refused, out) = run("biaxial_small", &["--set", &set]);
+    let said = stderr(&refused.code(3));
+    assert!(said.contains("header.csv:2:1: no particles: only a header"), "{said}");
+    assert_eq!(fs::read_dir(out.path()).unwrap().count(), 0);
+}
+
+#[test]
+fn a_run_reads_the_final_particles_of_another_one() {
+    let (first, out) = run("biaxial_small", &["--set", "stages.load.increments=1"]);
+    first.code(0);
+    let specimen = out.path().join("final_particles.csv");
+    let set = format!("specimen.path={:?}", specimen.to_str().unwrap());
+    let one = ["--set", "stages.load.increments=1", "--set", &set];
+    let (second, again) = run("biaxial_small", &one);
+    second.code(0);
+    let expected = rows(out.path(), "final_particles.csv");
+    let found = rows(again.path(), "specimen.csv");
+    assert_eq!(found.len(), expected.len());
+    assert_eq!(json(again.path(), "run.json")["specimen_sha256"].as_str().map(str::len), Some(64));
 }
 
 #[test]
@@ -240,15 +368,81 @@ fn exit_4_leaves_everything_up_to_there() {
     for what in ["increment 3", "`close`", "locked", "try:"] {
         assert!(said.contains(what), "no `{what}` in\n{said}");
     }
-    assert_complete(out.path(), "stalled");
+    assert_complete(out.path(), "undecided");
     let history = rows(out.path(), "history.csv");
     let statuses: Vec<_> = history.iter().map(|row| row["status"].as_str()).collect();
-    assert_eq!(statuses, ["solved", "solved", "locked"]);
+    assert_eq!(statuses, ["solved", "solved", "undecided"]);
     let record = json(out.path(), "run.json");
     assert!(said.contains(record["outcome"]["message"].as_str().unwrap()));
     // Nothing of the increment that failed is committed.
     let last = rows(out.path(), "final_particles.csv");
     assert_eq!(last[0]["y_m"].parse(), Ok(0.004));
+}
+
+#[test]
+fn exit_3_a_wall_that_is_left_to_a_program_of_its_own() {
+    let directory = tempfile::tempdir().unwrap();
+    let scene = directory.path().join("vice.ron");
+    fs::write(&scene, SQUEEZED.replace("Displacement(0.0, -1.0e-3)", "Custom")).unwrap();
+    let path = scene.to_str().unwrap();
+    let out = directory.path().join("out");
+    for arguments in [vec!["check", path], vec!["run", path, "--out", out.to_str().unwrap()]] {
+        let said = stderr(&clastic(&arguments).code(3));
+        let place = format!("{path}:13:60: stages[0].walls.top: `Custom`");
+        for what in [place.as_str(), "embedding program", "`Displacement`"] {
+            assert!(said.contains(what), "no `{what}` in\n{said}");
+        }
+    }
+    assert!(!out.exists());
+    // A program of one's own takes the same scene.
+    clastic::scene::load(&scene, &[]).unwrap_or_else(|e| panic!("{e}"));
+
+    // A setting is named instead of a line.
+    fs::write(&scene, SQUEEZED).unwrap();
+    let set = "stages.close.walls.top=Custom";
+    let said = stderr(&clastic(&["check", path, "--set", set]).code(3));
+    assert!(said.starts_with(&format!("--set {set}: ")), "{said}");
+    let (stalled, out) = run(path, &[]);
+    stalled.code(4);
+    let resumed = clastic(&["resume", out.path().to_str().unwrap(), "--set", set]).code(3);
+    assert!(stderr(&resumed).contains("stages[0].walls.top: `Custom`"), "{}", stderr(&resumed));
+}
+
+/// A disk that the first stage moves out of the box of the second.
+const MOVED: &str = r#"(
+    version: 1,
+    title: "moved out of a box",
+    materials: { "steel": (contact: (normal_stiffness: 1.0e6)) },
+    specimen: Particles([(position: (0.0, 0.0), radius: 1.0e-3)]),
+    stages: [
+        Load(name: "move", increments: 2, particles: [(select: All, x: Displacement(1.0e-3), y: Held)]),
+        Load(name: "hold", increments: 1, particles: [
+            (select: Box(min: (-1.0e-3, -1.0), max: (1.0e-3, 1.0)), x: Held),
+        ]),
+    ],
+)"#;
+
+#[test]
+fn exit_3_a_stage_that_selects_nothing_leaves_everything_up_to_there() {
+    let directory = tempfile::tempdir().unwrap();
+    let scene = directory.path().join("moved.ron");
+    fs::write(&scene, MOVED).unwrap();
+    let (refused, out) = run(scene.to_str().unwrap(), &[]);
+    let said = stderr(&refused.code(3));
+    for what in ["stage `hold`", "particles[0].select", "no particle", "clastic resume"] {
+        assert!(said.contains(what), "no `{what}` in\n{said}");
+    }
+    assert_complete(out.path(), "refused");
+    let record = json(out.path(), "run.json");
+    assert!(said.contains(record["outcome"]["message"].as_str().unwrap()));
+    assert_eq!((&record["outcome"]["stage"], &record["increments"]), (&"hold".into(), &2.into()));
+
+    let again = out.path().to_str().unwrap();
+    clastic(&["resume", again]).code(3);
+    let set = "stages.hold.particles[0].select.max=(3.0e-3, 1.0)";
+    clastic(&["resume", again, "--set", set]).code(0);
+    assert_complete(out.path(), "completed");
+    assert_eq!(rows(out.path(), "history.csv").len(), 3);
 }
 
 #[test]
@@ -425,6 +619,149 @@ fn two_runs_leave_the_same_bytes() {
     assert!(events.lines().count() > 1, "no bond broke");
     for name in ["frames/frame_000003.csv", "program_000040.json", "curves.svg", "specimen.csv"] {
         assert!(a.contains_key(Path::new(name)), "no {name}");
+    }
+}
+
+/// A biaxial test without bonds whose Coulomb's law stops after its first pass, far from its fixed point.
+fn capped(settings: &[&str]) -> (Assert, TempDir) {
+    let law = "friction_law=Coulomb(tolerance: 1e-14, max_passes: 1)";
+    let few = ["stages.cement.length=1e-12", "stages.load.increments=4", "output.plots=false"];
+    let mut all = vec!["--quiet", "--set", law];
+    all.extend(few.iter().chain(settings).flat_map(|set| ["--set", set]));
+    run("biaxial_small", &all)
+}
+
+#[test]
+fn a_run_with_capped_increments_says_so_loudly() {
+    let (done, out) = capped(&[]);
+    let said = stdout(&done.code(0));
+    for what in [
+        "completed in 9 increments, all of them capped",
+        "WARNING: all 5 increments of stage confine are capped",
+        "WARNING: all 4 increments of stage load are capped",
+    ] {
+        assert!(said.lines().any(|line| line == what), "no `{what}` in\n{said}");
+    }
+    assert!(rows(out.path(), "history.csv").iter().all(|row| row["status"] == "capped"));
+    let record = json(out.path(), "run.json");
+    assert_eq!(record["capped_increments"], 9);
+    assert_eq!(record["stages"][2]["capped"], 4);
+    let message = record["outcome"]["message"].as_str().unwrap();
+    assert!(message.contains("all 4 increments of stage load are capped"), "{message}");
+    let pictures = tempfile::tempdir().unwrap();
+    let [runs, to] = [out.path(), pictures.path()].map(|path| path.to_str().unwrap());
+    let compared = stdout(&clastic(&["compare", runs, "--out", to]).code(0));
+    assert!(compared.contains("completed, 9 of 9 increments capped"), "{compared}");
+
+    // With a tolerance that some first passes meet and others do not.
+    let (done, out) = capped(&["friction_law.tolerance=0.1"]);
+    let said = stdout(&done.code(0));
+    let history = rows(out.path(), "history.csv");
+    let count = |stage: &str| {
+        history.iter().filter(|row| row["stage"] == stage && row["status"] == "capped").count()
+    };
+    let [confine, load] = ["confine", "load"].map(count);
+    assert!(confine > 0 && confine + load < 9, "{confine}, {load}");
+    let all = confine + load;
+    assert!(
+        said.starts_with(&format!("completed in 9 increments, {all} of them capped\n")),
+        "{said}"
+    );
+    let of_five = if confine == 5 { "all 5".to_owned() } else { format!("{confine} of 5") };
+    let warning = format!("\nWARNING: {of_five} increments of stage confine are capped\n");
+    assert!(said.contains(&warning), "{said}");
+    assert_eq!(said.contains("increments of stage load are capped"), load > 0, "{said}");
+    assert_eq!(json(out.path(), "run.json")["capped_increments"], all);
+    // A run without capped increments has no warning.
+    let (done, _out) = run("tension", &["--quiet"]);
+    assert!(!stdout(&done.code(0)).contains("apped"));
+}
+
+#[test]
+fn key_results_of_capped_increments_are_null_with_the_reason() {
+    let (done, out) = capped(&[]);
+    let said = stdout(&done.code(0));
+    assert!(!said.contains("E = ") && !said.contains("peak stress 3"), "{said}");
+    assert!(said.contains("no modulus and no peak stress: all increments"), "{said}");
+    let results = &json(out.path(), "run.json")["results"];
+    for name in [
+        "youngs_modulus_pa",
+        "youngs_modulus_secant_half_peak_pa",
+        "peak_stress_pa",
+        "strain_at_peak",
+    ] {
+        assert!(results[name].is_null(), "{name}: {}", results[name]);
+        let reason = results["not_defined"][name].as_str().unwrap();
+        assert!(reason.contains("capped"), "{name}: {reason}");
+    }
+}
+
+#[test]
+fn round_off_is_no_key_result() {
+    // The platen moves away from the specimen.
+    let away = ["stages.load.walls.top[1]=1.0e-6", "stages.load.increments=6"];
+    let (done, out) = run("uniaxial_small", &["--quiet", "--set", away[0], "--set", away[1]]);
+    let said = stdout(&done.code(0));
+    assert!(!said.contains("E = ") && said.contains("but for round-off"), "{said}");
+    let results = &json(out.path(), "run.json")["results"];
+    assert!(results["youngs_modulus_pa"].is_null() && results["peak_stress_pa"].is_null());
+    let reason = results["not_defined"]["youngs_modulus_pa"].as_str().unwrap();
+    assert!(reason.contains("round-off"), "{reason}");
+}
+
+#[test]
+fn a_reference_stage_without_a_curve_is_mentioned() {
+    let load = "Load(name: \"load\", increments: 2, particles: [(select: Group(\"boundary\"), \
+                rotation: Held, affine: ((0.0, 0.0), (0.0, -1.0e-6)))])";
+    let cement = |name: &str| format!("Cement(name: \"{name}\", length: 1.0e-6)");
+    let stages = format!("stages=[{}, {load}, {}]", cement("bonds"), cement("last"));
+    let (done, _out) = run("lattice", &["--quiet", "--set", &stages]);
+    let said = stdout(&done.code(0));
+    let line = said.lines().find(|line| line.contains("no increment from the start"));
+    let line = line.unwrap_or_else(|| panic!("nothing is said in {said}"));
+    assert!(line.contains("the reference stage is last; `measures.reference_stage`"), "{line}");
+    // The other one has a curve: nothing is to be said.
+    let reference = "measures.reference_stage=\"load\"";
+    let (done, _out) = run("lattice", &["--quiet", "--set", &stages, "--set", reference]);
+    let said = stdout(&done.code(0));
+    assert!(said.contains("E = ") && !said.contains("measures.reference_stage"), "{said}");
+}
+
+#[test]
+fn the_moment_of_the_stored_specimen_is_said() {
+    // Poured: the disk falls in the only stage, which is the reference stage.
+    let (done, out) = run("bounce", &["--quiet", "--set", "stages.drop.increments=60"]);
+    let said = stdout(&done.code(0));
+    let moment = "at the start of the reference stage `drop`, before its first increment";
+    assert!(said.contains(&format!("specimen.csv holds the particles {moment}")), "{said}");
+    assert_eq!(json(out.path(), "run.json")["specimen_csv"], moment);
+    let height = |name: &str| rows(out.path(), name)[0]["y_m"].parse::<f64>().unwrap();
+    assert!(height("specimen.csv") > height("final_particles.csv"));
+    // A compaction leaves its packing.
+    let (done, out) = run("prepare_biaxial_small", &["--quiet"]);
+    let said = stdout(&done.code(0));
+    let moment = "at the end of the compaction `compact`";
+    assert!(said.contains(&format!("specimen.csv holds the particles {moment}")), "{said}");
+    assert_eq!(json(out.path(), "run.json")["specimen_csv"], moment);
+}
+
+#[test]
+fn a_program_is_dumped_by_increments_of_the_run_or_of_a_stage() {
+    let few = ["--quiet", "--set", "stages.load.increments=3"];
+    let dumps = ["--dump-program", "2", "--dump-program", "load:2", "--dump-program", "load:9"];
+    let (done, out) = run("biaxial_small", &[&few[..], &dumps].concat());
+    let said = stderr(&done.code(0));
+    assert!(said.contains("--dump-program load:9: the stage ended with its increment 3"), "{said}");
+    let names = files(out.path()).into_keys().map(|name| name.display().to_string());
+    let programs: Vec<_> = names.filter(|name| name.starts_with("program_")).collect();
+    // The confinement has five increments: the second one of the load is the seventh of the run.
+    assert_eq!(programs, ["program_000002.json", "program_000007.json"]);
+    assert_eq!(json(out.path(), "program_000007.json")["stage"], "load");
+    let unknown = ["run", "biaxial_small", "--dump-program", "lod:2"];
+    let said = stderr(&clastic(&unknown).code(2));
+    assert!(said.contains("no such stage; its stages are cement, confine, load"), "{said}");
+    for wrong in ["0", "load:", "load:0", "x"] {
+        clastic(&["run", "biaxial_small", "--dump-program", wrong]).code(2);
     }
 }
 

@@ -3,6 +3,7 @@
 use clastic::components::attempt::{Attempt, IncrementStatus};
 use clastic::components::body::{BodyId, Position};
 use clastic::components::contact::Contacts;
+use clastic::components::findings::AddedPairs;
 use clastic::components::increment::Acceptance;
 use clastic::components::observation::Observation;
 use clastic::components::particle::Particle;
@@ -58,7 +59,7 @@ fn step(simulation: &mut Simulation) -> Option<usize> {
             );
         }
     }
-    Some(world.resource::<Attempt>().added_pairs.len())
+    Some(world.resource::<AddedPairs>().0.len())
 }
 
 #[test]
@@ -68,8 +69,9 @@ fn a_pair_that_pruning_missed_is_added() {
     let row = [[0.0, 0.0, 5.0, 100.0, 0.0], [11.0, 0.0, 5.0, 0.0, 0.0], [24.0, 0.0, 5.0, 0.0, 0.0]];
     let mut simulation = flight(&row, "", 1);
     assert_eq!(step(&mut simulation), Some(1));
-    let attempt = simulation.world().resource::<Attempt>();
-    assert_eq!((attempt.added_pairs.as_slice(), attempt.solves), (&[(1, 2)][..], 2));
+    let solves = simulation.world().resource::<Attempt>().solves;
+    let pairs = &simulation.world().resource::<AddedPairs>().0;
+    assert_eq!((pairs.as_slice(), solves), (&[(1, 2)][..], 2));
     // Without the pair the third would not have moved: the three now fly as one.
     let world = simulation.world_mut();
     let mut query = world.query::<(&BodyId, &Position)>();
@@ -196,5 +198,5 @@ fn prescribed_motion_is_no_throw() {
     );
     let (records, _) = common::run(&scene);
     assert_eq!(records.len(), 2);
-    assert!(records.iter().all(|r| (r.status, r.settled) == (IncrementStatus::Solved, 0)));
+    assert!(records.iter().all(|r| (r.status, r.motion_steps) == (IncrementStatus::Solved, 0)));
 }

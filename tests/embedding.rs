@@ -42,6 +42,9 @@ fn pulled_pair() -> (App, Entity) {
 }
 // [/sample]
 
+use clastic::run::spawn::spawn_scene;
+use clastic::run::stages::advance;
+
 #[test]
 fn the_bond_stretches_breaks_and_is_gone() {
     let (mut app, pulled) = pulled_pair();
@@ -56,6 +59,62 @@ fn the_bond_stretches_breaks_and_is_gone() {
     }
     let observation = app.world().resource::<Observation>();
     assert_eq!((observation.bonds, observation.broken), (0, [1, 0, 0]));
+}
+
+/// A world with the scene of two free disks, as an embedding program fills it.
+fn world_of_two_disks() -> (App, clastic::scene::format::Scene) {
+    let text = r#"(
+        version: 1, title: "two disks",
+        materials: { "stone": () },
+        specimen: Particles([(position: (0.0, 0.0), radius: 1.0), (position: (3.0, 0.0), radius: 1.0)]),
+        stages: [Load(name: "rest", increments: 2)],
+    )"#;
+    let loaded = clastic::scene::from_str(text, "test.ron".as_ref(), "".as_ref(), &[]);
+    let scene = loaded.unwrap_or_else(|e| panic!("{e}")).scene;
+    let mut app = App::new();
+    app.add_plugins(ClasticPlugins);
+    spawn_scene(app.world_mut(), &scene, None);
+    (app, scene)
+}
+
+#[test]
+#[should_panic(expected = "the world has 2 bodies already")]
+fn a_second_scene_in_one_world_is_refused() {
+    let (mut app, scene) = world_of_two_disks();
+    spawn_scene(app.world_mut(), &scene, None);
+}
+
+#[test]
+#[should_panic(expected = "the scene has 2 particles, and 1 are left in the world")]
+fn a_despawned_particle_is_reported() {
+    let (mut app, _) = world_of_two_disks();
+    let world = app.world_mut();
+    assert_eq!(advance(world), Step::Increment);
+    let mut particles = world.query_filtered::<(Entity, &BodyId), With<Particle>>();
+    let first = particles.iter(world).find(|(_, id)| id.0 == 0).map(|(entity, _)| entity).unwrap();
+    world.despawn(first);
+    advance(world);
+}
+
+#[test]
+fn a_bond_to_a_body_that_is_not_there_does_not_count() {
+    let (mut app, _) = pulled_pair();
+    let world = app.world_mut();
+    let law = world.query::<&Bond>().iter(world).next().unwrap().law;
+    let place = Position(DVec2::new(-6.0e-3, 0.0));
+    let wall = Wall { tangent: DVec2::NEG_Y, half_length: 0.05 };
+    let wall = world.spawn((BodyId(2), wall, place, ContactLaw::default())).id();
+    let bond = |id, b| (BondId(id), Bond { a: BodyId(0), b: BodyId(b), initial_gap: 0.0, law });
+    world.spawn(bond(1, 2));
+    world.spawn(bond(2, 99));
+    let count = |app: &mut App| {
+        app.update();
+        app.world().resource::<Observation>().bonds
+    };
+    assert_eq!(count(&mut app), 2);
+    // A program that takes the wall away leaves the bond behind.
+    app.world_mut().despawn(wall);
+    assert_eq!(count(&mut app), 1);
 }
 
 #[test]

@@ -5,9 +5,8 @@ use std::f64::consts::TAU;
 
 use bevy_app::App;
 use bevy_ecs::prelude::*;
-use clastic::components::program::Dof;
+use clastic::components::contact::Bodies;
 use clastic::prelude::*;
-use clastic::systems::schedule::AttemptIncrement;
 use glam::DVec2;
 
 /// A wall whose height is `rest + amplitude sin(2 pi n / period)` after n increments of a stage.
@@ -39,17 +38,17 @@ fn follow_sine(progress: Res<Progress>, mut walls: Query<(&Sine, &Position, &mut
 #[derive(Component)]
 struct Foundation(f64);
 
-/// For `AttemptSystems::AssembleExtra`: adds `k (x + u - x_0)` to the balance rows.
+/// For `Loads`: the force `-k (x + u - x_0)`, with x the place from which the trial starts. Entities still hold
+/// the last committed state where an increment is halved or a motion is followed; `Bodies` holds the trial's.
 fn support(
-    springs: Query<(&BodyId, &Foundation, &Position, &Origin)>,
-    mut program: ResMut<ConeProgram>,
+    springs: Query<(&BodyId, &Foundation, &Origin)>,
+    bodies: Res<Bodies>,
+    mut loads: ResMut<TrialLoads>,
 ) {
-    for (id, spring, position, origin) in &springs {
+    for (id, spring, origin) in &springs {
+        let stretched = bodies.positions[id.index()] - origin.0;
         for k in 0..2 {
-            if let Dof::Free(row) = &mut program.bodies[id.index()].dofs[k] {
-                row.inertia += spring.0;
-                row.load -= spring.0 * (position.0 - origin.0)[k];
-            }
+            loads.add_spring(*id, k, -spring.0 * stretched[k], spring.0);
         }
     }
 }
@@ -57,9 +56,19 @@ fn support(
 /// A plugin, added after those of the engine.
 fn custom_boundaries(app: &mut App) {
     app.add_systems(ControlWalls, follow_sine.in_set(ControlSystems::Custom));
-    app.add_systems(AttemptIncrement, support.in_set(AttemptSystems::AssembleExtra));
+    app.add_systems(Loads, support);
 }
 // [/sample]
+
+use std::path::Path;
+
+use bevy_app::PluginGroup;
+use clastic::components::contact::Contacts;
+use clastic::output::{Ending, RunOptions, RunWriter};
+use clastic::run::spawn::spawn_scene;
+use clastic::run::stages::advance;
+use clastic::scene;
+use clastic::systems::rupture_bonds::RuptureBondsPlugin;
 
 const RADIUS: f64 = 6.0e-3;
 const STIFFNESS: f64 = 8.0e6;
@@ -93,7 +102,6 @@ fn a_wall_follows_a_sine_and_squeezes_a_disk() {
     world.spawn(wall(1, DVec2::X, 0.0));
     let sine = Sine { rest: 2.0 * RADIUS, amplitude: 1.0e-6, period: 12.0 };
     let lid = world.spawn((wall(2, DVec2::NEG_X, sine.rest), WallControl::Custom, sine)).id();
-    world.run_schedule(ControlWalls);
     for n in 1..=24 {
         world.run_schedule(Increment);
         let status = world.resource::<Observation>().status.name();
@@ -120,7 +128,6 @@ fn the_wall_is_in_its_place_after_a_halved_increment() {
     let lid = world.spawn((wall(2, DVec2::NEG_X, sine.rest), WallControl::Custom, sine)).id();
     // As if the increment before had been quartered: what was halved grows by doubling.
     world.resource_mut::<Progress>().fraction = 0.25;
-    world.run_schedule(ControlWalls);
     for done in [0.5, 1.0] {
         world.run_schedule(Increment);
         assert_eq!(world.resource::<Progress>().done, done);
@@ -135,7 +142,6 @@ fn extra_rows_hold_a_disk_on_springs() {
     let load = LoadControl([(0.0, 0.0), (0.0, -24.0), (0.0, 0.0)]);
     let world = app.world_mut();
     let disk = world.spawn((disk(0.0), Foundation(1.0e6), load)).id();
-    world.run_schedule(ControlWalls);
     for n in 1..=24 {
         world.run_schedule(Increment);
         let y = world.get::<Position>(disk).unwrap().0.y;
@@ -145,6 +151,33 @@ fn extra_rows_hold_a_disk_on_springs() {
             "increment {n}: {y} m for {expected} m"
         );
     }
+}
+
+#[test]
+fn loads_of_several_systems_add_up_in_any_order() {
+    fn push(mut loads: ResMut<TrialLoads>) {
+        loads.add(BodyId(0), [0.1, 0.0, 0.0]);
+    }
+    fn pull(mut loads: ResMut<TrialLoads>) {
+        loads.add(BodyId(0), [-0.3, 7.0e7, 0.0]);
+    }
+    let place = |reversed: bool| {
+        let mut app = app();
+        // Neither states an order, and the schedule accepts both.
+        if reversed {
+            app.add_systems(Loads, (pull, push));
+        } else {
+            app.add_systems(Loads, (push, pull));
+        }
+        let world = app.world_mut();
+        let disk = world.spawn((disk(0.0), Foundation(1.0e9))).id();
+        world.run_schedule(Increment);
+        assert_eq!(world.resource::<Observation>().status.name(), "solved");
+        world.get::<Position>(disk).unwrap().0
+    };
+    let found = place(false);
+    assert!((found - DVec2::new(-0.2e-9, 0.07)).length() < 1e-12, "{found}");
+    assert_eq!(found, place(true));
 }
 
 #[test]
@@ -179,4 +212,69 @@ fn the_sample_of_the_architecture_page_is_this_one() {
     let sample = include_str!("extension.rs").split("// [sample]\n").nth(1).unwrap();
     let sample = sample.split("// [/sample]").next().unwrap();
     assert!(page.contains(sample), "copy the sample of tests/extension.rs to ARCHITECTURE.md");
+}
+
+/// A rule of rupture that replaces that of the engine: bonds break at a tension of 10 N.
+fn break_at_10_newtons(
+    (contacts, bodies): (Res<Contacts>, Res<Bodies>),
+    solution: Res<ConeSolution>,
+    progress: Res<Progress>,
+    mut bonds: Query<&mut BondState>,
+    mut messages: MessageWriter<Rupture>,
+) {
+    for (contact, [p, q, tau]) in contacts.0.iter().zip(&solution.forces) {
+        let Some(row) = contact.bond.map(|k| bodies.bonds[k as usize]).filter(|_| *p < -10.0)
+        else {
+            continue;
+        };
+        let mode = RuptureMode::Tension;
+        *bonds.get_mut(row.entity).unwrap() = BondState::Broken(mode);
+        messages.write(Rupture {
+            increment: progress.increment,
+            bond: row.id,
+            a: BodyId(row.a),
+            b: BodyId(row.b),
+            mode,
+            position: contact.point(&bodies),
+            normal: contact.normal,
+            p: *p,
+            q: *q,
+            tau: *tau,
+        });
+    }
+}
+
+#[test]
+fn ruptures_by_a_rule_of_an_embedding_program_are_events() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/tension.ron");
+    let loaded = scene::load(Path::new(path), &[]).unwrap();
+    let mut app = App::new();
+    app.add_plugins(ClasticPlugins.build().disable::<RuptureBondsPlugin>());
+    app.add_systems(Increment, break_at_10_newtons.in_set(IncrementSystems::Rupture));
+    spawn_scene(app.world_mut(), &loaded.scene, None);
+    let out = tempfile::tempdir().unwrap();
+    let options = RunOptions { directory: out.path().to_owned(), ..Default::default() };
+    let mut writer = RunWriter::create(options, &loaded, app.world_mut()).unwrap();
+    let mut broke = None;
+    while advance(app.world_mut()) == Step::Increment {
+        writer.record(app.world_mut()).unwrap();
+        let record = app.world().resource::<Observation>();
+        if let [rupture] = record.ruptures.as_slice() {
+            assert_eq!(broke.replace((record.increment, *rupture)), None, "it broke twice");
+        }
+        assert_eq!(record.broken, [usize::from(broke.is_some()), 0, 0]);
+    }
+    writer.finish(app.world_mut(), &Ending::Finished(Outcome::Completed)).unwrap();
+    // The engine's own rule breaks the bond at 24 N.
+    let (increment, rupture) = broke.unwrap();
+    assert!(rupture.p < -10.0 && rupture.p > -12.0, "{rupture:?}");
+    let read = |name: &str| std::fs::read_to_string(out.path().join(name)).unwrap();
+    let events = read("events.csv");
+    let rows: Vec<_> = events.lines().skip(1).collect();
+    assert_eq!(rows.len(), 1, "{events}");
+    assert!(rows[0].starts_with(&format!("{increment},pull,0,0,1,tension,")), "{events}");
+    let record: serde_json::Value = serde_json::from_str(&read("run.json")).unwrap();
+    let broken = &record["results"]["bonds_broken"];
+    assert_eq!((&broken["tension"], &broken["shear"]), (&1.into(), &0.into()));
+    assert_eq!(record["results"]["bonds_intact"], 0);
 }

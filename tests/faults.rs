@@ -234,26 +234,122 @@ fn long_run(out: &Path) -> Child {
 }
 
 #[test]
+fn a_forced_run_into_a_directory_in_use_is_refused() {
+    let place = Place::new();
+    let out = place.path("used");
+    let mut child = long_run(&out);
+    let refused = place.run(&out, &["--force"]).output().unwrap();
+    assert_eq!(refused.status.code(), Some(1), "{}", said(&refused));
+    let message = said(&refused);
+    assert!(message.contains(&format!("{}: a run is still writing", out.display())), "{message}");
+    // Without --force it does not say that --force would help.
+    let refused = place.run(&out, &[]).output().unwrap();
+    assert_eq!(refused.status.code(), Some(1), "{}", said(&refused));
+    assert!(!said(&refused).contains("--force"), "{}", said(&refused));
+    // The first run has lost nothing: its files are there and it can be resumed.
+    assert_eq!(child.try_wait().unwrap(), None, "the first run ended");
+    assert!(kill_after(child, Duration::ZERO));
+    assert!(assert_whole(&out, "in use") >= 49);
+    assert!(fs::read_to_string(out.join("scene.ron")).unwrap().contains("100000000"));
+    assert!(out.join("checkpoint.bin").exists());
+    // The lock is gone with its holder.
+    let done = place.run(&out, &["--force", "--quiet"]).output().unwrap();
+    assert_eq!(done.status.code(), Some(0), "{}", said(&done));
+    place.assert_as_undisturbed(&out, "written over");
+}
+
+/// Sends a signal to a process.
+fn send(signal: &str, to: &Child) {
+    let kill = format!("kill -{signal} {}", to.id());
+    assert!(Command::new("sh").args(["-c", &kill]).status().unwrap().success());
+}
+
+/// Waits until the history of a run has a number of lines.
+fn wait_for_lines(out: &Path, lines: usize) {
+    let begun = Instant::now();
+    let found = || fs::read_to_string(out.join("history.csv")).map_or(0, |t| t.lines().count());
+    while found() < lines {
+        assert!(begun.elapsed() < Duration::from_secs(60), "no {lines} lines after a minute");
+        thread::sleep(Duration::from_millis(1));
+    }
+}
+
+/// Runs the scene of a place until a signal stops it; no checkpoints were asked for.
+fn stopped_by(place: &Place, signal: &str, out: &Path) {
+    let child = place.run(out, &["--quiet"]).stdout(Stdio::null()).spawn().unwrap();
+    wait_for_lines(out, 5);
+    send(signal, &child);
+    let code = child.wait_with_output().unwrap().status.code();
+    assert_eq!(code, Some(130), "{signal}");
+    assert!(out.join("checkpoint.bin").exists(), "{signal}");
+    let record: Value =
+        serde_json::from_str(&fs::read_to_string(out.join("run.json")).unwrap()).unwrap();
+    assert_eq!(record["outcome"]["status"], "interrupted", "{signal}");
+}
+
+#[test]
+fn sigterm_and_sighup_leave_a_checkpoint_as_ctrl_c_does() {
+    let place = Place::new();
+    for signal in ["TERM", "HUP"] {
+        let out = place.path(signal);
+        stopped_by(&place, signal, &out);
+        place.resume_to_the_end(&out, signal);
+    }
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_sighup_that_nohup_ignores_stays_ignored() {
+    let parent = tempfile::tempdir().unwrap();
+    let out = parent.path().join("out");
+    let script = "trap '' HUP; exec \"$0\" \"$@\"";
+    let child = Command::new("sh")
+        .current_dir(ROOT)
+        .args(["-c", script, PROGRAM, "run", "tension", "--quiet"])
+        .args(["--set", "stages.pull.increments=100000000", "--out"])
+        .arg(&out)
+        .stdout(Stdio::null())
+        .spawn()
+        .unwrap();
+    wait_for_lines(&out, 10);
+    send("HUP", &child);
+    // It goes on for far longer than the one increment that a signal lets it finish.
+    let lines = fs::read_to_string(out.join("history.csv")).unwrap().lines().count();
+    wait_for_lines(&out, lines + 200);
+    send("TERM", &child);
+    assert_eq!(child.wait_with_output().unwrap().status.code(), Some(130));
+}
+
+#[test]
 fn interrupted_and_resumed() {
     let place = Place::new();
     let out = place.path("interrupted");
-    // No checkpoints were asked for: the interrupt writes one.
-    let child = place.run(&out, &["--quiet"]).stdout(Stdio::null()).spawn().unwrap();
-    let begun = Instant::now();
-    while fs::read_to_string(out.join("history.csv")).map_or(0, |text| text.lines().count()) < 5 {
-        assert!(begun.elapsed() < Duration::from_secs(60), "no rows after a minute");
-        thread::sleep(Duration::from_millis(1));
-    }
-    let interrupt = format!("kill -INT {}", child.id());
-    assert!(Command::new("sh").args(["-c", &interrupt]).status().unwrap().success());
-    let code = child.wait_with_output().unwrap().status.code();
-    assert_eq!(code, Some(130));
-    assert!(out.join("checkpoint.bin").exists());
+    stopped_by(&place, "INT", &out);
     place.resume_to_the_end(&out, "interrupted");
     // Now there is nothing left to do, and that is no error.
     let done = resume(&out).output().unwrap();
     assert_eq!(done.status.code(), Some(0));
     assert!(String::from_utf8_lossy(&done.stdout).contains("nothing to resume"));
+}
+
+#[test]
+fn more_increments_for_a_completed_run_are_refused_with_a_way_out() {
+    let place = Place::new();
+    let plain = place.path("plain");
+    let set = ["--set", "stages.compress.increments=80"];
+    let refused = resume(&plain).args(set).output().unwrap();
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(refused.stdout.is_empty());
+    let message = said(&refused);
+    for what in ["at its end", "Run the scene again", "stages.compress.increments=80", "--force"] {
+        assert!(message.contains(what), "no `{what}` in {message}");
+    }
+    place.assert_as_undisturbed(&plain, "refused");
+    // The way out leads there.
+    let done = place.run(&plain, &["--force", "--quiet"]).args(set).output().unwrap();
+    assert_eq!(done.status.code(), Some(0), "{}", said(&done));
+    let history = fs::read_to_string(plain.join("history.csv")).unwrap();
+    assert_eq!(history.lines().filter(|line| line.contains(",compress,")).count(), 80);
 }
 
 #[test]

@@ -269,3 +269,28 @@ fn every_scene_is_sound_and_opens_with_what_it_shows() {
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
+
+/// A scene in `scenes/` needs a reference here: who measures must not put one there.
+#[test]
+#[cfg(target_os = "linux")]
+fn the_recipe_of_the_benchmarks_leaves_the_scenes_alone() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let page = fs::read_to_string(root.join("docs/benchmarks.md")).unwrap();
+    let begin = page.find("    mkdir -p bench\n    sed ").expect("no recipe");
+    let recipe = page[begin..].split_inclusive("rock.ron\n").next().unwrap();
+
+    // Where the recipe is followed: the scene is there, and its run has left a packing.
+    let place = tempfile::tempdir().unwrap();
+    for folder in ["scenes", "runs/uniaxial"] {
+        fs::create_dir_all(place.path().join(folder)).unwrap();
+    }
+    let copy = |from: &str, to: &str| fs::copy(root.join(from), place.path().join(to)).unwrap();
+    copy("scenes/uniaxial.ron", "scenes/uniaxial.ron");
+    copy("scenes/specimens/uniaxial_7380.csv", "runs/uniaxial/specimen.csv");
+    let mut shell = std::process::Command::new("sh");
+    assert!(shell.current_dir(place.path()).args(["-ec", recipe]).status().unwrap().success());
+    assert_eq!(fs::read_dir(place.path().join("scenes")).unwrap().count(), 1, "{recipe}");
+    let rock = scene::load(&place.path().join("bench/rock.ron"), &[]).unwrap();
+    assert_eq!(rock.specimen.unwrap().rows.len(), 7380);
+    assert_eq!(rock.scene.stages.len(), 2);
+}

@@ -5,7 +5,7 @@ mod common;
 use clastic::components::observation::Observation;
 use clastic::run::EndedBy;
 use clastic::run::stages::Script;
-use clastic::run::{Simulation, StageEnd};
+use clastic::run::{Outcome, Simulation, StageEnd, WorldState, changes};
 use common::*;
 
 /// A disk between a floor and a lid; the rest is the stages and, if any, measures.
@@ -130,4 +130,150 @@ fn stress_drop_ends_a_tension_test() {
     assert_eq!(*ended_by, Some(EndedBy::Stop));
     // It stopped in the increment after the break, long before the last.
     assert!(greatest < 0.0 && last.unwrap().increment < 30, "{greatest}");
+}
+
+/// Two stages: the disk of [`pressed`] is moved to the right by 1 mm, then held in a box.
+fn moved_and_held(min: f64, max: f64) -> String {
+    pressed(&format!(
+        r#"stages: [
+            Load(name: "move", increments: 2, particles: [
+                (select: Probe("disk"), x: Displacement(0.5e-3), y: Held, rotation: Held),
+            ]),
+            Load(name: "hold", increments: 1, particles: [
+                (select: All, x: Held, y: Held, rotation: Held),
+                (select: Box(min: ({min:?}, 0.0), max: ({max:?}, 1.0)), x: Held),
+            ]),
+        ],"#
+    ))
+}
+
+#[test]
+fn a_stage_that_selects_no_particle_is_refused_as_it_begins() {
+    // The disk is in this box before it is moved, so that the scene itself is sound.
+    let scene = parse(&moved_and_held(-0.5e-3, 0.5e-3));
+    let mut simulation = Simulation::new(&scene, None);
+    while next(&mut simulation).is_some() {}
+    let outcome = simulation.run();
+    let Outcome::Refused { stage, message } = outcome else { panic!("{outcome:?}") };
+    assert_eq!(stage, "hold");
+    for what in ["`hold`", "particles[1].select", "no particle", "-0.0005", "0.0005"] {
+        assert!(message.contains(what), "no `{what}` in: {message}");
+    }
+    // Both increments before it stand, and nothing of the stage has begun.
+    assert_eq!(simulation.world().resource::<Observation>().increment, 2);
+    assert_eq!(simulation.world().resource::<Script>().ends.len(), 1);
+
+    // From there the run goes on with another box.
+    let state = WorldState::capture(simulation.world_mut());
+    let mended = parse(&moved_and_held(0.5e-3, 1.5e-3));
+    assert!(changes::refused(&scene, &mended, &state).is_empty());
+    let mut simulation = Simulation::resume(&mended, &state);
+    changes::apply(simulation.world_mut(), &scene, &mended, &state);
+    assert_eq!(simulation.run(), Outcome::Completed);
+    assert_eq!(simulation.world().resource::<Observation>().increment, 3);
+}
+
+/// A disk cemented to a lid that pulls at it, goes and comes back.
+fn cemented_lid(last: &str) -> String {
+    format!(
+        r#"(
+            version: 1, title: "cemented lid",
+            materials: {{ "stone": (contact: (normal_stiffness: 1.0e6)) }},
+            specimen: Particles([(position: (0.0, 0.5), radius: 0.5, probe: "disk")]),
+            walls: [
+                (name: "lid", start: (1.0, 1.0), end: (-1.0, 1.0), probe: "lid",
+                    contact: (normal_stiffness: 1.0e6),
+                    bond: (normal_stiffness: 1.0e6, cohesion: 1.0e3, tensile_strength: 1.0e3)),
+            ],
+            stages: [
+                Cement(name: "cement", length: 1.0e-3, walls: true),
+                Load(name: "pull", increments: 2, walls: {{ "lid": Displacement(0.0, 1.0e-6) }},
+                    particles: [(select: All, x: Held, y: Held, rotation: Held)]),
+                Load(name: "without", increments: 1, remove_walls: ["lid"],
+                    particles: [(select: All, x: Held, y: Held, rotation: Held)]),
+                {last}
+                Load(name: "again", increments: 2, add_walls: ["lid"],
+                    walls: {{ "lid": Displacement(0.0, 1.0e-6) }},
+                    particles: [(select: All, x: Held, y: Held, rotation: Held)]),
+            ],
+        )"#
+    )
+}
+
+/// Whether a world has a bond in any state.
+fn bonds(simulation: &mut Simulation) -> usize {
+    WorldState::capture(simulation.world_mut()).bonds.len()
+}
+
+#[test]
+fn the_bonds_of_a_wall_end_when_it_is_taken_away() {
+    let scene = parse(&cemented_lid(""));
+    let mut simulation = Simulation::new(&scene, None);
+    let mut resumed: Option<Simulation> = None;
+    // 1 N more in every increment of the first pull; then the lid is gone, and what comes back is bare.
+    for (k, (count, force)) in
+        [(1, 1.0), (1, 2.0), (0, 0.0), (0, 0.0), (0, 0.0)].into_iter().enumerate()
+    {
+        let record = next(&mut simulation).unwrap();
+        assert_eq!((record.bonds, bonds(&mut simulation)), (count, count), "increment {k}");
+        assert_eq!(record.broken, [0; 3]);
+        assert_within(probe(&record, "disk").force[1], -force, 1e-8);
+        if let Some(resumed) = &mut resumed {
+            assert_eq!(next(resumed).unwrap(), record, "increment {k}");
+        }
+        if k == 2 {
+            // A checkpoint of the time without the lid does not bring them back either.
+            let state = WorldState::capture(simulation.world_mut());
+            resumed = Some(Simulation::resume(&scene, &state));
+        }
+    }
+}
+
+#[test]
+fn a_wall_that_comes_back_can_be_cemented_anew() {
+    let again = r#"Load(name: "bring", increments: 1, add_walls: ["lid"],
+        particles: [(select: All, x: Held, y: Held, rotation: Held)]),
+        Cement(name: "anew", length: 1.0e-3, walls: true),"#;
+    let text =
+        cemented_lid(again).replace(r#"increments: 2, add_walls: ["lid"],"#, "increments: 2,");
+    let (records, _) = run(&parse(&text));
+    let found: Vec<_> = records.iter().map(|record| record.bonds).collect();
+    assert_eq!(found, [1, 1, 0, 0, 1, 1]);
+    // Free of stress where it was made: 1 N per increment again.
+    let force = |k: usize| probe(&records[k], "disk").force[1];
+    assert_within(force(4), -1.0, 1e-8);
+    assert_within(force(5), -2.0, 1e-8);
+}
+
+#[test]
+fn stress_drop_waits_for_a_stress_that_is_no_round_off() {
+    // Two disks that touch are moved together: the round-off of their distance is all that presses them,
+    // now and then. After 30 increments they come to a third one.
+    let text = r#"(
+        version: 1, title: "pushed against a disk",
+        materials: { "stone": (contact: (normal_stiffness: 1.0e9)) },
+        specimen: Particles([
+            (position: (0.0235, 0.0), radius: 0.04), (position: (0.1035, 0.0), radius: 0.04),
+            (position: (0.18523, 0.0), radius: 0.04),
+        ]),
+        stages: [Load(name: "push", increments: 40, stop: [StressDrop(0.5)], particles: [
+            (select: Index([0, 1]), x: Displacement(5.771e-5), y: Held, rotation: Held),
+            (select: Index([2]), x: Held, y: Held, rotation: Held),
+        ])],
+        measures: (
+            axial_strain: Particles(0, 2),
+            axial_stress: Average(component: Xx, area: Fixed(0.01)),
+        ),
+    )"#;
+    let records = records(text);
+    let stresses: Vec<_> = records.iter().map(|record| record.axial_stress.unwrap()).collect();
+    let drops = (1..25).any(|k| {
+        let peak = stresses[..k].iter().copied().fold(0.0, f64::max);
+        stresses[k] < 0.5 * peak
+    });
+    assert!(drops, "without round-off this shows nothing: {stresses:?}");
+    assert_eq!(records.len(), 40);
+    // The overlap of the last two at k = 1 GN/m, over a branch of 0.08 m and an area of 0.01 m^2.
+    let overlap = 40.0 * 5.771e-5 - 1.73e-3;
+    assert_relative(stresses[39], 1.0e9 * overlap * 0.08 / 0.01, 0.02);
 }

@@ -50,7 +50,7 @@ pub fn capture(
         let Step::Increment = simulation.step() else { break };
         let world = simulation.world();
         let record = world.resource::<Observation>();
-        if matches!(record.status, IncrementStatus::Stalled | IncrementStatus::Locked) {
+        if matches!(record.status, IncrementStatus::Undecided) {
             break;
         }
         if record.stage != stage {

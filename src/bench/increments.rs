@@ -210,7 +210,9 @@ fn curve(loaded: &LoadedScene, test: &Test) -> Result<Curve, BenchError> {
         }
     });
     // Where the run stalls depends on the increment; what was before counts.
-    if let (Outcome::Stalled { message, .. }, true) = (&outcome, points.is_empty()) {
+    if let (Outcome::Undecided { message, .. } | Outcome::Refused { message, .. }, true) =
+        (&outcome, points.is_empty())
+    {
         return Err(BenchError::Run(message.clone()));
     }
     let r = results.results();

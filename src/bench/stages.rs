@@ -189,7 +189,7 @@ fn measure(loaded: &LoadedScene, scratch: &Path) -> Result<(Vec<Cell>, Vec<f64>)
         writer.record(simulation.world_mut())?;
     };
     drop(writer);
-    if let Outcome::Stalled { message, .. } = outcome {
+    if let Outcome::Undecided { message, .. } | Outcome::Refused { message, .. } = outcome {
         return Err(BenchError::Run(message));
     }
     let times = History::read(&scratch.join(directory::TIMINGS))?;

@@ -20,7 +20,7 @@ use crate::run::WorldState;
 
 /// Version of the format. It goes up with every change of what is stored: types that derive their
 /// encoding, in this file and in `run/state`, are the format.
-pub const VERSION: u32 = 4;
+pub const VERSION: u32 = 5;
 
 const MAGIC: &str = "clastic checkpoint, format ";
 
@@ -38,8 +38,10 @@ pub struct Checkpoint {
     pub facts: RunFacts,
     /// A checkpoint is written after so many increments; 0 writes none.
     pub every: u32,
-    /// Increments whose cone program is dumped.
+    /// Increments of the run whose cone program is dumped.
     pub dump_programs: Vec<u64>,
+    /// Increments of stages, by name, whose cone program is dumped.
+    pub dump_in_stages: Vec<(String, u64)>,
     /// What the output remembers.
     pub output: WriterState,
     /// What the simulation remembers.
@@ -51,8 +53,9 @@ pub struct Checkpoint {
 pub enum ResumeError {
     /// There is no checkpoint.
     #[error(
-        "{}: no checkpoint is here; a run writes one with --checkpoint-every N, when Ctrl-C interrupts it \
-         and when an increment stalls. Run the scene again, with --force", .0.display()
+        "{}: no checkpoint is here; a run writes one with --checkpoint-every N, when Ctrl-C, SIGTERM or \
+         SIGHUP interrupts it, when an increment stalls and when a stage cannot begin. Run the scene again, \
+         with --force", .0.display()
     )]
     NoCheckpoint(PathBuf),
     /// It is of another version of the format.
@@ -93,9 +96,6 @@ pub enum ResumeError {
         /// What is wrong with it.
         what: String,
     },
-    /// The run is under way.
-    #[error("{}: a run is still writing here; wait for it or stop it", .0.display())]
-    InUse(PathBuf),
     /// Something cannot be read or written.
     #[error(transparent)]
     Output(#[from] OutputError),

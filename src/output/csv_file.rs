@@ -1,12 +1,13 @@
 //! CSV files that grow row by row.
 
 use std::fmt::{Display, Write as _};
-use std::fs::{self, File, OpenOptions, TryLockError};
+use std::fs::{self, File, OpenOptions};
 use std::io::{self, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::PathBuf;
 
 use super::OutputError;
 use super::checkpoint::ResumeError;
+use super::directory::lock;
 
 /// A CSV file of which every row is written whole.
 #[derive(Debug)]
@@ -26,6 +27,27 @@ impl CsvFile {
         header: impl IntoIterator<Item = impl AsRef<str>>,
     ) -> Result<Self, OutputError> {
         let file = File::create(&path).map_err(OutputError::at(&path))?;
+        Self::with_header(path, file, header)
+    }
+
+    /// Begins a file that is open already, and locked: what it held is dropped.
+    ///
+    /// # Errors
+    /// Where the file cannot be written.
+    pub fn begin(
+        path: PathBuf,
+        file: File,
+        header: impl IntoIterator<Item = impl AsRef<str>>,
+    ) -> Result<Self, OutputError> {
+        file.set_len(0).map_err(OutputError::at(&path))?;
+        Self::with_header(path, file, header)
+    }
+
+    fn with_header(
+        path: PathBuf,
+        file: File,
+        header: impl IntoIterator<Item = impl AsRef<str>>,
+    ) -> Result<Self, OutputError> {
         let mut csv = Self { path, file, length: 0 };
         let row = header.into_iter().fold(Row::default(), |row, name| row.text(name.as_ref()));
         csv.push(row)?;
@@ -64,11 +86,10 @@ impl CsvFile {
         done.map_err(OutputError::at(&self.path))
     }
 
-    /// Marks the file as being written for as long as this program lives; whether it was free.
+    /// Marks the file as being written for as long as it is open; whether it was free.
     #[must_use]
     pub fn lock(&self) -> bool {
-        // A file system without locks has none that others could hold.
-        !matches!(self.file.try_lock(), Err(TryLockError::WouldBlock))
+        lock(&self.file)
     }
 
     /// Size of the whole rows, bytes.

@@ -1,6 +1,6 @@
 //! The directory itself: where it is, whether it is free, names of files in it.
 
-use std::fs;
+use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -47,21 +47,42 @@ pub fn program(directory: &Path, increment: u64) -> PathBuf {
 }
 
 /// Makes `directory` ready for a run: it must be empty or not be there, unless `force`, which
-/// removes what an earlier run wrote and nothing else.
+/// removes what an earlier run wrote and nothing else. Returns the history, open and locked: as long
+/// as it is open no other run can claim the directory.
 ///
 /// # Errors
+/// [`OutputError::InUse`] where another run is writing; nothing of it was touched.
 /// [`OutputError::Exists`] where there is something and `force` is not given.
-pub fn claim(directory: &Path, force: bool) -> Result<(), OutputError> {
+pub fn claim(directory: &Path, force: bool) -> Result<File, OutputError> {
     fs::create_dir_all(directory).map_err(OutputError::at(directory))?;
     let names = entries(directory)?;
-    if !force && !names.is_empty() {
-        return Err(OutputError::Exists(directory.to_owned()));
+    let path = directory.join(HISTORY);
+    if !names.is_empty() && !force {
+        let used = File::open(&path).is_ok_and(|history| !lock(&history));
+        let error = if used { OutputError::InUse } else { OutputError::Exists };
+        return Err(error(directory.to_owned()));
+    }
+    // The file that a run holds its lock on is neither removed nor replaced: two runs that begin at
+    // the same time must meet at the same file.
+    let mut open = OpenOptions::new();
+    let open = open.read(true).write(true).create(true).truncate(false);
+    let history = open.open(&path).map_err(OutputError::at(&path))?;
+    if !lock(&history) {
+        return Err(OutputError::InUse(directory.to_owned()));
     }
     // A directory that was given by mistake may hold anything: only known names are removed.
-    for name in names.iter().filter(|name| is_ours(name)) {
+    for name in names.iter().filter(|name| is_ours(name) && *name != HISTORY) {
         remove(&directory.join(name))?;
     }
-    remove_frames(directory, |_| true)
+    remove_frames(directory, |_| true)?;
+    Ok(history)
+}
+
+/// Marks a file as being written for as long as it is open; whether it was free.
+#[must_use]
+pub fn lock(file: &File) -> bool {
+    // A file system without locks has none that others could hold.
+    !matches!(file.try_lock(), Err(TryLockError::WouldBlock))
 }
 
 /// Removes what a run wrote after `increment` and does not go on with: the files of its end, later
@@ -161,8 +182,8 @@ mod tests {
     fn results_are_not_written_over_without_force() -> Result<(), Box<dyn std::error::Error>> {
         let parent = tempfile::tempdir()?;
         let dir = parent.path().join("a/b");
-        claim(&dir, false)?;
-        claim(&dir, false)?;
+        drop(claim(&dir, false)?);
+        assert!(claim(&dir, false).is_err_and(|e| e.to_string().contains("--force")));
         fs::create_dir(dir.join(FRAMES))?;
         for path in [dir.join(RUN), dir.join("notes.txt"), frame(&dir, 7), program(&dir, 1)] {
             fs::write(path, "")?;
@@ -171,11 +192,21 @@ mod tests {
         let message = refused.err().map(|e| e.to_string()).unwrap_or_default();
         assert!(message.contains("a/b") && message.contains("--force"), "{message}");
         assert!(dir.join(RUN).exists());
-        claim(&dir, true)?;
+        let history = claim(&dir, true)?;
         let mut left = entries(&dir)?;
         left.sort();
-        assert_eq!(left, [FRAMES, "notes.txt"]);
+        assert_eq!(left, [FRAMES, HISTORY, "notes.txt"]);
         assert!(entries(&dir.join(FRAMES))?.is_empty());
+
+        // Now it is in use: nobody else gets it, with or without force, and nothing is touched.
+        fs::write(dir.join(RUN), "of the first")?;
+        for force in [false, true] {
+            assert!(claim(&dir, force).is_err_and(|e| e.to_string().contains("still writing")));
+        }
+        assert_eq!(fs::read_to_string(dir.join(RUN))?, "of the first");
+        drop(history);
+        claim(&dir, true)?;
+        assert!(!dir.join(RUN).exists());
         Ok(())
     }
 

@@ -11,6 +11,9 @@ pub enum OutputError {
     /// The directory holds something already.
     #[error("{}: not empty; choose another directory with --out, or write over it with --force", .0.display())]
     Exists(PathBuf),
+    /// Another run is under way there.
+    #[error("{}: a run is still writing here; wait for it or stop it, or choose another directory with --out", .0.display())]
+    InUse(PathBuf),
     /// The directory holds no run.
     #[error("{}: no run is here (no {}); give the directory of a run, such as runs/NAME", .0.display(), directory::RUN)]
     NoRun(PathBuf),

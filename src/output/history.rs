@@ -14,7 +14,7 @@ use super::csv_file::Row;
 use crate::scene::format::{Scene, Specimen};
 
 /// Columns before those of the probes.
-pub const COLUMNS: [&str; 25] = [
+pub const COLUMNS: [&str; 27] = [
     "increment",
     "stage",
     "time_s",
@@ -37,9 +37,11 @@ pub const COLUMNS: [&str; 25] = [
     "fraction",
     "potential_contacts",
     "solves",
-    "settled",
+    "motion_steps",
     "kinetic_energy_j",
     "coulomb_residual",
+    "motion_strain",
+    "caps",
 ];
 
 /// Columns of each probe, after its name: displacement since the start of the stage list, and
@@ -49,7 +51,7 @@ pub const PROBE_COLUMNS: [&str; 6] =
 
 /// Columns after those of the probes where the scene asks for the energy ledger: sums since the
 /// start, but the elastic energy, which is that of now.
-pub const ENERGY_COLUMNS: [&str; 10] = [
+pub const ENERGY_COLUMNS: [&str; 11] = [
     "energy_external_j",
     "energy_gravity_j",
     "energy_kinetic_change_j",
@@ -58,6 +60,7 @@ pub const ENERGY_COLUMNS: [&str; 10] = [
     "energy_rolling_j",
     "energy_dilation_j",
     "energy_rupture_j",
+    "energy_motion_j",
     "energy_numerical_j",
     "energy_error_j",
 ];
@@ -78,7 +81,7 @@ pub fn probes(scene: &Scene) -> Vec<String> {
 
 /// The energies of a row, in the order of [`ENERGY_COLUMNS`].
 #[must_use]
-pub fn energies(ledger: &EnergyLedger) -> [f64; 10] {
+pub fn energies(ledger: &EnergyLedger) -> [f64; 11] {
     let e = &ledger.total;
     [
         e.external,
@@ -89,6 +92,7 @@ pub fn energies(ledger: &EnergyLedger) -> [f64; 10] {
         e.rolling,
         e.dilation,
         e.rupture,
+        e.motion,
         e.numerical,
         e.error(),
     ]
@@ -109,7 +113,7 @@ pub fn header(probes: &[String]) -> Vec<String> {
 pub fn row(o: &Observation, probes: &[String]) -> Row {
     let r = &o.residuals;
     // A collapse has no solution that residuals could be taken of.
-    let solved = !matches!(o.status, IncrementStatus::Collapsed | IncrementStatus::Locked);
+    let solved = o.status != IncrementStatus::Collapsed;
     let mut row = Row::default()
         .count(o.increment)
         .text(&o.stage)
@@ -132,8 +136,9 @@ pub fn row(o: &Observation, probes: &[String]) -> Row {
         .number(o.fraction)
         .count(o.potential_contacts as u64)
         .count(o.solves)
-        .count(o.settled)
-        .numbers([o.kinetic_energy, o.coulomb_residual]);
+        .count(o.motion_steps)
+        .numbers([o.kinetic_energy, o.coulomb_residual, o.motion_strain])
+        .text(&o.caps);
     for name in probes {
         // A wall that a stage took away leaves its columns empty.
         let reading = o.probes.iter().find(|reading| reading.name == *name);
@@ -159,8 +164,8 @@ mod tests {
         let expected = "increment,stage,time_s,axial_strain,lateral_strain,volumetric_strain,\
             axial_stress_pa,lateral_stress_pa,contacts,bonds,broken_tension,broken_shear,\
             broken_rolling,solver_iterations,residual_balance,residual_kinematics,residual_cone,\
-            residual_complementarity,status,fraction,potential_contacts,solves,settled,kinetic_energy_j,\
-            coulomb_residual,top.x_m,top.y_m,top.rotation_rad,top.force_x_n,top.force_y_n,\
+            residual_complementarity,status,fraction,potential_contacts,solves,motion_steps,kinetic_energy_j,\
+            coulomb_residual,motion_strain,caps,top.x_m,top.y_m,top.rotation_rad,top.force_x_n,top.force_y_n,\
             top.moment_nm";
         assert_eq!(header, expected);
     }

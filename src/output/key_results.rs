@@ -1,4 +1,9 @@
 //! What a run comes down to: moduli, peak, limit load, cracks, worst residuals.
+//!
+//! They come from increments with the status `solved` alone. Where one is not defined, the reason stands
+//! beside it.
+
+use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
@@ -39,7 +44,7 @@ pub struct Results {
     pub porosity: Option<f64>,
     /// Axial stress of the increment in which the first bond broke.
     pub first_crack_stress_pa: Option<f64>,
-    /// Bonds ever created.
+    /// Bonds ever created. Those that are neither intact nor broken ended with a wall that was taken away.
     pub bonds_created: usize,
     /// Bonds that hold.
     pub bonds_intact: usize,
@@ -49,6 +54,8 @@ pub struct Results {
     pub worst_residuals: WorstResiduals,
     /// Solver iterations of all increments.
     pub solver_iterations: u64,
+    /// Why key results are null, by their names.
+    pub not_defined: BTreeMap<String, String>,
 }
 
 /// Broken bonds by mode.
@@ -94,25 +101,73 @@ impl Worst {
 }
 
 /// Gathers the key results, one increment after the other.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct KeyResults {
     rigid: bool,
-    /// Axial stress at the start of the reference stage, Pa.
-    start: f64,
-    /// Axial stress of the last increment that carried load, Pa.
-    last_stress: Option<f64>,
-    /// Strain and stress of the reference stage on.
-    curve: Vec<[f64; 2]>,
-    collapse_seen: bool,
-    crack_seen: bool,
+    /// Stress that the stiffest contact has at a strain of 1, Pa.
+    stiffness: f64,
+    /// Start of the reference stage.
+    start: Point,
+    /// The last increment that carried load.
+    last: Option<Point>,
+    /// Increments of the reference stage on that have both a strain and a stress.
+    curve: Vec<Point>,
+    /// Whether the specimen collapsed, and the increment before that.
+    collapse: Option<Option<Point>>,
+    /// Whether a bond broke, and the stress of the first increment in which one did, with whether the
+    /// increment is solved.
+    crack: Option<(Option<f64>, bool)>,
     results: Results,
 }
+
+/// An increment on the curve.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Point {
+    /// Axial strain; 0 before the reference stage.
+    strain: f64,
+    /// Axial stress, Pa.
+    stress: f64,
+    /// Whether its status is `solved`: it is not where a cap was hit.
+    solved: bool,
+}
+
+/// A start that is free of stress.
+const FREE: Point = Point { strain: 0.0, stress: 0.0, solved: true };
+
+/// Changes of stress below this part of the maximum stress are round-off.
+const RESOLVED: f64 = 1e-6;
+
+/// So are stresses below this part of what a specimen of rigid grains with the given stiffness would have
+/// at the same strain: loose packings have a thousandth of it.
+const SOFTEST: f64 = 1e-9;
+
+const NO_CURVE: &str = "no increment from the start of the reference stage on has both an axial strain and \
+                        an axial stress";
+/// Why a rigid specimen has no modulus.
+pub const RIGID: &str = "nothing is elastic";
+const CAPPED_BEFORE: &str = "an increment that it would come from is capped";
 
 impl KeyResults {
     /// Results of a run that has not begun. `rigid`: nothing in the specimen is elastic.
     #[must_use]
     pub fn new(rigid: bool) -> Self {
-        Self { rigid, ..Default::default() }
+        Self {
+            rigid,
+            stiffness: 0.0,
+            start: FREE,
+            last: None,
+            curve: Vec::new(),
+            collapse: None,
+            crack: None,
+            results: Results::default(),
+        }
+    }
+
+    /// Sets the stiffness of the stiffest contact over the thickness, Pa: stresses that are nothing
+    /// beside it are round-off.
+    #[must_use]
+    pub fn with_stiffness(self, stiffness: f64) -> Self {
+        Self { stiffness, ..self }
     }
 
     /// Sets the porosity.
@@ -133,16 +188,23 @@ impl KeyResults {
         self.results.mechanism.is_some()
     }
 
+    /// Takes into account how many bonds there have been so far.
+    pub fn see_bonds(&mut self, created: usize) {
+        // Bonds to a wall that was taken away have ended: those that are left tell too little.
+        self.results.bonds_created = self.results.bonds_created.max(created);
+    }
+
     /// Takes an increment into account. Says whether it is the peak so far.
     pub fn observe(&mut self, o: &Observation, phase: Phase) -> bool {
         let results = &mut self.results;
         let [tension, shear, rolling] = o.broken;
         results.bonds_broken = BrokenBonds { tension, shear, rolling };
         results.bonds_intact = o.bonds;
-        results.bonds_created = o.bonds + tension + shear + rolling;
+        self.see_bonds(o.bonds + tension + shear + rolling);
+        let results = &mut self.results;
         results.solver_iterations += u64::from(o.iterations);
         let collapsed = o.status == IncrementStatus::Collapsed;
-        if !collapsed && o.status != IncrementStatus::Locked {
+        if !collapsed {
             let (worst, r) = (&mut results.worst_residuals, &o.residuals);
             worst.balance.see(r.balance, o.increment);
             worst.kinematics.see(r.kinematics, o.increment);
@@ -150,30 +212,34 @@ impl KeyResults {
             worst.complementarity.see(r.complementarity, o.increment);
         }
         if phase == Phase::Preparation {
-            self.start = 0.0;
+            self.start = FREE;
             return false;
         }
-        if collapsed && !self.collapse_seen {
-            self.collapse_seen = true;
-            results.limit_load_pa = self.last_stress;
+        let solved = o.status == IncrementStatus::Solved;
+        if collapsed && self.collapse.is_none() {
+            self.collapse = Some(self.last);
         }
-        if !o.ruptures.is_empty() && !self.crack_seen {
-            self.crack_seen = true;
-            results.first_crack_stress_pa = o.axial_stress;
+        if !o.ruptures.is_empty() && self.crack.is_none() {
+            self.crack = Some((o.axial_stress, solved));
         }
         let Some(stress) = o.axial_stress else { return false };
-        self.last_stress = Some(stress);
+        let point = Point { strain: o.axial_strain.unwrap_or_default(), stress, solved };
+        self.last = Some(point);
         if phase == Phase::Loading {
-            self.start = stress;
+            self.start = Point { strain: 0.0, ..point };
             return false;
         }
-        let Some(strain) = o.axial_strain else { return false };
-        self.curve.push([strain, stress]);
-        let height = |stress: f64| (stress - self.start).abs();
-        let peak = results.peak_stress_pa.is_none_or(|peak| height(stress) > height(peak));
+        if o.axial_strain.is_none() {
+            return false;
+        }
+        self.curve.push(point);
+        let height = |stress: f64| (stress - self.start.stress).abs();
+        let results = &mut self.results;
+        let peak =
+            solved && results.peak_stress_pa.is_none_or(|peak| height(stress) > height(peak));
         if peak {
             results.peak_stress_pa = Some(stress);
-            results.strain_at_peak = Some(strain);
+            results.strain_at_peak = Some(point.strain);
         }
         peak
     }
@@ -182,40 +248,131 @@ impl KeyResults {
     #[must_use]
     pub fn results(&self) -> Results {
         let mut results = self.results.clone();
-        if self.rigid {
-            results.limit_load_pa = results.peak_stress_pa;
-        } else {
-            results.youngs_modulus_pa = self.tangent();
-            results.youngs_modulus_secant_half_peak_pa = self.secant();
+        let mut reasons = BTreeMap::new();
+        let mut defined = |names: &[&str], value: Result<f64, &str>| match value {
+            Ok(value) => Some(value),
+            Err(reason) => {
+                reasons.extend(names.iter().map(|name| ((*name).to_owned(), reason.to_owned())));
+                None
+            }
+        };
+        let peak = self.peak();
+        results.peak_stress_pa = defined(&["peak_stress_pa", "strain_at_peak"], peak);
+        if peak.is_err() {
+            results.strain_at_peak = None;
         }
+        results.youngs_modulus_pa =
+            defined(&["youngs_modulus_pa"], peak.and_then(|peak| self.tangent(peak)));
+        results.youngs_modulus_secant_half_peak_pa = defined(
+            &["youngs_modulus_secant_half_peak_pa"],
+            peak.and_then(|peak| self.secant(peak)),
+        );
+        results.limit_load_pa = defined(&["limit_load_pa"], self.limit_load(peak));
+        results.first_crack_stress_pa = defined(&["first_crack_stress_pa"], self.first_crack());
+        let _ = defined(
+            &["porosity"],
+            results
+                .porosity
+                .ok_or("the reference stage made no increment, or no specimen is there"),
+        );
+        let mechanism = results.mechanism.map(|mechanism| mechanism.margin);
+        let _ = defined(&["mechanism"], mechanism.ok_or("no mechanism proves a collapse"));
+        results.not_defined = reasons;
         results
     }
 
-    fn tangent(&self) -> Option<f64> {
-        let touch = 1e-3 * (self.results.peak_stress_pa? - self.start).abs();
-        let mut before = [0.0, self.start];
-        for [strain, stress] in &self.curve {
-            if *strain != before[0] && (stress - before[1]).abs() >= touch {
-                return Some((stress - before[1]) / (strain - before[0]));
-            }
-            before = [*strain, *stress];
+    /// Axial stress at the peak.
+    fn peak(&self) -> Result<f64, &'static str> {
+        let Some(peak) = self.results.peak_stress_pa else {
+            return Err(if self.curve.is_empty() {
+                NO_CURVE
+            } else {
+                "all increments that have both an axial strain and an axial stress are capped"
+            });
+        };
+        let maximum = |of: fn(&Point) -> f64| self.curve.iter().map(of).fold(0.0, f64::max);
+        let stress = maximum(|p| p.stress.abs()).max(self.start.stress.abs());
+        let strain = maximum(|p| p.strain.abs());
+        let round_off = (RESOLVED * stress).max(SOFTEST * self.stiffness * strain);
+        if (peak - self.start.stress).abs() <= round_off {
+            return Err(
+                "the axial stress stays as it is at the start of the reference stage, but for round-off",
+            );
         }
-        None
+        Ok(peak)
     }
 
-    fn secant(&self) -> Option<f64> {
-        let half = 0.5 * (self.results.peak_stress_pa? - self.start);
-        let mut before = [0.0, 0.0];
-        for [strain, stress] in &self.curve {
-            let here = [*strain, stress - self.start];
-            if half != 0.0 && here[1] / half >= 1.0 {
-                let part = (half - before[1]) / (here[1] - before[1]);
-                let strain = before[0] + part * (here[0] - before[0]);
-                return Some(half / strain).filter(|modulus| modulus.is_finite());
+    fn tangent(&self, peak: f64) -> Result<f64, &'static str> {
+        if self.rigid {
+            return Err(RIGID);
+        }
+        let touch = 1e-3 * (peak - self.start.stress).abs();
+        let mut before = self.start;
+        for here in &self.curve {
+            let gain = here.stress - before.stress;
+            if here.strain != before.strain && gain.abs() >= touch {
+                if !(here.solved && before.solved) {
+                    return Err(CAPPED_BEFORE);
+                }
+                return positive(gain / (here.strain - before.strain));
+            }
+            before = *here;
+        }
+        Err("no increment that strains the specimen gains a thousandth of the peak")
+    }
+
+    fn secant(&self, peak: f64) -> Result<f64, &'static str> {
+        if self.rigid {
+            return Err(RIGID);
+        }
+        let half = 0.5 * (peak - self.start.stress);
+        let mut before = Point { stress: 0.0, ..self.start };
+        for point in &self.curve {
+            let here = Point { stress: point.stress - self.start.stress, ..*point };
+            if half != 0.0 && here.stress / half >= 1.0 {
+                if !(here.solved && before.solved) {
+                    return Err(CAPPED_BEFORE);
+                }
+                let part = (half - before.stress) / (here.stress - before.stress);
+                let strain = before.strain + part * (here.strain - before.strain);
+                return positive(half / strain);
             }
             before = here;
         }
-        None
+        Err("no increment comes to half the peak")
+    }
+
+    fn limit_load(&self, peak: Result<f64, &'static str>) -> Result<f64, &'static str> {
+        if self.rigid {
+            return peak;
+        }
+        let last = self.collapse.ok_or("the specimen did not collapse")?;
+        let last = last.ok_or("no increment before the collapse has an axial stress")?;
+        if last.solved {
+            Ok(last.stress)
+        } else {
+            Err("the increment before the collapse is capped")
+        }
+    }
+
+    fn first_crack(&self) -> Result<f64, &'static str> {
+        let (stress, solved) = self.crack.ok_or("no bond broke")?;
+        let stress =
+            stress.ok_or("the increment in which the first bond broke has no axial stress")?;
+        if solved {
+            Ok(stress)
+        } else {
+            Err("the increment in which the first bond broke is capped")
+        }
+    }
+}
+
+/// A modulus, which is one only where the stress rises with the strain.
+fn positive(modulus: f64) -> Result<f64, &'static str> {
+    if modulus > 0.0 && modulus.is_finite() {
+        Ok(modulus)
+    } else {
+        Err("the stress does not rise with the strain")
     }
 }
 
@@ -265,6 +422,67 @@ mod tests {
         near(results.peak_stress_pa, 340.0);
         near(results.strain_at_peak, 0.03);
         assert_eq!(results.limit_load_pa, None);
+    }
+
+    /// A run of the reference stage whose rows are strain, stress and whether the increment is capped.
+    fn partly_capped(rows: &[(f64, f64, bool)]) -> Results {
+        let mut key = KeyResults::new(false).with_stiffness(1e6);
+        for (k, (strain, stress, capped)) in rows.iter().enumerate() {
+            let status = if *capped { IncrementStatus::Capped } else { IncrementStatus::Solved };
+            let row = at(1 + k as u64, Some(*strain), Some(*stress));
+            key.observe(&Observation { status, ..row }, Phase::Reference);
+        }
+        let collapse = Observation { status: IncrementStatus::Collapsed, ..at(99, None, None) };
+        key.observe(&collapse, Phase::Reference);
+        key.results()
+    }
+
+    #[test]
+    fn key_results_come_from_solved_increments_only() {
+        let all = partly_capped(&[(0.01, -128.0, true), (0.02, 300.0, true)]);
+        for (name, value) in [
+            ("youngs_modulus_pa", all.youngs_modulus_pa),
+            ("youngs_modulus_secant_half_peak_pa", all.youngs_modulus_secant_half_peak_pa),
+            ("peak_stress_pa", all.peak_stress_pa),
+            ("strain_at_peak", all.strain_at_peak),
+            ("limit_load_pa", all.limit_load_pa),
+        ] {
+            assert_eq!(value, None, "{name}");
+            assert!(all.not_defined[name].contains("capped"), "{name}: {:?}", all.not_defined);
+        }
+        // The peak of those that are solved; what lies between a solved increment and a capped one is
+        // no modulus.
+        let some = partly_capped(&[(0.01, 90.0, true), (0.02, 150.0, false), (0.03, 200.0, false)]);
+        assert_eq!((some.peak_stress_pa, some.strain_at_peak), (Some(200.0), Some(0.03)));
+        assert_eq!((some.youngs_modulus_pa, some.limit_load_pa), (None, Some(200.0)));
+        assert!(some.not_defined["youngs_modulus_pa"].contains("capped"));
+        let later = partly_capped(&[(0.01, 100.0, false), (0.02, 150.0, true)]);
+        near(later.youngs_modulus_pa, 1e4);
+        near(later.peak_stress_pa, 100.0);
+        assert_eq!(later.limit_load_pa, None);
+        assert!(!later.not_defined.contains_key("peak_stress_pa"));
+    }
+
+    #[test]
+    fn round_off_is_no_modulus_and_no_peak() {
+        // What a platen that touches nothing finds, with either sign, and one that finds nothing at all.
+        for stress in [-1e-11, 1e-11, 0.0] {
+            let results = partly_capped(&[(0.01, stress, false), (0.02, 3.0 * stress, false)]);
+            assert_eq!((results.youngs_modulus_pa, results.peak_stress_pa), (None, None));
+            assert!(results.not_defined["youngs_modulus_pa"].contains("round-off"));
+        }
+        // Under a confining stress too.
+        use Phase::{Loading, Reference};
+        let rows = [
+            (Loading, None, Some(2e5)),
+            (Reference, Some(0.01), Some(2e5 - 1e-4)),
+            (Reference, Some(0.02), Some(2e5 + 1e-3)),
+        ];
+        assert_eq!(run(false, &rows).results().youngs_modulus_pa, None);
+        // A stress that falls is not round-off, and no modulus either.
+        let falls = partly_capped(&[(0.01, -128.0, false)]);
+        assert_eq!((falls.youngs_modulus_pa, falls.peak_stress_pa), (None, Some(-128.0)));
+        assert!(falls.not_defined["youngs_modulus_pa"].contains("does not rise"));
     }
 
     #[test]

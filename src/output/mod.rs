@@ -7,10 +7,10 @@
 //! | `history.csv` | one row an increment |
 //! | `events.csv` | one row a rupture |
 //! | `timings.csv` | wall clock; it lives here alone, all other files are the same bytes on every run |
-//! | `specimen.csv` | the prepared specimen at the start of the reference stage: scenes can read it |
+//! | `specimen.csv` | the particles at the end of a compaction, then at the start of the reference stage, before its first increment (of a scene that pours its particles there, before they fell): scenes can read it |
 //! | `frames/frame_000123.csv` | all particles after increment 123, where the scene asks for frames |
 //! | `frames/frame_000123.svg` | its picture |
-//! | `final_particles.csv` | all particles at the end |
+//! | `final_particles.csv` | all particles at the end: scenes can read it |
 //! | `program_000123.json` | cone program and solution of increment 123, where asked for |
 //! | `mechanism.csv` | the mechanism of the first collapse |
 //! | `*.svg` | pictures, drawn at the end; that of the mechanism when the specimen collapses |

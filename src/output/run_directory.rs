@@ -21,8 +21,9 @@ use super::mechanism::Mechanism;
 use super::run_record::{CLASTIC_VERSION, OutcomeRecord, Resumed, RunFacts, RunRecord};
 use super::snapshot::Snapshot;
 use super::{OutputError, directory, dump, events, frames, history, plots, porosity, timings};
+use crate::run::cement::BondCounter;
 use crate::run::stages::Script;
-use crate::run::{Outcome, WorldState};
+use crate::run::{Outcome, StageEnd, WorldState};
 use crate::scene::format::{Bond, Contact, Record, Scene, Stage};
 use crate::scene::{LoadedScene, StoredParticle};
 
@@ -35,8 +36,10 @@ pub struct RunOptions {
     pub force: bool,
     /// Settings that were applied to the scene, for the record.
     pub overrides: Vec<String>,
-    /// Increments whose cone program is dumped.
+    /// Increments of the run whose cone program is dumped.
     pub dump_programs: Vec<u64>,
+    /// Increments of stages, by name, whose cone program is dumped.
+    pub dump_in_stages: Vec<(String, u64)>,
     /// A checkpoint is written after so many increments; 0 writes one only where the run stops
     /// before its end.
     pub checkpoint_every: u32,
@@ -56,6 +59,7 @@ pub enum Ending {
 pub struct RunWriter {
     directory: PathBuf,
     dump_programs: Vec<u64>,
+    dump_in_stages: Vec<(String, u64)>,
     checkpoint_every: u32,
     scene: Scene,
     scene_text: String,
@@ -83,8 +87,8 @@ pub struct WriterState {
     results: KeyResults,
     /// The state after the last increment, until the reference stage begins.
     prepared: Option<Prepared>,
-    /// Whether there is a prepared specimen.
-    specimen: bool,
+    /// Of which moment the prepared specimen is, where it has been written.
+    specimen: Option<String>,
     /// Start of the reference stage.
     start: Snapshot,
     /// At the peak so far: with its caption.
@@ -95,7 +99,7 @@ impl WriterState {
     /// The files that are there once and for all, and that the end of a run makes no others of.
     fn files(&self) -> Vec<&'static str> {
         let mut files = Vec::new();
-        if self.specimen {
+        if self.specimen.is_some() {
             files.push(directory::SPECIMEN);
         }
         if self.results.has_mechanism() {
@@ -134,7 +138,7 @@ impl RunWriter {
         let facts = RunFacts::new(loaded, &options.overrides)?;
         let record = RunRecord::new(loaded, &facts, reference_stage);
         let dir = options.directory.as_path();
-        directory::claim(dir, options.force)?;
+        let history = directory::claim(dir, options.force)?;
         make_frames(dir, &loaded.scene)?;
         record.write(&dir.join(directory::RUN))?;
         write_atomic(&dir.join(directory::SCENE), &loaded.text)?;
@@ -143,26 +147,26 @@ impl RunWriter {
         if loaded.scene.output.energy {
             header.extend(history::ENERGY_COLUMNS.map(str::to_owned));
         }
-        let history = CsvFile::create(dir.join(directory::HISTORY), header)?;
+        let history = CsvFile::begin(dir.join(directory::HISTORY), history, header)?;
         let events = CsvFile::create(dir.join(directory::EVENTS), events::COLUMNS)?;
         let timings = CsvFile::create(dir.join(directory::TIMINGS), timings::COLUMNS)?;
-        // It is held as long as the file is open; nobody else has a reason to be here yet.
-        let _ = history.lock();
         // Nothing has been gathered in a world without increments; it changes nothing of the run.
         let _ = world.run_system_cached(gather_bodies);
         let prepared = Prepared::of(world);
         let state = WriterState {
             lengths: [&history, &events, &timings].map(CsvFile::length),
-            results: KeyResults::new(is_rigid(&loaded.scene)),
+            results: KeyResults::new(is_rigid(&loaded.scene))
+                .with_stiffness(maximum_stiffness(&loaded.scene) / loaded.scene.thickness),
             start: prepared.snapshot.clone(),
             prepared: Some(prepared),
-            specimen: false,
+            specimen: None,
             peak: None,
         };
         let fresh = vec![dir.join(directory::SCENE)];
         let mut writer = Self {
             directory: options.directory,
             dump_programs: options.dump_programs,
+            dump_in_stages: options.dump_in_stages,
             checkpoint_every: options.checkpoint_every,
             scene: loaded.scene.clone(),
             scene_text: loaded.text.clone(),
@@ -202,7 +206,7 @@ impl RunWriter {
         let open = |name: &str, length| CsvFile::open(directory.join(name), length);
         let mut history = open(directory::HISTORY, history)?;
         if !history.lock() {
-            return Err(ResumeError::InUse(directory.to_owned()));
+            return Err(OutputError::InUse(directory.to_owned()).into());
         }
         let mut events = open(directory::EVENTS, events)?;
         let mut timings = open(directory::TIMINGS, timings)?;
@@ -235,6 +239,7 @@ impl RunWriter {
         Ok(Self {
             directory: directory.to_owned(),
             dump_programs: next.dump_programs,
+            dump_in_stages: next.dump_in_stages,
             checkpoint_every: next.every,
             scene: loaded.scene.clone(),
             scene_text: next.scene,
@@ -262,9 +267,8 @@ impl RunWriter {
         let progress = world.resource::<Progress>().clone();
         let increment = observation.increment;
         self.history.is_there()?;
-        let stalled =
-            matches!(observation.status, IncrementStatus::Stalled | IncrementStatus::Locked);
-        if stalled {
+        let undecided = matches!(observation.status, IncrementStatus::Undecided);
+        if undecided {
             // Without the row of the failure: who resumes with other settings tries it again.
             self.save(world)?;
         }
@@ -289,7 +293,8 @@ impl RunWriter {
         }
         if compacting && progress.done >= progress.total {
             let packing = Prepared::of(world);
-            self.write_specimen(&packing)?;
+            let moment = format!("at the end of the compaction `{}`", observation.stage);
+            self.write_specimen(&packing, moment)?;
             if progress.stage >= self.reference_stage {
                 // Nothing is loaded: what the scene is for is the packing.
                 self.state.results.set_porosity(porosity::in_box(&packing.snapshot));
@@ -300,6 +305,9 @@ impl RunWriter {
             (false, false) => Phase::Loading,
             (false, true) => Phase::Reference,
         };
+        if let Some(counter) = world.get_resource::<BondCounter>() {
+            self.state.results.see_bonds(counter.0 as usize);
+        }
         if self.state.results.observe(&observation, phase) && self.scene.output.plots {
             self.state.peak = Some((Snapshot::take(world), caption(&observation)));
         }
@@ -307,7 +315,9 @@ impl RunWriter {
         if due.frame {
             self.write_frame(&Snapshot::take(world), &observation)?;
         }
-        if self.dump_programs.contains(&increment) {
+        let in_stage = world.resource::<Script>().ends.last().map_or(0, |end| end.increments);
+        let dumped = |(stage, n): &(String, u64)| *stage == observation.stage && *n == in_stage;
+        if self.dump_programs.contains(&increment) || self.dump_in_stages.iter().any(dumped) {
             let path = directory::program(&self.directory, increment);
             dump::write_program(&path, world)?;
             self.is_fresh(path);
@@ -318,7 +328,7 @@ impl RunWriter {
             self.timings.push(timings::row(increment, timings, output))?;
         }
         let every = u64::from(self.checkpoint_every);
-        if every > 0 && increment.is_multiple_of(every) && !stalled {
+        if every > 0 && increment.is_multiple_of(every) && !undecided {
             let clock = Instant::now();
             self.save(world)?;
             self.saving += clock.elapsed().as_secs_f64();
@@ -362,6 +372,7 @@ impl RunWriter {
             facts: self.facts.clone(),
             every: self.checkpoint_every,
             dump_programs: self.dump_programs.clone(),
+            dump_in_stages: self.dump_in_stages.clone(),
             output: self.state.clone(),
             world,
         };
@@ -374,6 +385,18 @@ impl RunWriter {
     #[must_use]
     pub fn dump_programs(&self) -> &[u64] {
         &self.dump_programs
+    }
+
+    /// Increments of stages whose cone program is dumped.
+    #[must_use]
+    pub fn dump_in_stages(&self) -> &[(String, u64)] {
+        &self.dump_in_stages
+    }
+
+    /// Of which moment `specimen.csv` is; none where the file does not exist.
+    #[must_use]
+    pub fn specimen(&self) -> Option<&str> {
+        self.state.specimen.as_deref()
     }
 
     /// Increment of the last checkpoint, if there is one: a resumed run goes on after it.
@@ -389,7 +412,11 @@ impl RunWriter {
     pub fn finish(&mut self, world: &mut World, ending: &Ending) -> Result<Results, OutputError> {
         let dir = self.directory.clone();
         let goes_on = world.resource::<Script>().outcome.is_none();
-        if goes_on && *ending == Ending::Interrupted && self.saved != Some(self.record.increments) {
+        let interrupted =
+            goes_on && *ending == Ending::Interrupted && self.saved != Some(self.record.increments);
+        // A stage that was refused is no part of its checkpoint: with other settings it begins.
+        let refused = matches!(ending, Ending::Finished(Outcome::Refused { .. }));
+        if interrupted || refused {
             self.save(world)?;
         }
         let last = Snapshot::take(world);
@@ -404,6 +431,13 @@ impl RunWriter {
         let results = self.state.results.results();
         self.record.outcome = OutcomeRecord::new(outcome, stage, increment);
         self.record.stages = world.resource::<Script>().ends.clone();
+        self.record.capped_increments = self.record.stages.iter().map(|end| end.capped).sum();
+        self.record.specimen_csv = self.state.specimen.clone();
+        if self.record.outcome.message.is_none() {
+            let warnings: Vec<_> =
+                self.record.stages.iter().filter_map(StageEnd::warning).collect();
+            self.record.outcome.message = Some(warnings.join("; ")).filter(|m| !m.is_empty());
+        }
         self.record.results = results.clone();
         // The pictures come last: should they fail, the numbers are complete.
         self.record.write(&dir.join(directory::RUN))?;
@@ -430,15 +464,18 @@ impl RunWriter {
     /// Once, after the first increment of the reference stage.
     fn begin_reference(&mut self, world: &World) -> Result<(), OutputError> {
         let Some(prepared) = self.state.prepared.take() else { return Ok(()) };
-        self.write_specimen(&prepared)?;
+        let stage = self.scene.stages.get(self.reference_stage).map_or("", |s| s.name());
+        let moment =
+            format!("at the start of the reference stage `{stage}`, before its first increment");
+        self.write_specimen(&prepared, moment)?;
         self.state.results.set_porosity(porosity::porosity(world, &prepared.snapshot));
         self.state.start = prepared.snapshot;
         Ok(())
     }
 
-    fn write_specimen(&mut self, prepared: &Prepared) -> Result<(), OutputError> {
+    fn write_specimen(&mut self, prepared: &Prepared, moment: String) -> Result<(), OutputError> {
         let path = self.directory.join(directory::SPECIMEN);
-        self.state.specimen = true;
+        self.state.specimen = Some(moment);
         frames::write_specimen(&path, &prepared.rows)?;
         self.is_fresh(path);
         Ok(())
@@ -519,6 +556,19 @@ fn caption(o: &Observation) -> String {
     let strain =
         o.axial_strain.map(|e| format!(", axial strain {:.3} % (contraction positive)", 100.0 * e));
     format!("increment {} of stage {}{}", o.increment, o.stage, strain.unwrap_or_default())
+}
+
+/// Stiffness of the stiffest contact or bond of a scene along its normal, N/m; 0 where none is elastic.
+fn maximum_stiffness(scene: &Scene) -> f64 {
+    let of_walls = scene.walls.iter().map(|wall| (&wall.contact, wall.bond.as_ref()));
+    let of_materials = scene.materials.values().map(|m| (&m.contact, m.bond.as_ref()));
+    of_walls
+        .chain(of_materials)
+        .flat_map(|(contact, bond)| {
+            [contact.normal_stiffness, bond.and_then(|bond| bond.normal_stiffness)]
+        })
+        .flatten()
+        .fold(0.0, f64::max)
 }
 
 /// Whether nothing in a scene is elastic.

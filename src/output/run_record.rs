@@ -1,7 +1,6 @@
 //! `run.json`: what was run, how it ended, what came out.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
@@ -10,8 +9,9 @@ use sha2::{Digest, Sha256};
 use super::OutputError;
 use super::atomic::write_atomic;
 use super::key_results::Results;
-use crate::run::{Collapse, Outcome, StageEnd};
+use crate::run::{Collapse, CollapsedBy, Outcome, StageEnd};
 use crate::scene::LoadedScene;
+use crate::scene::files::read_at_most;
 use crate::scene::format::{
     self, Acceptance, Analysis, Corrector, FrictionLaw, Rupture, Solver, Specimen, Stage,
 };
@@ -40,6 +40,10 @@ pub struct RunRecord {
     pub stages: Vec<StageEnd>,
     /// Increments; rows of the history where every one has its row.
     pub increments: u64,
+    /// Those of them with the status `capped`: no converged state.
+    pub capped_increments: u64,
+    /// Of which moment `specimen.csv` is; none where the file does not exist.
+    pub specimen_csv: Option<String>,
     /// Key results.
     pub results: Results,
     conventions: Conventions,
@@ -67,7 +71,7 @@ impl RunFacts {
         let specimen = match &loaded.scene.specimen {
             Specimen::File { path, .. } => {
                 let path = loaded.path.parent().unwrap_or(Path::new("")).join(path);
-                Some(fs::read(&path).map_err(OutputError::at(&path))?)
+                read_at_most(&path, u64::MAX).map_err(OutputError::at(&path))?
             }
             _ => None,
         };
@@ -108,12 +112,14 @@ struct Settings {
 /// How a run ended.
 #[derive(Clone, Debug, Serialize)]
 pub struct OutcomeRecord {
-    /// `running`, `completed`, `collapsed`, `interrupted` or `stalled`.
+    /// `running`, `completed`, `collapsed`, `interrupted`, `undecided` or `refused`.
     pub status: &'static str,
     /// Stage of the ending; of the first collapse where there was one.
     pub stage: Option<String>,
     /// Its increment.
     pub increment: Option<u64>,
+    /// What tells of a collapse: `proof` or `motion`.
+    pub collapsed_by: Option<CollapsedBy>,
     /// What a reader should know.
     pub message: Option<String>,
 }
@@ -121,7 +127,7 @@ pub struct OutcomeRecord {
 impl OutcomeRecord {
     /// Of a run under way, or of one that was killed.
     pub const RUNNING: Self =
-        Self { status: "running", stage: None, increment: None, message: None };
+        Self { status: "running", stage: None, increment: None, collapsed_by: None, message: None };
 
     /// How a run ended whose last increment is given.
     #[must_use]
@@ -130,16 +136,21 @@ impl OutcomeRecord {
             status,
             stage: Some(stage),
             increment: Some(increment),
+            collapsed_by: None,
             message,
         };
         match outcome {
             None => at("interrupted", stage, increment, None),
             Some(Outcome::Completed) => at("completed", stage, increment, None),
-            Some(Outcome::Collapsed(Collapse { stage, increment, reason })) => {
-                at("collapsed", stage.clone(), *increment, Some(reason.clone()))
+            Some(Outcome::Collapsed(Collapse { stage, increment, by, reason })) => Self {
+                collapsed_by: Some(*by),
+                ..at("collapsed", stage.clone(), *increment, Some(reason.clone()))
+            },
+            Some(Outcome::Undecided { increment, message }) => {
+                at("undecided", stage, *increment, Some(message.clone()))
             }
-            Some(Outcome::Stalled { increment, message }) => {
-                at("stalled", stage, *increment, Some(message.clone()))
+            Some(Outcome::Refused { stage, message }) => {
+                at("refused", stage.clone(), increment, Some(message.clone()))
             }
         }
     }
@@ -204,6 +215,8 @@ impl RunRecord {
             outcome: OutcomeRecord::RUNNING,
             stages: Vec::new(),
             increments: 0,
+            capped_increments: 0,
+            specimen_csv: None,
             results: Results::default(),
             conventions: CONVENTIONS,
         }

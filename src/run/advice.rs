@@ -2,32 +2,32 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::attempt::IncrementStatus;
+use clastic_components::contact::Bodies;
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
-use clastic_components::program::ConeSolution;
+use clastic_components::program::{ConeProgram, ConeSolution, SolveStatus};
+use clastic_components::wall::WallName;
+use clastic_systems::assemble_program::known_pairs::{Forced, forced};
 
 use super::compact;
 use crate::scene::format::Stage;
+use crate::scene::shown::label;
 
 /// A solution whose greatest residual is below this is a good one, if not as good as was asked for.
 const GOOD: f64 = 1e-6;
 
-/// The complaint about an increment that ended as `status`, with its place and a remedy.
-pub fn with_advice(
-    world: &mut World,
-    stage: &Stage,
-    status: IncrementStatus,
-    complaint: &str,
-) -> String {
+/// The complaint about an undecided increment, with its place and a remedy.
+pub fn with_advice(world: &mut World, stage: &Stage, complaint: &str) -> String {
     let increment = world.resource::<Progress>().increment;
-    let name = stage.name();
+    let name = label(stage.name());
     let dynamic = matches!(world.resource::<Analysis>().kind, AnalysisKind::Dynamic { .. });
+    let locked = world.resource::<ConeSolution>().status == SolveStatus::Locked;
+    let forced = locked.then(|| forced(world.resource::<ConeProgram>())).flatten();
     let mut advice = String::new();
-    if let Some(worst) = nearly(world).filter(|_| status == IncrementStatus::Stalled) {
+    if let Some(worst) = nearly(world).filter(|_| !locked) {
         advice = format!("a greater `acceptance.residual` ({worst:.1e} was reached), ");
     }
-    advice += &match (status, stage) {
-        (IncrementStatus::Locked, Stage::Compact(stage)) => {
+    advice += &match (locked, stage) {
+        (true, Stage::Compact(stage)) => {
             let reached = compact::reached(world, stage).map_or(String::new(), |(height, porosity)| {
                 format!(": at a height of {height:.4e} m, a porosity of {porosity:.4}")
             });
@@ -36,17 +36,41 @@ pub fn with_advice(
                  one{reached}), a smaller step"
             )
         }
-        (IncrementStatus::Locked, _) => {
+        (true, _) if forced.is_some() => {
+            "imposed motions that keep the two apart, or a stiffness for their contact".to_owned()
+        }
+        (true, _) => {
             "a stiffness for the contacts, or a wall that is free to give way".to_owned()
         }
         _ if dynamic => "a smaller `dt`, a greater `acceptance.halvings`".to_owned(),
         _ => {
-            "smaller increments (more `increments`, smaller displacements), a greater `acceptance.halvings`, \
-             or, if grains are thrown, walls that hold the specimen or a greater `acceptance.throw`"
+            "a stage with `analysis: Dynamic(..)` before it, in which the specimen comes to rest under the same \
+             loads, a greater `acceptance.throw`, or walls that hold the specimen"
                 .to_owned()
         }
     };
-    format!("increment {increment} of stage `{name}`: {complaint}; try: {advice}")
+    let pair = forced.map_or(String::new(), |pair| format!(": {}", driven_together(world, pair)));
+    format!("increment {increment} of stage `{name}`: {complaint}{pair}; try: {advice}")
+}
+
+/// Names two rigid bodies that imposed motions force into each other.
+fn driven_together(world: &World, pair: Forced) -> String {
+    let bodies = world.resource::<Bodies>();
+    let body = |id: u32| {
+        let wall = bodies.entities.get(id as usize).and_then(|wall| world.get::<WallName>(*wall));
+        match wall {
+            Some(name) => format!("wall `{}`", name.0),
+            None if (id as usize) < bodies.particles => format!("particle {id}"),
+            None => format!("wall {id}"),
+        }
+    };
+    // The last attempt may have been at a part of the increment.
+    let overlap = pair.closing / world.resource::<Progress>().fraction - pair.gap;
+    format!(
+        "{} and {} are rigid and are moved into each other, to an overlap of {overlap:.3e} m",
+        body(pair.a),
+        body(pair.b)
+    )
 }
 
 /// Greatest residual of the best solution of the increment, if it is a good one that

@@ -10,7 +10,6 @@ use glam::DVec2;
 
 use clastic_components::increment::Progress;
 use clastic_components::wall::WallControl;
-use clastic_systems::schedule::ControlWalls;
 
 use super::WorldState;
 use super::spawn::find_wall;
@@ -124,5 +123,4 @@ pub fn apply(world: &mut World, old: &Scene, new: &Scene, state: &WorldState) {
             world.entity_mut(wall).insert(control);
         }
     }
-    world.run_schedule(ControlWalls);
 }

@@ -8,6 +8,7 @@ use glam::DVec2;
 use clastic_components::body::{
     BodyId, Drive, Drives, ExternalForce, Group, LoadControl, Position, Probe,
 };
+use clastic_components::bond::{Bond, BondState};
 use clastic_components::contact::ContactHistory;
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::observation::{
@@ -32,8 +33,9 @@ pub fn begin(world: &mut World, stage: &scene::Load) {
 
     for name in &stage.remove_walls {
         if let Some(wall) = find_wall(world, name) {
-            if let Some(id) = world.get::<BodyId>(wall).map(|id| id.0) {
-                world.resource_mut::<ContactHistory>().0.retain(|m| m.b != id);
+            if let Some(id) = world.get::<BodyId>(wall).copied() {
+                world.resource_mut::<ContactHistory>().0.retain(|m| m.b != id.0);
+                end_bonds(world, id);
             }
             world.despawn(wall);
         }
@@ -45,6 +47,19 @@ pub fn begin(world: &mut World, stage: &scene::Load) {
     }
     control_walls(world, stage);
     control_particles(world, stage, &analysis);
+}
+
+/// Ends the bonds that hold a wall which goes: they neither break nor come back with it. Those that
+/// broke before stay in the record.
+fn end_bonds(world: &mut World, wall: BodyId) {
+    let mut bonds = world.query::<(Entity, &Bond, &BondState)>();
+    let holds = |(_, bond, state): &(Entity, &Bond, &BondState)| {
+        bond.b == wall && **state == BondState::Intact
+    };
+    let ended: Vec<_> = bonds.iter(world).filter(holds).map(|(entity, ..)| entity).collect();
+    for bond in ended {
+        world.despawn(bond);
+    }
 }
 
 fn control_walls(world: &mut World, stage: &scene::Load) {
@@ -187,6 +202,40 @@ fn control_particles(world: &mut World, stage: &scene::Load, analysis: &Analysis
             }
         }
     }
+}
+
+/// What keeps a loading stage from beginning as the scene says: an entry of `particles` that selects no
+/// particle. What it asks for would be done to none, and the results would be those of another scene.
+pub fn selects_nothing(world: &mut World, stage: &scene::Load) -> Option<String> {
+    let mut particles = world
+        .query_filtered::<(&BodyId, &Position, Option<&Group>, Option<&Probe>), With<Particle>>();
+    let k = stage.particles.iter().position(|control| {
+        let mut all = particles.iter(world);
+        !all.any(|(id, x, group, probe)| selects(&control.select, *id, x.0, group, probe))
+    })?;
+    let (what, remedy) = match &stage.particles[k].select {
+        scene::Select::All => {
+            ("the specimen has no particles".to_owned(), "leave the entry out".to_owned())
+        }
+        scene::Select::Index(list) => (
+            format!("no particle has an index of {list:?}"),
+            "name particles that exist".to_owned(),
+        ),
+        scene::Select::Group(name) => {
+            (format!("no particle is of group `{name}`"), "name a group that exists".to_owned())
+        }
+        scene::Select::Probe(name) => {
+            (format!("no particle is the probe `{name}`"), "name a probe that exists".to_owned())
+        }
+        scene::Select::Box { min, max } => {
+            let what = format!("no particle has its centre in the box from {min:?} to {max:?}");
+            (what, "give a box that holds the particles where they are by then".to_owned())
+        }
+    };
+    Some(format!(
+        "stage `{}` cannot begin: particles[{k}].select selects no particle: {what}; {remedy}",
+        stage.name
+    ))
 }
 
 fn selects(

@@ -17,7 +17,7 @@ pub mod state;
 use bevy_app::App;
 use bevy_ecs::prelude::*;
 
-pub use stages::{Collapse, EndedBy, Outcome, StageEnd, Step};
+pub use stages::{Collapse, CollapsedBy, EndedBy, Outcome, StageEnd, Step};
 pub use state::WorldState;
 
 use crate::ClasticPlugins;

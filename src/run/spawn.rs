@@ -83,7 +83,16 @@ pub fn insert_settings(world: &mut World, scene: &scene::Scene, particles: u32) 
 
 /// Fills `world` with a scene. The world must have the resources of
 /// [`ClasticPlugins`](crate::ClasticPlugins).
+///
+/// # Panics
+/// If the world has bodies already. A world holds one scene: bodies are numbered from 0, and the bodies of
+/// two scenes would have the same numbers.
 pub fn spawn_scene(world: &mut World, scene: &scene::Scene, stored: Option<&StoredSpecimen>) {
+    let bodies = world.query::<&BodyId>().iter(world).count();
+    assert!(
+        bodies == 0,
+        "spawn_scene: the world has {bodies} bodies already, and a world holds one scene; use a new world"
+    );
     let seeds = particles(&scene.specimen, stored);
     insert_settings(world, scene, seeds.len() as u32);
     let names: Vec<&String> = scene.materials.keys().collect();

@@ -8,14 +8,17 @@ use clastic_components::body::Velocity;
 use clastic_components::bond::Rupture;
 use clastic_components::increment::Progress;
 use clastic_components::observation::{Measures, Observation};
+use clastic_components::particle::Particle;
 use clastic_components::program::ConeSolution;
-use clastic_systems::record::take_reference;
-use clastic_systems::schedule::{ControlWalls, Increment};
+use clastic_systems::record::{axial_stress_error, take_reference};
+use clastic_systems::schedule::Increment;
 use clastic_systems::solve_program::Solver;
 
 use super::advice::with_advice;
+use super::spawn::WallCatalogue;
 use super::{cement, compact, load};
 use crate::scene::format::{Scene, Stage, Stop};
+use crate::scene::shown::label;
 
 /// The scene's stages and where the run stands among them.
 #[derive(Resource, Clone, Debug)]
@@ -36,6 +39,16 @@ pub struct Script {
     pub ends: Vec<StageEnd>,
 }
 
+/// What tells that a specimen has collapsed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CollapsedBy {
+    /// A mechanism proves that no forces within the limits balance the loads.
+    Proof,
+    /// The motion found no rest under constant loads, nor did it in steps half as long.
+    Motion,
+}
+
 /// How a specimen collapsed.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Collapse {
@@ -43,8 +56,9 @@ pub struct Collapse {
     pub stage: String,
     /// Its last increment, of which nothing was committed.
     pub increment: u64,
-    /// What tells: a mechanism that proves that no equilibrium exists, or else how the specimen gave
-    /// way.
+    /// What tells.
+    pub by: CollapsedBy,
+    /// The same in words, with how far the motion went.
     pub reason: String,
 }
 
@@ -52,16 +66,15 @@ impl Collapse {
     /// The collapse that the last increment found.
     fn found(world: &World, stage: &Stage) -> Self {
         let complaint = &world.resource::<Attempt>().complaint;
-        let reason = if world.resource::<ConeSolution>().certificate.is_some() {
-            "no equilibrium exists: a mechanism proves it".to_owned()
+        let (by, reason) = if world.resource::<ConeSolution>().certificate.is_some() {
+            (CollapsedBy::Proof, "no equilibrium exists: a mechanism proves it".to_owned())
         } else {
-            format!(
-                "no equilibrium was found near by, though no mechanism proves that there is none \
-                 ({complaint})"
-            )
+            let reason =
+                format!("{complaint}; the same in steps half as long; no mechanism proves it");
+            (CollapsedBy::Motion, reason)
         };
         let increment = world.resource::<Progress>().increment;
-        Self { stage: stage.name().to_owned(), increment, reason }
+        Self { stage: stage.name().to_owned(), increment, by, reason }
     }
 }
 
@@ -72,10 +85,28 @@ pub struct StageEnd {
     pub stage: String,
     /// Increments that it took, those with parts of a whole increment counted one by one.
     pub increments: u64,
+    /// Those of them with the status `capped`.
+    pub capped: u64,
     /// What ended it; none while it is under way.
     pub ended_by: Option<EndedBy>,
     /// The condition, as the scene writes it; only with [`EndedBy::Stop`].
     pub stop: Option<Stop>,
+}
+
+impl StageEnd {
+    /// What must be said of it where increments are capped.
+    #[must_use]
+    pub fn warning(&self) -> Option<String> {
+        let Self { increments, capped, .. } = self;
+        let stage = label(&self.stage);
+        match *capped {
+            0 => None,
+            _ if capped == increments => {
+                Some(format!("all {increments} increments of stage {stage} are capped"))
+            }
+            _ => Some(format!("{capped} of {increments} increments of stage {stage} are capped")),
+        }
+    }
 }
 
 /// What ended a stage.
@@ -88,8 +119,8 @@ pub enum EndedBy {
     Stop,
     /// The specimen collapsed.
     Collapse,
-    /// An increment could not be solved.
-    Stalled,
+    /// An increment was undecided.
+    Undecided,
 }
 
 impl Script {
@@ -162,15 +193,26 @@ pub enum Outcome {
         Collapse,
     ),
     /// An increment could not be solved; nothing of it was committed.
-    Stalled {
+    Undecided {
         /// The increment.
         increment: u64,
         /// Which residual, and what to try.
         message: String,
     },
+    /// A stage could not begin as the scene says. All increments before it are committed.
+    Refused {
+        /// The stage.
+        stage: String,
+        /// What is wrong with it, and what would be right.
+        message: String,
+    },
 }
 
 /// Takes the world on to the end of the next increment.
+///
+/// # Panics
+/// If a particle of the scene was despawned. Particles are numbered from 0 without a gap, and all tables
+/// are indexed by these numbers.
 pub fn advance(world: &mut World) -> Step {
     loop {
         let script = world.resource::<Script>();
@@ -187,6 +229,14 @@ pub fn advance(world: &mut World) -> Step {
             continue;
         };
         if !script.begun {
+            // Before anything of the stage is done: who resumes with another stage begins it afresh.
+            if let Stage::Load(load) = &stage
+                && let Some(message) = load::selects_nothing(world, load)
+            {
+                let stage = load.name.clone();
+                world.resource_mut::<Script>().outcome = Some(Outcome::Refused { stage, message });
+                continue;
+            }
             begin(world, &stage);
         }
         let progress = world.resource::<Progress>();
@@ -194,6 +244,7 @@ pub fn advance(world: &mut World) -> Step {
             end(world, &stage);
             continue;
         }
+        assert_no_particle_is_gone(world);
         Before::take(world);
         // Nobody else calls `Messages::update` where no app runs.
         world.resource_mut::<Messages<Rupture>>().update();
@@ -201,6 +252,18 @@ pub fn advance(world: &mut World) -> Step {
         after_increment(world, &stage);
         return Step::Increment;
     }
+}
+
+/// See [`advance`].
+fn assert_no_particle_is_gone(world: &mut World) {
+    let Some(catalogue) = world.get_resource::<WallCatalogue>() else { return };
+    let expected = catalogue.first as usize;
+    let found = world.query_filtered::<(), With<Particle>>().iter(world).count();
+    assert!(
+        found >= expected,
+        "the scene has {expected} particles, and {found} are left in the world: a particle must not be \
+         despawned; hold it, or move it away from the others"
+    );
 }
 
 fn begin(world: &mut World, stage: &Stage) {
@@ -214,7 +277,7 @@ fn begin(world: &mut World, stage: &Stage) {
         let mut script = world.resource_mut::<Script>();
         script.begun = true;
         let name = stage.name().to_owned();
-        let end = StageEnd { stage: name, increments: 0, ended_by: None, stop: None };
+        let end = StageEnd { stage: name, increments: 0, capped: 0, ended_by: None, stop: None };
         script.ends.push(end);
         script.peak = 0.0;
         script.speed = None;
@@ -233,7 +296,6 @@ fn begin(world: &mut World, stage: &Stage) {
     if index == reference {
         let _ = world.run_system_cached(take_reference);
     }
-    world.run_schedule(ControlWalls);
 }
 
 fn end(world: &mut World, stage: &Stage) {
@@ -266,14 +328,16 @@ fn after_increment(world: &mut World, stage: &Stage) {
             world.resource_mut::<Script>().collapse.get_or_insert(collapse);
             Some(EndedBy::Collapse)
         }
-        IncrementStatus::Locked | IncrementStatus::Stalled => {
-            let message = with_advice(world, stage, status, &complaint);
-            world.resource_mut::<Script>().outcome = Some(Outcome::Stalled { increment, message });
-            Some(EndedBy::Stalled)
+        IncrementStatus::Undecided => {
+            let message = with_advice(world, stage, &complaint);
+            world.resource_mut::<Script>().outcome =
+                Some(Outcome::Undecided { increment, message });
+            Some(EndedBy::Undecided)
         }
     };
     if let Some(end) = world.resource_mut::<Script>().ends.last_mut() {
         end.increments += 1;
+        end.capped += u64::from(status == IncrementStatus::Capped);
         (end.ended_by, end.stop) = (ended_by, held);
     }
     if matches!(ended_by, Some(EndedBy::Stop | EndedBy::Collapse)) {
@@ -281,6 +345,11 @@ fn after_increment(world: &mut World, stage: &Stage) {
         let mut progress = world.resource_mut::<Progress>();
         progress.done = progress.total;
     }
+}
+
+/// The error of the axial stress that `acceptance.residual` allows, Pa.
+fn error_of_stress(world: &mut World) -> f64 {
+    world.run_system_cached(axial_stress_error).ok().flatten().unwrap_or(0.0)
 }
 
 /// The first stop condition of the stage that is met.
@@ -302,8 +371,10 @@ fn stopped(world: &mut World, stage: &Stage) -> Option<Stop> {
         // Strains are sums of increments: the last bits must not cost one more of them.
         Stop::AxialStrain(limit) => strain
             .is_some_and(|e| if limit < 0.0 { e <= limit + 1e-12 } else { e >= limit - 1e-12 }),
+        // A drop that is no more than the error of the stress may be round-off.
         Stop::StressDrop(fraction) => {
             stress.is_some_and(|s| peak > 0.0 && sign * s < fraction * peak)
+                && (1.0 - fraction) * peak > error_of_stress(world)
         }
         Stop::Time(limit) => time >= limit * (1.0 - 1e-12),
         // What begins to fall is slow too: at rest nothing gets faster.

@@ -8,16 +8,17 @@ use glam::DVec2;
 use clastic_components::body::Drive;
 use clastic_components::contact::Bodies;
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
+use clastic_components::loads::TrialLoads;
 use clastic_components::program::{Dof, FreeDof, Interaction, ProgramBody};
 use clastic_components::wall::WallDrive;
 
-/// Fills `out` with one entry per body; those `held` do not move.
+/// Fills `out` with one entry per body.
 pub fn assemble(
     bodies: &Bodies,
     analysis: &Analysis,
     progress: &Progress,
     interactions: &[Interaction],
-    held: &[bool],
+    loads: &TrialLoads,
     out: &mut Vec<ProgramBody>,
 ) {
     let fraction = progress.fraction;
@@ -30,17 +31,21 @@ pub fn assemble(
             *t = (true, t.1 || turns);
         }
     }
+    let added = if loads.is_empty() { Vec::new() } else { loads.sums(bodies.positions.len()) };
+    let added = |i: usize| added.get(i).copied().unwrap_or_default();
     let affine = Affine::of(bodies, analysis, fraction);
     let still = ProgramBody { axis: DVec2::X, dofs: [Dof::Fixed(0.0); 3] };
     out.clear();
     out.resize(bodies.positions.len(), still);
     for i in 0..bodies.particles {
         for k in 0..3 {
-            out[i].dofs[k] = match bodies.drives[i][k] {
+            out[i].dofs[k] = match bodies.drive(i, k) {
                 Drive::Imposed(u) => Dof::Fixed(fraction * u),
                 Drive::Free => {
-                    let free =
+                    let mut free =
                         particle_dof(bodies, analysis, progress.increment, fraction, &affine, i, k);
+                    free.load += added(i)[k].force;
+                    free.inertia += added(i)[k].stiffness;
                     let acted = if k < 2 { touched[i].0 } else { touched[i].1 };
                     if acted || (free.inertia == 0.0 && free.load != 0.0) {
                         Dof::Free(free)
@@ -54,14 +59,16 @@ pub fn assemble(
         }
     }
     for wall in &bodies.walls {
-        let dofs = match wall.drive {
+        let dofs = match bodies.wall_drive(wall) {
             WallDrive::Imposed(u) => [
                 Dof::Fixed(fraction * u.dot(wall.inward)),
                 Dof::Fixed(fraction * u.dot(wall.inward.perp())),
                 Dof::Fixed(0.0),
             ],
             WallDrive::Loaded(force) => {
-                let load = FreeDof { load: force.at(fraction), ..FreeDof::default() };
+                let [x, y, _] = added(wall.body as usize).map(|load| load.force);
+                let load = force.at(fraction) + wall.inward.dot(DVec2::new(x, y));
+                let load = FreeDof { load, ..FreeDof::default() };
                 // A wall that nothing touches waits for the specimen to come to it.
                 let waits = !touched[wall.body as usize].0 && load.load == 0.0;
                 let along = if waits { Dof::Fixed(0.0) } else { Dof::Free(load) };
@@ -69,9 +76,6 @@ pub fn assemble(
             }
         };
         out[wall.body as usize] = ProgramBody { axis: wall.inward, dofs };
-    }
-    for (body, _) in out.iter_mut().zip(held).filter(|(_, held)| **held) {
-        body.dofs = [Dof::Fixed(0.0); 3];
     }
 }
 

@@ -10,15 +10,28 @@
 //! In dynamics an elastic interaction enters with C/theta and g/theta, which makes the program's
 //! forces averages over the increment; a rigid one keeps g, no penetration at its end.
 
-use clastic_components::attempt::Attempt;
 use clastic_components::contact::{Bodies, BondRow, Contact, ContactHistory};
+use clastic_components::findings::{Corrections, Openings, Pushed, Ruptures};
 use clastic_components::increment::{Analysis, AnalysisKind};
 use clastic_components::material::{ContactLaw, Materials};
 use clastic_components::program::{Interaction, Limits};
 
 /// Rigid overlaps below this, in mean radii, are what is left of the last increment. In a static
 /// program nothing else need move, and where nothing can they would count as forced into each other.
-const ROUND_OFF: f64 = 1e-9;
+pub(super) const ROUND_OFF: f64 = 1e-9;
+
+/// What judges have found that changes interactions.
+#[derive(Clone, Copy)]
+pub struct Findings<'a> {
+    /// Bonds that are broken already.
+    pub ruptures: &'a Ruptures,
+    /// Openings that Coulomb's law takes out.
+    pub openings: &'a Openings,
+    /// Geometry at the place that the corrector has come to.
+    pub corrections: &'a Corrections,
+    /// Whether rigid overlaps have been pushed apart.
+    pub pushed: &'a Pushed,
+}
 
 /// Fills `out` with one interaction per contact, in the order of the contacts, and `last` with the forces
 /// that they carried.
@@ -28,7 +41,7 @@ pub fn assemble(
     history: &ContactHistory,
     materials: &Materials,
     analysis: &Analysis,
-    attempt: &Attempt,
+    findings: Findings,
     out: &mut Vec<Interaction>,
     last: &mut Vec<[f64; 3]>,
 ) {
@@ -41,13 +54,13 @@ pub fn assemble(
         last.push(memory.map_or([0.0; 3], |m| [m.p, m.q, m.tau]));
         let memory = memory.map_or(0.0, |m| m.q);
         let bond = contact.bond.map(|k| &bodies.bonds[k as usize]);
-        let broken = bond.is_some_and(|b| attempt.ruptures.iter().any(|r| r.bond == b.id));
+        let broken = bond.is_some_and(|b| findings.ruptures.list.iter().any(|r| r.bond == b.id));
         match bond.filter(|_| !broken) {
-            Some(bond) => bonded(bodies, analysis, attempt, contact, bond, memory),
+            Some(bond) => bonded(bodies, analysis, findings, contact, bond, memory),
             None => {
                 let memory =
                     if broken { shear_after_rupture(memory, contact.gap, &law) } else { memory };
-                unbonded(bodies, analysis, attempt, contact, &law, memory)
+                unbonded(bodies, analysis, findings, contact, &law, memory)
             }
         }
     }));
@@ -89,7 +102,7 @@ pub fn shear_after_rupture(q: f64, gap: f64, law: &ContactLaw) -> f64 {
 fn bonded(
     bodies: &Bodies,
     analysis: &Analysis,
-    attempt: &Attempt,
+    findings: Findings,
     contact: &Contact,
     bond: &BondRow,
     memory: f64,
@@ -106,7 +119,7 @@ fn bonded(
     interaction(
         bodies,
         analysis,
-        attempt,
+        findings,
         contact,
         contact.gap - bond.initial_gap,
         [law.normal_compliance, law.tangential_compliance],
@@ -118,14 +131,13 @@ fn bonded(
 fn unbonded(
     bodies: &Bodies,
     analysis: &Analysis,
-    attempt: &Attempt,
+    findings: Findings,
     contact: &Contact,
     law: &ContactLaw,
     memory: f64,
 ) -> Interaction {
     let key = (contact.a, contact.b);
-    let opening =
-        attempt.openings.binary_search_by_key(&key, |o| o.0).map_or(0.0, |k| attempt.openings[k].1);
+    let opening = findings.openings.of(key);
     let limits = Limits {
         cohesion: 0.0,
         friction: law.friction,
@@ -133,12 +145,12 @@ fn unbonded(
         rolling: law.rolling_friction * contact.common_radius(bodies),
     };
     // What moves apart has been found; forces and velocities are those of a touch.
-    let touches = attempt.pushed.is_some() && law.normal_compliance == 0.0;
+    let touches = findings.pushed.0.is_some() && law.normal_compliance == 0.0;
     let gap = if touches { contact.gap.max(0.0) } else { contact.gap };
     let mut c = interaction(
         bodies,
         analysis,
-        attempt,
+        findings,
         contact,
         gap,
         [law.normal_compliance, law.tangential_compliance],
@@ -152,7 +164,7 @@ fn unbonded(
 fn interaction(
     bodies: &Bodies,
     analysis: &Analysis,
-    attempt: &Attempt,
+    findings: Findings,
     contact: &Contact,
     gap: f64,
     [normal, tangential]: [f64; 2],
@@ -164,7 +176,7 @@ fn interaction(
         AnalysisKind::Static | AnalysisKind::LeastMotion { .. } => 1.0,
     };
     let pair = (contact.a, contact.b);
-    let correction = attempt.correction(pair);
+    let correction = findings.corrections.of(pair);
     let (direction, at) = correction.map_or((contact.normal, contact.gap), |c| (c.normal, c.gap));
     // The contact point is the middle of the gap: the arms sum to the centre distance, and
     // angular momentum is conserved to round-off.
@@ -173,7 +185,7 @@ fn interaction(
     // What is held at the end of the increment, not what it averages, is corrected.
     let corrected = correction.map_or(0.0, |c| c.offset - contact.gap);
     let (normal_compliance, tangential_compliance) = (normal / theta, tangential / theta);
-    let shift = attempt.shear_shift(pair, tangential_compliance);
+    let shift = findings.corrections.shear_shift(pair, tangential_compliance);
     let round_off = -ROUND_OFF * bodies.mean_radius..0.0;
     let gap = match analysis.kind {
         AnalysisKind::Static if normal == 0.0 && round_off.contains(&gap) => 0.0,

@@ -10,9 +10,11 @@
 
 use glam::DVec2;
 
-use clastic_components::attempt::{Attempt, Bearing};
+use clastic_components::attempt::{Effort, Mode};
 use clastic_components::contact::{Bodies, ContactHistory};
+use clastic_components::findings::{Bearing, Centre, Restraints};
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
+use clastic_components::motion::Motion;
 use clastic_components::program::{ConeProgram, Dof, Interaction};
 
 use crate::adjacency::Adjacency;
@@ -20,10 +22,8 @@ use crate::adjacency::Adjacency;
 /// First weight in a repeated attempt, where it applies to every body and its centre follows the
 /// solution until nothing of it is left in the balance; and the factor by which it falls with every
 /// move of the centre, so that what moves on and on is seen to do so.
-pub const WEIGHT_OF_RETRY: f64 = 1e-6;
+const WEIGHT_OF_RETRY: f64 = 1e-6;
 const FALL: f64 = 0.1;
-/// The attempt from which on everything is regularised.
-pub const RETRY: u32 = 2;
 
 /// Sets the proximal weights of the program.
 pub fn regularise(
@@ -31,18 +31,23 @@ pub fn regularise(
     history: &ContactHistory,
     analysis: &Analysis,
     acceptance: &Acceptance,
-    attempt: &Attempt,
+    mode: &Mode,
+    restraints: &Restraints,
+    centre: &Centre,
     program: &mut ConeProgram,
 ) {
     if analysis.kind != AnalysisKind::Static {
         return;
     }
-    let retry = attempt.effort >= RETRY || attempt.settling.is_some();
+    if let Mode::Motion(motion) = mode {
+        return give_inertia(motion, program);
+    }
+    let retry = *mode == Mode::Equilibrium(Effort::Regularised);
     let mut loose =
         if retry { vec![true; program.bodies.len()] } else { find_loose(bodies, history, program) };
     // Counting finds no mechanism that has constraints enough in the wrong places. What carried
     // nothing in the last increment, or in a rejected solution of this one, may be part of one.
-    let bearing = |i: usize| attempt.bearing.get(i).copied().unwrap_or_default();
+    let bearing = |i: usize| restraints.bearing.get(i).copied().unwrap_or_default();
     if !history.0.is_empty() {
         let forces = history.0.iter().map(|m| (m.a, m.b, m.p.abs().max(m.q.abs())));
         for (i, loaded) in find_loaded(bodies.particles, forces).into_iter().enumerate() {
@@ -54,17 +59,29 @@ pub fn regularise(
     }
     let unit = program.scales.force / program.scales.displacement;
     let usual = if retry {
-        (WEIGHT_OF_RETRY * FALL.powf(f64::from(attempt.centres))).max(acceptance.regularisation)
+        (WEIGHT_OF_RETRY * FALL.powf(f64::from(centre.moves))).max(acceptance.regularisation)
     } else {
         acceptance.regularisation
     };
-    let weight = unit * attempt.settling.unwrap_or(usual);
+    let weight = unit * usual;
     let length = program.scales.length;
     for (i, body) in program.bodies.iter_mut().enumerate().filter(|(i, _)| loose[*i]) {
         for (k, dof) in body.dofs.iter_mut().enumerate() {
             if let Dof::Free(free) = dof {
                 free.proximal = if k < 2 { weight } else { weight * length * length };
-                free.reference = attempt.centre.get(i).map_or(0.0, |c| c[k]);
+                free.reference = centre.place.get(i).map_or(0.0, |c| c[k]);
+            }
+        }
+    }
+}
+
+/// Sets the inertia of a step of a motion. It is no part of the balance that is committed, and takes the place
+/// of the proximal term.
+fn give_inertia(motion: &Motion, program: &mut ConeProgram) {
+    for (i, body) in program.bodies.iter_mut().enumerate() {
+        for (k, dof) in body.dofs.iter_mut().enumerate() {
+            if let Dof::Free(free) = dof {
+                (free.proximal, free.reference) = motion.inertia(i, k);
             }
         }
     }

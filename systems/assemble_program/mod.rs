@@ -2,6 +2,7 @@
 
 pub mod balance;
 pub mod interactions;
+pub mod known_pairs;
 pub mod loose;
 pub mod scales;
 pub mod taut;
@@ -10,11 +11,14 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::Attempt;
-use clastic_components::contact::{Bodies, ContactHistory, Contacts};
+use clastic_components::contact::{Bodies, Contacts, DraftHistory};
+use clastic_components::findings::{Centre, Corrections, Openings, Pushed, Restraints, Ruptures};
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
+use clastic_components::loads::TrialLoads;
 use clastic_components::material::Materials;
 use clastic_components::program::ConeProgram;
 
+use self::interactions::Findings;
 use crate::schedule::{AttemptIncrement, AttemptSystems, lap};
 
 /// Adds [`assemble_program`].
@@ -22,23 +26,20 @@ pub struct AssembleProgramPlugin;
 
 impl Plugin for AssembleProgramPlugin {
     fn build(&self, app: &mut App) {
-        app.init_resource::<ConeProgram>()
-            .init_resource::<ContactHistory>()
-            .init_resource::<Materials>()
-            .add_systems(
-                AttemptIncrement,
-                (
-                    assemble_program.in_set(AttemptSystems::Assemble),
-                    lap(|t| &mut t.assemble)
-                        .after(AttemptSystems::AssembleExtra)
-                        .before(AttemptSystems::Solve),
-                ),
-            );
+        app.init_resource::<ConeProgram>().init_resource::<Materials>().add_systems(
+            AttemptIncrement,
+            (
+                assemble_program.in_set(AttemptSystems::Assemble),
+                lap(|t| &mut t.assemble)
+                    .after(AttemptSystems::AssembleExtra)
+                    .before(AttemptSystems::Solve),
+            ),
+        );
     }
 }
 
-/// Residual that is good enough for a step in which grains settle.
-const RESIDUAL_OF_SETTLING: f64 = 1e-3;
+/// Residual that is good enough for a step of a motion: what is committed is the equilibrium after it.
+const RESIDUAL_OF_MOTION: f64 = 1e-3;
 
 /// Residual that is good enough where it is more than usual. What loads a bond up to its limit breaks it:
 /// in that nothing is good enough but what is nearly exact.
@@ -51,8 +52,8 @@ fn tolerance(
     let is_dynamic = matches!(analysis.kind, AnalysisKind::Dynamic { .. });
     // Solvers aim at that by themselves.
     let usual = Acceptance::default().residual;
-    if attempt.settling.is_some() {
-        RESIDUAL_OF_SETTLING
+    if attempt.motion().is_some() {
+        RESIDUAL_OF_MOTION
     } else if is_dynamic && bodies.bonds.is_empty() && acceptance.residual > usual {
         acceptance.residual
     } else {
@@ -64,37 +65,68 @@ fn tolerance(
 pub fn assemble_program(
     bodies: Res<Bodies>,
     contacts: Res<Contacts>,
-    history: Res<ContactHistory>,
+    history: Res<DraftHistory>,
     materials: Res<Materials>,
     analysis: Res<Analysis>,
     acceptance: Res<Acceptance>,
     progress: Res<Progress>,
     attempt: Res<Attempt>,
+    changes: (Res<Ruptures>, Res<Openings>, Res<Corrections>, Res<Pushed>),
+    restraints: Res<Restraints>,
+    centre: Res<Centre>,
+    loads: Res<TrialLoads>,
     mut program: ResMut<ConeProgram>,
 ) {
     let program = &mut *program;
+    let history = &history.0;
+    let (ruptures, openings, corrections, pushed) = &changes;
+    let findings = Findings { ruptures, openings, corrections, pushed };
     interactions::assemble(
         &bodies,
         &contacts.0,
-        &history,
+        history,
         &materials,
         &analysis,
-        &attempt,
+        findings,
         &mut program.interactions,
         &mut program.last_forces,
     );
-    taut::assemble(&bodies, &contacts.0, &analysis, &attempt, &mut program.interactions);
-    balance::assemble(
+    taut::assemble(&bodies, &contacts.0, &analysis, &restraints, &mut program.interactions);
+    let balance = |program: &mut ConeProgram| {
+        balance::assemble(
+            &bodies,
+            &analysis,
+            &progress,
+            &program.interactions,
+            &loads,
+            &mut program.bodies,
+        );
+    };
+    balance(program);
+    if known_pairs::leave_out(&bodies, &contacts.0, program) {
+        // What these contacts touched may have no other: then its motion is known as well.
+        balance(program);
+    }
+    let count = contacts.0.len();
+    program.scales = scales::estimate(
         &bodies,
+        history,
         &analysis,
         &progress,
-        &program.interactions,
-        &attempt.held,
-        &mut program.bodies,
+        attempt.magnitudes,
+        count,
+        program,
     );
-    let count = contacts.0.len();
-    program.scales =
-        scales::estimate(&bodies, &history, &analysis, &progress, &attempt, count, program);
     program.tolerance = tolerance(&analysis, &acceptance, &attempt, &bodies);
-    loose::regularise(&bodies, &history, &analysis, &acceptance, &attempt, program);
+    let mode = &attempt.mode;
+    loose::regularise(
+        &bodies,
+        history,
+        &analysis,
+        &acceptance,
+        mode,
+        &restraints,
+        &centre,
+        program,
+    );
 }

@@ -3,7 +3,6 @@
 
 use glam::DVec2;
 
-use clastic_components::attempt::Attempt;
 use clastic_components::body::Drive;
 use clastic_components::contact::{Bodies, ContactHistory};
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
@@ -16,7 +15,7 @@ pub fn estimate(
     history: &ContactHistory,
     analysis: &Analysis,
     progress: &Progress,
-    attempt: &Attempt,
+    magnitudes: Option<(f64, f64)>,
     contacts: usize,
     program: &ConeProgram,
 ) -> Scales {
@@ -29,7 +28,7 @@ pub fn estimate(
         if known > 0.0 { known } else { greatest_load(program) * softest(interactions) };
     let displacement = displacement.max(1e-9 * length);
     let force = force(history, program, interactions, displacement);
-    match attempt.magnitudes {
+    match magnitudes {
         // What a failed attempt found, as long as it found something: noise is no scale, and what a
         // solver diverged to neither, beside which no error would show.
         Some((u, f)) => {
@@ -48,11 +47,12 @@ const MOST: f64 = 1e2;
 
 fn displacement(bodies: &Bodies, analysis: &Analysis, progress: &Progress) -> f64 {
     let f = progress.fraction;
-    let imposed = bodies.drives.iter().flat_map(|d| &d[..2]).map(|d| match d {
+    let drives = (0..bodies.particles).flat_map(|i| [bodies.drive(i, 0), bodies.drive(i, 1)]);
+    let imposed = drives.map(|d| match d {
         Drive::Imposed(u) => f * u.abs(),
         Drive::Free => 0.0,
     });
-    let walls = bodies.walls.iter().map(|w| match w.drive {
+    let walls = bodies.walls.iter().map(|w| match bodies.wall_drive(w) {
         WallDrive::Imposed(u) => f * u.length(),
         WallDrive::Loaded(_) => 0.0,
     });

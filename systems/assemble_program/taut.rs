@@ -8,10 +8,10 @@
 //! taut bonds of that grain and of those that move with it get a companion: a tie along the tangent,
 //! of compliance L/T, which cannot pull harder than the bond does. It is the force of the bond itself,
 //! turned by the motion, and no error of the balance. The same term of a compressed pair is negative,
-//! drives a grain out, and cannot be part of a convex program: that is what settling is for.
+//! drives a grain out, and cannot be part of a convex program: that is left to the motion that is followed.
 
-use clastic_components::attempt::Attempt;
 use clastic_components::contact::{Bodies, Contact};
+use clastic_components::findings::Restraints;
 use clastic_components::increment::{Analysis, AnalysisKind};
 use clastic_components::program::{Interaction, Limits};
 
@@ -38,13 +38,13 @@ pub fn assemble(
     bodies: &Bodies,
     contacts: &[Contact],
     analysis: &Analysis,
-    attempt: &Attempt,
+    restraints: &Restraints,
     interactions: &mut Vec<Interaction>,
 ) {
     if analysis.kind != AnalysisKind::Static {
         return;
     }
-    let swings = |i: usize| bodies.swinging[i] || attempt.swinging.get(i).is_some_and(|s| *s);
+    let swings = |i: usize| bodies.swinging[i] || restraints.swinging.get(i).is_some_and(|s| *s);
     for k in 0..contacts.len() {
         let (contact, bond) = (&contacts[k], interactions[k]);
         let ends = [contact.a as usize, contact.b as usize];

@@ -5,10 +5,11 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::findings::{Corrections, Openings, Ruptures};
 use clastic_components::increment::{Progress, RuptureRules};
 use clastic_components::program::{ConeProgram, ConeSolution};
 
-use crate::rupture_bonds::find_ruptures;
+use crate::rupture_bonds::{Met, find_ruptures};
 
 /// Collects the ruptures of a converged attempt and asks for another one if there are new ones.
 pub fn judge(
@@ -18,29 +19,36 @@ pub fn judge(
     contacts: Res<Contacts>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
+    mut ruptures: ResMut<Ruptures>,
+    mut openings: ResMut<Openings>,
+    mut corrections: ResMut<Corrections>,
     mut attempt: ResMut<Attempt>,
 ) {
-    if attempt.settling.is_some() {
-        return;
-    }
-    let broken: Vec<_> = attempt.ruptures.iter().map(|r| r.bond).collect();
-    let mut found =
-        find_ruptures(&rules, progress.increment, &bodies, &contacts.0, &program, &solution);
+    let broken: Vec<_> = ruptures.list.iter().map(|r| r.bond).collect();
+    let mut found = find_ruptures(
+        &rules,
+        Met::Slack,
+        progress.increment,
+        &bodies,
+        &contacts.0,
+        &program,
+        &solution,
+    );
     found.retain(|r| !broken.contains(&r.bond));
     if found.is_empty() {
         return;
     }
-    attempt.ruptures.extend(found);
+    ruptures.list.extend(found);
     let Some(cap) = rules.cascade else { return };
-    if attempt.cascade_rounds >= cap {
+    if ruptures.rounds >= cap {
         // What reached its limit in the last round breaks without another solve.
-        attempt.capped = true;
+        ruptures.capped = true;
     } else {
-        attempt.cascade_rounds += 1;
-        attempt.capped = false;
-        attempt.openings.clear();
-        attempt.coulomb_passes = 0;
-        attempt.corrector_passes = 0;
+        ruptures.rounds += 1;
+        ruptures.capped = false;
+        openings.list.clear();
+        openings.passes = 0;
+        corrections.passes = 0;
         attempt.verdict = Verdict::Again;
     }
 }

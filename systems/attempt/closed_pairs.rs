@@ -6,6 +6,7 @@ use glam::DVec2;
 
 use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::findings::AddedPairs;
 use clastic_components::increment::Acceptance;
 use clastic_components::program::{ConeProgram, ConeSolution};
 
@@ -27,12 +28,15 @@ pub fn judge(
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
     acceptance: Res<Acceptance>,
+    mut pairs: ResMut<AddedPairs>,
     mut attempt: ResMut<Attempt>,
 ) {
-    add_closed(&bodies, &candidates, &contacts, &program, &solution, &acceptance, &mut attempt);
+    if add_closed(&bodies, &candidates, &contacts, &program, &solution, &acceptance, &mut pairs) {
+        attempt.verdict = Verdict::Again;
+    }
 }
 
-/// Asks for another attempt with the pairs that a solution closes; whether there are any.
+/// Adds the pairs that a solution closes. Returns whether it closes any.
 pub(super) fn add_closed(
     bodies: &Bodies,
     candidates: &Candidates,
@@ -40,7 +44,7 @@ pub(super) fn add_closed(
     program: &ConeProgram,
     solution: &ConeSolution,
     acceptance: &Acceptance,
-    attempt: &mut Attempt,
+    pairs: &mut AddedPairs,
 ) -> bool {
     let tolerance = acceptance.overlap * bodies.mean_radius;
     let positions = moved_positions(bodies, program, solution);
@@ -54,16 +58,15 @@ pub(super) fn add_closed(
             COMPANY * bodies.mean_radius + COMPANY_OF_MOTION * (motion(*a) - motion(*b)).length();
         gap(bodies, &positions, *a, *b) <= reach
     };
-    add(attempt, missed(FURTHEST * bodies.mean_radius).into_iter().filter(near));
+    add(pairs, missed(FURTHEST * bodies.mean_radius).into_iter().filter(near));
     true
 }
 
-/// Asks for another attempt with these pairs.
-pub(super) fn add(attempt: &mut Attempt, pairs: impl Iterator<Item = (u32, u32)>) {
-    attempt.added_pairs.extend(pairs);
-    attempt.added_pairs.sort_unstable();
-    attempt.added_pairs.dedup();
-    attempt.verdict = Verdict::Again;
+/// Adds pairs to the next program.
+pub(super) fn add(pairs: &mut AddedPairs, new: impl Iterator<Item = (u32, u32)>) {
+    pairs.0.extend(new);
+    pairs.0.sort_unstable();
+    pairs.0.dedup();
 }
 
 /// Gap between a particle and a particle or wall at the given positions, m.

@@ -5,8 +5,9 @@
 use bevy_ecs::prelude::*;
 use glam::DVec2;
 
-use clastic_components::attempt::Attempt;
-use clastic_components::contact::{Bodies, ContactHistory, Contacts};
+use clastic_components::attempt::{Attempt, Verdict};
+use clastic_components::contact::{Bodies, Contacts, DraftHistory};
+use clastic_components::findings::AddedPairs;
 use clastic_components::increment::Acceptance;
 use clastic_components::program::{ConeProgram, ConeSolution};
 
@@ -25,8 +26,9 @@ pub fn judge(
     contacts: Res<Contacts>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
-    history: Res<ContactHistory>,
+    history: Res<DraftHistory>,
     acceptance: Res<Acceptance>,
+    mut pairs: ResMut<AddedPairs>,
     mut attempt: ResMut<Attempt>,
 ) {
     let Some(certificate) = &solution.certificate else { return };
@@ -53,7 +55,7 @@ pub fn judge(
     };
     let reach = 2.0 * acceptance.throw * bodies.mean_radius;
     let near = unlisted_pairs(&bodies, &candidates, &contacts, &bodies.positions, reach);
-    let touched = |wall: u32| history.0.iter().any(|m| m.b == wall && m.p > 0.0);
+    let touched = |wall: u32| history.0.0.iter().any(|m| m.b == wall && m.p > 0.0);
     let coming = bodies.walls.iter().filter(|w| motion[w.body as usize] != DVec2::ZERO);
     let coming = coming.filter(|w| !touched(w.body));
     let walls = coming.flat_map(|w| (0..bodies.particles as u32).map(|a| (a, w.body)));
@@ -64,6 +66,7 @@ pub fn judge(
         let gaps = closing.iter().map(|(a, b)| gap(&bodies, &bodies.positions, *a, *b));
         let nearest = gaps.fold(f64::INFINITY, f64::min).max(1e-3 * bodies.mean_radius);
         attempt.magnitudes = Some((nearest.max(program.scales.displacement), program.scales.force));
-        add(&mut attempt, closing.into_iter());
+        add(&mut pairs, closing.into_iter());
+        attempt.verdict = Verdict::Again;
     }
 }

@@ -2,90 +2,102 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::attempt::{Attempt, IncrementStatus, Verdict};
+use clastic_components::attempt::{Attempt, Mode, Verdict};
 use clastic_components::contact::{Bodies, Contacts};
-use clastic_components::increment::Acceptance;
+use clastic_components::findings::{AddedPairs, Centre, Closest, Restraints, Unconverged};
+use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
 use clastic_components::program::{Certificate, ConeProgram, ConeSolution, SolveStatus};
 
-use super::magnitudes;
-use super::thrown_grains::{reply, thrown};
+use super::thrown_grains::{furthest, reply, thrown};
 use crate::detect_contacts::Candidates;
 use crate::solve_program::certificate::{certificate, proves};
-use crate::solve_program::residuals::regularised_residuals;
+use crate::solve_program::residuals::{regularised_residuals, worst_bodies};
 
 /// Moves of the centre of the regularisation in one attempt.
 const MAX_CENTRES: u32 = 6;
 
-/// Accepts solved and collapsed programs, moves the centre of the regularisation until its bias is
+/// A grain that an unconverged solution moves further than this, in its radii, has nothing to hold it.
+const FLUNG: f64 = 10.0;
+
+/// Accepts solved and impossible programs, moves the centre of the regularisation until its bias is
 /// gone, rejects the rest. A bias because grains move far is a throw.
 pub fn judge(
     program: Res<ConeProgram>,
     mut solution: ResMut<ConeSolution>,
     acceptance: Res<Acceptance>,
+    analysis: Res<Analysis>,
     bodies: Res<Bodies>,
     candidates: Res<Candidates>,
     contacts: Res<Contacts>,
+    mut centre: ResMut<Centre>,
+    mut closest: ResMut<Closest>,
+    mut pairs: ResMut<AddedPairs>,
+    mut restraints: ResMut<Restraints>,
     mut attempt: ResMut<Attempt>,
 ) {
-    attempt.status = match solution.status {
-        SolveStatus::Solved => IncrementStatus::Solved,
-        SolveStatus::Collapsed => IncrementStatus::Collapsed,
-        SolveStatus::Locked => IncrementStatus::Locked,
-        SolveStatus::Stalled => IncrementStatus::Stalled,
-    };
-    if solution.status == SolveStatus::Stalled && attempt.settling.is_none() {
-        keep_best(&solution, &mut attempt);
+    let solution = &mut *solution;
+    let seeks_equilibrium = matches!(attempt.mode, Mode::Equilibrium(_));
+    if solution.status == SolveStatus::Stalled && seeks_equilibrium {
+        keep_closest(&bodies, &program, solution, &mut closest);
     }
+    let unconverged = |solution: &ConeSolution, reason: String| Verdict::Unconverged {
+        reason,
+        flung: analysis.kind == AnalysisKind::Static && is_flung(&bodies, &program, solution),
+    };
     attempt.verdict = match solution.status {
-        SolveStatus::Solved => match runaway(&program, &solution) {
-            None => Verdict::Accept,
+        SolveStatus::Solved => match runaway(&program, solution) {
+            None => Verdict::Sound,
             Some(body) => {
                 let reason = format!("body {body} leaves without end: nothing holds it");
-                attempt.status = IncrementStatus::Stalled;
-                collapsed_or(&program, &mut solution, &mut attempt, Verdict::Reject(reason))
+                let verdict = unconverged(solution, reason);
+                impossible_or(&program, solution, verdict)
             }
         },
         // The solver's word does not count.
-        SolveStatus::Collapsed => match recheck(&program, &solution) {
+        SolveStatus::Collapsed => match recheck(&program, solution) {
             Some(mechanism) => {
                 solution.certificate = Some(mechanism);
-                Verdict::Accept
+                Verdict::Impossible
             }
-            None => Verdict::Reject("the solver reports a collapse that it cannot prove".into()),
+            None => {
+                unconverged(solution, "the solver reports a collapse that it cannot prove".into())
+            }
         },
-        SolveStatus::Locked => {
-            Verdict::Reject("locked: rigid bodies have no feasible motion".into())
-        }
-        SolveStatus::Stalled if biased(&program, &solution, &acceptance) => {
-            if let Some(reason) = thrown(&bodies, &program, &solution, &acceptance) {
+        SolveStatus::Locked => Verdict::Locked,
+        SolveStatus::Stalled if seeks_equilibrium && is_biased(&program, solution, &acceptance) => {
+            if let Some(reason) = thrown(&bodies, &program, solution, &acceptance) {
                 // A grain that finds no support must not have been kept from it by pruning.
-                match reply(
+                let verdict = reply(
                     &bodies,
                     &candidates,
                     &contacts,
                     &program,
-                    &solution,
+                    solution,
                     &acceptance,
-                    &mut attempt,
+                    &mut pairs,
+                    &mut restraints,
                     reason,
-                ) {
+                );
+                match verdict {
                     Verdict::Again => Verdict::Again,
-                    thrown if attempt.learnt => thrown,
-                    thrown => collapsed_or(&program, &mut solution, &mut attempt, thrown),
+                    thrown => impossible_or(&program, solution, thrown),
                 }
-            } else if attempt.centres < MAX_CENTRES {
-                attempt.centres += 1;
-                attempt.centre.clone_from(&solution.displacements);
+            } else if centre.moves < MAX_CENTRES {
+                centre.moves += 1;
+                centre.place.clone_from(&solution.displacements);
                 Verdict::Again
             } else {
-                let reason = Verdict::Reject(complaint(&attempt, &acceptance));
-                collapsed_or(&program, &mut solution, &mut attempt, reason)
+                let verdict = unconverged(solution, complaint(&closest, &acceptance));
+                impossible_or(&program, solution, verdict)
             }
         }
-        SolveStatus::Stalled => Verdict::Reject(complaint(&attempt, &acceptance)),
+        SolveStatus::Stalled => unconverged(solution, complaint(&closest, &acceptance)),
     };
-    if matches!(attempt.verdict, Verdict::Reject(_)) {
-        attempt.magnitudes = magnitudes(&solution, bodies.mean_radius);
+    if matches!(attempt.verdict, Verdict::Unconverged { .. }) && seeks_equilibrium {
+        attempt.magnitudes = magnitudes(solution, bodies.mean_radius);
+    }
+    if attempt.verdict == Verdict::Locked {
+        attempt.complaint = "locked: rigid bodies have no feasible motion".into();
     }
 }
 
@@ -99,20 +111,24 @@ fn runaway(program: &ConeProgram, solution: &ConeSolution) -> Option<usize> {
     solution.displacements.iter().position(|u| !(u[0].hypot(u[1]) <= most))
 }
 
+/// Whether a solution that did not converge moves a grain very far: what it lacks is a hold, not other scales.
+fn is_flung(bodies: &Bodies, program: &ConeProgram, solution: &ConeSolution) -> bool {
+    solution.displacements.len() == bodies.positions.len()
+        && furthest(bodies, program, solution).is_some_and(|(_, far)| far > FLUNG)
+}
+
 /// What a regularised solution moves far may be the mechanism of a collapse: loads that nothing
 /// balances move without end.
-fn collapsed_or(
+fn impossible_or(
     program: &ConeProgram,
     solution: &mut ConeSolution,
-    attempt: &mut Attempt,
     otherwise: Verdict,
 ) -> Verdict {
     match certificate(program, &solution.displacements).filter(proves) {
         Some(mechanism) => {
             solution.status = SolveStatus::Collapsed;
             solution.certificate = Some(mechanism);
-            attempt.status = IncrementStatus::Collapsed;
-            Verdict::Accept
+            Verdict::Impossible
         }
         None => otherwise,
     }
@@ -125,7 +141,7 @@ fn recheck(program: &ConeProgram, solution: &ConeSolution) -> Option<Certificate
 }
 
 /// Whether a solution would have converged but for what the regularisation adds to the balance.
-fn biased(program: &ConeProgram, solution: &ConeSolution, acceptance: &Acceptance) -> bool {
+fn is_biased(program: &ConeProgram, solution: &ConeSolution, acceptance: &Acceptance) -> bool {
     let sound = solution.forces.len() == program.interactions.len()
         && solution.displacements.len() == program.bodies.len();
     sound
@@ -135,18 +151,59 @@ fn biased(program: &ConeProgram, solution: &ConeSolution, acceptance: &Acceptanc
 
 /// Keeps the residuals of the solution that came closest in this increment. What is regularised has
 /// its bias in them, so that later attempts may be further off than the first.
-fn keep_best(solution: &ConeSolution, attempt: &mut Attempt) {
+fn keep_closest(
+    bodies: &Bodies,
+    program: &ConeProgram,
+    solution: &ConeSolution,
+    closest: &mut Closest,
+) {
     let worst = solution.residuals.worst();
-    if attempt.best.as_ref().is_none_or(|(best, _)| !(best.worst() <= worst)) {
-        attempt.best = Some((solution.residuals, solution.message.clone()));
+    if closest.0.as_ref().is_none_or(|best| !(best.residuals.worst() <= worst)) {
+        closest.0 = Some(Unconverged {
+            residuals: solution.residuals,
+            place: place(bodies, program, solution),
+            message: solution.message.clone(),
+        });
     }
 }
 
-fn complaint(attempt: &Attempt, acceptance: &Acceptance) -> String {
-    let Some((r, message)) = &attempt.best else { return "no solution was found".to_owned() };
+/// Where the maximum residual of a solution is, in words; empty where it has none.
+fn place(bodies: &Bodies, program: &ConeProgram, solution: &ConeSolution) -> String {
+    let complete = solution.forces.len() == program.interactions.len()
+        && solution.displacements.len() == program.bodies.len();
+    let Some(worst) = complete.then(|| worst_bodies(program, solution)).flatten() else {
+        return String::new();
+    };
+    let name = |body: usize| match body < bodies.particles {
+        true => format!("particle {body}"),
+        false => format!("wall {}", body - bodies.particles),
+    };
+    let at = bodies.positions[worst[0]];
+    let names = match worst {
+        [a, b] if a == b => name(a),
+        [a, b] => format!("{} and {}", name(a), name(b)),
+    };
+    format!(", worst at {names} near ({:.4e}, {:.4e}) m", at.x, at.y)
+}
+
+/// Maximum displacement and force of a solution, as scales for the next attempt.
+fn magnitudes(solution: &ConeSolution, mean_radius: f64) -> Option<(f64, f64)> {
+    if !matches!(solution.status, SolveStatus::Stalled | SolveStatus::Solved) {
+        return None;
+    }
+    let u = solution.displacements.iter().map(|u| u[0].hypot(u[1])).fold(0.0, f64::max);
+    let f = solution.forces.iter().map(|f| f[0].abs().max(f[1].abs())).fold(0.0, f64::max);
+    let sound = u.is_finite() && f.is_finite() && u > 0.0 && f > 0.0;
+    // A grain thrown far must not set the scale.
+    sound.then(|| (u.min(0.1 * mean_radius), f))
+}
+
+fn complaint(closest: &Closest, acceptance: &Acceptance) -> String {
+    let Some(best) = &closest.0 else { return "no solution was found".to_owned() };
+    let (r, place, message) = (best.residuals, &best.place, &best.message);
     format!(
         "no solution was found; residuals of the best one: balance {:.1e}, kinematics {:.1e}, cone \
-         {:.1e}, complementarity {:.1e}; accepted {:.0e} (the solver says \"{message}\")",
+         {:.1e}, complementarity {:.1e}{place}; accepted {:.0e} (the solver says \"{message}\")",
         r.balance, r.kinematics, r.cone, r.complementarity, acceptance.residual
     )
 }

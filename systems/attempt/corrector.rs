@@ -16,8 +16,9 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::attempt::{Attempt, Correction, Verdict};
+use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::findings::{Correction, Corrections, Openings};
 use clastic_components::increment::{Analysis, AnalysisKind, Corrector};
 use clastic_components::program::{ConeProgram, ConeSolution};
 
@@ -32,6 +33,8 @@ pub fn judge(
     contacts: Res<Contacts>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
+    mut state: ResMut<Corrections>,
+    mut openings: ResMut<Openings>,
     mut attempt: ResMut<Attempt>,
 ) {
     let place = match analysis.kind {
@@ -39,7 +42,7 @@ pub fn judge(
         AnalysisKind::Dynamic { theta, .. } => 1.0 - theta,
         AnalysisKind::LeastMotion { .. } => return,
     };
-    if corrector.passes == 0 || attempt.settling.is_some() {
+    if corrector.passes == 0 {
         return;
     }
     let end = moved_positions(&bodies, &program, &solution);
@@ -71,7 +74,7 @@ pub fn judge(
             offset: gap - normal.dot(moved),
             slip: normal.perp().dot(moved) - length * start.angle_to(finish),
         };
-        let old = attempt.correction(new.pair);
+        let old = state.of(new.pair);
         let carries = carrying.is_carrying(k) || contact.bond.is_some();
         if carries || gap < 0.0 {
             let expected = old.map_or(contact.gap, |o| o.offset) + c.normal.dot(moved);
@@ -88,16 +91,16 @@ pub fn judge(
         }
         corrections.push(new);
     }
-    attempt.corrector_residual = change;
+    state.residual = change;
     if change <= corrector.tolerance {
         return;
     }
-    if attempt.corrector_passes >= corrector.passes || !change.is_finite() {
-        attempt.capped = true;
+    if state.passes >= corrector.passes || !change.is_finite() {
+        state.capped = true;
         return;
     }
-    attempt.corrector_passes += 1;
-    attempt.corrections = corrections;
-    attempt.coulomb_passes = 0;
+    state.passes += 1;
+    state.list = corrections;
+    openings.passes = 0;
     attempt.verdict = Verdict::Again;
 }

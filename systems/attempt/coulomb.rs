@@ -9,6 +9,7 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::contact::Contacts;
+use clastic_components::findings::Openings;
 use clastic_components::increment::FrictionLaw;
 use clastic_components::program::{ConeProgram, ConeSolution};
 
@@ -24,12 +25,10 @@ pub fn judge(
     contacts: Res<Contacts>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
+    mut state: ResMut<Openings>,
     mut attempt: ResMut<Attempt>,
 ) {
     let FrictionLaw::Coulomb { tolerance, max_passes } = *law else { return };
-    if attempt.settling.is_some() {
-        return;
-    }
     let (mut openings, mut changes) = (Vec::new(), Vec::new());
     let mut change = 0.0_f64;
     let find = |list: &[((u32, u32), f64)], key| {
@@ -44,39 +43,39 @@ pub fn judge(
         // opening, Coulomb's does not.
         let opening = c.limits.friction * m.slip.abs() + c.limits.rolling * m.rotation.abs();
         let key = (contact.a, contact.b);
-        let before = find(&attempt.openings, key);
+        let before = state.of(key);
         change = change.max((opening - before).abs());
         if opening > 0.0 || before > 0.0 {
             openings.push((key, before));
             changes.push((key, opening - before));
         }
     }
-    attempt.coulomb_residual = change / displacement_scale(&program, &solution.displacements);
-    if attempt.coulomb_residual <= tolerance {
+    state.residual = change / displacement_scale(&program, &solution.displacements);
+    if state.residual <= tolerance {
         return;
     }
-    if attempt.coulomb_passes >= max_passes {
-        attempt.capped = true;
+    if state.passes >= max_passes {
+        state.capped = true;
         return;
     }
     // Aitken's weight: below one where passes oscillate, above where they creep.
     let (mut along, mut square) = (0.0, 0.0);
     for (key, new) in &changes {
-        let old = find(&attempt.coulomb_changes, *key);
+        let old = find(&state.changes, *key);
         along += old * (new - old);
         square += (new - old) * (new - old);
     }
-    let weight = if attempt.coulomb_passes > 0 && square > 0.0 {
-        (-attempt.coulomb_weight * along / square).clamp(LEAST_WEIGHT, GREATEST_WEIGHT)
+    let weight = if state.passes > 0 && square > 0.0 {
+        (-state.weight * along / square).clamp(LEAST_WEIGHT, GREATEST_WEIGHT)
     } else {
         1.0
     };
     for (opening, (_, change)) in openings.iter_mut().zip(&changes) {
         opening.1 = (opening.1 + weight * change).max(0.0);
     }
-    attempt.coulomb_weight = weight;
-    attempt.coulomb_changes = changes;
-    attempt.coulomb_passes += 1;
-    attempt.openings = openings;
+    state.weight = weight;
+    state.changes = changes;
+    state.passes += 1;
+    state.list = openings;
     attempt.verdict = Verdict::Again;
 }

@@ -1,15 +1,14 @@
 //! The attempts at one increment, and the judges that accept, extend or reject them.
 //!
-//! Judges run in this order, each only while the verdict is still to accept: [`converged`],
-//! [`closing_mechanism`], [`restraints`], [`thrown_grains`], [`closed_pairs`], [`snaps`], [`push_out`],
-//! [`coulomb`], [`corrector`], [`cascade`]. What an attempt finds out (pairs, restraints, openings,
-//! ruptures) is kept in [`Attempt`] until the increment is committed.
+//! Judges run in this order, each only while none before it objects: [`converged`], [`closing_mechanism`],
+//! [`restraints`], [`thrown_grains`], [`closed_pairs`], [`snaps`], [`push_out`], [`coulomb`], [`corrector`],
+//! [`cascade`]; of a step of a motion only [`converged`], [`motion::judge_length`], [`closed_pairs`] and
+//! [`motion::judge_rest`]. What they find is kept in the tables of
+//! [`findings`](clastic_components::findings) until the increment is committed. [`mod@next`] says what follows
+//! from their verdict.
 //!
-//! A rejected increment is tried again: with the magnitudes that the failed attempt found as
-//! scales, unless it moved grains very far; then with every body regularised and the centre of the
-//! regularisation following the solution, so that no bias is left; then with half the increment, and
-//! so on. Where a solution would throw grains, they [`settle`] first. Where a specimen gives way instead,
-//! a mechanism is sought that proves its collapse.
+//! Attempts work on the tables that were gathered when the increment began. Entities are written when it is
+//! committed: an attempt that fails leaves no trace.
 
 pub mod cascade;
 pub mod closed_pairs;
@@ -17,10 +16,10 @@ pub mod closing_mechanism;
 pub mod converged;
 pub mod corrector;
 pub mod coulomb;
-mod giving_way;
+pub mod motion;
+pub mod next;
 pub mod push_out;
 pub mod restraints;
-pub mod settle;
 pub mod snaps;
 pub mod thrown_grains;
 
@@ -28,19 +27,24 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use glam::DVec2;
 
-use clastic_components::attempt::{Attempt, IncrementStatus, Verdict};
-use clastic_components::body::{AppliedLoad, Ramp};
-use clastic_components::contact::{Bodies, ContactHistory};
+use clastic_components::attempt::{Attempt, IncrementStatus, Mode, Verdict};
+use clastic_components::body::Ramp;
+use clastic_components::contact::{Bodies, DraftHistory};
+use clastic_components::energy::MotionEnergies;
+use clastic_components::findings::{
+    AddedPairs, Centre, Closest, Corrections, Openings, Pushed, Restraints, Ruptures,
+};
 use clastic_components::increment::{
     Acceptance, Analysis, AnalysisKind, Corrector, FrictionLaw, Progress, RuptureRules,
 };
-use clastic_components::program::{ConeSolution, SolveStatus};
+use clastic_components::loads::TrialLoads;
+use clastic_components::program::ConeSolution;
 use clastic_components::wall::WallDrive;
 
-use self::giving_way::give_way;
-use self::settle::Settled;
-use crate::assemble_program::loose;
-use crate::schedule::{AttemptIncrement, AttemptSystems, Increment, IncrementSystems, start_clock};
+use self::next::{Budget, Next, next};
+use crate::control_walls::renew_stresses;
+use crate::schedule::{AttemptIncrement, AttemptSystems, Increment, IncrementSystems};
+use crate::trial_loads::ask_for_loads;
 
 /// Adds [`run_attempts`] and the judges.
 pub struct AttemptPlugin;
@@ -48,29 +52,37 @@ pub struct AttemptPlugin;
 impl Plugin for AttemptPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<Attempt>()
+            .init_resource::<AddedPairs>()
+            .init_resource::<Ruptures>()
+            .init_resource::<Openings>()
+            .init_resource::<Corrections>()
+            .init_resource::<Pushed>()
+            .init_resource::<Restraints>()
+            .init_resource::<Centre>()
+            .init_resource::<Closest>()
+            .init_resource::<MotionEnergies>()
             .init_resource::<Acceptance>()
             .init_resource::<Analysis>()
             .init_resource::<FrictionLaw>()
             .init_resource::<Corrector>()
             .init_resource::<RuptureRules>()
             .init_resource::<Progress>()
-            .add_systems(
-                Increment,
-                (start_clock, run_attempts).chain().in_set(IncrementSystems::Attempts),
-            )
+            .add_systems(Increment, run_attempts.in_set(IncrementSystems::Attempts))
             .add_systems(
                 AttemptIncrement,
                 (
                     converged::judge,
-                    closing_mechanism::judge.run_if(collapsed),
-                    restraints::judge.run_if(collapsed),
-                    thrown_grains::judge.run_if(accepted),
-                    closed_pairs::judge.run_if(accepted),
-                    snaps::judge.run_if(accepted),
-                    push_out::judge.run_if(accepted),
-                    coulomb::judge.run_if(accepted),
-                    corrector::judge.run_if(accepted),
-                    cascade::judge.run_if(accepted),
+                    motion::judge_length.run_if(in_motion),
+                    closing_mechanism::judge.run_if(impossible),
+                    restraints::judge.run_if(impossible),
+                    thrown_grains::judge.run_if(in_equilibrium),
+                    closed_pairs::judge.run_if(sound),
+                    motion::judge_rest.run_if(in_motion),
+                    snaps::judge.run_if(in_equilibrium),
+                    push_out::judge.run_if(in_equilibrium),
+                    coulomb::judge.run_if(in_equilibrium),
+                    corrector::judge.run_if(in_equilibrium),
+                    cascade::judge.run_if(in_equilibrium),
                 )
                     .chain()
                     .in_set(AttemptSystems::Judge),
@@ -79,200 +91,224 @@ impl Plugin for AttemptPlugin {
 }
 
 /// Run condition: no judge has objected so far.
-fn accepted(attempt: Res<Attempt>) -> bool {
-    attempt.verdict == Verdict::Accept && attempt.status == IncrementStatus::Solved
+fn sound(attempt: Res<Attempt>) -> bool {
+    attempt.verdict == Verdict::Sound
 }
 
-/// Run condition: the program has no equilibrium, and nothing else is the matter.
-fn collapsed(attempt: Res<Attempt>) -> bool {
-    attempt.verdict == Verdict::Accept && attempt.status == IncrementStatus::Collapsed
+/// Run condition: an equilibrium is sought, and no judge has objected so far.
+fn in_equilibrium(attempt: Res<Attempt>) -> bool {
+    attempt.verdict == Verdict::Sound && attempt.effort().is_some()
+}
+
+/// Run condition: a motion is followed, and no judge has objected so far.
+fn in_motion(attempt: Res<Attempt>) -> bool {
+    attempt.verdict == Verdict::Sound && attempt.motion().is_some()
+}
+
+/// Run condition: the program of an equilibrium, or of a proof, has no solution.
+fn impossible(attempt: Res<Attempt>) -> bool {
+    attempt.verdict == Verdict::Impossible && attempt.motion().is_none()
 }
 
 /// More solves than this in one increment mean that the attempts go round in circles.
-const MAX_SOLVES: u32 = 1000;
+const MAX_SOLVES: u32 = 2000;
 
-/// A grain that an unconverged solution moves further than this, in its radii, has nothing to hold it.
-const FLUNG: f64 = 10.0;
-
-/// A throw of more than this fraction of what it was in the whole increment has other reasons.
-const IN_VAIN: f64 = 0.75;
-
-/// Runs [`AttemptIncrement`] until an attempt is accepted, the increment collapses, or nothing
-/// that helps is left.
+/// Runs [`AttemptIncrement`] until the increment has ended.
 pub fn run_attempts(world: &mut World) {
-    let acceptance = *world.resource::<Acceptance>();
-    let bounded = carries_loads(world);
-    *world.resource_mut::<Attempt>() = Attempt { bounded, ..Attempt::default() };
-    {
-        let mut progress = world.resource_mut::<Progress>();
-        progress.increment += 1;
-        // Fractions end where whole increments do; what was halved may grow again.
-        let left = 1.0 - progress.done.fract();
-        progress.fraction = (2.0 * progress.fraction).clamp(f64::MIN_POSITIVE, left);
-    }
-    let before = settle::Snapshot::take(world);
-    let mut strained = 0.0;
-    // How far grains were thrown when the increment was last halved for it.
-    let mut halved: Option<f64> = None;
-    // Whether grains settled without bonds that a cascade had broken.
-    let mut parted = false;
-    // Of a whole increment, not of what the last one could take: else a specimen that is stuck
-    // would creep on in ever smaller steps.
-    let finest = 0.5_f64.powf(f64::from(acceptance.halvings));
+    begin_increment(world);
+    // The tables before the first motion: what is put back.
+    let mut start = None;
     loop {
         world.run_schedule(AttemptIncrement);
+        let budget = budget(world);
         let mut attempt = world.resource_mut::<Attempt>();
-        let verdict = match std::mem::take(&mut attempt.verdict) {
-            Verdict::Again if attempt.solves >= MAX_SOLVES => {
-                Verdict::Reject(format!("{MAX_SOLVES} solves"))
-            }
-            verdict => verdict,
-        };
-        let mut snaps = false;
-        let rejected = matches!(verdict, Verdict::Reject(_));
-        let reason = match verdict {
-            Verdict::Accept => {
-                if attempt.status == IncrementStatus::Solved && attempt.capped {
-                    attempt.status = IncrementStatus::Capped;
-                }
-                if attempt.status == IncrementStatus::Collapsed {
-                    // A collapse commits no motion, that of settling grains neither.
-                    before.restore(world);
-                }
-                return;
-            }
-            Verdict::Again => continue,
-            Verdict::Reject(reason) => {
-                // Rigid bodies that have no motion have none with other scales either.
-                let locked = attempt.status == IncrementStatus::Locked;
-                if !locked && attempt.effort < loose::RETRY && attempt.solves < MAX_SOLVES {
-                    let flung = is_flung(world);
-                    let mut attempt = world.resource_mut::<Attempt>();
-                    attempt.effort = if flung { loose::RETRY } else { attempt.effort + 1 };
-                    forget(&mut attempt, reason);
-                    continue;
-                }
-                reason
-            }
-            Verdict::Thrown(reason) => {
-                snaps = attempt.snaps;
-                let settled = attempt.settled;
-                let learnt = std::mem::take(&mut attempt.learnt);
-                let far = settle::furthest_motion(world);
-                // Grains that go as far as before they settled follow what moves in this increment:
-                // in half of it they go half as far.
-                let by_half = !snaps
-                    && !settle::is_cured(world)
-                    && 0.5 * far <= acceptance.throw
-                    && halved.is_none_or(|before| far <= IN_VAIN * before)
-                    && 0.5 * world.resource::<Progress>().fraction >= finest;
-                let mut attempt = world.resource_mut::<Attempt>();
-                if by_half {
-                    halved = Some(far);
-                } else if settled < settle::MAX_STEPS {
-                    // What a cascade broke stays broken while the grains settle: it is why they do.
-                    parted |= !attempt.ruptures.is_empty();
-                    forget_solution(&mut attempt, reason.clone());
-                    match settle::settle(world, &mut strained) {
-                        Settled::Moved => continue,
-                        Settled::AtRest if learnt => continue,
-                        Settled::AtRest => {}
-                        Settled::GaveWay => {
-                            return give_way(world, &before, reason);
-                        }
-                    }
-                } else if learnt && attempt.solves < MAX_SOLVES {
-                    forget_solution(&mut attempt, reason);
-                    continue;
-                }
-                reason
-            }
-        };
-        let half = 0.5 * world.resource::<Progress>().fraction;
-        let mut attempt = world.resource_mut::<Attempt>();
-        if half < finest || attempt.solves >= MAX_SOLVES {
-            if snaps {
-                return give_way(world, &before, reason);
-            }
-            let mut attempt = world.resource_mut::<Attempt>();
-            attempt.status = final_status(attempt.status);
-            attempt.complaint = reason;
-            if let Some((best, _)) = attempt.best.take().filter(|_| rejected) {
-                world.resource_mut::<ConeSolution>().residuals = best;
-            }
-            before.restore(world);
-            return;
+        let verdict = std::mem::take(&mut attempt.verdict);
+        if let Verdict::Unconverged { reason, .. }
+        | Verdict::TooFar(reason)
+        | Verdict::GivesWay(reason) = &verdict
+            && attempt.mode != Mode::Proof
+        {
+            attempt.complaint.clone_from(reason);
         }
-        attempt.effort = 0;
-        attempt.magnitudes = None;
-        forget(&mut attempt, reason);
-        world.resource_mut::<Progress>().fraction = half;
-        if std::mem::take(&mut parted) {
-            // Half the increment may break none of them.
-            before.restore(world);
-            strained = 0.0;
+        let next = next(&attempt.mode, &verdict, budget);
+        if let (Mode::Motion(motion), Next::Halve | Next::End(_)) = (&attempt.mode, next) {
+            let end = match verdict {
+                Verdict::AtRest { .. } => "; nothing moves under these loads".to_owned(),
+                _ => format!("; the motion that followed was lost after {} steps", motion.steps),
+            };
+            attempt.complaint += &end;
+        }
+        match next {
+            Next::Solve => {}
+            Next::Try(effort) => {
+                attempt.mode = Mode::Equilibrium(effort);
+                world.resource_mut::<Ruptures>().forget_attempt();
+                motion::forget_passes(world);
+            }
+            Next::Follow => {
+                start.get_or_insert_with(|| Start::take(world));
+                motion::begin(world, false);
+            }
+            Next::Move => {
+                motion::take_step(world);
+                open_trial(world);
+            }
+            Next::Shorten => motion::shorten(world),
+            Next::Rest => {
+                motion::take_step(world);
+                open_trial(world);
+                seek_equilibrium(world);
+            }
+            Next::Repeat => {
+                put_back(world, start.as_ref());
+                world.resource_mut::<Attempt>().motion_strain = 0.0;
+                open_trial(world);
+                motion::begin(world, true);
+            }
+            Next::Halve => {
+                put_back(world, start.take().as_ref());
+                seek_equilibrium(world);
+                *world.resource_mut::<Ruptures>() = Ruptures::default();
+                world.resource_mut::<Attempt>().motion_strain = 0.0;
+                world.resource_mut::<Progress>().fraction *= 0.5;
+                open_trial(world);
+            }
+            Next::Prove => {
+                put_back(world, start.as_ref());
+                let mut attempt = world.resource_mut::<Attempt>();
+                attempt.mode = Mode::Proof;
+                attempt.magnitudes = None;
+                // What a throw over many radii closed is out of the reach of a mechanism.
+                world.resource_mut::<AddedPairs>().0.clear();
+                open_trial(world);
+            }
+            Next::End(status) => return end_increment(world, status, &verdict, start.as_ref()),
         }
     }
 }
 
-/// Whether a static solution that did not converge moves a grain very far: what it lacks is a hold, not
-/// other scales.
-fn is_flung(world: &World) -> bool {
-    let complete = world.resource::<ConeSolution>().displacements.len()
-        == world.resource::<Bodies>().positions.len();
-    complete
-        && world.resource::<Analysis>().kind == AnalysisKind::Static
-        && settle::furthest_motion(world) > FLUNG
+/// The tables that a motion moves.
+struct Start {
+    bodies: Bodies,
+    draft: DraftHistory,
+    ruptures: Ruptures,
+    energies: MotionEnergies,
+}
+
+impl Start {
+    fn take(world: &World) -> Self {
+        Self {
+            bodies: world.resource::<Bodies>().clone(),
+            draft: world.resource::<DraftHistory>().clone(),
+            ruptures: world.resource::<Ruptures>().clone(),
+            energies: world.resource::<MotionEnergies>().clone(),
+        }
+    }
+}
+
+/// Puts the tables back to where they were before the first motion.
+fn put_back(world: &mut World, start: Option<&Start>) {
+    motion::end(world);
+    if let Some(start) = start {
+        world.resource_mut::<Bodies>().clone_from(&start.bodies);
+        world.resource_mut::<DraftHistory>().clone_from(&start.draft);
+        world.resource_mut::<Ruptures>().clone_from(&start.ruptures);
+        world.resource_mut::<MotionEnergies>().clone_from(&start.energies);
+    }
+}
+
+fn begin_increment(world: &mut World) {
+    *world.resource_mut::<Attempt>() = Attempt::default();
+    *world.resource_mut::<AddedPairs>() = AddedPairs::default();
+    *world.resource_mut::<Restraints>() = Restraints::default();
+    *world.resource_mut::<MotionEnergies>() = MotionEnergies::default();
+    *world.resource_mut::<Ruptures>() = Ruptures::default();
+    *world.resource_mut::<Closest>() = Closest::default();
+    motion::forget_passes(world);
+    let mut progress = world.resource_mut::<Progress>();
+    progress.increment += 1;
+    // Fractions end where whole increments do; what was halved may grow again.
+    let left = 1.0 - progress.done.fract();
+    progress.fraction = (2.0 * progress.fraction).clamp(f64::MIN_POSITIVE, left);
+    open_trial(world);
+    let bounded = carries_loads(world);
+    world.resource_mut::<Attempt>().bounded = bounded;
+}
+
+/// What the increment may still spend.
+fn budget(world: &World) -> Budget {
+    let attempt = world.resource::<Attempt>();
+    let failures = attempt.motion().map_or(0, |motion| motion.failures);
+    // Of a whole increment, not of what the last one could take: else a specimen that is stuck would creep on
+    // in ever smaller steps.
+    let finest = 0.5_f64.powf(f64::from(world.resource::<Acceptance>().halvings));
+    Budget {
+        follows: world.resource::<Analysis>().kind == AnalysisKind::Static,
+        motion: attempt.motions < motion::MAX_MOTIONS,
+        step: attempt.motion_steps < motion::MAX_STEPS && failures < motion::MAX_FAILURES,
+        solve: attempt.solves < MAX_SOLVES,
+        half: 0.5 * world.resource::<Progress>().fraction >= finest,
+    }
+}
+
+/// A new trial begins: another part of the increment, or other places of the bodies.
+fn open_trial(world: &mut World) {
+    if world.resource::<Bodies>().resting {
+        world.resource_scope(|world, mut bodies: Mut<Bodies>| {
+            renew_stresses(&mut bodies, world.resource(), world.resource());
+        });
+    }
+    ask_for_loads(world);
+}
+
+/// Seeks the equilibrium from where the bodies are.
+fn seek_equilibrium(world: &mut World) {
+    motion::end(world);
+    motion::forget_passes(world);
+    let mut attempt = world.resource_mut::<Attempt>();
+    attempt.mode = Mode::default();
+    attempt.magnitudes = None;
+}
+
+fn end_increment(
+    world: &mut World,
+    status: IncrementStatus,
+    verdict: &Verdict,
+    start: Option<&Start>,
+) {
+    motion::end(world);
+    let capped = world.resource::<Openings>().capped;
+    let status = match status {
+        IncrementStatus::Solved if capped => IncrementStatus::Capped,
+        status => status,
+    };
+    if matches!(status, IncrementStatus::Collapsed) {
+        // A collapse commits no motion.
+        put_back(world, start);
+        let proved = *verdict == Verdict::Impossible;
+        let mut solution = world.resource_mut::<ConeSolution>();
+        solution.certificate = solution.certificate.take().filter(|_| proved);
+    }
+    if status == IncrementStatus::Undecided
+        && let Some(closest) = world.resource_mut::<Closest>().0.take()
+    {
+        world.resource_mut::<ConeSolution>().residuals = closest.residuals;
+    }
+    world.resource_mut::<Attempt>().status = status;
+}
+
+/// Whether any load on a wall or particle is so.
+fn any_load(bodies: &Bodies, is_so: impl Fn(&Ramp) -> bool) -> bool {
+    bodies.walls.iter().any(|w| matches!(&w.drive, WallDrive::Loaded(ramp) if is_so(ramp)))
+        || bodies.loads.iter().flatten().any(is_so)
 }
 
 /// Whether anything but walls that move as they are told to acts on a specimen that carries something
 /// already. One that does not may come to its first support over any distance.
-fn carries_loads(world: &mut World) -> bool {
+fn carries_loads(world: &World) -> bool {
     let acts = |ramp: &Ramp| ramp.from != 0.0 || ramp.to != 0.0;
-    let mut walls = world.query::<&WallDrive>();
-    let mut loads = world.query::<&AppliedLoad>();
-    world.resource::<ContactHistory>().0.iter().any(|m| m.p != 0.0)
+    world.resource::<DraftHistory>().0.0.iter().any(|m| m.p != 0.0)
         && (world.resource::<Analysis>().gravity != DVec2::ZERO
-            || walls.iter(world).any(|d| matches!(d, WallDrive::Loaded(ramp) if acts(ramp)))
-            || loads.iter(world).any(|load| load.0.iter().any(acts)))
-}
-
-/// A locked program that no halving unlocks stays locked; all else has stalled.
-fn final_status(status: IncrementStatus) -> IncrementStatus {
-    if status == IncrementStatus::Locked { status } else { IncrementStatus::Stalled }
-}
-
-/// Drops what a rejected attempt had concluded; pairs stay, they cost little.
-fn forget(attempt: &mut Attempt, reason: String) {
-    forget_solution(attempt, reason);
-    attempt.ruptures.clear();
-    attempt.cascade_rounds = 0;
-}
-
-/// Drops what a rejected attempt had concluded, except for what a cascade has broken.
-fn forget_solution(attempt: &mut Attempt, reason: String) {
-    attempt.complaint = reason;
-    attempt.snaps = false;
-    attempt.replies = 0;
-    attempt.capped = false;
-    attempt.openings.clear();
-    attempt.coulomb_passes = 0;
-    attempt.corrections.clear();
-    attempt.corrector_passes = 0;
-    attempt.pushed = None;
-    attempt.centre.clear();
-    attempt.centres = 0;
-    attempt.status = IncrementStatus::Solved;
-}
-
-/// Greatest displacement and force of a solution, as scales for the next attempt.
-fn magnitudes(solution: &ConeSolution, mean_radius: f64) -> Option<(f64, f64)> {
-    if !matches!(solution.status, SolveStatus::Stalled | SolveStatus::Solved) {
-        return None;
-    }
-    let u = solution.displacements.iter().map(|u| u[0].hypot(u[1])).fold(0.0, f64::max);
-    let f = solution.forces.iter().map(|f| f[0].abs().max(f[1].abs())).fold(0.0, f64::max);
-    let sound = u.is_finite() && f.is_finite() && u > 0.0 && f > 0.0;
-    // A grain thrown far must not set the scale.
-    sound.then(|| (u.min(0.1 * mean_radius), f))
+            || !world.resource::<TrialLoads>().is_empty()
+            || any_load(world.resource(), acts))
 }

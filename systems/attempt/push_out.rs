@@ -10,6 +10,7 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::findings::Pushed;
 use clastic_components::increment::{Analysis, AnalysisKind};
 use clastic_components::program::{ConeProgram, ConeSolution};
 
@@ -23,10 +24,11 @@ pub fn judge(
     contacts: Res<Contacts>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
+    mut pushed: ResMut<Pushed>,
     mut attempt: ResMut<Attempt>,
 ) {
     let AnalysisKind::Dynamic { .. } = analysis.kind else { return };
-    if attempt.pushed.is_some() {
+    if pushed.0.is_some() {
         return;
     }
     let overlaps = contacts.0.iter().zip(&program.interactions).any(|(contact, c)| {
@@ -34,7 +36,7 @@ pub fn judge(
         c.normal_compliance == 0.0 && !bonded && contact.gap < -LEAST * bodies.mean_radius
     });
     if overlaps {
-        attempt.pushed = Some(solution.displacements.clone());
+        pushed.0 = Some(solution.displacements.clone());
         attempt.verdict = Verdict::Again;
     }
 }

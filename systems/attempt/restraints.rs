@@ -3,8 +3,9 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::attempt::{Attempt, Bearing, Verdict};
+use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::contact::Bodies;
+use clastic_components::findings::{Bearing, Restraints};
 use clastic_components::increment::Acceptance;
 use clastic_components::program::{ConeProgram, ConeSolution, Interaction};
 
@@ -22,12 +23,13 @@ pub fn judge(
     bodies: Res<Bodies>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
+    mut restraints: ResMut<Restraints>,
     mut attempt: ResMut<Attempt>,
 ) {
     let Some(certificate) = &solution.certificate else { return };
     let motion = |i: usize| certificate.mechanism[i][0].hypot(certificate.mechanism[i][1]);
     let greatest = (0..bodies.particles).map(motion).fold(0.0, f64::max);
-    if pull_back(&bodies, &program, &mut attempt, |i| motion(i) > TAKES_PART * greatest) {
+    if pull_back(&bodies, &program, &mut restraints, |i| motion(i) > TAKES_PART * greatest) {
         attempt.verdict = Verdict::Again;
     }
 }
@@ -39,12 +41,12 @@ pub fn restrain(
     program: &ConeProgram,
     solution: &ConeSolution,
     acceptance: &Acceptance,
-    attempt: &mut Attempt,
+    restraints: &mut Restraints,
 ) -> bool {
     let motions = far_motions(bodies, program, solution);
     let far = |i: usize| motions[i] > TAKES_PART * acceptance.throw;
-    let unloaded = hold_unloaded(bodies, program, solution, attempt, far);
-    let swinging = pull_back(bodies, program, attempt, far);
+    let unloaded = hold_unloaded(bodies, program, solution, restraints, far);
+    let swinging = pull_back(bodies, program, restraints, far);
     unloaded || swinging
 }
 
@@ -54,21 +56,21 @@ fn hold_unloaded(
     bodies: &Bodies,
     program: &ConeProgram,
     solution: &ConeSolution,
-    attempt: &mut Attempt,
+    restraints: &mut Restraints,
     far: impl Fn(usize) -> bool,
 ) -> bool {
     let forces = program.interactions.iter().zip(&solution.forces);
     let forces = forces.map(|(c, f)| (c.a, c.b, f[0].abs().max(f[1].abs())));
     let loaded = find_loaded(bodies.particles, forces);
-    attempt.bearing.resize(program.bodies.len(), Bearing::Unknown);
+    restraints.bearing.resize(program.bodies.len(), Bearing::Unknown);
     let mut news = false;
     for i in (0..bodies.particles).filter(|i| far(*i)) {
-        let next = match (attempt.bearing[i], loaded[i]) {
+        let next = match (restraints.bearing[i], loaded[i]) {
             (Bearing::Unknown, false) => Bearing::Nothing,
             (Bearing::Nothing, true) => Bearing::Load,
             (known, _) => known,
         };
-        news |= std::mem::replace(&mut attempt.bearing[i], next) != next;
+        news |= std::mem::replace(&mut restraints.bearing[i], next) != next;
     }
     news
 }
@@ -77,13 +79,13 @@ fn hold_unloaded(
 fn pull_back(
     bodies: &Bodies,
     program: &ConeProgram,
-    attempt: &mut Attempt,
+    restraints: &mut Restraints,
     far: impl Fn(usize) -> bool,
 ) -> bool {
-    attempt.swinging.resize(bodies.particles, false);
+    restraints.swinging.resize(bodies.particles, false);
     let mut news = vec![false; program.bodies.len()];
     for i in (0..bodies.particles).filter(|i| far(*i)) {
-        news[i] = !std::mem::replace(&mut attempt.swinging[i], true) && !bodies.swinging[i];
+        news[i] = !std::mem::replace(&mut restraints.swinging[i], true) && !bodies.swinging[i];
     }
     let joins_particles = |c: &Interaction| (c.b as usize) < bodies.particles;
     let mut taut = program.interactions.iter().filter(|c| joins_particles(c) && taut::is_taut(c));

@@ -28,9 +28,7 @@ pub fn judge(
         && attempt.bounded
         && let Some(reason) = snapped(&bodies, &program, &solution, &progress, &acceptance)
     {
-        attempt.snaps = true;
-        attempt.learnt = false;
-        attempt.verdict = Verdict::Thrown(reason);
+        attempt.verdict = Verdict::TooFar(reason);
     }
 }
 

@@ -8,6 +8,7 @@ use glam::DVec2;
 use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::body::Drive;
 use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::findings::{AddedPairs, Restraints};
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
 use clastic_components::program::{ConeProgram, ConeSolution};
 
@@ -17,7 +18,7 @@ use crate::detect_contacts::Candidates;
 
 /// Fewer grains than this have a mean motion, but no affine field, and are few to be thrown.
 const FEW: usize = 6;
-/// So many attempts in a row are made for a few that are thrown.
+/// Attempts in a row that are made with what a throw has shown, before the motion is followed.
 const MAX_REPLIES: u32 = 3;
 
 /// Rejects a static solution in which a grain moves further than [`Acceptance::throw`] radii
@@ -30,22 +31,31 @@ pub fn judge(
     solution: Res<ConeSolution>,
     acceptance: Res<Acceptance>,
     analysis: Res<Analysis>,
+    mut pairs: ResMut<AddedPairs>,
+    mut restraints: ResMut<Restraints>,
     mut attempt: ResMut<Attempt>,
 ) {
     if analysis.kind != AnalysisKind::Static {
         return;
     }
     if let Some(reason) = thrown(&bodies, &program, &solution, &acceptance) {
-        let (program, solution, attempt) = (&program, &solution, &mut attempt);
-        let verdict =
-            reply(&bodies, &candidates, &contacts, program, solution, &acceptance, attempt, reason);
-        attempt.verdict = verdict;
+        attempt.verdict = reply(
+            &bodies,
+            &candidates,
+            &contacts,
+            &program,
+            &solution,
+            &acceptance,
+            &mut pairs,
+            &mut restraints,
+            reason,
+        );
     }
 }
 
 /// What to do about a throw. It shows pairs that were not in the program, or
-/// [restraints](super::restraints): the next attempt has them. Where few grains are thrown that is
-/// enough, mostly, and it is made at once; many have to settle first.
+/// [restraints](super::restraints): the next attempt has them. Where it shows nothing, or where that has not
+/// helped, the solution lies too far away.
 pub(super) fn reply(
     bodies: &Bodies,
     candidates: &Candidates,
@@ -53,20 +63,18 @@ pub(super) fn reply(
     program: &ConeProgram,
     solution: &ConeSolution,
     acceptance: &Acceptance,
-    attempt: &mut Attempt,
+    pairs: &mut AddedPairs,
+    restraints: &mut Restraints,
     reason: String,
 ) -> Verdict {
     // What stops a grain must not be mistaken for what holds it back.
-    attempt.learnt =
-        add_closed(bodies, candidates, contacts, program, solution, acceptance, attempt)
-            || restrain(bodies, program, solution, acceptance, attempt);
-    let far = far_motions(bodies, program, solution);
-    let few = far.iter().filter(|far| !(**far <= acceptance.throw)).count() < FEW;
-    if attempt.learnt && few && attempt.replies < MAX_REPLIES {
-        attempt.replies += 1;
+    let learnt = add_closed(bodies, candidates, contacts, program, solution, acceptance, pairs)
+        || restrain(bodies, program, solution, acceptance, restraints);
+    if learnt && restraints.replies < MAX_REPLIES {
+        restraints.replies += 1;
         Verdict::Again
     } else {
-        Verdict::Thrown(reason)
+        Verdict::TooFar(reason)
     }
 }
 
@@ -80,9 +88,10 @@ pub fn thrown(
 ) -> Option<String> {
     let (i, far) = furthest(bodies, program, solution)?;
     (!(far <= acceptance.throw)).then(|| {
+        let at = bodies.positions[i];
         format!(
-            "particle {i} was thrown by {far:.2} radii about the mean motion; accepted {}",
-            acceptance.throw
+            "particle {i} at ({:.4e}, {:.4e}) m was thrown by {far:.2} radii about the mean motion; accepted {}",
+            at.x, at.y, acceptance.throw
         )
     })
 }

@@ -66,16 +66,16 @@ pub fn expected_motion(
         AnalysisKind::LeastMotion { .. } => vec![DVec2::ZERO; bodies.positions.len()],
     };
     let mut imposed = 0.0_f64;
-    for (i, drives) in bodies.drives.iter().enumerate() {
-        for (k, drive) in drives[..2].iter().enumerate() {
-            if let Drive::Imposed(u) = drive {
+    for i in 0..bodies.particles {
+        for k in 0..2 {
+            if let Drive::Imposed(u) = bodies.drive(i, k) {
                 displacement[i][k] = f * u;
                 imposed = imposed.max((f * u).abs());
             }
         }
     }
     for wall in &bodies.walls {
-        if let WallDrive::Imposed(u) = wall.drive {
+        if let WallDrive::Imposed(u) = bodies.wall_drive(wall) {
             displacement[wall.body as usize] = f * u;
             imposed = imposed.max(f * u.length());
         } else if let AnalysisKind::Dynamic { .. } = analysis.kind {

@@ -19,8 +19,10 @@ use glam::DVec2;
 
 use clastic_components::attempt::Attempt;
 use clastic_components::contact::{Bodies, Contact, Contacts};
+use clastic_components::findings::AddedPairs;
 use clastic_components::increment::{Analysis, Progress};
 
+use crate::attempt::motion;
 use crate::detect_contacts::candidates::CandidatePairs;
 use crate::detect_contacts::gaps::{pair_contact, wall_contact};
 use crate::schedule::{AttemptIncrement, AttemptSystems, lap};
@@ -49,10 +51,13 @@ pub fn detect_contacts(
     analysis: Res<Analysis>,
     progress: Res<Progress>,
     attempt: Res<Attempt>,
+    added: Res<AddedPairs>,
     mut candidates: ResMut<Candidates>,
     mut contacts: ResMut<Contacts>,
 ) {
-    let expected = expected_motion::expected_motion(&bodies, &analysis, &progress, attempt.reach);
+    // A step of a motion changes direction: pairs near by take part whatever the last one did.
+    let reach = attempt.motion().map_or(0.0, |_| motion::REACH * bodies.mean_radius);
+    let expected = expected_motion::expected_motion(&bodies, &analysis, &progress, reach);
     let n = bodies.particles;
     let (positions, radii) = (&bodies.positions[..n], &bodies.radii[..]);
     candidates.0.ensure(positions, radii, expected.greatest_reach(n));
@@ -60,11 +65,11 @@ pub fn detect_contacts(
     let list = &mut contacts.0;
     list.clear();
     let mut bonds = bodies.bonds.iter().enumerate().peekable();
-    let mut added = attempt.added_pairs.iter().peekable();
+    let mut missed = added.0.iter().peekable();
     // Candidates, bonds and added pairs are each sorted by (a, b): one merge keeps all sorted.
     let mut push = |a: u32, b: u32, wanted: bool, list: &mut Vec<Contact>| {
         let bond = bonds.next_if(|(_, bond)| (bond.a, bond.b) == (a, b)).map(|(k, _)| k as u32);
-        let wanted = wanted | added.next_if(|pair| **pair == (a, b)).is_some();
+        let wanted = wanted | missed.next_if(|pair| **pair == (a, b)).is_some();
         if wanted || bond.is_some() {
             let contact = if (b as usize) < n {
                 pair_contact(&bodies, a, b)
@@ -77,7 +82,7 @@ pub fn detect_contacts(
             list.push(Contact { bond, ..contact });
         }
     };
-    for (a, b) in merged_pairs(&bodies, &attempt.added_pairs, candidates.0.pairs()) {
+    for (a, b) in merged_pairs(&bodies, &added.0, candidates.0.pairs()) {
         let wanted = if (b as usize) < n {
             let d = bodies.positions[b as usize] - bodies.positions[a as usize];
             d.length() - radii[a as usize] - radii[b as usize] <= expected.pair_reach(a, b)

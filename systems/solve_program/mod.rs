@@ -15,7 +15,7 @@ pub mod residuals;
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use clastic_components::attempt::Attempt;
+use clastic_components::attempt::{Attempt, Mode};
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
 use clastic_components::program::{ConeProgram, ConeSolution, Dof, SolveStatus};
 
@@ -82,7 +82,11 @@ pub fn solve_program(
     mut solution: ResMut<ConeSolution>,
 ) {
     let mut solve = |program: &ConeProgram| {
-        if attempt.proving { Ok(mechanism::find(program)) } else { solver.0.solve(program) }
+        if attempt.mode == Mode::Proof {
+            Ok(mechanism::find(program))
+        } else {
+            solver.0.solve(program)
+        }
     };
     *solution = match check(&program).and_then(|()| solve(&program)) {
         Ok(solution) => solution,
@@ -92,7 +96,7 @@ pub fn solve_program(
         && solution.forces.len() == program.interactions.len()
         && solution.displacements.len() == program.bodies.len()
     {
-        let evaluate = if attempt.settling.is_some() {
+        let evaluate = if attempt.motion().is_some() {
             residuals::regularised_residuals
         } else {
             residuals::residuals

@@ -175,6 +175,28 @@ fn evaluate(
     out
 }
 
+/// The bodies at which the maximum residual of a solution is: one body twice where it is one of its balance, the
+/// two of an interaction otherwise.
+#[must_use]
+pub fn worst_bodies(program: &ConeProgram, solution: &ConeSolution) -> Option<[usize; 2]> {
+    let (forces, displacements) = (&solution.forces, &solution.displacements);
+    let units = Units::of(program, forces, displacements);
+    let mut rows = vec![[0.0; 3]; program.bodies.len()];
+    program.add_forces(forces, &mut rows);
+    let balance = program.bodies.iter().zip(&rows).zip(displacements).enumerate();
+    let balance = balance.map(|(i, ((body, row), u))| {
+        let mut out = Residuals::default();
+        units.of_balance(body, row, u, 0.0, &mut out);
+        (out.worst(), [i, i])
+    });
+    let laws = program.interactions.iter().zip(forces).map(|(c, f)| {
+        let mut out = Residuals::default();
+        units.of_interaction(c, &program.kinematics(c, displacements), f, &mut out);
+        (out.worst(), [c.a as usize, c.b as usize])
+    });
+    balance.chain(laws).max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, bodies)| bodies)
+}
+
 /// What residuals are relative to.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Units {

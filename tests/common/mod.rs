@@ -3,6 +3,7 @@
 #![allow(dead_code, reason = "every test program uses its own part of this")]
 
 pub mod programs;
+pub mod random;
 
 use std::collections::BTreeMap;
 use std::fs;

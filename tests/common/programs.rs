@@ -165,9 +165,12 @@ pub fn programs(kind: &Kind, seed: u32) -> Vec<ConeProgram> {
     let mut simulation = Simulation::new(&scene, None);
     let mut programs = Vec::new();
     while let Step::Increment = simulation.step() {
-        // An increment that stalls leaves the last of many tries, not a program of the scene.
-        if simulation.world().resource::<Attempt>().status != IncrementStatus::Stalled {
-            programs.push(simulation.world().resource::<ConeProgram>().clone());
+        // An undecided increment leaves the last of many tries, not a program of the scene, unless it is locked.
+        let world = simulation.world();
+        let undecided = world.resource::<Attempt>().status == IncrementStatus::Undecided;
+        let locked = world.resource::<ConeSolution>().status == SolveStatus::Locked;
+        if !undecided || locked {
+            programs.push(world.resource::<ConeProgram>().clone());
         }
     }
     programs

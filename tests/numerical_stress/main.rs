@@ -13,6 +13,7 @@ mod long_runs;
 mod momentum;
 mod objectivity;
 mod oracle;
-mod random;
 mod random_rigs;
 mod random_scenes;
+
+use common::random;

@@ -9,6 +9,7 @@ use clastic::components::attempt::{Attempt, IncrementStatus};
 use clastic::components::body::{BodyId, Drive, Drives, ExternalForce, LastMotion, Position};
 use clastic::components::bond::{Bond, BondState};
 use clastic::components::contact::Contacts;
+use clastic::components::findings::{Openings, Pushed};
 use clastic::components::increment::{Analysis, AnalysisKind};
 use clastic::components::observation::Observation;
 use clastic::components::particle::{MaterialIndex, Particle};
@@ -161,7 +162,9 @@ impl Oracle {
         let n = record.increment;
         let world = simulation.world_mut();
         let analysis = *world.resource::<Analysis>();
-        let attempt = world.resource::<Attempt>().clone();
+        let motion_steps = world.resource::<Attempt>().motion_steps;
+        let is_pushed = world.resource::<Pushed>().0.is_some();
+        let openings = world.resource::<Openings>().clone();
         let program = world.resource::<ConeProgram>().clone();
         let forces = world.resource::<ConeSolution>().forces.clone();
         let contacts = world.resource::<Contacts>().0.clone();
@@ -188,7 +191,7 @@ impl Oracle {
         let extent = bodies.values().map(|b| b.start.length()).fold(mean_radius, f64::max);
         let furthest = bodies.values().map(|b| b.motion[0].hypot(b.motion[1])).fold(0.0, f64::max);
         let bits = ROUND_OFF * extent.max(furthest);
-        if attempt.settled == 0 {
+        if motion_steps == 0 {
             for (i, before) in self.particles.iter().enumerate() {
                 let moved = before.position.distance(bodies[&(i as u32)].start);
                 findings.book("place at the start, m", moved, bits, n);
@@ -293,7 +296,7 @@ impl Oracle {
                 r[2] += arm * q + sign * tau;
             }
             // What pushes overlaps apart is no answer to forces.
-            if least_motion || attempt.pushed.is_some() {
+            if least_motion || is_pushed {
                 continue;
             }
 
@@ -353,7 +356,7 @@ impl Oracle {
                 findings.complain(n, format!("limits {listed:?} instead of {limits:?}"));
             }
             let [cohesion, friction, tension, rolling] = limits;
-            let opening = attempt.openings.iter().find(|o| o.0 == key).map_or(0.0, |o| o.1);
+            let opening = openings.of(key);
             let opening = if bonded { 0.0 } else { opening };
 
             let shear = cohesion + friction * p;
@@ -392,8 +395,7 @@ impl Oracle {
             let accepted = limit + 10.0 * bits / unit;
             if std::env::var_os("CLASTIC_SEED").is_some() && -rest / unit > accepted {
                 println!(
-                    "{contact:?} {c:?} {f:?} {closing} {plastic} {rolls} {opening} {offset} {cn} {a:?} {b:?} U {unit} settled {}",
-                    attempt.settled
+                    "{contact:?} {c:?} {f:?} {closing} {plastic} {rolls} {opening} {offset} {cn} {a:?} {b:?} U {unit} motion steps {motion_steps}",
                 );
             }
             findings.book(name, (-rest / unit).max(0.0), accepted, n);

@@ -4,12 +4,10 @@ use std::io;
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 /// Points in a chart at most; what lies closer together cannot be told apart.
 const MOST_POINTS: usize = 2000;
-
-/// Room of a legend, as fractions of the chart.
-const LEGEND: (f64, f64) = (0.3, 0.2);
 
 const SIZE: (u32, u32) = (760, 520);
 /// Plotters draws on whole pixels, which shows as steps in a straight line: draw larger.
@@ -27,6 +25,14 @@ const COLORS: [RGBColor; 10] = [
     RGBColor(0, 0, 0),
 ];
 const SECONDARY: RGBColor = RGBColor(200, 40, 40);
+
+/// Rooms of the axes and around the chart, px.
+const MARGIN: u32 = 12;
+const LEFT: u32 = 64;
+/// Of an entry of the legend, px: piece of a line, and what a character takes.
+const SAMPLE: u32 = 18;
+const CHARACTER: f64 = 7.0;
+const LEGEND_ROW: u32 = 19;
 
 /// A line of a chart.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -68,37 +74,14 @@ impl Chart {
         Ok(text.replacen(&size(ZOOM), &size(1), 1))
     }
 
-    /// Where a legend hides least of the lines: the first of the places with fewest points.
-    fn emptiest_place(&self) -> SeriesLabelPosition {
-        let places = [
-            (SeriesLabelPosition::UpperLeft, (0.0, 1.0)),
-            (SeriesLabelPosition::UpperRight, (1.0, 1.0)),
-            (SeriesLabelPosition::LowerRight, (1.0, 0.0)),
-            (SeriesLabelPosition::LowerLeft, (0.0, 0.0)),
-            (SeriesLabelPosition::MiddleRight, (1.0, 0.5)),
-            (SeriesLabelPosition::MiddleLeft, (0.0, 0.5)),
-        ];
-        let all = || self.lines.iter().chain(&self.second);
-        let x = range(all().flat_map(|line| &line.points).map(|p| p.0));
-        let first = range(self.lines.iter().flat_map(|line| &line.points).map(|p| p.1));
-        let second = range(self.second.iter().flat_map(|line| &line.points).map(|p| p.1));
-        let relative = |v: f64, r: &std::ops::Range<f64>| (v - r.start) / (r.end - r.start);
-        let hidden = |corner: (f64, f64)| {
-            let count = |lines: &mut dyn Iterator<Item = &Line>, y: &std::ops::Range<f64>| {
-                lines
-                    .flat_map(|line| thin(&line.points))
-                    .filter(|p| {
-                        (relative(p.0, &x) - corner.0).abs() < LEGEND.0
-                            && (relative(p.1, y) - corner.1).abs() < LEGEND.1
-                    })
-                    .count()
-            };
-            count(&mut self.lines.iter(), &first) + count(&mut self.second.iter(), &second)
-        };
-        places
-            .into_iter()
-            .min_by_key(|place| hidden(place.1))
-            .map_or(SeriesLabelPosition::UpperLeft, |place| place.0)
+    /// Names and styles of the lines for the legend; nothing for a line that is alone.
+    fn legend(&self) -> Vec<(&str, ShapeStyle)> {
+        let lines = self.lines.iter().zip(COLORS.iter().cycle());
+        let lines = lines.map(|(line, color)| (line, color.stroke_width(2 * ZOOM)));
+        let second = self.second.iter().map(|line| (line, SECONDARY.stroke_width(ZOOM)));
+        let all: Vec<_> =
+            lines.chain(second).map(|(line, style)| (line.name.as_str(), style)).collect();
+        if all.len() > 1 { all } else { Vec::new() }
     }
 
     fn draw<'a>(
@@ -112,15 +95,28 @@ impl Chart {
             .titled(&self.title, font(18))?
             .margin(room / 2, 0, 0, 0)
             .titled(&self.caption, font(13).color(&RGBColor(90, 90, 90)))?;
+        let right = if self.second.is_some() { 60 } else { 12 };
+        let legend = arranged(self.legend(), SIZE.0 - 2 * MARGIN - LEFT - right);
+        let rows = legend.last().map_or(0, |entry| entry.row + 1);
+        // Above the chart: curves can reach every place inside of it.
+        let (strip, area) = area.split_vertically(rows * LEGEND_ROW * ZOOM);
+        for entry in legend {
+            let px = |at: u32| (at * ZOOM) as i32;
+            let x = px(MARGIN + LEFT + entry.x);
+            let y = px(entry.row * LEGEND_ROW + LEGEND_ROW / 2 + 4);
+            strip.draw(&PathElement::new([(x, y), (x + px(SAMPLE), y)], entry.style))?;
+            let place = Pos::new(HPos::Left, VPos::Center);
+            strip.draw(&Text::new(entry.name, (x + px(SAMPLE + 6), y), font(13).pos(place)))?;
+        }
         let all = || self.lines.iter().chain(&self.second).flat_map(|line| &line.points);
         let x = range(all().map(|p| p.0));
         let y = range(self.lines.iter().flat_map(|line| &line.points).map(|p| p.1));
         let mut builder = ChartBuilder::on(&area);
         builder
-            .margin(12 * ZOOM)
+            .margin(MARGIN * ZOOM)
             .x_label_area_size(44 * ZOOM)
-            .y_label_area_size(64 * ZOOM)
-            .right_y_label_area_size(if self.second.is_some() { 60 } else { 12 } * ZOOM);
+            .y_label_area_size(LEFT * ZOOM)
+            .right_y_label_area_size(right * ZOOM);
         let second = self.second.clone().unwrap_or_default();
         let second_range = range(second.points.iter().map(|p| p.1));
         let span = |r: &std::ops::Range<f64>| r.end - r.start;
@@ -141,11 +137,8 @@ impl Chart {
             .y_label_formatter(&|v| tick(*v, y_span))
             .draw()?;
         for (line, color) in self.lines.iter().zip(COLORS.iter().cycle()) {
-            let color = *color;
-            chart
-                .draw_series(LineSeries::new(thin(&line.points), color.stroke_width(2 * ZOOM)))?
-                .label(&line.name)
-                .legend(move |at| sample(at, color.stroke_width(2 * ZOOM)));
+            let style = color.stroke_width(2 * ZOOM);
+            chart.draw_series(LineSeries::new(thin(&line.points), style))?;
         }
         if let Some(second) = &self.second {
             chart
@@ -157,23 +150,8 @@ impl Chart {
                 .label_style(font(12))
                 .y_label_formatter(&|v| tick(*v, second_span))
                 .draw()?;
-            chart
-                .draw_secondary_series(LineSeries::new(
-                    thin(&second.points),
-                    SECONDARY.stroke_width(ZOOM),
-                ))?
-                .label(&second.name)
-                .legend(|at| sample(at, SECONDARY.stroke_width(ZOOM)));
-        }
-        if self.lines.len() + usize::from(self.second.is_some()) > 1 {
-            chart
-                .configure_series_labels()
-                .position(self.emptiest_place())
-                .background_style(WHITE.mix(0.8))
-                .margin(10 * ZOOM)
-                .legend_area_size(26 * ZOOM)
-                .label_font(font(13))
-                .draw()?;
+            let style = SECONDARY.stroke_width(ZOOM);
+            chart.draw_secondary_series(LineSeries::new(thin(&second.points), style))?;
         }
         root.present()
     }
@@ -183,9 +161,27 @@ fn font(size: u32) -> TextStyle<'static> {
     ("sans-serif", size * ZOOM).into_font().into()
 }
 
-/// A piece of a line for the legend.
-fn sample((x, y): (i32, i32), style: ShapeStyle) -> PathElement<(i32, i32)> {
-    PathElement::new([(x, y), (x + 18 * ZOOM as i32, y)], style)
+/// An entry of the legend and its place: px from the left end of the axis, and row.
+struct Entry<'a> {
+    name: &'a str,
+    style: ShapeStyle,
+    x: u32,
+    row: u32,
+}
+
+/// Puts the entries of a legend into rows of a width, px.
+fn arranged(entries: Vec<(&str, ShapeStyle)>, width: u32) -> Vec<Entry<'_>> {
+    let (mut x, mut row) = (0, 0);
+    let mut arranged = Vec::with_capacity(entries.len());
+    for (name, style) in entries {
+        let size = SAMPLE + 6 + (CHARACTER * name.chars().count() as f64).ceil() as u32;
+        if x > 0 && x + size > width {
+            (x, row) = (0, row + 1);
+        }
+        arranged.push(Entry { name, style, x, row });
+        x += size + 20;
+    }
+    arranged
 }
 
 /// A range that holds all values with a little room, and is never empty.
@@ -237,6 +233,65 @@ mod tests {
             assert_eq!((thinned.first(), thinned.last()), (points.first(), points.last()));
             assert!(thinned.windows(2).all(|w| w[0].0 < w[1].0));
         }
+    }
+
+    /// Heights (downwards) of the curves' points, and of the baselines of all texts with these names.
+    fn heights(svg: &str, names: &[&str]) -> (Vec<f64>, Vec<f64>) {
+        let number = |text: &str| text.parse::<f64>().unwrap_or(f64::NAN);
+        let attribute = |element: &str, name: &str| {
+            let start = element.split_once(&format!(" {name}=\"")).map_or("", |at| at.1);
+            start.split('"').next().unwrap_or_default().to_owned()
+        };
+        let mut curves = Vec::new();
+        for line in svg.split("<polyline").skip(1) {
+            let points = attribute(line, "points");
+            let points: Vec<_> = points.split_whitespace().collect();
+            if points.len() > 3 {
+                curves.extend(points.iter().filter_map(|p| Some(number(p.split_once(',')?.1))));
+            }
+        }
+        let mut texts = Vec::new();
+        for text in svg.split("<text").skip(1) {
+            let content = text.split_once('>').map_or("", |at| at.1);
+            let content = content.split("</text>").next().unwrap_or_default().trim();
+            if names.contains(&content) {
+                texts.push(number(&attribute(text, "y")));
+            }
+        }
+        (curves, texts)
+    }
+
+    #[test]
+    fn the_legend_hides_nothing_of_the_curves() -> io::Result<()> {
+        // Curves through all corners and the middle of both sides: no place inside is free.
+        let zigzag =
+            [(0.0, 0.0), (0.0, 1.0), (0.5, 0.5), (1.0, 1.0), (1.0, 0.5), (1.0, 0.0), (0.0, 0.5)];
+        let line = |name: &str| Line { name: name.to_owned(), points: zigzag.to_vec() };
+        let mut chart = Chart {
+            lines: vec![line("axial stress"), line("lateral stress")],
+            second: Some(line("broken bonds")),
+            ..Default::default()
+        };
+        let (curves, texts) =
+            heights(&chart.svg()?, &["axial stress", "lateral stress", "broken bonds"]);
+        assert_eq!(curves.len(), 3 * zigzag.len());
+        let top = curves.iter().copied().fold(f64::INFINITY, f64::min);
+        // One is the label of the second axis, which stands beside the chart.
+        let above = texts.iter().filter(|y| **y + 4.0 * f64::from(ZOOM) < top).count();
+        assert_eq!((texts.len(), above), (4, 3), "{texts:?}, {top}");
+
+        // Long names take as many rows as they need.
+        let names: Vec<_> =
+            (0..8).map(|k| format!("runs/a_long_name_of_a_directory/{k}")).collect();
+        chart.lines = names.iter().map(|name| line(name)).collect();
+        let names: Vec<_> = names.iter().map(String::as_str).collect();
+        let (curves, texts) = heights(&chart.svg()?, &names);
+        let top = curves.iter().copied().fold(f64::INFINITY, f64::min);
+        assert!(texts.len() == 8 && texts.iter().all(|y| *y < top), "{texts:?}, {top}");
+        let mut rows = texts;
+        rows.dedup();
+        assert_eq!(rows.len(), 4);
+        Ok(())
     }
 
     #[test]

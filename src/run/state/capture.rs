@@ -31,7 +31,7 @@ impl WorldState {
         bonds.sort_unstable_by_key(|(id, ..)| *id);
 
         let script = world.resource::<Script>();
-        let stalled = matches!(script.outcome, Some(Outcome::Stalled { .. }));
+        let stalled = matches!(script.outcome, Some(Outcome::Undecided { .. }));
         let before = world.get_resource::<Before>().filter(|_| stalled);
         let mut ends = script.ends.clone();
         if let Some(end) = ends.last_mut().filter(|_| before.is_some()) {

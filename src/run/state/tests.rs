@@ -47,12 +47,36 @@ const STORED: &[&str] = &[
 ];
 
 /// Made of the scene, settings that are applied on resuming included.
-const OF_THE_SCENE: &[&str] =
-    &["Acceptance", "Corrector", "FrictionLaw", "Materials", "RuptureRules", "WallCatalogue"];
+const OF_THE_SCENE: &[&str] = &[
+    "Acceptance",
+    "BuiltInRule",
+    "Corrector",
+    "FrictionLaw",
+    "Materials",
+    "RuptureRules",
+    "WallCatalogue",
+];
 
 /// Made anew in every increment before anything reads it.
-const OF_THE_INCREMENT: &[&str] =
-    &["Attempt", "Before", "Bodies", "ConeProgram", "ConeSolution", "Contacts"];
+const OF_THE_INCREMENT: &[&str] = &[
+    "AddedPairs",
+    "Attempt",
+    "Before",
+    "Bodies",
+    "Centre",
+    "Closest",
+    "ConeProgram",
+    "ConeSolution",
+    "Contacts",
+    "Corrections",
+    "DraftHistory",
+    "MotionEnergies",
+    "Openings",
+    "Pushed",
+    "Restraints",
+    "Ruptures",
+    "TrialLoads",
+];
 
 /// What no result depends on: the clock, and lists of pairs that are as good as new ones.
 const WITHOUT_INFLUENCE: &[&str] = &["Candidates", "Lap", "Timings"];

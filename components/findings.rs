@@ -1,0 +1,158 @@
+//! What the judges of an increment have found so far: judges write these tables, assembly reads them. All are dropped
+//! when the next increment begins.
+
+use bevy_ecs::prelude::*;
+use glam::DVec2;
+
+use crate::bond::Rupture;
+use crate::program::Residuals;
+
+/// Pairs that the pruning of detection left out and that a solution closed, sorted.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct AddedPairs(pub Vec<(u32, u32)>);
+
+/// Bonds that the increment breaks.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct Ruptures {
+    /// In the order found; broken in the world when the increment is committed.
+    pub list: Vec<Rupture>,
+    /// How many of these, the first ones, a motion left behind: an attempt that fails does not undo them.
+    pub on_the_way: usize,
+    /// Rounds of the cascade so far.
+    pub rounds: u32,
+    /// Whether the cap on these rounds was hit.
+    pub capped: bool,
+}
+
+impl Ruptures {
+    /// Drops what the last attempt found.
+    pub fn forget_attempt(&mut self) {
+        self.list.truncate(self.on_the_way);
+        (self.rounds, self.capped) = (0, false);
+    }
+}
+
+/// The fixed point of Coulomb's law.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct Openings {
+    /// Opening that is taken out, m, by contact (a, b), sorted.
+    pub list: Vec<((u32, u32), f64)>,
+    /// Passes so far.
+    pub passes: u32,
+    /// What the last pass would change of the openings, m, in the order of the list.
+    pub changes: Vec<((u32, u32), f64)>,
+    /// How much of that was made.
+    pub weight: f64,
+    /// Change of the openings in the last pass over the maximum displacement.
+    pub residual: f64,
+    /// Whether the cap on passes was hit.
+    pub capped: bool,
+}
+
+impl Openings {
+    /// The opening that is taken out of a contact, m.
+    #[must_use]
+    pub fn of(&self, pair: (u32, u32)) -> f64 {
+        self.list.binary_search_by_key(&pair, |o| o.0).map_or(0.0, |k| self.list[k].1)
+    }
+}
+
+/// What [`Corrector`](crate::increment::Corrector) makes of a pair of particles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Correction {
+    /// The pair.
+    pub pair: (u32, u32),
+    /// Normal from a to b.
+    pub normal: DVec2,
+    /// Gap where the normal is taken, m: the arms end in its middle.
+    pub gap: f64,
+    /// Takes the place of the gap at the start, m: less the closing it is the gap at the end.
+    pub offset: f64,
+    /// What slip is more than its linear expression, m.
+    pub slip: f64,
+}
+
+/// Normals, gaps and slips at the place that the last pass of the corrector led to.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct Corrections {
+    /// Sorted by pair.
+    pub list: Vec<Correction>,
+    /// Passes so far.
+    pub passes: u32,
+    /// What gaps and slips were off by in the last pass over the maximum displacement, or normals.
+    pub residual: f64,
+    /// Whether the cap on passes was hit.
+    pub capped: bool,
+}
+
+impl Corrections {
+    /// The correction of a pair, if it has one.
+    #[must_use]
+    pub fn of(&self, pair: (u32, u32)) -> Option<&Correction> {
+        self.list.binary_search_by_key(&pair, |c| c.pair).ok().map(|k| &self.list[k])
+    }
+
+    /// What the corrector adds to the shear force that an interaction of the given tangential
+    /// compliance (that of the program, m/N) starts from, N.
+    #[must_use]
+    pub fn shear_shift(&self, pair: (u32, u32), compliance: f64) -> f64 {
+        match self.of(pair) {
+            Some(c) if compliance > 0.0 => c.slip / compliance,
+            _ => 0.0,
+        }
+    }
+}
+
+/// Displacements that push rigid overlaps apart, by body in its own axes. They move the bodies and give no
+/// velocity. None until overlaps were found.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct Pushed(pub Option<Vec<[f64; 3]>>);
+
+/// Whether a body that a rejected solution moved far carried load there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Bearing {
+    /// It was not moved far.
+    #[default]
+    Unknown,
+    /// It carried nothing: of all its motions its motion is to be the minimum.
+    Nothing,
+    /// It carried nothing at first, but once its motion was the minimum it was pushed: the load must
+    /// find its support without that help.
+    Load,
+}
+
+/// What keeps grains from being thrown.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct Restraints {
+    /// What rejected solutions say of the load of bodies; empty before one was rejected.
+    pub bearing: Vec<Bearing>,
+    /// Bodies that went far in a rejected solution: their taut bonds pull them back; empty before one was
+    /// rejected.
+    pub swinging: Vec<bool>,
+    /// Attempts in a row that were made because of what was found here.
+    pub replies: u32,
+}
+
+/// Centre of the regularisation where it follows the solution.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct Centre {
+    /// Displacements that the regularisation pulls to, by body in its own axes; empty: none.
+    pub place: Vec<[f64; 3]>,
+    /// Moves of the centre in this attempt.
+    pub moves: u32,
+}
+
+/// A solution that did not converge.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unconverged {
+    /// Its residuals.
+    pub residuals: Residuals,
+    /// Where the maximum residual is: which bodies, at which place.
+    pub place: String,
+    /// What the solver said of it.
+    pub message: String,
+}
+
+/// Of all solutions of the increment that did not converge, the one that came closest.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct Closest(pub Option<Unconverged>);

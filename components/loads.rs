@@ -1,0 +1,70 @@
+//! Loads that an embedding program adds to a trial.
+
+use bevy_ecs::prelude::*;
+
+use crate::body::BodyId;
+
+/// What is added to one degree of freedom: a force, and a stiffness that resists the displacement.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct AddedLoad {
+    /// Force (N) or moment (N m).
+    pub force: f64,
+    /// Stiffness k >= 0 of a spring to the ground, N/m or N m/rad: it adds the force `-k u`.
+    pub stiffness: f64,
+}
+
+/// Loads of the trial, filled by the systems of the `Loads` schedule: the outside world acts with
+/// `force - stiffness u` on a degree of freedom that moves by u. Contributions add up, and their sum does not
+/// depend on the order in which they were added.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct TrialLoads {
+    added: Vec<(u32, usize, AddedLoad)>,
+}
+
+impl TrialLoads {
+    /// Adds a force (x, y; N) and a moment (N m) on a body. A wall under `WallDrive::Loaded` takes the part
+    /// along its inward normal, any other wall takes none.
+    pub fn add(&mut self, body: BodyId, force: [f64; 3]) {
+        for (k, force) in force.into_iter().enumerate() {
+            self.added.push((body.0, k, AddedLoad { force, stiffness: 0.0 }));
+        }
+    }
+
+    /// Adds a spring on degree of freedom `k` (x, y, rotation) of a particle: it acts with `force` where the
+    /// particle is and with `force - stiffness u` after a displacement u (N, N/m; N m, N m/rad).
+    pub fn add_spring(&mut self, body: BodyId, k: usize, force: f64, stiffness: f64) {
+        self.added.push((body.0, k, AddedLoad { force, stiffness }));
+    }
+
+    /// Drops all loads.
+    pub fn clear(&mut self) {
+        self.added.clear();
+    }
+
+    /// Whether nothing was added.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.added.is_empty()
+    }
+
+    /// Sums by body and degree of freedom, of `bodies` bodies. Contributions are sorted before they are
+    /// summed: a sum of floating-point numbers depends on its order.
+    #[must_use]
+    pub fn sums(&self, bodies: usize) -> Vec<[AddedLoad; 3]> {
+        let mut sorted = self.added.clone();
+        sorted.sort_by(|(a, k, x), (b, l, y)| {
+            (a, k)
+                .cmp(&(b, l))
+                .then(x.force.total_cmp(&y.force))
+                .then(x.stiffness.total_cmp(&y.stiffness))
+        });
+        let mut sums = vec![[AddedLoad::default(); 3]; bodies];
+        for (body, k, load) in sorted {
+            if let Some(sum) = sums.get_mut(body as usize).and_then(|rows| rows.get_mut(k)) {
+                sum.force += load.force;
+                sum.stiffness += load.stiffness;
+            }
+        }
+        sums
+    }
+}

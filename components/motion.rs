@@ -1,0 +1,55 @@
+//! A motion that is followed where a static increment has no equilibrium near by.
+//!
+//! The static program gets inertia: with W the weight of a step, k_0 a stiffness, m_i the relative mass of
+//! body i and v_i its velocity, the balance rows read
+//!
+//! ```text
+//! W k_0 m_i (u_i - v_i dt) + G s = f,      dt = 1/sqrt(W),      v_i <- u_i/dt
+//! ```
+//!
+//! Time and mass have no physical meaning: the loads are constant, and what is sought is where the motion
+//! comes to rest. Velocities are set to zero when the kinetic energy falls (kinetic damping: Cundall 1982).
+
+/// State of a motion between two of its steps.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct Motion {
+    /// Weight W of the step, without dimension. A small weight is a long step.
+    pub weight: f64,
+    /// Stiffness k_0, N/m: the force scale over the displacement scale of the increment.
+    pub stiffness: f64,
+    /// Relative masses by body: of the translations, and of the rotation in m^2.
+    pub masses: Vec<[f64; 2]>,
+    /// Displacements (m, m, rad) of the last step over its dt, by body in its own axes.
+    pub velocities: Vec<[f64; 3]>,
+    /// Kinetic energy after the last step, N m.
+    pub kinetic: f64,
+    /// Travel of the furthest grain that a step aims at, in its radii.
+    pub goal: f64,
+    /// Whether the motion is repeated because it found no rest.
+    pub repeated: bool,
+    /// Sum of the travels of the furthest grain in each step, in its radii.
+    pub travelled: f64,
+    /// Travel of the furthest grain in the last step over its dt; 0 where the motion starts from rest.
+    pub speed: f64,
+    /// Steps that were taken.
+    pub steps: u32,
+    /// Rejected steps in a row.
+    pub failures: u32,
+    /// Steps that were made with the smallest weight.
+    pub free_steps: u32,
+}
+
+impl Motion {
+    /// Time of a step, in units in which the relative mass times k_0 is a mass.
+    #[must_use]
+    pub fn dt(&self) -> f64 {
+        self.weight.sqrt().recip()
+    }
+
+    /// Weight (N/m; N m) and reference displacement (m; rad) of degree of freedom `k` of a body.
+    #[must_use]
+    pub fn inertia(&self, body: usize, k: usize) -> (f64, f64) {
+        let mass = self.masses[body][usize::from(k == 2)];
+        (mass * self.weight * self.stiffness, self.velocities[body][k] * self.dt())
+    }
+}

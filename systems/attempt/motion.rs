@@ -1,0 +1,277 @@
+//! Where equilibrium is lost the motion is followed: the static program with inertia, step by step under
+//! constant loads, with kinetic damping, until it is at rest ([`Motion`]).
+//!
+//! A static solution knows no path. A grain that has lost its support finds its new place by frozen normals,
+//! far away and through others. In a step of a motion no grain moves by more than a fraction of its radius, and
+//! contacts are detected again after each. Loads keep their values at the end of the trial, stresses act on
+//! the lengths that the walls leave, and imposed motions rest. Velocities are set to zero when the kinetic
+//! energy falls: the motion loses what it has gained since its last maximum and comes to rest without overshoot.
+//! Bonds that reach a limit on the way break. The equilibrium that follows is exact: nothing of the inertia is
+//! left in it.
+
+use bevy_ecs::prelude::*;
+
+use clastic_components::attempt::{Attempt, Mode, Verdict};
+use clastic_components::contact::{Bodies, Contacts, DraftHistory};
+use clastic_components::energy::EnergyLedger;
+use clastic_components::findings::{Centre, Corrections, Openings, Pushed, Restraints, Ruptures};
+use clastic_components::increment::{Acceptance, Progress, RuptureRules};
+use clastic_components::material::Materials;
+use clastic_components::motion::Motion;
+use clastic_components::program::{ConeProgram, ConeSolution, SolveStatus};
+
+use super::thrown_grains::{furthest, mean_strain};
+use crate::rupture_bonds::{BuiltInRule, Met, find_ruptures, release};
+use crate::update_state::remembered;
+
+/// Steps of all motions of one increment, rejected ones included.
+pub const MAX_STEPS: u32 = 1000;
+/// A motion that is not at rest after this number of steps finds no rest; one that is repeated makes steps half as
+/// long and gets twice the number.
+const STEPS_TO_REST: u32 = 200;
+/// Motions of one increment.
+pub const MAX_MOTIONS: u32 = 12;
+/// Rejected steps in a row.
+pub const MAX_FAILURES: u32 = 10;
+/// Pairs closer than this, in mean radii, take part in every step.
+pub const REACH: f64 = 0.1;
+/// A motion in which the furthest grain travels less than this, in its radii, is none.
+const RESTFUL: f64 = 1e-2;
+/// A specimen that has strained by this many times [`Acceptance::snap`] under constant loads finds no rest.
+const NO_REST: f64 = 10.0;
+/// At rest a step of a weight below [`SMALL_WEIGHT`] moves no grain further than this, in its radii.
+const NEAR_REST: f64 = 0.05;
+/// Weights of the first step, of one that tells whether the motion is at rest, and the smallest.
+const FIRST_WEIGHT: f64 = 1e-3;
+const SMALL_WEIGHT: f64 = 1e-6;
+const MIN_WEIGHT: f64 = 1e-9;
+/// Number of steps that are made with the smallest weight: what still moves then is free.
+const MAX_FREE_STEPS: u32 = 4;
+/// Bounds of the factor between the lengths of two steps.
+const SHRINK: f64 = 0.3;
+const GROW: f64 = 10.0;
+/// A rejected step is shortened at least by this factor.
+const MAX_SHORTENED: f64 = 0.7;
+/// Minimum share of the travel of a step that counts as caused by forces, not by momentum.
+const MIN_GAIN: f64 = 1e-3;
+
+/// Starts a motion from rest. One that is `repeated` aims at steps half as long.
+pub fn begin(world: &mut World, repeated: bool) {
+    let (bodies, program) = (world.resource::<Bodies>(), world.resource::<ConeProgram>());
+    let goal = world.resource::<Acceptance>().motion_step;
+    let motion = Motion {
+        weight: FIRST_WEIGHT,
+        stiffness: program.scales.force / program.scales.displacement,
+        masses: relative_masses(bodies),
+        velocities: vec![[0.0; 3]; bodies.positions.len()],
+        goal: if repeated { 0.5 * goal } else { goal },
+        repeated,
+        ..Motion::default()
+    };
+    let mut attempt = world.resource_mut::<Attempt>();
+    attempt.mode = Mode::Motion(motion);
+    attempt.motions += 1;
+    attempt.magnitudes = None;
+    world.resource_mut::<Bodies>().resting = true;
+    // What a cascade broke stays broken: it is why the grains move.
+    let mut ruptures = world.resource_mut::<Ruptures>();
+    ruptures.on_the_way = ruptures.list.len();
+    (ruptures.rounds, ruptures.capped) = (0, false);
+    forget_passes(world);
+}
+
+/// Ends the motion under way.
+pub fn end(world: &mut World) {
+    world.resource_mut::<Bodies>().resting = false;
+}
+
+/// Drops what is only true of the solution that was found last.
+pub fn forget_passes(world: &mut World) {
+    *world.resource_mut::<Openings>() = Openings::default();
+    *world.resource_mut::<Corrections>() = Corrections::default();
+    *world.resource_mut::<Pushed>() = Pushed::default();
+    *world.resource_mut::<Centre>() = Centre::default();
+    world.resource_mut::<Restraints>().replies = 0;
+}
+
+/// Masses and moments of inertia over the mean mass. A wall under a load moves with the specimen: it has the
+/// mass of all grains.
+fn relative_masses(bodies: &Bodies) -> Vec<[f64; 2]> {
+    let n = bodies.particles;
+    let mean = bodies.masses.iter().sum::<f64>() / n.max(1) as f64;
+    let mut masses = vec![[n.max(1) as f64, 0.0]; bodies.positions.len()];
+    for i in 0..n {
+        let r = bodies.radii[i];
+        masses[i] = if mean > 0.0 {
+            [bodies.masses[i] / mean, bodies.inertias[i] / mean]
+        } else {
+            [1.0, 0.5 * r * r]
+        };
+    }
+    masses
+}
+
+/// Judge: may the step be taken with the normals of its start?
+pub fn judge_length(
+    bodies: Res<Bodies>,
+    program: Res<ConeProgram>,
+    solution: Res<ConeSolution>,
+    mut attempt: ResMut<Attempt>,
+) {
+    let far = furthest(&bodies, &program, &solution).map_or(0.0, |(_, far)| far);
+    if !(far <= Acceptance::MAX_TRAVEL) {
+        attempt.verdict = Verdict::TooFar(format!("a step of the motion went {far:.2} radii"));
+    }
+}
+
+/// Judge: is the motion at rest after the step, and does the specimen find any?
+pub fn judge_rest(
+    bodies: Res<Bodies>,
+    program: Res<ConeProgram>,
+    solution: Res<ConeSolution>,
+    acceptance: Res<Acceptance>,
+    mut attempt: ResMut<Attempt>,
+) {
+    let far = furthest(&bodies, &program, &solution).map_or(0.0, |(_, far)| far);
+    let strain = attempt.motion_strain + mean_strain(&bodies, &program, &solution);
+    let Some(motion) = attempt.motion() else { return };
+    let is_free = motion.weight <= MIN_WEIGHT;
+    let at_rest = (motion.weight <= SMALL_WEIGHT && far <= NEAR_REST)
+        || (is_free && motion.free_steps + 1 >= MAX_FREE_STEPS);
+    let moved = motion.travelled + far > RESTFUL;
+    let steps = if motion.repeated { 2 * STEPS_TO_REST } else { STEPS_TO_REST };
+    attempt.verdict = if attempt.bounded && strain > NO_REST * acceptance.snap {
+        Verdict::GivesWay(format!(
+            "the motion under constant loads strains the specimen by {:.0} % and finds no rest; the threshold \
+             is {NO_REST} times `acceptance.snap`",
+            100.0 * strain,
+        ))
+    } else if at_rest {
+        Verdict::AtRest { moved }
+    } else if motion.steps + 1 >= steps {
+        Verdict::GivesWay(format!("the motion under constant loads finds no rest in {steps} steps"))
+    } else {
+        Verdict::Moving
+    };
+}
+
+/// Repeats the step in a shorter time.
+pub fn shorten(world: &mut World) {
+    let solved = world.resource::<ConeSolution>().status == SolveStatus::Solved;
+    let far = furthest(world.resource(), world.resource(), world.resource());
+    let mut attempt = world.resource_mut::<Attempt>();
+    attempt.motion_steps += 1;
+    let Mode::Motion(motion) = &mut attempt.mode else { return };
+    motion.failures += 1;
+    let ratio = match far {
+        Some((_, far)) if solved && far > Acceptance::MAX_TRAVEL => {
+            stretch(motion, far).min(MAX_SHORTENED)
+        }
+        // Nothing is known of the motion but that it is no solution.
+        _ => SHRINK,
+    };
+    motion.weight /= ratio * ratio;
+}
+
+/// Factor of the time of a step that went `far` by which its furthest grain would have travelled what a step
+/// aims at: momentum takes it `v dt` far, and forces take it on in proportion to `dt^2`.
+fn stretch(motion: &Motion, far: f64) -> f64 {
+    let momentum = (motion.speed * motion.dt()).min(far);
+    time_ratio(momentum, (far - momentum).max(MIN_GAIN * far), motion.goal)
+}
+
+/// The s > 0 with `momentum s + gained s^2 = goal`, within bounds.
+fn time_ratio(momentum: f64, gained: f64, goal: f64) -> f64 {
+    let root = (momentum * momentum + 4.0 * gained * goal).sqrt();
+    // The form without cancellation.
+    (2.0 * goal / (momentum + root)).clamp(SHRINK, GROW)
+}
+
+/// Moves the tables by the solution of the step, breaks bonds, and sets the weight of the next step.
+pub fn take_step(world: &mut World) {
+    let (bodies, program) = (world.resource::<Bodies>(), world.resource::<ConeProgram>());
+    let solution = world.resource::<ConeSolution>();
+    let far = furthest(bodies, program, solution).map_or(0.0, |(_, far)| far);
+    let strain = mean_strain(bodies, program, solution);
+    let displacements = solution.displacements.clone();
+    move_tables(world);
+    let mut attempt = world.resource_mut::<Attempt>();
+    attempt.motion_steps += 1;
+    attempt.motion_strain += strain;
+    if let Mode::Motion(motion) = &mut attempt.mode {
+        carry_on(motion, &displacements, far);
+    }
+}
+
+/// Momentum and weight of the next step.
+fn carry_on(motion: &mut Motion, displacements: &[[f64; 3]], far: f64) {
+    let energy: f64 = motion
+        .masses
+        .iter()
+        .zip(displacements)
+        .map(|(m, u)| m[0] * (u[0] * u[0] + u[1] * u[1]) + m[1] * u[2] * u[2])
+        .sum::<f64>()
+        * motion.weight
+        * motion.stiffness;
+    let dt = motion.dt();
+    let gained = (far - motion.speed * dt).max(MIN_GAIN * far);
+    let ratio = if energy >= motion.kinetic {
+        motion.kinetic = energy;
+        motion.speed = far / dt;
+        for (v, u) in motion.velocities.iter_mut().zip(displacements) {
+            *v = u.map(|u| u / dt);
+        }
+        time_ratio(far, gained, motion.goal)
+    } else {
+        motion.kinetic = 0.0;
+        motion.speed = 0.0;
+        motion.velocities.iter_mut().for_each(|v| *v = [0.0; 3]);
+        time_ratio(0.0, far, motion.goal)
+    };
+    motion.failures = 0;
+    motion.steps += 1;
+    motion.travelled += far;
+    motion.free_steps += u32::from(motion.weight <= MIN_WEIGHT);
+    motion.weight = (motion.weight / (ratio * ratio)).max(MIN_WEIGHT);
+}
+
+/// Moves bodies and contact memory by the solution of the step and breaks the bonds that it brings to a limit.
+fn move_tables(world: &mut World) {
+    let (program, solution) = (world.resource::<ConeProgram>(), world.resource::<ConeSolution>());
+    let (contacts, draft) = (world.resource::<Contacts>(), world.resource::<DraftHistory>());
+    let bodies = world.resource::<Bodies>();
+    let mut history =
+        remembered(world.resource(), world.resource(), contacts, program, solution, &draft.0);
+    // A program with a rule of rupture of its own breaks bonds when the increment is committed.
+    let mut broken = if world.contains_resource::<BuiltInRule>() {
+        find_ruptures(
+            world.resource::<RuptureRules>(),
+            Met::Overload,
+            world.resource::<Progress>().increment,
+            bodies,
+            &contacts.0,
+            program,
+            solution,
+        )
+    } else {
+        Vec::new()
+    };
+    // What a cascade broke is a contact already.
+    let known = &world.resource::<Ruptures>().list;
+    broken.retain(|rupture| !known.iter().any(|r| r.bond == rupture.bond));
+    let materials = world.resource::<Materials>();
+    release(broken.iter(), bodies, contacts, materials, world.resource(), &mut history);
+    let displacements = program.bodies.iter().zip(&solution.displacements);
+    let moved: Vec<_> = displacements.map(|(body, u)| body.to_global(*u)).collect();
+    let ledger = world.contains_resource::<EnergyLedger>();
+    if ledger {
+        crate::energy_ledger::book_step(world, &history, &moved, &broken);
+    }
+    let mut bodies = world.resource_mut::<Bodies>();
+    bodies.move_by(moved.into_iter());
+    bodies.break_bonds(broken.iter().map(|r| (r.a.0, r.b.0)));
+    world.resource_mut::<DraftHistory>().0 = history;
+    let mut ruptures = world.resource_mut::<Ruptures>();
+    ruptures.list.extend(broken);
+    ruptures.on_the_way = ruptures.list.len();
+}

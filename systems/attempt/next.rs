@@ -1,0 +1,237 @@
+//! What follows from the verdict on an attempt: a pure function of what is sought, what the judges say and
+//! what the increment may still spend.
+
+use clastic_components::attempt::{Effort, IncrementStatus, Mode, Verdict};
+
+/// What an increment may still spend.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Budget {
+    /// Whether a motion can be followed at all: the analysis is static.
+    pub follows: bool,
+    /// Whether another motion may begin.
+    pub motion: bool,
+    /// Whether another step of a motion may be made.
+    pub step: bool,
+    /// Whether another solve may be made.
+    pub solve: bool,
+    /// Whether the increment may be halved once more.
+    pub half: bool,
+}
+
+/// The next step of the attempts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Next {
+    /// Solve the program again, with what was added to it.
+    Solve,
+    /// Try again with this effort.
+    Try(Effort),
+    /// Follow the motion from where the bodies are.
+    Follow,
+    /// Take the step of the motion and make another one.
+    Move,
+    /// Repeat the step of the motion with a greater weight.
+    Shorten,
+    /// Take the step of the motion and seek the equilibrium from there.
+    Rest,
+    /// Put everything back and follow the motion in steps half as long.
+    Repeat,
+    /// Put everything back and halve the increment.
+    Halve,
+    /// Put everything back and look for a mechanism that proves the collapse.
+    Prove,
+    /// End the increment.
+    End(IncrementStatus),
+}
+
+/// The next step after a verdict.
+#[must_use]
+pub fn next(mode: &Mode, verdict: &Verdict, budget: Budget) -> Next {
+    match mode {
+        Mode::Equilibrium(effort) => after_equilibrium(*effort, verdict, budget),
+        Mode::Motion(motion) => after_motion(motion.repeated, verdict, budget),
+        Mode::Proof => match verdict {
+            Verdict::Again if budget.solve => Next::Solve,
+            // With a mechanism or without: the motion has shown twice that the specimen finds no rest.
+            _ => Next::End(IncrementStatus::Collapsed),
+        },
+    }
+}
+
+fn after_equilibrium(effort: Effort, verdict: &Verdict, budget: Budget) -> Next {
+    let lost = || {
+        if budget.follows && budget.motion && budget.step && budget.solve {
+            Next::Follow
+        } else {
+            smaller(budget)
+        }
+    };
+    match verdict {
+        Verdict::Sound => Next::End(IncrementStatus::Solved),
+        Verdict::Impossible => Next::End(IncrementStatus::Collapsed),
+        Verdict::Again if budget.solve => Next::Solve,
+        Verdict::Unconverged { flung, .. } if budget.solve => match effort {
+            Effort::Usual if !flung => Next::Try(Effort::Rescaled),
+            Effort::Usual | Effort::Rescaled => Next::Try(Effort::Regularised),
+            Effort::Regularised => lost(),
+        },
+        Verdict::TooFar(_) => lost(),
+        // Rigid bodies that have no motion have none with other scales either: `Locked` is not tried again.
+        _ => smaller(budget),
+    }
+}
+
+fn after_motion(repeated: bool, verdict: &Verdict, budget: Budget) -> Next {
+    match verdict {
+        Verdict::Again if budget.solve => Next::Solve,
+        Verdict::AtRest { moved: true } => Next::Rest,
+        Verdict::GivesWay(_) if repeated => Next::Prove,
+        Verdict::GivesWay(_) => Next::Repeat,
+        Verdict::Moving | Verdict::Sound if budget.step && budget.solve => Next::Move,
+        Verdict::TooFar(_)
+        | Verdict::Unconverged { .. }
+        | Verdict::Impossible
+        | Verdict::Locked
+            if budget.step && budget.solve =>
+        {
+            Next::Shorten
+        }
+        _ => smaller(budget),
+    }
+}
+
+fn smaller(budget: Budget) -> Next {
+    if budget.half { Next::Halve } else { Next::End(IncrementStatus::Undecided) }
+}
+
+#[cfg(test)]
+mod tests {
+    use clastic_components::motion::Motion;
+
+    use super::*;
+
+    fn modes() -> Vec<Mode> {
+        let repeated = Motion { repeated: true, ..Motion::default() };
+        vec![
+            Mode::Equilibrium(Effort::Usual),
+            Mode::Equilibrium(Effort::Rescaled),
+            Mode::Equilibrium(Effort::Regularised),
+            Mode::Motion(Motion::default()),
+            Mode::Motion(repeated),
+            Mode::Proof,
+        ]
+    }
+
+    fn verdicts() -> Vec<Verdict> {
+        let reason = String::new();
+        vec![
+            Verdict::Sound,
+            Verdict::Impossible,
+            Verdict::Again,
+            Verdict::Unconverged { reason: reason.clone(), flung: false },
+            Verdict::Unconverged { reason: reason.clone(), flung: true },
+            Verdict::Locked,
+            Verdict::TooFar(reason.clone()),
+            Verdict::Moving,
+            Verdict::AtRest { moved: true },
+            Verdict::AtRest { moved: false },
+            Verdict::GivesWay(reason),
+        ]
+    }
+
+    fn budgets() -> impl Iterator<Item = Budget> {
+        let is = |bits: u32, k: u32| bits & (1 << k) != 0;
+        (0..32).map(move |bits| Budget {
+            follows: is(bits, 0),
+            motion: is(bits, 1),
+            step: is(bits, 2),
+            solve: is(bits, 3),
+            half: is(bits, 4),
+        })
+    }
+
+    fn every(check: impl Fn(&Mode, &Verdict, Budget, Next)) {
+        for mode in modes() {
+            for verdict in verdicts() {
+                for budget in budgets() {
+                    check(&mode, &verdict, budget, next(&mode, &verdict, budget));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn only_a_sound_equilibrium_is_solved() {
+        every(|mode, verdict, budget, next| {
+            let sound = matches!(mode, Mode::Equilibrium(_)) && *verdict == Verdict::Sound;
+            let solved = next == Next::End(IncrementStatus::Solved);
+            assert_eq!(solved, sound, "{mode:?} {verdict:?} {budget:?}");
+        });
+    }
+
+    #[test]
+    fn a_collapse_has_a_certificate_or_a_motion_without_rest_twice() {
+        every(|mode, verdict, budget, next| {
+            if next == Next::End(IncrementStatus::Collapsed) {
+                let proved =
+                    matches!(mode, Mode::Equilibrium(_)) && *verdict == Verdict::Impossible;
+                assert!(proved || *mode == Mode::Proof, "{mode:?} {verdict:?} {budget:?}");
+            }
+            if next == Next::Prove {
+                let repeated = matches!(mode, Mode::Motion(motion) if motion.repeated);
+                assert!(
+                    repeated && matches!(verdict, Verdict::GivesWay(_)),
+                    "{mode:?} {verdict:?}"
+                );
+            }
+        });
+    }
+
+    #[test]
+    fn nothing_goes_on_beyond_the_budget() {
+        every(|mode, verdict, budget, next| {
+            let at = || format!("{mode:?} {verdict:?} {budget:?}");
+            match next {
+                Next::Solve | Next::Try(_) => assert!(budget.solve, "{}", at()),
+                Next::Follow => assert!(budget.follows && budget.motion && budget.step, "{}", at()),
+                Next::Move | Next::Shorten => assert!(budget.step && budget.solve, "{}", at()),
+                Next::Halve => assert!(budget.half, "{}", at()),
+                Next::Rest | Next::Repeat | Next::Prove | Next::End(_) => {}
+            }
+        });
+    }
+
+    #[test]
+    fn an_undecided_increment_has_tried_everything_that_it_may() {
+        every(|mode, verdict, budget, next| {
+            if next == Next::End(IncrementStatus::Undecided) {
+                assert!(!budget.half, "{mode:?} {verdict:?} {budget:?}");
+                if let (Mode::Equilibrium(_), Verdict::TooFar(_)) = (mode, verdict) {
+                    let may_follow = budget.follows && budget.motion && budget.step && budget.solve;
+                    assert!(!may_follow, "{budget:?}");
+                }
+            }
+        });
+    }
+
+    #[test]
+    fn efforts_grow_and_end() {
+        let all = Budget { follows: false, motion: false, step: false, solve: true, half: false };
+        let mut effort = Effort::Usual;
+        let mut seen = vec![effort];
+        let verdict = Verdict::Unconverged { reason: String::new(), flung: false };
+        while let Next::Try(harder) = next(&Mode::Equilibrium(effort), &verdict, all) {
+            assert!(harder > effort);
+            effort = harder;
+            seen.push(effort);
+        }
+        assert_eq!(seen, [Effort::Usual, Effort::Rescaled, Effort::Regularised]);
+    }
+
+    #[test]
+    fn what_lacks_a_hold_is_regularised_at_once() {
+        let all = Budget { follows: true, motion: true, step: true, solve: true, half: true };
+        let verdict = Verdict::Unconverged { reason: String::new(), flung: true };
+        let next = next(&Mode::Equilibrium(Effort::Usual), &verdict, all);
+        assert_eq!(next, Next::Try(Effort::Regularised));
+    }
+}

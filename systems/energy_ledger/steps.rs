@@ -1,0 +1,64 @@
+//! The steps of a motion that is followed within a static increment.
+
+use bevy_ecs::prelude::*;
+use glam::DVec2;
+
+use clastic_components::bond::Rupture;
+use clastic_components::contact::{Bodies, ContactHistory, Contacts};
+use clastic_components::energy::{Energies, EnergyLedger, MotionEnergies};
+use clastic_components::findings::Ruptures;
+use clastic_components::increment::Analysis;
+use clastic_components::program::{ConeProgram, ConeSolution, Dof};
+
+use super::interactions::{Tables, book};
+
+/// Books a step that is about to be taken: with the memory of contacts at its end, the displacements of the
+/// bodies (m, m, rad) and the bonds that it breaks.
+pub(crate) fn book_step(
+    world: &mut World,
+    history: &ContactHistory,
+    moved: &[[f64; 3]],
+    broken: &[Rupture],
+) {
+    let (bodies, program) = (world.resource::<Bodies>(), world.resource::<ConeProgram>());
+    let (solution, analysis) = (world.resource::<ConeSolution>(), world.resource::<Analysis>());
+    let mut e = Energies::default();
+    for (body, u) in program.bodies.iter().zip(&solution.displacements) {
+        for (dof, u) in body.dofs.iter().zip(u) {
+            if let Dof::Free(free) = dof {
+                e.external += (free.load - free.inertia * u) * u;
+            }
+        }
+    }
+    for (mass, u) in bodies.masses.iter().zip(moved) {
+        e.gravity += mass * analysis.gravity.dot(DVec2::new(u[0], u[1]));
+    }
+    // Loads of the program contain the weight.
+    e.external -= e.gravity;
+    let end: Vec<DVec2> =
+        bodies.positions.iter().zip(moved).map(|(x, u)| *x + DVec2::new(u[0], u[1])).collect();
+    let tables = Tables {
+        bodies,
+        contacts: world.resource::<Contacts>(),
+        history,
+        materials: world.resource(),
+        analysis,
+        program,
+        solution,
+        openings: world.resource(),
+        corrections: world.resource(),
+        end: &end,
+    };
+    let ruptures = world.resource::<Ruptures>();
+    let is_broken = |bond| ruptures.list.iter().chain(broken).any(|r| r.bond == bond);
+    let so_far = world.resource::<MotionEnergies>().stored;
+    let before = so_far.or(world.resource::<EnergyLedger>().stored);
+    let stored = book(&mut e, &tables, before, is_broken);
+    // What is left has been taken out of the motion: by its implicit steps, by contacts that close (their impact is
+    // plastic), and by the residual of the step.
+    e.numerical = 0.0;
+    e.motion = e.error();
+    let mut energies = world.resource_mut::<MotionEnergies>();
+    energies.energies += e;
+    energies.stored = Some(stored);
+}

@@ -1,0 +1,121 @@
+//! Two hundred laboratory scenes. A random seed determines every scene, so that nobody chose them by hand. Every
+//! scene must run to its end. See `docs/reliability.md`, "Laboratory scenes".
+//!
+//! ```text
+//! cargo test --release --test laboratory                             every eleventh seed
+//! cargo test --release --test laboratory -- --ignored --nocapture    all seeds
+//! ```
+//!
+//! Environment variables:
+//!
+//! - `LABORATORY`: kinds (`biaxial`), seeds (`17`) and ranges of seeds (`10..20`), separated by commas
+//! - `LABORATORY_MAX`: leaves out scenes with more disks
+//! - `LABORATORY_THREADS`: scenes that run at the same time, 2 by default
+//! - `LABORATORY_WRITE`: a directory that the scenes are written to as RON, for `clastic run`
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod certificate;
+mod rigs;
+mod run;
+mod sample;
+mod scenes;
+mod table;
+mod verdict;
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+
+use scenes::{KINDS, Plan, SCENES};
+use verdict::Verdict;
+
+/// Every eleventh seed runs with every `cargo test`. The kinds repeat after 20 seeds; 11 and 20 have no common
+/// factor, so that these seeds go through all kinds.
+const STRIDE: u64 = 11;
+
+/// Maximum number of scenes that may fail in every `cargo test`.
+const FAILURES: usize = 0;
+
+#[test]
+fn every_eleventh_scene_completes() {
+    let plans: Vec<Plan> = (0..SCENES).step_by(STRIDE as usize).map(Plan::new).collect();
+    let reports = run::all(&plans, threads());
+    table::print(&reports);
+    judge(&reports, FAILURES);
+}
+
+#[test]
+#[ignore = "takes hours"]
+fn all_scenes_complete() {
+    let plans: Vec<Plan> = (0..SCENES).map(Plan::new).filter(is_wanted).collect();
+    if let Ok(directory) = std::env::var("LABORATORY_WRITE") {
+        write(&plans, Path::new(&directory));
+    }
+    let reports = run::all(&plans, threads());
+    table::print(&reports);
+    judge(&reports, 0);
+}
+
+/// The same seed gives the same scene, and the engine reads all of them without error.
+#[test]
+fn scenes_are_drawn_from_their_seed_and_read_without_error() {
+    for seed in 0..SCENES {
+        let plan = Plan::new(seed);
+        assert_eq!(plan.text, Plan::new(seed).text);
+        let scene = common::parse(&plan.text);
+        assert!(!scene.stages.is_empty(), "seed {seed}");
+        assert!((100..=2000).contains(&plan.sample.count), "seed {seed}");
+    }
+    let every_run: BTreeSet<_> =
+        (0..SCENES).step_by(STRIDE as usize).map(|seed| Plan::new(seed).kind).collect();
+    assert_eq!(every_run.len(), KINDS.len(), "every run has all kinds");
+}
+
+fn judge(reports: &[run::Report], accepted: usize) {
+    let wrong: Vec<String> = reports
+        .iter()
+        .filter(|r| matches!(r.verdict, Verdict::Wrong(_)))
+        .map(|r| format!("seed {}: {}", r.seed, r.verdict.reason()))
+        .collect();
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    let failed = reports.iter().filter(|r| r.verdict.is_failure()).count();
+    assert!(failed <= accepted, "{failed} scenes failed; accepted are {accepted}");
+}
+
+fn threads() -> usize {
+    number("LABORATORY_THREADS").unwrap_or(2)
+}
+
+fn number(name: &str) -> Option<usize> {
+    let text = std::env::var(name).ok()?;
+    Some(text.parse().unwrap_or_else(|_| panic!("{name}={text} is not a number")))
+}
+
+fn is_wanted(plan: &Plan) -> bool {
+    let small = number("LABORATORY_MAX").is_none_or(|most| plan.sample.count as usize <= most);
+    let named = std::env::var("LABORATORY")
+        .map_or(true, |wanted| wanted.split(',').any(|item| selects(item.trim(), plan)));
+    small && named
+}
+
+/// Whether an item of `LABORATORY` (a seed, a range of seeds, or a kind) selects the scene.
+fn selects(item: &str, plan: &Plan) -> bool {
+    if let Some((first, end)) = item.split_once("..") {
+        let bound = |text: &str| text.parse::<u64>().expect("LABORATORY=10..20 are two seeds");
+        return (bound(first)..bound(end)).contains(&plan.seed);
+    }
+    match item.parse::<u64>() {
+        Ok(seed) => seed == plan.seed,
+        Err(_) => plan.kind.name().contains(item),
+    }
+}
+
+fn write(plans: &[Plan], directory: &Path) {
+    fs::create_dir_all(directory).unwrap();
+    for plan in plans {
+        let name = format!("{:03}_{}.ron", plan.seed, plan.kind.name().replace(' ', "_"));
+        fs::write(directory.join(name), &plan.text).unwrap();
+    }
+}
