@@ -118,6 +118,9 @@ fn table(runs: &[Run]) -> String {
             text += &format!("  {value:>16}");
         }
         text += &format!("  {}", run.status());
+        if let Some(capped) = run.record["capped_increments"].as_u64().filter(|n| *n > 0) {
+            text += &format!(", {capped} of {} increments capped", run.record["increments"]);
+        }
     }
     if runs.iter().any(|run| run.status() == "running") {
         text += "\nrunning: not at its end yet, or killed";

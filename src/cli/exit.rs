@@ -6,6 +6,7 @@ use std::process::ExitCode;
 
 use clastic::output::{OutputError, ResumeError};
 use clastic::scene::LoadError;
+use clastic::scene::shown::escaped;
 
 /// How the program ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,11 +17,11 @@ pub enum Exit {
     Files = 1,
     /// The command line is wrong.
     Usage = 2,
-    /// The scene is wrong.
+    /// The scene is wrong, or a stage of it cannot begin.
     Scene = 3,
     /// An increment could not be solved.
     Solver = 4,
-    /// Ctrl-C.
+    /// Ctrl-C, SIGTERM or SIGHUP.
     Interrupted = 130,
 }
 
@@ -63,9 +64,9 @@ impl From<ResumeError> for Failure {
 }
 
 /// Says something on standard output. Who closes it does not want to read it: no error. A full disk
-/// is one.
+/// is one. Control characters, which a scene may hold, do not reach the terminal.
 pub fn say(what: impl Display) -> Result<(), Failure> {
-    match writeln!(io::stdout(), "{what}") {
+    match writeln!(io::stdout(), "{}", escaped(&what.to_string())) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
             Err(Failure { exit: Exit::Files, message: format!("standard output: {error}") })
         }
@@ -73,7 +74,7 @@ pub fn say(what: impl Display) -> Result<(), Failure> {
     }
 }
 
-/// Says something on standard error.
+/// Says something on standard error, control characters escaped.
 pub fn complain(what: impl Display) {
-    let _ = writeln!(io::stderr(), "{what}");
+    let _ = writeln!(io::stderr(), "{}", escaped(&what.to_string()));
 }

@@ -1,4 +1,8 @@
-//! Ctrl-C: the first one asks the run to stop after its increment, the second one kills it.
+//! Ctrl-C, SIGTERM and SIGHUP ask the run to stop after its increment; a second Ctrl-C kills it.
+//!
+//! Batch queues and machines that shut down send SIGTERM, a terminal that closes sends SIGHUP. Both
+//! may come twice (`timeout` and shells send them to the process and to its group), so only Ctrl-C
+//! counts: whoever presses it after any of them wants the run to stop at once.
 
 use std::process;
 use std::sync::Arc;
@@ -11,27 +15,97 @@ use super::exit::{Exit, complain};
 pub struct Interrupt(Arc<AtomicBool>);
 
 impl Interrupt {
-    /// Listens to Ctrl-C from now on. Where that is impossible, Ctrl-C kills at once, as ever.
+    /// Listens to Ctrl-C and the signals from now on. Where that is impossible, they kill at once, as
+    /// ever.
     pub fn listen() -> Self {
         let interrupt = Self::default();
-        let flag = interrupt.clone();
+        let ours = interrupt.clone();
         let listening = ctrlc::set_handler(move || {
-            if flag.0.swap(true, Ordering::Relaxed) {
+            if ours.ask("") {
                 process::exit(Exit::Interrupted as i32);
             }
-            complain(
-                "\nfinishing the increment; Ctrl-C again stops at once, without what is new since the last \
-                 checkpoint",
-            );
         });
         if let Err(error) = listening {
             complain(format_args!("Ctrl-C will not wait for the increment: {error}"));
         }
+        #[cfg(unix)]
+        if let Err(error) = signals::listen(interrupt.clone()) {
+            complain(format_args!("SIGTERM will not wait for the increment: {error}"));
+        }
         interrupt
     }
 
-    /// Whether Ctrl-C was pressed.
+    /// Asks the run to stop, because of `what`. Returns whether somebody had asked before.
+    fn ask(&self, what: &str) -> bool {
+        let again = self.0.swap(true, Ordering::Relaxed);
+        if !again {
+            complain(format_args!(
+                "\n{what}finishing the increment; Ctrl-C again stops at once, without what is new since the \
+                 last checkpoint"
+            ));
+        }
+        again
+    }
+
+    /// Whether somebody asked the run to stop.
     pub fn requested(&self) -> bool {
         self.0.load(Ordering::Relaxed)
+    }
+}
+
+/// The signals that end a process and are no Ctrl-C.
+#[cfg(unix)]
+mod signals {
+    use std::fs;
+    use std::io;
+    use std::thread;
+
+    use signal_hook::consts::{SIGHUP, SIGTERM};
+    use signal_hook::iterator::Signals;
+
+    use super::Interrupt;
+
+    /// Passes the signals on to `interrupt` from now on.
+    pub fn listen(interrupt: Interrupt) -> io::Result<()> {
+        let mut signals = Signals::new([SIGTERM])?;
+        // Who started the run with `nohup` wants it to outlive the terminal. Where that cannot be
+        // told, SIGHUP is left as it is.
+        if hangup_is_ignored() == Some(false) {
+            signals.add_signal(SIGHUP)?;
+        }
+        thread::Builder::new().name("signals".to_owned()).spawn(move || {
+            for signal in signals.forever() {
+                interrupt.ask(if signal == SIGHUP { "SIGHUP: " } else { "SIGTERM: " });
+            }
+        })?;
+        Ok(())
+    }
+
+    /// Whether this process was started with SIGHUP ignored; none where the system does not say.
+    fn hangup_is_ignored() -> Option<bool> {
+        ignores(&fs::read_to_string("/proc/self/status").ok()?, SIGHUP)
+    }
+
+    /// Whether a signal is in the mask of ignored signals of a Linux process status.
+    fn ignores(status: &str, signal: i32) -> Option<bool> {
+        let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"))?;
+        let mask = u64::from_str_radix(mask.trim(), 16).ok()?;
+        // Bit 0 is signal 1.
+        Some(mask >> (signal - 1) & 1 == 1)
+    }
+
+    #[cfg(test)]
+    mod tests {
+        use super::*;
+
+        #[test]
+        fn the_mask_of_ignored_signals_is_read() {
+            let status = "Name:\tclastic\nSigIgn:\t0000000000001001\nSigCgt:\t0000000000000002\n";
+            assert_eq!(
+                [SIGHUP, SIGTERM, 2].map(|s| ignores(status, s)),
+                [Some(true), Some(false), Some(false)]
+            );
+            assert_eq!(ignores("Name:\tclastic\n", SIGHUP), None);
+        }
     }
 }

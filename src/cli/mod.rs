@@ -7,6 +7,7 @@ mod exit;
 mod interrupt;
 mod list;
 mod memory;
+mod own_findings;
 mod progress;
 mod resolve;
 mod resume;
@@ -23,8 +24,8 @@ use self::threads::on_threads;
 
 const EXAMPLES: &str = "\
 Examples:
-  clastic list                                  scenes that are here
-  clastic check uniaxial                        is scenes/uniaxial.ron sound?
+  clastic list                                  scenes that have a name
+  clastic check uniaxial                        is the scene sound?
   clastic run uniaxial                          run it; results go to runs/uniaxial
   clastic compare runs/a runs/b                 their curves in one picture
   clastic run uniaxial --checkpoint-every 10    lose no more than 10 increments if it is killed
@@ -35,9 +36,9 @@ Exit codes:
   0    done; a collapse of the specimen is a result
   1    input or output failed: no such file, directory in use, disk full
   2    wrong usage, or a --set that leads nowhere
-  3    the scene is wrong
+  3    the scene is wrong, or a stage of it cannot begin; results up to there are written
   4    an increment could not be solved; results up to there are written
-  130  interrupted (Ctrl-C); results up to there are written";
+  130  interrupted (Ctrl-C, SIGTERM, SIGHUP); results up to there are written";
 
 /// Granular contact dynamics with elastic bonds: runs scenes written in RON.
 #[derive(Parser)]
@@ -56,7 +57,7 @@ enum Command {
     Resume(ResumeArgs),
     /// Read a scene and report everything that is wrong with it
     Check(SceneArgs),
-    /// List the scenes in ./scenes
+    /// List the scenes that have a name: those in ./scenes and those that clastic ships
     List,
     /// Measure run time against error; writes CSV, SVG and summary.md
     Bench(bench::BenchArgs),
@@ -74,7 +75,7 @@ enum Command {
 /// Which scene.
 #[derive(Args)]
 struct SceneArgs {
-    /// A scene file, or the name of one in ./scenes
+    /// A scene file, or the name of a scene in ./scenes or of one that clastic ships
     scene: PathBuf,
     /// Set a field of the scene, e.g. --set stages[0].increments=10; may be repeated
     #[arg(long = "set", value_name = "PATH=VALUE")]
@@ -91,11 +92,34 @@ struct RunArgs {
     /// Write over the results of an earlier run
     #[arg(long)]
     force: bool,
-    /// Write the cone program and solution of increment N as JSON; may be repeated
-    #[arg(long = "dump-program", value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
-    dump_programs: Vec<u64>,
+    /// Write the cone program and solution of an increment as JSON; may be repeated. N counts the
+    /// increments of the run, as the column `increment` of the history does; STAGE:N those of a stage,
+    /// as `record.frames` does
+    #[arg(long = "dump-program", value_name = "[STAGE:]N", value_parser = DumpAt::read)]
+    dump_programs: Vec<DumpAt>,
     #[command(flatten)]
     output: OutputArgs,
+}
+
+/// An increment whose program is dumped.
+#[derive(Clone, Debug)]
+struct DumpAt {
+    /// The stage whose increments are counted; those of the run without one.
+    stage: Option<String>,
+    /// The increment, from 1.
+    increment: u64,
+}
+
+impl DumpAt {
+    fn read(text: &str) -> Result<Self, String> {
+        let (stage, number) = match text.rsplit_once(':') {
+            Some((stage, number)) => (Some(stage.to_owned()), number),
+            None => (None, text),
+        };
+        let increment = number.parse().ok().filter(|n| *n > 0);
+        let increment = increment.ok_or("write N or STAGE:N, with N a whole number from 1")?;
+        Ok(Self { stage, increment })
+    }
 }
 
 #[derive(Args)]

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use clastic::components::increment::Progress as Place;
 use clastic::components::observation::Observation;
+use clastic::scene::shown::label;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::exit::complain;
@@ -55,7 +56,8 @@ impl Progress {
 
     /// Shows an increment.
     pub fn show(&mut self, place: &Place, o: &Observation) {
-        let title = |stages| format!("stage {}/{stages} {}", place.stage + 1, place.stage_name);
+        let name = label(&place.stage_name);
+        let title = |stages| format!("stage {}/{stages} {name}", place.stage + 1);
         match self {
             Self::Quiet => {}
             Self::Bar { bar, stage, stages } => {

@@ -1,15 +1,20 @@
 //! Which file a scene argument means.
 
+use std::collections::BTreeMap;
+use std::ffi::OsStr;
 use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
+
+use clastic::scene::shipped;
 
 use super::exit::{Exit, Failure};
 
 /// Directory of the scenes that can be called by name.
 pub const SCENES: &str = "scenes";
 
-/// A file, with or without its `.ron`, or the bare name of a scene in [`SCENES`]. A directory that
-/// happens to have the name of a scene is no scene.
+/// A file, with or without its `.ron`, or the bare name of a scene in [`SCENES`] or of a shipped one.
+/// A directory that happens to have the name of a scene is no scene.
 pub fn resolve(scene: &Path) -> Result<PathBuf, Failure> {
     if scene.exists() && !scene.is_dir() {
         return Ok(scene.to_owned());
@@ -19,38 +24,49 @@ pub fn resolve(scene: &Path) -> Result<PathBuf, Failure> {
         return Ok(with_extension);
     }
     let name = scene.to_string_lossy();
-    if scene.components().count() == 1 {
-        let stem = name.strip_suffix(".ron").unwrap_or(&name);
-        let path = Path::new(SCENES).join(format!("{stem}.ron"));
-        if path.is_file() {
-            return Ok(path);
-        }
-        if let Some(near) = nearest(stem) {
-            let message =
-                format!("no scene `{name}`, here or in {SCENES}/; did you mean `{near}`?");
-            return Err(Failure { exit: Exit::Files, message });
-        }
+    let fail = |message| Err(Failure { exit: Exit::Files, message });
+    if scene.components().count() != 1 {
+        return fail(format!("no scene `{name}`: no such file"));
     }
-    let message =
-        format!("no scene `{name}`, here or in {SCENES}/; `clastic list` shows what is there");
-    Err(Failure { exit: Exit::Files, message })
+    let stem = name.strip_suffix(".ron").unwrap_or(&name);
+    let path = Path::new(SCENES).join(format!("{stem}.ron"));
+    if path.is_file() {
+        return Ok(path);
+    }
+    if let Some(path) = shipped::path(stem) {
+        return Ok(path);
+    }
+    let help = nearest(stem).map_or_else(
+        || "`clastic list` shows the scenes that have a name".to_owned(),
+        |near| format!("did you mean `{near}`?"),
+    );
+    fail(format!(
+        "no scene `{name}`: no such file here, none in ./{SCENES}, and clastic ships none of that name; {help}"
+    ))
 }
 
-/// The scenes in [`SCENES`], by name.
-pub fn scenes() -> std::io::Result<Vec<PathBuf>> {
-    let entries = fs::read_dir(SCENES)?.map(|entry| Ok(entry?.path()));
-    let mut paths = entries.collect::<std::io::Result<Vec<PathBuf>>>()?;
-    paths.retain(|path| path.extension().is_some_and(|extension| extension == "ron"));
-    paths.sort();
-    Ok(paths)
+/// The scenes that can be called by name: those in [`SCENES`], and the shipped ones that are not there.
+pub fn scenes() -> io::Result<BTreeMap<String, PathBuf>> {
+    let shipped = shipped::names().filter_map(|name| Some((name.to_owned(), shipped::path(name)?)));
+    let mut scenes: BTreeMap<_, _> = shipped.collect();
+    let here = match fs::read_dir(SCENES) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(scenes),
+        here => here?,
+    };
+    for entry in here {
+        let path = entry?.path();
+        if let (Some(name), Some("ron")) =
+            (path.file_stem(), path.extension().and_then(OsStr::to_str))
+        {
+            scenes.insert(name.to_string_lossy().into_owned(), path);
+        }
+    }
+    Ok(scenes)
 }
 
 /// The scene whose name is nearest to a misspelt one.
 fn nearest(name: &str) -> Option<String> {
-    let names = scenes()
-        .ok()?
-        .into_iter()
-        .filter_map(|p| Some(p.file_stem()?.to_string_lossy().into_owned()));
+    let names = scenes().ok()?.into_keys();
     names
         .map(|candidate| (strsim::damerau_levenshtein(name, &candidate), candidate))
         .filter(|(distance, candidate)| 3 * distance <= candidate.chars().count())

@@ -10,6 +10,7 @@ use clastic::scene::from_str_with;
 
 use super::ResumeArgs;
 use super::exit::{Exit, Failure, complain, say};
+use super::own_findings::own_findings;
 use super::run::to_the_end;
 
 /// Resumes a run.
@@ -17,6 +18,9 @@ pub fn resume(args: &ResumeArgs) -> Result<Exit, Failure> {
     let directory = args.directory.as_path();
     let checkpoint = match Checkpoint::read(directory) {
         Err(ResumeError::NoCheckpoint(_)) if ended(directory)? => {
+            if !args.sets.is_empty() {
+                return Err(too_late(directory, &args.sets));
+            }
             say(format_args!(
                 "{}: this run is at its end; there is nothing to resume",
                 directory.display()
@@ -30,6 +34,11 @@ pub fn resume(args: &ResumeArgs) -> Result<Exit, Failure> {
     let read = |sets: &[String], particles| from_str_with(&checkpoint.scene, name, particles, sets);
     let before = read(&[], state.specimen())?.scene;
     let loaded = read(&args.sets, state.specimen())?;
+    // The run began without any: a setting has put it there, and its path says which.
+    let foreign = own_findings(&loaded.scene);
+    if let Some(finding) = foreign.first() {
+        return Err(Failure { exit: Exit::Scene, message: finding.to_string() });
+    }
     let refused = changes::refused(&before, &loaded.scene, state);
     if !refused.is_empty() {
         return Err(Failure { exit: Exit::Usage, message: refused.join("\n") });
@@ -52,6 +61,21 @@ pub fn resume(args: &ResumeArgs) -> Result<Exit, Failure> {
         complain(format_args!("resumed after increment {increment}"));
     }
     to_the_end(simulation, writer, directory, args.output.quiet)
+}
+
+/// Settings for a run that is at its end. Its checkpoint is gone, and with it all that an increment
+/// starts from (forces, velocities, broken bonds): the files of the results do not hold it.
+fn too_late(directory: &Path, sets: &[String]) -> Failure {
+    let sets: Vec<_> = sets.iter().map(|set| format!("--set {set:?}")).collect();
+    let message = format!(
+        "{}: this run is at its end, and the checkpoint of a run goes away there: {} cannot take it further. \
+         Run the scene again with all its settings and the new ones, as in `clastic run SCENE {} --out \
+         NEW_DIRECTORY`, or with --force to write over these results",
+        directory.display(),
+        if sets.len() == 1 { "a setting" } else { "settings" },
+        sets.join(" "),
+    );
+    Failure { exit: Exit::Usage, message }
 }
 
 /// Whether the run of a directory came to its end.

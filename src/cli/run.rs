@@ -9,28 +9,46 @@ use clastic::output::{Ending, OutputError, RunOptions, RunWriter};
 use clastic::run::stages::Script;
 use clastic::run::{Outcome, Simulation, Step};
 use clastic::scene::format::Stage;
-use clastic::scene::load;
+use clastic::scene::load_with;
+use clastic::scene::shown::label;
 
 use super::RunArgs;
 use super::exit::{Exit, Failure, complain, say};
 use super::interrupt::Interrupt;
 use super::memory::fits;
+use super::own_findings::own_findings;
 use super::progress::Progress;
 use super::resolve::resolve;
-use super::summary::summary;
+use super::summary::{Summary, summary};
 
 /// Runs a scene.
 pub fn run(args: &RunArgs) -> Result<Exit, Failure> {
     let path = resolve(&args.scene.scene)?;
-    let loaded = load(&path, &args.scene.sets)?;
+    let loaded = load_with(&path, &args.scene.sets, own_findings)?;
     fits(&loaded)?;
+    let dumps = &args.dump_programs;
+    for stage in dumps.iter().filter_map(|dump| dump.stage.as_ref()) {
+        let names: Vec<_> = loaded.scene.stages.iter().map(Stage::name).collect();
+        if !names.contains(&stage.as_str()) {
+            let names: Vec<_> = names.into_iter().map(label).collect();
+            let message = format!(
+                "--dump-program {stage}:N: the scene has no such stage; its stages are {}",
+                names.join(", ")
+            );
+            return Err(Failure { exit: Exit::Usage, message });
+        }
+    }
     let directory = args.out.clone().unwrap_or_else(|| default_directory(&path));
     let mut simulation = Simulation::new(&loaded.scene, loaded.specimen.as_ref());
     let options = RunOptions {
         directory: directory.clone(),
         force: args.force,
         overrides: args.scene.sets.clone(),
-        dump_programs: args.dump_programs.clone(),
+        dump_programs: dumps.iter().filter(|d| d.stage.is_none()).map(|d| d.increment).collect(),
+        dump_in_stages: dumps
+            .iter()
+            .filter_map(|d| Some((d.stage.clone()?, d.increment)))
+            .collect(),
         checkpoint_every: args.output.checkpoint_every.unwrap_or(0),
     };
     let writer = RunWriter::create(options, &loaded, simulation.world_mut())?;
@@ -70,16 +88,42 @@ pub fn to_the_end(
         ));
     }
     let script = simulation.world().resource::<Script>();
-    let mut text = summary(&ending, increments, &script.ends, &results, directory);
+    for (stage, n) in writer.dump_in_stages() {
+        let made = script.ends.iter().find(|end| end.stage == *stage).map_or(0, |e| e.increments);
+        if *n > made {
+            complain(format_args!(
+                "--dump-program {stage}:{n}: the stage ended with its increment {made}"
+            ));
+        }
+    }
+    let mut text = summary(&Summary {
+        ending: &ending,
+        increment: increments,
+        script,
+        results: &results,
+        specimen: writer.specimen(),
+        directory,
+    });
     let packs = script.scene.stages.iter().all(|s| matches!(s, Stage::Compact(_)));
     if let Some(porosity) = results.porosity.filter(|_| packs) {
         text += &format!("\nporosity of the packing {porosity:.4}");
     }
-    say(text)?;
+    let said = say(text);
+    // A terminal that was closed takes no summary: that is no failure of an interrupted run.
+    if ending != Ending::Interrupted {
+        said?;
+    }
     match ending {
         Ending::Interrupted => Ok(Exit::Interrupted),
-        Ending::Finished(Outcome::Stalled { message, .. }) => {
+        Ending::Finished(Outcome::Undecided { message, .. }) => {
             Err(Failure { exit: Exit::Solver, message })
+        }
+        Ending::Finished(Outcome::Refused { message, .. }) => {
+            let message = format!(
+                "{message}; once that is mended, `clastic resume {} --set PATH=VALUE` goes on",
+                directory.display()
+            );
+            Err(Failure { exit: Exit::Scene, message })
         }
         Ending::Finished(Outcome::Completed | Outcome::Collapsed(_)) => Ok(Exit::Ok),
     }

@@ -2,28 +2,52 @@
 
 use std::path::Path;
 
+use clastic::output::key_results::RIGID;
 use clastic::output::{Ending, Results};
+use clastic::run::stages::Script;
 use clastic::run::{Collapse, Outcome, StageEnd};
+use clastic::scene::shown::label;
+
+/// What the summary is about.
+pub struct Summary<'a> {
+    /// How the run ended.
+    pub ending: &'a Ending,
+    /// Its last increment.
+    pub increment: u64,
+    /// Its scene and stages.
+    pub script: &'a Script,
+    /// Its key results.
+    pub results: &'a Results,
+    /// Of which moment `specimen.csv` is, where it is there.
+    pub specimen: Option<&'a str>,
+    /// Where the results are.
+    pub directory: &'a Path,
+}
 
 /// How the run ended, what came out, where it is.
-pub fn summary(
-    ending: &Ending,
-    increment: u64,
-    stages: &[StageEnd],
-    results: &Results,
-    directory: &Path,
-) -> String {
+pub fn summary(of: &Summary) -> String {
+    let Summary { ending, increment, script, results, specimen, directory } = *of;
     let outcome = match ending {
         Ending::Interrupted => format!(
             "interrupted after increment {increment}; `clastic resume {}` goes on",
             directory.display()
         ),
-        Ending::Finished(Outcome::Completed) => format!("completed in {increment} increments"),
-        Ending::Finished(Outcome::Collapsed(Collapse { stage, increment, reason })) => {
-            format!("collapsed in increment {increment} of stage {stage}: {reason}")
+        Ending::Finished(Outcome::Completed) => {
+            let capped = match script.ends.iter().map(|end| end.capped).sum::<u64>() {
+                0 => String::new(),
+                n if n == increment => ", all of them capped".to_owned(),
+                n => format!(", {n} of them capped"),
+            };
+            format!("completed in {increment} increments{capped}")
         }
-        Ending::Finished(Outcome::Stalled { increment, .. }) => {
-            format!("stalled at increment {increment}")
+        Ending::Finished(Outcome::Collapsed(Collapse { stage, increment, reason, .. })) => {
+            format!("collapsed in increment {increment} of stage {}: {reason}", label(stage))
+        }
+        Ending::Finished(Outcome::Undecided { increment, .. }) => {
+            format!("undecided at increment {increment}")
+        }
+        Ending::Finished(Outcome::Refused { stage, .. }) => {
+            format!("stopped after increment {increment}: stage {} cannot begin", label(stage))
         }
     };
     let r = results;
@@ -48,12 +72,68 @@ pub fn summary(
         ));
     }
     let mut lines = vec![outcome];
-    lines.extend(stages.iter().filter_map(stage));
+    lines.extend(script.ends.iter().filter_map(stage));
+    lines.extend(warnings(&script.ends));
+    lines.extend(not_defined(script, ending, results));
     if !parts.is_empty() {
         lines.push(parts.join("; "));
     }
+    if let Some(moment) = specimen {
+        lines.push(format!(
+            "specimen.csv holds the particles {}; final_particles.csv those at the end",
+            label(moment)
+        ));
+    }
     lines.push(format!("results in {}", directory.display()));
     lines.join("\n")
+}
+
+/// What must be said where increments are capped.
+fn warnings(stages: &[StageEnd]) -> Vec<String> {
+    let mut lines: Vec<_> = stages
+        .iter()
+        .filter_map(StageEnd::warning)
+        .map(|warning| format!("WARNING: {warning}"))
+        .collect();
+    if !lines.is_empty() {
+        lines.push(
+            "a capped increment is no converged state: it came to the cap on its passes (`rupture.cascade`, \
+             `friction_law`, `corrector`); give a higher cap or smaller increments. Key results leave it out"
+                .to_owned(),
+        );
+    }
+    lines
+}
+
+/// What a rig that measures strain and stress should have given, and why it has not.
+fn not_defined(script: &Script, ending: &Ending, results: &Results) -> Vec<String> {
+    let measures = &script.scene.measures;
+    if measures.axial_strain.is_none() || measures.axial_stress.is_none() {
+        return Vec::new();
+    }
+    let reason = |name: &str| results.not_defined.get(name);
+    if let Some(reason) = reason("peak_stress_pa") {
+        let stage = script.scene.stages.get(script.reference_stage()).map_or("", |s| s.name());
+        let stage = label(stage);
+        return vec![format!(
+            "no modulus and no peak stress: {reason} (the reference stage is {stage}; \
+             `measures.reference_stage` sets it)"
+        )];
+    }
+    let mut lines = Vec::new();
+    // Nothing is wrong with a rigid specimen: it has a limit load, and no modulus.
+    if reason("youngs_modulus_pa").is_some_and(|reason| reason != RIGID) {
+        lines.extend(
+            reason("youngs_modulus_pa").map(|reason| format!("E is not defined: {reason}")),
+        );
+    }
+    if matches!(ending, Ending::Finished(Outcome::Collapsed(_))) {
+        lines.extend(
+            reason("limit_load_pa")
+                .map(|reason| format!("the limit load is not defined: {reason}")),
+        );
+    }
+    lines
 }
 
 /// What ended a stage before its last increment; nothing of one that ran to its end.
@@ -61,6 +141,7 @@ fn stage(end: &StageEnd) -> Option<String> {
     let StageEnd { stage, increments, .. } = end;
     let n = if *increments == 1 { "increment" } else { "increments" };
     let stop = end.stop.map(|stop| format!("{stop:?}"));
+    let stage = label(stage);
     stop.map(|stop| format!("stage {stage}: stopped by {stop} after {increments} {n}"))
 }
 
@@ -78,8 +159,10 @@ pub fn stress(pascals: f64) -> String {
 
 #[cfg(test)]
 mod tests {
+    use clastic::output::key_results::KeyResults;
     use clastic::run::EndedBy;
     use clastic::scene::format::Stop;
+    use clastic::scene::from_str;
 
     use super::*;
 
@@ -89,25 +172,69 @@ mod tests {
         assert_eq!(said, ["1.1400 GPa", "-250.0000 kPa", "0.0000 Pa"]);
     }
 
+    const SCENE: &str = r#"(version: 1, title: "t", materials: {"m": ()},
+        specimen: Particles([(position: (0.0, 0.0), radius: 1.0), (position: (0.0, 2.0), radius: 1.0)]),
+        stages: [Load(name: "confine", increments: 1), Load(name: "shear", increments: 1)],
+        measures: (axial_strain: Particles(0, 1), axial_stress: Average(component: Yy, area: Fixed(1.0))))"#;
+
+    /// The summary of a run of two stages, each with its number of increments and of capped ones.
+    fn said(stages: [(u64, u64); 2], measured: bool, results: &Results) -> String {
+        let mut scene = from_str(SCENE, Path::new("t.ron"), Path::new(""), &[]).unwrap().scene;
+        if !measured {
+            scene.measures = Default::default();
+        }
+        let stop = Some(Stop::AxialStrain(0.02));
+        let ends = [("confine", None), ("shear", stop)].into_iter().zip(stages);
+        let ends = ends.map(|((stage, stop), (increments, capped))| StageEnd {
+            stage: stage.to_owned(),
+            increments,
+            capped,
+            ended_by: Some(stop.map_or(EndedBy::AllIncrements, |_| EndedBy::Stop)),
+            stop,
+        });
+        let script = Script { ends: ends.collect(), ..Script::new(&scene) };
+        summary(&Summary {
+            ending: &Ending::Finished(Outcome::Completed),
+            increment: 35,
+            script: &script,
+            results,
+            specimen: None,
+            directory: Path::new("runs/tension"),
+        })
+    }
+
     #[test]
     fn a_summary_says_only_what_is_defined() {
-        let ending = Ending::Finished(Outcome::Completed);
-        let end = |stage: &str, ended_by, stop| StageEnd {
-            stage: stage.to_owned(),
-            increments: 7,
-            ended_by: Some(ended_by),
-            stop,
-        };
-        let stages = [
-            end("confine", EndedBy::AllIncrements, None),
-            end("shear", EndedBy::Stop, Some(Stop::AxialStrain(0.02))),
-        ];
-        let text = summary(&ending, 35, &stages, &Results::default(), Path::new("runs/tension"));
         assert_eq!(
-            text,
+            said([(28, 0), (7, 0)], false, &Results::default()),
             "completed in 35 increments\n\
              stage shear: stopped by AxialStrain(0.02) after 7 increments\n\
              results in runs/tension"
         );
+    }
+
+    #[test]
+    fn a_summary_warns_of_capped_increments() {
+        let some = said([(28, 5), (7, 0)], false, &Results::default());
+        assert!(some.starts_with("completed in 35 increments, 5 of them capped\n"), "{some}");
+        assert!(
+            some.contains("\nWARNING: 5 of 28 increments of stage confine are capped\n"),
+            "{some}"
+        );
+        let all = said([(28, 0), (7, 7)], false, &Results::default());
+        assert!(all.contains("\nWARNING: all 7 increments of stage shear are capped\n"), "{all}");
+        assert!(all.contains("no converged state") && all.contains("`rupture.cascade`"), "{all}");
+    }
+
+    #[test]
+    fn a_summary_says_why_a_measured_rig_has_no_results() {
+        let results = KeyResults::new(false).results();
+        let text = said([(28, 0), (0, 0)], true, &results);
+        let line = text.lines().find(|line| line.starts_with("no modulus")).unwrap_or_default();
+        for what in
+            ["no increment from the start", "reference stage is shear", "measures.reference_stage"]
+        {
+            assert!(line.contains(what), "no `{what}` in {text}");
+        }
     }
 }

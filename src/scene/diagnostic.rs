@@ -4,6 +4,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use super::edited::EditedText;
+use super::shown::brief;
 use super::spans::Spans;
 
 /// Most diagnostics that are shown at once.
@@ -63,7 +64,7 @@ pub struct Diagnostic {
 impl fmt::Display for Diagnostic {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.set {
-            Some(set) => write!(f, "--set {set}: ")?,
+            Some(set) => write!(f, "--set {}: ", brief(set))?,
             None => write!(f, "{}:{}:{}: ", self.file.display(), self.line, self.column)?,
         }
         say(f, &self.path, &self.message, self.help.as_deref())
@@ -72,10 +73,10 @@ impl fmt::Display for Diagnostic {
 
 fn say(f: &mut fmt::Formatter<'_>, path: &str, message: &str, help: Option<&str>) -> fmt::Result {
     if !path.is_empty() {
-        write!(f, "{path}: ")?;
+        write!(f, "{}: ", brief(path))?;
     }
-    f.write_str(message)?;
-    help.map_or(Ok(()), |help| write!(f, "; {help}"))
+    f.write_str(&brief(message))?;
+    help.map_or(Ok(()), |help| write!(f, "; {}", brief(help)))
 }
 
 /// Everything that is wrong with a scene, in the order of the text.

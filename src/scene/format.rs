@@ -230,7 +230,7 @@ pub struct Contact {
     pub tangential_stiffness: Option<f64>,
     /// Coefficient of friction.
     pub friction: f64,
-    /// Coefficient of rolling friction.
+    /// Coefficient of rolling friction. With 0 the contact has no rolling moment.
     pub rolling_friction: f64,
 }
 
@@ -247,7 +247,7 @@ pub struct Bond {
     /// Internal friction coefficient.
     #[serde(default)]
     pub friction: f64,
-    /// Coefficient of rolling friction; 0 switches the rolling limit off.
+    /// Coefficient of rolling friction. With 0 the bond has no rolling moment and never breaks in rolling.
     #[serde(default)]
     pub rolling_friction: f64,
     /// Cohesion c, Pa.
@@ -565,7 +565,7 @@ pub enum WallControl {
         #[serde(default)]
         between: Option<(String, String)>,
     },
-    /// A system of an embedding program drives it.
+    /// A system of an embedding program drives it. The `clastic` program refuses it.
     Custom,
 }
 
@@ -638,7 +638,8 @@ pub enum Motion {
 pub enum Stop {
     /// Axial strain reaches this value.
     AxialStrain(f64),
-    /// After its peak, the axial stress falls below this fraction of the peak.
+    /// After its peak, the axial stress falls below this fraction of the peak. The drop must be more than
+    /// the error of the stress that `acceptance.residual` allows.
     StressDrop(f64),
     /// Time reaches this value, s.
     Time(f64),

@@ -1,8 +1,7 @@
 //! Reading a scene.
 
 use std::fmt;
-use std::fs;
-use std::io::{self, Read};
+use std::io;
 use std::path::{Path, PathBuf};
 
 use ron::extensions::Extensions;
@@ -10,6 +9,7 @@ use ron::extensions::Extensions;
 use super::diagnose::{Diagnosis, diagnose};
 use super::diagnostic::{Finding, Placed, SceneErrors, place, within};
 use super::edited::EditedText;
+use super::files::read_at_most;
 use super::format::{Scene, Specimen};
 use super::overrides::{SetError, apply};
 use super::specimen_file::{ReadError, StoredSpecimen, read};
@@ -79,6 +79,18 @@ pub(super) fn ron_options() -> ron::Options {
 /// # Errors
 /// See [`LoadError`]. All mistakes of a scene are reported at once.
 pub fn load(path: &Path, sets: &[String]) -> Result<LoadedScene, LoadError> {
+    load_with(path, sets, |_| Vec::new())
+}
+
+/// Like [`load`], with further findings of the program that is to run the scene.
+///
+/// # Errors
+/// See [`LoadError`].
+pub fn load_with(
+    path: &Path,
+    sets: &[String],
+    further: impl FnOnce(&Scene) -> Vec<Finding>,
+) -> Result<LoadedScene, LoadError> {
     let read_error = |source| LoadError::Read { path: path.to_owned(), source };
     let bytes = read_at_most(path, MOST_BYTES).map_err(read_error)?;
     let refuse = |text: &str, at, message: String, help| {
@@ -98,19 +110,12 @@ pub fn load(path: &Path, sets: &[String]) -> Result<LoadedScene, LoadError> {
         let message = format!("not UTF-8 text (byte 0x{byte:02x})");
         refuse(&text, at, message, "save the scene as UTF-8")
     })?;
-    from_str(&text, path, path.parent().unwrap_or(Path::new("")), sets)
+    let base = path.parent().unwrap_or(Path::new(""));
+    from_text(&text, path, sets, |specimen| read(&base.join(specimen)), further)
 }
 
 /// Largest scene file, bytes. Reading one takes some twenty times as much memory.
 const MOST_BYTES: u64 = 100_000_000;
-
-/// Reads a file, or whatever else can be read to its end; nothing if it is larger than `most`
-/// bytes, of which no more than that is read.
-pub(super) fn read_at_most(path: &Path, most: u64) -> io::Result<Option<Vec<u8>>> {
-    let mut bytes = Vec::new();
-    fs::File::open(path)?.take(most + 1).read_to_end(&mut bytes)?;
-    Ok(Some(bytes).filter(|bytes| bytes.len() as u64 <= most))
-}
 
 /// Reads and checks a scene from a text. `name` stands for its file in messages; a stored
 /// specimen is looked for in `base`.
@@ -123,7 +128,7 @@ pub fn from_str(
     base: &Path,
     sets: &[String],
 ) -> Result<LoadedScene, LoadError> {
-    from_text(text, name, sets, |path| read(&base.join(path)))
+    from_text(text, name, sets, |path| read(&base.join(path)), |_| Vec::new())
 }
 
 /// Reads and checks a scene whose particles exist already: `stored` stands for the specimen file, if
@@ -137,7 +142,7 @@ pub fn from_str_with(
     stored: StoredSpecimen,
     sets: &[String],
 ) -> Result<LoadedScene, LoadError> {
-    from_text(text, name, sets, |_| Ok(stored))
+    from_text(text, name, sets, |_| Ok(stored), |_| Vec::new())
 }
 
 fn from_text(
@@ -145,6 +150,7 @@ fn from_text(
     name: &Path,
     sets: &[String],
     read: impl FnOnce(&str) -> Result<StoredSpecimen, ReadError>,
+    further: impl FnOnce(&Scene) -> Vec<Finding>,
 ) -> Result<LoadedScene, LoadError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let edited = apply(text, sets).map_err(LoadError::Set)?;
@@ -165,6 +171,7 @@ fn from_text(
             }
         }
         found.extend(findings(scene, specimen.as_ref(), &made_up));
+        found.extend(further(scene));
         found.retain(|finding| !made_up.iter().any(|path| within(&finding.path, path)));
         placed.extend(place(text, found, &renamed));
     }

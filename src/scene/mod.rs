@@ -8,11 +8,14 @@
 mod diagnose;
 pub mod diagnostic;
 pub mod edited;
+pub(crate) mod files;
 pub mod format;
 pub mod load;
 pub mod memory;
 pub mod overrides;
 mod scan;
+pub mod shipped;
+pub mod shown;
 pub mod spans;
 pub mod specimen_file;
 mod stand_in;
@@ -25,6 +28,6 @@ mod units;
 pub mod validate;
 
 pub use diagnostic::{Diagnostic, Finding, SceneErrors};
-pub use load::{LoadError, LoadedScene, from_str, from_str_with, load};
+pub use load::{LoadError, LoadedScene, from_str, from_str_with, load, load_with};
 pub use overrides::SetError;
 pub use specimen_file::{StoredParticle, StoredSpecimen};

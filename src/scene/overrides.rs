@@ -11,6 +11,7 @@ use super::edited::EditedText;
 use super::format::Scene;
 use super::load::ron_options;
 use super::scan::{Entry, Node, Shape, Span, scan};
+use super::shown::brief;
 use super::spans::{Step, descend, is_group, item_name, join, parse_path, unwrapped, write_path};
 use super::suggest;
 
@@ -27,8 +28,8 @@ pub struct SetError {
 
 impl fmt::Display for SetError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "--set {}: {}", self.set, self.message)?;
-        self.help.as_ref().map_or(Ok(()), |help| write!(f, "; {help}"))
+        write!(f, "--set {}: {}", brief(&self.set), brief(&self.message))?;
+        self.help.as_ref().map_or(Ok(()), |help| write!(f, "; {}", brief(help)))
     }
 }
 

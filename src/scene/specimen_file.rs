@@ -1,4 +1,5 @@
-//! Stored specimens: CSV with the columns `x_m`, `y_m`, `radius_m` and optionally `material`.
+//! Stored specimens: CSV with the columns `x_m`, `y_m`, `radius_m` and optionally `material`, in any
+//! order. The other columns of `final_particles.csv` and of frames may be there; they are not read.
 //!
 //! Lines that begin with `#` are comments. Names of materials hold no commas or quotes.
 
@@ -10,13 +11,17 @@ use serde::{Deserialize, Serialize};
 
 use super::diagnostic::{Finding, MOST, Placed, SceneErrors};
 use super::edited::EditedText;
-use super::load::read_at_most;
+use super::files::read_at_most;
 use super::validate::{GREATEST, MOST_PARTICLES, SMALLEST, coincident};
 
 /// Largest file, bytes: what the most particles take with all their digits.
 const MOST_BYTES: u64 = 500_000_000;
 
 const COLUMNS: [&str; 4] = ["x_m", "y_m", "radius_m", "material"];
+
+/// Columns of the engine's own files that a specimen has no use for: it begins at rest, free of
+/// stress, with particles numbered row by row.
+const NOT_READ: [&str; 4] = ["id", "rotation_rad", "ux_m", "uy_m"];
 
 /// A specimen that is stored in a file.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -55,10 +60,6 @@ pub enum ReadError {
 /// Where the file cannot be read, and for each row that makes no particle.
 pub fn read(path: &Path) -> Result<StoredSpecimen, ReadError> {
     let refuse = |why: &str| ReadError::File(format!("cannot read `{}`: {why}", path.display()));
-    let kind = fs::metadata(path).map_err(|error| refuse(&error.to_string()))?;
-    if !kind.is_file() {
-        return Err(refuse(if kind.is_dir() { "it is a directory" } else { "it is no file" }));
-    }
     let bytes = read_at_most(path, MOST_BYTES).map_err(|error| refuse(&error.to_string()))?;
     let Some(bytes) = bytes else {
         return Err(refuse(&format!("it has more than {} MB", MOST_BYTES / 1_000_000)));
@@ -111,6 +112,35 @@ pub fn write(path: &Path, rows: &[StoredParticle]) -> io::Result<()> {
     file.flush()
 }
 
+/// Where in a row a file has what a particle needs.
+#[derive(Clone, Copy)]
+struct Columns {
+    /// Of the file.
+    number: usize,
+    /// Places of `x_m`, `y_m` and `radius_m`.
+    numbers: [usize; 3],
+    material: Option<usize>,
+}
+
+impl Columns {
+    /// The columns of a header, or what is wrong with it.
+    fn of(header: &[&str]) -> Result<Self, &'static str> {
+        let known = |name: &&str| COLUMNS.contains(name) || NOT_READ.contains(name);
+        if !header.iter().all(known) {
+            return Err("unknown columns");
+        }
+        if header.iter().enumerate().any(|(k, name)| header[..k].contains(name)) {
+            return Err("a column is given twice in");
+        }
+        let place = |name: &str| header.iter().position(|found| *found == name);
+        let numbers = [place(COLUMNS[0]), place(COLUMNS[1]), place(COLUMNS[2])];
+        let [Some(x), Some(y), Some(r)] = numbers else {
+            return Err("`x_m`, `y_m` or `radius_m` is missing in the columns");
+        };
+        Ok(Self { number: header.len(), numbers: [x, y, r], material: place(COLUMNS[3]) })
+    }
+}
+
 #[derive(Default)]
 struct Reading {
     rows: Vec<StoredParticle>,
@@ -136,40 +166,46 @@ impl Reading {
             }
             let fields: Vec<_> = line.split(',').map(str::trim).collect();
             let Some(columns) = columns else {
-                if fields != COLUMNS && fields != COLUMNS[..3] {
-                    let message = format!("unknown columns `{line}`");
-                    let help =
-                        "the first line is `x_m,y_m,radius_m` or `x_m,y_m,radius_m,material`";
-                    return self.note(start, "", &message, help);
+                match Columns::of(&fields) {
+                    Ok(found) => columns = Some(found),
+                    Err(message) => {
+                        let message = format!("{message} `{line}`");
+                        let help =
+                            "the first line is `x_m,y_m,radius_m` or `x_m,y_m,radius_m,material`";
+                        return self.note(start, "", &message, help);
+                    }
                 }
-                columns = Some(fields.len());
                 continue;
             };
             if self.rows.len() as u64 == MOST_PARTICLES {
                 let message = format!("more than {MOST_PARTICLES} particles");
                 return self.note(start, "", &message, "take a smaller specimen");
             }
-            if fields.len() == columns {
-                self.row(line, start, &fields);
+            if fields.len() == columns.number {
+                self.row(line, start, &fields, columns);
             } else {
                 let message = format!("{} values (`{line}`)", fields.len());
-                self.note(start, "", &message, &format!("this file has {columns} columns"));
+                let help = format!("this file has {} columns", columns.number);
+                self.note(start, "", &message, &help);
             }
         }
         if columns.is_none() {
             self.note(0, "", "no header", "the first line is `x_m,y_m,radius_m`");
+        } else if self.rows.is_empty() && self.placed.is_empty() {
+            let help = "give every particle a line below the header, as in `0.0,0.005,0.005`";
+            self.note(text.len(), "", "no particles: only a header", help);
         }
     }
 
-    fn row(&mut self, line: &str, start: usize, fields: &[&str]) {
+    fn row(&mut self, line: &str, start: usize, fields: &[&str], columns: Columns) {
         let before = self.placed.len();
         let mut numbers = [0.0; 3];
-        // Each field is looked for behind the one before, so that equal ones keep their places.
-        let mut at = 0;
         for (i, number) in numbers.iter_mut().enumerate() {
-            let Some(field) = fields.get(i) else { return };
+            let Some(field) = fields.get(columns.numbers[i]) else { return };
+            // Each field is looked for behind the comma before it, so that equal ones keep their places.
+            let commas = line.match_indices(',').map(|(comma, _)| comma + 1);
+            let at = std::iter::once(0).chain(commas).nth(columns.numbers[i]).unwrap_or_default();
             let column = at + line.get(at..).and_then(|rest| rest.find(field)).unwrap_or_default();
-            at += line.get(at..).and_then(|rest| rest.find(',')).map_or(0, |comma| comma + 1);
             match field.parse::<f64>() {
                 Ok(value) if !value.is_finite() => {
                     let message = format!("not finite ({value})");
@@ -195,7 +231,7 @@ impl Reading {
         }
         if self.placed.len() == before {
             let [x, y, r] = numbers;
-            let name = fields.get(3).filter(|name| !name.is_empty());
+            let name = columns.material.and_then(|k| fields.get(k)).filter(|name| !name.is_empty());
             let material = name.map(|name| (*name).to_owned());
             self.rows.push(StoredParticle { x, y, r, material });
             self.starts.push(start);

@@ -84,6 +84,44 @@ fn each_bad_row_is_named() {
 }
 
 #[test]
+fn a_specimen_of_only_a_header_is_an_error() {
+    for csv in
+        ["x_m,y_m,radius_m\n", "# note\nx_m,y_m,radius_m,material", "x_m,y_m,radius_m\n# one\n\n"]
+    {
+        let said = complaint(csv);
+        assert!(said.starts_with("stored.csv:") && !said.contains('\n'), "{said}");
+        assert!(said.contains("no particles: only a header; give every particle a line"), "{said}");
+    }
+    assert!(complaint("x_m,y_m,radius_m\n").starts_with("stored.csv:2:1: "));
+}
+
+#[test]
+fn the_engines_own_final_particles_are_a_specimen() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("final_particles.csv");
+    let columns = crate::output::frames::COLUMNS.join(",");
+    fs::write(
+        &path,
+        format!("{columns}\n0,0.5,1.0,1.0,0.1,2e-3,-3e-3\n1,2.5,1.0,1.0,0.0,0.0,0.0\n"),
+    )
+    .unwrap();
+    let disks: Vec<_> = read(&path).unwrap().rows.into_iter().map(|d| (d.x, d.y, d.r)).collect();
+    assert_eq!(disks, [(0.5, 1.0, 1.0), (2.5, 1.0, 1.0)]);
+    // Places of what is wrong are those of the file, whatever its columns.
+    assert_eq!(
+        complaint(format!("{columns}\n0,1,1,1,1,1,1\n0,7,1,-1,1,1,1\n")),
+        "stored.csv:3:7: radius_m: not greater than 0 (-1.0); give a radius in m"
+    );
+    assert_eq!(
+        complaint("x_m,y_m,radius_m,mass\n0,1,1,1\n"),
+        "stored.csv:1:1: unknown columns `x_m,y_m,radius_m,mass`; \
+         the first line is `x_m,y_m,radius_m` or `x_m,y_m,radius_m,material`"
+    );
+    assert!(complaint("x_m,y_m,id\n0,1,1\n").contains("`radius_m` is missing"));
+    assert!(complaint("x_m,x_m,y_m,radius_m\n").contains("given twice"));
+}
+
+#[test]
 fn rows_are_checked_against_the_scene() {
     assert_eq!(
         complaint("x_m,y_m,radius_m,material\n0,1,1,\n2,-1,1,grain\n3,1,1,sand\n"),

@@ -36,6 +36,11 @@ impl<'a> Findings<'a> {
         self.made_up.is_empty() || self.is_sure_of(&path.to_string())
     }
 
+    /// Whether a part of the scene is its own and nothing is wrong with it so far.
+    pub(super) fn is_sound(&self, path: &str) -> bool {
+        self.is_sure_of(path) && !self.list.iter().any(|finding| within(&finding.path, path))
+    }
+
     pub(super) fn add(&mut self, path: Arguments, message: impl Into<String>, help: &str) {
         self.list.push(Finding::new(path.to_string(), message, help));
     }

@@ -294,7 +294,12 @@ fn select(context: &Context, path: Arguments, select: &Select, findings: &mut Fi
         _ => &[],
     };
     match select {
-        Select::All => {}
+        Select::All => {
+            if context.particles == Some(0) && findings.is_sure_of("specimen") {
+                let help = "add particles to the specimen, or leave this entry out";
+                findings.add(path, "selects no particle: the specimen has none", help);
+            }
+        }
         Select::Index(list) => {
             if list.is_empty() {
                 findings.add(path, "selects no particle", "name particles by index, from 0");

@@ -1,0 +1,45 @@
+//! Reading the files of a scene: its text, and the stored specimen that it names.
+
+use std::fs::{self, FileType};
+use std::io::{self, Read};
+use std::path::Path;
+
+use super::shipped;
+
+/// Reads a regular file; nothing if it is larger than `most` bytes, of which no more than that is
+/// read.
+///
+/// # Errors
+/// Where the file cannot be read, or is none: a named pipe would be waited for without end.
+pub(crate) fn read_at_most(path: &Path, most: u64) -> io::Result<Option<Vec<u8>>> {
+    if let Some(text) = shipped::content(path) {
+        return Ok(Some(text.as_bytes().to_vec()));
+    }
+    let kind = fs::metadata(path)?.file_type();
+    if !kind.is_file() {
+        let message = format!("it is {}, not a regular file", name(kind));
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
+    }
+    let mut bytes = Vec::new();
+    fs::File::open(path)?.take(most.saturating_add(1)).read_to_end(&mut bytes)?;
+    Ok(Some(bytes).filter(|bytes| bytes.len() as u64 <= most))
+}
+
+/// What something is that is no regular file.
+#[cfg(unix)]
+fn name(kind: FileType) -> &'static str {
+    use std::os::unix::fs::FileTypeExt;
+
+    match kind {
+        _ if kind.is_dir() => "a directory",
+        _ if kind.is_fifo() => "a named pipe",
+        _ if kind.is_socket() => "a socket",
+        _ => "a device",
+    }
+}
+
+/// What something is that is no regular file.
+#[cfg(not(unix))]
+fn name(kind: FileType) -> &'static str {
+    if kind.is_dir() { "a directory" } else { "a device" }
+}

@@ -1,0 +1,96 @@
+//! The scenes that are part of the program, with the specimens that they name: an installed `clastic`
+//! finds them wherever it is called.
+
+use std::path::{Path, PathBuf};
+
+/// Directory under which they are read; no file system has it. Messages show it.
+const DIRECTORY: &str = "<clastic>/scenes";
+
+macro_rules! files {
+    ($($name:literal)*) => {
+        [$(($name, include_str!(concat!("../../scenes/", $name)))),*]
+    };
+}
+
+/// Every file of `scenes/` by its path in there.
+static FILES: &[(&str, &str)] = &files! {
+    "biaxial_0kPa.ron"
+    "biaxial_100kPa.ron"
+    "biaxial_10kPa.ron"
+    "biaxial_10kPa_letter.ron"
+    "biaxial_50kPa.ron"
+    "biaxial_small.ron"
+    "bounce.ron"
+    "column_collapse.ron"
+    "column_collapse_small.ron"
+    "direct_shear_-10N.ron"
+    "direct_shear_0N.ron"
+    "direct_shear_10N.ron"
+    "incline_held.ron"
+    "incline_rests.ron"
+    "incline_rolls.ron"
+    "incline_rolls_with_resistance.ron"
+    "incline_slips.ron"
+    "lattice.ron"
+    "prepare_biaxial.ron"
+    "prepare_biaxial_small.ron"
+    "rolling.ron"
+    "stack.ron"
+    "tension.ron"
+    "uniaxial.ron"
+    "uniaxial_as_printed.ron"
+    "uniaxial_rigid.ron"
+    "uniaxial_rigid_small.ron"
+    "uniaxial_small.ron"
+    "specimens/biaxial_400.csv"
+    "specimens/biaxial_6160.csv"
+    "specimens/uniaxial_400.csv"
+    "specimens/uniaxial_7380.csv"
+};
+
+/// Names of the shipped scenes.
+pub fn names() -> impl Iterator<Item = &'static str> {
+    FILES.iter().filter_map(|(name, _)| name.strip_suffix(".ron"))
+}
+
+/// Path under which a shipped scene can be [loaded](super::load()).
+#[must_use]
+pub fn path(name: &str) -> Option<PathBuf> {
+    names().any(|known| known == name).then(|| Path::new(DIRECTORY).join(format!("{name}.ron")))
+}
+
+/// What a shipped file says.
+pub(super) fn content(path: &Path) -> Option<&'static str> {
+    let inside = path.strip_prefix(DIRECTORY).ok()?;
+    FILES.iter().find(|(name, _)| inside == Path::new(name)).map(|(_, content)| *content)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::*;
+
+    #[test]
+    fn every_file_of_scenes_is_shipped() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+        let mut found = Vec::new();
+        for folder in [root.clone(), root.join("specimens")] {
+            for entry in fs::read_dir(folder).unwrap() {
+                let path = entry.unwrap().path();
+                if path.is_file() {
+                    let name = path.strip_prefix(&root).unwrap().to_string_lossy().into_owned();
+                    found.push((name, fs::read_to_string(path).unwrap()));
+                }
+            }
+        }
+        found.sort();
+        let mut shipped: Vec<_> =
+            FILES.iter().map(|(name, text)| ((*name).to_owned(), (*text).to_owned())).collect();
+        shipped.sort();
+        let names =
+            |list: &[(String, String)]| list.iter().map(|f| f.0.clone()).collect::<Vec<_>>();
+        assert_eq!(names(&shipped), names(&found));
+        assert!(shipped == found, "build again: a file has changed");
+    }
+}

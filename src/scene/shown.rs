@@ -1,0 +1,103 @@
+//! Text of a scene as a person is shown it: a scene may come from anywhere, and what it says must not
+//! steer a terminal or fill it.
+
+use std::fmt::Write;
+
+/// Longer tokens are shortened, characters.
+const LONGEST: usize = 200;
+
+/// Begin of a shortened token that is kept, characters.
+const KEPT: usize = 80;
+
+/// Text with its control characters escaped, lines kept.
+#[must_use]
+pub fn escaped(text: &str) -> String {
+    escape(text, |c| c == '\n')
+}
+
+/// A title or a name: on one line, control characters escaped, shortened where it is very long.
+#[must_use]
+pub fn label(text: &str) -> String {
+    escape(&shortened(text), |_| false)
+}
+
+/// A message that quotes a scene: on one line, control characters escaped, and very long tokens
+/// shortened. A token is what stands in backquotes, or has no blank in it.
+pub(super) fn brief(message: &str) -> String {
+    let mut text = String::with_capacity(message.len().min(1000));
+    for (k, part) in message.split('`').enumerate() {
+        if k > 0 {
+            text.push('`');
+        }
+        if k % 2 == 1 {
+            text += &shortened(part);
+            continue;
+        }
+        for (k, word) in part.split(' ').enumerate() {
+            if k > 0 {
+                text.push(' ');
+            }
+            text += &shortened(word);
+        }
+    }
+    escape(&text, |_| false)
+}
+
+/// The begin of a very long text, and how long it is.
+fn shortened(text: &str) -> String {
+    match text.char_indices().nth(KEPT) {
+        Some((kept, _)) if text.chars().nth(LONGEST).is_some() => {
+            format!("{}... ({} characters)", &text[..kept], text.chars().count())
+        }
+        _ => text.to_owned(),
+    }
+}
+
+fn escape(text: &str, keep: impl Fn(char) -> bool) -> String {
+    let mut shown = String::with_capacity(text.len());
+    for c in text.chars() {
+        if !keep(c) && (c.is_control() || turns(c)) {
+            // Writing to a string does not fail.
+            let _ = write!(shown, "{}", c.escape_unicode());
+        } else {
+            shown.push(c);
+        }
+    }
+    shown
+}
+
+/// Whether a character breaks a line or turns the direction of what follows it.
+fn turns(c: char) -> bool {
+    matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn control_characters_are_escaped() {
+        let title = "\u{1b}[2Jred\u{7}\nnext\u{202e}back\u{9b}1m";
+        let expected = "\\u{1b}[2Jred\\u{7}\\u{a}next\\u{202e}back\\u{9b}1m";
+        assert_eq!(label(title), expected);
+        assert_eq!(brief(title), expected);
+        assert_eq!(escaped("a\n\u{1b}b µ"), "a\n\\u{1b}b µ");
+        assert_eq!(label("Collapse of a column, σ = 2 MPa"), "Collapse of a column, σ = 2 MPa");
+    }
+
+    #[test]
+    fn long_tokens_are_shortened_and_say_how_long_they_are() {
+        let long = "µ".repeat(100_000);
+        let short = format!("{}... (100000 characters)", "µ".repeat(80));
+        assert_eq!(label(&long), short);
+        assert_eq!(
+            brief(&format!("unknown field `{long}`; try `x`")),
+            format!("unknown field `{short}`; try `x`")
+        );
+        assert_eq!(brief(&format!("stages.{long} is wrong")).chars().count(), 80 + 23 + 9);
+        let blank = "a b ".repeat(1000);
+        assert!(brief(&format!("unknown wall (`{blank}`)")).contains("... (4000 characters)`)"));
+        let fine = "a message of many words, ".repeat(40);
+        assert_eq!(brief(&fine), fine);
+    }
+}
