@@ -57,6 +57,15 @@ pub struct Bodies {
 }
 
 impl Bodies {
+    /// What messages call a body: its kind and its number in the scene.
+    #[must_use]
+    pub fn name(&self, body: usize) -> String {
+        match body.checked_sub(self.particles) {
+            None => format!("particle {body}"),
+            Some(wall) => format!("wall {wall}"),
+        }
+    }
+
     /// What the trial does to degree of freedom `k` of particle `i`; displacements are those of a whole
     /// increment.
     #[must_use]

@@ -10,6 +10,8 @@ pub mod control_walls;
 pub mod detect_contacts;
 pub mod energy_ledger;
 pub mod gather_bodies;
+pub mod kinetic_damping;
+pub mod mean_field;
 pub mod record;
 pub mod rupture_bonds;
 pub mod schedule;

@@ -465,7 +465,7 @@ fn a_collapse_is_a_result() {
         ],
     );
     let said = stdout(&collapsed.code(0));
-    assert!(said.contains("collapsed in increment 25 of stage pull"), "{said}");
+    assert!(said.contains("collapsed in increment 25, in stage pull"), "{said}");
     assert_complete(out.path(), "collapsed");
     let record = json(out.path(), "run.json");
     assert_eq!(

@@ -274,9 +274,23 @@ fn wait_for_lines(out: &Path, lines: usize) {
     }
 }
 
+/// The same command with the default action of SIGHUP, which who started the tests with `nohup` ignores.
+#[cfg(target_os = "linux")]
+fn with_default_hangup(command: &Command) -> Command {
+    let mut env = Command::new("env");
+    env.arg("--default-signal=HUP").arg(command.get_program()).args(command.get_args());
+    env.current_dir(command.get_current_dir().unwrap());
+    env
+}
+
 /// Runs the scene of a place until a signal stops it; no checkpoints were asked for.
 fn stopped_by(place: &Place, signal: &str, out: &Path) {
-    let child = place.run(out, &["--quiet"]).stdout(Stdio::null()).spawn().unwrap();
+    let mut command = place.run(out, &["--quiet"]);
+    #[cfg(target_os = "linux")]
+    {
+        command = with_default_hangup(&command);
+    }
+    let child = command.stdout(Stdio::null()).spawn().unwrap();
     wait_for_lines(out, 5);
     send(signal, &child);
     let code = child.wait_with_output().unwrap().status.code();

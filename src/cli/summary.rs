@@ -41,7 +41,7 @@ pub fn summary(of: &Summary) -> String {
             format!("completed in {increment} increments{capped}")
         }
         Ending::Finished(Outcome::Collapsed(Collapse { stage, increment, reason, .. })) => {
-            format!("collapsed in increment {increment} of stage {}: {reason}", label(stage))
+            format!("collapsed in increment {increment}, in stage {}: {reason}", label(stage))
         }
         Ending::Finished(Outcome::Undecided { increment, .. }) => {
             format!("undecided at increment {increment}")
@@ -98,7 +98,8 @@ fn warnings(stages: &[StageEnd]) -> Vec<String> {
     if !lines.is_empty() {
         lines.push(
             "a capped increment is no converged state: it came to the cap on its passes (`rupture.cascade`, \
-             `friction_law`, `corrector`); give a higher cap or smaller increments. Key results leave it out"
+             `friction_law`, `corrector`); give a higher cap, a greater `tolerance` or smaller increments. Key \
+             results leave it out"
                 .to_owned(),
         );
     }

@@ -50,7 +50,7 @@ pub fn with_advice(world: &mut World, stage: &Stage, complaint: &str) -> String 
         }
     };
     let pair = forced.map_or(String::new(), |pair| format!(": {}", driven_together(world, pair)));
-    format!("increment {increment} of stage `{name}`: {complaint}{pair}; try: {advice}")
+    format!("increment {increment}, in stage `{name}`: {complaint}{pair}; try: {advice}")
 }
 
 /// Names two rigid bodies that imposed motions force into each other.
@@ -60,8 +60,7 @@ fn driven_together(world: &World, pair: Forced) -> String {
         let wall = bodies.entities.get(id as usize).and_then(|wall| world.get::<WallName>(*wall));
         match wall {
             Some(name) => format!("wall `{}`", name.0),
-            None if (id as usize) < bodies.particles => format!("particle {id}"),
-            None => format!("wall {id}"),
+            None => bodies.name(id as usize),
         }
     };
     // The last attempt may have been at a part of the increment.

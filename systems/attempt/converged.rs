@@ -8,10 +8,11 @@ use clastic_components::findings::{AddedPairs, Centre, Closest, Restraints, Unco
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
 use clastic_components::program::{Certificate, ConeProgram, ConeSolution, SolveStatus};
 
-use super::thrown_grains::{furthest, reply, thrown};
+use super::thrown_grains::{reply, thrown};
 use crate::detect_contacts::Candidates;
+use crate::mean_field::furthest;
 use crate::solve_program::certificate::{certificate, proves};
-use crate::solve_program::residuals::{regularised_residuals, worst_bodies};
+use crate::solve_program::residuals::{displacement_scale, regularised_residuals, worst_bodies};
 
 /// Moves of the centre of the regularisation in one attempt.
 const MAX_CENTRES: u32 = 6;
@@ -94,7 +95,7 @@ pub fn judge(
         SolveStatus::Stalled => unconverged(solution, complaint(&closest, &acceptance)),
     };
     if matches!(attempt.verdict, Verdict::Unconverged { .. }) && seeks_equilibrium {
-        attempt.magnitudes = magnitudes(solution, bodies.mean_radius);
+        attempt.magnitudes = magnitudes(&program, solution);
     }
     if attempt.verdict == Verdict::Locked {
         attempt.complaint = "locked: rigid bodies have no feasible motion".into();
@@ -169,33 +170,22 @@ fn keep_closest(
 
 /// Where the maximum residual of a solution is, in words; empty where it has none.
 fn place(bodies: &Bodies, program: &ConeProgram, solution: &ConeSolution) -> String {
-    let complete = solution.forces.len() == program.interactions.len()
-        && solution.displacements.len() == program.bodies.len();
-    let Some(worst) = complete.then(|| worst_bodies(program, solution)).flatten() else {
-        return String::new();
-    };
-    let name = |body: usize| match body < bodies.particles {
-        true => format!("particle {body}"),
-        false => format!("wall {}", body - bodies.particles),
-    };
-    let at = bodies.positions[worst[0]];
-    let names = match worst {
-        [a, b] if a == b => name(a),
-        [a, b] => format!("{} and {}", name(a), name(b)),
-    };
-    format!(", worst at {names} near ({:.4e}, {:.4e}) m", at.x, at.y)
+    let Some([a, b]) = worst_bodies(program, solution) else { return String::new() };
+    let partner = if a == b { String::new() } else { format!(" and {}", bodies.name(b)) };
+    let at = bodies.positions[a];
+    format!(", worst at {}{partner} near ({:.4e}, {:.4e}) m", bodies.name(a), at.x, at.y)
 }
 
 /// Maximum displacement and force of a solution, as scales for the next attempt.
-fn magnitudes(solution: &ConeSolution, mean_radius: f64) -> Option<(f64, f64)> {
+fn magnitudes(program: &ConeProgram, solution: &ConeSolution) -> Option<(f64, f64)> {
     if !matches!(solution.status, SolveStatus::Stalled | SolveStatus::Solved) {
         return None;
     }
-    let u = solution.displacements.iter().map(|u| u[0].hypot(u[1])).fold(0.0, f64::max);
+    let moves = solution.displacements.iter().any(|u| u[0] != 0.0 || u[1] != 0.0);
     let f = solution.forces.iter().map(|f| f[0].abs().max(f[1].abs())).fold(0.0, f64::max);
-    let sound = u.is_finite() && f.is_finite() && u > 0.0 && f > 0.0;
-    // A grain thrown far must not set the scale.
-    sound.then(|| (u.min(0.1 * mean_radius), f))
+    // A grain thrown far must not set the scale, nor what hardly moves.
+    let u = displacement_scale(program, &solution.displacements).min(0.1 * program.scales.length);
+    (moves && u.is_finite() && f.is_finite() && f > 0.0).then_some((u, f))
 }
 
 fn complaint(closest: &Closest, acceptance: &Acceptance) -> String {

@@ -245,7 +245,8 @@ fn budget(world: &World) -> Budget {
     Budget {
         follows: world.resource::<Analysis>().kind == AnalysisKind::Static,
         motion: attempt.motions < motion::MAX_MOTIONS,
-        step: attempt.motion_steps < motion::MAX_STEPS && failures < motion::MAX_FAILURES,
+        step: attempt.motion_steps < motion::max_steps(world.resource())
+            && failures < motion::MAX_FAILURES,
         solve: attempt.solves < MAX_SOLVES,
         half: 0.5 * world.resource::<Progress>().fraction >= finest,
     }

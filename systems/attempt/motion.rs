@@ -20,15 +20,17 @@ use clastic_components::material::Materials;
 use clastic_components::motion::Motion;
 use clastic_components::program::{ConeProgram, ConeSolution, SolveStatus};
 
-use super::thrown_grains::{furthest, mean_strain};
+use crate::kinetic_damping::{self, MIN_WEIGHT};
+use crate::mean_field::{furthest, mean_strain};
 use crate::rupture_bonds::{BuiltInRule, Met, find_ruptures, release};
 use crate::update_state::remembered;
 
-/// Steps of all motions of one increment, rejected ones included.
-pub const MAX_STEPS: u32 = 1000;
-/// A motion that is not at rest after this number of steps finds no rest; one that is repeated makes steps half as
-/// long and gets twice the number.
-const STEPS_TO_REST: u32 = 200;
+/// The steps of all motions of one increment, rejected ones included, may add up to this travel, in radii, if each
+/// is as long as it aims to be.
+const MAX_TRAVEL: f64 = 150.0;
+/// A motion whose steps add up to more than this travel finds no rest: the sum over the steps of how far the
+/// furthest grain goes, in its radii.
+const TRAVEL_TO_REST: f64 = 30.0;
 /// Motions of one increment.
 pub const MAX_MOTIONS: u32 = 12;
 /// Rejected steps in a row.
@@ -41,28 +43,19 @@ const RESTFUL: f64 = 1e-2;
 const NO_REST: f64 = 10.0;
 /// At rest a step of a weight below [`SMALL_WEIGHT`] moves no grain further than this, in its radii.
 const NEAR_REST: f64 = 0.05;
-/// Weights of the first step, of one that tells whether the motion is at rest, and the smallest.
+/// Weights of the first step and of one that tells whether the motion is at rest.
 const FIRST_WEIGHT: f64 = 1e-3;
 const SMALL_WEIGHT: f64 = 1e-6;
-const MIN_WEIGHT: f64 = 1e-9;
 /// Number of steps that are made with the smallest weight: what still moves then is free.
 const MAX_FREE_STEPS: u32 = 4;
-/// Bounds of the factor between the lengths of two steps.
-const SHRINK: f64 = 0.3;
-const GROW: f64 = 10.0;
-/// A rejected step is shortened at least by this factor.
-const MAX_SHORTENED: f64 = 0.7;
-/// Minimum share of the travel of a step that counts as caused by forces, not by momentum.
-const MIN_GAIN: f64 = 1e-3;
-
 /// Starts a motion from rest. One that is `repeated` aims at steps half as long.
 pub fn begin(world: &mut World, repeated: bool) {
     let (bodies, program) = (world.resource::<Bodies>(), world.resource::<ConeProgram>());
-    let goal = world.resource::<Acceptance>().motion_step;
+    let goal = aimed(world.resource());
     let motion = Motion {
         weight: FIRST_WEIGHT,
         stiffness: program.scales.force / program.scales.displacement,
-        masses: relative_masses(bodies),
+        masses: kinetic_damping::relative_masses(bodies),
         velocities: vec![[0.0; 3]; bodies.positions.len()],
         goal: if repeated { 0.5 * goal } else { goal },
         repeated,
@@ -80,6 +73,18 @@ pub fn begin(world: &mut World, repeated: bool) {
     forget_passes(world);
 }
 
+/// How far the furthest grain is to go in a step, in its radii: far enough below the limit that few steps are
+/// rejected.
+fn aimed(acceptance: &Acceptance) -> f64 {
+    acceptance.motion_step.min(0.5 * Acceptance::MAX_TRAVEL)
+}
+
+/// Maximum number of steps of all motions of one increment, rejected ones included.
+#[must_use]
+pub fn max_steps(acceptance: &Acceptance) -> u32 {
+    (MAX_TRAVEL / aimed(acceptance)).ceil() as u32
+}
+
 /// Ends the motion under way.
 pub fn end(world: &mut World) {
     world.resource_mut::<Bodies>().resting = false;
@@ -92,23 +97,6 @@ pub fn forget_passes(world: &mut World) {
     *world.resource_mut::<Pushed>() = Pushed::default();
     *world.resource_mut::<Centre>() = Centre::default();
     world.resource_mut::<Restraints>().replies = 0;
-}
-
-/// Masses and moments of inertia over the mean mass. A wall under a load moves with the specimen: it has the
-/// mass of all grains.
-fn relative_masses(bodies: &Bodies) -> Vec<[f64; 2]> {
-    let n = bodies.particles;
-    let mean = bodies.masses.iter().sum::<f64>() / n.max(1) as f64;
-    let mut masses = vec![[n.max(1) as f64, 0.0]; bodies.positions.len()];
-    for i in 0..n {
-        let r = bodies.radii[i];
-        masses[i] = if mean > 0.0 {
-            [bodies.masses[i] / mean, bodies.inertias[i] / mean]
-        } else {
-            [1.0, 0.5 * r * r]
-        };
-    }
-    masses
 }
 
 /// Judge: may the step be taken with the normals of its start?
@@ -138,8 +126,8 @@ pub fn judge_rest(
     let is_free = motion.weight <= MIN_WEIGHT;
     let at_rest = (motion.weight <= SMALL_WEIGHT && far <= NEAR_REST)
         || (is_free && motion.free_steps + 1 >= MAX_FREE_STEPS);
-    let moved = motion.travelled + far > RESTFUL;
-    let steps = if motion.repeated { 2 * STEPS_TO_REST } else { STEPS_TO_REST };
+    let travelled = motion.travelled + far;
+    let moved = travelled > RESTFUL;
     attempt.verdict = if attempt.bounded && strain > NO_REST * acceptance.snap {
         Verdict::GivesWay(format!(
             "the motion under constant loads strains the specimen by {:.0} % and finds no rest; the threshold \
@@ -148,8 +136,12 @@ pub fn judge_rest(
         ))
     } else if at_rest {
         Verdict::AtRest { moved }
-    } else if motion.steps + 1 >= steps {
-        Verdict::GivesWay(format!("the motion under constant loads finds no rest in {steps} steps"))
+    } else if travelled > TRAVEL_TO_REST {
+        Verdict::GivesWay(format!(
+            "the motion under constant loads finds no rest: grains went on over {TRAVEL_TO_REST} radii in {} \
+             steps",
+            motion.steps + 1
+        ))
     } else {
         Verdict::Moving
     };
@@ -161,30 +153,10 @@ pub fn shorten(world: &mut World) {
     let far = furthest(world.resource(), world.resource(), world.resource());
     let mut attempt = world.resource_mut::<Attempt>();
     attempt.motion_steps += 1;
-    let Mode::Motion(motion) = &mut attempt.mode else { return };
-    motion.failures += 1;
-    let ratio = match far {
-        Some((_, far)) if solved && far > Acceptance::MAX_TRAVEL => {
-            stretch(motion, far).min(MAX_SHORTENED)
-        }
-        // Nothing is known of the motion but that it is no solution.
-        _ => SHRINK,
-    };
-    motion.weight /= ratio * ratio;
-}
-
-/// Factor of the time of a step that went `far` by which its furthest grain would have travelled what a step
-/// aims at: momentum takes it `v dt` far, and forces take it on in proportion to `dt^2`.
-fn stretch(motion: &Motion, far: f64) -> f64 {
-    let momentum = (motion.speed * motion.dt()).min(far);
-    time_ratio(momentum, (far - momentum).max(MIN_GAIN * far), motion.goal)
-}
-
-/// The s > 0 with `momentum s + gained s^2 = goal`, within bounds.
-fn time_ratio(momentum: f64, gained: f64, goal: f64) -> f64 {
-    let root = (momentum * momentum + 4.0 * gained * goal).sqrt();
-    // The form without cancellation.
-    (2.0 * goal / (momentum + root)).clamp(SHRINK, GROW)
+    if let Mode::Motion(motion) = &mut attempt.mode {
+        let too_far = far.map(|(_, far)| far).filter(|far| solved && *far > Acceptance::MAX_TRAVEL);
+        kinetic_damping::shorten(motion, too_far);
+    }
 }
 
 /// Moves the tables by the solution of the step, breaks bonds, and sets the weight of the next step.
@@ -199,40 +171,8 @@ pub fn take_step(world: &mut World) {
     attempt.motion_steps += 1;
     attempt.motion_strain += strain;
     if let Mode::Motion(motion) = &mut attempt.mode {
-        carry_on(motion, &displacements, far);
+        kinetic_damping::carry_on(motion, &displacements, far);
     }
-}
-
-/// Momentum and weight of the next step.
-fn carry_on(motion: &mut Motion, displacements: &[[f64; 3]], far: f64) {
-    let energy: f64 = motion
-        .masses
-        .iter()
-        .zip(displacements)
-        .map(|(m, u)| m[0] * (u[0] * u[0] + u[1] * u[1]) + m[1] * u[2] * u[2])
-        .sum::<f64>()
-        * motion.weight
-        * motion.stiffness;
-    let dt = motion.dt();
-    let gained = (far - motion.speed * dt).max(MIN_GAIN * far);
-    let ratio = if energy >= motion.kinetic {
-        motion.kinetic = energy;
-        motion.speed = far / dt;
-        for (v, u) in motion.velocities.iter_mut().zip(displacements) {
-            *v = u.map(|u| u / dt);
-        }
-        time_ratio(far, gained, motion.goal)
-    } else {
-        motion.kinetic = 0.0;
-        motion.speed = 0.0;
-        motion.velocities.iter_mut().for_each(|v| *v = [0.0; 3]);
-        time_ratio(0.0, far, motion.goal)
-    };
-    motion.failures = 0;
-    motion.steps += 1;
-    motion.travelled += far;
-    motion.free_steps += u32::from(motion.weight <= MIN_WEIGHT);
-    motion.weight = (motion.weight / (ratio * ratio)).max(MIN_WEIGHT);
 }
 
 /// Moves bodies and contact memory by the solution of the step and breaks the bonds that it brings to a limit.

@@ -9,9 +9,9 @@ use clastic_components::findings::{Bearing, Restraints};
 use clastic_components::increment::Acceptance;
 use clastic_components::program::{ConeProgram, ConeSolution, Interaction};
 
-use super::thrown_grains::far_motions;
 use crate::assemble_program::loose::find_loaded;
 use crate::assemble_program::taut;
+use crate::mean_field::far_motions;
 
 /// Bodies that move further than this fraction of the accepted throw, or of the greatest motion of a
 /// mechanism, take part in it.

@@ -11,7 +11,7 @@ use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress
 use clastic_components::program::{ConeProgram, ConeSolution};
 use clastic_components::wall::WallDrive;
 
-use super::thrown_grains::mean_strain;
+use crate::mean_field::mean_strain;
 
 /// Rejects a static solution that strains a loaded specimen by more than [`Acceptance::snap`] beyond
 /// what is imposed.

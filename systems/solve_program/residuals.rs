@@ -176,10 +176,13 @@ fn evaluate(
 }
 
 /// The bodies at which the maximum residual of a solution is: one body twice where it is one of its balance, the
-/// two of an interaction otherwise.
+/// two of an interaction otherwise. `None` for a solution without forces and displacements.
 #[must_use]
 pub fn worst_bodies(program: &ConeProgram, solution: &ConeSolution) -> Option<[usize; 2]> {
     let (forces, displacements) = (&solution.forces, &solution.displacements);
+    if forces.len() != program.interactions.len() || displacements.len() != program.bodies.len() {
+        return None;
+    }
     let units = Units::of(program, forces, displacements);
     let mut rows = vec![[0.0; 3]; program.bodies.len()];
     program.add_forces(forces, &mut rows);

@@ -223,10 +223,16 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
         }
         // Slack where it is inside; where it was clamped, the excess is the multiplier.
         // What is far softer than the rest must not start with products far greater than theirs.
-        let compliance = if law.compliance[0] > 0.0 { law.compliance[0].min(SOFT) } else { 1.0 };
+        let is_rigid = law.compliance[0] == 0.0;
+        let compliance = if is_rigid { 1.0 } else { law.compliance[0].min(SOFT) };
+        // Of a rigid contact that is open the multipliers make up the gap, which is the stationarity of p. Started
+        // smaller they would shorten the steps of all others: near rest gaps are thousands of displacements.
+        let gap = (law.linear[0] - e[0]).max(0.0);
+        let multiplier = gap / (0..Q).map(|q| -local.limits[q][0]).sum::<f64>();
+        let beyond: [f64; F] = std::array::from_fn(|f| trial[f] - s[f]);
         for q in 0..Q {
-            let beyond: [f64; F] = std::array::from_fn(|f| trial[f] - s[f]);
-            let (slack, excess) = (law.right[q] - law.limit(q, &s), law.limit(q, &beyond));
+            let slack = law.right[q] - law.limit(q, &s);
+            let excess = if is_rigid { multiplier } else { law.limit(q, &beyond) };
             let x = slack.max(0.0) - excess.max(0.0);
             let root = x.hypot(2.0 * START);
             slacks.w[q] = 0.5 * if x > 0.0 { x + root } else { 4.0 * START * START / (root - x) };

@@ -55,6 +55,8 @@ const PRODUCT: f64 = 0.02;
 
 /// A point that is good enough may end the method where the residual is so many times what it should be.
 const NEAR: f64 = 10.0;
+/// Iterations without a better point that end the method where the residual is what it should be.
+const FEW: usize = 3;
 
 /// What ends the method.
 #[derive(Clone, Copy, Debug)]
@@ -81,9 +83,8 @@ impl Goal {
     }
 }
 
-/// Runs the method from the displacements `start` until the residual is what `goal` asks for, or no
-/// longer falls: the best point on the way. `None` if there is none. Near the goal it also ends with a
-/// point that `is_enough`; where none ever is, that costs the iterations of patience.
+/// Runs the method from the displacements `start` until a point near the `goal` `is_enough`, or the residual no
+/// longer falls. Returns the best point on the way, `None` if there is none.
 #[must_use]
 pub fn solve(
     program: &Scaled,
@@ -148,14 +149,18 @@ pub fn solve(
         merits.push(best.as_ref().map_or(merit, |b| b.merit));
         let earlier = merits.len().checked_sub(PATIENCE + 1).map_or(f64::INFINITY, |k| merits[k]);
         let slow = merit > 0.3 * last_merit;
-        let is_near = merit <= goal.near * goal.residual && (slow || goal.at_once);
+        let there = merit <= goal.residual;
+        let is_near = there || (merit <= goal.near * goal.residual && (slow || goal.at_once));
         // Asked once of every point: it looks at the whole program.
         let near = best.as_ref().filter(|b| is_near && b.merit < refused);
         let enough = near.is_some_and(&is_enough);
         refused = near.map_or(refused, |b| b.merit);
         last_merit = merit;
-        if merit <= goal.residual
-            || enough
+        // The residual is relative to the scales of the program. Where bodies hardly move, what is good enough
+        // may be far below it.
+        let is_done = best.as_ref().is_some_and(|b| b.merit <= goal.residual) && since_best >= FEW;
+        if enough
+            || is_done
             || iterations >= MAX_ITERATIONS
             || (since_best > 8 && merit > 1e3 * best.as_ref().map_or(0.0, |b| b.merit))
             || since_best > 15

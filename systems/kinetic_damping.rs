@@ -1,0 +1,137 @@
+//! Kinetic damping: the length of the steps of a motion that is followed, and what is left of its momentum.
+//!
+//! The kinetic energy of a step is `E = W k_0 sum m_i u_i^2` (N m; see [`Motion`]). While it rises the motion keeps
+//! its velocities; when it falls it has passed an equilibrium, and the velocities are set to zero (Cundall 1982,
+//! "Adaptive density-scaling for time-explicit calculations").
+
+use clastic_components::contact::Bodies;
+use clastic_components::motion::Motion;
+
+/// The smallest weight of a step.
+pub const MIN_WEIGHT: f64 = 1e-9;
+/// Bounds of the factor between the lengths of two steps.
+const SHRINK: f64 = 0.3;
+const GROW: f64 = 10.0;
+/// A rejected step is shortened at least by this factor.
+const MAX_SHORTENED: f64 = 0.7;
+/// Minimum share of the travel of a step that counts as caused by forces, not by momentum.
+const MIN_GAIN: f64 = 1e-3;
+
+/// Masses and moments of inertia over the mean mass. A wall under a load moves with the specimen: it has the
+/// mass of all grains.
+#[must_use]
+pub fn relative_masses(bodies: &Bodies) -> Vec<[f64; 2]> {
+    let n = bodies.particles;
+    let mean = bodies.masses.iter().sum::<f64>() / n.max(1) as f64;
+    let mut masses = vec![[n.max(1) as f64, 0.0]; bodies.positions.len()];
+    for i in 0..n {
+        let r = bodies.radii[i];
+        masses[i] = if mean > 0.0 {
+            [bodies.masses[i] / mean, bodies.inertias[i] / mean]
+        } else {
+            [1.0, 0.5 * r * r]
+        };
+    }
+    masses
+}
+
+/// Gives a rejected step a shorter time. `too_far` is how far its furthest grain went, in its radii, if that is why
+/// it was rejected.
+pub fn shorten(motion: &mut Motion, too_far: Option<f64>) {
+    motion.failures += 1;
+    let ratio = match too_far {
+        Some(far) => stretch(motion, far).min(MAX_SHORTENED),
+        // Nothing is known of the motion but that it is no solution.
+        None => SHRINK,
+    };
+    motion.weight /= ratio * ratio;
+}
+
+/// Factor of the time of a step that went `far` by which its furthest grain would have travelled what a step
+/// aims at: momentum takes it `v dt` far, and forces take it on in proportion to `dt^2`.
+fn stretch(motion: &Motion, far: f64) -> f64 {
+    let momentum = (motion.speed * motion.dt()).min(far);
+    time_ratio(momentum, (far - momentum).max(MIN_GAIN * far), motion.goal)
+}
+
+/// The s > 0 with `momentum s + gained s^2 = goal`, within bounds.
+fn time_ratio(momentum: f64, gained: f64, goal: f64) -> f64 {
+    let root = (momentum * momentum + 4.0 * gained * goal).sqrt();
+    // The form without cancellation.
+    (2.0 * goal / (momentum + root)).clamp(SHRINK, GROW)
+}
+
+/// Sets momentum and weight of the next step after one with these displacements (m, m, rad; by body in its own axes),
+/// in which the furthest grain went `far` of its radii.
+pub fn carry_on(motion: &mut Motion, displacements: &[[f64; 3]], far: f64) {
+    let energy: f64 = motion
+        .masses
+        .iter()
+        .zip(displacements)
+        .map(|(m, u)| m[0] * (u[0] * u[0] + u[1] * u[1]) + m[1] * u[2] * u[2])
+        .sum::<f64>()
+        * motion.weight
+        * motion.stiffness;
+    let dt = motion.dt();
+    let gained = (far - motion.speed * dt).max(MIN_GAIN * far);
+    let ratio = if energy >= motion.kinetic {
+        motion.kinetic = energy;
+        motion.speed = far / dt;
+        for (v, u) in motion.velocities.iter_mut().zip(displacements) {
+            *v = u.map(|u| u / dt);
+        }
+        time_ratio(far, gained, motion.goal)
+    } else {
+        motion.kinetic = 0.0;
+        motion.speed = 0.0;
+        motion.velocities.iter_mut().for_each(|v| *v = [0.0; 3]);
+        time_ratio(0.0, far, motion.goal)
+    };
+    motion.failures = 0;
+    motion.steps += 1;
+    motion.travelled += far;
+    motion.free_steps += u32::from(motion.weight <= MIN_WEIGHT);
+    motion.weight = (motion.weight / (ratio * ratio)).max(MIN_WEIGHT);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A grain of relative mass 1 on a spring of k = 1 N/m and k_0 = 1 N/m under a load of 1 N, with a radius of
+    /// 1 m: `W (u - v dt) + k (x + u) = f`. It has to come to rest at x = f/k = 1 m.
+    #[test]
+    fn a_grain_on_a_spring_comes_to_rest_at_its_equilibrium() {
+        let mut motion = Motion {
+            weight: 1e2,
+            stiffness: 1.0,
+            masses: vec![[1.0, 0.0]],
+            velocities: vec![[0.0; 3]],
+            goal: 0.15,
+            ..Motion::default()
+        };
+        let (mut x, mut turns) = (0.0, 0);
+        for _ in 0..200 {
+            let (weight, reference) = motion.inertia(0, 0);
+            let u = (1.0 - x + weight * reference) / (weight + 1.0);
+            carry_on(&mut motion, &[[u, 0.0, 0.0]], u.abs());
+            x += u;
+            turns += u32::from(motion.kinetic == 0.0);
+        }
+        assert!((x - 1.0).abs() < 1e-9, "{x}");
+        assert!(turns > 0, "the energy never fell");
+    }
+
+    #[test]
+    fn a_step_that_went_too_far_is_shortened_to_what_it_aims_at() {
+        // From rest the way grows with the square of the time.
+        let mut motion = Motion { weight: 1.0, goal: 0.15, ..Motion::default() };
+        shorten(&mut motion, Some(0.6));
+        assert!((motion.dt() - 0.5).abs() < 1e-12, "{}", motion.dt());
+        // With momentum alone it grows with the time.
+        let mut motion = Motion { weight: 1.0, goal: 0.15, speed: 0.3, ..Motion::default() };
+        shorten(&mut motion, Some(0.3));
+        assert!((motion.dt() - 0.5).abs() < 1e-3, "{}", motion.dt());
+        assert_eq!(motion.failures, 1);
+    }
+}

@@ -1,0 +1,107 @@
+//! The motion of grains about the affine field that fits the motion of all grains best, and the strain of that
+//! field: what a solution does to the specimen as a whole, and what it does to single grains beyond that.
+
+use glam::DVec2;
+
+use clastic_components::body::Drive;
+use clastic_components::contact::Bodies;
+use clastic_components::program::{ConeProgram, ConeSolution};
+
+/// Fewer grains than this have a mean motion, but no affine field.
+const FEW: usize = 6;
+
+/// The grain that moves furthest about the mean field, and how far in its radii.
+#[must_use]
+pub fn furthest(
+    bodies: &Bodies,
+    program: &ConeProgram,
+    solution: &ConeSolution,
+) -> Option<(usize, f64)> {
+    far_motions(bodies, program, solution)
+        .into_iter()
+        .enumerate()
+        .max_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// How far every grain moves about the mean field, in its radii.
+#[must_use]
+pub fn far_motions(bodies: &Bodies, program: &ConeProgram, solution: &ConeSolution) -> Vec<f64> {
+    let n = bodies.particles;
+    let motion = motions(n, program, solution);
+    // What is driven moves as it is told to; few grains are judged about what is free.
+    let driven = |i: usize| bodies.drives[i][..2].iter().any(|d| matches!(d, Drive::Imposed(_)));
+    let free: Vec<usize> = (0..n).filter(|i| !driven(*i)).collect();
+    let of_free = |x: &[DVec2]| -> Vec<DVec2> { free.iter().map(|i| x[*i]).collect() };
+    let field = if n < FEW {
+        MeanField::fit(&of_free(&bodies.positions[..n]), &of_free(&motion))
+    } else {
+        MeanField::fit(&bodies.positions[..n], &motion)
+    };
+    let far = |i: usize| (motion[i] - field.at(bodies.positions[i])).length() / bodies.radii[i];
+    (0..n).map(|i| if driven(i) { 0.0 } else { far(i) }).collect()
+}
+
+/// Displacements of the particles, m.
+fn motions(particles: usize, program: &ConeProgram, solution: &ConeSolution) -> Vec<DVec2> {
+    let bodies = program.bodies[..particles].iter().zip(&solution.displacements);
+    bodies
+        .map(|(body, u)| {
+            let u = body.to_global(*u);
+            DVec2::new(u[0], u[1])
+        })
+        .collect()
+}
+
+/// Size of the strain of the mean field of a solution, never negative: the Frobenius norm of its symmetric
+/// gradient.
+#[must_use]
+pub fn mean_strain(bodies: &Bodies, program: &ConeProgram, solution: &ConeSolution) -> f64 {
+    let n = bodies.particles;
+    MeanField::fit(&bodies.positions[..n], &motions(n, program, solution)).strain()
+}
+
+/// An affine displacement field `u(x) = u_0 + H (x - x_0)`.
+struct MeanField {
+    origin: DVec2,
+    mean: DVec2,
+    along_x: DVec2,
+    along_y: DVec2,
+}
+
+impl MeanField {
+    /// Least squares over all bodies; of few or collinear bodies only the mean.
+    fn fit(x: &[DVec2], u: &[DVec2]) -> Self {
+        let n = x.len().max(1) as f64;
+        let origin = x.iter().sum::<DVec2>() / n;
+        let mean = u.iter().sum::<DVec2>() / n;
+        let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
+        let (mut ux, mut uy) = (DVec2::ZERO, DVec2::ZERO);
+        for (x, u) in x.iter().zip(u) {
+            let d = *x - origin;
+            xx += d.x * d.x;
+            xy += d.x * d.y;
+            yy += d.y * d.y;
+            ux += d.x * (*u - mean);
+            uy += d.y * (*u - mean);
+        }
+        let det = xx * yy - xy * xy;
+        let few = x.len() < FEW || det <= 1e-6 * (xx + yy) * (xx + yy);
+        let (along_x, along_y) = if few {
+            (DVec2::ZERO, DVec2::ZERO)
+        } else {
+            ((yy * ux - xy * uy) / det, (xx * uy - xy * ux) / det)
+        };
+        Self { origin, mean, along_x, along_y }
+    }
+
+    /// Norm of the symmetric part of H.
+    fn strain(&self) -> f64 {
+        let shear = 0.5 * (self.along_x.y + self.along_y.x);
+        self.along_x.x.hypot(self.along_y.y).hypot(shear).hypot(shear)
+    }
+
+    fn at(&self, x: DVec2) -> DVec2 {
+        let d = x - self.origin;
+        self.mean + d.x * self.along_x + d.y * self.along_y
+    }
+}
