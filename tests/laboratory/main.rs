@@ -28,6 +28,10 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
+use clastic::components::observation::Observation;
+use clastic::run::{Simulation, Step};
+use clastic::scene::format::{Analysis, FrictionLaw};
+
 use scenes::{KINDS, Plan, SCENES};
 use verdict::Verdict;
 
@@ -71,6 +75,22 @@ fn scenes_are_drawn_from_their_seed_and_read_without_error() {
     let every_run: BTreeSet<_> =
         (0..SCENES).step_by(STRIDE as usize).map(|seed| Plan::new(seed).kind).collect();
     assert_eq!(every_run.len(), KINDS.len(), "every run has all kinds");
+}
+
+/// Near rest the gaps of rigid contacts are thousands of times the displacements of an increment. The interior point
+/// started with multipliers of the order of the displacements, which shortened every step: the run was undecided in
+/// increment 106.
+#[test]
+fn a_hopper_near_rest_is_solved_with_a_small_time_step() {
+    let mut scene = common::parse(&Plan::new(30).text);
+    scene.friction_law = FrictionLaw::Associated;
+    scene.analysis = Analysis::Dynamic { dt: 0.002, theta: 1.0 };
+    let mut simulation = Simulation::new(&scene, None);
+    for increment in 1..=120 {
+        assert_eq!(simulation.step(), Step::Increment, "increment {increment}");
+        let solves = simulation.world().resource::<Observation>().solves;
+        assert!(solves <= 10, "{solves} solves in increment {increment}");
+    }
 }
 
 fn judge(reports: &[run::Report], accepted: usize) {

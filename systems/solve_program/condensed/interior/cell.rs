@@ -226,8 +226,10 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
         let is_rigid = law.compliance[0] == 0.0;
         let compliance = if is_rigid { 1.0 } else { law.compliance[0].min(SOFT) };
         // Of a rigid contact that is open the multipliers make up the gap, which is the stationarity of p. Started
-        // smaller they would shorten the steps of all others: near rest gaps are thousands of displacements.
-        let gap = (law.linear[0] - e[0]).max(0.0);
+        // smaller they would shorten the steps of all others: near rest gaps are thousands of displacements. What
+        // has strength does not open by itself.
+        let has_strength = law.right.iter().any(|right| *right > 0.0);
+        let gap = if has_strength { 0.0 } else { (law.linear[0] - e[0]).max(0.0) };
         let multiplier = gap / (0..Q).map(|q| -local.limits[q][0]).sum::<f64>();
         let beyond: [f64; F] = std::array::from_fn(|f| trial[f] - s[f]);
         for q in 0..Q {
