@@ -44,6 +44,8 @@ pub enum Verdict {
     Impossible,
     /// A judge has added something to the program: solve it again.
     Again,
+    /// A bond is above its limit: the event before it is sought at another fraction.
+    Overloaded,
     /// The solution did not converge.
     Unconverged {
         /// The residuals, and what the solver said.

@@ -32,6 +32,42 @@ impl Ruptures {
     }
 }
 
+/// A trial of the search for the next event.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EventTrial {
+    /// Fraction of a whole increment.
+    pub fraction: f64,
+    /// Overload R of every bond, in the order of [`Bodies::bonds`](crate::contact::Bodies::bonds); at most 1 where it
+    /// is within its limits.
+    pub overloads: Vec<f64>,
+    /// Change of the contact forces since the start of the increment, `sum|f - f_0| / sum|f|`.
+    pub change: f64,
+    /// Whether they are of a solution; those of the start of an increment follow from the forces that it begins with.
+    pub is_solved: bool,
+}
+
+/// The search for the fraction of an increment at which the next bond reaches its limit.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct EventSearch {
+    /// Whether bonds break from event to event in this increment: then the trials are solved with bonds of
+    /// unlimited strength.
+    pub active: bool,
+    /// The last trial in which every bond is within its limits; at first the start of the increment.
+    pub below: Option<EventTrial>,
+    /// The first trial in which a bond is above its limit.
+    pub above: Option<EventTrial>,
+    /// The fraction to try next.
+    pub target: f64,
+    /// Trials so far.
+    pub trials: u32,
+    /// Of these, how many have replaced `below` in a row, and how many `above`; one of the two is 0.
+    pub in_a_row: [u32; 2],
+    /// Bonds at their limit in the last trial: they break once it is committed.
+    pub broken: Vec<Rupture>,
+    /// Whether the last trial is a state within an avalanche: bonds are above their limits in it.
+    pub in_avalanche: bool,
+}
+
 /// The fixed point of Coulomb's law.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Openings {

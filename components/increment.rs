@@ -83,14 +83,35 @@ pub enum RollingLimit {
     Yields,
 }
 
+/// In which order bonds break.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum RuptureOrder {
+    /// From event to event: an increment is committed at the fraction at which the next bond reaches its limit, that
+    /// bond breaks, and the specimen comes to equilibrium at constant load before it is loaded further. Holds for
+    /// static analysis where all bonds are elastic and have strength; elsewhere as `OneRound`.
+    Events {
+        /// A bond is at its limit when its overload R lies between 1 - tolerance and 1.
+        tolerance: f64,
+        /// Bonds break together that reach their limit while the bond forces change by this fraction after the
+        /// first; 0: one by one.
+        group: f64,
+    },
+    /// All bonds that are on a limit at the end of an increment break, once (3.4.2 of the paper).
+    OneRound,
+    /// The increment is solved again without the bonds on a limit until no more break, at most this many times.
+    AllAtOnce {
+        /// Cap on the rounds.
+        rounds: u32,
+    },
+}
+
 /// Rules of rupture.
 #[derive(Resource, Clone, Copy, Debug, PartialEq)]
 pub struct RuptureRules {
     /// At the rolling limit.
     pub rolling: RollingLimit,
-    /// Solve again within the increment until no bond breaks, at most this many times; `None`
-    /// breaks after the increment.
-    pub cascade: Option<u32>,
+    /// The order in which bonds break.
+    pub order: RuptureOrder,
     /// A bond is on a limit when its slack is below this fraction of the limit.
     pub slack: f64,
     /// Relative rotation, rad, or slip over mean radius, above which a rigid limit counts as active.
@@ -99,7 +120,12 @@ pub struct RuptureRules {
 
 impl Default for RuptureRules {
     fn default() -> Self {
-        Self { rolling: RollingLimit::Breaks, cascade: None, slack: 1e-7, multiplier: 1e-9 }
+        Self {
+            rolling: RollingLimit::Breaks,
+            order: RuptureOrder::Events { tolerance: 5e-4, group: 0.01 },
+            slack: 1e-7,
+            multiplier: 1e-9,
+        }
     }
 }
 
@@ -159,8 +185,12 @@ pub struct Progress {
     pub done: f64,
     /// Number of increments of the stage.
     pub total: f64,
-    /// Greatest fraction of an increment that the next attempt may take.
+    /// Fraction of a whole increment that the trial takes; of a committed increment what it took.
     pub fraction: f64,
+    /// Fraction that the increment tried before an [event](RuptureOrder::Events) shortened it.
+    pub tried: f64,
+    /// Whether bonds have just broken: the specimen comes to equilibrium at constant load first.
+    pub relaxing: bool,
     /// Time, s.
     pub time: f64,
 }
@@ -174,6 +204,8 @@ impl Default for Progress {
             done: 0.0,
             total: 0.0,
             fraction: 1.0,
+            tried: 1.0,
+            relaxing: false,
             time: 0.0,
         }
     }

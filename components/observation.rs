@@ -101,7 +101,7 @@ pub struct Observation {
     pub increment: u64,
     /// Name of the stage.
     pub stage: String,
-    /// Fraction of the increment; below 1 only where it had to be halved.
+    /// Fraction of the increment; below 1 where it was halved or ended with an event, 0 after an avalanche.
     pub fraction: f64,
     /// Time, s.
     pub time: f64,
@@ -135,6 +135,12 @@ pub struct Observation {
     pub iterations: u32,
     /// KKT residuals.
     pub residuals: Residuals,
+    /// Whether bonds are above their limits at constant load: a state within an avalanche, no equilibrium.
+    pub in_avalanche: bool,
+    /// How late bonds broke in this increment: relative change of the contact forces over it, `sum|f - f_0| / sum|f|`,
+    /// no more than [`group`](crate::increment::RuptureOrder::Events) where they break from event to event. 0 where
+    /// none broke.
+    pub rupture_lag: f64,
     /// Loops that ended at their caps: `cascade`, `corrector`, `coulomb`, joined by `+`.
     pub caps: String,
     /// Coulomb's fixed point: relative change in the last pass.

@@ -56,8 +56,7 @@ pub struct ProgramBody {
     pub dofs: [Dof; 3],
 }
 
-/// Limits of an interaction: `|q| <= cohesion + friction p`, `|tau| <= rolling (p + tension)`,
-/// `p >= -tension`.
+/// Limits of an interaction: `|q| <= cohesion + friction p`, `|tau| <= moment + rolling p`, `p >= -tension`.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Limits {
     /// `c A`, N.
@@ -68,9 +67,17 @@ pub struct Limits {
     pub tension: f64,
     /// `mu_r r`, m.
     pub rolling: f64,
+    /// Moment that is transmitted without normal force, N m: `mu_r r f_t`.
+    pub moment: f64,
 }
 
 impl Limits {
+    /// The limits with these strengths: the moment follows from the tensile strength.
+    #[must_use]
+    pub fn new(cohesion: f64, friction: f64, tension: f64, rolling: f64) -> Self {
+        Self { cohesion, friction, tension, rolling, moment: rolling * tension }
+    }
+
     /// Whether the interaction has a shear force.
     #[must_use]
     pub fn has_shear(&self) -> bool {
@@ -90,12 +97,15 @@ impl Limits {
         self.rolling > 0.0
     }
 
-    /// The least normal force that the limits allow, N: `-f_t`, or the apex of the shear limit
-    /// where that comes first.
+    /// The minimum normal force that the limits allow, N: `-f_t`, or the apex of the shear limit or of
+    /// the rolling limit where that comes first.
     #[must_use]
     pub fn least_normal_force(&self) -> f64 {
-        let apex = if self.friction > 0.0 { self.cohesion / self.friction } else { f64::INFINITY };
-        -self.tension.min(apex)
+        let apex = |at_zero: f64, slope: f64| {
+            if slope > 0.0 { at_zero / slope } else { f64::INFINITY }
+        };
+        let apexes = apex(self.cohesion, self.friction).min(apex(self.moment, self.rolling));
+        -self.tension.min(apexes)
     }
 
     /// Whether `p >= -f_t` needs a row of its own. The two rolling rows imply it; so do the two

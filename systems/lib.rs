@@ -9,6 +9,7 @@ pub mod control_loads;
 pub mod control_walls;
 pub mod detect_contacts;
 pub mod energy_ledger;
+pub mod event_search;
 pub mod gather_bodies;
 pub mod kinetic_damping;
 pub mod mean_field;

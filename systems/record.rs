@@ -11,8 +11,10 @@ use clastic_components::body::{
 };
 use clastic_components::bond::{BondState, Rupture};
 use clastic_components::contact::{Bodies, Contact, Contacts};
-use clastic_components::findings::{Corrections, Openings, Ruptures};
-use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
+use clastic_components::findings::{Corrections, EventSearch, Openings, Ruptures};
+use clastic_components::increment::{
+    Acceptance, Analysis, AnalysisKind, Progress, RuptureOrder, RuptureRules,
+};
 use clastic_components::observation::{
     MeasureArea, MeasureLength, Measures, Observation, ProbeReading, RuptureCount, StrainMeasure,
     StressComponent, StressMeasure,
@@ -21,6 +23,7 @@ use clastic_components::particle::Particle;
 use clastic_components::program::{ConeProgram, ConeSolution};
 use clastic_components::wall::Wall;
 
+use crate::attempt::events;
 use crate::control_walls::wall_distance;
 use crate::gather_bodies::gather_bodies;
 use crate::schedule::{Increment, IncrementSystems, lap};
@@ -243,6 +246,7 @@ fn record_state(
     progress: Res<Progress>,
     attempt: Res<Attempt>,
     loops: (Res<Ruptures>, Res<Corrections>, Res<Openings>),
+    order: (Res<RuptureRules>, Res<EventSearch>),
     count: Res<RuptureCount>,
     moving: Query<(&BodyId, &Particle, &Velocity, &AngularVelocity)>,
     mut out: ResMut<Observation>,
@@ -275,7 +279,17 @@ fn record_state(
     out.iterations = attempt.iterations;
     out.residuals = solution.residuals;
     let (ruptures, corrections, openings) = loops;
+    out.in_avalanche = order.1.in_avalanche;
     out.coulomb_residual = openings.residual;
+    out.rupture_lag = if ruptures.list.is_empty() {
+        0.0
+    } else {
+        let change = events::change(&program, &solution);
+        match (order.0.order, order.1.active) {
+            (RuptureOrder::Events { group, .. }, true) => change.min(group),
+            _ => change,
+        }
+    };
     let caps = [
         (ruptures.capped, "cascade"),
         (corrections.capped, "corrector"),

@@ -10,12 +10,13 @@
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
+use clastic_components::body::BodyId;
 use clastic_components::bond::{Bond, BondState, Rupture, RuptureMode};
 use clastic_components::contact::{Bodies, Contact, ContactHistory, Contacts};
 use clastic_components::findings::Ruptures;
 use clastic_components::increment::{Analysis, RollingLimit, RuptureRules};
 use clastic_components::material::Materials;
-use clastic_components::program::{ConeProgram, ConeSolution, Interaction, Kinematics};
+use clastic_components::program::{ConeProgram, ConeSolution, Interaction, Kinematics, Limits};
 
 use crate::assemble_program::interactions::{contact_law, shear_after_rupture};
 use crate::schedule::{Increment, IncrementSystems, lap};
@@ -65,25 +66,119 @@ pub fn find_ruptures(
     let mut ruptures = Vec::new();
     let greatest = displacement_scale(program, &solution.displacements);
     for ((contact, c), f) in contacts.iter().zip(&program.interactions).zip(&solution.forces) {
-        let Some(bond) = contact.bond.map(|k| &bodies.bonds[k as usize]) else { continue };
+        if contact.bond.is_none() {
+            continue;
+        }
         let e = program.kinematics(c, &solution.displacements);
         let Some(mode) = mode(rules, met, [program.scales.length, greatest], c, &e, f) else {
             continue;
         };
-        ruptures.push(Rupture {
-            increment,
-            bond: bond.id,
-            a: clastic_components::body::BodyId(bond.a),
-            b: clastic_components::body::BodyId(bond.b),
-            mode,
-            position: contact.point(bodies),
-            normal: contact.normal,
-            p: f[0],
-            q: f[1],
-            tau: f[2],
-        });
+        ruptures.extend(rupture(increment, bodies, contact, f, mode));
     }
     ruptures
+}
+
+/// The rupture of the bond of a contact under these forces; `None` where there is no bond.
+#[must_use]
+pub fn rupture(
+    increment: u64,
+    bodies: &Bodies,
+    contact: &Contact,
+    [p, q, tau]: &[f64; 3],
+    mode: RuptureMode,
+) -> Option<Rupture> {
+    let bond = &bodies.bonds[contact.bond? as usize];
+    Some(Rupture {
+        increment,
+        bond: bond.id,
+        a: BodyId(bond.a),
+        b: BodyId(bond.b),
+        mode,
+        position: contact.point(bodies),
+        normal: contact.normal,
+        p: *p,
+        q: *q,
+        tau: *tau,
+    })
+}
+
+/// Strengths of a trial of the search for the next event over those of the law. A power of two: divided by it the
+/// strengths are those of the law to the bit.
+const UNLIMITED: f64 = 8192.0;
+
+/// Gives intact bonds strengths that no trial reaches. The limit of a rolling moment, which yields, stays where it is.
+pub fn unlimit(contacts: &[Contact], interactions: &mut [Interaction]) {
+    for (contact, c) in contacts.iter().zip(interactions) {
+        if contact.bond.is_some() {
+            multiply(&mut c.limits, UNLIMITED);
+        }
+    }
+}
+
+/// Gives bonds their own strengths back, once a trial stands: it is judged by them. An overloaded bond, which breaks in
+/// this increment or later in the same avalanche, gets as much as it needs.
+pub fn limit(found: &[Overload], interactions: &mut [Interaction]) {
+    for overload in found {
+        let needed = overload.value.max(1.0);
+        multiply(&mut interactions[overload.contact].limits, needed / UNLIMITED);
+    }
+}
+
+fn multiply(limits: &mut Limits, factor: f64) {
+    limits.cohesion *= factor;
+    limits.tension *= factor;
+}
+
+/// The overload of a bond.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Overload {
+    /// Its place among the contacts.
+    pub contact: usize,
+    /// The overload R.
+    pub value: f64,
+    /// The limit with the maximum overload.
+    pub mode: RuptureMode,
+}
+
+/// The overload R of every intact bond of a program with [unlimited](unlimit) strengths: the factor by which its
+/// cohesion and its tensile strength together would have to be larger for its forces to lie on the limit,
+///
+/// ```text
+/// R = max( -p'/f_t,  (|q| - mu p)/(c A) )
+/// ```
+///
+/// One scale serves both modes: R <= 1 where the limits hold. Where a rolling limit that yields keeps p above -f_t, p'
+/// is the normal force without it, `p - lambda_T/C_N`.
+#[must_use]
+pub fn overloads(
+    contacts: &[Contact],
+    program: &ConeProgram,
+    solution: &ConeSolution,
+) -> Vec<Overload> {
+    let is_complete = solution.displacements.len() == program.bodies.len();
+    let interactions = program.interactions.iter().zip(&solution.forces).enumerate();
+    interactions
+        .take(contacts.len())
+        .filter(|(k, _)| contacts[*k].bond.is_some())
+        .map(|(contact, (c, f))| {
+            let l = &c.limits;
+            let [p, q, _] = *f;
+            let beyond = if is_complete && l.has_rolling() {
+                let e = program.kinematics(c, &solution.displacements);
+                multipliers(c, &e, f).tension.max(0.0) / c.normal_compliance
+            } else {
+                0.0
+            };
+            let tension = UNLIMITED * (beyond - p) / l.tension;
+            let shear = UNLIMITED * (q.abs() - l.friction * p) / l.cohesion;
+            let (value, mode) = if shear > tension {
+                (shear, RuptureMode::Shear)
+            } else {
+                (tension, RuptureMode::Tension)
+            };
+            Overload { contact, value, mode }
+        })
+        .collect()
 }
 
 /// The limit that an intact bond has reached.
@@ -121,8 +216,8 @@ fn mode(
     if l.has_shear() && met(shear - q.abs(), most, c.tangential_compliance, slips) {
         return Some(RuptureMode::Shear);
     }
-    let roll = l.rolling * (p + l.tension);
-    let most = l.rolling * (p.abs() + l.tension);
+    let roll = l.moment + l.rolling * p;
+    let most = l.moment + l.rolling * p.abs();
     let breaks = rules.rolling == RollingLimit::Breaks && l.has_rolling();
     let rolls = breaks && met(roll - tau.abs(), most, 0.0, length * m.rotation.abs());
     rolls.then_some(RuptureMode::Rolling)

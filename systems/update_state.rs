@@ -12,7 +12,7 @@ use clastic_components::body::{
     AngularVelocity, BodyId, ExternalForce, LastMotion, Position, Rotation, Velocity,
 };
 use clastic_components::contact::{Bodies, ContactHistory, ContactMemory, Contacts, DraftHistory};
-use clastic_components::findings::{Corrections, Pushed, Restraints};
+use clastic_components::findings::{Corrections, EventSearch, Pushed, Restraints, Ruptures};
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::loads::TrialLoads;
 use clastic_components::particle::{Particle, Swinging};
@@ -225,7 +225,13 @@ pub fn remember_swinging(bodies: Res<Bodies>, found: Res<Restraints>, mut comman
 }
 
 /// Books the committed fraction of the increment.
-pub fn advance_progress(analysis: Res<Analysis>, mut progress: ResMut<Progress>) {
+pub fn advance_progress(
+    analysis: Res<Analysis>,
+    search: Res<EventSearch>,
+    ruptures: Res<Ruptures>,
+    mut progress: ResMut<Progress>,
+) {
+    progress.relaxing = search.active && !ruptures.list.is_empty();
     let fraction = progress.fraction;
     progress.done += fraction;
     if (progress.done - progress.done.round()).abs() < 1e-9 {

@@ -290,7 +290,7 @@ const COULOMB: &str = r#"(
     version: 1,
     title: "lattice",
     friction_law: Coulomb(),
-    rupture: (rolling: Yields, cascade: 50),
+    rupture: (rolling: Yields, order: AllAtOnce, rounds: 50),
     materials: { "stone": (
         contact: (normal_stiffness: 6.0e7, tangential_stiffness: 3.0e7, friction: 0.3, rolling_friction: 0.05),
         bond: (normal_stiffness: 6.0e7, tangential_stiffness: 3.0e7, friction: 0.5, rolling_friction: 0.05,
@@ -404,7 +404,8 @@ fn what_may_change_depends_on_how_far_the_run_has_come() {
         "acceptance.throw=0.5",
         "solver=Clarabel()",
         "friction_law=Associated",
-        "rupture.cascade=3",
+        "rupture.order=AllAtOnce",
+        "rupture.rounds=3",
         "output.frames_every=2",
         "stages.release.increments=7",
         "stages.hold.gravity=(0.0, 0.0)",

@@ -831,7 +831,7 @@ fn check_dump(dump: &Value) -> [f64; 2] {
             - limit("rolling") * rotation.abs();
         for (multiplier, slack) in [
             (slip, limit("cohesion") + limit("friction") * p - q * slip.signum()),
-            (rotation, limit("rolling") * (p + limit("tension")) - tau * rotation.signum()),
+            (rotation, limit("moment") + limit("rolling") * p - tau * rotation.signum()),
             (opening, p + limit("tension")),
         ] {
             product = product.max((multiplier * slack).abs());

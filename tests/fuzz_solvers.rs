@@ -110,12 +110,12 @@ fn program(case: u64) -> ConeProgram {
             normal_compliance: r.or_zero(rigid, -8.0, -4.0),
             tangential_compliance: tangential,
             previous_shear: if tangential > 0.0 && r.chance(40) { 10.0 * r.unit() } else { 0.0 },
-            limits: Limits {
-                cohesion: strength(r),
-                friction: if r.chance(30) { 0.0 } else { r.unit().abs() },
-                tension: strength(r),
-                rolling: r.or_zero(60, -4.0, -3.0),
-            },
+            limits: Limits::new(
+                strength(r),
+                if r.chance(30) { 0.0 } else { r.unit().abs() },
+                strength(r),
+                r.or_zero(60, -4.0, -3.0),
+            ),
         });
     }
     ConeProgram {

@@ -74,7 +74,8 @@ fn specimen_under_stress_collapses_with_a_cascade_too() {
     for load in ["Stress(stress: 250.0e6)", "Force(2.9e6)"] {
         let settings = [
             &format!("stages.load.walls.top={load}"),
-            "rupture.cascade=50",
+            "rupture.order=AllAtOnce",
+            "rupture.rounds=50",
             "stages.load.increments=60",
         ];
         let (records, outcome) = run("uniaxial_small.ron", &settings);

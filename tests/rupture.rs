@@ -27,11 +27,11 @@ const TURNS: f64 = 1e-5;
 /// With both small disks the middle one goes a third of the way U of the pulled one, with one of
 /// them half of it, and a bond at 30 degrees carries k u cos 30: that of the 3 mm disk (12 N)
 /// breaks at U = 4.16 um and leaves more to that of the 3.6 mm disk than its 14.4 N.
-fn fork(cascade: &str) -> Simulation {
-    pulled_fork(cascade, "x: Displacement(0.5e-6)")
+fn fork(rules: &str) -> Simulation {
+    pulled_fork(rules, "x: Displacement(0.5e-6)")
 }
 
-fn pulled_fork(cascade: &str, pull: &str) -> Simulation {
+fn pulled_fork(rules: &str, pull: &str) -> Simulation {
     let (cosine, sine) = (0.75_f64.sqrt(), 0.5);
     let small = |r: f64, sign: f64| {
         let d = 12e-3 + r;
@@ -42,7 +42,7 @@ fn pulled_fork(cascade: &str, pull: &str) -> Simulation {
             "(
                 version: 1,
                 title: \"fork\",
-                rupture: (cascade: {cascade}),
+                rupture: ({rules}),
                 materials: {{ \"glue\": (
                     contact: (normal_stiffness: 1.0e7),
                     bond: (normal_stiffness: 1.0e7, tangential_stiffness: 1.0e7, cohesion: 1.0e9, tensile_strength: 2.0e3),
@@ -77,7 +77,7 @@ fn pull(record: &Observation) -> f64 {
 
 #[test]
 fn one_round_of_ruptures_an_increment() {
-    let mut simulation = fork("None");
+    let mut simulation = fork("order: OneRound");
     let records: Vec<_> = std::iter::from_fn(|| next(&mut simulation)).collect();
     let rounds: Vec<_> = records.iter().map(broken).collect();
     for record in &records[..8] {
@@ -95,7 +95,7 @@ fn one_round_of_ruptures_an_increment() {
 
 #[test]
 fn a_cascade_runs_to_its_end_within_the_increment() {
-    let mut simulation = fork("50");
+    let mut simulation = fork("order: AllAtOnce, rounds: 50");
     let records: Vec<_> = std::iter::from_fn(|| next(&mut simulation)).collect();
     let rounds: Vec<_> = records.iter().map(broken).collect();
     assert!(rounds[..8].iter().all(Vec::is_empty), "{rounds:?}");
@@ -109,7 +109,7 @@ fn a_cascade_runs_to_its_end_within_the_increment() {
 
 #[test]
 fn a_cascade_that_hits_its_cap_says_so() {
-    let mut simulation = fork("1");
+    let mut simulation = fork("order: AllAtOnce, rounds: 1");
     let records: Vec<_> = std::iter::from_fn(|| step(&mut simulation)).collect();
     let ended: Vec<_> = records.iter().map(|r| r.status).collect();
     let expected = [IncrementStatus::Solved; 11];
@@ -124,7 +124,7 @@ fn a_cascade_that_hits_its_cap_says_so() {
     assert!(pull(&records[8]) > 10.0);
     assert!(records.iter().all(|r| r.residuals.worst() <= 1e-8));
     // Twice is enough here.
-    let mut simulation = fork("2");
+    let mut simulation = fork("order: AllAtOnce, rounds: 2");
     assert!(
         std::iter::from_fn(|| step(&mut simulation)).all(|r| r.status == IncrementStatus::Solved)
     );
@@ -133,7 +133,7 @@ fn a_cascade_that_hits_its_cap_says_so() {
 /// The bonds that an earlier round broke were lost when a later one collapsed.
 #[test]
 fn a_cascade_that_ends_in_a_collapse_keeps_its_ruptures() {
-    let mut simulation = pulled_fork("50", "x: Free, force: (33.0, 0.0)");
+    let mut simulation = pulled_fork("order: AllAtOnce, rounds: 50", "x: Free, force: (33.0, 0.0)");
     let records: Vec<_> = std::iter::from_fn(|| step(&mut simulation)).collect();
     let last = records.last().unwrap();
     assert_eq!(last.status, IncrementStatus::Collapsed);
@@ -209,6 +209,7 @@ fn friction_keeps_what_it_can_hold_of_a_broken_bonds_shear() {
         "(
             version: 1,
             title: \"shear of a bond\",
+            rupture: (order: OneRound),
             materials: { \"cemented\": (
                 contact: (normal_stiffness: 8.0e6, tangential_stiffness: 4.0e6, friction: 0.6),
                 bond: (normal_stiffness: 8.0e6, tangential_stiffness: 4.0e6, friction: 0.6,

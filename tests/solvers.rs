@@ -105,7 +105,7 @@ fn disk_on_plate() -> (ConeProgram, Vec<[f64; 3]>, Vec<[f64; 3]>) {
             normal_compliance: 1e-6,
             tangential_compliance: 1e-6,
             previous_shear: 0.0,
-            limits: Limits { cohesion: 0.0, friction: 0.5, tension: 0.0, rolling: 1e-3 },
+            limits: Limits::new(0.0, 0.5, 0.0, 1e-3),
         }],
         scales: Scales { length: 0.01, displacement: 1e-4, force: 100.0 },
         ..Default::default()
@@ -203,8 +203,8 @@ fn a_collapse_comes_with_a_mechanism_that_proves_it() {
         assert!(check([1.0, 0.51, 0.0]).is_some_and(|c| proves(&c)));
     }
     // A bond of 20 N holds the 10 N: the same mechanism dissipates more than the load does.
-    program.interactions[0].limits.tension = 20.0;
-    program.interactions[0].limits.cohesion = 20.0;
+    let limits = &mut program.interactions[0].limits;
+    *limits = Limits::new(20.0, limits.friction, 20.0, limits.rolling);
     let held = certificate(&program, &[[0.0, 1.0, 0.0], [0.0; 3]]).unwrap();
     assert!((held.margin + 1.0).abs() < 1e-12 && !proves(&held), "{held:?}");
     assert_eq!(solve(&mut Condensed::default(), &program).status, SolveStatus::Solved);
@@ -220,7 +220,7 @@ fn a_bond_with_little_cohesion_holds_to_the_apex_of_its_shear_limit() {
         }
         let c = &mut program.interactions[0];
         (c.normal_compliance, c.tangential_compliance) = (compliance, compliance);
-        c.limits = Limits { cohesion: 4.0, friction: 0.5, tension: 20.0, rolling: 0.0 };
+        c.limits = Limits::new(4.0, 0.5, 20.0, 0.0);
         program
     };
     for compliance in [1e-6, 0.0] {

@@ -14,7 +14,9 @@ use crate::output::frames::specimen_rows;
 use crate::output::key_results::{KeyResults, Phase};
 use crate::output::plots::chart::{Chart, Line};
 use crate::run::{Outcome, Simulation, Step};
-use crate::scene::format::{Compact, CompactRest, CompactTarget, Scene, Sizes, Specimen, Stage};
+use crate::scene::format::{
+    Compact, CompactRest, CompactTarget, RuptureOrder, Scene, Sizes, Specimen, Stage,
+};
 use crate::scene::{LoadedScene, StoredSpecimen};
 
 /// Sizes of the increment, over that of the scene; the first is the reference.
@@ -24,22 +26,27 @@ const FACTORS: [f64; 6] = [0.25, 0.5, 1.0, 2.0, 4.0, 8.0];
 struct Test {
     name: &'static str,
     strains: [f64; 2],
-    /// Rounds of rupture within an increment; none: bonds break after it.
-    cascade: Option<u32>,
+    /// The order in which bonds break.
+    order: RuptureOrder,
     prepare: fn(&Scenes, bool, u64) -> Result<LoadedScene, BenchError>,
 }
 
-const TESTS: [Test; 4] = [
-    Test { name: "uniaxial", strains: [1e-3, 2e-3], cascade: None, prepare: uniaxial },
-    Test {
-        name: "uniaxial, cascade",
-        strains: [1e-3, 2e-3],
-        cascade: Some(200),
-        prepare: uniaxial,
-    },
-    Test { name: "biaxial", strains: [2e-3, 1e-2], cascade: None, prepare: biaxial },
-    Test { name: "biaxial, cascade", strains: [2e-3, 1e-2], cascade: Some(200), prepare: biaxial },
+const TESTS: [Test; 6] = [
+    uniaxial_test("uniaxial", RuptureOrder::OneRound),
+    uniaxial_test("uniaxial, all at once", RuptureOrder::AllAtOnce),
+    uniaxial_test("uniaxial, events", RuptureOrder::Events),
+    biaxial_test("biaxial", RuptureOrder::OneRound),
+    biaxial_test("biaxial, all at once", RuptureOrder::AllAtOnce),
+    biaxial_test("biaxial, events", RuptureOrder::Events),
 ];
+
+const fn uniaxial_test(name: &'static str, order: RuptureOrder) -> Test {
+    Test { name, strains: [1e-3, 2e-3], order, prepare: uniaxial }
+}
+
+const fn biaxial_test(name: &'static str, order: RuptureOrder) -> Test {
+    Test { name, strains: [2e-3, 1e-2], order, prepare: biaxial }
+}
 
 /// What a curve comes down to.
 struct Curve {
@@ -102,11 +109,11 @@ pub fn run(scenes: &Scenes, extent: Extent) -> Result<Part, BenchError> {
     );
     let mut charts = Vec::new();
     let quick = extent == Extent::Quick;
-    for test in TESTS.iter().filter(|test| !(quick && test.cascade.is_some())) {
+    for test in TESTS.iter().filter(|test| !quick || test.order == RuptureOrder::OneRound) {
         let mut curves: Vec<Vec<Curve>> = Vec::new();
         for seed in 1..=seeds {
             let mut prepared = (test.prepare)(scenes, full, seed)?;
-            prepared.scene.rupture.cascade = test.cascade;
+            prepared.scene.rupture.order = test.order;
             let mut of_seed = Vec::new();
             for factor in FACTORS {
                 let mut loaded = prepared.clone();
@@ -141,7 +148,7 @@ pub fn run(scenes: &Scenes, extent: Extent) -> Result<Part, BenchError> {
         of 0.25 to 8 times those of the scenes ({} axial strain). Runs end where the stress \
         has fallen to 40 % of its peak (uniaxial) or at 3 % strain (biaxial, axial stress with \
         200 kPa around). Stresses are read at {:?} (uniaxial) and {:?} (biaxial) axial strain, \
-        between increments linearly. The biaxial confinement is in five increments whatever the size of those that follow, and it is there that its first bond breaks. With `cascade` an increment is solved again without the bonds that break until none does. The modulus is the tangent of the first increment, the first crack the stress of the \
+        between increments linearly. The biaxial confinement is in five increments whatever the size of those that follow, and it is there that its first bond breaks. With `all at once` an increment is solved again without the bonds that break until none does; with `events` it ends where the next bond reaches its limit. The modulus is the tangent of the first increment, the first crack the stress of the \
         increment in which the first bond broke. Empty: not reached, as where a single increment goes \
         beyond the peak.",
         if full { "7380 and 6160" } else { "400" },
@@ -197,7 +204,9 @@ fn curve(loaded: &LoadedScene, test: &Test) -> Result<Curve, BenchError> {
                 return outcome;
             }
             let record = simulation.world().resource::<Observation>();
-            if !matches!(record.status, IncrementStatus::Solved | IncrementStatus::Capped) {
+            let is_solved =
+                matches!(record.status, IncrementStatus::Solved | IncrementStatus::Capped);
+            if !is_solved || record.in_avalanche {
                 continue;
             }
             let reference = record.stage == last;

@@ -70,10 +70,15 @@ pub fn summary(of: &Summary) -> String {
             b.shear,
             b.rolling,
         ));
+        if r.avalanches > 0 {
+            let (n, most) = (r.avalanches, r.largest_avalanche);
+            parts.push(format!("{n} avalanches, the largest of {most} bonds"));
+        }
     }
     let mut lines = vec![outcome];
     lines.extend(script.ends.iter().filter_map(stage));
     lines.extend(warnings(&script.ends));
+    lines.extend(peak_error(results));
     lines.extend(not_defined(script, ending, results));
     if !parts.is_empty() {
         lines.push(parts.join("; "));
@@ -97,13 +102,27 @@ fn warnings(stages: &[StageEnd]) -> Vec<String> {
         .collect();
     if !lines.is_empty() {
         lines.push(
-            "a capped increment is no converged state: it came to the cap on its passes (`rupture.cascade`, \
+            "a capped increment is no converged state: it came to the cap on its passes (`rupture.rounds`, \
              `friction_law`, `corrector`); give a higher cap, a greater `tolerance` or smaller increments. Key \
              results leave it out"
                 .to_owned(),
         );
     }
     lines
+}
+
+/// Estimated error of the peak above which the summary warns.
+const PEAK_ERROR: f64 = 0.02;
+
+/// What must be said where the peak depends on the increment.
+fn peak_error(results: &Results) -> Option<String> {
+    let estimate = results.peak_error_estimate.filter(|e| *e > PEAK_ERROR)?;
+    results.peak_stress_pa?;
+    Some(format!(
+        "WARNING: the peak depends on the increment, by about {:.0} %: bonds broke late; give `rupture: (order: \
+         Events)`, where bonds are elastic and the analysis static, or smaller increments",
+        100.0 * estimate
+    ))
 }
 
 /// What a rig that measures strain and stress should have given, and why it has not.
@@ -224,7 +243,7 @@ mod tests {
         );
         let all = said([(28, 0), (7, 7)], false, &Results::default());
         assert!(all.contains("\nWARNING: all 7 increments of stage shear are capped\n"), "{all}");
-        assert!(all.contains("no converged state") && all.contains("`rupture.cascade`"), "{all}");
+        assert!(all.contains("no converged state") && all.contains("`rupture.rounds`"), "{all}");
     }
 
     #[test]

@@ -15,6 +15,8 @@ pub const SCENE: &str = "scene.ron";
 pub const HISTORY: &str = "history.csv";
 /// One row a rupture.
 pub const EVENTS: &str = "events.csv";
+/// One row an avalanche.
+pub const AVALANCHES: &str = "avalanches.csv";
 /// Wall clock.
 pub const TIMINGS: &str = "timings.csv";
 /// The prepared specimen.
@@ -162,8 +164,19 @@ pub fn remove_if_there(path: &Path) -> Result<(), OutputError> {
 
 fn is_ours(name: &str) -> bool {
     let name = name.strip_suffix(PART).unwrap_or(name);
-    [RUN, SCENE, HISTORY, EVENTS, TIMINGS, SPECIMEN, FINAL_PARTICLES, MECHANISM, CHECKPOINT]
-        .contains(&name)
+    [
+        RUN,
+        SCENE,
+        HISTORY,
+        EVENTS,
+        AVALANCHES,
+        TIMINGS,
+        SPECIMEN,
+        FINAL_PARTICLES,
+        MECHANISM,
+        CHECKPOINT,
+    ]
+    .contains(&name)
         || super::plots::FILES.contains(&name)
         || numbered(name, "program_", ".json").is_some()
 }

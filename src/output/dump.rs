@@ -20,14 +20,14 @@ use super::atomic::write_atomic;
 
 /// The convex program in words; it stands in every dump.
 pub const FORMAT: &str = "\
-clastic cone program, version 1. SI units: m, rad, N, N m. \
+clastic cone program, version 2. SI units: m, rad, N, N m. \
 Unknowns: (p, q, tau) of every interaction: normal force (compression positive), shear force, \
 rolling moment; and the displacements u of all free degrees of freedom, the multipliers of the \
 balance rows. \
 Minimise 1/2 sum_dof (m + w) u^2 + sum_c [g p + 1/2 C_N p^2 + 1/2 C_T (q - q_0)^2 - e_n p - e_t q \
 - e_r tau] \
 subject to, for every free degree of freedom, (m + w) u + G (p, q, tau) = load + w r, \
-and for every interaction |q| <= cohesion + friction p, |tau| <= rolling (p + tension), \
+and for every interaction |q| <= cohesion + friction p, |tau| <= moment + rolling p, \
 p >= -tension; \
 m = inertia, momentum = the part of the load that is inertia times the motion of the last increment \
 (no force), w = proximal (regularisation; the residuals count its force as an error of the \
@@ -126,6 +126,7 @@ struct LimitsDump {
     friction: f64,
     tension: f64,
     rolling: f64,
+    moment: f64,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -239,6 +240,7 @@ fn interaction(c: &Interaction) -> InteractionDump {
             friction: c.limits.friction,
             tension: c.limits.tension,
             rolling: c.limits.rolling,
+            moment: c.limits.moment,
         },
     }
 }
@@ -332,6 +334,7 @@ fn read_interaction(c: &InteractionDump) -> Interaction {
             friction: c.limits.friction,
             tension: c.limits.tension,
             rolling: c.limits.rolling,
+            moment: c.limits.moment,
         },
     }
 }

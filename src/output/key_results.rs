@@ -35,6 +35,14 @@ pub struct Results {
     pub peak_stress_pa: Option<f64>,
     /// Axial strain there.
     pub strain_at_peak: Option<f64>,
+    /// Estimate of the relative error of the peak that the increment makes: how late bonds broke in the last increment
+    /// up to the peak in which any did, as a relative change of the contact forces. None where none had broken.
+    pub peak_error_estimate: Option<f64>,
+    /// Avalanches: ruptures at one load, from the first to an equilibrium in which all bonds hold. 0 unless bonds break
+    /// from event to event.
+    pub avalanches: usize,
+    /// Bonds that broke in the largest avalanche.
+    pub largest_avalanche: usize,
     /// Limit load: axial stress of the last increment before the first collapse; for a rigid
     /// specimen, which is at its limit as soon as it carries load, the peak.
     pub limit_load_pa: Option<f64>,
@@ -106,6 +114,8 @@ pub struct KeyResults {
     rigid: bool,
     /// Stress that the stiffest contact has at a strain of 1, Pa.
     stiffness: f64,
+    /// How late bonds broke in the last increment in which any did.
+    lag: Option<f64>,
     /// Start of the reference stage.
     start: Point,
     /// The last increment that carried load.
@@ -154,6 +164,7 @@ impl KeyResults {
         Self {
             rigid,
             stiffness: 0.0,
+            lag: None,
             start: FREE,
             last: None,
             curve: Vec::new(),
@@ -219,8 +230,11 @@ impl KeyResults {
         if collapsed && self.collapse.is_none() {
             self.collapse = Some(self.last);
         }
-        if !o.ruptures.is_empty() && self.crack.is_none() {
+        if !o.ruptures.is_empty() && !o.in_avalanche && self.crack.is_none() {
             self.crack = Some((o.axial_stress, solved));
+        }
+        if o.in_avalanche {
+            return false;
         }
         let Some(stress) = o.axial_stress else { return false };
         let point = Point { strain: o.axial_strain.unwrap_or_default(), stress, solved };
@@ -237,11 +251,21 @@ impl KeyResults {
         let results = &mut self.results;
         let peak =
             solved && results.peak_stress_pa.is_none_or(|peak| height(stress) > height(peak));
+        if o.rupture_lag > 0.0 {
+            self.lag = Some(o.rupture_lag);
+        }
         if peak {
             results.peak_stress_pa = Some(stress);
             results.strain_at_peak = Some(point.strain);
+            results.peak_error_estimate = self.lag;
         }
         peak
+    }
+
+    /// Counts an avalanche of so many bonds.
+    pub fn see_avalanche(&mut self, bonds: usize) {
+        self.results.avalanches += 1;
+        self.results.largest_avalanche = self.results.largest_avalanche.max(bonds);
     }
 
     /// The results so far.

@@ -6,6 +6,7 @@
 //! | `scene.ron` | the scene as run, overrides applied |
 //! | `history.csv` | one row an increment |
 //! | `events.csv` | one row a rupture |
+//! | `avalanches.csv` | one row an avalanche |
 //! | `timings.csv` | wall clock; it lives here alone, all other files are the same bytes on every run |
 //! | `specimen.csv` | the particles at the end of a compaction, then at the start of the reference stage, before its first increment (of a scene that pours its particles there, before they fell): scenes can read it |
 //! | `frames/frame_000123.csv` | all particles after increment 123, where the scene asks for frames |
@@ -22,6 +23,7 @@
 //! only when they are complete. Output reads the world and changes no number of the simulation.
 
 pub mod atomic;
+pub mod avalanches;
 pub mod checkpoint;
 pub mod csv_file;
 pub mod directory;

@@ -14,6 +14,7 @@ use clastic_components::observation::{Observation, Timings};
 use clastic_systems::gather_bodies::gather_bodies;
 
 use super::atomic::{sync, write_atomic, write_durable};
+use super::avalanches::{self, Avalanche};
 use super::checkpoint::{Checkpoint, ResumeError};
 use super::csv_file::CsvFile;
 use super::key_results::{KeyResults, Phase, Results};
@@ -69,6 +70,7 @@ pub struct RunWriter {
     probes: Vec<String>,
     history: CsvFile,
     events: CsvFile,
+    avalanches: CsvFile,
     timings: CsvFile,
     state: WriterState,
     /// Whole files that the next checkpoint counts on.
@@ -82,9 +84,11 @@ pub struct RunWriter {
 /// What the output remembers from one increment to the next.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct WriterState {
-    /// Bytes of the history, the events and the timings.
-    lengths: [u64; 3],
+    /// Bytes of the history, the events, the avalanches and the timings.
+    lengths: [u64; 4],
     results: KeyResults,
+    /// The avalanche under way.
+    avalanche: Option<Avalanche>,
     /// The state after the last increment, until the reference stage begins.
     prepared: Option<Prepared>,
     /// Of which moment the prepared specimen is, where it has been written.
@@ -149,14 +153,16 @@ impl RunWriter {
         }
         let history = CsvFile::begin(dir.join(directory::HISTORY), history, header)?;
         let events = CsvFile::create(dir.join(directory::EVENTS), events::COLUMNS)?;
+        let avalanches = CsvFile::create(dir.join(directory::AVALANCHES), avalanches::COLUMNS)?;
         let timings = CsvFile::create(dir.join(directory::TIMINGS), timings::COLUMNS)?;
         // Nothing has been gathered in a world without increments; it changes nothing of the run.
         let _ = world.run_system_cached(gather_bodies);
         let prepared = Prepared::of(world);
         let state = WriterState {
-            lengths: [&history, &events, &timings].map(CsvFile::length),
+            lengths: [&history, &events, &avalanches, &timings].map(CsvFile::length),
             results: KeyResults::new(is_rigid(&loaded.scene))
                 .with_stiffness(maximum_stiffness(&loaded.scene) / loaded.scene.thickness),
+            avalanche: None,
             start: prepared.snapshot.clone(),
             prepared: Some(prepared),
             specimen: None,
@@ -176,6 +182,7 @@ impl RunWriter {
             probes,
             history,
             events,
+            avalanches,
             timings,
             state,
             fresh,
@@ -202,13 +209,14 @@ impl RunWriter {
         every: Option<u32>,
     ) -> Result<Self, ResumeError> {
         let increment = checkpoint.world.progress.increment;
-        let [history, events, timings] = checkpoint.output.lengths;
+        let [history, events, avalanches, timings] = checkpoint.output.lengths;
         let open = |name: &str, length| CsvFile::open(directory.join(name), length);
         let mut history = open(directory::HISTORY, history)?;
         if !history.lock() {
             return Err(OutputError::InUse(directory.to_owned()).into());
         }
         let mut events = open(directory::EVENTS, events)?;
+        let mut avalanches = open(directory::AVALANCHES, avalanches)?;
         let mut timings = open(directory::TIMINGS, timings)?;
 
         // From here on every step can be repeated: who is killed between two of them resumes again.
@@ -233,7 +241,7 @@ impl RunWriter {
         let mut record = RunRecord::new(loaded, &next.facts, reference_stage);
         record.write(&directory.join(directory::RUN))?;
         record.increments = increment;
-        for file in [&mut history, &mut events, &mut timings] {
+        for file in [&mut history, &mut events, &mut avalanches, &mut timings] {
             file.cut()?;
         }
         Ok(Self {
@@ -249,6 +257,7 @@ impl RunWriter {
             probes: history::probes(&loaded.scene),
             history,
             events,
+            avalanches,
             timings,
             state: next.output,
             fresh: Vec::new(),
@@ -274,6 +283,10 @@ impl RunWriter {
         }
         for rupture in &observation.ruptures {
             self.events.push(events::row(rupture, &observation.stage))?;
+        }
+        if let Some((row, bonds)) = Avalanche::follow(&mut self.state.avalanche, world) {
+            self.avalanches.push(row)?;
+            self.state.results.see_avalanche(bonds);
         }
         let due = Due::of(&self.scene, world);
         if due.row {
@@ -308,7 +321,8 @@ impl RunWriter {
         if let Some(counter) = world.get_resource::<BondCounter>() {
             self.state.results.see_bonds(counter.0 as usize);
         }
-        if self.state.results.observe(&observation, phase) && self.scene.output.plots {
+        let counts = self.state.results.observe(&observation, phase);
+        if counts && self.scene.output.plots {
             self.state.peak = Some((Snapshot::take(world), caption(&observation)));
         }
         self.write_mechanism(world)?;
@@ -358,7 +372,7 @@ impl RunWriter {
         for path in self.fresh.drain(..) {
             sync(&path).map_err(OutputError::at(&path))?;
         }
-        let rows = [&self.history, &self.events, &self.timings];
+        let rows = [&self.history, &self.events, &self.avalanches, &self.timings];
         for file in rows {
             file.sync()?;
         }
@@ -546,7 +560,8 @@ impl Due {
             None => every(observation.increment, scene.output.frames_every),
         };
         Self {
-            row: over || !plain || every(n, record.every),
+            // A state within an avalanche is no equilibrium.
+            row: !observation.in_avalanche && (over || !plain || every(n, record.every)),
             frame: regular || record.frames.iter().any(|frame| u64::from(*frame) == n),
         }
     }
@@ -597,6 +612,7 @@ mod tests {
     const SCENE: &str = r#"(
         version: 1,
         title: "two disks pulled apart",
+        rupture: (order: OneRound),
         materials: { "m": (
             contact: (normal_stiffness: 8.0e6, tangential_stiffness: 4.0e6),
             bond: (normal_stiffness: 8.0e6, tangential_stiffness: 4.0e6, cohesion: 4.0e3, tensile_strength: 2.0e3),
@@ -658,6 +674,7 @@ mod tests {
         assert_eq!(written, files(&second)?);
         let names: Vec<_> = written.iter().map(|(name, _)| name.as_str()).collect();
         let expected = [
+            "avalanches.csv",
             "events.csv",
             "final_particles.csv",
             "frame_000002.csv",
@@ -691,7 +708,7 @@ mod tests {
         for (f, g) in solution.forces.iter().zip(&dumped.forces) {
             assert!((f[0] - g[0]).abs() <= 1e-9 * g[0].abs(), "{f:?} {g:?}");
         }
-        let other = fs::read_to_string(&path)?.replacen("version 1", "version 0", 1);
+        let other = fs::read_to_string(&path)?.replacen("version 2", "version 1", 1);
         fs::write(&path, other)?;
         assert!(dump::read_program(&path).is_err());
         Ok(())

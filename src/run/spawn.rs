@@ -47,7 +47,16 @@ pub fn insert_settings(world: &mut World, scene: &scene::Scene, particles: u32) 
             scene::RollingLimit::Breaks => inc::RollingLimit::Breaks,
             scene::RollingLimit::Yields => inc::RollingLimit::Yields,
         },
-        cascade: scene.rupture.cascade,
+        order: match scene.rupture.order {
+            scene::RuptureOrder::Events => inc::RuptureOrder::Events {
+                tolerance: scene.rupture.tolerance,
+                group: scene.rupture.group,
+            },
+            scene::RuptureOrder::OneRound => inc::RuptureOrder::OneRound,
+            scene::RuptureOrder::AllAtOnce => {
+                inc::RuptureOrder::AllAtOnce { rounds: scene.rupture.rounds }
+            }
+        },
         ..Default::default()
     });
     world.insert_resource(scene.corrector.map_or_else(Default::default, |c| inc::Corrector {

@@ -273,6 +273,7 @@ fn begin(world: &mut World, stage: &Stage) {
         progress.done = 0.0;
         progress.total = 0.0;
         progress.fraction = 1.0;
+        progress.tried = 1.0;
         let index = progress.stage;
         let mut script = world.resource_mut::<Script>();
         script.begun = true;
@@ -320,7 +321,9 @@ fn after_increment(world: &mut World, stage: &Stage) {
     let mut held = None;
     let ended_by = match status {
         IncrementStatus::Solved | IncrementStatus::Capped => {
-            held = stopped(world, stage);
+            if !world.resource::<Observation>().in_avalanche {
+                held = stopped(world, stage);
+            }
             held.map(|_| EndedBy::Stop)
         }
         IncrementStatus::Collapsed => {

@@ -118,13 +118,43 @@ fn coulomb_passes() -> u32 {
 }
 
 /// Rules of rupture.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Rupture {
     /// What a bond does at its rolling limit.
     pub rolling: RollingLimit,
-    /// Re-solve within the increment until no bond breaks, at most this many rounds.
-    pub cascade: Option<u32>,
+    /// The order in which bonds break.
+    pub order: RuptureOrder,
+    /// With `Events`: a bond breaks at an overload between 1 - tolerance and 1.
+    pub tolerance: f64,
+    /// With `Events`: bonds break together that reach their limit while the forces change by this fraction.
+    pub group: f64,
+    /// With `AllAtOnce`: cap on the rounds.
+    pub rounds: u32,
+}
+
+impl Default for Rupture {
+    fn default() -> Self {
+        Self {
+            rolling: RollingLimit::Breaks,
+            order: RuptureOrder::default(),
+            tolerance: 5e-4,
+            group: 0.01,
+            rounds: 200,
+        }
+    }
+}
+
+/// The order in which bonds break.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+pub enum RuptureOrder {
+    /// One after the other, each at the load at which it reaches its limit.
+    #[default]
+    Events,
+    /// All that are on a limit at the end of an increment, once.
+    OneRound,
+    /// All that are on a limit, and those that follow, within the increment.
+    AllAtOnce,
 }
 
 /// Solves an increment again with normals and gaps at the new place.

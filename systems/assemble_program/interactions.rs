@@ -110,12 +110,12 @@ fn bonded(
     let law = &bond.law;
     let radius = contact.common_radius(bodies);
     let area = 2.0 * radius * analysis.thickness;
-    let limits = Limits {
-        cohesion: law.cohesion * area,
-        friction: law.friction,
-        tension: law.tensile_strength * area,
-        rolling: law.rolling_friction * radius,
-    };
+    let limits = Limits::new(
+        law.cohesion * area,
+        law.friction,
+        law.tensile_strength * area,
+        law.rolling_friction * radius,
+    );
     interaction(
         bodies,
         analysis,
@@ -138,12 +138,8 @@ fn unbonded(
 ) -> Interaction {
     let key = (contact.a, contact.b);
     let opening = findings.openings.of(key);
-    let limits = Limits {
-        cohesion: 0.0,
-        friction: law.friction,
-        tension: 0.0,
-        rolling: law.rolling_friction * contact.common_radius(bodies),
-    };
+    let rolling = law.rolling_friction * contact.common_radius(bodies);
+    let limits = Limits::new(0.0, law.friction, 0.0, rolling);
     // What moves apart has been found; forces and velocities are those of a touch.
     let touches = findings.pushed.0.is_some() && law.normal_compliance == 0.0;
     let gap = if touches { contact.gap.max(0.0) } else { contact.gap };

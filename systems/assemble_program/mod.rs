@@ -12,13 +12,16 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::Attempt;
 use clastic_components::contact::{Bodies, Contacts, DraftHistory};
-use clastic_components::findings::{Centre, Corrections, Openings, Pushed, Restraints, Ruptures};
+use clastic_components::findings::{
+    Centre, Corrections, EventSearch, Openings, Pushed, Restraints, Ruptures,
+};
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
 use clastic_components::loads::TrialLoads;
 use clastic_components::material::Materials;
 use clastic_components::program::ConeProgram;
 
 use self::interactions::Findings;
+use crate::rupture_bonds::unlimit;
 use crate::schedule::{AttemptIncrement, AttemptSystems, lap};
 
 /// Adds [`assemble_program`].
@@ -72,6 +75,7 @@ pub fn assemble_program(
     progress: Res<Progress>,
     attempt: Res<Attempt>,
     changes: (Res<Ruptures>, Res<Openings>, Res<Corrections>, Res<Pushed>),
+    search: Res<EventSearch>,
     restraints: Res<Restraints>,
     centre: Res<Centre>,
     loads: Res<TrialLoads>,
@@ -92,6 +96,9 @@ pub fn assemble_program(
         &mut program.last_forces,
     );
     taut::assemble(&bodies, &contacts.0, &analysis, &restraints, &mut program.interactions);
+    if search.active && attempt.effort().is_some() {
+        unlimit(&contacts.0, &mut program.interactions);
+    }
     let balance = |program: &mut ConeProgram| {
         balance::assemble(
             &bodies,

@@ -42,11 +42,16 @@ pub fn estimate(
 /// the strength. Forces that are far smaller are what is left of zero.
 const LEAST: f64 = 1e-3;
 
+/// Minimum fraction that the displacement scale counts with in an increment that ends with an event.
+const LEAST_FRACTION: f64 = 0.05;
+
 /// The greatest force scale that a failed attempt sets, over what is expected without it.
 const MOST: f64 = 1e2;
 
 fn displacement(bodies: &Bodies, analysis: &Analysis, progress: &Progress) -> f64 {
-    let f = progress.fraction;
+    // Up to an event an increment may take next to nothing of what is imposed, but bonds have broken before it.
+    let is_cut = progress.fraction < progress.tried;
+    let f = if is_cut { progress.fraction.max(LEAST_FRACTION) } else { progress.fraction };
     let drives = (0..bodies.particles).flat_map(|i| [bodies.drive(i, 0), bodies.drive(i, 1)]);
     let imposed = drives.map(|d| match d {
         Drive::Imposed(u) => f * u.abs(),

@@ -1,12 +1,12 @@
-//! Judge: with `cascade`, bonds that reached a limit break within the increment, and it is solved
-//! again without them until no more break.
+//! Judge: bonds that reached a limit break, and with `AllAtOnce` the increment is solved again without them until no
+//! more break.
 
 use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::findings::{Corrections, Openings, Ruptures};
-use clastic_components::increment::{Progress, RuptureRules};
+use clastic_components::increment::{Progress, RuptureOrder, RuptureRules};
 use clastic_components::program::{ConeProgram, ConeSolution};
 
 use crate::rupture_bonds::{Met, find_ruptures};
@@ -39,8 +39,8 @@ pub fn judge(
         return;
     }
     ruptures.list.extend(found);
-    let Some(cap) = rules.cascade else { return };
-    if ruptures.rounds >= cap {
+    let RuptureOrder::AllAtOnce { rounds } = rules.order else { return };
+    if ruptures.rounds >= rounds {
         // What reached its limit in the last round breaks without another solve.
         ruptures.capped = true;
     } else {

@@ -1,7 +1,7 @@
 //! The attempts at one increment, and the judges that accept, extend or reject them.
 //!
 //! Judges run in this order, each only while none before it objects: [`converged`], [`closing_mechanism`],
-//! [`restraints`], [`thrown_grains`], [`closed_pairs`], [`snaps`], [`push_out`], [`coulomb`], [`corrector`],
+//! [`restraints`], [`events`], [`thrown_grains`], [`closed_pairs`], [`snaps`], [`push_out`], [`coulomb`], [`corrector`],
 //! [`cascade`]; of a step of a motion only [`converged`], [`motion::judge_length`], [`closed_pairs`] and
 //! [`motion::judge_rest`]. What they find is kept in the tables of
 //! [`findings`](clastic_components::findings) until the increment is committed. [`mod@next`] says what follows
@@ -16,6 +16,7 @@ pub mod closing_mechanism;
 pub mod converged;
 pub mod corrector;
 pub mod coulomb;
+pub mod events;
 pub mod motion;
 pub mod next;
 pub mod push_out;
@@ -32,7 +33,7 @@ use clastic_components::body::Ramp;
 use clastic_components::contact::{Bodies, DraftHistory};
 use clastic_components::energy::MotionEnergies;
 use clastic_components::findings::{
-    AddedPairs, Centre, Closest, Corrections, Openings, Pushed, Restraints, Ruptures,
+    AddedPairs, Centre, Closest, Corrections, EventSearch, Openings, Pushed, Restraints, Ruptures,
 };
 use clastic_components::increment::{
     Acceptance, Analysis, AnalysisKind, Corrector, FrictionLaw, Progress, RuptureRules,
@@ -60,6 +61,7 @@ impl Plugin for AttemptPlugin {
             .init_resource::<Restraints>()
             .init_resource::<Centre>()
             .init_resource::<Closest>()
+            .init_resource::<EventSearch>()
             .init_resource::<MotionEnergies>()
             .init_resource::<Acceptance>()
             .init_resource::<Analysis>()
@@ -75,6 +77,7 @@ impl Plugin for AttemptPlugin {
                     motion::judge_length.run_if(in_motion),
                     closing_mechanism::judge.run_if(impossible),
                     restraints::judge.run_if(impossible),
+                    events::judge.run_if(in_equilibrium).run_if(events::searches),
                     thrown_grains::judge.run_if(in_equilibrium),
                     closed_pairs::judge.run_if(sound),
                     motion::judge_rest.run_if(in_motion),
@@ -82,7 +85,7 @@ impl Plugin for AttemptPlugin {
                     push_out::judge.run_if(in_equilibrium),
                     coulomb::judge.run_if(in_equilibrium),
                     corrector::judge.run_if(in_equilibrium),
-                    cascade::judge.run_if(in_equilibrium),
+                    cascade::judge.run_if(in_equilibrium).run_if(not(events::searches)),
                 )
                     .chain()
                     .in_set(AttemptSystems::Judge),
@@ -131,7 +134,9 @@ pub fn run_attempts(world: &mut World) {
             attempt.complaint.clone_from(reason);
         }
         let next = next(&attempt.mode, &verdict, budget);
-        if let (Mode::Motion(motion), Next::Halve | Next::End(_)) = (&attempt.mode, next) {
+        if let (Mode::Motion(motion), Next::Halve | Next::OneRound | Next::End(_)) =
+            (&attempt.mode, next)
+        {
             let end = match verdict {
                 Verdict::AtRest { .. } => "; nothing moves under these loads".to_owned(),
                 _ => format!("; the motion that followed was lost after {} steps", motion.steps),
@@ -144,6 +149,12 @@ pub fn run_attempts(world: &mut World) {
                 attempt.mode = Mode::Equilibrium(effort);
                 world.resource_mut::<Ruptures>().forget_attempt();
                 motion::forget_passes(world);
+            }
+            Next::Approach => {
+                let target = world.resource::<EventSearch>().target;
+                world.resource_mut::<Progress>().fraction = target;
+                motion::forget_passes(world);
+                open_trial(world);
             }
             Next::Follow => {
                 start.get_or_insert_with(|| Start::take(world));
@@ -165,12 +176,23 @@ pub fn run_attempts(world: &mut World) {
                 open_trial(world);
                 motion::begin(world, true);
             }
-            Next::Halve => {
+            Next::Halve | Next::OneRound => {
                 put_back(world, start.take().as_ref());
                 seek_equilibrium(world);
                 *world.resource_mut::<Ruptures>() = Ruptures::default();
                 world.resource_mut::<Attempt>().motion_strain = 0.0;
-                world.resource_mut::<Progress>().fraction *= 0.5;
+                let mut progress = world.resource_mut::<Progress>();
+                if next == Next::Halve {
+                    progress.fraction *= 0.5;
+                    progress.tried = progress.fraction;
+                    // What has come to one round stays with it.
+                    let mut search = world.resource_mut::<EventSearch>();
+                    *search = EventSearch { active: search.active, ..EventSearch::default() };
+                } else {
+                    progress.tried = 1.0 - progress.done.fract();
+                    progress.fraction = progress.tried;
+                    *world.resource_mut::<EventSearch>() = EventSearch::default();
+                }
                 open_trial(world);
             }
             Next::Prove => {
@@ -229,7 +251,9 @@ fn begin_increment(world: &mut World) {
     progress.increment += 1;
     // Fractions end where whole increments do; what was halved may grow again.
     let left = 1.0 - progress.done.fract();
-    progress.fraction = (2.0 * progress.fraction).clamp(f64::MIN_POSITIVE, left);
+    progress.tried = (2.0 * progress.tried).clamp(f64::MIN_POSITIVE, left);
+    progress.fraction = if progress.relaxing { 0.0 } else { progress.tried };
+    events::begin(world);
     open_trial(world);
     let bounded = carries_loads(world);
     world.resource_mut::<Attempt>().bounded = bounded;
@@ -249,6 +273,7 @@ fn budget(world: &World) -> Budget {
             && failures < motion::MAX_FAILURES,
         solve: attempt.solves < MAX_SOLVES,
         half: 0.5 * world.resource::<Progress>().fraction >= finest,
+        searches: world.resource::<EventSearch>().active,
     }
 }
 
@@ -278,6 +303,10 @@ fn end_increment(
     start: Option<&Start>,
 ) {
     motion::end(world);
+    if status == IncrementStatus::Solved {
+        let broken = std::mem::take(&mut world.resource_mut::<EventSearch>().broken);
+        world.resource_mut::<Ruptures>().list.extend(broken);
+    }
     let capped = world.resource::<Openings>().capped;
     let status = match status {
         IncrementStatus::Solved if capped => IncrementStatus::Capped,

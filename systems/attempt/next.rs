@@ -16,6 +16,8 @@ pub struct Budget {
     pub solve: bool,
     /// Whether the increment may be halved once more.
     pub half: bool,
+    /// Whether the fraction is sought at which the next bonds break.
+    pub searches: bool,
 }
 
 /// The next step of the attempts.
@@ -25,6 +27,8 @@ pub enum Next {
     Solve,
     /// Try again with this effort.
     Try(Effort),
+    /// Solve at the fraction at which the next bond is expected to reach its limit.
+    Approach,
     /// Follow the motion from where the bodies are.
     Follow,
     /// Take the step of the motion and make another one.
@@ -37,6 +41,8 @@ pub enum Next {
     Repeat,
     /// Put everything back and halve the increment.
     Halve,
+    /// Put everything back and let bonds of this increment break in one round, at its end.
+    OneRound,
     /// Put everything back and look for a mechanism that proves the collapse.
     Prove,
     /// End the increment.
@@ -67,6 +73,9 @@ fn after_equilibrium(effort: Effort, verdict: &Verdict, budget: Budget) -> Next 
     };
     match verdict {
         Verdict::Sound => Next::End(IncrementStatus::Solved),
+        Verdict::Overloaded if budget.solve => Next::Approach,
+        // Bonds may break before the load that nothing can balance.
+        Verdict::Impossible if budget.searches && budget.half => Next::Halve,
         Verdict::Impossible => Next::End(IncrementStatus::Collapsed),
         Verdict::Again if budget.solve => Next::Solve,
         Verdict::Unconverged { flung, .. } if budget.solve => match effort {
@@ -100,7 +109,13 @@ fn after_motion(repeated: bool, verdict: &Verdict, budget: Budget) -> Next {
 }
 
 fn smaller(budget: Budget) -> Next {
-    if budget.half { Next::Halve } else { Next::End(IncrementStatus::Undecided) }
+    if budget.half {
+        Next::Halve
+    } else if budget.searches {
+        Next::OneRound
+    } else {
+        Next::End(IncrementStatus::Undecided)
+    }
 }
 
 #[cfg(test)]
@@ -108,6 +123,9 @@ mod tests {
     use clastic_components::motion::Motion;
 
     use super::*;
+
+    const ALL: Budget =
+        Budget { follows: true, motion: true, step: true, solve: true, half: true, searches: true };
 
     fn modes() -> Vec<Mode> {
         let repeated = Motion { repeated: true, ..Motion::default() };
@@ -127,6 +145,7 @@ mod tests {
             Verdict::Sound,
             Verdict::Impossible,
             Verdict::Again,
+            Verdict::Overloaded,
             Verdict::Unconverged { reason: reason.clone(), flung: false },
             Verdict::Unconverged { reason: reason.clone(), flung: true },
             Verdict::Locked,
@@ -140,12 +159,13 @@ mod tests {
 
     fn budgets() -> impl Iterator<Item = Budget> {
         let is = |bits: u32, k: u32| bits & (1 << k) != 0;
-        (0..32).map(move |bits| Budget {
+        (0..64).map(move |bits| Budget {
             follows: is(bits, 0),
             motion: is(bits, 1),
             step: is(bits, 2),
             solve: is(bits, 3),
             half: is(bits, 4),
+            searches: is(bits, 5),
         })
     }
 
@@ -191,10 +211,11 @@ mod tests {
         every(|mode, verdict, budget, next| {
             let at = || format!("{mode:?} {verdict:?} {budget:?}");
             match next {
-                Next::Solve | Next::Try(_) => assert!(budget.solve, "{}", at()),
+                Next::Solve | Next::Try(_) | Next::Approach => assert!(budget.solve, "{}", at()),
                 Next::Follow => assert!(budget.follows && budget.motion && budget.step, "{}", at()),
                 Next::Move | Next::Shorten => assert!(budget.step && budget.solve, "{}", at()),
                 Next::Halve => assert!(budget.half, "{}", at()),
+                Next::OneRound => assert!(budget.searches && !budget.half, "{}", at()),
                 Next::Rest | Next::Repeat | Next::Prove | Next::End(_) => {}
             }
         });
@@ -204,7 +225,7 @@ mod tests {
     fn an_undecided_increment_has_tried_everything_that_it_may() {
         every(|mode, verdict, budget, next| {
             if next == Next::End(IncrementStatus::Undecided) {
-                assert!(!budget.half, "{mode:?} {verdict:?} {budget:?}");
+                assert!(!budget.half && !budget.searches, "{mode:?} {verdict:?} {budget:?}");
                 if let (Mode::Equilibrium(_), Verdict::TooFar(_)) = (mode, verdict) {
                     let may_follow = budget.follows && budget.motion && budget.step && budget.solve;
                     assert!(!may_follow, "{budget:?}");
@@ -215,7 +236,7 @@ mod tests {
 
     #[test]
     fn efforts_grow_and_end() {
-        let all = Budget { follows: false, motion: false, step: false, solve: true, half: false };
+        let all = Budget { follows: false, motion: false, step: false, half: false, ..ALL };
         let mut effort = Effort::Usual;
         let mut seen = vec![effort];
         let verdict = Verdict::Unconverged { reason: String::new(), flung: false };
@@ -229,7 +250,7 @@ mod tests {
 
     #[test]
     fn what_lacks_a_hold_is_regularised_at_once() {
-        let all = Budget { follows: true, motion: true, step: true, solve: true, half: true };
+        let all = Budget { searches: false, ..ALL };
         let verdict = Verdict::Unconverged { reason: String::new(), flung: true };
         let next = next(&Mode::Equilibrium(Effort::Usual), &verdict, all);
         assert_eq!(next, Next::Try(Effort::Regularised));

@@ -59,8 +59,8 @@ pub fn certificate(program: &ConeProgram, mechanism: &[[f64; 3]]) -> Option<Cert
         let roll = if l.has_rolling() { e[2].abs() } else { 0.0 };
         let opening = -e[0] - l.friction * slip - l.rolling * roll;
         defect = defect.max(-opening);
-        dissipation += l.cohesion * slip + l.rolling * l.tension * roll
-            - l.least_normal_force() * opening.max(0.0);
+        dissipation +=
+            l.cohesion * slip + l.moment * roll - l.least_normal_force() * opening.max(0.0);
     }
     (work > 0.0).then(|| Certificate { mechanism: u, margin: (work - dissipation) / work, defect })
 }

@@ -147,7 +147,7 @@ pub(super) fn lower(program: &ConeProgram) -> Lowered {
                 let row = low.right.len();
                 low.matrix.push(row, tau, sign);
                 low.matrix.push(row, p, -l.rolling / length);
-                low.right.push(l.rolling * l.tension / df[2]);
+                low.right.push(l.moment / df[2]);
             }
         }
         if l.has_tension_row() {

@@ -169,6 +169,7 @@ fn check(program: &ConeProgram) -> Result<(), MalformedProgram> {
             l.friction,
             l.tension,
             l.rolling,
+            l.moment,
         ];
         if numbers.iter().any(|x| !x.is_finite()) {
             return Err(MalformedProgram(format!(
@@ -183,6 +184,7 @@ fn check(program: &ConeProgram) -> Result<(), MalformedProgram> {
             l.friction,
             l.tension,
             l.rolling,
+            l.moment,
         ];
         if not_negative.iter().any(|x| *x < 0.0) {
             return Err(MalformedProgram(format!(

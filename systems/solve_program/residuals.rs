@@ -259,7 +259,7 @@ impl Units {
         worsen(&mut out.kinematics, -m.tension / displacement);
 
         let shear = l.cohesion + l.friction * p;
-        let roll = l.rolling * (p + l.tension);
+        let roll = l.moment + l.rolling * p;
         worsen(&mut out.cone, (q.abs() - shear.max(0.0)) / force);
         worsen(&mut out.cone, (tau.abs() - roll.max(0.0)) / (force * length));
         worsen(&mut out.cone, -(p + l.tension) / force);

@@ -62,9 +62,7 @@ pub fn check(program: &ConeProgram, mechanism: &[[f64; 3]]) -> Result<(), String
             ));
         }
         let apex = if l.friction > 0.0 { l.cohesion / l.friction } else { f64::INFINITY };
-        dissipation += l.cohesion * slip
-            + l.rolling * l.tension * roll
-            + l.tension.min(apex) * opening.max(0.0);
+        dissipation += l.cohesion * slip + l.moment * roll + l.tension.min(apex) * opening.max(0.0);
     }
     if !(work > 0.0 && work - dissipation > TOLERANCE * work) {
         return Err(format!("the loads do {work:e} J, the limits dissipate {dissipation:e} J"));

@@ -53,7 +53,14 @@ pub fn random_scene(seed: u64, greatest: u32) -> Scene {
         },
         rupture: Rupture {
             rolling: r.pick(&[RollingLimit::Breaks, RollingLimit::Yields]),
-            cascade: r.maybe(0.3, |r| r.pick(&[1, 5, 50])),
+            order: r.pick(&[
+                RuptureOrder::Events,
+                RuptureOrder::OneRound,
+                RuptureOrder::OneRound,
+                RuptureOrder::AllAtOnce,
+            ]),
+            rounds: r.pick(&[1, 5, 50]),
+            ..Rupture::default()
         },
         corrector: None,
         probes: BTreeMap::new(),

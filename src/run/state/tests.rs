@@ -70,6 +70,7 @@ const OF_THE_INCREMENT: &[&str] = &[
     "Contacts",
     "Corrections",
     "DraftHistory",
+    "EventSearch",
     "MotionEnergies",
     "Openings",
     "Pushed",

@@ -250,8 +250,8 @@ fn settings() {
         ),
         (
             VERSION,
-            "version: 1, rupture: (cascade: 0)",
-            "2:36: rupture.cascade: zero (0); give a number of rounds of 1 or more",
+            "version: 1, rupture: (rounds: 0)",
+            "2:35: rupture.rounds: zero (0); give a number of rounds of 1 or more",
         ),
     ]);
 }

@@ -15,8 +15,7 @@ fn paths_lead_to_values() {
     says("gravity[1]", "-9.81");
     says("analysis.dt", "1e-4");
     says("friction_law.max_passes", "20");
-    says("rupture.cascade", "Some(5)");
-    says("rupture.cascade[0]", "5");
+    says("rupture.rounds", "5");
     says("materials.grain.density", "2_650.0");
     says("materials.grain.contact.friction", "0.5");
     says("materials[\"fine sand\"].contact.rolling_friction", "0.1");

@@ -24,9 +24,14 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
         findings.number(format_args!("friction_law.tolerance"), tolerance, allowed, what);
         findings.at_least_one(format_args!("friction_law.max_passes"), max_passes, "a number");
     }
-    if let Some(rounds) = scene.rupture.cascade {
-        findings.at_least_one(format_args!("rupture.cascade"), rounds, "a number of rounds");
-    }
+    let rupture = &scene.rupture;
+    findings.at_least_one(format_args!("rupture.rounds"), rupture.rounds, "a number of rounds");
+    let what = "a tolerance between 0 and 0.1";
+    let allowed = |value: f64| value > 0.0 && value <= 0.1;
+    findings.number(format_args!("rupture.tolerance"), rupture.tolerance, allowed, what);
+    let what = "a relative change of force from 0 to 0.1";
+    let allowed = |value: f64| (0.0..=0.1).contains(&value);
+    findings.number(format_args!("rupture.group"), rupture.group, allowed, what);
     if let Some(corrector) = scene.corrector {
         let what = "a tolerance between 0 and 1";
         let allowed = |value| value > 0.0 && value < 1.0;

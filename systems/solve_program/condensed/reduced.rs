@@ -110,6 +110,7 @@ fn alone(program: &ConeProgram, c: &Interaction) -> [f64; 3] {
     let (a, b) = (c.a as usize, c.b as usize);
     let mut single = Interaction { a: 0, b: 1, ..*c };
     single.limits.rolling = 0.0;
+    single.limits.moment = 0.0;
     let pair = ConeProgram {
         bodies: vec![program.bodies[a], program.bodies[b]],
         interactions: vec![single],

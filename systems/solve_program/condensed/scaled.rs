@@ -156,8 +156,8 @@ impl Scaled {
                 limit([-l.friction, -1.0, 0.0], l.cohesion / df[0]);
             }
             if l.has_rolling() {
-                limit([-l.rolling / s.length, 0.0, 1.0], l.rolling * l.tension / df[2]);
-                limit([-l.rolling / s.length, 0.0, -1.0], l.rolling * l.tension / df[2]);
+                limit([-l.rolling / s.length, 0.0, 1.0], l.moment / df[2]);
+                limit([-l.rolling / s.length, 0.0, -1.0], l.moment / df[2]);
             }
             if l.has_tension_row() {
                 limit([-1.0, 0.0, 0.0], l.tension / df[0]);

@@ -1,0 +1,146 @@
+//! Judge: from event to event. Between two ruptures the response is piecewise linear, so that the fraction of an
+//! increment at which the next bonds reach their limit follows from a few trials with bonds of unlimited strength
+//! ([`event_search`](crate::event_search)).
+//!
+//! That state is committed, before its ruptures; bonds that hold are judged by their own limits. The increment that
+//! follows has the fraction 0: its equilibrium at constant load tells whether other bonds break after them (an
+//! avalanche). Then the most overloaded break, and so on until all hold.
+
+use bevy_ecs::prelude::*;
+
+use clastic_components::attempt::{Attempt, Verdict};
+use clastic_components::contact::{Bodies, BondRow, Contacts};
+use clastic_components::findings::{EventSearch, EventTrial};
+use clastic_components::increment::{
+    Analysis, AnalysisKind, Progress, RollingLimit, RuptureOrder, RuptureRules,
+};
+use clastic_components::program::{ConeProgram, ConeSolution};
+
+use crate::event_search::{Decision, GroupRules, Now, at_constant_load, decide};
+use crate::rupture_bonds::{BuiltInRule, Overload, limit, overloads, rupture};
+use crate::solve_program::residuals::residuals;
+
+/// Run condition: bonds break from event to event.
+pub fn searches(search: Res<EventSearch>) -> bool {
+    search.active
+}
+
+/// Begins the search of an increment, where bonds break from event to event.
+pub fn begin(world: &mut World) {
+    let bodies = world.resource::<Bodies>();
+    let rules = world.resource::<RuptureRules>();
+    // A rolling moment has no compliance: at a limit that breaks it jumps.
+    let is_elastic = |bond: &BondRow| {
+        let law = &bond.law;
+        law.normal_compliance > 0.0
+            && law.tangential_compliance > 0.0
+            && law.cohesion > 0.0
+            && law.tensile_strength > 0.0
+            && (rules.rolling == RollingLimit::Yields || law.rolling_friction == 0.0)
+    };
+    let active = matches!(rules.order, RuptureOrder::Events { .. })
+        && world.resource::<Analysis>().kind == AnalysisKind::Static
+        && world.contains_resource::<BuiltInRule>()
+        && !bodies.bonds.is_empty()
+        && bodies.bonds.iter().all(is_elastic);
+    *world.resource_mut::<EventSearch>() = EventSearch { active, ..EventSearch::default() };
+}
+
+/// Takes the trial, with the bonds that break in it, or asks for another fraction.
+pub fn judge(
+    rules: Res<RuptureRules>,
+    mut progress: ResMut<Progress>,
+    bodies: Res<Bodies>,
+    contacts: Res<Contacts>,
+    mut program: ResMut<ConeProgram>,
+    mut solution: ResMut<ConeSolution>,
+    mut search: ResMut<EventSearch>,
+    mut attempt: ResMut<Attempt>,
+) {
+    let RuptureOrder::Events { tolerance, group } = rules.order else { return };
+    let group = GroupRules { tolerance, group };
+    let found = overloads(&contacts.0, &program, &solution);
+    let bond = |o: &Overload| contacts.0[o.contact].bond.map_or(0, |k| k as usize);
+    let sum = sum(&solution.forces).max(f64::MIN_POSITIVE);
+    let mut shares = vec![0.0; bodies.bonds.len()];
+    for o in &found {
+        let f = &solution.forces[o.contact];
+        shares[bond(o)] = f[0].hypot(f[1]) / sum;
+    }
+    let change = change(&program, &solution);
+    let of_bonds = |found: &[Overload], fraction| {
+        let mut overloads = vec![0.0; bodies.bonds.len()];
+        for o in found {
+            overloads[bond(o)] = o.value;
+        }
+        EventTrial { fraction, overloads, change, is_solved: true }
+    };
+    let trial = of_bonds(&found, progress.fraction);
+    let now = Now { trial: &trial, shares: &shares };
+    // After a motion under the loads of this trial there is no other fraction to go to.
+    let decision = if attempt.motions > 0 {
+        Decision::Stands(at_constant_load(now, group))
+    } else {
+        let start = || {
+            let forces = program.interactions.iter().enumerate();
+            let last = |k: usize| program.last_forces.get(k).copied().unwrap_or_default();
+            let forces = forces.map(|(k, _)| last(k)).collect();
+            let start = ConeSolution { forces, ..ConeSolution::default() };
+            let found = overloads(&contacts.0, &program, &start);
+            EventTrial { change: 0.0, is_solved: false, ..of_bonds(&found, 0.0) }
+        };
+        let below = search.below.clone().unwrap_or_else(start);
+        decide(&below, search.above.as_ref(), now, search.trials, search.in_a_row, group)
+    };
+    match decision {
+        Decision::Stands(broken) => {
+            let at = found.iter().filter(|o| broken.contains(&bond(o)));
+            let at = at.filter_map(|o| {
+                let (contact, forces) = (&contacts.0[o.contact], &solution.forces[o.contact]);
+                rupture(progress.increment, &bodies, contact, forces, o.mode)
+            });
+            search.broken = at.collect();
+            // A group breaks a little late, and all of it at once.
+            let is_left = |o: &Overload| o.value > 1.0 && !broken.contains(&bond(o));
+            search.in_avalanche = !broken.is_empty()
+                && (progress.fraction == 0.0 || attempt.motions > 0 || found.iter().any(is_left));
+            if !search.broken.is_empty() && progress.fraction > 0.0 {
+                // The next event is expected about as far away as the last ones were.
+                progress.tried = (REACH * progress.fraction).max(FORGET * progress.tried);
+            }
+            limit(&found, &mut program.interactions);
+            solution.residuals = residuals(&program, &solution.forces, &solution.displacements);
+        }
+        Decision::Later(fraction) | Decision::Earlier(fraction) => {
+            if matches!(decision, Decision::Later(_)) {
+                search.below = Some(trial);
+                search.in_a_row = [search.in_a_row[0] + 1, 0];
+            } else {
+                search.above = Some(trial);
+                search.in_a_row = [0, search.in_a_row[1] + 1];
+            }
+            search.trials += 1;
+            search.target = fraction;
+            attempt.verdict = Verdict::Overloaded;
+        }
+    }
+}
+
+/// The first trial after an event goes at least this many times as far as the event was away, over the factor 2 by
+/// which fractions grow.
+const REACH: f64 = 2.0;
+/// It goes at least this many times as far as the first trial before the event, over the same factor.
+const FORGET: f64 = 0.25;
+
+/// Sum of normal and shear forces.
+fn sum(forces: &[[f64; 3]]) -> f64 {
+    forces.iter().map(|f| f[0].hypot(f[1])).sum()
+}
+
+/// Relative change of the normal and shear forces since the start of the increment, `sum|f - f_0| / sum|f|`.
+#[must_use]
+pub fn change(program: &ConeProgram, solution: &ConeSolution) -> f64 {
+    let changes = solution.forces.iter().zip(&program.last_forces);
+    let changed: f64 = changes.map(|(f, last)| (f[0] - last[0]).hypot(f[1] - last[1])).sum();
+    changed / sum(&solution.forces).max(f64::MIN_POSITIVE)
+}
