@@ -52,9 +52,9 @@ pub struct EventSearch {
     /// Whether bonds break from event to event in this increment: then the trials are solved with bonds of
     /// unlimited strength.
     pub active: bool,
-    /// The last trial in which every bond is within its limits; at first the start of the increment.
+    /// The last trial whose maximum overload is below 1 - tolerance; at first the start of the increment.
     pub below: Option<EventTrial>,
-    /// The first trial in which a bond is above its limit.
+    /// The last trial beyond the state that is sought.
     pub above: Option<EventTrial>,
     /// The fraction to try next.
     pub target: f64,
@@ -64,6 +64,10 @@ pub struct EventSearch {
     pub in_a_row: [u32; 2],
     /// Bonds at their limit in the last trial: they break once it is committed.
     pub broken: Vec<Rupture>,
+    /// Whether bodies have moved in this increment before the trial: its motion was followed.
+    pub moved: bool,
+    /// Maximum overload of the last trial.
+    pub overload: f64,
     /// Whether the last trial is a state within an avalanche: bonds are above their limits in it.
     pub in_avalanche: bool,
 }

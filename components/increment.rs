@@ -122,7 +122,7 @@ impl Default for RuptureRules {
     fn default() -> Self {
         Self {
             rolling: RollingLimit::Breaks,
-            order: RuptureOrder::Events { tolerance: 5e-4, group: 0.01 },
+            order: RuptureOrder::Events { tolerance: 5e-4, group: 0.0 },
             slack: 1e-7,
             multiplier: 1e-9,
         }
@@ -212,13 +212,54 @@ impl Default for Progress {
 }
 
 impl Progress {
-    /// The ramp, over the next increment, of a load that goes linearly from one value to another
-    /// over the stage. At the end of the stage the target is met exactly.
+    /// Whether the stage is over: all its increments are done, and no avalanche is under way.
+    #[must_use]
+    pub fn is_over(&self) -> bool {
+        self.done >= self.total && !self.relaxing
+    }
+
+    /// The ramp, over the next whole increment, of a load that goes linearly from one value to another
+    /// over the stage. At the end of the stage the target is met exactly. The ramp goes on beyond it where only a part
+    /// of the last increment is left: fractions are of whole increments.
     #[must_use]
     pub fn ramp(&self, from: f64, to: f64) -> Ramp {
         let at = |done: f64| {
-            if done >= self.total { to } else { from + (to - from) * (done / self.total) }
+            let is_end = self.total <= 0.0 || (done - self.total).abs() < 1e-9;
+            if is_end { to } else { from + (to - from) * (done / self.total) }
         };
         Ramp { from: at(self.done), to: at(self.done + 1.0) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Progress;
+
+    /// 46 commits of one stage had ended at 192.8 of 200 kPa.
+    #[test]
+    fn many_parts_of_the_last_increment_lose_no_load() {
+        let mut progress = Progress { done: 19.0, total: 20.0, ..Progress::default() };
+        for fraction in [0.5, 0.125, 0.25, 0.0625, 0.03125, 0.03125] {
+            let ramp = progress.ramp(0.0, 200.0);
+            let expected = 200.0 * (progress.done + fraction) / 20.0;
+            let reached = ramp.at(fraction);
+            assert!((reached - expected).abs() < 1e-10, "{reached} instead of {expected}");
+            progress.done += fraction;
+        }
+        assert_eq!(progress.ramp(0.0, 200.0).from, 200.0);
+    }
+
+    #[test]
+    fn a_whole_increment_at_the_end_meets_its_target_exactly() {
+        let progress = Progress { done: 2.0, total: 3.0, ..Progress::default() };
+        assert_eq!(progress.ramp(0.1, 0.7).at(1.0), 0.7);
+        assert_eq!(Progress::default().ramp(0.1, 0.7).to, 0.7);
+    }
+
+    #[test]
+    fn a_stage_is_not_over_within_an_avalanche() {
+        let progress = Progress { done: 3.0, total: 3.0, ..Progress::default() };
+        assert!(progress.is_over());
+        assert!(!Progress { relaxing: true, ..progress }.is_over());
     }
 }

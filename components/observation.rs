@@ -137,9 +137,9 @@ pub struct Observation {
     pub residuals: Residuals,
     /// Whether bonds are above their limits at constant load: a state within an avalanche, no equilibrium.
     pub in_avalanche: bool,
-    /// How late bonds broke in this increment: relative change of the contact forces over it, `sum|f - f_0| / sum|f|`,
-    /// no more than [`group`](crate::increment::RuptureOrder::Events) where they break from event to event. 0 where
-    /// none broke.
+    /// How late bonds broke in this increment: relative change of the contact forces over it, `sum|f - f_0| / sum|f|`.
+    /// Where they break from event to event: the maximum overload less 1, or the tolerance of the search if that is
+    /// more. 0 where none broke.
     pub rupture_lag: f64,
     /// Loops that ended at their caps: `cascade`, `corrector`, `coulomb`, joined by `+`.
     pub caps: String,

@@ -286,7 +286,9 @@ fn record_state(
     } else {
         let change = events::change(&program, &solution);
         match (order.0.order, order.1.active) {
-            (RuptureOrder::Events { group, .. }, true) => change.min(group),
+            (RuptureOrder::Events { tolerance, .. }, true) => {
+                (order.1.overload - 1.0).max(tolerance)
+            }
             _ => change,
         }
     };

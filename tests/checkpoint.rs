@@ -171,6 +171,27 @@ fn biaxial_test_after_every_increment() {
     assert!(records.iter().any(|o| !o.ruptures.is_empty()), "no bond broke");
 }
 
+/// A run that is interrupted within an avalanche has its bonds, its row of the avalanche and its way through it still
+/// to come.
+#[test]
+fn from_event_to_event_and_within_avalanches() {
+    let loaded = load(
+        "biaxial_small",
+        &[
+            "rupture.order=Events",
+            "rupture.group=0.003",
+            "stages.confine.increments=2",
+            "stages.load.increments=3",
+            "stages.load.walls.top[1]=-0.45e-3",
+        ],
+    );
+    let stops = |increment: u64| increment % 3 == 1;
+    let records = same_from_anywhere(&loaded, stops);
+    // With the first of them behind it and the next one to come.
+    let within = records.iter().filter(|o| stops(o.increment) && o.in_avalanche).count();
+    assert!(within >= 2, "stopped {within} times within an avalanche, of {}", records.len());
+}
+
 #[test]
 fn biaxial_test_whose_motion_is_followed_and_whose_increments_are_halved() {
     // A limit of throw that grains meet all the time.

@@ -72,7 +72,9 @@ pub fn summary(of: &Summary) -> String {
         ));
         if r.avalanches > 0 {
             let (n, most) = (r.avalanches, r.largest_avalanche);
-            parts.push(format!("{n} avalanches, the largest of {most} bonds"));
+            let avalanches = if n == 1 { "avalanche" } else { "avalanches" };
+            let bonds = if most == 1 { "bond" } else { "bonds" };
+            parts.push(format!("{n} {avalanches}, the largest of {most} {bonds}"));
         }
     }
     let mut lines = vec![outcome];
@@ -119,8 +121,9 @@ fn peak_error(results: &Results) -> Option<String> {
     let estimate = results.peak_error_estimate.filter(|e| *e > PEAK_ERROR)?;
     results.peak_stress_pa?;
     Some(format!(
-        "WARNING: the peak depends on the increment, by about {:.0} %: bonds broke late; give `rupture: (order: \
-         Events)`, where bonds are elastic and the analysis static, or smaller increments",
+        "WARNING: the peak depends on the increment, by about {:.0} %: bonds broke late; give smaller increments, or \
+         `rupture: (order: Events)` (it holds for static stages and elastic bonds with strength that do not break in \
+         rolling)",
         100.0 * estimate
     ))
 }

@@ -1,11 +1,13 @@
 //! `avalanches.csv`: one row an avalanche, where bonds break from event to event.
 //!
-//! An avalanche begins with the increment that ends at the limit of its first bond. Others may break after it at
-//! constant load; it ends with the equilibrium in which all bonds hold, or with the run.
+//! An avalanche is one event, of a single bond or of many. It begins with the increment that ends at the limit of its first bond. Others may break after it at
+//! constant load; it ends with the equilibrium in which all bonds hold. What stands after it is empty where the run ended
+//! before, or where loading went on with one round of ruptures.
 
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use clastic_components::attempt::IncrementStatus;
 use clastic_components::bond::RuptureMode;
 use clastic_components::findings::EventSearch;
 use clastic_components::observation::Observation;
@@ -49,13 +51,40 @@ impl Avalanche {
     /// the row of one that has ended and the number of its bonds.
     pub fn follow(open: &mut Option<Self>, world: &World) -> Option<(Row, usize)> {
         let observation = world.resource::<Observation>();
-        if !world.resource::<EventSearch>().active && open.is_none() {
+        if !matches!(observation.status, IncrementStatus::Solved | IncrementStatus::Capped) {
             return None;
         }
-        let Some(first) = observation.ruptures.first() else {
-            return open.take().map(|avalanche| avalanche.ended(world));
+        let is_loaded = observation.fraction > 0.0;
+        let ended = if observation.ruptures.is_empty() {
+            let after = (!is_loaded).then(|| (observation.axial_stress, elastic_energy(world)));
+            open.take().map(|avalanche| avalanche.ended(after))
+        } else if is_loaded {
+            // Loading went on with one round of ruptures.
+            open.take().map(|avalanche| avalanche.ended(None))
+        } else {
+            None
         };
-        let avalanche = open.get_or_insert_with(|| Self {
+        if open.is_none() && world.resource::<EventSearch>().active {
+            *open = Self::begun(world);
+        }
+        if let Some(avalanche) = open {
+            avalanche.rounds += 1;
+            for rupture in &observation.ruptures {
+                let mode = match rupture.mode {
+                    RuptureMode::Tension => 0,
+                    RuptureMode::Shear => 1,
+                    RuptureMode::Rolling => 2,
+                };
+                avalanche.broken[mode] += 1;
+            }
+        }
+        ended
+    }
+
+    fn begun(world: &World) -> Option<Self> {
+        let observation = world.resource::<Observation>();
+        let first = observation.ruptures.first()?;
+        Some(Self {
             increment: observation.increment,
             stage: observation.stage.clone(),
             strain: observation.axial_strain,
@@ -64,20 +93,12 @@ impl Avalanche {
             broken: [0; 3],
             stress: observation.axial_stress,
             energy: elastic_energy(world),
-        });
-        avalanche.rounds += 1;
-        for rupture in &observation.ruptures {
-            let mode = match rupture.mode {
-                RuptureMode::Tension => 0,
-                RuptureMode::Shear => 1,
-                RuptureMode::Rolling => 2,
-            };
-            avalanche.broken[mode] += 1;
-        }
-        None
+        })
     }
 
-    fn ended(self, world: &World) -> (Row, usize) {
+    /// The row, and the number of bonds. `after` is the axial stress and the elastic energy after the avalanche, where
+    /// it ended with an equilibrium.
+    pub fn ended(self, after: Option<(Option<f64>, f64)>) -> (Row, usize) {
         let bonds = self.broken.iter().sum::<u32>() as usize;
         let mut row = Row::default()
             .count(self.increment)
@@ -88,9 +109,9 @@ impl Avalanche {
         for count in self.broken {
             row = row.count(count);
         }
-        let after = world.resource::<Observation>().axial_stress;
-        let row = row.optionals([self.stress, after]);
-        (row.numbers([self.energy, elastic_energy(world)]), bonds)
+        let stress = after.and_then(|after| after.0);
+        let row = row.optionals([self.stress, stress]);
+        (row.optionals([Some(self.energy), after.map(|after| after.1)]), bonds)
     }
 }
 

@@ -36,7 +36,8 @@ pub struct Results {
     /// Axial strain there.
     pub strain_at_peak: Option<f64>,
     /// Estimate of the relative error of the peak that the increment makes: how late bonds broke in the last increment
-    /// up to the peak in which any did, as a relative change of the contact forces. None where none had broken.
+    /// up to the peak in which any did, as a relative change of force. None where none had broken. It does not tell
+    /// what one round less or more in another order would change, nor what the state after a drop hides (`AllAtOnce`).
     pub peak_error_estimate: Option<f64>,
     /// Avalanches: ruptures at one load, from the first to an equilibrium in which all bonds hold. 0 unless bonds break
     /// from event to event.
@@ -230,7 +231,7 @@ impl KeyResults {
         if collapsed && self.collapse.is_none() {
             self.collapse = Some(self.last);
         }
-        if !o.ruptures.is_empty() && !o.in_avalanche && self.crack.is_none() {
+        if !o.ruptures.is_empty() && self.crack.is_none() {
             self.crack = Some((o.axial_stress, solved));
         }
         if o.in_avalanche {

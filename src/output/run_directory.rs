@@ -304,7 +304,7 @@ impl RunWriter {
         } else {
             self.state.prepared = Some(Prepared::of(world));
         }
-        if compacting && progress.done >= progress.total {
+        if compacting && progress.is_over() {
             let packing = Prepared::of(world);
             let moment = format!("at the end of the compaction `{}`", observation.stage);
             self.write_specimen(&packing, moment)?;
@@ -442,6 +442,12 @@ impl RunWriter {
             Ending::Finished(outcome) => Some(outcome),
             Ending::Interrupted => None,
         };
+        // Of one that is interrupted the rest is still to come.
+        if let (Some(_), Some(avalanche)) = (outcome, self.state.avalanche.take()) {
+            let (row, bonds) = avalanche.ended(None);
+            self.avalanches.push(row)?;
+            self.state.results.see_avalanche(bonds);
+        }
         let results = self.state.results.results();
         self.record.outcome = OutcomeRecord::new(outcome, stage, increment);
         self.record.stages = world.resource::<Script>().ends.clone();
@@ -549,7 +555,7 @@ impl Due {
         let observation = world.resource::<Observation>();
         let end = world.resource::<Script>().ends.last();
         let n = end.map_or(0, |end| end.increments);
-        let over = progress.done >= progress.total || end.is_some_and(|end| end.ended_by.is_some());
+        let over = progress.is_over() || end.is_some_and(|end| end.ended_by.is_some());
         let record = scene.stages.get(progress.stage).and_then(Stage::record);
         let record = record.cloned().unwrap_or_default();
         // What did not go as it should is never left out.

@@ -63,8 +63,10 @@ fn driven_together(world: &World, pair: Forced) -> String {
             None => bodies.name(id as usize),
         }
     };
-    // The last attempt may have been at a part of the increment.
-    let overlap = pair.closing / world.resource::<Progress>().fraction - pair.gap;
+    // The last attempt may have been at a part of the increment, or at none of it.
+    let fraction = world.resource::<Progress>().fraction;
+    let closing = if fraction > 0.0 { pair.closing / fraction } else { pair.closing };
+    let overlap = closing - pair.gap;
     format!(
         "{} and {} are rigid and are moved into each other, to an overlap of {overlap:.3e} m",
         body(pair.a),

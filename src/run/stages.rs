@@ -240,7 +240,7 @@ pub fn advance(world: &mut World) -> Step {
             begin(world, &stage);
         }
         let progress = world.resource::<Progress>();
-        if progress.done >= progress.total {
+        if progress.is_over() {
             end(world, &stage);
             continue;
         }
@@ -274,6 +274,7 @@ fn begin(world: &mut World, stage: &Stage) {
         progress.total = 0.0;
         progress.fraction = 1.0;
         progress.tried = 1.0;
+        progress.relaxing = false;
         let index = progress.stage;
         let mut script = world.resource_mut::<Script>();
         script.begun = true;
@@ -324,6 +325,10 @@ fn after_increment(world: &mut World, stage: &Stage) {
             if !world.resource::<Observation>().in_avalanche {
                 held = stopped(world, stage);
             }
+            // A stage does not end before its last avalanche has.
+            if world.resource::<Progress>().relaxing {
+                held = None;
+            }
             held.map(|_| EndedBy::Stop)
         }
         IncrementStatus::Collapsed => {
@@ -347,6 +352,7 @@ fn after_increment(world: &mut World, stage: &Stage) {
         load::end_early(world);
         let mut progress = world.resource_mut::<Progress>();
         progress.done = progress.total;
+        progress.relaxing = false;
     }
 }
 

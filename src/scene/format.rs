@@ -139,7 +139,7 @@ impl Default for Rupture {
             rolling: RollingLimit::Breaks,
             order: RuptureOrder::default(),
             tolerance: 5e-4,
-            group: 0.01,
+            group: 0.0,
             rounds: 200,
         }
     }

@@ -10,13 +10,13 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::contact::{Bodies, BondRow, Contacts};
-use clastic_components::findings::{EventSearch, EventTrial};
+use clastic_components::findings::{Corrections, EventSearch, EventTrial, Openings};
 use clastic_components::increment::{
     Analysis, AnalysisKind, Progress, RollingLimit, RuptureOrder, RuptureRules,
 };
 use clastic_components::program::{ConeProgram, ConeSolution};
 
-use crate::event_search::{Decision, GroupRules, Now, at_constant_load, decide};
+use crate::event_search::{Decision, GroupRules, Now, at_constant_load, decide, maximum};
 use crate::rupture_bonds::{BuiltInRule, Overload, limit, overloads, rupture};
 use crate::solve_program::residuals::residuals;
 
@@ -55,6 +55,7 @@ pub fn judge(
     mut program: ResMut<ConeProgram>,
     mut solution: ResMut<ConeSolution>,
     mut search: ResMut<EventSearch>,
+    passes: (Res<Openings>, Res<Corrections>),
     mut attempt: ResMut<Attempt>,
 ) {
     let RuptureOrder::Events { tolerance, group } = rules.order else { return };
@@ -76,9 +77,16 @@ pub fn judge(
         EventTrial { fraction, overloads, change, is_solved: true }
     };
     let trial = of_bonds(&found, progress.fraction);
+    search.overload = maximum(&trial);
+    // Coulomb's law and the corrector go on from the state that was chosen, with its bonds.
+    if passes.0.passes > 0 || passes.1.passes > 0 {
+        limit(&found, &mut program.interactions);
+        solution.residuals = residuals(&program, &solution.forces, &solution.displacements);
+        return;
+    }
     let now = Now { trial: &trial, shares: &shares };
     // After a motion under the loads of this trial there is no other fraction to go to.
-    let decision = if attempt.motions > 0 {
+    let decision = if search.moved {
         Decision::Stands(at_constant_load(now, group))
     } else {
         let start = || {
@@ -103,10 +111,10 @@ pub fn judge(
             // A group breaks a little late, and all of it at once.
             let is_left = |o: &Overload| o.value > 1.0 && !broken.contains(&bond(o));
             search.in_avalanche = !broken.is_empty()
-                && (progress.fraction == 0.0 || attempt.motions > 0 || found.iter().any(is_left));
+                && (progress.fraction == 0.0 || search.moved || found.iter().any(is_left));
             if !search.broken.is_empty() && progress.fraction > 0.0 {
                 // The next event is expected about as far away as the last ones were.
-                progress.tried = (REACH * progress.fraction).max(FORGET * progress.tried);
+                progress.tried = 0.5 * (REACH * progress.fraction).max(FORGET * progress.tried);
             }
             limit(&found, &mut program.interactions);
             solution.residuals = residuals(&program, &solution.forces, &solution.displacements);
@@ -126,11 +134,11 @@ pub fn judge(
     }
 }
 
-/// The first trial after an event goes at least this many times as far as the event was away, over the factor 2 by
-/// which fractions grow.
-const REACH: f64 = 2.0;
-/// It goes at least this many times as far as the first trial before the event, over the same factor.
-const FORGET: f64 = 0.25;
+/// After an event the first trial goes at least this many times as far as the event was away. Fractions double from one
+/// increment to the next, so that half of it is stored.
+const REACH: f64 = 4.0;
+/// It goes at least this many times as far as the first trial before the event.
+const FORGET: f64 = 0.5;
 
 /// Sum of normal and shear forces.
 fn sum(forces: &[[f64; 3]]) -> f64 {

@@ -153,11 +153,12 @@ pub fn run_attempts(world: &mut World) {
             Next::Approach => {
                 let target = world.resource::<EventSearch>().target;
                 world.resource_mut::<Progress>().fraction = target;
-                motion::forget_passes(world);
+                seek_equilibrium(world);
                 open_trial(world);
             }
             Next::Follow => {
                 start.get_or_insert_with(|| Start::take(world));
+                world.resource_mut::<EventSearch>().moved = true;
                 motion::begin(world, false);
             }
             Next::Move => {
@@ -189,7 +190,8 @@ pub fn run_attempts(world: &mut World) {
                     let mut search = world.resource_mut::<EventSearch>();
                     *search = EventSearch { active: search.active, ..EventSearch::default() };
                 } else {
-                    progress.tried = 1.0 - progress.done.fract();
+                    progress.tried =
+                        (1.0 - progress.done.fract()).min(progress.total - progress.done);
                     progress.fraction = progress.tried;
                     *world.resource_mut::<EventSearch>() = EventSearch::default();
                 }
@@ -251,7 +253,9 @@ fn begin_increment(world: &mut World) {
     progress.increment += 1;
     // Fractions end where whole increments do; what was halved may grow again.
     let left = 1.0 - progress.done.fract();
-    progress.tried = (2.0 * progress.tried).clamp(f64::MIN_POSITIVE, left);
+    if !progress.relaxing {
+        progress.tried = (2.0 * progress.tried).clamp(f64::MIN_POSITIVE, left);
+    }
     progress.fraction = if progress.relaxing { 0.0 } else { progress.tried };
     events::begin(world);
     open_trial(world);
@@ -306,6 +310,8 @@ fn end_increment(
     if status == IncrementStatus::Solved {
         let broken = std::mem::take(&mut world.resource_mut::<EventSearch>().broken);
         world.resource_mut::<Ruptures>().list.extend(broken);
+    } else {
+        world.resource_mut::<EventSearch>().in_avalanche = false;
     }
     let capped = world.resource::<Openings>().capped;
     let status = match status {

@@ -199,6 +199,6 @@ impl WorldState {
     /// Whether the stage under way has begun and is not at its end.
     #[must_use]
     pub fn is_within_stage(&self) -> bool {
-        self.script.begun && self.progress.done < self.progress.total
+        self.script.begun && !self.progress.is_over()
     }
 }
