@@ -128,7 +128,7 @@ pub fn decide(
     let target = if members > 1 {
         0.5 * (first + last)
     } else {
-        // A linear response is met at once. One that is bent is met more surely in the middle of what is accepted.
+        // With a linear response the first interpolation is exact. Later ones aim at the middle of the accepted range.
         let below_limit = 0.5 * rules.tolerance;
         let below_limit = if trials == 0 { below_limit.min(EXACT) } else { below_limit };
         let again = in_a_row[usize::from(reached)];

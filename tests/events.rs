@@ -18,7 +18,7 @@ const TOLERANCE: f64 = 1e-7;
 
 /// Columns of three touching disks. The lowest is held, the uppermost is pulled. The lower bond of a column is the
 /// weaker one: its common radius is that of the lowest disk, `radii[i]`.
-fn columns(radii: &[f64], order: &str, pull: f64, increments: u32) -> Simulation {
+fn columns(radii: &[f64], pull: f64, increments: u32) -> Simulation {
     let mut disks = String::new();
     let mut bonds = String::new();
     let (mut low, mut high) = (Vec::new(), Vec::new());
@@ -33,32 +33,34 @@ fn columns(radii: &[f64], order: &str, pull: f64, increments: u32) -> Simulation
         low.push((3 * i).to_string());
         high.push((3 * i + 2).to_string());
     }
-    let all = (0..3 * radii.len()).map(|i| i.to_string()).collect::<Vec<_>>().join(", ");
     let step = pull / f64::from(increments);
-    Simulation::new(
-        &parse(&format!(
-            "(
-                version: 1,
-                title: \"columns\",
-                rupture: (order: {order}),
-                output: (energy: true),
-                materials: {{ \"glue\": (
-                    contact: (normal_stiffness: {STIFFNESS:?}),
-                    bond: (normal_stiffness: {STIFFNESS:?}, tangential_stiffness: {STIFFNESS:?}, cohesion: 1.0e9, tensile_strength: {STRENGTH:?}),
-                ) }},
-                specimen: Particles([{disks}]),
-                bonds: [{bonds}],
-                stages: [Load(name: \"pull\", increments: {increments}, particles: [
-                    (select: Index([{all}]), x: Held, rotation: Held),
-                    (select: Index([{}]), y: Held),
-                    (select: Index([{}]), y: Displacement({step:?})),
-                ])],
-            )",
-            low.join(", "),
-            high.join(", "),
-        )),
-        None,
-    )
+    let drives = format!(
+        "(select: All, x: Held, rotation: Held), (select: Index([{}]), y: Held),
+         (select: Index([{}]), y: Displacement({step:?}))",
+        low.join(", "),
+        high.join(", "),
+    );
+    glued(&disks, &bonds, increments, &drives)
+}
+
+/// Disks with bonds that break in tension, one by one, and the drives of their only stage.
+fn glued(disks: &str, bonds: &str, increments: u32, drives: &str) -> Simulation {
+    let text = format!(
+        "(
+            version: 1,
+            title: \"glued disks\",
+            rupture: (order: Events, tolerance: {TOLERANCE:?}, group: 0.0),
+            output: (energy: true),
+            materials: {{ \"glue\": (
+                contact: (normal_stiffness: {STIFFNESS:?}),
+                bond: (normal_stiffness: {STIFFNESS:?}, tangential_stiffness: {STIFFNESS:?}, cohesion: 1.0e9, tensile_strength: {STRENGTH:?}),
+            ) }},
+            specimen: Particles([{disks}]),
+            bonds: [{bonds}],
+            stages: [Load(name: \"pull\", increments: {increments}, particles: [{drives}])],
+        )",
+    );
+    Simulation::new(&parse(&text), None)
 }
 
 /// Runs to the end: the observations of all increments.
@@ -95,11 +97,10 @@ const RADII: [f64; 7] = [3.0e-3, 3.7e-3, 2.9e-3, 4.4e-3, 5.0e-3, 3.1e-3, 4.1e-3]
 
 #[test]
 fn parallel_bonds_of_graded_strength_break_one_by_one_at_any_increment() {
-    let order = format!("Events, tolerance: {TOLERANCE:?}, group: 0.0");
     let mut graded = RADII;
     graded.sort_by(f64::total_cmp);
     for increments in [1, 7, 64] {
-        let mut simulation = columns(&RADII, &order, 6.0e-6, increments);
+        let mut simulation = columns(&RADII, 6.0e-6, increments);
         let mut lengthening = 0.0;
         let mut broken = 0;
         let records = run(&mut simulation);
@@ -161,28 +162,11 @@ fn chain(radii: &[f64], pull: f64, increments: u32) -> Simulation {
     }
     let last = radii.len() - 1;
     let step = pull / f64::from(increments);
-    Simulation::new(
-        &parse(&format!(
-            "(
-                version: 1,
-                title: \"chain\",
-                rupture: (order: Events, tolerance: {TOLERANCE:?}),
-                output: (energy: true),
-                materials: {{ \"glue\": (
-                    contact: (normal_stiffness: {STIFFNESS:?}),
-                    bond: (normal_stiffness: {STIFFNESS:?}, tangential_stiffness: {STIFFNESS:?}, cohesion: 1.0e9, tensile_strength: {STRENGTH:?}),
-                ) }},
-                specimen: Particles([{disks}]),
-                bonds: [{bonds}],
-                stages: [Load(name: \"pull\", increments: {increments}, particles: [
-                    (select: Index([0, 1, 2, 3, 4, 5]), x: Held, rotation: Held),
-                    (select: Index([0]), y: Held),
-                    (select: Index([{last}]), y: Displacement({step:?})),
-                ])],
-            )",
-        )),
-        None,
-    )
+    let drives = format!(
+        "(select: All, x: Held, rotation: Held), (select: Index([0]), y: Held),
+         (select: Index([{last}]), y: Displacement({step:?}))"
+    );
+    glued(&disks, &bonds, increments, &drives)
 }
 
 /// A disk is pulled from another one that two smaller ones hold under 30 degrees. The bond of the smaller one (12 N)
@@ -190,45 +174,16 @@ fn chain(radii: &[f64], pull: f64, increments: u32) -> Simulation {
 /// in the same avalanche: no row of the record lies between the two.
 #[test]
 fn an_avalanche_runs_at_constant_load_and_leaves_no_row_of_its_own() {
-    let (cosine, sine) = (0.75_f64.sqrt(), 0.5);
-    let small = |r: f64, sign: f64| {
-        let d = 12e-3 + r;
-        format!("(position: ({:?}, {:?}), radius: {r:?})", -d * cosine, sign * d * sine)
-    };
     for increments in [1, 11, 40] {
         let step = 5.5e-6 / f64::from(increments);
-        let mut simulation = Simulation::new(
-            &parse(&format!(
-                "(
-                    version: 1,
-                    title: \"fork\",
-                    rupture: (order: Events, tolerance: {TOLERANCE:?}, group: 0.0),
-                    materials: {{ \"glue\": (
-                        contact: (normal_stiffness: 1.0e7),
-                        bond: (normal_stiffness: 1.0e7, tangential_stiffness: 1.0e7, cohesion: 1.0e9, tensile_strength: 2.0e3),
-                    ) }},
-                    specimen: Particles([
-                        (position: (24.0e-3, 0.0), radius: 12.0e-3, probe: \"pulled\"),
-                        (position: (0.0, 0.0), radius: 12.0e-3, probe: \"middle\"),
-                        {}, {},
-                    ]),
-                    bonds: [(a: 0, b: 1), (a: 1, b: 2), (a: 1, b: 3)],
-                    stages: [Load(name: \"pull\", increments: {increments}, particles: [
-                        (select: Index([0, 1]), y: Held, rotation: Held),
-                        (select: Index([2, 3]), x: Held, y: Held, rotation: Held),
-                        (select: Index([0]), x: Displacement({step:?})),
-                    ])],
-                )",
-                small(3e-3, 1.0),
-                small(3.6e-3, -1.0),
-            )),
-            None,
-        );
+        let order = format!("order: Events, tolerance: {TOLERANCE:?}, group: 0.0");
+        let scene = fork_scene(&order, increments, &format!("x: Displacement({step:?})"));
+        let mut simulation = Simulation::new(&scene, None);
         let records = run(&mut simulation);
         let broken: Vec<_> = records.iter().filter(|r| !r.ruptures.is_empty()).collect();
         assert_eq!(broken.len(), 2, "{increments}");
         // 12 N = k u cos 30, and the middle disk has gone a third of the way.
-        let expected = 2.0 / 3.0 * 3.0 * 12.0 / cosine;
+        let expected = 2.0 / 3.0 * 3.0 * 12.0 / 0.75_f64.sqrt();
         assert_relative(probe(broken[0], "pulled").force[0], expected, 1e-4);
         assert!(!broken[0].in_avalanche && broken[1].in_avalanche);
         assert_eq!((broken[1].fraction, broken[1].increment), (0.0, broken[0].increment + 1));

@@ -263,7 +263,7 @@ impl KeyResults {
         peak
     }
 
-    /// Counts an avalanche of so many bonds.
+    /// Counts an avalanche in which this number of bonds broke.
     pub fn see_avalanche(&mut self, bonds: usize) {
         self.results.avalanches += 1;
         self.results.largest_avalanche = self.results.largest_avalanche.max(bonds);

@@ -292,3 +292,41 @@ pub fn momentum_scales(states: &[State]) -> (f64, f64) {
             .sum(),
     )
 }
+
+/// A disk is pulled from another, 12 mm both, that two smaller ones hold. All springs have
+/// 10 MN/m; only the middle disk moves freely, and only along x.
+///
+/// With both small disks the middle one goes a third of the way U of the pulled one, with one of
+/// them half of it, and a bond at 30 degrees carries k u cos 30: that of the 3 mm disk (12 N)
+/// breaks at U = 4.16 um and leaves more to that of the 3.6 mm disk than its 14.4 N.
+pub fn fork_scene(rules: &str, increments: u32, pull: &str) -> Scene {
+    let (cosine, sine) = (0.75_f64.sqrt(), 0.5);
+    let small = |r: f64, sign: f64| {
+        let d = 12e-3 + r;
+        format!("(position: ({:?}, {:?}), radius: {r:?})", -d * cosine, sign * d * sine)
+    };
+    parse(&format!(
+            "(
+                version: 1,
+                title: \"fork\",
+                rupture: ({rules}),
+                materials: {{ \"glue\": (
+                    contact: (normal_stiffness: 1.0e7),
+                    bond: (normal_stiffness: 1.0e7, tangential_stiffness: 1.0e7, cohesion: 1.0e9, tensile_strength: 2.0e3),
+                ) }},
+                specimen: Particles([
+                    (position: (24.0e-3, 0.0), radius: 12.0e-3, probe: \"pulled\"),
+                    (position: (0.0, 0.0), radius: 12.0e-3, probe: \"middle\"),
+                    {}, {},
+                ]),
+                bonds: [(a: 0, b: 1), (a: 1, b: 2), (a: 1, b: 3)],
+                stages: [Load(name: \"pull\", increments: {increments}, particles: [
+                    (select: Index([0, 1]), y: Held, rotation: Held),
+                    (select: Index([2, 3]), x: Held, y: Held, rotation: Held),
+                    (select: Index([0]), {pull}),
+                ])],
+            )",
+            small(3e-3, 1.0),
+            small(3.6e-3, -1.0),
+    ))
+}
