@@ -84,7 +84,7 @@ pub enum IncrementStatus {
     Collapsed,
     /// Neither an equilibrium nor a collapse was found; nothing was committed.
     Undecided,
-    /// Converged, but for the fixed point of Coulomb's law, which ended at its cap.
+    /// Converged, but for Coulomb's law, whose residual is above what is accepted.
     Capped,
 }
 

@@ -72,29 +72,22 @@ pub struct EventSearch {
     pub in_avalanche: bool,
 }
 
-/// The fixed point of Coulomb's law.
-#[derive(Resource, Clone, Debug, Default)]
-pub struct Openings {
-    /// Opening that is taken out, m, by contact (a, b), sorted.
-    pub list: Vec<((u32, u32), f64)>,
-    /// Passes so far.
-    pub passes: u32,
-    /// What the last pass would change of the openings, m, in the order of the list.
-    pub changes: Vec<((u32, u32), f64)>,
-    /// How much of that was made.
-    pub weight: f64,
-    /// Change of the openings in the last pass over the maximum displacement.
+/// How Coulomb's law is fulfilled by the last solution.
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sliding {
+    /// Maximum of the natural map of the contacts, without dimension; 0 with the associated law.
     pub residual: f64,
-    /// Whether the cap on passes was hit.
+    /// Whether the residual is above what is accepted, and at most [`BOUND`](Self::BOUND).
     pub capped: bool,
+    /// Whether the residual is above the bound: the solution is none.
+    pub lost: bool,
+    /// Solves of this increment that did not converge.
+    pub failures: u32,
 }
 
-impl Openings {
-    /// The opening that is taken out of a contact, m.
-    #[must_use]
-    pub fn of(&self, pair: (u32, u32)) -> f64 {
-        self.list.binary_search_by_key(&pair, |o| o.0).map_or(0.0, |k| self.list[k].1)
-    }
+impl Sliding {
+    /// Maximum residual of a solution under Coulomb's law that is committed.
+    pub const BOUND: f64 = 1e-4;
 }
 
 /// What [`Corrector`](crate::increment::Corrector) makes of a pair of particles.

@@ -49,19 +49,40 @@ impl Default for Analysis {
     }
 }
 
-/// Friction law of unbonded contacts.
+/// Friction law of contacts without strength: the paper's, convex, by which sliding opens the contact by mu |slip|,
+/// or Coulomb's.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Default)]
-pub enum FrictionLaw {
-    /// The paper's: convex, sliding opens the contact by mu |slip|.
-    #[default]
-    Associated,
-    /// Coulomb's: the fixed point `g <- g_0 + mu |slip| + mu_r r |d_r|` takes the opening out.
-    Coulomb {
-        /// Greatest change of an opening between two passes over the greatest displacement.
-        tolerance: f64,
-        /// Cap on the passes of one increment.
-        max_passes: u32,
-    },
+pub struct FrictionLaw {
+    /// Coulomb's law in static increments; the paper's if there is none.
+    pub in_statics: Option<Coulomb>,
+    /// The same in dynamic ones.
+    pub in_dynamics: Option<Coulomb>,
+}
+
+/// Coulomb's law: sliding and rolling do not open the contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coulomb {
+    /// Factorisations of one solve at most.
+    pub factorisations: u32,
+}
+
+impl Default for Coulomb {
+    fn default() -> Self {
+        Self { factorisations: 600 }
+    }
+}
+
+impl FrictionLaw {
+    /// Coulomb's law, if it is the law of this kind of analysis.
+    #[must_use]
+    pub fn coulomb(&self, kind: AnalysisKind) -> Option<Coulomb> {
+        match kind {
+            AnalysisKind::Static => self.in_statics,
+            AnalysisKind::Dynamic { .. } => self.in_dynamics,
+            // A packing is made without friction.
+            AnalysisKind::LeastMotion { .. } => None,
+        }
+    }
 }
 
 /// Whether an increment is solved again with the geometry that it leads to.

@@ -143,7 +143,7 @@ pub struct Observation {
     pub rupture_lag: f64,
     /// Loops that ended at their caps: `cascade`, `corrector`, `coulomb`, joined by `+`.
     pub caps: String,
-    /// Coulomb's fixed point: relative change in the last pass.
+    /// Coulomb's law: maximum of the natural map of the contacts, without dimension; 0 with the associated law.
     pub coulomb_residual: f64,
     /// How it ended.
     pub status: IncrementStatus,

@@ -140,6 +140,9 @@ pub struct Interaction {
     pub previous_shear: f64,
     /// Limits.
     pub limits: Limits,
+    /// Share a of the associated dilation: sliding and rolling open the interaction by
+    /// `a (mu |slip| + mu_r r |d_r|)`. 1 for the associated law, 0 for Coulomb's.
+    pub dilation: f64,
 }
 
 /// Closing, slip and relative rotation of an interaction.

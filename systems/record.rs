@@ -11,7 +11,7 @@ use clastic_components::body::{
 };
 use clastic_components::bond::{BondState, Rupture};
 use clastic_components::contact::{Bodies, Contact, Contacts};
-use clastic_components::findings::{Corrections, EventSearch, Openings, Ruptures};
+use clastic_components::findings::{Corrections, EventSearch, Ruptures, Sliding};
 use clastic_components::increment::{
     Acceptance, Analysis, AnalysisKind, Progress, RuptureOrder, RuptureRules,
 };
@@ -245,7 +245,7 @@ fn record_state(
     solution: Res<ConeSolution>,
     progress: Res<Progress>,
     attempt: Res<Attempt>,
-    loops: (Res<Ruptures>, Res<Corrections>, Res<Openings>),
+    loops: (Res<Ruptures>, Res<Corrections>, Res<Sliding>),
     order: (Res<RuptureRules>, Res<EventSearch>),
     count: Res<RuptureCount>,
     moving: Query<(&BodyId, &Particle, &Velocity, &AngularVelocity)>,
@@ -278,9 +278,9 @@ fn record_state(
     out.motion_strain = attempt.motion_strain;
     out.iterations = attempt.iterations;
     out.residuals = solution.residuals;
-    let (ruptures, corrections, openings) = loops;
+    let (ruptures, corrections, sliding) = loops;
     out.in_avalanche = order.1.in_avalanche;
-    out.coulomb_residual = openings.residual;
+    out.coulomb_residual = sliding.residual;
     out.rupture_lag = if ruptures.list.is_empty() {
         0.0
     } else {
@@ -295,7 +295,7 @@ fn record_state(
     let caps = [
         (ruptures.capped, "cascade"),
         (corrections.capped, "corrector"),
-        (openings.capped, "coulomb"),
+        (sliding.capped, "coulomb"),
     ];
     let caps: Vec<_> = caps.iter().filter(|(capped, _)| *capped).map(|(_, name)| *name).collect();
     out.caps = caps.join("+");

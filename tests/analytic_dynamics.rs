@@ -15,8 +15,7 @@ use glam::DVec2;
 /// What programs solved to a residual near 1e-11 must reproduce after some hundred increments.
 const EXACT: f64 = 1e-9;
 
-/// Coulomb's law with its fixed point followed to the end; scenes stop at 1e-8.
-const COULOMB: FrictionLaw = FrictionLaw::Coulomb { tolerance: 1e-12, max_passes: 100 };
+const COULOMB: FrictionLaw = FrictionLaw::COULOMB;
 
 const G: f64 = 9.81;
 /// Sine and cosine of the incline.

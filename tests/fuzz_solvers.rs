@@ -116,6 +116,7 @@ fn program(case: u64) -> ConeProgram {
                 strength(r),
                 r.or_zero(60, -4.0, -3.0),
             ),
+            dilation: 1.0,
         });
     }
     ConeProgram {

@@ -179,7 +179,7 @@ fn two_runs_agree_to_the_last_bit() {
     };
     let mut statics = small_cell(ROUGH, ROUGH);
     weaken(&mut statics);
-    let dynamics = swarm("Coulomb(tolerance: 1e-6)", RIGID, 2e-4, 0.7, 40);
+    let dynamics = swarm("Coulomb()", RIGID, 2e-4, 0.7, 40);
     for scene in [statics, dynamics] {
         let (first, second) = (everything(&scene), everything(&scene));
         assert!(first.len() > 30);

@@ -84,7 +84,7 @@ fn a_stack_sleeps_with_coulombs_law_and_with_every_theta() {
     for theta in [0.5, 0.75, 1.0] {
         let coulomb = |solver: &str| {
             let mut scene = stack(RIGID, solver, BESIDE);
-            scene.friction_law = FrictionLaw::Coulomb { max_passes: 100, tolerance: 1e-10 };
+            scene.friction_law = FrictionLaw::COULOMB;
             scene.analysis = Analysis::Dynamic { dt: 1.0e-3, theta };
             scene
         };

@@ -203,6 +203,7 @@ mod tests {
             tangential_compliance: 0.0,
             previous_shear: 0.0,
             limits: Limits::default(),
+            dilation: 1.0,
         };
         let program = ConeProgram {
             bodies: vec![body(Dof::Free(load)), body(Dof::Fixed(1e-3))],

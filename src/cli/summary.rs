@@ -104,7 +104,7 @@ fn warnings(stages: &[StageEnd]) -> Vec<String> {
         .collect();
     if !lines.is_empty() {
         lines.push(
-            "a capped increment is no converged state: it came to the cap on its passes (`rupture.rounds`, \
+            "a capped increment is no converged state: it came to a cap (`rupture.rounds`, \
              `friction_law`, `corrector`); give a higher cap, a greater `tolerance` or smaller increments. Key \
              results leave it out"
                 .to_owned(),

@@ -118,6 +118,13 @@ struct InteractionDump {
     tangential_compliance: f64,
     previous_shear: f64,
     limits: LimitsDump,
+    #[serde(default = "associated")]
+    dilation: f64,
+}
+
+/// The dilation of dumps that do not say it.
+fn associated() -> f64 {
+    1.0
 }
 
 #[derive(Serialize, Deserialize)]
@@ -242,6 +249,7 @@ fn interaction(c: &Interaction) -> InteractionDump {
             rolling: c.limits.rolling,
             moment: c.limits.moment,
         },
+        dilation: c.dilation,
     }
 }
 
@@ -336,5 +344,6 @@ fn read_interaction(c: &InteractionDump) -> Interaction {
             rolling: c.limits.rolling,
             moment: c.limits.moment,
         },
+        dilation: c.dilation,
     }
 }

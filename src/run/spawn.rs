@@ -37,9 +37,13 @@ pub fn insert_settings(world: &mut World, scene: &scene::Scene, particles: u32) 
     world.insert_resource(WallCatalogue { first: particles, walls: scene.walls.clone() });
     world.insert_resource(analysis(scene, scene.analysis, scene.gravity));
     world.insert_resource(match scene.friction_law {
-        scene::FrictionLaw::Associated => inc::FrictionLaw::Associated,
-        scene::FrictionLaw::Coulomb { tolerance, max_passes } => {
-            inc::FrictionLaw::Coulomb { tolerance, max_passes }
+        scene::FrictionLaw::Associated => inc::FrictionLaw::default(),
+        scene::FrictionLaw::ByAnalysis => {
+            inc::FrictionLaw { in_statics: None, in_dynamics: Some(inc::Coulomb::default()) }
+        }
+        scene::FrictionLaw::Coulomb { factorisations, .. } => {
+            let coulomb = inc::Coulomb { factorisations };
+            inc::FrictionLaw { in_statics: Some(coulomb), in_dynamics: Some(coulomb) }
         }
     });
     world.insert_resource(inc::RuptureRules {

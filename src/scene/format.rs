@@ -91,6 +91,12 @@ pub enum Analysis {
     },
 }
 
+impl FrictionLaw {
+    /// Coulomb's law with the defaults.
+    pub const COULOMB: Self =
+        Self::Coulomb { factorisations: FACTORISATIONS, tolerance: 0.0, max_passes: 0 };
+}
+
 /// Friction law of unbonded contacts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
@@ -98,23 +104,27 @@ pub enum FrictionLaw {
     /// The paper's associated law: sliding opens a contact by mu |slip|.
     #[default]
     Associated,
-    /// Coulomb's law by a fixed point of a few re-solves.
+    /// Coulomb's law in dynamic stages, the associated one in static stages.
+    ByAnalysis,
+    /// Coulomb's law: sliding does not open a contact.
     Coulomb {
-        /// Greatest change of an opening between passes over the greatest displacement.
-        #[serde(default = "coulomb_tolerance")]
+        /// Factorisations of one solve at most.
+        #[serde(default = "coulomb_factorisations")]
+        factorisations: u32,
+        /// Read for scenes of earlier builds, and without effect.
+        #[serde(default, skip_serializing)]
         tolerance: f64,
-        /// Cap on the passes.
-        #[serde(default = "coulomb_passes")]
+        /// The same.
+        #[serde(default, skip_serializing)]
         max_passes: u32,
     },
 }
 
-fn coulomb_tolerance() -> f64 {
-    1e-8
-}
+/// Default of [`FrictionLaw::Coulomb`].
+const FACTORISATIONS: u32 = 600;
 
-fn coulomb_passes() -> u32 {
-    50
+fn coulomb_factorisations() -> u32 {
+    FACTORISATIONS
 }
 
 /// Rules of rupture.

@@ -11,7 +11,7 @@
 //! forces averages over the increment; a rigid one keeps g, no penetration at its end.
 
 use clastic_components::contact::{Bodies, BondRow, Contact, ContactHistory};
-use clastic_components::findings::{Corrections, Openings, Pushed, Ruptures};
+use clastic_components::findings::{Corrections, Pushed, Ruptures};
 use clastic_components::increment::{Analysis, AnalysisKind};
 use clastic_components::material::{ContactLaw, Materials};
 use clastic_components::program::{Interaction, Limits};
@@ -25,8 +25,6 @@ pub(super) const ROUND_OFF: f64 = 1e-9;
 pub struct Findings<'a> {
     /// Bonds that are broken already.
     pub ruptures: &'a Ruptures,
-    /// Openings that Coulomb's law takes out.
-    pub openings: &'a Openings,
     /// Geometry at the place that the corrector has come to.
     pub corrections: &'a Corrections,
     /// Whether rigid overlaps have been pushed apart.
@@ -136,14 +134,12 @@ fn unbonded(
     law: &ContactLaw,
     memory: f64,
 ) -> Interaction {
-    let key = (contact.a, contact.b);
-    let opening = findings.openings.of(key);
     let rolling = law.rolling_friction * contact.common_radius(bodies);
     let limits = Limits::new(0.0, law.friction, 0.0, rolling);
     // What moves apart has been found; forces and velocities are those of a touch.
     let touches = findings.pushed.0.is_some() && law.normal_compliance == 0.0;
     let gap = if touches { contact.gap.max(0.0) } else { contact.gap };
-    let mut c = interaction(
+    interaction(
         bodies,
         analysis,
         findings,
@@ -152,9 +148,7 @@ fn unbonded(
         [law.normal_compliance, law.tangential_compliance],
         memory,
         limits,
-    );
-    c.offset += opening;
-    c
+    )
 }
 
 fn interaction(
@@ -198,5 +192,6 @@ fn interaction(
         tangential_compliance,
         previous_shear: if tangential > 0.0 { memory + shift } else { 0.0 },
         limits,
+        dilation: 1.0,
     }
 }

@@ -13,7 +13,7 @@ use bevy_ecs::prelude::*;
 use clastic_components::attempt::Attempt;
 use clastic_components::contact::{Bodies, Contacts, DraftHistory};
 use clastic_components::findings::{
-    Centre, Corrections, EventSearch, Openings, Pushed, Restraints, Ruptures,
+    Centre, Corrections, EventSearch, Pushed, Restraints, Ruptures,
 };
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
 use clastic_components::loads::TrialLoads;
@@ -74,7 +74,7 @@ pub fn assemble_program(
     acceptance: Res<Acceptance>,
     progress: Res<Progress>,
     attempt: Res<Attempt>,
-    changes: (Res<Ruptures>, Res<Openings>, Res<Corrections>, Res<Pushed>),
+    changes: (Res<Ruptures>, Res<Corrections>, Res<Pushed>),
     search: Res<EventSearch>,
     restraints: Res<Restraints>,
     centre: Res<Centre>,
@@ -83,8 +83,8 @@ pub fn assemble_program(
 ) {
     let program = &mut *program;
     let history = &history.0;
-    let (ruptures, openings, corrections, pushed) = &changes;
-    let findings = Findings { ruptures, openings, corrections, pushed };
+    let (ruptures, corrections, pushed) = &changes;
+    let findings = Findings { ruptures, corrections, pushed };
     interactions::assemble(
         &bodies,
         &contacts.0,

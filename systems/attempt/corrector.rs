@@ -18,7 +18,7 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::contact::{Bodies, Contacts};
-use clastic_components::findings::{Correction, Corrections, Openings};
+use clastic_components::findings::{Correction, Corrections};
 use clastic_components::increment::{Analysis, AnalysisKind, Corrector};
 use clastic_components::program::{ConeProgram, ConeSolution};
 
@@ -34,7 +34,6 @@ pub fn judge(
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
     mut state: ResMut<Corrections>,
-    mut openings: ResMut<Openings>,
     mut attempt: ResMut<Attempt>,
 ) {
     let place = match analysis.kind {
@@ -101,6 +100,5 @@ pub fn judge(
     }
     state.passes += 1;
     state.list = corrections;
-    openings.passes = 0;
     attempt.verdict = Verdict::Again;
 }

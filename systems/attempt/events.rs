@@ -10,7 +10,7 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::contact::{Bodies, BondRow, Contacts};
-use clastic_components::findings::{Corrections, EventSearch, EventTrial, Openings};
+use clastic_components::findings::{Corrections, EventSearch, EventTrial};
 use clastic_components::increment::{
     Analysis, AnalysisKind, Progress, RollingLimit, RuptureOrder, RuptureRules,
 };
@@ -55,7 +55,7 @@ pub fn judge(
     mut program: ResMut<ConeProgram>,
     mut solution: ResMut<ConeSolution>,
     mut search: ResMut<EventSearch>,
-    passes: (Res<Openings>, Res<Corrections>),
+    corrections: Res<Corrections>,
     mut attempt: ResMut<Attempt>,
 ) {
     let RuptureOrder::Events { tolerance, group } = rules.order else { return };
@@ -78,8 +78,8 @@ pub fn judge(
     };
     let trial = of_bonds(&found, progress.fraction);
     search.overload = maximum(&trial);
-    // Coulomb's law and the corrector go on from the state that was chosen, with its bonds.
-    if passes.0.passes > 0 || passes.1.passes > 0 {
+    // The corrector goes on from the state that was chosen, with its bonds.
+    if corrections.passes > 0 {
         limit(&found, &mut program.interactions);
         solution.residuals = residuals(&program, &solution.forces, &solution.displacements);
         return;

@@ -1,8 +1,8 @@
 //! The attempts at one increment, and the judges that accept, extend or reject them.
 //!
-//! Judges run in this order, each only while none before it objects: [`converged`], [`closing_mechanism`],
-//! [`restraints`], [`events`], [`thrown_grains`], [`closed_pairs`], [`snaps`], [`push_out`], [`coulomb`], [`corrector`],
-//! [`cascade`]; of a step of a motion only [`converged`], [`motion::judge_length`], [`closed_pairs`] and
+//! Judges run in this order, each only while none before it objects: [`converged`], [`coulomb`], [`closing_mechanism`],
+//! [`restraints`], [`events`], [`thrown_grains`], [`closed_pairs`], [`snaps`], [`push_out`], [`corrector`],
+//! [`cascade`]; of a step of a motion only [`converged`], [`coulomb`], [`motion::judge_length`], [`closed_pairs`] and
 //! [`motion::judge_rest`]. What they find is kept in the tables of
 //! [`findings`](clastic_components::findings) until the increment is committed. [`mod@next`] says what follows
 //! from their verdict.
@@ -33,7 +33,7 @@ use clastic_components::body::Ramp;
 use clastic_components::contact::{Bodies, DraftHistory};
 use clastic_components::energy::MotionEnergies;
 use clastic_components::findings::{
-    AddedPairs, Centre, Closest, Corrections, EventSearch, Openings, Pushed, Restraints, Ruptures,
+    AddedPairs, Centre, Closest, Corrections, EventSearch, Pushed, Restraints, Ruptures, Sliding,
 };
 use clastic_components::increment::{
     Acceptance, Analysis, AnalysisKind, Corrector, FrictionLaw, Progress, RuptureRules,
@@ -55,7 +55,6 @@ impl Plugin for AttemptPlugin {
         app.init_resource::<Attempt>()
             .init_resource::<AddedPairs>()
             .init_resource::<Ruptures>()
-            .init_resource::<Openings>()
             .init_resource::<Corrections>()
             .init_resource::<Pushed>()
             .init_resource::<Restraints>()
@@ -74,6 +73,7 @@ impl Plugin for AttemptPlugin {
                 AttemptIncrement,
                 (
                     converged::judge,
+                    coulomb::judge.run_if(sound),
                     motion::judge_length.run_if(in_motion),
                     closing_mechanism::judge.run_if(impossible),
                     restraints::judge.run_if(impossible),
@@ -83,7 +83,6 @@ impl Plugin for AttemptPlugin {
                     motion::judge_rest.run_if(in_motion),
                     snaps::judge.run_if(in_equilibrium),
                     push_out::judge.run_if(in_equilibrium),
-                    coulomb::judge.run_if(in_equilibrium),
                     corrector::judge.run_if(in_equilibrium),
                     cascade::judge.run_if(in_equilibrium).run_if(not(events::searches)),
                 )
@@ -248,6 +247,7 @@ fn begin_increment(world: &mut World) {
     *world.resource_mut::<MotionEnergies>() = MotionEnergies::default();
     *world.resource_mut::<Ruptures>() = Ruptures::default();
     *world.resource_mut::<Closest>() = Closest::default();
+    *world.resource_mut::<Sliding>() = Sliding::default();
     motion::forget_passes(world);
     let mut progress = world.resource_mut::<Progress>();
     progress.increment += 1;
@@ -313,7 +313,7 @@ fn end_increment(
     } else {
         world.resource_mut::<EventSearch>().in_avalanche = false;
     }
-    let capped = world.resource::<Openings>().capped;
+    let capped = world.resource::<Sliding>().capped;
     let status = match status {
         IncrementStatus::Solved if capped => IncrementStatus::Capped,
         status => status,

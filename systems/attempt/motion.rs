@@ -14,7 +14,7 @@ use bevy_ecs::prelude::*;
 use clastic_components::attempt::{Attempt, Mode, Verdict};
 use clastic_components::contact::{Bodies, Contacts, DraftHistory};
 use clastic_components::energy::EnergyLedger;
-use clastic_components::findings::{Centre, Corrections, Openings, Pushed, Restraints, Ruptures};
+use clastic_components::findings::{Centre, Corrections, Pushed, Restraints, Ruptures};
 use clastic_components::increment::{Acceptance, Progress, RuptureRules};
 use clastic_components::material::Materials;
 use clastic_components::motion::Motion;
@@ -92,7 +92,6 @@ pub fn end(world: &mut World) {
 
 /// Drops what is only true of the solution that was found last.
 pub fn forget_passes(world: &mut World) {
-    *world.resource_mut::<Openings>() = Openings::default();
     *world.resource_mut::<Corrections>() = Corrections::default();
     *world.resource_mut::<Pushed>() = Pushed::default();
     *world.resource_mut::<Centre>() = Centre::default();

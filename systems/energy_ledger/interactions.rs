@@ -5,7 +5,7 @@ use glam::DVec2;
 use clastic_components::bond::BondId;
 use clastic_components::contact::{Bodies, Contact, ContactHistory, Contacts};
 use clastic_components::energy::Energies;
-use clastic_components::findings::{Corrections, Openings};
+use clastic_components::findings::Corrections;
 use clastic_components::increment::{Analysis, AnalysisKind};
 use clastic_components::material::Materials;
 use clastic_components::program::{ConeProgram, ConeSolution};
@@ -23,7 +23,6 @@ pub struct Tables<'a> {
     pub analysis: &'a Analysis,
     pub program: &'a ConeProgram,
     pub solution: &'a ConeSolution,
-    pub openings: &'a Openings,
     pub corrections: &'a Corrections,
     /// Positions at the end, m.
     pub end: &'a [DVec2],
@@ -37,7 +36,7 @@ pub fn book(
     before: Option<f64>,
     is_broken: impl Fn(BondId) -> bool,
 ) -> f64 {
-    let Tables { bodies, contacts, program, solution, openings, corrections, .. } = tables;
+    let Tables { bodies, contacts, program, solution, corrections, .. } = tables;
     let theta = match tables.analysis.kind {
         AnalysisKind::Dynamic { theta, .. } => theta,
         AnalysisKind::Static | AnalysisKind::LeastMotion { .. } => 1.0,
@@ -54,17 +53,15 @@ pub fn book(
         let as_bond = contact.bond.is_some() && (c.limits.has_strength() || !broken);
         broke_before |= broken && !as_bond;
         let key = (contact.a, contact.b);
-        let opening = if as_bond { 0.0 } else { openings.of(key) };
 
         e.friction += q * m.slip;
         e.rolling += tau * m.rotation;
-        let dilates =
-            c.limits.friction * m.slip.abs() + c.limits.rolling * m.rotation.abs() - opening;
-        e.dilation -= p * dilates;
+        let opens = c.limits.friction * m.slip.abs() + c.limits.rolling * m.rotation.abs();
+        e.dilation -= p * c.dilation * opens;
         if as_bond {
             e.rupture -= p * m.tension;
         }
-        let taken = p * (c.offset - opening + c.normal_compliance * p)
+        let taken = p * (c.offset + c.normal_compliance * p)
             + c.tangential_compliance * q * (q - c.previous_shear);
 
         let shift = corrections.shear_shift(key, c.tangential_compliance);

@@ -34,7 +34,7 @@ use glam::DVec2;
 use clastic_components::body::{AngularVelocity, BodyId, Drive, ExternalForce, Position, Velocity};
 use clastic_components::contact::{Bodies, ContactHistory, Contacts};
 use clastic_components::energy::{Energies, EnergyLedger, MotionEnergies};
-use clastic_components::findings::{Corrections, Openings, Ruptures};
+use clastic_components::findings::{Corrections, Ruptures};
 use clastic_components::increment::{Analysis, AnalysisKind};
 use clastic_components::material::Materials;
 use clastic_components::program::{ConeProgram, ConeSolution};
@@ -81,7 +81,7 @@ pub fn book_energies(
     analysis: Res<Analysis>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
-    findings: (Res<Ruptures>, Res<Openings>, Res<Corrections>),
+    findings: (Res<Ruptures>, Res<Corrections>),
     motion: Res<MotionEnergies>,
     moved: Moved,
     mut ledger: ResMut<EnergyLedger>,
@@ -121,7 +121,7 @@ pub fn book_energies(
         }
     }
 
-    let (ruptures, openings, corrections) = findings;
+    let (ruptures, corrections) = findings;
     let tables = Tables {
         bodies: &bodies,
         contacts: &contacts,
@@ -130,7 +130,6 @@ pub fn book_energies(
         analysis: &analysis,
         program: &program,
         solution: &solution,
-        openings: &openings,
         corrections: &corrections,
         end: &end,
     };

@@ -45,7 +45,6 @@ pub(crate) fn book_step(
         analysis,
         program,
         solution,
-        openings: world.resource(),
         corrections: world.resource(),
         end: &end,
     };

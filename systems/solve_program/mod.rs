@@ -7,18 +7,22 @@
 pub mod certificate;
 pub mod clarabel;
 pub mod condensed;
+pub mod coulomb;
 mod lowering;
 pub mod mechanism;
 pub mod polish;
 pub mod residuals;
+pub mod sliding;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, Mode};
+use clastic_components::findings::Sliding;
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
 use clastic_components::program::{ConeProgram, ConeSolution, Dof, SolveStatus};
 
+use self::sliding::{SlidingSolver, solve_sliding};
 use crate::schedule::{AttemptIncrement, AttemptSystems, lap};
 
 /// A program that no solver can read: an error of whoever assembled it.
@@ -65,10 +69,16 @@ pub struct SolveProgramPlugin;
 
 impl Plugin for SolveProgramPlugin {
     fn build(&self, app: &mut App) {
-        app.init_resource::<ConeSolution>().init_resource::<Solver>().add_systems(
-            AttemptIncrement,
-            (solve_program, lap(|t| &mut t.solve)).chain().in_set(AttemptSystems::Solve),
-        );
+        app.init_resource::<ConeSolution>()
+            .init_resource::<Solver>()
+            .init_resource::<SlidingSolver>()
+            .init_resource::<Sliding>()
+            .add_systems(
+                AttemptIncrement,
+                (solve_program, solve_sliding, lap(|t| &mut t.solve))
+                    .chain()
+                    .in_set(AttemptSystems::Solve),
+            );
     }
 }
 

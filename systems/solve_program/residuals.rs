@@ -1,12 +1,12 @@
 //! KKT residuals of a solution, from forces and displacements alone.
 //!
 //! The multipliers of the limits follow from the displacements: with `e = (d_n, d_t, d_r)` the
-//! kinematics of an interaction, stationarity (equation 34 of the paper) gives
+//! kinematics of an interaction and a its dilation, stationarity (equation 34 of the paper) gives
 //!
 //! ```text
 //! s_t = d_t - C_T (q - q_0)                                  lambda_q = |s_t|, at the limit of its sign
 //! s_r = d_r                                                  lambda_r = |s_r|, at the limit of its sign
-//! lambda_T = g + C_N p - d_n - mu lambda_q - mu_r r lambda_r  of p >= -f_t
+//! lambda_T = g + C_N p - d_n - a (mu lambda_q + mu_r r lambda_r)  of p >= -f_t
 //! ```
 //!
 //! so that what can be wrong is the sign of `lambda_T` (kinematics) and a multiplier at a limit
@@ -43,8 +43,7 @@ pub fn multipliers(c: &Interaction, e: &Kinematics, f: &[f64; 3]) -> Multipliers
     let rotation = if l.has_rolling() { e[2] } else { 0.0 };
     let tension = c.offset + c.normal_compliance * f[0]
         - e[0]
-        - l.friction * slip.abs()
-        - l.rolling * rotation.abs();
+        - c.dilation * (l.friction * slip.abs() + l.rolling * rotation.abs());
     Multipliers { tension, slip, rotation }
 }
 
@@ -115,16 +114,21 @@ pub fn force_scale(program: &ConeProgram, forces: &[[f64; 3]]) -> f64 {
             }
         }
     }
-    let applied = program
-        .bodies
-        .iter()
-        .flat_map(|b| &b.dofs[..2])
-        .map(|d| if let Dof::Free(f) = d { (f.load - f.momentum).abs() } else { 0.0 })
-        .fold(0.0, f64::max);
+    let applied = applied_force(program);
     // Where all are zero (a bond has broken, a specimen is unloaded) round-off of what was there
     // before must not count as an error.
     let expected = applied.max(program.scales.force);
     contact.min(GREATEST_FORCE * expected).max(applied).max(1e-2 * program.scales.force)
+}
+
+/// Maximum applied force, N.
+pub(super) fn applied_force(program: &ConeProgram) -> f64 {
+    program
+        .bodies
+        .iter()
+        .flat_map(|b| &b.dofs[..2])
+        .map(|d| if let Dof::Free(f) = d { (f.load - f.momentum).abs() } else { 0.0 })
+        .fold(0.0, f64::max)
 }
 
 /// Greatest displacement, m, but at least 1e-6 mean radii and at most one: beside a body that a
@@ -198,6 +202,38 @@ pub fn worst_bodies(program: &ConeProgram, solution: &ConeSolution) -> Option<[u
         (out.worst(), [c.a as usize, c.b as usize])
     });
     balance.chain(laws).max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, bodies)| bodies)
+}
+
+/// Maximum of the natural map of the contacts without strength, without dimension: with P, Q, T forces and s the
+/// gap, slip and rotation of the law over their units,
+///
+/// ```text
+/// |min(P, s_n)|,   |Q - clamp(Q + s_t, -mu P, mu P)|,   |T - clamp(T + s_r, -mu_r r P, mu_r r P)|
+/// ```
+///
+/// Unlike the products of forces and gaps it stays large where both are small and neither vanishes.
+#[must_use]
+pub fn natural_map(program: &ConeProgram, forces: &[[f64; 3]], displacements: &[[f64; 3]]) -> f64 {
+    let Units { force, displacement, length } = Units::of(program, forces, displacements);
+    let interactions = program.interactions.iter().zip(forces);
+    let of = |(c, f): (&Interaction, &[f64; 3])| {
+        let m = multipliers(c, &program.kinematics(c, displacements), f);
+        let (p, q, t) = (f[0] / force, f[1] / force, f[2] / (force * length));
+        let projected = |x: f64, step: f64, slope: f64| {
+            let limit = slope * p.max(0.0);
+            (x - (x + step).clamp(-limit, limit)).abs()
+        };
+        let l = &c.limits;
+        let mut out = p.min(m.tension / displacement).abs();
+        if l.has_shear() {
+            out = out.max(projected(q, m.slip / displacement, l.friction));
+        }
+        if l.has_rolling() {
+            out = out.max(projected(t, m.rotation * length / displacement, l.rolling / length));
+        }
+        out
+    };
+    interactions.filter(|(c, _)| !c.limits.has_strength()).map(of).fold(0.0, f64::max)
 }
 
 /// What residuals are relative to.

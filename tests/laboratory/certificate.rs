@@ -161,6 +161,7 @@ mod tests {
             tangential_compliance: 0.0,
             previous_shear: 0.0,
             limits: Limits { friction: 0.5, tension, ..Limits::default() },
+            dilation: 1.0,
         };
         ConeProgram {
             bodies: vec![disk, wall],

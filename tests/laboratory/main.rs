@@ -62,6 +62,20 @@ fn all_scenes_complete() {
     judge(&reports, 0);
 }
 
+/// Static scenes with Coulomb's law in which the interior point alone stalls in up to half of the increments: an
+/// oedometer, a shear box, a deposition and a slope. The path followed past its turning points solves nearly all.
+#[test]
+fn coulombs_law_converges_in_nearly_every_increment() {
+    let plans: Vec<Plan> = [25, 33, 87, 108].map(Plan::new).into();
+    let reports = run::all(&plans, threads());
+    judge(&reports, 0);
+    for report in &reports {
+        assert!(report.coulomb, "seed {}", report.seed);
+        let share = report.capped as f64 / report.increments as f64;
+        assert!(share <= 0.01, "seed {}: {} capped", report.seed, report.capped);
+    }
+}
+
 /// The same seed gives the same scene, and the engine reads all of them without error.
 #[test]
 fn scenes_are_drawn_from_their_seed_and_read_without_error() {

@@ -72,7 +72,7 @@ fn ledger_closes_in_a_static_specimen_that_breaks() {
 
 #[test]
 fn ledger_closes_in_colliding_swarms() {
-    let coulomb = "Coulomb(tolerance: 1e-8)";
+    let coulomb = "Coulomb()";
     for law in ["Associated", coulomb] {
         for contact in [RIGID, ELASTIC] {
             for theta in [0.5, 0.7, 1.0] {
@@ -106,7 +106,7 @@ fn friction_of_a_sliding_block_is_its_force_times_its_way() {
     let (sin, cos, friction) = (0.6, 0.8, 0.3);
     let mut scene = load("incline_held");
     scene.walls[0].contact.friction = friction;
-    scene.friction_law = FrictionLaw::Coulomb { tolerance: 1e-12, max_passes: 100 };
+    scene.friction_law = FrictionLaw::COULOMB;
     scene.analysis = Analysis::Dynamic { dt: 1e-3, theta: 0.5 };
     let total = sum(&ledger(&scene));
     assert_relative(total.friction, friction * cos / sin * total.gravity, 1e-9);

@@ -189,7 +189,7 @@ fn pile(head: &str, contact: &str, increments: u32) -> Scene {
 #[test]
 fn friction_from_none_to_five() {
     for friction in [0.0, 1e-9, 1e-3, 0.5, 1.0, 2.0, 5.0] {
-        for law in ["Associated", "Coulomb(tolerance: 1e-6)"] {
+        for law in ["Associated", "Coulomb()"] {
             let head = format!("friction_law: {law}, analysis: Dynamic(dt: 1.0e-3)");
             let outcome = sound(&pile(
                 &head,

@@ -9,14 +9,14 @@ use clastic::components::attempt::{Attempt, IncrementStatus};
 use clastic::components::body::{BodyId, Drive, Drives, ExternalForce, LastMotion, Position};
 use clastic::components::bond::{Bond, BondState};
 use clastic::components::contact::Contacts;
-use clastic::components::findings::{Openings, Pushed};
+use clastic::components::findings::{Pushed, Sliding};
 use clastic::components::increment::{Analysis, AnalysisKind};
 use clastic::components::observation::Observation;
 use clastic::components::particle::{MaterialIndex, Particle};
 use clastic::components::program::{ConeProgram, ConeSolution, Dof, Limits};
 use clastic::components::wall::{Wall, WallControl};
 use clastic::run::Simulation;
-use clastic::scene::format::{Bond as BondLaw, Contact as ContactLaw, Scene, Stage};
+use clastic::scene::format::{Bond as BondLaw, Contact as ContactLaw, FrictionLaw, Scene, Stage};
 use glam::DVec2;
 
 use crate::common::{State, states};
@@ -134,10 +134,13 @@ impl Oracle {
             {
                 findings.complain(n, "a body further than 1000 km away".into());
             }
-            findings.book("reported residual", record.residuals.worst(), RESIDUAL, n);
+            let capped = record.status == IncrementStatus::Capped;
+            let limit = if capped { Sliding::BOUND } else { RESIDUAL };
+            findings.book("reported residual", record.residuals.worst(), limit, n);
             // The corrector takes normals and gaps where the increment leads to; this knows those of its
             // start. What it commits is judged by its residuals, its ledger and what it is made of.
-            if scene.corrector.is_none() {
+            // What is capped is as far off as it says.
+            if scene.corrector.is_none() && !capped {
                 self.check_committed(simulation, scene, record, &now, findings);
             }
         } else {
@@ -164,7 +167,6 @@ impl Oracle {
         let analysis = *world.resource::<Analysis>();
         let motion_steps = world.resource::<Attempt>().motion_steps;
         let is_pushed = world.resource::<Pushed>().0.is_some();
-        let openings = world.resource::<Openings>().clone();
         let program = world.resource::<ConeProgram>().clone();
         let forces = world.resource::<ConeSolution>().forces.clone();
         let contacts = world.resource::<Contacts>().0.clone();
@@ -174,6 +176,7 @@ impl Oracle {
             _ => (false, 0.0, 1.0),
         };
         let least_motion = matches!(analysis.kind, AnalysisKind::LeastMotion { .. });
+        let coulomb = matches!(scene.friction_law, FrictionLaw::Coulomb { .. });
 
         // Where bodies came from.
         let mut bodies: BTreeMap<u32, Body> = BTreeMap::new();
@@ -383,8 +386,7 @@ impl Oracle {
             }
             let strength = limits[2];
             let [cohesion, friction, tension, rolling] = listed;
-            let opening = openings.of(key);
-            let opening = if bonded { 0.0 } else { opening };
+            let dilation = if bonded || !coulomb { 1.0 } else { 0.0 };
 
             let shear = cohesion + friction * p;
             let roll = rolling * (p + strength);
@@ -413,16 +415,15 @@ impl Oracle {
             } else {
                 start
             };
-            let rest = start + opening + cn / theta * p
+            let rest = start + cn / theta * p
                 - closing
-                - friction * plastic.abs()
-                - rolling * rolls.abs();
+                - dilation * (friction * plastic.abs() + rolling * rolls.abs());
             let unit = greatest_motion;
             let name = if dynamic { "closing (dynamic)" } else { "closing (static)" };
             let accepted = limit + 10.0 * bits / unit;
             if std::env::var_os("CLASTIC_SEED").is_some() && -rest / unit > accepted {
                 println!(
-                    "{contact:?} {c:?} {f:?} {closing} {plastic} {rolls} {opening} {offset} {cn} {a:?} {b:?} U {unit} motion steps {motion_steps}",
+                    "{contact:?} {c:?} {f:?} {closing} {plastic} {rolls} {dilation} {offset} {cn} {a:?} {b:?} U {unit} motion steps {motion_steps}",
                 );
             }
             findings.book(name, (-rest / unit).max(0.0), accepted, n);
@@ -509,10 +510,8 @@ impl Oracle {
                 let joined = bonds.get(&(b, a)).is_some_and(|bond| bond.1)
                     || record.ruptures.iter().any(|r| (r.a.0, r.b.0) == (b, a));
                 let held = |i: u32| outside[&i].0[..2].iter().any(|d| *d != Drive::Free);
-                // At the cap of Coulomb's passes the openings have not come to rest.
-                let moving = record.coulomb_residual > 1e-6;
                 let free = !held(a) || !held(b);
-                if free && rigid_pair(a, b) && !moving && !joined {
+                if free && rigid_pair(a, b) && !joined {
                     findings.book("overlap of rigid disks, radii", overlap / mean_radius, 2e-6, n);
                 }
             }

@@ -166,7 +166,7 @@ fn fields() {
          "22:55: stages[0].remove_walls: expected a list `[...]`, found `(\"top\", \"bottom\")`; write `[` and `]` for `(` and `)`"),
         (VERSION, "version: 1,
     friction_law: Coulomb",
-         "3:19: friction_law: expected `Coulomb(...)`, found `Coulomb`; its fields are `tolerance`, `max_passes`"),
+         "3:19: friction_law: expected `Coulomb(...)`, found `Coulomb`; its fields are `factorisations`, `tolerance`, `max_passes`"),
         (r#"title: "Small""#, "title: 5",
          "3:12: title: expected a text in quotes, found `5`; write `\"5\"`"),
         (r#"{"top": Force(1.0)}"#, r#"("top": Force(1.0))"#,
@@ -231,9 +231,8 @@ fn settings() {
         ),
         (
             VERSION,
-            "version: 1, friction_law: Coulomb(tolerance: -1e-8, max_passes: 0)",
-            "2:50: friction_law.tolerance: negative (-1e-8); give a tolerance between 0 and 1
-2:69: friction_law.max_passes: zero (0); give a number of 1 or more",
+            "version: 1, friction_law: Coulomb(factorisations: 0)",
+            "2:55: friction_law.factorisations: zero (0); give a number of 1 or more",
         ),
         (
             VERSION,

@@ -11,7 +11,7 @@ Scene(
     thickness: 0.5, /* nested /* comment ) */ here */
     gravity: (0.0, -9.81),
     analysis: Dynamic(dt: 1e-4, theta: 0.5),
-    friction_law: Coulomb(tolerance: 1e-8, max_passes: 20),
+    friction_law: Coulomb(factorisations: 20),
     rupture: (rolling: Yields, order: AllAtOnce, rounds: 5),
     solver: Clarabel(tolerance: 1e-11, max_iterations: 100),
     acceptance: (residual: 1e-8, throw: 0.3, halvings: 6),

@@ -18,11 +18,9 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
     findings.positive(format_args!("thickness"), scene.thickness, "a thickness in m");
     findings.vector(format_args!("gravity"), scene.gravity, "an acceleration in m/s^2");
     analysis(format_args!("analysis"), scene.analysis, findings);
-    if let FrictionLaw::Coulomb { tolerance, max_passes } = scene.friction_law {
-        let what = "a tolerance between 0 and 1";
-        let allowed = |value| value > 0.0 && value < 1.0;
-        findings.number(format_args!("friction_law.tolerance"), tolerance, allowed, what);
-        findings.at_least_one(format_args!("friction_law.max_passes"), max_passes, "a number");
+    if let FrictionLaw::Coulomb { factorisations, .. } = scene.friction_law {
+        let path = format_args!("friction_law.factorisations");
+        findings.at_least_one(path, factorisations, "a number");
     }
     let rupture = &scene.rupture;
     findings.at_least_one(format_args!("rupture.rounds"), rupture.rounds, "a number of rounds");

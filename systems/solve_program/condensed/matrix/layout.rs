@@ -8,11 +8,26 @@ use super::merge::{Group, NONE, columns, merge};
 /// The fronts of bodies with these neighbours (`starts`, `neighbours`: compressed rows), eliminated in
 /// this order or one that gives the same fill.
 pub fn fronts(order: &[usize], starts: &[usize], neighbours: &[usize]) -> Fronts {
+    in_parts(order, starts, neighbours, branches::cut)
+}
+
+/// The same fronts, all in the trunk.
+pub fn fronts_in_one(order: &[usize], starts: &[usize], neighbours: &[usize]) -> Fronts {
+    in_parts(order, starts, neighbours, |_, _, _| Vec::new())
+}
+
+/// The fronts, and branches on the feet that `cut` finds.
+fn in_parts(
+    order: &[usize],
+    starts: &[usize],
+    neighbours: &[usize],
+    cut: impl Fn(&[Vec<u32>], &[Option<Group>], &[usize]) -> Vec<Vec<usize>>,
+) -> Fronts {
     let n = order.len();
     let (column_rows, parents) = columns(order, starts, neighbours);
     let (column_rows, groups) = (&column_rows[..], &merge(&column_rows, &parents)[..]);
     let roots: Vec<usize> = (0..n).filter(|k| parents[*k] == NONE).collect();
-    let branches = branches::cut(column_rows, groups, &roots);
+    let branches = cut(column_rows, groups, &roots);
     let mut layout = Layout {
         column_rows,
         groups,

@@ -11,10 +11,12 @@ mod branches;
 mod dense;
 mod fronts;
 mod layout;
+mod lu;
 mod merge;
 mod numeric;
 mod ordering;
 mod packed;
+mod unsymmetric;
 
 use std::ops::Range;
 
@@ -25,6 +27,7 @@ use self::assembly::PairPlace;
 use self::fronts::Fronts;
 use self::numeric::{Backward, Eliminate, Forward, Part};
 pub(super) use self::ordering::{adjacency, places};
+pub use self::unsymmetric::UnsymmetricMatrix;
 use super::parallel::{in_parallel, split};
 
 /// Numbers in a block of the diagonal (its lower triangle by columns) and of a pair.

@@ -1,0 +1,134 @@
+//! Dense arithmetic on one unsymmetric front: LU factorisation of its first columns, the update that they
+//! leave, and the triangular solves.
+//!
+//! A front is a square of `height` rows, row by row with room for padding to [`LANES`]. Rows are exchanged
+//! among the pivots of the front only: which rows a front has does not depend on the values.
+//!
+//! All functions are inlined into a caller that is compiled for the instructions of the machine (`pulp`).
+//! The order of every sum is fixed, and what is fused is so explicitly.
+
+use super::dense::LANES;
+
+/// A pivot stays on the diagonal if it is not smaller than this part of the maximum of its column.
+const THRESHOLD: f64 = 0.1;
+/// Pivots whose rows are taken away together from the rows below.
+const TOGETHER: usize = 4;
+
+/// Numbers in a row with room for padding.
+pub fn row_len(height: usize) -> usize {
+    height.next_multiple_of(LANES)
+}
+
+/// Takes `factor` times a row away from another.
+#[inline(always)]
+fn take_away(row: &mut [f64], other: &[f64], factor: f64) {
+    for (x, y) in row.iter_mut().zip(other) {
+        *x = (-factor).mul_add(*y, *x);
+    }
+}
+
+/// Two different rows.
+#[inline(always)]
+fn two_rows(front: &mut [f64], len: usize, upper: usize, lower: usize) -> (&mut [f64], &mut [f64]) {
+    let (before, after) = front.split_at_mut(lower * len);
+    (&mut before[upper * len..(upper + 1) * len], &mut after[..len])
+}
+
+/// Factorises the first `width` columns, `P A = L U` with a unit diagonal in L, and leaves the update in the
+/// remaining square. `exchanged[k]` is the row that row k was exchanged with. Returns the sign of the
+/// determinant of the pivots, 0 where a pivot is zero or not finite.
+#[inline(always)]
+pub fn factorise(front: &mut [f64], height: usize, width: usize, exchanged: &mut [u32]) -> f64 {
+    let len = row_len(height);
+    let mut sign = 1.0;
+    for k in 0..width {
+        let mut best = (front[k * len + k].abs(), k);
+        for i in k + 1..width {
+            let size = front[i * len + k].abs();
+            if size * THRESHOLD > best.0 || (best.1 != k && size > best.0) {
+                best = (size, i);
+            }
+        }
+        if !(best.0 > 0.0 && best.0 < f64::INFINITY) {
+            return 0.0;
+        }
+        exchanged[k] = best.1 as u32;
+        if best.1 != k {
+            let (upper, lower) = two_rows(front, len, k, best.1);
+            upper.swap_with_slice(lower);
+            sign = -sign;
+        }
+        let pivot = front[k * len + k];
+        if pivot < 0.0 {
+            sign = -sign;
+        }
+        let (before, after) = front.split_at_mut((k + 1) * len);
+        let own = &before[k * len..];
+        for row in after.chunks_exact_mut(len).take(width - k - 1) {
+            let factor = row[k] / pivot;
+            row[k] = factor;
+            take_away(&mut row[k + 1..], &own[k + 1..], factor);
+        }
+    }
+    let (pivots, others) = front.split_at_mut(width * len);
+    let inverse = |k: usize| 1.0 / pivots[k * len + k];
+    for row in others.chunks_exact_mut(len) {
+        let (factors, row) = row.split_at_mut(width);
+        for k in 0..width {
+            let factor = factors[k] * inverse(k);
+            factors[k] = factor;
+            let of_pivot = &pivots[k * len + k + 1..k * len + width];
+            take_away(&mut factors[k + 1..], of_pivot, factor);
+        }
+        let mut k = 0;
+        while k + TOGETHER <= width {
+            let of = |j: usize| &pivots[(k + j) * len + width..(k + j + 1) * len];
+            let [a, b, c, d] = [factors[k], factors[k + 1], factors[k + 2], factors[k + 3]];
+            let rows = of(0).iter().zip(of(1)).zip(of(2)).zip(of(3));
+            for (x, (((p, q), r), s)) in row.iter_mut().zip(rows) {
+                *x -= a.mul_add(*p, b.mul_add(*q, c.mul_add(*r, d * *s)));
+            }
+            k += TOGETHER;
+        }
+        for k in k..width {
+            take_away(row, &pivots[k * len + width..(k + 1) * len], factors[k]);
+        }
+    }
+    sign
+}
+
+/// Forward solve in place: `x` has the numbers of the pivots and of the rows.
+#[inline(always)]
+pub fn forward(lower: &[f64], width: usize, exchanged: &[u32], x: &mut [f64]) {
+    for (k, other) in exchanged.iter().enumerate() {
+        x.swap(k, *other as usize);
+    }
+    let (own, below) = x.split_at_mut(width);
+    for (i, row) in lower.chunks_exact(width).take(width).enumerate() {
+        let mut sum = own[i];
+        for (l, y) in row[..i].iter().zip(&own[..i]) {
+            sum = (-l).mul_add(*y, sum);
+        }
+        own[i] = sum;
+    }
+    for (x, row) in below.iter_mut().zip(lower[width * width..].chunks_exact(width)) {
+        let mut sum = *x;
+        for (l, y) in row.iter().zip(&*own) {
+            sum = (-l).mul_add(*y, sum);
+        }
+        *x = sum;
+    }
+}
+
+/// Backward solve in place: `x` has the numbers of the pivots and the solution of the rows.
+#[inline(always)]
+pub fn backward(upper: &[f64], height: usize, x: &mut [f64]) {
+    for (i, row) in upper.chunks_exact(height).enumerate().rev() {
+        let (own, solved) = x.split_at_mut(i + 1);
+        let mut sum = own[i];
+        for (u, y) in row[i + 1..].iter().zip(&*solved) {
+            sum = (-u).mul_add(*y, sum);
+        }
+        own[i] = sum / row[i];
+    }
+}

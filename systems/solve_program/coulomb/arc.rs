@@ -1,0 +1,154 @@
+//! The path of the perturbed system, followed by its arc length.
+//!
+//! With R the complementarity system and z_0 a point whose products are all alike, the path is
+//! `R(z) = tau R(z_0)` from tau = 1 to 0: with tau = 0 it is at a solution. Where a few
+//! grains slide in a mechanism of their own it turns back, and any method whose parameter only falls gets stuck.
+//! Along a regular path the sign of `dtau` times that of the determinant of the derivative does not change
+//! (Keller 1977; Allgower and Georg 1990): tau falls while the determinant has its first sign, and rises while
+//! it has the other.
+
+use super::Trial;
+use super::interior::boundary;
+use super::system::{System, Vector};
+
+/// Compliance that regularises the matrix, over what is usual.
+const SOFT: f64 = 1e-10;
+/// A point is on the path where the next correction changes no slack and no multiplier by more than this part.
+const CLOSE: f64 = 0.3;
+/// Part of the way to the boundary that a step takes.
+const REACH: f64 = 0.9;
+/// Slacks and multipliers may grow by this factor in a predictor.
+const GROWTH: f64 = 3.0;
+/// A predictor whose corrections do not lead to the path is shortened by this factor;
+const SHORTENED: f64 = 0.3;
+/// so many corrections are made before, unless one is twice as long as the last.
+const MAX_CORRECTIONS: u32 = 4;
+/// Where tau gets that large the path has gone astray.
+const ASTRAY: f64 = 30.0;
+/// The shortest predictor, in tau.
+const SHORTEST: f64 = 1e-9;
+
+/// Where the last predictor began.
+struct Saved {
+    z: Vector,
+    tangent: Vector,
+    tau: f64,
+    direction: f64,
+    length: f64,
+}
+
+/// Follows the path from a point until the trial is solved, and returns where; at most `max` factorisations.
+pub fn follow(system: &mut System, mut z: Vector, max: u32, trial: &mut Trial) -> Option<Vector> {
+    system.regularise(SOFT);
+    let first = system.residual(&z);
+    let mut by_tau = Vector::zeros(&z);
+    by_tau.add(-1.0, &first);
+    let mut tau = 1.0_f64;
+    let mut saved: Option<Saved> = None;
+    let (mut sign, mut bad, mut grow, mut before) = (None, 0, 1.0_f64, f64::INFINITY);
+    for _ in 0..max {
+        if !system.factorise(&z) {
+            return None;
+        }
+        // H = R(z) - tau R(z_0); its derivative by tau does not change.
+        let mut h = system.residual(&z);
+        h.add(-tau, &first);
+        let tangent = system.solve(&z, &by_tau);
+        let mut correction = system.solve(&z, &h);
+        // Normal to the tangent, in relative changes of slacks, multipliers and tau.
+        let (along, square) = products(system, &z, &tangent, &correction);
+        let back = -along / (square + 1.0 / (tau * tau));
+        correction.add(back, &tangent);
+        let off = largest_change(system, &z, &correction).max((back / tau).abs());
+        let near = off < CLOSE;
+        bad = if near { 0 } else { bad + 1 };
+        let lost = !near && (bad > MAX_CORRECTIONS || (bad > 1 && off > 2.0 * before));
+        if !off.is_finite() || lost {
+            let Some(last) = &mut saved else { return None };
+            last.length *= SHORTENED;
+            if last.length < SHORTEST * last.tau {
+                return None;
+            }
+            z = last.z.clone();
+            z.add(last.length, &last.tangent);
+            tau = last.tau + last.length * last.direction;
+            (bad, grow, before) = (0, SHORTENED, f64::INFINITY);
+            continue;
+        }
+        before = off;
+        let mut room = boundary(system, &z, &correction);
+        if back < 0.0 {
+            room = room.min(-tau / back);
+        }
+        let length = (REACH * room).min(1.0);
+        z.add(length, &correction);
+        tau += length * back;
+        if near {
+            let now = system.matrix.sign();
+            let direction = if *sign.get_or_insert(now) == now { -1.0 } else { 1.0 };
+            let mut ahead = Vector::zeros(&z);
+            ahead.add(direction, &tangent);
+            let mut room = boundary(system, &z, &ahead);
+            if direction < 0.0 {
+                room = room.min(tau);
+            }
+            let growth = fastest_growth(system, &z, &ahead).max(direction / tau).max(1e-300);
+            let length = (REACH * grow * room).min(GROWTH * grow / growth);
+            if off < 0.5 * CLOSE {
+                grow = (1.6 * grow).min(1.0);
+            }
+            let last = Saved { z: z.clone(), tangent: ahead, tau, direction, length };
+            z.add(length, &last.tangent);
+            tau += length * direction;
+            saved = Some(last);
+        }
+        if trial.consider(system, &z) {
+            return Some(z);
+        }
+        if tau > ASTRAY {
+            return None;
+        }
+    }
+    None
+}
+
+/// Of the relative changes of slacks and multipliers in two steps: their product, and the square of the first.
+fn products(system: &System, z: &Vector, tangent: &Vector, step: &Vector) -> (f64, f64) {
+    let (mut along, mut square) = (0.0, 0.0);
+    let cells = system.cells.iter().zip(&z.cells).zip(tangent.cells.iter().zip(&step.cells));
+    for ((cell, x), (t, c)) in cells {
+        for q in cell.each_limit() {
+            for (x, t, c) in [(x.w[q], t.w[q], c.w[q]), (x.l[q], t.l[q], c.l[q])] {
+                along += t * c / (x * x);
+                square += t * t / (x * x);
+            }
+        }
+    }
+    (along, square)
+}
+
+/// The largest relative change of a slack or multiplier; not a number if any is not.
+fn largest_change(system: &System, z: &Vector, step: &Vector) -> f64 {
+    let mut largest = 0.0_f64;
+    for ((cell, x), d) in system.cells.iter().zip(&z.cells).zip(&step.cells) {
+        for q in cell.each_limit() {
+            for change in [(d.w[q] / x.w[q]).abs(), (d.l[q] / x.l[q]).abs()] {
+                if !(change <= largest) {
+                    largest = change;
+                }
+            }
+        }
+    }
+    largest
+}
+
+/// The fastest relative growth of a slack or multiplier.
+fn fastest_growth(system: &System, z: &Vector, step: &Vector) -> f64 {
+    let mut fastest = 0.0_f64;
+    for ((cell, x), d) in system.cells.iter().zip(&z.cells).zip(&step.cells) {
+        for q in cell.each_limit() {
+            fastest = fastest.max(d.w[q] / x.w[q]).max(d.l[q] / x.l[q]);
+        }
+    }
+    fastest
+}

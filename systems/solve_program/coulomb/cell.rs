@@ -1,0 +1,245 @@
+//! Coulomb's law of one interaction, its numbers at a point, and its part of a linear solve.
+
+use clastic_components::program::Interaction;
+
+use super::super::condensed::scaled::Local;
+
+/// Limits of an interaction: of p, two of q, two of tau.
+pub const LIMITS: usize = 5;
+
+/// The law of an interaction in units of the scales. With a its dilation,
+///
+/// ```text
+/// g + C_n p - e_n - lambda_n - a (mu (lambda_+ + lambda_-) + m (kappa_+ + kappa_-)) = 0
+/// C_t (q - q_0) - e_t + lambda_+ - lambda_- = 0
+/// -e_r + kappa_+ - kappa_- = 0
+/// w_n = f_t + p,   w_+- = c + mu p -+ q,   v_+- = m_0 + m p -+ tau,   w lambda = 0,  w, lambda >= 0
+/// ```
+pub struct Cell {
+    pub bodies: [u32; 2],
+    /// Rows of the two bodies: `[body][dof][force]`, zero where the degree of freedom is fixed.
+    pub rows: [[[f64; 3]; 3]; 2],
+    compliance: [f64; 3],
+    linear: [f64; 3],
+    /// mu and m.
+    slopes: [f64; 2],
+    /// f_t, c and m_0.
+    strengths: [f64; 3],
+    /// Which limits exist.
+    on: [bool; LIMITS],
+    dilation: f64,
+    /// Compliances that regularise the matrix: no part of the law.
+    soft: [f64; 3],
+}
+
+/// What belongs to an interaction in a point, a step or a residual: of a residual the defects of the
+/// stationarity of the forces, of the limits and of the products.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Entry {
+    /// Forces p, q, tau.
+    pub s: [f64; 3],
+    /// Slacks.
+    pub w: [f64; LIMITS],
+    /// Multipliers.
+    pub l: [f64; LIMITS],
+}
+
+/// An interaction's part of the linear system at a point.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Linear {
+    /// Takes kinematics to forces: not symmetric.
+    pub stiffness: [[f64; 3]; 3],
+    /// Multiplier over slack.
+    theta: [f64; LIMITS],
+}
+
+impl Cell {
+    /// The law of an interaction, scaled by `length`, m, and a unit of force, N.
+    pub fn new(local: &Local, c: &Interaction, length: f64, force: f64) -> Self {
+        let l = &c.limits;
+        let [_, shear, rolling] = local.has;
+        Self {
+            bodies: local.bodies.map(|i| i as u32),
+            rows: local.rows,
+            compliance: local.compliance,
+            linear: local.linear,
+            slopes: [l.friction, l.rolling / length],
+            strengths: [l.tension / force, l.cohesion / force, l.moment / (force * length)],
+            on: [true, shear, shear, rolling, rolling],
+            dilation: c.dilation,
+            soft: [0.0; 3],
+        }
+    }
+
+    /// Sets the compliances that regularise the matrix.
+    pub fn soften(&mut self, soft: [f64; 3]) {
+        self.soft = soft;
+    }
+
+    pub fn normal_compliance(&self) -> f64 {
+        self.compliance[0]
+    }
+
+    pub fn limits(&self) -> usize {
+        self.on.iter().filter(|on| **on).count()
+    }
+
+    /// Its limits that exist.
+    pub fn each_limit(&self) -> impl Iterator<Item = usize> {
+        (0..LIMITS).filter(|q| self.on[*q])
+    }
+
+    /// What the limits take of their strengths: `w = strength - of_limits(s)`.
+    #[inline]
+    fn of_limits(&self, s: &[f64; 3]) -> [f64; LIMITS] {
+        let ([p, q, tau], [mu, m]) = (*s, self.slopes);
+        [-p, q - mu * p, -q - mu * p, tau - m * p, -tau - m * p]
+    }
+
+    #[inline]
+    fn strength(&self, q: usize) -> f64 {
+        self.strengths[q.div_ceil(2)]
+    }
+
+    /// Brings forces within their limits.
+    pub fn clamp(&self, s: &[f64; 3]) -> [f64; 3] {
+        let [f_t, c, m_0] = self.strengths;
+        let [_, shear, _, rolling, _] = self.on;
+        let mut p = s[0].max(-f_t);
+        let mut bound = |on: bool, strength: f64, slope: f64| {
+            if on && slope > 0.0 {
+                p = p.max(-strength / slope);
+            }
+        };
+        bound(shear, c, self.slopes[0]);
+        bound(rolling, m_0, self.slopes[1]);
+        let within = |on: bool, x: f64, limit: f64| {
+            if on { x.clamp(-limit.max(0.0), limit.max(0.0)) } else { 0.0 }
+        };
+        [
+            p,
+            within(shear, s[1], c + self.slopes[0] * p),
+            within(rolling, s[2], m_0 + self.slopes[1] * p),
+        ]
+    }
+
+    /// Slacks and multipliers of forces and kinematics near by, with all products at `product`.
+    pub fn near(&self, s: [f64; 3], e: &[f64; 3], product: f64) -> Entry {
+        let st = e[1] - self.linear[1] - self.compliance[1] * s[1];
+        let sr = e[2] - self.linear[2];
+        let opening = self.on[1] as u8 as f64 * self.slopes[0] * st.abs()
+            + self.on[3] as u8 as f64 * self.slopes[1] * sr.abs();
+        let sn = self.linear[0] + self.compliance[0] * s[0] - e[0] - self.dilation * opening;
+        let raw = [sn, st.max(0.0), (-st).max(0.0), sr.max(0.0), (-sr).max(0.0)];
+        let taken = self.of_limits(&s);
+        let mut out = Entry { s, w: [1.0; LIMITS], l: [0.0; LIMITS] };
+        for q in self.each_limit() {
+            let d = self.strength(q) - taken[q] - raw[q];
+            let root = d.hypot(2.0 * product.sqrt());
+            out.w[q] = if d > 0.0 { 0.5 * (d + root) } else { 2.0 * product / (root - d) };
+            out.l[q] = product / out.w[q];
+        }
+        out
+    }
+
+    /// Defects of the law at a point with kinematics `e`.
+    #[inline]
+    pub fn residual(&self, x: &Entry, e: &[f64; 3]) -> Entry {
+        let [n, plus, minus, roll_plus, roll_minus] = x.l;
+        let dilates = self.slopes[0] * (plus + minus) + self.slopes[1] * (roll_plus + roll_minus);
+        let mut r = Entry::default();
+        r.s[0] = self.linear[0] + self.compliance[0] * x.s[0] - e[0] - n - self.dilation * dilates;
+        if self.on[1] {
+            r.s[1] = self.linear[1] + self.compliance[1] * x.s[1] - e[1] + plus - minus;
+        }
+        if self.on[3] {
+            r.s[2] = self.linear[2] - e[2] + roll_plus - roll_minus;
+        }
+        let taken = self.of_limits(&x.s);
+        for q in self.each_limit() {
+            r.w[q] = x.w[q] + taken[q] - self.strength(q);
+            r.l[q] = x.w[q] * x.l[q];
+        }
+        r
+    }
+
+    /// The inverse of what is left of the law for the forces, at a point.
+    #[inline]
+    pub fn linearise(&self, x: &Entry) -> Linear {
+        let mut theta = [0.0; LIMITS];
+        for q in self.each_limit() {
+            theta[q] = x.l[q] / x.w[q];
+        }
+        let a = self.dilation;
+        let mut own = [0.0; 3];
+        let (mut left, mut right) = ([1.0, 0.0, 0.0], [1.0, 0.0, 0.0]);
+        let mut sum = self.compliance[0] + self.soft[0] + theta[0];
+        for (k, force) in [(0, 1), (1, 2)] {
+            if !self.on[2 * k + 1] {
+                continue;
+            }
+            let [plus, minus] = [theta[2 * k + 1], theta[2 * k + 2]];
+            let compliance = self.soft[force] + if force == 1 { self.compliance[1] } else { 0.0 };
+            let flexibility = 1.0 / (compliance + plus + minus);
+            let lean = self.slopes[k] * (plus - minus) * flexibility;
+            own[force] = flexibility;
+            left[force] = lean;
+            right[force] = a * lean;
+            let square = self.slopes[k] * self.slopes[k];
+            sum += a * square * (4.0 * plus * minus + compliance * (plus + minus)) * flexibility;
+        }
+        let mut stiffness = [[0.0; 3]; 3];
+        for f in 0..3 {
+            for g in 0..3 {
+                stiffness[f][g] = left[f] * right[g] / sum;
+            }
+            stiffness[f][f] += own[f];
+        }
+        Linear { stiffness, theta }
+    }
+
+    /// Steps of the multipliers for no step of the forces, and the kinematics that ask for the same forces as
+    /// the residual does.
+    #[inline]
+    fn asked(&self, x: &Entry, r: &Entry) -> ([f64; LIMITS], [f64; 3]) {
+        let mut h = [0.0; LIMITS];
+        for q in self.each_limit() {
+            h[q] = (x.l[q] * r.w[q] - r.l[q]) / x.w[q];
+        }
+        let dilates = self.slopes[0] * (h[1] + h[2]) + self.slopes[1] * (h[3] + h[4]);
+        let mut e = [-r.s[0] + h[0] + self.dilation * dilates, 0.0, 0.0];
+        if self.on[1] {
+            e[1] = -r.s[1] - h[1] + h[2];
+        }
+        if self.on[3] {
+            e[2] = -r.s[2] - h[3] + h[4];
+        }
+        (h, e)
+    }
+
+    /// Steps of the forces that take the residual away where no body moves.
+    #[inline]
+    pub fn forces_at_rest(&self, linear: &Linear, x: &Entry, r: &Entry) -> [f64; 3] {
+        times(&linear.stiffness, &self.asked(x, r).1)
+    }
+
+    /// Steps of forces, slacks and multipliers that take the residual away, for steps `e` of the kinematics.
+    #[inline]
+    pub fn step(&self, linear: &Linear, x: &Entry, r: &Entry, e: &[f64; 3]) -> Entry {
+        let (h, asked) = self.asked(x, r);
+        let s = times(&linear.stiffness, &[0, 1, 2].map(|f| asked[f] + e[f]));
+        let taken = self.of_limits(&s);
+        let mut out = Entry { s, ..Entry::default() };
+        for q in self.each_limit() {
+            out.w[q] = -r.w[q] - taken[q];
+            out.l[q] = h[q] + linear.theta[q] * taken[q];
+        }
+        out
+    }
+}
+
+/// A matrix times a vector.
+#[inline]
+pub fn times(t: &[[f64; 3]; 3], e: &[f64; 3]) -> [f64; 3] {
+    t.map(|row| row[0] * e[0] + row[1] * e[1] + row[2] * e[2])
+}

@@ -1,0 +1,88 @@
+//! The interior-point iteration on the complementarity system (predictor and corrector after Mehrotra).
+
+use super::Trial;
+use super::cell::LIMITS;
+use super::system::{System, Vector};
+
+/// Compliance that regularises the matrix, over what is usual.
+const SOFT: f64 = 1e-8;
+/// A step shorter than this leads nowhere; so many of them end the iteration.
+const SHORT: f64 = 0.05;
+const MAX_SHORT: u32 = 3;
+/// Iterations in which the residual has to fall by half.
+const PATIENCE: usize = 10;
+
+/// Iterates from a point until the trial is solved; at most `max` factorisations.
+pub fn iterate(system: &mut System, mut z: Vector, max: u32, trial: &mut Trial) {
+    system.regularise(SOFT);
+    let mut last = 1.0;
+    let mut short = 0;
+    let mut residuals = Vec::new();
+    for iteration in 0..=max {
+        if trial.consider(system, &z) && !trial.sharpens() {
+            return;
+        }
+        residuals.push(trial.worst());
+        let stalls = iteration as usize >= PATIENCE
+            && residuals[iteration as usize] > 0.5 * residuals[iteration as usize - PATIENCE];
+        let r = system.residual(&z);
+        let mu = sum_of_products(system, &z, None, 0.0) / system.limits;
+        short = if last < SHORT { short + 1 } else { 0 };
+        let ends = !mu.is_finite() || iteration == max || short >= MAX_SHORT || stalls;
+        if ends || !system.factorise(&z) {
+            return;
+        }
+        let predictor = system.solve(&z, &r);
+        let length = step_length(system, &z, &predictor);
+        let after = sum_of_products(system, &z, Some(&predictor), length) / system.limits;
+        // After a short step the iteration has to come back to the path first.
+        let least = if last < 0.2 { 0.8 } else { 0.0 };
+        let target = (after.max(0.0) / mu).powi(3).clamp(least, 1.0) * mu;
+        let mut aimed = r;
+        for ((r, d), cell) in aimed.cells.iter_mut().zip(&predictor.cells).zip(&system.cells) {
+            for q in cell.each_limit() {
+                r.l[q] += d.w[q] * d.l[q] - target;
+            }
+        }
+        let step = system.solve(&z, &aimed);
+        let length = step_length(system, &z, &step);
+        if !length.is_finite() {
+            return;
+        }
+        last = length;
+        let taken = if length < 1.0 { length * (1.0 - mu).clamp(0.99, 0.9995) } else { 1.0 };
+        z.add(taken, &step);
+    }
+}
+
+/// The length up to 1 at which the first slack or multiplier vanishes.
+fn step_length(system: &System, z: &Vector, step: &Vector) -> f64 {
+    boundary(system, z, step).min(1.0)
+}
+
+/// The length at which the first slack or multiplier vanishes.
+pub fn boundary(system: &System, z: &Vector, step: &Vector) -> f64 {
+    let mut length = f64::INFINITY;
+    for ((cell, x), d) in system.cells.iter().zip(&z.cells).zip(&step.cells) {
+        for q in cell.each_limit() {
+            for (x, d) in [(x.w[q], d.w[q]), (x.l[q], d.l[q])] {
+                if d < 0.0 && x + length * d < 0.0 || d.is_nan() {
+                    length = -x / d;
+                }
+            }
+        }
+    }
+    length
+}
+
+fn sum_of_products(system: &System, z: &Vector, step: Option<&Vector>, length: f64) -> f64 {
+    let mut sum = 0.0;
+    for (k, (cell, x)) in system.cells.iter().zip(&z.cells).enumerate() {
+        let zero = [0.0; LIMITS];
+        let (dw, dl) = step.map_or((&zero, &zero), |s| (&s.cells[k].w, &s.cells[k].l));
+        for q in cell.each_limit() {
+            sum += (x.w[q] + length * dw[q]) * (x.l[q] + length * dl[q]);
+        }
+    }
+    sum
+}

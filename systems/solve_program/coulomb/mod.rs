@@ -1,0 +1,211 @@
+//! Coulomb's law, solved as the complementarity problem that it is.
+//!
+//! The associated law opens a sliding contact by `mu |slip|`; Coulomb's does not, and the problem is no longer
+//! that of a minimum. Its admissible forces are the same, so that a proof of collapse holds for both, and the
+//! associated solution is where the search for one of Coulomb's begins:
+//!
+//! 1. an [interior](mod@interior) point iteration from there;
+//! 2. where it stalls, the [arc](mod@arc): the path of the perturbed problem, followed past its turning points,
+//!    from two starts.
+//!
+//! In statics there may be none, one or several solutions; the order of the starts is fixed, so that runs repeat.
+//! In dynamics with a small time step there is one.
+
+mod arc;
+mod cell;
+mod interior;
+mod system;
+
+use clastic_components::program::{ConeProgram, ConeSolution, SolveStatus};
+
+use self::system::System;
+use super::condensed::matrix::UnsymmetricMatrix;
+use super::displacements_from_forces;
+use super::lowering::units;
+use super::residuals::{applied_force, natural_map, regularised_residuals};
+
+/// Products that the iteration starts with, in units of force times displacement.
+const PRODUCT: f64 = 1e-3;
+/// The same at the start of an arc, one after the other.
+const ARCS: [f64; 2] = [1e-1, 1e-3];
+/// Factorisations of the iteration and of an arc at most.
+const MAX_ITERATIONS: u32 = 40;
+const MAX_ARC: u32 = 250;
+/// Factorisations that sharpen the end of an arc.
+const MAX_SHARPENING: u32 = 8;
+/// A solution with dilation whose natural map is at most this is one without.
+const NEAR: f64 = 1e-8;
+/// What is solved is sharpened until the natural map is this part of the tolerance, as long as every iteration
+/// leaves at most so much of the residual.
+const SHARP: f64 = 1e-3;
+const PROGRESS: f64 = 0.5;
+/// Minimum unit of force over the force scale of the program.
+const MIN_FORCE: f64 = 1e-2;
+
+/// The solver, with the pattern that it keeps.
+#[derive(Default)]
+pub struct Coulomb {
+    pairs: Vec<(u32, u32)>,
+    bodies: usize,
+    matrix: Option<UnsymmetricMatrix>,
+}
+
+impl Coulomb {
+    /// Solves a program, whose interactions have the dilation that they shall have, from a solution with full
+    /// dilation, in at most `max` factorisations. Solved if the residuals are at most `tolerance`; otherwise the
+    /// best point on the way, stalled.
+    pub fn solve(
+        &mut self,
+        program: &ConeProgram,
+        start: &ConeSolution,
+        tolerance: f64,
+        max: u32,
+    ) -> ConeSolution {
+        let mut trial = Trial::new(program, tolerance);
+        trial.offer(&start.forces, &start.displacements);
+        if trial.is_within(NEAR) || !self.prepare(program) {
+            return trial.into_solution(0);
+        }
+        let Some(matrix) = self.matrix.as_mut() else { return trial.into_solution(0) };
+        // The scales of the program may be far above what its forces have come to.
+        let mut scaled = program.clone();
+        scaled.scales.force = unit_of_force(program, start);
+        trial.units = units(&scaled);
+        trial.order = matrix.order().to_vec();
+        let (du, df) = trial.units;
+        let mut system = System::new(&scaled, matrix);
+        let of = |u: &[f64; 3], d: &[f64; 3]| [0, 1, 2].map(|k| u[k] / d[k]);
+        let u: Vec<_> = trial.order.iter().map(|i| of(&start.displacements[*i], &du)).collect();
+        let force_units = [df[0], df[0], df[2]];
+        let s: Vec<_> = start.forces.iter().map(|f| of(f, &force_units)).collect();
+        let z = system.near(&u, &s, PRODUCT);
+        interior::iterate(&mut system, z, max.min(MAX_ITERATIONS), &mut trial);
+        for product in ARCS {
+            let left = max - system.factorisations.min(max);
+            if trial.is_solved() || left == 0 {
+                break;
+            }
+            let z = system.near(&u, &s, product);
+            let end = arc::follow(&mut system, z, left.min(MAX_ARC), &mut trial);
+            if let Some(z) = end.filter(|_| trial.is_solved()) {
+                let (u, s) = (&z.u, z.cells.iter().map(|x| x.s).collect::<Vec<_>>());
+                let z = system.near(u, &s, 0.1 * tolerance);
+                interior::iterate(&mut system, z, MAX_SHARPENING, &mut trial);
+            }
+        }
+        let spent = system.factorisations;
+        trial.into_solution(spent)
+    }
+
+    /// Brings the pattern of the matrix up to date; whether there is one.
+    fn prepare(&mut self, program: &ConeProgram) -> bool {
+        let pairs = program.interactions.iter().map(|c| (c.a, c.b));
+        if self.bodies != program.bodies.len() || !pairs.clone().eq(self.pairs.iter().copied()) {
+            self.pairs = pairs.collect();
+            self.bodies = program.bodies.len();
+            self.matrix = UnsymmetricMatrix::new(self.bodies, &self.pairs);
+        }
+        self.matrix.is_some()
+    }
+}
+
+/// The maximum force that acts or is applied, N.
+fn unit_of_force(program: &ConeProgram, start: &ConeSolution) -> f64 {
+    let contact = start.forces.iter().map(|f| f[0].abs().max(f[1].abs())).fold(0.0, f64::max);
+    let least = MIN_FORCE * program.scales.force;
+    contact.max(applied_force(program)).max(least)
+}
+
+/// Points are tried on the program in SI units; the best one is kept.
+pub struct Trial<'a> {
+    program: &'a ConeProgram,
+    tolerance: f64,
+    units: ([f64; 3], [f64; 3]),
+    order: Vec<usize>,
+    best: ConeSolution,
+    worst: f64,
+    /// Residual before the last improvement.
+    before: f64,
+}
+
+impl<'a> Trial<'a> {
+    fn new(program: &'a ConeProgram, tolerance: f64) -> Self {
+        let best = ConeSolution::default();
+        let units = units(program);
+        Self {
+            program,
+            tolerance,
+            units,
+            order: Vec::new(),
+            best,
+            worst: f64::INFINITY,
+            before: f64::INFINITY,
+        }
+    }
+
+    fn is_solved(&self) -> bool {
+        self.worst <= self.tolerance
+    }
+
+    /// The residual of the best point.
+    fn worst(&self) -> f64 {
+        self.worst
+    }
+
+    /// Whether the last point was so much better than those before that another one is worth its price.
+    fn sharpens(&self) -> bool {
+        !self.is_within(SHARP * self.tolerance) && self.worst <= PROGRESS * self.before
+    }
+
+    /// Whether the best point is a solution with at most this natural map.
+    fn is_within(&self, map: f64) -> bool {
+        self.is_solved()
+            && natural_map(self.program, &self.best.forces, &self.best.displacements) <= map
+    }
+
+    /// Offers a point with its forces brought within their limits; whether it is a solution.
+    fn consider(&mut self, system: &System, z: &system::Vector) -> bool {
+        let (du, df) = self.units;
+        let mut displacements = vec![[0.0; 3]; self.order.len()];
+        for (u, &i) in z.u.iter().zip(&self.order) {
+            displacements[i] = [0, 1, 2].map(|k| u[k] * du[k]);
+        }
+        let cells = system.cells.iter().zip(&z.cells);
+        let forces: Vec<_> = cells
+            .map(|(cell, x)| cell.clamp(&x.s))
+            .map(|s| [s[0] * df[0], s[1] * df[0], s[2] * df[2]])
+            .collect();
+        // What is known is known exactly.
+        for (u, known) in displacements.iter_mut().zip(&self.program.bodies) {
+            for (u, dof) in u.iter_mut().zip(known.dofs) {
+                if let clastic_components::program::Dof::Fixed(value) = dof {
+                    *u = value;
+                }
+            }
+        }
+        self.offer(&forces, &displacements)
+    }
+
+    fn offer(&mut self, forces: &[[f64; 3]], displacements: &[[f64; 3]]) -> bool {
+        let mut solution = ConeSolution {
+            status: SolveStatus::Stalled,
+            forces: forces.to_vec(),
+            displacements: displacements.to_vec(),
+            ..ConeSolution::default()
+        };
+        displacements_from_forces(self.program, &mut solution);
+        let r =
+            regularised_residuals(self.program, &solution.forces, &solution.displacements).worst();
+        self.before = self.worst;
+        if r < self.worst {
+            self.worst = r;
+            self.best = solution;
+        }
+        self.is_solved()
+    }
+
+    fn into_solution(self, iterations: u32) -> ConeSolution {
+        let status = if self.is_solved() { SolveStatus::Solved } else { SolveStatus::Stalled };
+        ConeSolution { status, iterations, message: "Coulomb".to_owned(), ..self.best }
+    }
+}

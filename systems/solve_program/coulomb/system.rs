@@ -1,0 +1,223 @@
+//! The complementarity system of all interactions and bodies, its residual, and the linear solves with its
+//! derivative.
+
+use clastic_components::program::ConeProgram;
+
+use super::super::condensed::matrix::UnsymmetricMatrix;
+use super::super::condensed::scaled::{Scaled, add_forces, kinematics};
+use super::cell::{Cell, Entry, Linear, times};
+
+/// Steps of refinement of a linear solve at most, and the relative defect at which it is good enough.
+const MAX_REFINEMENTS: usize = 4;
+const REFINED: f64 = 1e-10;
+
+/// A point, a step, or a residual: displacements (of a residual the balance) by place, and the interactions.
+#[derive(Clone, Debug, Default)]
+pub struct Vector {
+    pub u: Vec<[f64; 3]>,
+    pub cells: Vec<Entry>,
+}
+
+impl Vector {
+    /// Zeros, as many as another has numbers.
+    pub fn zeros(like: &Self) -> Self {
+        Self { u: vec![[0.0; 3]; like.u.len()], cells: vec![Entry::default(); like.cells.len()] }
+    }
+
+    /// Adds `factor` times another one.
+    pub fn add(&mut self, factor: f64, other: &Self) {
+        let add = |x: &mut [f64], y: &[f64]| {
+            for (x, y) in x.iter_mut().zip(y) {
+                *x += factor * y;
+            }
+        };
+        add(self.u.as_flattened_mut(), other.u.as_flattened());
+        for (x, y) in self.cells.iter_mut().zip(&other.cells) {
+            add(&mut x.s, &y.s);
+            add(&mut x.w, &y.w);
+            add(&mut x.l, &y.l);
+        }
+    }
+}
+
+/// The system, the matrix of its last linearisation, and what both need.
+pub struct System<'a> {
+    pub program: Scaled,
+    pub cells: Vec<Cell>,
+    pub matrix: &'a mut UnsymmetricMatrix,
+    /// Number of limits.
+    pub limits: f64,
+    /// Factorisations so far.
+    pub factorisations: u32,
+    linear: Vec<Linear>,
+    diagonal: Vec<[f64; 3]>,
+    /// Compliances that a regularisation of 1 stands for.
+    soft: Vec<[f64; 3]>,
+}
+
+impl<'a> System<'a> {
+    /// The system of a program, whose scales are the units.
+    pub fn new(program: &ConeProgram, matrix: &'a mut UnsymmetricMatrix) -> Self {
+        let scaled = Scaled::new(program, matrix.order());
+        let (length, force) = (program.scales.length, program.scales.force);
+        let cells: Vec<Cell> = scaled
+            .locals
+            .iter()
+            .zip(&program.interactions)
+            .map(|(local, c)| Cell::new(local, c, length, force))
+            .collect();
+        let compliance = typical_compliance(&cells);
+        let damped = scaled.is_damped();
+        let soft = cells
+            .iter()
+            .map(|cell| {
+                if damped {
+                    of_weights(cell, &scaled.weight)
+                } else {
+                    let own = cell.normal_compliance();
+                    [if own > 0.0 { own } else { compliance }; 3]
+                }
+            })
+            .collect();
+        Self {
+            limits: cells.iter().map(Cell::limits).sum::<usize>().max(1) as f64,
+            linear: vec![Linear::default(); cells.len()],
+            diagonal: vec![[1.0; 3]; scaled.weight.len()],
+            program: scaled,
+            cells,
+            matrix,
+            factorisations: 0,
+            soft,
+        }
+    }
+
+    /// Compliances of a part of what is usual are added in the matrix.
+    pub fn regularise(&mut self, part: f64) {
+        for (cell, soft) in self.cells.iter_mut().zip(&self.soft) {
+            cell.soften(soft.map(|c| part * c));
+        }
+    }
+
+    pub fn kinematics(&self, cell: &Cell, u: &[[f64; 3]]) -> [f64; 3] {
+        kinematics(cell.bodies, &cell.rows, u)
+    }
+
+    /// The point near forces and displacements with all products at `product`.
+    pub fn near(&self, u: &[[f64; 3]], s: &[[f64; 3]], product: f64) -> Vector {
+        let cells = self.cells.iter().zip(s);
+        let cells = cells.map(|(cell, s)| cell.near(*s, &self.kinematics(cell, u), product));
+        Vector { cells: cells.collect(), u: u.to_vec() }
+    }
+
+    /// Balance, stationarity of the forces, limits and products.
+    pub fn residual(&self, z: &Vector) -> Vector {
+        let mut out = Vector::zeros(z);
+        self.program.balance_of_bodies(&z.u, &mut out.u);
+        for ((cell, x), r) in self.cells.iter().zip(&z.cells).zip(&mut out.cells) {
+            add_forces(cell.bodies, &cell.rows, &x.s, 1.0, &mut out.u);
+            *r = cell.residual(x, &self.kinematics(cell, &z.u));
+        }
+        out
+    }
+
+    /// Factorises the derivative at a point; whether it has an inverse.
+    #[must_use]
+    pub fn factorise(&mut self, z: &Vector) -> bool {
+        self.matrix.clear();
+        for (i, diagonal) in self.diagonal.iter_mut().enumerate() {
+            for k in 0..3 {
+                diagonal[k] = if self.program.free[i][k] { self.program.weight[i][k] } else { 1.0 };
+                self.matrix.add_diagonal(i, k, diagonal[k]);
+            }
+        }
+        let cells = self.cells.iter().zip(&z.cells).zip(&mut self.linear);
+        for (k, ((cell, x), linear)) in cells.enumerate() {
+            *linear = cell.linearise(x);
+            self.matrix.add(k, &cell.rows, &linear.stiffness);
+        }
+        self.factorisations += 1;
+        self.matrix.factorise()
+    }
+
+    /// The step `dz` with `J dz = -r`, of the derivative J that was factorised at `z`.
+    pub fn solve(&mut self, z: &Vector, r: &Vector) -> Vector {
+        let mut right: Vec<[f64; 3]> = r.u.iter().map(|b| b.map(|x| -x)).collect();
+        let cells = self.cells.iter().zip(&self.linear).zip(z.cells.iter().zip(&r.cells));
+        for ((cell, linear), (x, r)) in cells {
+            let s = cell.forces_at_rest(linear, x, r);
+            add_forces(cell.bodies, &cell.rows, &s, -1.0, &mut right);
+        }
+        for (right, free) in right.iter_mut().zip(&self.program.free) {
+            for k in 0..3 {
+                if !free[k] {
+                    right[k] = 0.0;
+                }
+            }
+        }
+        let du = self.solve_bodies(right);
+        let cells = self.cells.iter().zip(&self.linear).zip(z.cells.iter().zip(&r.cells));
+        let cells = cells
+            .map(|((cell, linear), (x, r))| cell.step(linear, x, r, &self.kinematics(cell, &du)))
+            .collect();
+        Vector { u: du, cells }
+    }
+
+    /// Solves the condensed system, with refinement.
+    fn solve_bodies(&mut self, right: Vec<[f64; 3]>) -> Vec<[f64; 3]> {
+        let mut x = right.clone();
+        self.matrix.solve(&mut x);
+        let scale = maximum(&right);
+        let mut last = f64::INFINITY;
+        for _ in 0..MAX_REFINEMENTS {
+            let mut defect = right.clone();
+            for ((d, diagonal), x) in defect.iter_mut().zip(&self.diagonal).zip(&x) {
+                for k in 0..3 {
+                    d[k] -= diagonal[k] * x[k];
+                }
+            }
+            for (cell, linear) in self.cells.iter().zip(&self.linear) {
+                let s = times(&linear.stiffness, &self.kinematics(cell, &x));
+                add_forces(cell.bodies, &cell.rows, &s, -1.0, &mut defect);
+            }
+            let size = maximum(&defect);
+            if size <= REFINED * scale || size >= 0.5 * last || size.is_nan() {
+                break;
+            }
+            last = size;
+            self.matrix.solve(&mut defect);
+            for (x, d) in x.iter_mut().zip(&defect) {
+                for k in 0..3 {
+                    x[k] += d[k];
+                }
+            }
+        }
+        x
+    }
+}
+
+fn maximum(rows: &[[f64; 3]]) -> f64 {
+    rows.iter().flatten().fold(0.0, |m, x| if x.abs() <= m { m } else { x.abs() })
+}
+
+/// The median of the normal compliances, 1 where all are rigid.
+fn typical_compliance(cells: &[Cell]) -> f64 {
+    let mut all: Vec<f64> =
+        cells.iter().map(Cell::normal_compliance).filter(|c| *c > 0.0).collect();
+    all.sort_unstable_by(f64::total_cmp);
+    all.get(all.len() / 2).copied().unwrap_or(1.0)
+}
+
+/// Diagonal of the compliance that the weights of its bodies give an interaction.
+fn of_weights(cell: &Cell, weights: &[[f64; 3]]) -> [f64; 3] {
+    let mut out = [0.0; 3];
+    for (rows, body) in cell.rows.iter().zip(cell.bodies) {
+        for (row, weight) in rows.iter().zip(weights[body as usize]) {
+            if weight > 0.0 {
+                for f in 0..3 {
+                    out[f] += row[f] * row[f] / weight;
+                }
+            }
+        }
+    }
+    out.map(|x| x.max(1e-12))
+}

@@ -1,0 +1,68 @@
+//! Sliding under Coulomb's law: takes the dilation of the associated law out of the solution.
+
+use bevy_ecs::prelude::*;
+
+use clastic_components::attempt::Attempt;
+use clastic_components::contact::Bodies;
+use clastic_components::findings::Sliding;
+use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, FrictionLaw};
+use clastic_components::program::{ConeProgram, ConeSolution, SolveStatus};
+
+use super::coulomb::Coulomb;
+use super::residuals;
+use crate::mean_field::furthest;
+
+/// Solves without success in one increment after which the others have less time,
+const MAX_FAILURES: u32 = 4;
+/// and how many factorisations these have.
+const QUICK: u32 = 40;
+
+/// The solver of this world, with what it keeps between increments.
+#[derive(Resource, Default)]
+pub struct SlidingSolver(Coulomb);
+
+/// Solves the program of an equilibrium, or of a time step, again without the dilation of contacts that slide or
+/// roll. Contacts with strength keep it: their law is that of the bond. So do the steps of a followed motion, of
+/// which only the place where it comes to rest matters, and the proof of a collapse, which holds for both laws.
+///
+/// What does not converge is kept with its residual; [`coulomb::judge`](crate::attempt::coulomb::judge) says
+/// what becomes of it.
+pub fn solve_sliding(
+    law: Res<FrictionLaw>,
+    acceptance: Res<Acceptance>,
+    analysis: Res<Analysis>,
+    bodies: Res<Bodies>,
+    mut solver: ResMut<SlidingSolver>,
+    mut program: ResMut<ConeProgram>,
+    mut solution: ResMut<ConeSolution>,
+    mut attempt: ResMut<Attempt>,
+    mut finding: ResMut<Sliding>,
+) {
+    *finding = Sliding { failures: finding.failures, ..Sliding::default() };
+    let Some(law) = law.coulomb(analysis.kind) else { return };
+    if attempt.effort().is_none() || solution.status != SolveStatus::Solved {
+        return;
+    }
+    // A throw is rejected in any case.
+    let far = furthest(&bodies, &program, &solution).map_or(0.0, |(_, far)| far);
+    if analysis.kind == AnalysisKind::Static && far > acceptance.throw {
+        return;
+    }
+    for c in &mut program.interactions {
+        c.dilation = f64::from(u8::from(c.limits.has_strength()));
+    }
+    let enough = acceptance.residual.max(program.tolerance);
+    // A little below what is accepted: the residual is taken again, without what regularises the program.
+    let patient = finding.failures < MAX_FAILURES;
+    let max = if patient { law.factorisations } else { law.factorisations.min(QUICK) };
+    let found = solver.0.solve(&program, &solution, 0.9 * enough, max);
+    finding.failures += u32::from(found.status != SolveStatus::Solved);
+    attempt.iterations += found.iterations;
+    solution.forces = found.forces;
+    solution.displacements = found.displacements;
+    solution.residuals = residuals::residuals(&program, &solution.forces, &solution.displacements);
+    let worst = solution.residuals.worst();
+    finding.residual = residuals::natural_map(&program, &solution.forces, &solution.displacements);
+    finding.lost = !(worst <= enough.max(Sliding::BOUND));
+    finding.capped = !finding.lost && worst > enough;
+}
