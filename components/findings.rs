@@ -76,10 +76,10 @@ pub struct EventSearch {
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sliding {
     /// Maximum of the natural map of the contacts, without dimension; 0 with the associated law.
-    pub residual: f64,
-    /// Whether the residual is above what is accepted, and at most [`BOUND`](Self::BOUND).
+    pub natural_map: f64,
+    /// Whether the residual of the solution is above what is accepted, and at most [`BOUND`](Self::BOUND).
     pub capped: bool,
-    /// Whether the residual is above the bound: the solution is none.
+    /// Whether the residual of the solution is above the bound: it is none.
     pub lost: bool,
     /// Solves of this increment that did not converge.
     pub failures: u32,

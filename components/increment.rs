@@ -66,9 +66,14 @@ pub struct Coulomb {
     pub factorisations: u32,
 }
 
+impl Coulomb {
+    /// Default of the factorisations.
+    pub const FACTORISATIONS: u32 = 600;
+}
+
 impl Default for Coulomb {
     fn default() -> Self {
-        Self { factorisations: 600 }
+        Self { factorisations: Self::FACTORISATIONS }
     }
 }
 

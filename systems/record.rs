@@ -280,7 +280,7 @@ fn record_state(
     out.residuals = solution.residuals;
     let (ruptures, corrections, sliding) = loops;
     out.in_avalanche = order.1.in_avalanche;
-    out.coulomb_residual = sliding.residual;
+    out.coulomb_residual = sliding.natural_map;
     out.rupture_lag = if ruptures.list.is_empty() {
         0.0
     } else {

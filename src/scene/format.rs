@@ -91,12 +91,6 @@ pub enum Analysis {
     },
 }
 
-impl FrictionLaw {
-    /// Coulomb's law with the defaults.
-    pub const COULOMB: Self =
-        Self::Coulomb { factorisations: FACTORISATIONS, tolerance: 0.0, max_passes: 0 };
-}
-
 /// Friction law of unbonded contacts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
@@ -120,8 +114,14 @@ pub enum FrictionLaw {
     },
 }
 
+impl FrictionLaw {
+    /// Coulomb's law with the defaults.
+    pub const COULOMB: Self =
+        Self::Coulomb { factorisations: FACTORISATIONS, tolerance: 0.0, max_passes: 0 };
+}
+
 /// Default of [`FrictionLaw::Coulomb`].
-const FACTORISATIONS: u32 = 600;
+const FACTORISATIONS: u32 = clastic_components::increment::Coulomb::FACTORISATIONS;
 
 fn coulomb_factorisations() -> u32 {
     FACTORISATIONS

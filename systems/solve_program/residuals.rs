@@ -233,7 +233,9 @@ pub fn natural_map(program: &ConeProgram, forces: &[[f64; 3]], displacements: &[
         }
         out
     };
-    interactions.filter(|(c, _)| !c.limits.has_strength()).map(of).fold(0.0, f64::max)
+    // The maximum of f64 drops what is not a number.
+    let larger = |m: f64, x: f64| if x <= m || m.is_nan() { m } else { x };
+    interactions.filter(|(c, _)| !c.limits.has_strength()).map(of).fold(0.0, larger)
 }
 
 /// What residuals are relative to.

@@ -62,7 +62,9 @@ pub fn solve_sliding(
     solution.displacements = found.displacements;
     solution.residuals = residuals::residuals(&program, &solution.forces, &solution.displacements);
     let worst = solution.residuals.worst();
-    finding.residual = residuals::natural_map(&program, &solution.forces, &solution.displacements);
+    // The status stays: how the solve ended is said by the finding.
+    finding.natural_map =
+        residuals::natural_map(&program, &solution.forces, &solution.displacements);
     finding.lost = !(worst <= enough.max(Sliding::BOUND));
     finding.capped = !finding.lost && worst > enough;
 }

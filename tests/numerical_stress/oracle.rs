@@ -176,7 +176,11 @@ impl Oracle {
             _ => (false, 0.0, 1.0),
         };
         let least_motion = matches!(analysis.kind, AnalysisKind::LeastMotion { .. });
-        let coulomb = matches!(scene.friction_law, FrictionLaw::Coulomb { .. });
+        let coulomb = match scene.friction_law {
+            FrictionLaw::Associated => false,
+            FrictionLaw::ByAnalysis => dynamic,
+            FrictionLaw::Coulomb { .. } => true,
+        };
 
         // Where bodies came from.
         let mut bodies: BTreeMap<u32, Body> = BTreeMap::new();

@@ -17,7 +17,7 @@ const SOFT: f64 = 1e-10;
 const CLOSE: f64 = 0.3;
 /// Part of the way to the boundary that a step takes.
 const REACH: f64 = 0.9;
-/// Slacks and multipliers may grow by this factor in a predictor.
+/// Slacks and multipliers may grow by this many times themselves in a predictor.
 const GROWTH: f64 = 3.0;
 /// A predictor whose corrections do not lead to the path is shortened by this factor;
 const SHORTENED: f64 = 0.3;
@@ -25,6 +25,8 @@ const SHORTENED: f64 = 0.3;
 const MAX_CORRECTIONS: u32 = 4;
 /// Where tau gets that large the path has gone astray.
 const ASTRAY: f64 = 30.0;
+/// Below that tau the end of the path is reached to round-off.
+const SPENT: f64 = 1e-14;
 /// The shortest predictor, in tau.
 const SHORTEST: f64 = 1e-9;
 
@@ -59,7 +61,7 @@ pub fn follow(system: &mut System, mut z: Vector, max: u32, trial: &mut Trial) -
         let (along, square) = products(system, &z, &tangent, &correction);
         let back = -along / (square + 1.0 / (tau * tau));
         correction.add(back, &tangent);
-        let off = largest_change(system, &z, &correction).max((back / tau).abs());
+        let off = largest_change(system, &z, &correction) + (back / tau).abs();
         let near = off < CLOSE;
         bad = if near { 0 } else { bad + 1 };
         let lost = !near && (bad > MAX_CORRECTIONS || (bad > 1 && off > 2.0 * before));
@@ -105,7 +107,7 @@ pub fn follow(system: &mut System, mut z: Vector, max: u32, trial: &mut Trial) -
         if trial.consider(system, &z) {
             return Some(z);
         }
-        if tau > ASTRAY {
+        if !(SPENT..=ASTRAY).contains(&tau) {
             return None;
         }
     }
@@ -133,9 +135,10 @@ fn largest_change(system: &System, z: &Vector, step: &Vector) -> f64 {
     for ((cell, x), d) in system.cells.iter().zip(&z.cells).zip(&step.cells) {
         for q in cell.each_limit() {
             for change in [(d.w[q] / x.w[q]).abs(), (d.l[q] / x.l[q]).abs()] {
-                if !(change <= largest) {
-                    largest = change;
+                if change.is_nan() {
+                    return change;
                 }
+                largest = largest.max(change);
             }
         }
     }

@@ -19,10 +19,13 @@ pub fn iterate(system: &mut System, mut z: Vector, max: u32, trial: &mut Trial) 
     let mut short = 0;
     let mut residuals = Vec::new();
     for iteration in 0..=max {
-        if trial.consider(system, &z) && !trial.sharpens() {
+        let solved = trial.consider(system, &z);
+        // The first point is the start: it says nothing of the progress.
+        let sharpens = if iteration == 0 { !trial.is_sharp() } else { trial.sharpens() };
+        if solved && !sharpens {
             return;
         }
-        residuals.push(trial.worst());
+        residuals.push(if iteration == 0 { f64::INFINITY } else { trial.worst() });
         let stalls = iteration as usize >= PATIENCE
             && residuals[iteration as usize] > 0.5 * residuals[iteration as usize - PATIENCE];
         let r = system.residual(&z);
@@ -33,7 +36,7 @@ pub fn iterate(system: &mut System, mut z: Vector, max: u32, trial: &mut Trial) 
             return;
         }
         let predictor = system.solve(&z, &r);
-        let length = step_length(system, &z, &predictor);
+        let length = boundary(system, &z, &predictor).min(1.0);
         let after = sum_of_products(system, &z, Some(&predictor), length) / system.limits;
         // After a short step the iteration has to come back to the path first.
         let least = if last < 0.2 { 0.8 } else { 0.0 };
@@ -45,28 +48,25 @@ pub fn iterate(system: &mut System, mut z: Vector, max: u32, trial: &mut Trial) 
             }
         }
         let step = system.solve(&z, &aimed);
-        let length = step_length(system, &z, &step);
-        if !length.is_finite() {
+        let room = boundary(system, &z, &step);
+        if room.is_nan() {
             return;
         }
-        last = length;
-        let taken = if length < 1.0 { length * (1.0 - mu).clamp(0.99, 0.9995) } else { 1.0 };
-        z.add(taken, &step);
+        last = room.min(1.0);
+        z.add((room * (1.0 - mu).clamp(0.99, 0.9995)).min(1.0), &step);
     }
 }
 
-/// The length up to 1 at which the first slack or multiplier vanishes.
-fn step_length(system: &System, z: &Vector, step: &Vector) -> f64 {
-    boundary(system, z, step).min(1.0)
-}
-
-/// The length at which the first slack or multiplier vanishes.
+/// The length at which the first slack or multiplier vanishes; not a number if any of the step is not.
 pub fn boundary(system: &System, z: &Vector, step: &Vector) -> f64 {
     let mut length = f64::INFINITY;
     for ((cell, x), d) in system.cells.iter().zip(&z.cells).zip(&step.cells) {
         for q in cell.each_limit() {
             for (x, d) in [(x.w[q], d.w[q]), (x.l[q], d.l[q])] {
-                if d < 0.0 && x + length * d < 0.0 || d.is_nan() {
+                if d.is_nan() {
+                    return f64::NAN;
+                }
+                if d < 0.0 && x + length * d < 0.0 {
                     length = -x / d;
                 }
             }

@@ -61,9 +61,10 @@ impl Coulomb {
         tolerance: f64,
         max: u32,
     ) -> ConeSolution {
-        let mut trial = Trial::new(program, tolerance);
+        let mut trial = Trial::new(program, start, tolerance);
         trial.offer(&start.forces, &start.displacements);
-        if trial.is_within(NEAR) || !self.prepare(program) {
+        let dilates = program.interactions.iter().all(|c| c.dilation == 1.0);
+        if dilates || trial.is_within(NEAR) || !self.prepare(program) {
             return trial.into_solution(0);
         }
         let Some(matrix) = self.matrix.as_mut() else { return trial.into_solution(0) };
@@ -90,7 +91,8 @@ impl Coulomb {
             if let Some(z) = end.filter(|_| trial.is_solved()) {
                 let (u, s) = (&z.u, z.cells.iter().map(|x| x.s).collect::<Vec<_>>());
                 let z = system.near(u, &s, 0.1 * tolerance);
-                interior::iterate(&mut system, z, MAX_SHARPENING, &mut trial);
+                let left = max - system.factorisations.min(max);
+                interior::iterate(&mut system, z, left.min(MAX_SHARPENING), &mut trial);
             }
         }
         let spent = system.factorisations;
@@ -129,8 +131,8 @@ pub struct Trial<'a> {
 }
 
 impl<'a> Trial<'a> {
-    fn new(program: &'a ConeProgram, tolerance: f64) -> Self {
-        let best = ConeSolution::default();
+    fn new(program: &'a ConeProgram, start: &ConeSolution, tolerance: f64) -> Self {
+        let best = start.clone();
         let units = units(program);
         Self {
             program,
@@ -154,7 +156,12 @@ impl<'a> Trial<'a> {
 
     /// Whether the last point was so much better than those before that another one is worth its price.
     fn sharpens(&self) -> bool {
-        !self.is_within(SHARP * self.tolerance) && self.worst <= PROGRESS * self.before
+        !self.is_sharp() && self.worst <= PROGRESS * self.before
+    }
+
+    /// Whether nothing is to be gained by another iteration.
+    fn is_sharp(&self) -> bool {
+        self.is_within(SHARP * self.tolerance)
     }
 
     /// Whether the best point is a solution with at most this natural map.

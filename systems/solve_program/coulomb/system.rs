@@ -195,8 +195,10 @@ impl<'a> System<'a> {
     }
 }
 
+/// Maximum magnitude; not a number if any of them is not.
 fn maximum(rows: &[[f64; 3]]) -> f64 {
-    rows.iter().flatten().fold(0.0, |m, x| if x.abs() <= m { m } else { x.abs() })
+    let larger = |m: f64, x: &f64| if x.abs() <= m || m.is_nan() { m } else { x.abs() };
+    rows.iter().flatten().fold(0.0, larger)
 }
 
 /// The median of the normal compliances, 1 where all are rigid.

@@ -9,7 +9,8 @@
 
 use super::dense::LANES;
 
-/// A pivot stays on the diagonal if it is not smaller than this part of the maximum of its column.
+/// A pivot stays on the diagonal if it is not smaller than this part of the maximum of its column
+/// among the pivots of the front.
 const THRESHOLD: f64 = 0.1;
 /// Pivots whose rows are taken away together from the rows below.
 const TOGETHER: usize = 4;

@@ -8,8 +8,7 @@
 use pulp::{Arch, Simd, WithSimd};
 
 use super::fronts::{Front, Fronts};
-use super::{layout, lu, ordering};
-use crate::solve_program::condensed::matrix::places;
+use super::{layout, lu, ordering, places};
 
 /// Numbers in the block of a body and in the two blocks of a pair.
 const BODY: usize = 9;
