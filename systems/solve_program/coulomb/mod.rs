@@ -4,8 +4,8 @@
 //! that of a minimum. Its admissible forces are the same, so that a proof of collapse holds for both, and the
 //! associated solution is where the search for one of Coulomb's begins:
 //!
-//! 1. an [interior](mod@interior) point iteration from there;
-//! 2. where it stalls, the [arc](mod@arc): the path of the perturbed problem, followed past its turning points,
+//! 1. an interior point iteration (`interior`) from there;
+//! 2. where it stalls, the path of the perturbed problem (`arc`), followed past its turning points,
 //!    from two starts.
 //!
 //! In statics there may be none, one or several solutions; the order of the starts is fixed, so that runs repeat.
