@@ -245,7 +245,10 @@ mod tests {
         );
         let all = said([(28, 0), (7, 7)], false, &Results::default());
         assert!(all.contains("\nWARNING: all 7 increments of stage shear are capped\n"), "{all}");
-        assert!(all.contains("no converged state") && all.contains("`acceptance.residual`"), "{all}");
+        assert!(
+            all.contains("no converged state") && all.contains("`acceptance.residual`"),
+            "{all}"
+        );
     }
 
     #[test]
