@@ -84,7 +84,7 @@ pub enum IncrementStatus {
     Collapsed,
     /// Neither an equilibrium nor a collapse was found; nothing was committed.
     Undecided,
-    /// Converged, but for Coulomb's law, whose residual is above what is accepted.
+    /// Committed under Coulomb's law with a residual above the tolerance and within the bound of `Sliding`.
     Capped,
 }
 

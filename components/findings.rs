@@ -77,9 +77,9 @@ pub struct EventSearch {
 pub struct Sliding {
     /// Maximum of the natural map of the contacts, without dimension; 0 with the associated law.
     pub natural_map: f64,
-    /// Whether the residual of the solution is above what is accepted, and at most [`BOUND`](Self::BOUND).
+    /// Whether the residual of the solution is above the tolerance and at most [`BOUND`](Self::BOUND).
     pub capped: bool,
-    /// Whether the residual of the solution is above the bound: it is none.
+    /// Whether the residual of the solution is above the bound: the solution is rejected.
     pub lost: bool,
     /// Solves of this increment that did not converge.
     pub failures: u32,

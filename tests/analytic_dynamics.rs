@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 use clastic::components::contact::Contacts;
 use clastic::components::program::ConeSolution;
 use clastic::run::Simulation;
-use clastic::scene::format::{Analysis, FrictionLaw, Scene, Specimen};
+use clastic::scene::format::{Analysis, FrictionLaw, Scene, Specimen, WallControl};
 use common::*;
 use glam::DVec2;
 
@@ -218,6 +218,45 @@ fn associated_law_lags_a_sliding_block_and_lets_it_hover() {
                 assert_within(hover, dt * friction * speed, EXACT * acceleration * dt * dt);
             }
         }
+    }
+}
+
+/// A disk with its rotation held, on a plate that starts sideways at 5 m/s.
+fn on_a_plate_that_starts(
+    law: FrictionLaw,
+    friction: f64,
+    increments: u32,
+) -> (State, State, [f64; 2]) {
+    let mut scene = load("incline_held");
+    scene.friction_law = law;
+    set_analysis(&mut scene, 1e-3, 1.0);
+    scene.walls[0].end = (1.6, 0.0);
+    scene.walls[0].contact.friction = friction;
+    only_disk(&mut scene).position = (0.8, 0.05);
+    let run = stage(&mut scene, "run");
+    run.increments = increments;
+    run.walls.insert("incline".into(), WallControl::Velocity(5.0, 0.0));
+    let mut simulation = Simulation::new(&scene, None);
+    let start = states(&mut simulation)[0];
+    while next(&mut simulation).is_some() {}
+    let end = states(&mut simulation)[0];
+    let [p, q, _] = simulation.world().resource::<ConeSolution>().forces[0];
+    (start, end, [p, q])
+}
+
+#[test]
+fn a_plate_that_starts_sideways_drags_a_disk_and_does_not_lift_it() {
+    for friction in [0.3, 0.8] {
+        let (start, end, [p, q]) = on_a_plate_that_starts(COULOMB, friction, 10);
+        let weight = start.mass * G;
+        assert_within(end.position.y, start.position.y, 1e-10);
+        assert_relative(p, weight, 1e-10);
+        assert_relative(q.abs(), friction * weight, 1e-10);
+        assert_relative(end.velocity.x, friction * G * 10e-3, 1e-10);
+        // The associated law opens by mu v dt what slides.
+        let (start, end, _) = on_a_plate_that_starts(FrictionLaw::Associated, friction, 1);
+        let rise = end.position.y - start.position.y;
+        assert_relative(rise, friction * (5.0 - end.velocity.x) * 1e-3, 1e-8);
     }
 }
 

@@ -6,6 +6,7 @@ use clastic::components::observation::Observation;
 use clastic::run::EndedBy;
 use clastic::run::stages::Script;
 use clastic::run::{Outcome, Simulation, StageEnd, WorldState, changes};
+use clastic::scene::format::{FrictionLaw, Scene};
 use common::*;
 
 /// A disk between a floor and a lid; the rest is the stages and, if any, measures.
@@ -276,4 +277,25 @@ fn stress_drop_waits_for_a_stress_that_is_no_round_off() {
     // The overlap of the last two at k = 1 GN/m, over a branch of 0.08 m and an area of 0.01 m^2.
     let overlap = 40.0 * 5.771e-5 - 1.73e-3;
     assert_relative(stresses[39], 1.0e9 * overlap * 0.08 / 0.01, 0.02);
+}
+
+#[test]
+fn the_friction_law_by_analysis_is_associated_in_statics_and_coulombs_in_dynamics() {
+    let under = |law: FrictionLaw, mut scene: Scene| {
+        scene.friction_law = law;
+        run(&scene).0
+    };
+    // Sliding tells the laws apart in both scenes.
+    let at_rest = || small_cell(ROUGH, ROUGH);
+    let [by_analysis, associated, coulomb] =
+        [FrictionLaw::ByAnalysis, FrictionLaw::Associated, FrictionLaw::COULOMB]
+            .map(|law| under(law, at_rest()));
+    assert_eq!(by_analysis, associated);
+    assert_ne!(by_analysis, coulomb);
+    let moving = || swarm("Associated", RIGID, 1e-3, 1.0, 40);
+    let [by_analysis, associated, coulomb] =
+        [FrictionLaw::ByAnalysis, FrictionLaw::Associated, FrictionLaw::COULOMB]
+            .map(|law| under(law, moving()));
+    assert_eq!(by_analysis, coulomb);
+    assert_ne!(by_analysis, associated);
 }

@@ -172,7 +172,7 @@ class Landing:
     def engine(self, seed, route):
         path, disks, width, height = self.packing(seed)
         o = self.options
-        law = {"followed-coulomb": "Coulomb()", "slow-coulomb": f"Coulomb(tolerance: {o.tolerance!r})"}.get(
+        law = {"followed-coulomb": "Coulomb()", "slow-coulomb": "Coulomb()"}.get(
             route, "Associated"
         )
         directory = self.out / str(seed) / route
@@ -483,7 +483,6 @@ def main():
     parser.add_argument("--ramp-from-zero", type=float, default=1.0, help="the same of the route `ramped`")
     parser.add_argument("--dt", type=float, default=1e-3, help="time step of the engine's dynamics, s")
     parser.add_argument("--theta", type=float, default=1.0, help="of the engine's dynamics")
-    parser.add_argument("--tolerance", type=float, default=1e-4, help="of Coulomb's law in the route `slow-coulomb`")
     parser.add_argument("--damping", type=float, default=0.1, help="YADE's local damping")
     options = parser.parse_args()
     routes = options.routes.split(",")

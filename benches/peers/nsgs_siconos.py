@@ -9,10 +9,8 @@ imposed motion and s = (p, q), the local problem of Siconos is
 
     v = W r + b,   W = G' M^-1 G,   b = (g, 0) - G' M^-1 f - e,   r = (p, q), v = (gap, -slip)
 
-where g is the gap at the start: the dump's offset less the opening mu |slip| that Coulomb's fixed
-point adds to closed contacts, by the slips of the dump: the dump's solution solves this problem
-exactly, and the problem posed as far as the fixed point had converged. Errors are those of the motion after the solve, in the kinetic norm,
-against the solution of the dump.
+where g is the gap at the start, the dump's offset. Errors are those of the motion after the solve, in the
+kinetic norm, against the solution of the dump.
 """
 
 import argparse
@@ -70,9 +68,7 @@ class Problem:
         gap = np.zeros(2 * self.contacts)
         self.friction = np.zeros(self.contacts)
         solution = dump["solution"]
-        u = np.array(solution["displacements"])
         forces = np.array(solution["forces"])
-        strongest = abs(forces[:, 0]).max()
         for c, x in enumerate(interactions):
             limits = x["limits"]
             plain = (
@@ -85,7 +81,6 @@ class Problem:
             self.friction[c] = limits["friction"]
             n = np.array(x["normal"])
             t = np.array([-n[1], n[0]])
-            kinematics = np.zeros(2)
             for body, sign, arm in ((x["a"], 1, x["arm_a"]), (x["b"], -1, x["arm_b"])):
                 axis = np.array(bodies[body]["axis"])
                 other = np.array([-axis[1], axis[0]])
@@ -96,7 +91,6 @@ class Problem:
                         [0.0, arm],
                     ]
                 )
-                kinematics += u[body] @ g
                 for k in range(3):
                     for j in range(2):
                         if (body, k) in place:
@@ -105,9 +99,7 @@ class Problem:
                             entries.append(g[k, j])
                         else:
                             known[2 * c + j] += fixed[body, k] * g[k, j]
-            closed = forces[c, 0] > 1e-9 * strongest
-            opening = limits["friction"] * abs(kinematics[1]) if closed else 0.0
-            gap[2 * c] = x["offset"] - opening
+            gap[2 * c] = x["offset"]
         shape = (len(mass), 2 * self.contacts)
         self.g = scipy.sparse.csr_matrix((entries, (rows, columns)), shape=shape)
         self.mass, self.load = np.array(mass), np.array(load)

@@ -105,7 +105,8 @@ fn warnings(stages: &[StageEnd]) -> Vec<String> {
     if !lines.is_empty() {
         lines.push(
             "a capped increment is no converged state: Coulomb's law is fulfilled to a residual of 1e-4 only; a \
-             greater `acceptance.residual`, where the test allows it, or `friction_law: Associated` may help. Key results leave it out"
+             greater `acceptance.residual`, where the test allows it, or `friction_law: Associated` may help. Key \
+             results leave it out"
                 .to_owned(),
         );
     }

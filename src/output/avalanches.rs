@@ -1,7 +1,7 @@
 //! `avalanches.csv`: one row an avalanche, where bonds break from event to event.
 //!
-//! An avalanche is one event, of a single bond or of many. It begins with the increment that ends at the limit of its first bond. Others may break after it at
-//! constant load; it ends with the equilibrium in which all bonds hold. What stands after it is empty where the run ended
+//! An avalanche is one event, of a single bond or of many. It begins with the increment that ends at the limit of its
+//! first bond. Others may break after it at constant load; it ends with the equilibrium in which all bonds hold. What stands after it is empty where the run ended
 //! before, or where loading went on with one round of ruptures.
 
 use bevy_ecs::prelude::*;

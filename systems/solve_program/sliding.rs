@@ -12,10 +12,13 @@ use super::coulomb::Coulomb;
 use super::residuals;
 use crate::mean_field::furthest;
 
-/// Solves without success in one increment after which the others have less time,
+/// Number of solves without success after which the other solves of the increment are quick.
 const MAX_FAILURES: u32 = 4;
-/// and how many factorisations these have.
+/// Factorisations of a quick solve at most.
 const QUICK: u32 = 40;
+
+/// Residual that is asked of the solver over what is accepted.
+const MARGIN: f64 = 0.9;
 
 /// The solver of this world, with what it keeps between increments.
 #[derive(Resource, Default)]
@@ -52,10 +55,11 @@ pub fn solve_sliding(
         c.dilation = f64::from(u8::from(c.limits.has_strength()));
     }
     let enough = acceptance.residual.max(program.tolerance);
-    // A little below what is accepted: the residual is taken again, without what regularises the program.
+    // The solver counts the regularisation as a part of the program, the residual below counts it as an error:
+    // a margin keeps a solution that just passes from failing.
     let patient = finding.failures < MAX_FAILURES;
     let max = if patient { law.factorisations } else { law.factorisations.min(QUICK) };
-    let found = solver.0.solve(&program, &solution, 0.9 * enough, max);
+    let found = solver.0.solve(&program, &solution, MARGIN * enough, max);
     finding.failures += u32::from(found.status != SolveStatus::Solved);
     attempt.iterations += found.iterations;
     solution.forces = found.forces;

@@ -27,9 +27,11 @@ pub fn accepted_error(simulation: &Simulation) -> f64 {
     let turns = solution.displacements.iter().filter(|_| is_static).map(|u| u[2].abs());
     let turn = turns.fold(0.0, f64::max) * program.scales.length;
     let motion = displacement_scale(program, &solution.displacements).max(turn);
-    let kinetic = world.resource::<Observation>().kinetic_energy;
+    let record = world.resource::<Observation>();
+    let kinetic = record.kinetic_energy;
     let e = world.resource::<EnergyLedger>();
-    let residual = world.resource::<Acceptance>().residual;
+    // That of a capped increment is what it reports.
+    let residual = world.resource::<Acceptance>().residual.max(record.residuals.worst());
     // Last: round-off of what moves fast and hardly changes its speed.
     residual * rows as f64 * force * motion
         + 1e-12 * (e.increment.throughput() + e.stored.unwrap_or_default())

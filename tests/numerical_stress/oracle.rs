@@ -139,8 +139,7 @@ impl Oracle {
             findings.book("reported residual", record.residuals.worst(), limit, n);
             // The corrector takes normals and gaps where the increment leads to; this knows those of its
             // start. What it commits is judged by its residuals, its ledger and what it is made of.
-            // What is capped is as far off as it says.
-            if scene.corrector.is_none() && !capped {
+            if scene.corrector.is_none() {
                 self.check_committed(simulation, scene, record, &now, findings);
             }
         } else {
@@ -154,6 +153,8 @@ impl Oracle {
         }
     }
 
+    /// Checks what was committed against laws and balance, to the residual that was accepted: of a capped
+    /// increment the one that it reports.
     fn check_committed(
         &self,
         simulation: &mut Simulation,
@@ -163,6 +164,7 @@ impl Oracle {
         findings: &mut Findings,
     ) {
         let n = record.increment;
+        let residual = RESIDUAL.max(record.residuals.worst());
         let world = simulation.world_mut();
         let analysis = *world.resource::<Analysis>();
         let motion_steps = world.resource::<Attempt>().motion_steps;
@@ -265,7 +267,7 @@ impl Oracle {
             let moved = DVec2::new(a.motion[0] - b.motion[0], a.motion[1] - b.motion[1]);
             let expected = (tension / d.length() * moved.dot(along)).max(-tension);
             let error = (f[0] * c.normal.dot(along) - expected).abs() / contact_force;
-            findings.book("taut bond", error, 1e2 * RESIDUAL, n);
+            findings.book("taut bond", error, 1e2 * residual, n);
             for (id, sign) in [(c.a, 1.0), (c.b, -1.0)] {
                 let r = resist.get_mut(&id).unwrap();
                 r[0] += sign * c.normal.x * f[0];
@@ -355,7 +357,7 @@ impl Oracle {
                 && is_driven(contact.b)
                 && apart >= -1e-9 * mean_radius
             {
-                findings.book("limit", p.hypot(q) / contact_force, RESIDUAL * SECOND_WAY, n);
+                findings.book("limit", p.hypot(q) / contact_force, residual * SECOND_WAY, n);
                 continue;
             }
             let l = &c.limits;
@@ -394,7 +396,7 @@ impl Oracle {
 
             let shear = cohesion + friction * p;
             let roll = rolling * (p + strength);
-            let limit = RESIDUAL * SECOND_WAY;
+            let limit = residual * SECOND_WAY;
             findings.book("limit", (-(p + tension) / contact_force).max(0.0), limit, n);
             findings.book("limit", (q.abs() - shear.max(0.0)) / contact_force, limit, n);
             let over = (tau.abs() - roll.max(0.0)) / (contact_force * mean_radius);
@@ -485,7 +487,7 @@ impl Oracle {
         let name = if dynamic { "balance (dynamic)" } else { "balance (static)" };
         for defect in defects {
             // In dynamics the motion follows from the forces, to round-off.
-            let accepted = if dynamic { 1e-11 } else { RESIDUAL * SECOND_WAY };
+            let accepted = if dynamic { 1e-11 } else { residual * SECOND_WAY };
             let unit = if dynamic { force.max(turning) } else { force };
             findings.book(name, defect.abs() / unit, accepted, n);
         }

@@ -367,9 +367,9 @@ pub fn run_checked(scene: &Scene) -> Story {
                     IncrementStatus::Undecided => 3,
                 }] += 1;
                 oracle.after(&mut simulation, &scene, &record, &mut story.findings);
-                // What is capped is as far off as its residual says.
-                let solved = record.status == IncrementStatus::Solved;
-                if solved && simulation.world().contains_resource::<EnergyLedger>() {
+                let committed =
+                    matches!(record.status, IncrementStatus::Solved | IncrementStatus::Capped);
+                if committed && simulation.world().contains_resource::<EnergyLedger>() {
                     let accepted = accepted_error(&simulation);
                     let error = simulation.world().resource::<EnergyLedger>().increment.error();
                     story.findings.energy(error.abs() / accepted, record.increment);

@@ -19,9 +19,9 @@ const CLOSE: f64 = 0.3;
 const REACH: f64 = 0.9;
 /// Slacks and multipliers may grow by this many times themselves in a predictor.
 const GROWTH: f64 = 3.0;
-/// A predictor whose corrections do not lead to the path is shortened by this factor;
+/// Factor that shortens a predictor whose corrections do not lead to the path.
 const SHORTENED: f64 = 0.3;
-/// so many corrections are made before, unless one is twice as long as the last.
+/// Maximum number of corrections of one predictor. A correction twice as long as the last ends them earlier.
 const MAX_CORRECTIONS: u32 = 4;
 /// Where tau gets that large the path has gone astray.
 const ASTRAY: f64 = 30.0;

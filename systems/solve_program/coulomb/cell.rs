@@ -243,3 +243,87 @@ impl Cell {
 pub fn times(t: &[[f64; 3]; 3], e: &[f64; 3]) -> [f64; 3] {
     t.map(|row| row[0] * e[0] + row[1] * e[1] + row[2] * e[2])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cell(dilation: f64) -> Cell {
+        Cell {
+            bodies: [0, 1],
+            rows: [[[0.0; 3]; 3]; 2],
+            compliance: [0.3, 0.7, 0.0],
+            linear: [0.2, -0.1, 0.4],
+            slopes: [0.6, 0.25],
+            strengths: [0.5, 1.5, 0.8],
+            on: [true; LIMITS],
+            dilation,
+            soft: [0.0; 3],
+        }
+    }
+
+    /// The residual as one row, of a point and kinematics as one row.
+    fn residual(cell: &Cell, z: &[f64; 16]) -> [f64; 13] {
+        let part = |from: usize| std::array::from_fn(|k| z[from + k]);
+        let x = Entry { s: [z[0], z[1], z[2]], w: part(3), l: part(8) };
+        let r = cell.residual(&x, &[z[13], z[14], z[15]]);
+        let mut out = [0.0; 13];
+        out[..3].copy_from_slice(&r.s);
+        out[3..8].copy_from_slice(&r.w);
+        out[8..].copy_from_slice(&r.l);
+        out
+    }
+
+    /// A step of the cell solves the equations that finite differences of its residual give.
+    #[test]
+    fn steps_solve_the_linearised_law() {
+        for dilation in [0.0, 0.5, 1.0] {
+            let cell = cell(dilation);
+            let x = Entry {
+                s: [2.0, -0.9, 0.3],
+                w: [1.1, 0.3, 2.4, 0.7, 0.2],
+                l: [0.05, 1.3, 0.02, 0.4, 0.9],
+            };
+            let e = [0.15, -0.6, 0.35];
+            let motion = [0.02, -0.05, 0.07];
+            let linear = cell.linearise(&x);
+            let r = cell.residual(&x, &e);
+            let step = cell.step(&linear, &x, &r, &motion);
+
+            let row = |s: &[f64; 3], w: &[f64; 5], l: &[f64; 5], e: &[f64; 3]| -> [f64; 16] {
+                let all = s.iter().chain(w).chain(l).chain(e);
+                all.copied().collect::<Vec<_>>().try_into().unwrap()
+            };
+            let at = row(&x.s, &x.w, &x.l, &e);
+            let along = row(&step.s, &step.w, &step.l, &motion);
+            // The residual is quadratic: central differences of it are exact but for round-off.
+            let h = 1e-3;
+            let moved = |sign: f64| std::array::from_fn(|k| at[k] + sign * h * along[k]);
+            let (after, before) = (residual(&cell, &moved(1.0)), residual(&cell, &moved(-1.0)));
+            let here = residual(&cell, &at);
+            for k in 0..13 {
+                let slope = (after[k] - before[k]) / (2.0 * h);
+                assert!((here[k] + slope).abs() < 1e-11, "dilation {dilation}, row {k}");
+            }
+        }
+    }
+
+    /// Without dilation the stiffness is what is left of the law, not symmetric; with it, it is symmetric.
+    #[test]
+    fn the_stiffness_of_full_dilation_is_symmetric() {
+        let x = Entry {
+            s: [2.0, -0.9, 0.3],
+            w: [1.1, 0.3, 2.4, 0.7, 0.2],
+            l: [0.05, 1.3, 0.02, 0.4, 0.9],
+        };
+        let asymmetry = |dilation: f64| {
+            let k = cell(dilation).linearise(&x).stiffness;
+            (0..3)
+                .flat_map(|f| (0..3).map(move |g| (f, g)))
+                .map(|(f, g)| (k[f][g] - k[g][f]).abs())
+                .fold(0.0, f64::max)
+        };
+        assert!(asymmetry(1.0) < 1e-15);
+        assert!(asymmetry(0.0) > 0.1);
+    }
+}

@@ -6,10 +6,11 @@ use super::system::{System, Vector};
 
 /// Compliance that regularises the matrix, over what is usual.
 const SOFT: f64 = 1e-8;
-/// A step shorter than this leads nowhere; so many of them end the iteration.
+/// Minimum length of a step that counts as progress.
 const SHORT: f64 = 0.05;
+/// Maximum number of shorter steps in a row.
 const MAX_SHORT: u32 = 3;
-/// Iterations in which the residual has to fall by half.
+/// Number of iterations in which the residual has to fall by half.
 const PATIENCE: usize = 10;
 
 /// Iterates from a point until the trial is solved; at most `max` factorisations.
@@ -20,8 +21,8 @@ pub fn iterate(system: &mut System, mut z: Vector, max: u32, trial: &mut Trial) 
     let mut residuals = Vec::new();
     for iteration in 0..=max {
         let solved = trial.consider(system, &z);
-        // The first point is the start: it says nothing of the progress.
-        let sharpens = if iteration == 0 { !trial.is_sharp() } else { trial.sharpens() };
+        // The first step leads from the start to the path: it says nothing of the progress.
+        let sharpens = if iteration < 2 { !trial.is_sharp() } else { trial.sharpens() };
         if solved && !sharpens {
             return;
         }

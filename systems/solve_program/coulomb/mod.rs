@@ -24,20 +24,23 @@ use super::displacements_from_forces;
 use super::lowering::units;
 use super::residuals::{applied_force, natural_map, regularised_residuals};
 
-/// Products that the iteration starts with, in units of force times displacement.
+/// Products at the start of the iteration, in units of force times displacement.
 const PRODUCT: f64 = 1e-3;
-/// The same at the start of an arc, one after the other.
+/// Products at the start of the first and of the second arc.
 const ARCS: [f64; 2] = [1e-1, 1e-3];
-/// Factorisations of the iteration and of an arc at most.
+/// Factorisations of the iteration at most.
 const MAX_ITERATIONS: u32 = 40;
+/// Factorisations of an arc at most.
 const MAX_ARC: u32 = 250;
-/// Factorisations that sharpen the end of an arc.
+/// Factorisations that sharpen the end of an arc at most.
 const MAX_SHARPENING: u32 = 8;
-/// A solution with dilation whose natural map is at most this is one without.
+/// Products at the start of that sharpening, over the tolerance.
+const END: f64 = 0.1;
+/// Maximum natural map of a solution with dilation that is taken for one without.
 const NEAR: f64 = 1e-8;
-/// What is solved is sharpened until the natural map is this part of the tolerance, as long as every iteration
-/// leaves at most so much of the residual.
+/// Natural map at which a solution is sharp, over the tolerance.
 const SHARP: f64 = 1e-3;
+/// Maximum part of the residual that an iteration may leave for another one to follow, once solved.
 const PROGRESS: f64 = 0.5;
 /// Minimum unit of force over the force scale of the program.
 const MIN_FORCE: f64 = 1e-2;
@@ -63,8 +66,8 @@ impl Coulomb {
     ) -> ConeSolution {
         let mut trial = Trial::new(program, start, tolerance);
         trial.offer(&start.forces, &start.displacements);
-        let dilates = program.interactions.iter().all(|c| c.dilation == 1.0);
-        if dilates || trial.is_within(NEAR) || !self.prepare(program) {
+        let is_associated = program.interactions.iter().all(|c| c.dilation == 1.0);
+        if is_associated || trial.is_within(NEAR) || !self.prepare(program) {
             return trial.into_solution(0);
         }
         let Some(matrix) = self.matrix.as_mut() else { return trial.into_solution(0) };
@@ -90,7 +93,7 @@ impl Coulomb {
             let end = arc::follow(&mut system, z, left.min(MAX_ARC), &mut trial);
             if let Some(z) = end.filter(|_| trial.is_solved()) {
                 let (u, s) = (&z.u, z.cells.iter().map(|x| x.s).collect::<Vec<_>>());
-                let z = system.near(u, &s, 0.1 * tolerance);
+                let z = system.near(u, &s, END * tolerance);
                 let left = max - system.factorisations.min(max);
                 interior::iterate(&mut system, z, left.min(MAX_SHARPENING), &mut trial);
             }
@@ -126,8 +129,8 @@ pub struct Trial<'a> {
     order: Vec<usize>,
     best: ConeSolution,
     worst: f64,
-    /// Residual before the last improvement.
-    before: f64,
+    /// Residuals of the last two points, the last one last.
+    residuals: [f64; 2],
 }
 
 impl<'a> Trial<'a> {
@@ -141,7 +144,7 @@ impl<'a> Trial<'a> {
             order: Vec::new(),
             best,
             worst: f64::INFINITY,
-            before: f64::INFINITY,
+            residuals: [f64::INFINITY; 2],
         }
     }
 
@@ -154,9 +157,10 @@ impl<'a> Trial<'a> {
         self.worst
     }
 
-    /// Whether the last point was so much better than those before that another one is worth its price.
+    /// Whether the last point was so much better than the one before it that another one is worth its price.
     fn sharpens(&self) -> bool {
-        !self.is_sharp() && self.worst <= PROGRESS * self.before
+        let [before, last] = self.residuals;
+        !self.is_sharp() && last <= PROGRESS * before
     }
 
     /// Whether nothing is to be gained by another iteration.
@@ -173,23 +177,18 @@ impl<'a> Trial<'a> {
     /// Offers a point with its forces brought within their limits; whether it is a solution.
     fn consider(&mut self, system: &System, z: &system::Vector) -> bool {
         let (du, df) = self.units;
-        let mut displacements = vec![[0.0; 3]; self.order.len()];
-        for (u, &i) in z.u.iter().zip(&self.order) {
-            displacements[i] = [0, 1, 2].map(|k| u[k] * du[k]);
+        // What is known is known exactly.
+        let mut displacements = self.program.imposed();
+        for ((u, free), &i) in z.u.iter().zip(&system.program.free).zip(&self.order) {
+            for k in (0..3).filter(|k| free[*k]) {
+                displacements[i][k] = u[k] * du[k];
+            }
         }
         let cells = system.cells.iter().zip(&z.cells);
         let forces: Vec<_> = cells
             .map(|(cell, x)| cell.clamp(&x.s))
             .map(|s| [s[0] * df[0], s[1] * df[0], s[2] * df[2]])
             .collect();
-        // What is known is known exactly.
-        for (u, known) in displacements.iter_mut().zip(&self.program.bodies) {
-            for (u, dof) in u.iter_mut().zip(known.dofs) {
-                if let clastic_components::program::Dof::Fixed(value) = dof {
-                    *u = value;
-                }
-            }
-        }
         self.offer(&forces, &displacements)
     }
 
@@ -203,7 +202,7 @@ impl<'a> Trial<'a> {
         displacements_from_forces(self.program, &mut solution);
         let r =
             regularised_residuals(self.program, &solution.forces, &solution.displacements).worst();
-        self.before = self.worst;
+        self.residuals = [self.residuals[1], r];
         if r < self.worst {
             self.worst = r;
             self.best = solution;

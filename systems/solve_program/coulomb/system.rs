@@ -3,6 +3,7 @@
 
 use clastic_components::program::ConeProgram;
 
+use super::super::condensed::interior::greatest;
 use super::super::condensed::matrix::UnsymmetricMatrix;
 use super::super::condensed::scaled::{Scaled, add_forces, kinematics};
 use super::cell::{Cell, Entry, Linear, times};
@@ -166,7 +167,7 @@ impl<'a> System<'a> {
     fn solve_bodies(&mut self, right: Vec<[f64; 3]>) -> Vec<[f64; 3]> {
         let mut x = right.clone();
         self.matrix.solve(&mut x);
-        let scale = maximum(&right);
+        let scale = greatest(&right);
         let mut last = f64::INFINITY;
         for _ in 0..MAX_REFINEMENTS {
             let mut defect = right.clone();
@@ -179,7 +180,7 @@ impl<'a> System<'a> {
                 let s = times(&linear.stiffness, &self.kinematics(cell, &x));
                 add_forces(cell.bodies, &cell.rows, &s, -1.0, &mut defect);
             }
-            let size = maximum(&defect);
+            let size = greatest(&defect);
             if size <= REFINED * scale || size >= 0.5 * last || size.is_nan() {
                 break;
             }
@@ -193,12 +194,6 @@ impl<'a> System<'a> {
         }
         x
     }
-}
-
-/// Maximum magnitude; not a number if any of them is not.
-fn maximum(rows: &[[f64; 3]]) -> f64 {
-    let larger = |m: f64, x: &f64| if x.abs() <= m || m.is_nan() { m } else { x.abs() };
-    rows.iter().flatten().fold(0.0, larger)
 }
 
 /// The median of the normal compliances, 1 where all are rigid.

@@ -217,7 +217,7 @@ pub fn solve(
 }
 
 /// Greatest magnitude; not a number if any of them is not.
-fn greatest(rows: &[[f64; 3]]) -> f64 {
+pub fn greatest(rows: &[[f64; 3]]) -> f64 {
     let greater = |m: f64, r: &f64| if r.abs() <= m || m.is_nan() { m } else { r.abs() };
     rows.iter().flatten().fold(0.0, greater)
 }
