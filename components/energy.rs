@@ -5,7 +5,11 @@ use serde::{Deserialize, Serialize};
 
 /// Where the energy of an increment, or of many, came from and went to, J.
 ///
-/// `external + gravity = kinetic + elastic + friction + rolling + dilation + rupture + motion + numerical`
+/// ```text
+/// external + gravity = kinetic + elastic + friction + rolling + dilation + collision + rupture + motion + turning
+///                      + numerical
+/// ```
+///
 /// up to [`error`](Self::error), which is what the solver's residuals leave.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Energies {
@@ -17,19 +21,25 @@ pub struct Energies {
     pub kinetic: f64,
     /// Change of the elastic energy of contacts and bonds at the true geometry.
     pub elastic: f64,
-    /// Dissipated by slip, `q s_t`.
+    /// Work of sliding: shear force times slip.
     pub friction: f64,
-    /// Dissipated by rolling, `tau s_r`.
+    /// Work of rolling: moment times relative rotation.
     pub rolling: f64,
-    /// `-p (mu |s_t| + mu_r r |s_r|)`, what the opening of associated friction gives back; 0 under
-    /// Coulomb's law.
+    /// Work of the gaps that associated friction opens, less what it takes to close them again: negative where they
+    /// give back. 0 under Coulomb's law, and for rigid contacts in dynamics.
     pub dilation: f64,
+    /// Taken by normal impulses: impulse times the mean of the closing velocities before and after.
+    pub collision: f64,
     /// Taken by bonds: at their tension limit, and what was stored when they broke.
     pub rupture: f64,
-    /// Kinetic energy that was taken out of motions that were followed within static increments.
+    /// Kinetic energy that static analysis takes out: of motions that were followed, and of the jumps to the
+    /// equilibrium that a rupture or a sudden load calls for.
     pub motion: f64,
-    /// Taken by the scheme: time integration and impact, frozen normals, changes of the
-    /// specimen between increments.
+    /// Work of forces on normals that turn within an increment, in which they are frozen. It vanishes with the
+    /// increment.
+    pub turning: f64,
+    /// Taken by the scheme: damping of theta > 1/2, contacts that open, close or begin to slide within an increment,
+    /// cementing.
     pub numerical: f64,
 }
 
@@ -43,8 +53,10 @@ impl Energies {
                 + self.friction
                 + self.rolling
                 + self.dilation
+                + self.collision
                 + self.rupture
                 + self.motion
+                + self.turning
                 + self.numerical)
     }
 
@@ -54,7 +66,7 @@ impl Energies {
         self.all().iter().map(|e| e.abs()).sum()
     }
 
-    fn all(&self) -> [f64; 10] {
+    fn all(&self) -> [f64; 12] {
         [
             self.external,
             self.gravity,
@@ -63,8 +75,10 @@ impl Energies {
             self.friction,
             self.rolling,
             self.dilation,
+            self.collision,
             self.rupture,
             self.motion,
+            self.turning,
             self.numerical,
         ]
     }
@@ -79,8 +93,10 @@ impl std::ops::AddAssign for Energies {
         self.friction += other.friction;
         self.rolling += other.rolling;
         self.dilation += other.dilation;
+        self.collision += other.collision;
         self.rupture += other.rupture;
         self.motion += other.motion;
+        self.turning += other.turning;
         self.numerical += other.numerical;
     }
 }
@@ -94,6 +110,19 @@ pub struct EnergyLedger {
     pub total: Energies,
     /// Elastic energy now, J; `None` before the first increment.
     pub stored: Option<f64>,
+    /// Forces that ended with the bonds which the last increment broke, sorted by pair.
+    pub released: Vec<Released>,
+}
+
+/// The force that a contact lost when its bond broke.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Released {
+    /// First body.
+    pub a: u32,
+    /// Second body.
+    pub b: u32,
+    /// (p, q, tau) of the bond less those of the contact that is left, N, N, N m.
+    pub forces: [f64; 3],
 }
 
 /// Energies of the motions that were followed in the increment under way. They join the ledger when it is

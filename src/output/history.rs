@@ -51,7 +51,7 @@ pub const PROBE_COLUMNS: [&str; 6] =
 
 /// Columns after those of the probes where the scene asks for the energy ledger: sums since the
 /// start, but the elastic energy, which is that of now.
-pub const ENERGY_COLUMNS: [&str; 11] = [
+pub const ENERGY_COLUMNS: [&str; 13] = [
     "energy_external_j",
     "energy_gravity_j",
     "energy_kinetic_change_j",
@@ -59,8 +59,10 @@ pub const ENERGY_COLUMNS: [&str; 11] = [
     "energy_friction_j",
     "energy_rolling_j",
     "energy_dilation_j",
+    "energy_collision_j",
     "energy_rupture_j",
     "energy_motion_j",
+    "energy_turning_j",
     "energy_numerical_j",
     "energy_error_j",
 ];
@@ -81,7 +83,7 @@ pub fn probes(scene: &Scene) -> Vec<String> {
 
 /// The energies of a row, in the order of [`ENERGY_COLUMNS`].
 #[must_use]
-pub fn energies(ledger: &EnergyLedger) -> [f64; 11] {
+pub fn energies(ledger: &EnergyLedger) -> [f64; 13] {
     let e = &ledger.total;
     [
         e.external,
@@ -91,8 +93,10 @@ pub fn energies(ledger: &EnergyLedger) -> [f64; 11] {
         e.friction,
         e.rolling,
         e.dilation,
+        e.collision,
         e.rupture,
         e.motion,
+        e.turning,
         e.numerical,
         e.error(),
     ]

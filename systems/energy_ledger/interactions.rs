@@ -1,4 +1,4 @@
-//! What contacts and bonds take of an increment or of a step of a motion.
+//! Elastic energy and rupture of contacts and bonds, in an increment or a step of a motion.
 
 use glam::DVec2;
 
@@ -7,11 +7,11 @@ use clastic_components::contact::{Bodies, Contact, ContactHistory, Contacts};
 use clastic_components::energy::Energies;
 use clastic_components::findings::Corrections;
 use clastic_components::increment::{Analysis, AnalysisKind};
-use clastic_components::material::Materials;
-use clastic_components::program::{ConeProgram, ConeSolution};
+use clastic_components::material::{ContactLaw, Materials};
+use clastic_components::program::{ConeProgram, ConeSolution, Interaction, Kinematics};
 
-use crate::assemble_program::interactions::contact_law;
-use crate::solve_program::residuals::multipliers;
+use crate::assemble_program::interactions::{contact_law, shear_after_rupture};
+use crate::solve_program::residuals::{Multipliers, multipliers};
 
 /// Tables at the start of what is booked, and what came of it.
 pub struct Tables<'a> {
@@ -21,6 +21,8 @@ pub struct Tables<'a> {
     pub history: &'a ContactHistory,
     pub materials: &'a Materials,
     pub analysis: &'a Analysis,
+    /// Of a whole increment.
+    pub fraction: f64,
     pub program: &'a ConeProgram,
     pub solution: &'a ConeSolution,
     pub corrections: &'a Corrections,
@@ -28,58 +30,84 @@ pub struct Tables<'a> {
     pub end: &'a [DVec2],
 }
 
-/// Books the work of contacts and bonds, given the elastic energy `before` and which bonds broke, and returns the
-/// elastic energy at the end, J.
+/// An interaction of the program with what it stores.
+pub struct Part<'a> {
+    /// Its place among the interactions.
+    pub index: usize,
+    pub contact: &'a Contact,
+    pub law: &'a Interaction,
+    /// (p, q, tau) of the program.
+    pub forces: [f64; 3],
+    pub kinematics: Kinematics,
+    pub multipliers: Multipliers,
+    /// Whether it is a bond in the program.
+    pub is_bond: bool,
+    /// Whether it is no bond any more at the end.
+    pub breaks: bool,
+    /// Normal gap to the stress-free state, m: at the start, and at the end with the normal of the program.
+    pub gaps: [f64; 2],
+    /// Elastic energy of the normal force at the start, at the end with the normal of the program, and at the
+    /// end, J.
+    pub normal: [f64; 3],
+    /// Elastic energy of the shear force at the start and at the end, J.
+    pub shear: [f64; 2],
+}
+
+impl Part<'_> {
+    /// The change of the elastic energy with the normal of the program, J: of the normal and of the shear force.
+    pub fn change(&self) -> [f64; 2] {
+        [self.normal[1] - self.normal[0], self.shear[1] - self.shear[0]]
+    }
+
+    /// By how much sliding and rolling have opened it in the law, m.
+    pub fn opened(&self) -> f64 {
+        let (l, m) = (&self.law.limits, &self.multipliers);
+        self.law.dilation * (l.friction * m.slip.abs() + l.rolling * m.rotation.abs())
+    }
+
+    /// Whether sliding or rolling can open it.
+    pub fn dilates(&self) -> bool {
+        self.law.dilation * (self.law.limits.friction + self.law.limits.rolling) > 0.0
+    }
+
+    /// Work of opening at the limit, J: what a bond takes that breaks.
+    pub fn opening(&self) -> f64 {
+        if self.is_bond && self.breaks { -self.forces[0] * self.multipliers.tension } else { 0.0 }
+    }
+}
+
+/// Books the change of the elastic energy and what broken bonds take, given the elastic energy `before` and which
+/// bonds broke, hands every contact and bond to `work`, and returns the elastic energy at the end, J.
 pub fn book(
     e: &mut Energies,
     tables: &Tables,
     before: Option<f64>,
     is_broken: impl Fn(BondId) -> bool,
+    mut work: impl FnMut(&mut Energies, &Part),
 ) -> f64 {
-    let Tables { bodies, contacts, program, solution, corrections, .. } = tables;
-    let theta = match tables.analysis.kind {
-        AnalysisKind::Dynamic { theta, .. } => theta,
-        AnalysisKind::Static | AnalysisKind::LeastMotion { .. } => 1.0,
-    };
+    let Tables { bodies, contacts, program, solution, .. } = tables;
     // Elastic energy: of the state at the start, by the law of the program at start and end, and
     // of the state at the end. They differ where bonds break.
     let (mut starts, mut ends, mut state) = (0.0, 0.0, 0.0);
     let mut broke_before = false;
-    for ((contact, c), f) in contacts.0.iter().zip(&program.interactions).zip(&solution.forces) {
-        let m = multipliers(c, &program.kinematics(c, &solution.displacements), f);
-        let [p, q, tau] = *f;
-        let broken =
+    let interactions = program.interactions.iter().zip(&solution.forces);
+    for (index, (contact, (c, f))) in contacts.0.iter().zip(interactions).enumerate() {
+        let breaks =
             contact.bond.map(|k| &bodies.bonds[k as usize]).is_some_and(|b| is_broken(b.id));
-        let as_bond = contact.bond.is_some() && (c.limits.has_strength() || !broken);
-        broke_before |= broken && !as_bond;
-        let key = (contact.a, contact.b);
-
-        e.friction += q * m.slip;
-        e.rolling += tau * m.rotation;
-        let opens = c.limits.friction * m.slip.abs() + c.limits.rolling * m.rotation.abs();
-        e.dilation -= p * c.dilation * opens;
-        if as_bond {
-            e.rupture -= p * m.tension;
-        }
-        let taken = p * (c.offset + c.normal_compliance * p)
-            + c.tangential_compliance * q * (q - c.previous_shear);
-
-        let shift = corrections.shear_shift(key, c.tangential_compliance);
-        let sheared = c.previous_shear - shift;
-        let compliances = [theta * c.normal_compliance, theta * c.tangential_compliance];
-        let born = contact.bond.filter(|_| as_bond).map(|k| bodies.bonds[k as usize].initial_gap);
-        let gap = gap_at(bodies, tables.end, contact);
-        let shear = sheared + (q - sheared) / theta;
-        let remembered = tables.history.get(contact.a, contact.b).map_or(0.0, |m| m.q);
-        let start = stored(compliances, contact.gap, born, sheared);
-        let finish = stored(compliances, gap, born, if broken { shear } else { remembered });
-        starts += start;
+        let is_bond = contact.bond.is_some() && (c.limits.has_strength() || !breaks);
+        broke_before |= breaks && !is_bond;
+        let part = part(tables, index, contact, c, *f, is_bond, breaks);
+        e.rupture += part.opening();
+        work(e, &part);
+        starts += part.normal[0] + part.shear[0];
+        let finish = part.normal[2] + part.shear[1];
         ends += finish;
-        e.numerical += taken - (finish - start);
-        state += if broken && as_bond {
+        state += if breaks && is_bond {
             let law = contact_law(bodies, tables.materials, tables.analysis, contact);
-            let compliances = [law.normal_compliance, law.tangential_compliance];
-            stored(compliances, gap, None, remembered)
+            let gap = gap_at(bodies, tables.end, contact);
+            let remembered = tables.history.get(contact.a, contact.b).map_or(0.0, |m| m.q);
+            pressed(law.normal_compliance, gap, false)
+                + 0.5 * law.tangential_compliance * remembered * remembered
         } else {
             finish
         };
@@ -92,8 +120,62 @@ pub fn book(
     state
 }
 
+fn part<'a>(
+    tables: &Tables,
+    index: usize,
+    contact: &'a Contact,
+    c: &'a Interaction,
+    forces: [f64; 3],
+    is_bond: bool,
+    breaks: bool,
+) -> Part<'a> {
+    let Tables { bodies, program, solution, corrections, .. } = tables;
+    let theta = match tables.analysis.kind {
+        AnalysisKind::Dynamic { theta, .. } => theta,
+        AnalysisKind::Static | AnalysisKind::LeastMotion { .. } => 1.0,
+    };
+    let kinematics = program.kinematics(c, &solution.displacements);
+    let [p, q, _] = forces;
+    let born =
+        contact.bond.filter(|_| is_bond).map_or(0.0, |k| bodies.bonds[k as usize].initial_gap);
+    let start = contact.gap - born;
+    // The offset of an elastic interaction is over theta; what it is more is that of the corrector.
+    let corrected = c.offset - start / theta;
+    let gaps = [start, start + corrected - kinematics[0]];
+    let compliance = theta * c.normal_compliance;
+    let normal = if is_bond && breaks {
+        // It stores what its force says: what it opened further at its limit is taken.
+        let at_limit = 0.5 * compliance * p * p;
+        [pressed(compliance, start, true), at_limit, at_limit]
+    } else {
+        let end = gap_at(bodies, tables.end, contact) - born;
+        [start, gaps[1], end].map(|gap| pressed(compliance, gap, is_bond))
+    };
+    let tangential = theta * c.tangential_compliance;
+    let shift = corrections.shear_shift((contact.a, contact.b), c.tangential_compliance);
+    let sheared = c.previous_shear - shift;
+    let at_end = if breaks {
+        sheared + (q - sheared) / theta
+    } else {
+        tables.history.get(contact.a, contact.b).map_or(0.0, |m| m.q)
+    };
+    Part {
+        index,
+        contact,
+        law: c,
+        forces,
+        kinematics,
+        multipliers: multipliers(c, &kinematics, &forces),
+        is_bond,
+        breaks,
+        gaps,
+        normal,
+        shear: [sheared, at_end].map(|q| 0.5 * tangential * q * q),
+    }
+}
+
 /// Gap of a contact at the given positions, m.
-fn gap_at(bodies: &Bodies, positions: &[DVec2], contact: &Contact) -> f64 {
+pub fn gap_at(bodies: &Bodies, positions: &[DVec2], contact: &Contact) -> f64 {
     let (a, b) = (contact.a as usize, contact.b as usize);
     match bodies.radii.get(b) {
         Some(radius) => positions[a].distance(positions[b]) - bodies.radii[a] - radius,
@@ -102,13 +184,25 @@ fn gap_at(bodies: &Bodies, positions: &[DVec2], contact: &Contact) -> f64 {
     }
 }
 
-/// Elastic energy of an interaction, J: of a bond that is free of stress at the gap `born`, or of a
-/// contact, which only presses.
-fn stored([normal, tangential]: [f64; 2], gap: f64, born: Option<f64>, shear: f64) -> f64 {
-    let overlap = match born {
-        Some(born) => born - gap,
-        None => (-gap).max(0.0),
+/// Elastic energy of the normal force at a gap to the stress-free state, J. A contact only presses.
+fn pressed(compliance: f64, gap: f64, pulls: bool) -> f64 {
+    let overlap = if pulls { -gap } else { (-gap).max(0.0) };
+    if compliance > 0.0 { 0.5 * overlap * overlap / compliance } else { 0.0 }
+}
+
+/// The forces that a contact goes on with when its bond has broken at this gap, of those of the bond.
+pub fn after_rupture(
+    tables: &Tables,
+    contact: &Contact,
+    gap: f64,
+    [p, q, tau]: [f64; 3],
+) -> [f64; 3] {
+    let law: ContactLaw = contact_law(tables.bodies, tables.materials, tables.analysis, contact);
+    let p = if law.normal_compliance > 0.0 {
+        (-gap / law.normal_compliance).max(0.0)
+    } else {
+        p.max(0.0)
     };
-    let pressed = if normal > 0.0 { 0.5 * overlap * overlap / normal } else { 0.0 };
-    pressed + 0.5 * tangential * shear * shear
+    let limit = law.rolling_friction * contact.common_radius(tables.bodies) * p;
+    [p, shear_after_rupture(q, gap, &law), tau.clamp(-limit, limit)]
 }

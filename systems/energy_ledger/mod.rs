@@ -1,45 +1,56 @@
 //! The energy ledger: where the work of an increment went.
 //!
-//! It rests on two identities. With the theta-method, `m (v_1 - v_0)/dt = f - G s` and
-//! `u = dt (theta v_1 + (1 - theta) v_0)` give, row by row,
+//! **Time steps.** With the theta-method, `m (v_1 - v_0)/dt = f - G s`. Times the mean velocity `v = (v_0 + v_1)/2` that is,
+//! row by row and exactly,
 //!
 //! ```text
-//! f . u - s . G'u = 1/2 m v_1^2 - 1/2 m v_0^2 + (theta - 1/2) m (v_1 - v_0)^2
+//! dt f . v - dt s . G'v = 1/2 m v_1^2 - 1/2 m v_0^2
 //! ```
 //!
-//! and stationarity gives for every interaction, with g and C those of the program,
+//! so every interaction takes its impulse times the mean of its relative velocities: the normal impulse of a rigid
+//! contact is `collision`, whatever its restitution, the tangential one `friction`, the rolling one `rolling`.
+//! Bodies move by `u = dt (theta v_1 + (1 - theta) v_0)`: the loads' work `f . u` exceeds `dt f . v` by
+//! `(theta - 1/2) dt f . (v_1 - v_0)`, which is `numerical`. Of loads that are constant it is the change of a function
+//! of the velocities and does not add up. An elastic force keeps what its spring stores; the rest is
+//! `numerical` as long as the contact is closed (damping by theta > 1/2) and `collision` where it closes or opens.
+//!
+//! **Static increments.** Forces go from those of the start to those of the end, and so do the loads
+//! ([`quasi_static`]). Stationarity gives, with g and C those of the program,
 //!
 //! ```text
-//! s . G'u = p (g + C_N p) + C_T q (q - q_0)          elastic energy and (theta - 1/2) d^2/C
-//!         + q s_t + tau s_r                          friction and rolling
-//!         - p (mu |s_t| + mu_r r |s_r|)              dilation of the associated law
-//!         - p lambda_T                               f_t lambda_T: a bond at its tension limit
+//! d_n = g + C_N p - a (mu |s_t| + mu_r r |s_r|) - lambda_T
+//! d_t = C_T (q - q_0) + s_t
 //! ```
 //!
-//! A spring that closes by d takes `k (theta o_1 + (1 - theta) o_0) d = 1/2 k (o_1^2 - o_0^2) +
-//! (theta - 1/2) k d^2`. At theta = 1/2 nothing is lost, above it nothing is gained, as long as
-//! normals stand still; static increments are those of theta = 1.
+//! Sliding takes q s_t. The gap that associated friction opens is there when the next increment begins, beside the
+//! force of the contact, which knows nothing of it: closing it takes what opening it gave, as far as the force is
+//! the same. `dilation` has both, so that it stays near zero where sliding is steady.
 //!
 //! A motion that is followed within a static increment ([`motion`](crate::attempt::motion)) is booked step by
-//! step with the same terms. What they leave of the work of the loads is the kinetic energy that was taken out of
-//! the motion.
+//! step. What friction, rolling and rupture leave of the work of the loads is the kinetic energy that was taken
+//! out of the motion.
 
+mod dynamic;
 mod interactions;
+mod quasi_static;
 mod steps;
+mod unbalanced;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
-use glam::DVec2;
+use bevy_ecs::system::SystemParam;
 
-use clastic_components::body::{AngularVelocity, BodyId, Drive, ExternalForce, Position, Velocity};
-use clastic_components::contact::{Bodies, ContactHistory, Contacts};
-use clastic_components::energy::{Energies, EnergyLedger, MotionEnergies};
+use clastic_components::body::{AngularVelocity, BodyId, ExternalForce, Position, Velocity};
+use clastic_components::contact::{Bodies, ContactHistory, Contacts, DraftHistory};
+use clastic_components::energy::{Energies, EnergyLedger, MotionEnergies, Released};
 use clastic_components::findings::{Corrections, Ruptures};
-use clastic_components::increment::{Analysis, AnalysisKind};
+use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::material::Materials;
 use clastic_components::program::{ConeProgram, ConeSolution};
 
-use self::interactions::{Tables, book};
+use self::dynamic::book_bodies;
+use self::interactions::{Part, Tables, after_rupture, book, gap_at};
+use self::quasi_static::Starts;
 use crate::schedule::{Increment, IncrementSystems, committed};
 
 pub(crate) use self::steps::book_step;
@@ -60,90 +71,107 @@ impl Plugin for EnergyLedgerPlugin {
     }
 }
 
-type Moved<'w, 's> = Query<
-    'w,
-    's,
-    (
-        &'static BodyId,
-        &'static Position,
-        &'static ExternalForce,
-        Option<&'static Velocity>,
-        Option<&'static AngularVelocity>,
-    ),
->;
+/// A body as the increment leaves it.
+type MovedBody = (
+    &'static BodyId,
+    &'static Position,
+    &'static ExternalForce,
+    Option<&'static Velocity>,
+    Option<&'static AngularVelocity>,
+);
+type Moved<'w, 's> = Query<'w, 's, MovedBody>;
+
+/// What an increment was solved from and with.
+#[derive(SystemParam)]
+pub struct Solved<'w> {
+    bodies: Res<'w, Bodies>,
+    contacts: Res<'w, Contacts>,
+    materials: Res<'w, Materials>,
+    analysis: Res<'w, Analysis>,
+    progress: Res<'w, Progress>,
+    program: Res<'w, ConeProgram>,
+    solution: Res<'w, ConeSolution>,
+    corrections: Res<'w, Corrections>,
+    ruptures: Res<'w, Ruptures>,
+    /// Memory of the contacts at the start, after a motion that was followed.
+    draft: Res<'w, DraftHistory>,
+    /// Memory of the contacts at the end.
+    history: Res<'w, ContactHistory>,
+    motion: Res<'w, MotionEnergies>,
+}
 
 /// Books the increment that was just committed.
-pub fn book_energies(
-    bodies: Res<Bodies>,
-    contacts: Res<Contacts>,
-    history: Res<ContactHistory>,
-    materials: Res<Materials>,
-    analysis: Res<Analysis>,
-    program: Res<ConeProgram>,
-    solution: Res<ConeSolution>,
-    findings: (Res<Ruptures>, Res<Corrections>),
-    motion: Res<MotionEnergies>,
-    moved: Moved,
-    mut ledger: ResMut<EnergyLedger>,
-) {
+pub fn book_energies(solved: Solved, moved: Moved, mut ledger: ResMut<EnergyLedger>) {
+    let Solved { bodies, analysis, program, solution, ruptures, motion, .. } = &solved;
     if matches!(analysis.kind, AnalysisKind::LeastMotion { .. }) {
         // Its forces are those of a regularisation.
         *ledger = EnergyLedger::default();
         return;
     }
-    let mut e = Energies::default();
     let mut rows: Vec<_> = moved.iter().collect();
     rows.sort_unstable_by_key(|row| row.0);
     let mut end = bodies.positions.clone();
-    for (id, position, force, velocity, spin) in rows {
-        let i = id.index();
-        end[i] = position.0;
-        let u = program.bodies[i].to_global(solution.displacements[i]);
-        e.external += (0..3).map(|k| force.0[k] * u[k]).sum::<f64>();
-        if i >= bodies.particles {
-            continue;
-        }
-        e.gravity += bodies.masses[i] * analysis.gravity.dot(DVec2::new(u[0], u[1]));
-        if let (AnalysisKind::Dynamic { theta, .. }, Some(v), Some(spin)) =
-            (analysis.kind, velocity, spin)
-        {
-            let before =
-                [bodies.velocities[i].x, bodies.velocities[i].y, bodies.angular_velocities[i]];
-            let after = [v.0.x, v.0.y, spin.0];
-            for k in 0..3 {
-                let mass = if k < 2 { bodies.masses[i] } else { bodies.inertias[i] };
-                let change = after[k] - before[k];
-                e.kinetic += 0.5 * mass * change * (after[k] + before[k]);
-                // An imposed velocity holds from the start of the increment, as with theta = 1.
-                let theta = if bodies.drives[i][k] == Drive::Free { theta } else { 1.0 };
-                e.numerical += (theta - 0.5) * mass * change * change;
-            }
-        }
+    for row in &rows {
+        end[row.0.index()] = row.1.0;
     }
-
-    let (ruptures, corrections) = findings;
     let tables = Tables {
-        bodies: &bodies,
-        contacts: &contacts,
-        history: &history,
-        materials: &materials,
-        analysis: &analysis,
-        program: &program,
-        solution: &solution,
-        corrections: &corrections,
+        bodies,
+        contacts: &solved.contacts,
+        history: &solved.history,
+        materials: &solved.materials,
+        analysis,
+        fraction: solved.progress.fraction,
+        program,
+        solution,
+        corrections: &solved.corrections,
         end: &end,
     };
+    let mut e = Energies::default();
     let is_broken = |bond| ruptures.list.iter().any(|r| r.bond == bond);
     // What moved before the increment was booked step by step.
     let before = motion.stored.or(ledger.stored);
-    ledger.stored = Some(book(&mut e, &tables, before, is_broken));
+    let mut released = Vec::new();
+    let mut release = |part: &Part| {
+        if part.breaks && part.is_bond {
+            let contact = part.contact;
+            let gap = gap_at(bodies, &end, contact);
+            let left = after_rupture(&tables, contact, gap, part.forces);
+            let forces = [0, 1, 2].map(|k| part.forces[k] - left[k]);
+            released.push(Released { a: contact.a, b: contact.b, forces });
+        }
+    };
+    let mut mean = None;
+    let stored = if let AnalysisKind::Dynamic { dt, theta } = analysis.kind {
+        let dt = dt * solved.progress.fraction;
+        let mean = &*mean.insert(book_bodies(&mut e, &tables, dt, theta, &rows));
+        book(&mut e, &tables, before, is_broken, |e, part| {
+            release(part);
+            dynamic::book(e, program, mean, part);
+        })
+    } else {
+        // What a motion has followed is none of the start.
+        let ended = if motion.stored.is_some() { &[][..] } else { &ledger.released };
+        let mut starts = Starts::new(&solved.draft.0, ended, program, solution);
+        let stored = book(&mut e, &tables, before, is_broken, |e, part| {
+            release(part);
+            starts.book(e, &tables, part);
+        });
+        unbalanced::book(&mut e, &tables, &starts, before.is_none());
+        stored
+    };
     // Interactions that an embedding program added: outside of the specimen.
-    let extra = program.interactions.iter().zip(&solution.forces).skip(contacts.0.len());
+    let extra = program.interactions.iter().zip(&solution.forces).skip(solved.contacts.0.len());
     for (c, f) in extra {
         let d = program.kinematics(c, &solution.displacements);
-        e.external -= f[0] * d[0] + f[1] * d[1] + f[2] * d[2];
+        let work = |d: [f64; 3]| f[0] * d[0] + f[1] * d[1] + f[2] * d[2];
+        e.external -= work(d);
+        if let Some(mean) = &mean {
+            e.numerical += work(program.kinematics(c, mean)) - work(d);
+        }
     }
     e += motion.energies;
+    ledger.stored = Some(stored);
+    ledger.released = released;
     ledger.increment = e;
     ledger.total += e;
 }

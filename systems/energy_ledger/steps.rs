@@ -7,7 +7,7 @@ use clastic_components::bond::Rupture;
 use clastic_components::contact::{Bodies, ContactHistory, Contacts};
 use clastic_components::energy::{Energies, EnergyLedger, MotionEnergies};
 use clastic_components::findings::Ruptures;
-use clastic_components::increment::Analysis;
+use clastic_components::increment::{Analysis, Progress};
 use clastic_components::program::{ConeProgram, ConeSolution, Dof};
 
 use super::interactions::{Tables, book};
@@ -43,6 +43,7 @@ pub(crate) fn book_step(
         history,
         materials: world.resource(),
         analysis,
+        fraction: world.resource::<Progress>().fraction,
         program,
         solution,
         corrections: world.resource(),
@@ -52,7 +53,10 @@ pub(crate) fn book_step(
     let is_broken = |bond| ruptures.list.iter().chain(broken).any(|r| r.bond == bond);
     let so_far = world.resource::<MotionEnergies>().stored;
     let before = so_far.or(world.resource::<EnergyLedger>().stored);
-    let stored = book(&mut e, &tables, before, is_broken);
+    let stored = book(&mut e, &tables, before, is_broken, |e, part| {
+        e.friction += part.forces[1] * part.multipliers.slip;
+        e.rolling += part.forces[2] * part.multipliers.rotation;
+    });
     // What is left has been taken out of the motion: by its implicit steps, by contacts that close (their impact is
     // plastic), and by the residual of the step.
     e.numerical = 0.0;

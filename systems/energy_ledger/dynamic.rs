@@ -1,0 +1,83 @@
+//! What interactions take of a time step: impulses times the mean of the velocities before and after.
+
+use glam::DVec2;
+
+use clastic_components::body::{AngularVelocity, BodyId, Drive, ExternalForce, Position, Velocity};
+use clastic_components::energy::Energies;
+use clastic_components::program::ConeProgram;
+
+use super::interactions::{Part, Tables};
+
+/// A body as the step leaves it.
+type Row<'a> = (
+    &'a BodyId,
+    &'a Position,
+    &'a ExternalForce,
+    Option<&'a Velocity>,
+    Option<&'a AngularVelocity>,
+);
+
+/// Books the work of loads and the kinetic energy of a time step of `dt` (s), and returns the displacements by body at
+/// the mean of the velocities before and after, in the bodies' own axes, m, m, rad.
+pub fn book_bodies(
+    e: &mut Energies,
+    tables: &Tables,
+    dt: f64,
+    theta: f64,
+    rows: &[Row],
+) -> Vec<[f64; 3]> {
+    let Tables { bodies, analysis, program, solution, .. } = tables;
+    let mut mean = solution.displacements.clone();
+    for (id, _, force, velocity, spin) in rows {
+        let i = id.index();
+        let u = program.bodies[i].to_global(solution.displacements[i]);
+        e.external += (0..3).map(|k| force.0[k] * u[k]).sum::<f64>();
+        let (Some(v), Some(spin)) = (velocity, spin) else { continue };
+        e.gravity += bodies.masses[i] * analysis.gravity.dot(DVec2::new(u[0], u[1]));
+        let (v_0, w_0) = (bodies.velocities[i], bodies.angular_velocities[i]);
+        let before = [v_0.x, v_0.y, w_0];
+        let after = [v.0.x, v.0.y, spin.0];
+        for k in 0..3 {
+            let mass = if k < 2 { bodies.masses[i] } else { bodies.inertias[i] };
+            let change = after[k] - before[k];
+            e.kinetic += 0.5 * mass * change * (after[k] + before[k]);
+            if bodies.drives[i][k] == Drive::Free {
+                mean[i][k] = 0.5 * dt * (before[k] + after[k]);
+                let weight = if k < 2 { mass * analysis.gravity[k] } else { 0.0 };
+                e.numerical += (force.0[k] + weight) * (theta - 0.5) * dt * change;
+            } else {
+                // An imposed velocity holds from the start: what changes it is a blow, which does its work at the
+                // mean velocity.
+                e.external -= 0.5 * mass * change * change;
+            }
+        }
+    }
+    mean
+}
+
+/// Books the work of an interaction of a time step. `mean` are the displacements by body at the mean of the
+/// velocities before and after, in the bodies' own axes, m, m, rad.
+pub fn book(e: &mut Energies, program: &ConeProgram, mean: &[[f64; 3]], part: &Part) {
+    let [p, q, tau] = part.forces;
+    let moved = program.kinematics(part.law, mean);
+    let [normal, shear] = part.change();
+    e.turning -= part.normal[2] - part.normal[1];
+    e.rolling += tau * moved[2];
+    if part.law.tangential_compliance > 0.0 {
+        let slid = q * part.multipliers.slip;
+        e.friction += slid;
+        e.numerical += q * moved[1] - slid - shear;
+    } else {
+        e.friction += q * moved[1];
+    }
+    let rest = p * moved[0] - normal - part.opening();
+    let [start, end] = part.gaps;
+    let stays = part.is_bond || (start < 0.0 && end < 0.0);
+    if part.law.normal_compliance > 0.0 && stays {
+        let opened = part.opened() * part.kinematics[0] / part.law.normal_compliance;
+        e.dilation += opened;
+        e.numerical += rest - opened;
+    } else {
+        e.collision += rest;
+    }
+}

@@ -1,0 +1,107 @@
+//! What interactions take of a static increment, in which forces go from those of its start to those of its end.
+//!
+//! With `s_0` the forces at the start, `s_1` those at the end, which balance the loads `f_1`, and `f_0` the loads at the
+//! start, `G'u = e` gives
+//!
+//! ```text
+//! 1/2 (f_0 + f_1) . u = sum_c 1/2 (s_0 + s_1) . e + 1/2 (f_0 - G s_0) . u
+//! ```
+//!
+//! The last term is the work of what does not balance at the start: normals have turned, bonds have broken.
+
+use clastic_components::contact::{ContactHistory, ContactMemory};
+use clastic_components::energy::{Energies, Released};
+use clastic_components::program::{ConeProgram, ConeSolution};
+
+use super::interactions::{Part, Tables, after_rupture};
+
+/// Forces of the interactions at the start of a static increment.
+pub struct Starts<'a> {
+    /// Memory of the contacts at the start.
+    pub memory: &'a ContactHistory,
+    /// What ended with the bonds that broke at the end of the last increment.
+    pub released: &'a [Released],
+    /// Whether no interaction is elastic. Nothing of its forces is stored then, and they hold from the start.
+    pub is_rigid: bool,
+    /// Forces by interaction, N, N, N m, before bonds broke: those of the loads at the start.
+    pub forces: Vec<[f64; 3]>,
+}
+
+impl<'a> Starts<'a> {
+    /// Before any interaction was booked: those that no contact belongs to keep the forces of the end.
+    pub fn new(
+        memory: &'a ContactHistory,
+        released: &'a [Released],
+        program: &ConeProgram,
+        solution: &ConeSolution,
+    ) -> Self {
+        let is_rigid = program
+            .interactions
+            .iter()
+            .all(|c| c.normal_compliance == 0.0 && c.tangential_compliance == 0.0);
+        Self { memory, released, is_rigid, forces: solution.forces.clone() }
+    }
+
+    /// Books the work of an interaction.
+    pub fn book(&mut self, e: &mut Energies, tables: &Tables, part: &Part) {
+        let memory = self.memory.get(part.contact.a, part.contact.b);
+        let start = if self.is_rigid { part.forces } else { self.start(e, tables, part, memory) };
+        let [p, q, tau] = [0, 1, 2].map(|k| 0.5 * (start[k] + part.forces[k]));
+        let [normal, shear] = part.change();
+        let (m, d) = (&part.multipliers, part.kinematics);
+        let (slid, rolled) = (part.forces[1] * m.slip, part.forces[2] * m.rotation);
+        e.turning -= part.normal[2] - part.normal[1];
+        e.friction += slid;
+        e.rolling += rolled;
+        e.numerical += q * d[1] - slid - shear + tau * d[2] - rolled;
+        // What the normal force does beside its elastic energy.
+        let mut rest = p * d[0] - normal - part.opening();
+        if part.breaks && part.is_bond {
+            let opened = -part.forces[0] * part.opened();
+            e.dilation += opened;
+            e.numerical += rest - opened;
+            rest = 0.0;
+        }
+        let ends = tables.history.get(part.contact.a, part.contact.b).is_some();
+        *(if part.is_bond || (memory.is_some() && ends) {
+            if part.dilates() { &mut e.dilation } else { &mut e.turning }
+        } else {
+            &mut e.numerical
+        }) += rest;
+    }
+
+    /// Forces of an interaction at the start, after bonds broke.
+    fn start(
+        &mut self,
+        e: &mut Energies,
+        tables: &Tables,
+        part: &Part,
+        memory: Option<&ContactMemory>,
+    ) -> [f64; 3] {
+        let c = part.law;
+        let gap = part.gaps[0];
+        let by_law = if c.normal_compliance > 0.0 { -gap / c.normal_compliance } else { 0.0 };
+        let by_law = if part.is_bond { by_law } else { by_law.max(0.0) };
+        // A bond that was just made carries nothing yet, whatever its contact carried.
+        let mut before = match memory {
+            Some(m) if !(part.is_bond && gap == 0.0) => [m.p, m.q, m.tau],
+            Some(m) => [0.0, m.q, m.tau],
+            None => [by_law, 0.0, 0.0],
+        };
+        let key = (part.contact.a, part.contact.b);
+        let released = self.released.binary_search_by_key(&key, |r| (r.a, r.b)).ok();
+        let after = if let Some(k) = released {
+            // The memory has the shear force that is left.
+            let lost = self.released[k].forces;
+            before[1] += lost[1];
+            [0, 1, 2].map(|k| before[k] - lost[k])
+        } else if part.breaks && !part.is_bond {
+            after_rupture(tables, part.contact, part.contact.gap, before)
+        } else {
+            before
+        };
+        self.forces[part.index] = before;
+        e.motion += (0..3).map(|k| 0.5 * (before[k] - after[k]) * part.kinematics[k]).sum::<f64>();
+        after
+    }
+}

@@ -1,0 +1,98 @@
+//! The work of the loads of a static increment, and of what does not balance when it begins.
+
+use glam::DVec2;
+
+use clastic_components::energy::{Energies, Released};
+use clastic_components::program::{ConeProgram, Dof, Interaction, Limits};
+use clastic_components::wall::WallDrive;
+
+use super::interactions::Tables;
+use super::quasi_static::Starts;
+
+/// Books the work of loads that go from their values at the start to those at the end. What the forces at the start do
+/// not balance of the loads at the start does work on the way to equilibrium: it is `motion` where something was
+/// changed at once (`is_first`, or a wall taken away), and `turning` elsewhere.
+pub fn book(e: &mut Energies, tables: &Tables, starts: &Starts, is_first: bool) {
+    let Tables { bodies, analysis, program, solution, contacts, .. } = tables;
+    let zero = vec![[0.0; 3]; program.bodies.len()];
+    let (mut before, mut after) = (zero.clone(), zero);
+    program.add_forces(&starts.forces, &mut before);
+    program.add_forces(&solution.forces, &mut after);
+    // Bonds that broke and left no pair that could touch.
+    for released in starts.released {
+        let key = (released.a, released.b);
+        if contacts.0.binary_search_by_key(&key, |c| (c.a, c.b)).is_err() {
+            let c = bond_of(tables, released);
+            add(program, &c, &released.forces, &mut before);
+            let d = program.kinematics(&c, &solution.displacements);
+            e.motion += (0..3).map(|k| 0.5 * released.forces[k] * d[k]).sum::<f64>();
+        }
+    }
+    let mut walls = bodies.walls.iter().peekable();
+    let mut unbalanced = 0.0;
+    for (i, body) in program.bodies.iter().enumerate() {
+        let wall = walls.next_if(|wall| wall.body as usize == i);
+        let u = solution.displacements[i];
+        if i < bodies.particles {
+            e.gravity += bodies.masses[i] * analysis.gravity.dot(DVec2::new(u[0], u[1]));
+        }
+        for k in 0..3 {
+            match &body.dofs[k] {
+                Dof::Fixed(u) => e.external += 0.5 * (before[i][k] + after[i][k]) * u,
+                Dof::Free(free) => {
+                    let end = free.load - free.inertia * u[k];
+                    // What is added to the loads of the scene is taken as constant.
+                    let grown = match wall.map(|wall| bodies.wall_drive(wall)) {
+                        None => bodies.loads[i][k],
+                        Some(WallDrive::Loaded(force)) => force,
+                        Some(WallDrive::Imposed(_)) => Default::default(),
+                    };
+                    let grown = grown.at(tables.fraction) - grown.at(0.0);
+                    let start = if starts.is_rigid { end } else { free.load - grown };
+                    e.external += 0.5 * (start + end) * u[k];
+                    unbalanced += 0.5 * (start - before[i][k]) * u[k];
+                }
+            }
+        }
+    }
+    // Loads contain the weight.
+    e.external -= e.gravity;
+    let is_gone = |wall: u32| bodies.walls.binary_search_by_key(&wall, |w| w.body).is_err();
+    let is_jump = is_first
+        || starts.memory.0.iter().any(|m| m.b as usize >= bodies.particles && is_gone(m.b));
+    *(if is_jump { &mut e.motion } else { &mut e.turning }) += unbalanced;
+}
+
+/// The bond that broke at the end of the last increment, where it is now.
+fn bond_of(tables: &Tables, released: &Released) -> Interaction {
+    let Tables { bodies, .. } = tables;
+    let (a, b) = (released.a as usize, released.b as usize);
+    let wall = bodies.walls.iter().find(|wall| wall.body == released.b);
+    let apart = bodies.positions[b] - bodies.positions[a];
+    let normal = wall.map_or_else(|| apart.normalize(), |wall| -wall.inward);
+    let other = bodies.radii.get(b).copied().unwrap_or_default();
+    let half_gap = 0.5 * (apart.dot(normal) - bodies.radii[a] - other);
+    Interaction {
+        a: released.a,
+        b: released.b,
+        normal,
+        arm_a: bodies.radii[a] + half_gap,
+        arm_b: if wall.is_some() { 0.0 } else { other + half_gap },
+        offset: 0.0,
+        normal_compliance: 0.0,
+        tangential_compliance: 0.0,
+        previous_shear: 0.0,
+        limits: Limits::default(),
+        dilation: 0.0,
+    }
+}
+
+/// Adds the forces of an interaction to what bodies resist.
+fn add(program: &ConeProgram, c: &Interaction, f: &[f64; 3], rows: &mut [[f64; 3]]) {
+    for (body, first) in [(c.a as usize, true), (c.b as usize, false)] {
+        let g = c.rows(program.bodies[body].axis, first);
+        for (row, g) in rows[body].iter_mut().zip(&g) {
+            *row += g[0] * f[0] + g[1] * f[1] + g[2] * f[2];
+        }
+    }
+}
