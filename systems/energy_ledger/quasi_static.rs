@@ -39,6 +39,7 @@ impl<'a> Starts<'a> {
             .interactions
             .iter()
             .all(|c| c.normal_compliance == 0.0 && c.tangential_compliance == 0.0);
+        let released: &[Released] = if is_rigid { &[] } else { released };
         Self { memory, released, is_rigid, forces: solution.forces.clone() }
     }
 

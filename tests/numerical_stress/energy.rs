@@ -81,12 +81,15 @@ fn ledger_closes_in_colliding_swarms() {
                 let total = sum(&ledger(&swarm(law, contact, 2e-4, theta, 60)));
                 assert!(total.friction > 0.0 && total.kinetic < 0.0);
                 assert_within(total.external, 0.0, 0.0);
-                if law == coulomb {
+                if law == coulomb || contact == RIGID {
                     assert_within(total.dilation, 0.0, 1e-6 * total.friction);
-                } else {
-                    // Friction and rolling of a cohesionless contact are what the opening gives.
-                    let given = total.friction + total.rolling;
-                    assert_relative(-total.dilation, given, 1e-5);
+                }
+                if contact == RIGID {
+                    // Impulses take all of it, exactly: there are no loads.
+                    let taken = total.friction + total.rolling + total.collision;
+                    assert_relative(taken, -total.kinetic, 1e-12);
+                    assert_within(total.numerical, 0.0, 1e-12 * taken);
+                    assert!(law != coulomb || total.collision > 0.0, "{total:?}");
                 }
             }
         }
@@ -116,6 +119,117 @@ fn friction_of_a_sliding_block_is_its_force_times_its_way() {
     assert_relative(total.kinetic, acceleration / sin * total.gravity, 1e-9);
     assert_within(total.numerical, 0.0, 1e-9 * total.gravity);
     assert!(total.kinetic > 0.0);
+}
+
+/// A disk that cannot roll is thrown along a rough floor, or driven along it. Friction takes mu m g times its way: by
+/// Coulomb's law in every step, and by the associated law, which makes it hop, over the hops.
+fn slide(law: &str, analysis: &str, drive: &str, increments: u32) -> Energies {
+    let scene = parse(&format!(
+        "(
+            version: 1,
+            title: \"sliding block, {law}, {analysis}\",
+            analysis: {analysis},
+            friction_law: {law},
+            gravity: (0.0, -10.0),
+            materials: {{ \"stone\": () }},
+            specimen: Particles([(position: (0.0, 0.01), radius: 0.01, velocity: (0.5, 0.0))]),
+            walls: [(name: \"floor\", start: (-1.0, 0.0), end: (1.0, 0.0), contact: (friction: 0.3))],
+            stages: [Load(name: \"slide\", increments: {increments},
+                particles: [(select: All, rotation: Held{drive})])],
+        )"
+    ));
+    sum(&ledger(&scene))
+}
+
+#[test]
+fn a_block_that_slides_to_rest_loses_its_energy_to_friction() {
+    let mass = 2650.0 * std::f64::consts::PI * 1e-4;
+    let start = 0.5 * mass * 0.25;
+    for theta in ["0.5", "1.0"] {
+        let analysis = format!("Dynamic(dt: 1.0e-3, theta: {theta})");
+        let total = slide("Coulomb()", &analysis, "", 400);
+        assert_relative(total.friction, start, 1e-9);
+        assert_within(total.collision, 0.0, 1e-9 * start);
+        assert_within(total.numerical, 0.0, 1e-9 * start);
+    }
+    // What it hops with at the end is what friction lacks: mu v upwards of v at most.
+    let total = slide("Associated", "Dynamic(dt: 1.0e-4, theta: 1.0)", "", 4000);
+    println!("{total:?}");
+    assert_relative(total.friction, start, 0.02);
+    assert_within(total.collision, 0.0, 0.02 * start);
+    assert_within(total.numerical, 0.0, 1e-3 * start);
+    assert_within(total.kinetic, -start, 1e-2 * start);
+}
+
+#[test]
+fn a_block_that_is_driven_loses_its_friction_times_its_way() {
+    let weight = 2650.0 * std::f64::consts::PI * 1e-4 * 10.0;
+    let way = 50.0 * 1e-4;
+    for law in ["Coulomb()", "Associated"] {
+        let total = slide(law, "Static", ", x: Displacement(1.0e-4)", 50);
+        println!("{law}: {total:?}");
+        assert_relative(total.friction, 0.3 * weight * way, 1e-8);
+        assert_relative(total.external, 0.3 * weight * way, 1e-8);
+        assert_within(total.numerical, 0.0, 1e-8 * total.external);
+        // The gap of the last increment is still open, and the block is lifted by it.
+        let lifted = if law == "Associated" { 0.3 * 1e-4 * weight } else { 0.0 };
+        assert_within(total.dilation + lifted, 0.0, 1e-8 * total.external);
+        assert_within(total.gravity + lifted, 0.0, 1e-8 * total.external);
+    }
+}
+
+/// Two rigid disks meet head on: with theta = 1 their kinetic energy is gone.
+#[test]
+fn a_plastic_impact_takes_the_kinetic_energy() {
+    let scene = parse(
+        "(
+            version: 1,
+            title: \"head on\",
+            analysis: Dynamic(dt: 1.0e-3, theta: 1.0),
+            materials: { \"stone\": () },
+            specimen: Particles([
+                (position: (-0.0123, 0.0), radius: 0.01, velocity: (1.0, 0.0)),
+                (position: (0.0123, 0.0), radius: 0.01, velocity: (-1.0, 0.0)),
+            ]),
+            stages: [Load(name: \"fly\", increments: 10)],
+        )",
+    );
+    let start = 2650.0 * std::f64::consts::PI * 1e-4;
+    let total = sum(&ledger(&scene));
+    assert_relative(total.kinetic, -start, 1e-12);
+    assert_relative(total.collision, start, 1e-12);
+    assert_within(total.numerical, 0.0, 1e-12 * start);
+}
+
+/// `bounce`: the impact of increment 101 turns -v to 2/3 v. Its impulse is that of the jump and of the weight.
+#[test]
+fn a_collision_takes_the_impulse_times_the_mean_velocity() {
+    let rows = ledger(&load("bounce"));
+    let mass = 2650.0 * std::f64::consts::PI * 1e-4;
+    let (v, kick) = (0.981, 9.81e-3);
+    let impulse = mass * (5.0 / 3.0 * v + kick);
+    assert_relative(rows[100].collision, impulse * v / 6.0, 1e-9);
+    assert_within(rows[..100].iter().map(|e| e.collision).sum(), 0.0, 1e-12);
+}
+
+/// Of work that scenes do, what has no name is small.
+#[test]
+fn little_of_the_work_is_numerical() {
+    for name in [
+        "bounce",
+        "incline_rolls",
+        "incline_slips",
+        "rolling",
+        "lattice",
+        "tension",
+        "direct_shear_-10N",
+        "direct_shear_0N",
+        "direct_shear_10N",
+    ] {
+        let total = sum(&ledger(&load(name)));
+        let work = total.external + total.gravity;
+        assert!(total.numerical.abs() < 0.02 * work, "{name}: {total:?}");
+    }
 }
 
 /// 4.1: a bond of 8 MN/m takes 24 N to 3 um and breaks; the elastic energy goes with it.
@@ -180,7 +294,7 @@ fn a_turning_lattice_keeps_its_energy_as_the_increment_vanishes() {
         let scene = crate::common::wheel(0.02 / f64::from(n), 0.5, n);
         let total = sum(&ledger(&scene));
         assert_within(total.friction.abs() + total.rupture.abs(), 0.0, 1e-12);
-        -total.numerical
+        -(total.turning + total.numerical)
     };
     let (coarse, fine) = (gained(100), gained(200));
     assert!(coarse.abs() > 0.0 && fine.abs() <= 0.55 * coarse.abs(), "{coarse:e}, {fine:e}");
@@ -209,6 +323,7 @@ fn force_of_a_driven_disk_is_its_change_of_momentum() {
         }
         let rows = ledger(&scene);
         assert_relative(rows[0].kinetic, 0.5 * mass * 4.0, 1e-12);
-        assert_relative(rows[0].external, mass * 4.0, 1e-12);
+        // The blow that sets it in motion does its work at the mean velocity.
+        assert_relative(rows[0].external, 0.5 * mass * 4.0, 1e-12);
     }
 }
