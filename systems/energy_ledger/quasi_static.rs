@@ -56,19 +56,18 @@ impl<'a> Starts<'a> {
         e.rolling += rolled;
         e.numerical += q * d[1] - slid - shear + tau * d[2] - rolled;
         // What the normal force does beside its elastic energy.
-        let mut rest = p * d[0] - normal - part.opening();
-        if part.breaks && part.is_bond {
-            let opened = -part.forces[0] * part.opened();
+        let rest = p * d[0] - normal - part.opening();
+        let ends = tables.history.get(part.contact.a, part.contact.b).is_some();
+        let stays = part.is_bond || (memory.is_some() && ends);
+        if stays && !part.breaks {
+            *(if part.dilates() { &mut e.dilation } else { &mut e.turning }) += rest;
+        } else {
+            // A bond opens at its limit, under the force of the end.
+            let under = if part.is_bond { part.forces[0] } else { p };
+            let opened = if part.is_bond || ends { -under * part.opened() } else { 0.0 };
             e.dilation += opened;
             e.numerical += rest - opened;
-            rest = 0.0;
         }
-        let ends = tables.history.get(part.contact.a, part.contact.b).is_some();
-        *(if part.is_bond || (memory.is_some() && ends) {
-            if part.dilates() { &mut e.dilation } else { &mut e.turning }
-        } else {
-            &mut e.numerical
-        }) += rest;
     }
 
     /// Forces of an interaction at the start, after bonds broke.
