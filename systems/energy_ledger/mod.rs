@@ -1,7 +1,7 @@
 //! The energy ledger: where the work of an increment went.
 //!
-//! **Time steps.** With the theta-method, `m (v_1 - v_0)/dt = f - G s`. Times the mean velocity `v = (v_0 + v_1)/2` that is,
-//! row by row and exactly,
+//! **Time steps.** With the theta-method, `m (v_1 - v_0)/dt = f - G s`. Times the mean velocity
+//! `v = (v_0 + v_1)/2` that is, row by row and exactly,
 //!
 //! ```text
 //! dt f . v - dt s . G'v = 1/2 m v_1^2 - 1/2 m v_0^2

@@ -1,7 +1,7 @@
 //! What interactions take of a static increment, in which forces go from those of its start to those of its end.
 //!
-//! With `s_0` the forces at the start, `s_1` those at the end, which balance the loads `f_1`, and `f_0` the loads at the
-//! start, `G'u = e` gives
+//! With `s_0` the forces at the start, `s_1` those at the end, which balance the loads `f_1`, and `f_0` the loads
+//! at the start, `G'u = e` gives
 //!
 //! ```text
 //! 1/2 (f_0 + f_1) . u = sum_c 1/2 (s_0 + s_1) . e + 1/2 (f_0 - G s_0) . u
