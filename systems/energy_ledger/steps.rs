@@ -60,8 +60,10 @@ pub(crate) fn book_step(
     // What is left has been taken out of the motion: by its implicit steps, by contacts that close (their impact is
     // plastic), and by the residual of the step.
     e.numerical = 0.0;
-    e.motion = e.error();
     let mut energies = world.resource_mut::<MotionEnergies>();
     energies.energies += e;
+    // Of the sums: steps that swing to and fro would leave the round-off of each.
+    let left = energies.energies.error();
+    energies.energies.motion += left;
     energies.stored = Some(stored);
 }
