@@ -141,6 +141,19 @@ impl Corrections {
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Pushed(pub Option<Vec<[f64; 3]>>);
 
+/// An impact of two bodies that touch nothing else, where contacts have restitution.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Impact {
+    /// Index of the interaction in the program.
+    pub interaction: usize,
+    /// Time from the start of the trial to the impact, s.
+    pub time: f64,
+}
+
+/// The impacts of the program that was assembled last, in ascending order of the interactions.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct Impacts(pub Vec<Impact>);
+
 /// Whether a body that a rejected solution moved far carried load there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Bearing {

@@ -104,6 +104,15 @@ pub fn book_energies(
             continue;
         }
         e.gravity += bodies.masses[i] * analysis.gravity.dot(DVec2::new(u[0], u[1]));
+        if analysis.path_theta.is_some() {
+            // The identity is that of the program; the work is that on the path.
+            let aside = end[i] - bodies.positions[i] - DVec2::new(u[0], u[1]);
+            let by_gravity = bodies.masses[i] * analysis.gravity.dot(aside);
+            let by_loads = force.0[0] * aside.x + force.0[1] * aside.y;
+            e.gravity += by_gravity;
+            e.external += by_loads;
+            e.numerical += by_gravity + by_loads;
+        }
         if let (AnalysisKind::Dynamic { theta, .. }, Some(v), Some(spin)) =
             (analysis.kind, velocity, spin)
         {

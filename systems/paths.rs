@@ -1,0 +1,126 @@
+//! Where contacts have restitution: the paths of particles within a dynamic increment.
+//!
+//! The program has velocities, and moves bodies by `v dt` with the velocity at the end. That is where a contact holds;
+//! elsewhere more is known:
+//!
+//! | particle | displacement in the increment |
+//! |---|---|
+//! | carries no contact force | `dt (theta v + (1 - theta) v_0)`, theta of the scene |
+//! | has one impact at the time t and carries nothing else | `t v_0 + (dt - t) v + a (t^2 - (dt - t)^2)/2`, a by its loads |
+//! | any other | `dt v` |
+//!
+//! The second row is the exact path of a single impact under constant loads, friction and rotation included. Where a
+//! pair of the program would overlap by these paths both go by the last row, for which the program has excluded it.
+
+use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::findings::Impacts;
+use clastic_components::increment::{Analysis, AnalysisKind, Progress};
+use clastic_components::program::{ConeProgram, ConeSolution, Dof};
+use glam::DVec2;
+
+use crate::assemble_program::rebounds::load_acceleration;
+use crate::attempt::push_out::LEAST;
+use crate::solve_program::residuals::Carrying;
+
+/// How a particle goes through an increment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Path {
+    Flight,
+    Impact(f64),
+    Contact,
+}
+
+/// Displacements by body in its own axes; none where no contact has restitution.
+#[must_use]
+pub fn paths(
+    bodies: &Bodies,
+    contacts: &Contacts,
+    analysis: &Analysis,
+    progress: &Progress,
+    program: &ConeProgram,
+    solution: &ConeSolution,
+    impacts: &Impacts,
+) -> Option<Vec<[f64; 3]>> {
+    let (Some(theta), AnalysisKind::Dynamic { dt, .. }) = (analysis.path_theta, analysis.kind)
+    else {
+        return None;
+    };
+    let dt = dt * progress.fraction;
+    let n = bodies.particles;
+    let mut kinds = kinds(n, program, solution, impacts);
+    let displacement = |i: usize, kind: Path| {
+        let mut u = solution.displacements[i];
+        let v_0 = [bodies.velocities[i].x, bodies.velocities[i].y, bodies.angular_velocities[i]];
+        for (k, dof) in program.bodies[i].dofs.iter().enumerate() {
+            // A load that nothing else acts on has made its displacement known.
+            let is_driven = bodies.drives[i][k] != Default::default();
+            match kind {
+                _ if is_driven => {}
+                Path::Contact => {}
+                Path::Flight => u[k] = theta * u[k] + (1.0 - theta) * v_0[k] * dt,
+                Path::Impact(t) => {
+                    let left = dt - t;
+                    let a = match dof {
+                        Dof::Free(free) => load_acceleration(free, dt),
+                        Dof::Fixed(u) => (u / dt - v_0[k]) / dt,
+                    };
+                    u[k] = t * v_0[k] + left * (u[k] / dt) + 0.5 * a * (t * t - left * left);
+                }
+            }
+        }
+        u
+    };
+    let mut out = solution.displacements.clone();
+    for i in 0..n {
+        out[i] = displacement(i, kinds[i]);
+    }
+    let place = |u: &[f64; 3]| DVec2::new(u[0], u[1]);
+    loop {
+        let mut changed = false;
+        for (contact, c) in contacts.0.iter().zip(&program.interactions) {
+            let (a, b) = (c.a as usize, c.b as usize);
+            if c.normal_compliance > 0.0 || c.limits.has_strength() {
+                continue;
+            }
+            let of_b = program.bodies[b].to_global(out[b]);
+            let gap = contact.gap - contact.normal.dot(place(&out[a]) - place(&of_b));
+            if gap >= -LEAST * bodies.mean_radius {
+                continue;
+            }
+            for i in [a, b].into_iter().filter(|i| *i < n) {
+                if kinds[i] != Path::Contact {
+                    kinds[i] = Path::Contact;
+                    out[i] = displacement(i, Path::Contact);
+                    changed = true;
+                }
+            }
+        }
+        if !changed {
+            return Some(out);
+        }
+    }
+}
+
+fn kinds(n: usize, program: &ConeProgram, solution: &ConeSolution, impacts: &Impacts) -> Vec<Path> {
+    let carrying = Carrying::new(program, solution);
+    let mut carried = vec![0_u32; program.bodies.len()];
+    for (k, c) in program.interactions.iter().enumerate() {
+        if carrying.is_carrying(k) {
+            carried[c.a as usize] += 1;
+            carried[c.b as usize] += 1;
+        }
+    }
+    let of = |carried: &u32| if *carried == 0 { Path::Flight } else { Path::Contact };
+    let mut kinds: Vec<_> = carried[..n].iter().map(of).collect();
+    for impact in &impacts.0 {
+        let c = &program.interactions[impact.interaction];
+        let pair = [c.a as usize, c.b as usize];
+        let is_alone = |i: &usize| *i >= n || !program.bodies[*i].is_free() || carried[*i] == 1;
+        if carrying.is_carrying(impact.interaction) && pair.iter().all(is_alone) {
+            for i in pair.into_iter().filter(|i| *i < n) {
+                kinds[i] = Path::Impact(impact.time);
+            }
+        }
+    }
+    kinds
+}
