@@ -6,19 +6,21 @@
 //! | particle | displacement in the increment |
 //! |---|---|
 //! | carries no contact force | `dt (theta v + (1 - theta) v_0)`, theta of the scene |
-//! | has one impact at the time t and carries nothing else | `t v_0 + (dt - t) v + a (t^2 - (dt - t)^2)/2`, a by its loads |
-//! | any other | `dt v` |
+//! | has one impact at the time t, or would have one after the step, and carries nothing else | `t v_0 + (dt - t) v + a (t^2 - (dt - t)^2)/2`, a by its loads |
+//! | has springs or bonds | `dt v` |
+//! | any other | `dt (v + e v_0)/(1 + e)` where bodies are hit that touch others, else `dt v` |
 //!
-//! The second row is the exact path of a single impact under constant loads, friction and rotation included. Where a
-//! pair of the program would overlap by these paths both go by the last row, for which the program has excluded it.
+//! The second row is the exact path of a single impact under constant loads, friction and rotation included. In the
+//! last one an impact is at the start of the increment and loses `m (1 - e^2) w_0^2/2`, whatever the loads. Where a
+//! pair of the program would overlap by these paths both move by `dt v`.
 
 use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::findings::Impacts;
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
-use clastic_components::program::{ConeProgram, ConeSolution, Dof};
+use clastic_components::program::{ConeProgram, ConeSolution, Dof, Interaction};
 use glam::DVec2;
 
-use crate::assemble_program::rebounds::load_acceleration;
+use crate::assemble_program::hits::load_acceleration;
 use crate::attempt::push_out::LEAST;
 use crate::solve_program::residuals::Carrying;
 
@@ -28,6 +30,7 @@ enum Path {
     Flight,
     Impact(f64),
     Contact,
+    End,
 }
 
 /// Displacements by body in its own axes; none where no contact has restitution.
@@ -56,8 +59,12 @@ pub fn paths(
             let is_driven = bodies.drives[i][k] != Default::default();
             match kind {
                 _ if is_driven => {}
-                Path::Contact => {}
+                Path::End => {}
                 Path::Flight => u[k] = theta * u[k] + (1.0 - theta) * v_0[k] * dt,
+                Path::Contact => {
+                    let share = impacts.end_share;
+                    u[k] = share * u[k] + (1.0 - share) * v_0[k] * dt;
+                }
                 Path::Impact(t) => {
                     let left = dt - t;
                     let a = match dof {
@@ -82,15 +89,21 @@ pub fn paths(
             if c.normal_compliance > 0.0 || c.limits.has_strength() {
                 continue;
             }
-            let of_b = program.bodies[b].to_global(out[b]);
-            let gap = contact.gap - contact.normal.dot(place(&out[a]) - place(&of_b));
+            let moved = place(&program.bodies[b].to_global(out[b])) - place(&out[a]);
+            let gap = match bodies.radii.get(b) {
+                Some(radius) => {
+                    let distance = (bodies.positions[b] - bodies.positions[a] + moved).length();
+                    distance - bodies.radii[a] - radius
+                }
+                None => contact.gap + contact.normal.dot(moved),
+            };
             if gap >= -LEAST * bodies.mean_radius {
                 continue;
             }
             for i in [a, b].into_iter().filter(|i| *i < n) {
-                if kinds[i] != Path::Contact {
-                    kinds[i] = Path::Contact;
-                    out[i] = displacement(i, Path::Contact);
+                if kinds[i] != Path::End {
+                    kinds[i] = Path::End;
+                    out[i] = displacement(i, Path::End);
                     changed = true;
                 }
             }
@@ -112,13 +125,25 @@ fn kinds(n: usize, program: &ConeProgram, solution: &ConeSolution, impacts: &Imp
     }
     let of = |carried: &u32| if *carried == 0 { Path::Flight } else { Path::Contact };
     let mut kinds: Vec<_> = carried[..n].iter().map(of).collect();
-    for impact in &impacts.0 {
+    for impact in &impacts.single {
         let c = &program.interactions[impact.interaction];
         let pair = [c.a as usize, c.b as usize];
-        let is_alone = |i: &usize| *i >= n || !program.bodies[*i].is_free() || carried[*i] == 1;
-        if carrying.is_carrying(impact.interaction) && pair.iter().all(is_alone) {
+        // What would meet after the step carries nothing.
+        let own = u32::from(carrying.is_carrying(impact.interaction));
+        let is_alone = |i: &usize| *i >= n || !program.bodies[*i].is_free() || carried[*i] == own;
+        if pair.iter().all(is_alone) {
             for i in pair.into_iter().filter(|i| *i < n) {
                 kinds[i] = Path::Impact(impact.time);
+            }
+        }
+    }
+    let is_soft = |c: &&Interaction| {
+        c.normal_compliance > 0.0 || c.tangential_compliance > 0.0 || c.limits.has_strength()
+    };
+    for c in program.interactions.iter().filter(is_soft) {
+        for i in [c.a as usize, c.b as usize].into_iter().filter(|i| *i < n) {
+            if carried[i] > 0 {
+                kinds[i] = Path::End;
             }
         }
     }

@@ -1,6 +1,7 @@
 //! Assembly of the cone program: balance rows of bodies, interactions, expected magnitudes.
 
 pub mod balance;
+pub mod hits;
 pub mod interactions;
 pub mod known_pairs;
 pub mod loose;
