@@ -6,11 +6,12 @@
 //! | particle | displacement in the increment |
 //! |---|---|
 //! | carries no contact force | `dt (theta v + (1 - theta) v_0)`, theta of the scene |
-//! | has one impact at the time t, or would have one after the step, and carries nothing else | `t v_0 + (dt - t) v + a (t^2 - (dt - t)^2)/2`, a by its loads |
+//! | has one impact, at t, and carries nothing else | `t v_0 + (dt - t) v + a (t^2 - (dt - t)^2)/2` |
 //! | has springs or bonds | `dt v` |
 //! | any other | `dt (v + e v_0)/(1 + e)` where bodies are hit that touch others, else `dt v` |
 //!
-//! The second row is the exact path of a single impact under constant loads, friction and rotation included. In the
+//! The second row, a the acceleration by loads, is the exact path of a single impact under constant loads, friction and
+//! rotation included. It also holds for an impact that comes after the step, t = dt, where `dt v` would overlap. In the
 //! last one an impact is at the start of the increment and loses `m (1 - e^2) w_0^2/2`, whatever the loads. Where a
 //! pair of the program would overlap by these paths both move by `dt v`.
 
