@@ -141,6 +141,25 @@ impl Corrections {
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Pushed(pub Option<Vec<[f64; 3]>>);
 
+/// An impact of two bodies that touch nothing else, where contacts have restitution.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Impact {
+    /// Index of the interaction in the program.
+    pub interaction: usize,
+    /// Time from the start of the trial to the impact, s.
+    pub time: f64,
+}
+
+/// The impacts of the program that was assembled last.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct Impacts {
+    /// Of bodies that touch nothing else, in ascending order of the interactions.
+    pub single: Vec<Impact>,
+    /// Share of the velocity at the end in the displacement of bodies that carry contact forces: `1/(1 + e)`
+    /// where bodies are hit that touch others, with the minimum e of these contacts, else 1.
+    pub end_share: f64,
+}
+
 /// Whether a body that a rejected solution moved far carried load there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Bearing {

@@ -41,11 +41,14 @@ pub struct Analysis {
     pub gravity: DVec2,
     /// Out-of-plane thickness h, m.
     pub thickness: f64,
+    /// Theta of the path of particles, where contacts have restitution: then the theta of [`kind`](Self::kind), which
+    /// is that of velocities and forces, is 1. None: particles move by the displacements of the program.
+    pub path_theta: Option<f64>,
 }
 
 impl Default for Analysis {
     fn default() -> Self {
-        Self { kind: AnalysisKind::Static, gravity: DVec2::ZERO, thickness: 1.0 }
+        Self { kind: AnalysisKind::Static, gravity: DVec2::ZERO, thickness: 1.0, path_theta: None }
     }
 }
 

@@ -17,11 +17,14 @@ pub struct ContactLaw {
     pub friction: f64,
     /// Coefficient of rolling friction mu_r. With 0 the contact has no rolling moment.
     pub rolling_friction: f64,
+    /// Coefficient of restitution e, 0 to 1, of a rigid contact in dynamics: relative normal speed after an
+    /// impact over that before it. 0 in an elastic contact.
+    pub restitution: f64,
 }
 
 impl ContactLaw {
     /// The law between two different materials when the scene names none: springs in series,
-    /// the smaller friction.
+    /// the smaller friction and the smaller restitution.
     #[must_use]
     pub fn between(self, other: Self) -> Self {
         Self {
@@ -29,10 +32,11 @@ impl ContactLaw {
             tangential_compliance: 0.5 * (self.tangential_compliance + other.tangential_compliance),
             friction: self.friction.min(other.friction),
             rolling_friction: self.rolling_friction.min(other.rolling_friction),
+            restitution: self.restitution.min(other.restitution),
         }
     }
 
-    /// The same law without compliance, friction and rolling resistance.
+    /// The same law without compliance, friction, rolling resistance and restitution.
     #[must_use]
     pub fn rigid_frictionless() -> Self {
         Self::default()

@@ -12,13 +12,16 @@ use clastic_components::body::{
     AngularVelocity, BodyId, ExternalForce, LastMotion, Position, Rotation, Velocity,
 };
 use clastic_components::contact::{Bodies, ContactHistory, ContactMemory, Contacts, DraftHistory};
-use clastic_components::findings::{Corrections, EventSearch, Pushed, Restraints, Ruptures};
+use clastic_components::findings::{
+    Corrections, EventSearch, Impacts, Pushed, Restraints, Ruptures,
+};
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::loads::TrialLoads;
 use clastic_components::particle::{Particle, Swinging};
 use clastic_components::program::{ConeProgram, ConeSolution, Dof};
 use clastic_components::wall::Wall;
 
+use crate::paths::paths;
 use crate::schedule::{Increment, IncrementSystems, lap};
 use crate::solve_program::residuals::Carrying;
 
@@ -119,7 +122,8 @@ pub fn move_bodies(
     progress: Res<Progress>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
-    pushed: Res<Pushed>,
+    contacts: Res<Contacts>,
+    findings: (Res<Pushed>, Res<Impacts>),
     mut particles: Query<
         (
             &BodyId,
@@ -134,7 +138,10 @@ pub fn move_bodies(
     mut walls: Query<(&BodyId, &mut Position, &mut LastMotion), (With<Wall>, Without<Particle>)>,
 ) {
     // What pushes rigid overlaps apart moves bodies and gives no velocity.
-    let motion = pushed.0.as_ref().unwrap_or(&solution.displacements);
+    let (pushed, impacts) = findings;
+    let paths = || paths(&bodies, &contacts, &analysis, &progress, &program, &solution, &impacts);
+    let paths = if pushed.0.is_none() { paths() } else { None };
+    let motion = pushed.0.as_ref().or(paths.as_ref()).unwrap_or(&solution.displacements);
     for (id, mut x, mut rotation, mut v, mut spin, mut last) in &mut particles {
         let i = id.index();
         let u = program.bodies[i].to_global(solution.displacements[i]);

@@ -258,6 +258,20 @@ fn bounce_direct_shear_and_clarabel() {
 }
 
 #[test]
+fn rebounds_go_on() {
+    let sets = [
+        "materials.stone.contact=(restitution: 0.6)",
+        "walls.floor.contact=(restitution: 0.6)",
+        "analysis.theta=0.5",
+        "stages.drop.increments=130",
+        "output=(energy: true)",
+    ];
+    let records = same_from_anywhere(&load("bounce", &sets), |k| k == 40 || (99..104).contains(&k));
+    let energies: Vec<f64> = records.iter().map(|o| o.kinetic_energy).collect();
+    assert!(energies.windows(2).any(|pair| pair[1] < 0.5 * pair[0]), "no impact");
+}
+
+#[test]
 fn the_ledger_and_the_corrector_go_on() {
     let sets = ["output=(energy: true)", "corrector=(passes: 20)", "stages.drop.increments=40"];
     same_from_anywhere(&load("bounce", &sets), |k| k % 6 == 1);

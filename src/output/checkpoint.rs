@@ -20,7 +20,7 @@ use crate::run::WorldState;
 
 /// Version of the format. It goes up with every change of what is stored: types that derive their
 /// encoding, in this file and in `run/state`, are the format.
-pub const VERSION: u32 = 6;
+pub const VERSION: u32 = 7;
 
 const MAGIC: &str = "clastic checkpoint, format ";
 

@@ -147,14 +147,15 @@ pub fn spawn_scene(world: &mut World, scene: &scene::Scene, stored: Option<&Stor
 /// Analysis of a stage.
 #[must_use]
 pub fn analysis(scene: &scene::Scene, kind: scene::Analysis, gravity: (f64, f64)) -> inc::Analysis {
-    inc::Analysis {
-        kind: match kind {
-            scene::Analysis::Static => inc::AnalysisKind::Static,
-            scene::Analysis::Dynamic { dt, theta } => inc::AnalysisKind::Dynamic { dt, theta },
-        },
-        gravity: gravity.into(),
-        thickness: scene.thickness,
-    }
+    let (kind, path_theta) = match kind {
+        scene::Analysis::Static => (inc::AnalysisKind::Static, None),
+        // With theta below 1 rigid contacts have a rebound of their own.
+        scene::Analysis::Dynamic { dt, theta } if scene.has_restitution() => {
+            (inc::AnalysisKind::Dynamic { dt, theta: 1.0 }, Some(theta))
+        }
+        scene::Analysis::Dynamic { dt, theta } => (inc::AnalysisKind::Dynamic { dt, theta }, None),
+    };
+    inc::Analysis { kind, gravity: gravity.into(), thickness: scene.thickness, path_theta }
 }
 
 fn compliance(stiffness: Option<f64>) -> f64 {
@@ -169,6 +170,7 @@ pub fn contact_law(contact: &scene::Contact) -> ContactLaw {
         tangential_compliance: compliance(contact.tangential_stiffness),
         friction: contact.friction,
         rolling_friction: contact.rolling_friction,
+        restitution: contact.restitution,
     }
 }
 

@@ -114,6 +114,16 @@ pub enum FrictionLaw {
     },
 }
 
+impl Scene {
+    /// Whether a contact law of the scene has restitution: then velocities of dynamic stages are those of theta 1.
+    #[must_use]
+    pub fn has_restitution(&self) -> bool {
+        let materials = self.materials.values().map(|material| material.contact);
+        let walls = self.walls.iter().map(|wall| wall.contact);
+        materials.chain(walls).any(|contact| contact.restitution > 0.0)
+    }
+}
+
 impl FrictionLaw {
     /// Coulomb's law with the defaults.
     pub const COULOMB: Self =
@@ -272,6 +282,8 @@ pub struct Contact {
     pub friction: f64,
     /// Coefficient of rolling friction. With 0 the contact has no rolling moment.
     pub rolling_friction: f64,
+    /// Coefficient of restitution, 0 to 1, of a rigid contact in dynamic stages.
+    pub restitution: f64,
 }
 
 /// Law of a bond. Without a stiffness it is rigid.

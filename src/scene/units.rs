@@ -80,8 +80,9 @@ pub(super) fn unit_of(name: &str, around: Option<&'static str>) -> Option<&'stat
         "normal_stiffness" | "tangential_stiffness" => "N/m",
         "force" | "Force" => "N",
         "moment" => "N m",
-        "theta" | "friction" | "rolling_friction" | "tolerance" | "residual" | "throw"
-        | "deviation" | "agitation" | "affine" | "Porosity" | "AxialStrain" | "StressDrop" => "",
+        "theta" | "friction" | "rolling_friction" | "restitution" | "tolerance" | "residual"
+        | "throw" | "deviation" | "agitation" | "affine" | "Porosity" | "AxialStrain"
+        | "StressDrop" => "",
         // Lengths and areas have the same variants.
         "Fixed" => return around,
         _ => return None,

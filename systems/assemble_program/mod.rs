@@ -1,9 +1,11 @@
 //! Assembly of the cone program: balance rows of bodies, interactions, expected magnitudes.
 
 pub mod balance;
+pub mod hits;
 pub mod interactions;
 pub mod known_pairs;
 pub mod loose;
+pub mod rebounds;
 pub mod scales;
 pub mod taut;
 
@@ -13,7 +15,7 @@ use bevy_ecs::prelude::*;
 use clastic_components::attempt::Attempt;
 use clastic_components::contact::{Bodies, Contacts, DraftHistory};
 use clastic_components::findings::{
-    Centre, Corrections, EventSearch, Pushed, Restraints, Ruptures,
+    Centre, Corrections, EventSearch, Impacts, Pushed, Restraints, Ruptures,
 };
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
 use clastic_components::loads::TrialLoads;
@@ -21,6 +23,7 @@ use clastic_components::material::Materials;
 use clastic_components::program::ConeProgram;
 
 use self::interactions::Findings;
+use self::rebounds::{assemble_rebounds, has_restitution};
 use crate::rupture_bonds::unlimit;
 use crate::schedule::{AttemptIncrement, AttemptSystems, lap};
 
@@ -29,10 +32,13 @@ pub struct AssembleProgramPlugin;
 
 impl Plugin for AssembleProgramPlugin {
     fn build(&self, app: &mut App) {
-        app.init_resource::<ConeProgram>().init_resource::<Materials>().add_systems(
+        app.init_resource::<ConeProgram>();
+        app.init_resource::<Materials>().init_resource::<Impacts>().add_systems(
             AttemptIncrement,
             (
-                assemble_program.in_set(AttemptSystems::Assemble),
+                (assemble_program, assemble_rebounds.run_if(has_restitution))
+                    .chain()
+                    .in_set(AttemptSystems::Assemble),
                 lap(|t| &mut t.assemble)
                     .after(AttemptSystems::AssembleExtra)
                     .before(AttemptSystems::Solve),

@@ -15,7 +15,7 @@ use clastic_components::increment::{Analysis, AnalysisKind};
 use clastic_components::program::{ConeProgram, ConeSolution};
 
 /// Overlaps below this, in mean radii, are round-off and residuals of the last increment.
-const LEAST: f64 = 1e-7;
+pub(crate) const LEAST: f64 = 1e-7;
 
 /// Keeps the motion of the first solution and asks for the second one.
 pub fn judge(
@@ -31,12 +31,16 @@ pub fn judge(
     if pushed.0.is_some() {
         return;
     }
-    let overlaps = contacts.0.iter().zip(&program.interactions).any(|(contact, c)| {
-        let bonded = c.limits.has_strength();
-        c.normal_compliance == 0.0 && !bonded && contact.gap < -LEAST * bodies.mean_radius
-    });
-    if overlaps {
+    if overlaps(&bodies, &contacts, &program) {
         pushed.0 = Some(solution.displacements.clone());
         attempt.verdict = Verdict::Again;
     }
+}
+
+/// Whether rigid bodies overlap at the start.
+pub(crate) fn overlaps(bodies: &Bodies, contacts: &Contacts, program: &ConeProgram) -> bool {
+    contacts.0.iter().zip(&program.interactions).any(|(contact, c)| {
+        let bonded = c.limits.has_strength();
+        c.normal_compliance == 0.0 && !bonded && contact.gap < -LEAST * bodies.mean_radius
+    })
 }

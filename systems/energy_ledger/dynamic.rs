@@ -34,6 +34,15 @@ pub fn book_bodies(
         e.external += (0..3).map(|k| force.0[k] * u[k]).sum::<f64>();
         let (Some(v), Some(spin)) = (velocity, spin) else { continue };
         e.gravity += bodies.masses[i] * analysis.gravity.dot(DVec2::new(u[0], u[1]));
+        if analysis.path_theta.is_some() {
+            // The balance is that of the program; the work of the loads is that on the path.
+            let aside = tables.end[i] - bodies.positions[i] - DVec2::new(u[0], u[1]);
+            let by_gravity = bodies.masses[i] * analysis.gravity.dot(aside);
+            let by_loads = force.0[0] * aside.x + force.0[1] * aside.y;
+            e.gravity += by_gravity;
+            e.external += by_loads;
+            e.numerical += by_gravity + by_loads;
+        }
         let (v_0, w_0) = (bodies.velocities[i], bodies.angular_velocities[i]);
         let before = [v_0.x, v_0.y, w_0];
         let after = [v.0.x, v.0.y, spin.0];

@@ -541,6 +541,7 @@ fn between_contacts(a: ContactLaw, b: ContactLaw) -> ContactLaw {
         tangential_stiffness: series(a.tangential_stiffness, b.tangential_stiffness),
         friction: a.friction.min(b.friction),
         rolling_friction: a.rolling_friction.min(b.rolling_friction),
+        restitution: a.restitution.min(b.restitution),
     }
 }
 

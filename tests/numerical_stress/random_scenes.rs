@@ -132,6 +132,7 @@ fn contact(r: &mut Random, k: f64) -> Contact {
         tangential_stiffness: r.maybe(0.6, |_| 0.5 * k),
         friction: r.pick(&[0.0, 0.3, 0.5, 1.0, 1.5]),
         rolling_friction: r.pick(&[0.0, 0.0, 0.05, 0.3]),
+        restitution: 0.0,
     }
 }
 

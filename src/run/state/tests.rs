@@ -71,6 +71,7 @@ const OF_THE_INCREMENT: &[&str] = &[
     "Corrections",
     "DraftHistory",
     "EventSearch",
+    "Impacts",
     "MotionEnergies",
     "Pushed",
     "Restraints",

@@ -7,6 +7,7 @@ use crate::scene::spans::join;
 
 use super::Context;
 use super::findings::Findings;
+use super::restitution;
 
 pub(super) fn check(context: &Context, findings: &mut Findings) {
     for (name, material) in &context.scene.materials {
@@ -40,6 +41,7 @@ pub(super) fn bond(path: Arguments, bond: Option<Bond>, findings: &mut Findings)
 pub(super) fn contact(path: Arguments, contact: Contact, findings: &mut Findings) {
     stiffnesses(path, (contact.normal_stiffness, contact.tangential_stiffness), findings);
     frictions(path, (contact.friction, contact.rolling_friction), findings);
+    restitution::law(path, contact, findings);
 }
 
 fn stiffnesses(

@@ -7,6 +7,7 @@ mod findings;
 mod materials;
 mod measures;
 mod places;
+mod restitution;
 mod selections;
 mod settings;
 mod specimen;
@@ -47,6 +48,7 @@ pub(super) fn findings(
     walls::check(&context, &mut findings);
     specimen::check(&context, &mut findings);
     stages::check(&context, &mut findings);
+    restitution::check(&context, &mut findings);
     crossing::check(&context, &mut findings);
     selections::check(&context, &mut findings);
     measures::check(&context, &mut findings);

@@ -1,0 +1,72 @@
+//! Restitution: which laws may have it, and beside which analysis.
+
+use std::fmt::Arguments;
+
+use crate::scene::format::{Analysis, Contact, Scene, Stage};
+
+use super::Context;
+use super::findings::Findings;
+
+/// The restitution of a contact law, of a material or of a wall.
+pub(super) fn law(path: Arguments, contact: Contact, findings: &mut Findings) {
+    let allowed = |value: f64| (0.0..=1.0).contains(&value);
+    let of = contact.restitution;
+    let path = format_args!("{path}.restitution");
+    let fine = findings.number(path, of, allowed, "a coefficient of restitution from 0 to 1");
+    let elastic = contact.normal_stiffness.is_some() || contact.tangential_stiffness.is_some();
+    if fine && of > 0.0 && elastic {
+        let message = format!("restitution of an elastic contact ({of:?})");
+        let help = "leave out the stiffnesses, for a rigid contact, or the restitution: the springs of a \
+                    contact determine how it rebounds";
+        findings.add(path, message, help);
+    }
+}
+
+/// Checks the theta of dynamic stages: with restitution velocities have theta 1, and springs may have no other.
+pub(super) fn check(context: &Context, findings: &mut Findings) {
+    let scene = context.scene;
+    let parts = ["materials", "walls", "analysis", "stages"];
+    if !scene.has_restitution()
+        || !has_springs(scene)
+        || !parts.iter().all(|part| findings.is_sure_of(part))
+    {
+        return;
+    }
+    let loads = || {
+        scene.stages.iter().enumerate().filter_map(|(i, stage)| match stage {
+            Stage::Load(load) => Some((i, load)),
+            Stage::Compact(_) | Stage::Cement(_) => None,
+        })
+    };
+    if loads().any(|(_, load)| load.analysis.is_none()) {
+        theta(format_args!("analysis"), scene.analysis, findings);
+    }
+    for (i, load) in loads() {
+        if let Some(analysis) = load.analysis {
+            theta(format_args!("stages[{i}].analysis"), analysis, findings);
+        }
+    }
+}
+
+fn theta(path: Arguments, analysis: Analysis, findings: &mut Findings) {
+    if let Analysis::Dynamic { theta, .. } = analysis
+        && theta > 0.0
+        && theta < 1.0
+    {
+        let message = format!("theta below 1 ({theta:?}) in a scene with restitution and springs");
+        let help = "give 1.0: impacts need velocities at the end of the increment, and theta weighs the forces \
+                    of springs at its start; or leave out the restitution, or the stiffnesses of contacts and bonds";
+        findings.add(format_args!("{path}.theta"), message, help);
+    }
+}
+
+/// Whether a law of the scene has a stiffness.
+fn has_springs(scene: &Scene) -> bool {
+    let materials = scene.materials.values().map(|m| (m.contact, m.bond));
+    let walls = scene.walls.iter().map(|w| (w.contact, w.bond));
+    materials.chain(walls).any(|(contact, bond)| {
+        let of_bond = bond.map(|b| [b.normal_stiffness, b.tangential_stiffness]);
+        let of_contact = [contact.normal_stiffness, contact.tangential_stiffness];
+        of_contact.into_iter().chain(of_bond.into_iter().flatten()).any(|k| k.is_some())
+    })
+}

@@ -1,0 +1,235 @@
+//! Where the loads alone bring two bodies together: what restitution needs to know of an impact.
+
+use glam::DVec2;
+
+use clastic_components::body::Drive;
+use clastic_components::contact::{Bodies, Contact};
+use clastic_components::program::{ConeProgram, Dof, FreeDof, Interaction};
+use clastic_components::wall::WallDrive;
+
+/// Velocity at the start (m/s) and acceleration by the loads (m/s^2) of a body.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Motion {
+    /// m/s.
+    pub velocity: DVec2,
+    /// m/s^2.
+    pub acceleration: DVec2,
+}
+
+impl Motion {
+    /// The motion of a body in a trial of `dt` within an increment of `whole` (s). None for a wall under a load: it
+    /// has no mass, and what hits it does not rebound.
+    #[must_use]
+    pub fn of(
+        bodies: &Bodies,
+        program: &ConeProgram,
+        [dt, whole]: [f64; 2],
+        i: usize,
+    ) -> Option<Self> {
+        if i < bodies.particles {
+            let mut motion = Self { velocity: bodies.velocities[i], ..Self::default() };
+            for k in 0..2 {
+                // What is driven has its velocity from the start of the increment on.
+                if let Drive::Imposed(u) = bodies.drive(i, k) {
+                    motion.velocity[k] = u / whole;
+                } else if let Dof::Free(free) = &program.bodies[i].dofs[k] {
+                    motion.acceleration[k] = load_acceleration(free, dt);
+                }
+            }
+            return Some(motion);
+        }
+        let wall = bodies.walls.iter().find(|wall| wall.body as usize == i)?;
+        match bodies.wall_drive(wall) {
+            WallDrive::Imposed(u) => Some(Self { velocity: u / whole, ..Self::default() }),
+            WallDrive::Loaded(_) => None,
+        }
+    }
+
+    fn moved(&self, t: f64) -> DVec2 {
+        t * self.velocity + 0.5 * t * t * self.acceleration
+    }
+}
+
+/// Acceleration of a degree of freedom by its loads alone, m/s^2 or rad/s^2, with theta = 1.
+#[must_use]
+pub fn load_acceleration(free: &FreeDof, dt: f64) -> f64 {
+    (free.load - free.momentum) / (free.inertia * dt * dt)
+}
+
+/// How two bodies approach each other along the normal of the start.
+#[derive(Clone, Copy, Debug)]
+pub struct Approach {
+    /// Gap at the start, m; overlaps are a touch.
+    pub gap: f64,
+    /// Closing speed at the start, m/s.
+    pub speed: f64,
+    /// Closing acceleration by the loads of both, m/s^2.
+    pub acceleration: f64,
+    /// Of it what presses: another contact may take what pulls a body away.
+    pub pressing: f64,
+}
+
+/// An impact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// From the start of the step, s.
+    pub time: f64,
+    /// Closing speed there, m/s.
+    pub speed: f64,
+    /// Closing acceleration by the loads there, m/s^2.
+    pub acceleration: f64,
+    /// Unit normal from a to b there.
+    pub normal: DVec2,
+}
+
+/// Newton steps to the time of an impact. They approach it from before, since the distance is convex.
+const MAX_STEPS: u32 = 60;
+/// Gap that is none, over the sum of the radii: some units of round-off.
+const ROUND_OFF: f64 = 1e-15;
+
+impl Approach {
+    /// The approach of the two bodies of a contact.
+    #[must_use]
+    pub fn of(motions: &[Option<Motion>], contact: &Contact, c: &Interaction) -> Option<Self> {
+        let (a, b) = (motions[c.a as usize]?, motions[c.b as usize]?);
+        let (of_a, of_b) = (c.normal.dot(a.acceleration), -c.normal.dot(b.acceleration));
+        Some(Self {
+            gap: contact.gap.max(0.0),
+            speed: c.normal.dot(a.velocity - b.velocity),
+            acceleration: of_a + of_b,
+            pressing: of_a.max(0.0) + of_b.max(0.0),
+        })
+    }
+
+    /// What the velocity at the end without contact closes in a step, m.
+    #[must_use]
+    pub fn free_closing(&self, dt: f64) -> f64 {
+        (self.speed + self.acceleration * dt) * dt
+    }
+
+    /// Time and closing speed of the hit along the normal within a step, if there is one: the first root of
+    /// `g_0 = w_0 t + a t^2/2`.
+    #[must_use]
+    pub fn hit(&self, dt: f64) -> Option<[f64; 2]> {
+        let speed = (self.speed * self.speed + 2.0 * self.acceleration * self.gap).sqrt();
+        let time = if self.speed >= 0.0 {
+            2.0 * self.gap / (self.speed + speed)
+        } else if self.acceleration > 0.0 {
+            (speed - self.speed) / self.acceleration
+        } else {
+            return None;
+        };
+        // Not a number where the bodies rest on each other, or where the loads part them before.
+        (time <= dt).then_some([time, speed])
+    }
+
+    /// The impact of two bodies that nothing else acts on, on their paths: the parabolas of constant loads.
+    #[must_use]
+    pub fn impact(
+        &self,
+        bodies: &Bodies,
+        motions: &[Option<Motion>],
+        (contact, c): (&Contact, &Interaction),
+        dt: f64,
+    ) -> Option<Hit> {
+        let [mut time, speed] = self.hit(dt)?;
+        let (a, b) = (c.a as usize, c.b as usize);
+        if b >= bodies.particles {
+            let Self { acceleration, .. } = *self;
+            return Some(Hit { time, speed, acceleration, normal: contact.normal });
+        }
+        let (of_a, of_b) = (motions[a]?, motions[b]?);
+        let reach = bodies.radii[a] + bodies.radii[b];
+        if self.speed > 0.0 {
+            time = 0.0;
+        }
+        for _ in 0..MAX_STEPS {
+            let d = bodies.positions[b] - bodies.positions[a] + of_b.moved(time) - of_a.moved(time);
+            let normal = d.normalize_or(contact.normal);
+            let velocity = |m: &Motion| m.velocity + time * m.acceleration;
+            let speed = normal.dot(velocity(&of_a) - velocity(&of_b));
+            let gap = d.length() - reach;
+            if gap <= ROUND_OFF * reach {
+                let acceleration = normal.dot(of_a.acceleration - of_b.acceleration);
+                return (speed > 0.0).then_some(Hit { time, speed, acceleration, normal });
+            }
+            time += gap / speed;
+            // They pass each other, or meet later.
+            if !(speed > 0.0 && time <= dt) {
+                return None;
+            }
+        }
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn approach(gap: f64, speed: f64, acceleration: f64) -> Approach {
+        Approach { gap, speed, acceleration, pressing: acceleration.max(0.0) }
+    }
+
+    #[test]
+    fn a_hit_is_where_the_parabola_meets_the_gap() {
+        for (gap, v, a) in [(0.3, 2.0, 0.0), (0.3, 2.0, 9.81), (0.3, 2.0, -5.0), (0.1, -0.4, 9.81)]
+        {
+            let [time, speed] = approach(gap, v, a).hit(1.0).unwrap();
+            assert!((v * time + 0.5 * a * time * time - gap).abs() < 1e-14);
+            assert!((v + a * time - speed).abs() < 1e-14);
+            assert!(speed > 0.0);
+            assert_eq!(approach(gap, v, a).hit(0.99 * time), None);
+        }
+        assert_eq!(approach(0.0, 2.0, 9.81).hit(1.0), Some([0.0, 2.0]));
+    }
+
+    #[test]
+    fn what_rests_parts_or_stops_before_hits_nothing() {
+        for (gap, speed, a) in [
+            (0.0, 0.0, 9.81),
+            (0.0, 0.0, 0.0),
+            (0.3, 0.0, 0.0),
+            (0.3, 2.0, -9.81),
+            (0.0, -1.0, 0.0),
+        ] {
+            assert_eq!(approach(gap, speed, a).hit(1.0), None);
+        }
+    }
+
+    #[test]
+    fn disks_that_pass_each_other_do_not_meet() {
+        let contact = |bodies: &Bodies| crate::detect_contacts::gaps::pair_contact(bodies, 0, 1);
+        for (offset, meets) in [(0.0, true), (1.9, true), (1.999, true), (2.001, false)] {
+            let bodies = Bodies {
+                particles: 2,
+                positions: vec![DVec2::ZERO, DVec2::new(3.0, offset)],
+                radii: vec![1.0; 2],
+                ..Bodies::default()
+            };
+            let motions = [DVec2::X, -DVec2::X]
+                .map(|velocity| Some(Motion { velocity, ..Motion::default() }));
+            let contact = contact(&bodies);
+            let c = Interaction {
+                a: 0,
+                b: 1,
+                normal: contact.normal,
+                arm_a: 0.0,
+                arm_b: 0.0,
+                offset: 0.0,
+                normal_compliance: 0.0,
+                tangential_compliance: 0.0,
+                previous_shear: 0.0,
+                limits: Default::default(),
+                dilation: 1.0,
+            };
+            let hit = Approach::of(&motions, &contact, &c)
+                .and_then(|x| x.impact(&bodies, &motions, (&contact, &c), 2.0));
+            assert_eq!(hit.is_some(), meets, "{offset}: {hit:?}");
+            if let Some(hit) = hit {
+                let time = 0.5 * (3.0 - (4.0 - offset * offset).sqrt());
+                assert!((hit.time - time).abs() < 1e-12, "{offset}: {hit:?}");
+            }
+        }
+    }
+}

@@ -1,0 +1,116 @@
+//! Rebounds: what a rigid contact with restitution is hit with, and the offset that makes it rebound.
+//!
+//! Where a scene has restitution, velocities are those of theta = 1: the displacement of the program is
+//! `u = v dt`, v the velocity at the end, and an offset g bounds the closing speed at the end, `w <= g/dt`.
+//! Newton's law of restitution at the velocity level (Moreau 1988) is then an offset. With e of the contact,
+//! w_0 the closing speed at the start and a the closing acceleration by the loads of both bodies:
+//!
+//! | contact | bound of the closing speed w at the end |
+//! |---|---|
+//! | hit at the time t of the step, by bodies that touch nothing else | `-(e w_t - a (dt - t))`, w_t the speed there |
+//! | not hit, by bodies that touch nothing else | none |
+//! | hit, by bodies of which one touches others | `-e w_0` |
+//! | separating at the start | `max(g_0/dt, e \|w_0\|)` |
+//! | any other | `g_0/dt` |
+//!
+//! The third and fourth row hold where `e |w_0| > a_p dt`, a_p what presses of a. What the loads turn round before the
+//! step ends is no rebound: the contact stays closed. So a grain comes to rest under gravity, and no speed has to be
+//! called small. The same holds for the first row, whose bracket must be positive.
+//!
+//! Contacts that separate may approach as fast as Newton's law lets them, so that bodies between walls always
+//! have a solution, `v = -e v_0`. With the displacement `dt (v + e v_0)/(1 + e)` neither they nor those that are hit
+//! overlap; see [`paths`](crate::paths).
+
+use bevy_ecs::prelude::*;
+
+use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::findings::{Impact, Impacts, Pushed};
+use clastic_components::increment::{Analysis, AnalysisKind, Progress};
+use clastic_components::material::Materials;
+use clastic_components::program::ConeProgram;
+
+use super::hits::{Approach, Motion};
+use super::interactions::contact_law;
+use crate::attempt::push_out::{LEAST, overlaps};
+
+/// Run condition: contacts have restitution in this stage.
+pub fn has_restitution(analysis: Res<Analysis>) -> bool {
+    analysis.path_theta.is_some() && matches!(analysis.kind, AnalysisKind::Dynamic { .. })
+}
+
+/// Sets offset and geometry of contacts that are hit, and fills [`Impacts`].
+pub fn assemble_rebounds(
+    bodies: Res<Bodies>,
+    contacts: Res<Contacts>,
+    materials: Res<Materials>,
+    analysis: Res<Analysis>,
+    progress: Res<Progress>,
+    pushed: Res<Pushed>,
+    mut program: ResMut<ConeProgram>,
+    mut impacts: ResMut<Impacts>,
+) {
+    impacts.single.clear();
+    impacts.end_share = 0.0;
+    let AnalysisKind::Dynamic { dt: whole, .. } = analysis.kind else { return };
+    let dt = whole * progress.fraction;
+    if pushed.0.is_none() && overlaps(&bodies, &contacts, &program) {
+        // This solution takes out overlaps. The next one has the velocities.
+        impacts.end_share = 1.0;
+        return;
+    }
+    let motion = |i| Motion::of(&bodies, &program, [dt, whole], i);
+    let motions: Vec<_> = (0..bodies.positions.len()).map(motion).collect();
+    let pairs = || contacts.0.iter().zip(&program.interactions);
+    let approaches: Vec<_> =
+        pairs().map(|(contact, c)| Approach::of(&motions, contact, c)).collect();
+    // How many others each body touches or would close to.
+    let touch = LEAST * bodies.mean_radius;
+    let near: Vec<_> = pairs()
+        .zip(&approaches)
+        .map(|((contact, c), approach)| {
+            let closes = approach.is_none_or(|x| x.free_closing(dt) > x.gap || x.hit(dt).is_some());
+            c.limits.has_strength() || contact.gap <= touch || closes
+        })
+        .collect();
+    let mut touched = vec![0_u32; bodies.positions.len()];
+    for ((_, c), _) in pairs().zip(&near).filter(|(_, near)| **near) {
+        touched[c.a as usize] += 1;
+        touched[c.b as usize] += 1;
+    }
+    let ConeProgram { bodies: rows, interactions, .. } = &mut *program;
+    for (k, (contact, c)) in contacts.0.iter().zip(interactions).enumerate() {
+        let is_free = |body: u32| rows[body as usize].is_free();
+        let Some(x) = approaches[k].filter(|_| is_free(c.a) || is_free(c.b)) else { continue };
+        let e = contact_law(&bodies, &materials, &analysis, contact).restitution;
+        if c.normal_compliance > 0.0 || c.limits.has_strength() || e == 0.0 {
+            continue;
+        }
+        let own = u32::from(near[k]);
+        let is_alone = |body: u32| !is_free(body) || touched[body as usize] == own;
+        let free_closing = x.free_closing(dt);
+        let alone = is_alone(c.a) && is_alone(c.b);
+        if alone && let Some(hit) = x.impact(&bodies, &motions, (contact, c), dt) {
+            let rebound = e * hit.speed - hit.acceleration * (dt - hit.time);
+            if rebound > 0.0 {
+                c.offset = -rebound * dt;
+                c.normal = hit.normal;
+                c.arm_a = bodies.radii[c.a as usize];
+                c.arm_b = bodies.radii.get(c.b as usize).copied().unwrap_or(0.0);
+                impacts.single.push(Impact { interaction: k, time: hit.time });
+            }
+        } else if alone && free_closing > c.offset && (contact.gap > touch || x.speed < 0.0) {
+            // They miss each other, or meet after the step, where `v dt` would have them meet within it.
+            c.offset = free_closing;
+            impacts.single.push(Impact { interaction: k, time: dt });
+        } else if e * x.speed.abs() > x.pressing * dt {
+            let is_hit = x.speed > 0.0 && free_closing > x.gap;
+            if is_hit || x.speed < 0.0 {
+                c.offset = if is_hit { -e * x.speed * dt } else { c.offset.max(-e * x.speed * dt) };
+                impacts.end_share = impacts.end_share.max(1.0 / (1.0 + e));
+            }
+        }
+    }
+    if impacts.end_share == 0.0 {
+        impacts.end_share = 1.0;
+    }
+}
