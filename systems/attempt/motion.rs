@@ -27,7 +27,7 @@ use clastic_components::program::{ConeProgram, ConeSolution, SolveStatus};
 
 use crate::kinetic_damping::{self, MIN_WEIGHT};
 use crate::mean_field::{furthest, mean_strain};
-use crate::rupture_bonds::{BuiltInRule, Met, find_ruptures, release};
+use crate::rupture_bonds::{BuiltInRule, Met, find_ruptures, release, yielding};
 use crate::update_state::remembered;
 
 /// The steps of all motions of one increment, rejected ones included, may add up to this travel, in radii, if each
@@ -48,6 +48,9 @@ const RESTFUL: f64 = 1e-2;
 const NO_REST: f64 = 10.0;
 /// At rest a step of a weight below [`SMALL_WEIGHT`] moves no grain further than this, in its radii.
 const NEAR_REST: f64 = 0.05;
+/// In a step of a motion that a rupture released no bond goes beyond its limit by more than this part of the travel, in
+/// elongations at strength, that a step aims at.
+const OVERLOAD: f64 = 1.0 / 3.0;
 /// Weights of the first step and of one that tells whether the motion is at rest.
 const FIRST_WEIGHT: f64 = 1e-3;
 const SMALL_WEIGHT: f64 = 1e-6;
@@ -159,9 +162,12 @@ pub fn forget_passes(world: &mut World) {
     world.resource_mut::<Restraints>().replies = 0;
 }
 
-/// Judge: may the step be taken with the normals of its start?
+/// Judge: may the step be taken with the normals of its start? In one that a rupture released bonds are to break close to
+/// their limits.
 pub fn judge_length(
     bodies: Res<Bodies>,
+    contacts: Res<Contacts>,
+    acceptance: Res<Acceptance>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
     mut attempt: ResMut<Attempt>,
@@ -170,6 +176,14 @@ pub fn judge_length(
     let length = attempt.motion().map_or(1.0, |motion| motion.length);
     if !(far <= length * Acceptance::MAX_TRAVEL) {
         attempt.verdict = Verdict::TooFar(format!("a step of the motion went {far:.2} radii"));
+        return;
+    }
+    if attempt.motion().is_some_and(|motion| motion.released) {
+        let overload = yielding(&contacts.0, &program, &solution);
+        if overload > 1.0 + OVERLOAD * aimed(&acceptance) {
+            let message = format!("a bond went to {overload:.2} times its limit within a step");
+            attempt.verdict = Verdict::TooFar(message);
+        }
     }
 }
 
