@@ -197,9 +197,11 @@ fn from_event_to_event_and_within_avalanches() {
 fn before_motions_that_ruptures_release() {
     let sets = [
         "rupture=(order: Events, avalanche: Dynamic)",
+        "specimen.count=72",
+        "stages.compact.target=Porosity(0.25)",
         "stages.compact.step=2.5e-3",
-        "stages.load.increments=8",
-        "stages.load.walls.top[1]=-14.0e-6",
+        "stages.load.increments=6",
+        "stages.load.walls.top[1]=-8.0e-6",
     ];
     let loaded = load("uniaxial_small", &sets);
     let mut motions = Vec::new();
