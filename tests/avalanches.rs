@@ -1,5 +1,5 @@
-//! What happens in an avalanche of ruptures is a choice (`rupture.avalanche`): exact answers under each rule, and how much
-//! of the curve after the peak follows from it.
+//! What happens in an avalanche of ruptures is a choice (`rupture.avalanche`): exact answers under each rule, and how
+//! much of the curve after the peak follows from it.
 
 mod common;
 
@@ -27,8 +27,8 @@ fn run(simulation: &mut Simulation) -> Vec<Observation> {
     records
 }
 
-/// A disk is pulled from another one that a bond under 30 degrees and two bonds in a row behind it hold. The bond under
-/// 30 degrees (12 N) breaks first. At the same place of the pulled disk the row then carries 11.55 N in an equilibrium,
+/// A disk is pulled from another one that a bond under 30 degrees and two bonds in a row behind it hold. The bond
+/// under 30 degrees (12 N) breaks first. At the same place of the pulled disk the row then carries 11.55 N in an equilibrium,
 /// and its bonds hold 8 and 10 N: both are above their limits. One of them is enough to end that.
 fn row_behind_a_prop(avalanche: &str, increments: u32) -> Simulation {
     let prop = 15.0e-3;

@@ -4,9 +4,9 @@
 //!
 //! That state is committed, before its ruptures; bonds that hold are judged by their own limits. The increment that
 //! follows has the fraction 0: its equilibrium at constant load tells whether other bonds break after them (an
-//! avalanche). What breaks then is a choice of the scene ([`Avalanche`]): the most overloaded bond or all that are above
-//! their limits, and so on until all hold; or the motion to the next state at rest is followed, from the equilibrium
-//! before the rupture.
+//! avalanche). What breaks then is a choice of the scene ([`Avalanche`]): the most overloaded bond or all that are
+//! above their limits, and so on until all hold; or the motion to the next state at rest is followed, from the
+//! equilibrium before the rupture.
 
 use bevy_ecs::prelude::*;
 

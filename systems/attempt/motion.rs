@@ -56,7 +56,8 @@ const FIRST_WEIGHT: f64 = 1e-3;
 const SMALL_WEIGHT: f64 = 1e-6;
 /// Number of steps that are made with the smallest weight: what still moves then is free.
 const MAX_FREE_STEPS: u32 = 4;
-/// Steps of all motions of one increment that ruptures released, rejected ones included.
+/// Steps of all motions of one increment that ruptures released, rejected ones included: a bound on the time that they
+/// take, some ten times what the longest took in packings of 400 disks.
 pub const MAX_RELEASED_STEPS: u32 = 50_000;
 
 /// Why a motion begins.
@@ -85,9 +86,9 @@ struct Measure {
     first_weight: f64,
 }
 
-/// After a rupture the means over the intact bonds: of the elongation `C_N f_t = 2 C_N h sigma_t r` at strength over the
-/// radius, and of the stiffness `1/C_N`. One that leaves no bond is followed as a loss of equilibrium: nothing else can
-/// break.
+/// After a rupture the means over the intact bonds: of the elongation `C_N f_t = 2 C_N h sigma_t r` at strength over
+/// the radius, and of the stiffness `1/C_N`. One that leaves no bond is followed as a loss of equilibrium: nothing
+/// else can break.
 fn measure(world: &World, cause: Cause) -> Measure {
     let bonds = &world.resource::<Bodies>().bonds;
     if cause == Cause::Loss || bonds.is_empty() {
@@ -162,8 +163,8 @@ pub fn forget_passes(world: &mut World) {
     world.resource_mut::<Restraints>().replies = 0;
 }
 
-/// Judge: may the step be taken with the normals of its start? In one that a rupture released bonds are to break close to
-/// their limits.
+/// Judge: may the step be taken with the normals of its start? In one that a rupture released bonds are to break
+/// close to their limits.
 pub fn judge_length(
     bodies: Res<Bodies>,
     contacts: Res<Contacts>,

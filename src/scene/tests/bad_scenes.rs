@@ -255,7 +255,7 @@ fn settings() {
         (
             VERSION,
             "version: 1, rupture: (order: OneRound, avalanche: Dynamic)",
-            "2:53: rupture.avalanche: `Dynamic` has no effect: with `order: OneRound` there are no avalanches; \
+            "2:55: rupture.avalanche: `Dynamic` has no effect: with `order: OneRound` there are no avalanches; \
              give `order: Events`, or leave `avalanche` out",
         ),
     ]);
