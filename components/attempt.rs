@@ -46,6 +46,8 @@ pub enum Verdict {
     Again,
     /// A bond is above its limit: the event before it is sought at another fraction.
     Overloaded,
+    /// Bonds have just broken, and the scene wants the motion followed by which the specimen comes to rest after them.
+    Released,
     /// The solution did not converge.
     Unconverged {
         /// The residuals, and what the solver said.
@@ -116,6 +118,8 @@ pub struct Attempt {
     pub motions: u32,
     /// Steps of these motions, rejected ones included.
     pub motion_steps: u32,
+    /// Of these, the steps of motions that ruptures released.
+    pub released_steps: u32,
     /// Strain of the mean field that these motions add up to; what was put back does not count.
     pub motion_strain: f64,
     /// Whether loads act on a specimen that carried something before the increment: then it may not

@@ -112,6 +112,20 @@ pub enum RollingLimit {
     Yields,
 }
 
+/// How the specimen comes to rest at constant load after a bond has broken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Avalanche {
+    /// By equilibria: of the bonds above their limits in one of them, the most overloaded breaks, or as many of these
+    /// as a group takes.
+    #[default]
+    MostOverloaded,
+    /// By equilibria: all bonds above their limits in one of them break.
+    Together,
+    /// By a motion with inertia and kinetic damping ([`Motion`](crate::motion::Motion)), in which bonds break as they
+    /// reach their limits.
+    Dynamic,
+}
+
 /// In which order bonds break.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum RuptureOrder {
@@ -124,6 +138,8 @@ pub enum RuptureOrder {
         /// Bonds break together that reach their limit while the bond forces change by this fraction after the
         /// first; 0: one by one.
         group: f64,
+        /// What happens after the first bond of an avalanche.
+        avalanche: Avalanche,
     },
     /// All bonds that are on a limit at the end of an increment break, once (3.4.2 of the paper).
     OneRound,
@@ -151,7 +167,11 @@ impl Default for RuptureRules {
     fn default() -> Self {
         Self {
             rolling: RollingLimit::Breaks,
-            order: RuptureOrder::Events { tolerance: 5e-4, group: 0.0 },
+            order: RuptureOrder::Events {
+                tolerance: 5e-4,
+                group: 0.0,
+                avalanche: Avalanche::MostOverloaded,
+            },
             slack: 1e-7,
             multiplier: 1e-9,
         }

@@ -11,8 +11,12 @@
 //! comes to rest. Velocities are set to zero when the kinetic energy falls (kinetic damping: Cundall 1982).
 
 /// State of a motion between two of its steps.
-#[derive(Clone, Debug, PartialEq, Default)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Motion {
+    /// Whether ruptures released it, at an equilibrium; otherwise it begins where equilibrium was lost.
+    pub released: bool,
+    /// Length that its steps resolve, in radii of the furthest grain.
+    pub length: f64,
     /// Weight W of the step, without dimension. A small weight is a long step.
     pub weight: f64,
     /// Stiffness k_0, N/m: the force scale over the displacement scale of the increment.
@@ -37,6 +41,27 @@ pub struct Motion {
     pub failures: u32,
     /// Steps that were made with the smallest weight.
     pub free_steps: u32,
+}
+
+impl Default for Motion {
+    fn default() -> Self {
+        Self {
+            released: false,
+            length: 1.0,
+            weight: 0.0,
+            stiffness: 0.0,
+            masses: Vec::new(),
+            velocities: Vec::new(),
+            kinetic: 0.0,
+            goal: 0.0,
+            repeated: false,
+            travelled: 0.0,
+            speed: 0.0,
+            steps: 0,
+            failures: 0,
+            free_steps: 0,
+        }
+    }
 }
 
 impl Motion {

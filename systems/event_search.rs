@@ -35,6 +35,9 @@ pub struct GroupRules {
     pub tolerance: f64,
     /// Relative change of the contact forces across a group.
     pub group: f64,
+    /// Share of the contact forces that the bonds carry that break together at constant load; infinite: all that are
+    /// above their limits.
+    pub share: f64,
 }
 
 /// A trial and the forces in it.
@@ -57,14 +60,14 @@ pub enum Decision {
     Earlier(f64),
 }
 
-/// The bonds that break at constant load, the most overloaded first, as many as `group` allows.
+/// The bonds that break at constant load, the most overloaded first, as many as `share` allows.
 #[must_use]
 pub fn at_constant_load(now: Now, rules: GroupRules) -> Vec<usize> {
     let r = &now.trial.overloads;
     let mut overloaded: Vec<usize> =
         (0..r.len()).filter(|&i| r[i] >= 1.0 - rules.tolerance).collect();
     overloaded.sort_by(|&i, &j| r[j].total_cmp(&r[i]).then(i.cmp(&j)));
-    overloaded.truncate(affordable(&overloaded, now.shares, rules.group));
+    overloaded.truncate(affordable(&overloaded, now.shares, rules.share));
     overloaded
 }
 
@@ -192,7 +195,11 @@ fn affordable(order: &[usize], shares: &[f64], group: f64) -> usize {
 mod tests {
     use super::*;
 
-    const RULES: GroupRules = GroupRules { tolerance: 1e-3, group: 0.0 };
+    const RULES: GroupRules = rules(1e-3, 0.0);
+
+    const fn rules(tolerance: f64, group: f64) -> GroupRules {
+        GroupRules { tolerance, group, share: group }
+    }
 
     fn trial(fraction: f64, overloads: &[f64]) -> EventTrial {
         EventTrial { fraction, overloads: overloads.to_vec(), change: fraction, is_solved: true }
@@ -236,7 +243,7 @@ mod tests {
     #[test]
     fn below_all_limits_a_trial_stands_and_nothing_breaks() {
         let response = |s: f64| vec![0.5 * s, 0.999 * s];
-        assert_eq!(search(response, GroupRules { tolerance: 1e-4, group: 0.0 }), (1.0, vec![], 0));
+        assert_eq!(search(response, rules(1e-4, 0.0)), (1.0, vec![], 0));
     }
 
     #[test]
@@ -261,8 +268,7 @@ mod tests {
     fn a_group_breaks_in_the_middle_of_its_span() {
         // Crossings 0.10, 0.11, ... 0.19; a group of 0.045 takes those up to 0.14.
         let response = |s: f64| (0..10).map(|i| s / (0.1 + 0.01 * f64::from(i))).collect();
-        let rules = GroupRules { tolerance: 1e-3, group: 0.0451 };
-        let (fraction, broken, _) = search(response, rules);
+        let (fraction, broken, _) = search(response, rules(1e-3, 0.0451));
         assert!((fraction - 0.115).abs() < 0.012, "{fraction}");
         assert!(broken.starts_with(&[0, 1]) && broken.len() <= 4, "{broken:?}");
     }
@@ -271,11 +277,14 @@ mod tests {
     fn a_group_ends_with_its_share_of_the_forces() {
         let r = trial(0.0, &[1.1, 3.0, 0.5, 2.0]);
         let shares = [0.01, 0.02, 0.01, 0.02];
-        let broken =
-            |group| at_constant_load(now(&r, &shares), GroupRules { tolerance: 1e-3, group });
+        let broken = |group| at_constant_load(now(&r, &shares), rules(1e-3, group));
         assert_eq!(broken(0.0), [1]);
         assert_eq!(broken(0.045), [1, 3]);
         assert_eq!(broken(1.0), [1, 3, 0]);
+        // All that are above their limits, however much they carry.
+        let together = GroupRules { share: f64::INFINITY, ..RULES };
+        let broken = at_constant_load(now(&r, &[9.0; 4]), together);
+        assert_eq!(broken, [1, 3, 0]);
     }
 
     #[test]

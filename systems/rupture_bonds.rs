@@ -181,6 +181,22 @@ pub fn overloads(
         .collect()
 }
 
+/// Maximum overload R of the intact bonds of a program with their own strengths: `R = 1 + multiplier/(C limit)` of one
+/// that yields, and 1 where none does.
+#[must_use]
+pub fn yielding(contacts: &[Contact], program: &ConeProgram, solution: &ConeSolution) -> f64 {
+    let interactions = contacts.iter().zip(&program.interactions).zip(&solution.forces);
+    let bonds = interactions.filter(|((contact, _), _)| contact.bond.is_some());
+    bonds.fold(1.0, |max: f64, ((_, c), f)| {
+        let m = multipliers(c, &program.kinematics(c, &solution.displacements), f);
+        let l = &c.limits;
+        let tension = m.tension / (c.normal_compliance * l.tension);
+        let shear = m.slip.abs() / (c.tangential_compliance * (l.cohesion + l.friction * f[0]));
+        // 0/0 of rigid bonds is no overload.
+        max.max(1.0 + tension).max(1.0 + shear)
+    })
+}
+
 /// The limit that an intact bond has reached.
 fn mode(
     rules: &RuptureRules,

@@ -15,7 +15,9 @@ use clastic_components::contact::{Bodies, ContactHistory, ContactMemory, Contact
 use clastic_components::findings::{
     Corrections, EventSearch, Impacts, Pushed, Restraints, Ruptures,
 };
-use clastic_components::increment::{Analysis, AnalysisKind, Progress};
+use clastic_components::increment::{
+    Analysis, AnalysisKind, Avalanche, Progress, RuptureOrder, RuptureRules,
+};
 use clastic_components::loads::TrialLoads;
 use clastic_components::particle::{Particle, Swinging};
 use clastic_components::program::{ConeProgram, ConeSolution, Dof};
@@ -234,11 +236,17 @@ pub fn remember_swinging(bodies: Res<Bodies>, found: Res<Restraints>, mut comman
 /// Books the committed fraction of the increment.
 pub fn advance_progress(
     analysis: Res<Analysis>,
+    rules: Res<RuptureRules>,
     search: Res<EventSearch>,
     ruptures: Res<Ruptures>,
     mut progress: ResMut<Progress>,
 ) {
-    progress.relaxing = search.active && !ruptures.list.is_empty();
+    // After a motion that was followed for them the specimen is at rest without the bonds that broke in it.
+    let is_settled = match rules.order {
+        RuptureOrder::Events { avalanche: Avalanche::Dynamic, .. } => ruptures.on_the_way,
+        _ => 0,
+    };
+    progress.relaxing = search.active && ruptures.list.len() > is_settled;
     let fraction = progress.fraction;
     progress.done += fraction;
     if (progress.done - progress.done.round()).abs() < 1e-9 {

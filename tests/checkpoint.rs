@@ -192,6 +192,31 @@ fn from_event_to_event_and_within_avalanches() {
     assert!(within >= 2, "stopped {within} times within an avalanche, of {}", records.len());
 }
 
+/// A motion that a rupture releases begins with the state that was committed before it.
+#[test]
+fn before_motions_that_ruptures_release() {
+    let sets = [
+        "rupture=(order: Events, avalanche: Dynamic)",
+        "specimen.count=72",
+        "stages.compact.target=Porosity(0.25)",
+        "stages.compact.step=2.5e-3",
+        "stages.load.increments=6",
+        "stages.load.walls.top[1]=-8.0e-6",
+    ];
+    let loaded = load("uniaxial_small", &sets);
+    let mut motions = Vec::new();
+    run(&loaded, &tempfile::tempdir().unwrap().path().join("first"), 0, |o| {
+        if o.fraction == 0.0 && o.motion_steps > 0 {
+            motions.push(o.increment);
+        }
+    });
+    assert!(motions.len() >= 2, "{motions:?}");
+    let records = same_from_anywhere(&loaded, |k| motions.contains(&(k + 1)));
+    let is_released = |o: &&Observation| motions.contains(&o.increment);
+    let broken = records.iter().filter(is_released).map(|o| o.ruptures.len()).sum::<usize>();
+    assert!(broken > 0, "no bond broke within a motion");
+}
+
 #[test]
 fn biaxial_test_whose_motion_is_followed_and_whose_increments_are_halved() {
     // A limit of throw that grains meet all the time.

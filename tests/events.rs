@@ -18,7 +18,7 @@ const TOLERANCE: f64 = 1e-7;
 
 /// Columns of three touching disks. The lowest is held, the uppermost is pulled. The lower bond of a column is the
 /// weaker one: its common radius is that of the lowest disk, `radii[i]`.
-fn columns(radii: &[f64], pull: f64, increments: u32) -> Simulation {
+fn columns(radii: &[f64], pull: f64, increments: u32, avalanche: &str) -> Simulation {
     let mut disks = String::new();
     let mut bonds = String::new();
     let (mut low, mut high) = (Vec::new(), Vec::new());
@@ -40,16 +40,16 @@ fn columns(radii: &[f64], pull: f64, increments: u32) -> Simulation {
         low.join(", "),
         high.join(", "),
     );
-    glued(&disks, &bonds, increments, &drives)
+    glued(&disks, &bonds, increments, &drives, avalanche)
 }
 
 /// Disks with bonds that break in tension, one by one, and the drives of their only stage.
-fn glued(disks: &str, bonds: &str, increments: u32, drives: &str) -> Simulation {
+fn glued(disks: &str, bonds: &str, increments: u32, drives: &str, avalanche: &str) -> Simulation {
     let text = format!(
         "(
             version: 1,
             title: \"glued disks\",
-            rupture: (order: Events, tolerance: {TOLERANCE:?}, group: 0.0),
+            rupture: (order: Events, tolerance: {TOLERANCE:?}, avalanche: {avalanche}),
             output: (energy: true),
             materials: {{ \"glue\": (
                 contact: (normal_stiffness: {STIFFNESS:?}),
@@ -92,6 +92,12 @@ fn breaks_at(radius: f64) -> f64 {
     2.0 * STRENGTH * 2.0 * radius / STIFFNESS
 }
 
+/// All rules of an avalanche at all of these increments.
+fn each_rule(increments: [u32; 3]) -> impl Iterator<Item = (u32, &'static str)> {
+    let rules = ["MostOverloaded", "Together", "Dynamic"];
+    increments.into_iter().flat_map(move |n| rules.map(|rule| (n, rule)))
+}
+
 const NAMES: [&str; 7] = ["0", "1", "2", "3", "4", "5", "6"];
 const RADII: [f64; 7] = [3.0e-3, 3.7e-3, 2.9e-3, 4.4e-3, 5.0e-3, 3.1e-3, 4.1e-3];
 
@@ -99,8 +105,8 @@ const RADII: [f64; 7] = [3.0e-3, 3.7e-3, 2.9e-3, 4.4e-3, 5.0e-3, 3.1e-3, 4.1e-3]
 fn parallel_bonds_of_graded_strength_break_one_by_one_at_any_increment() {
     let mut graded = RADII;
     graded.sort_by(f64::total_cmp);
-    for increments in [1, 7, 64] {
-        let mut simulation = columns(&RADII, 6.0e-6, increments);
+    for (increments, avalanche) in each_rule([1, 7, 64]) {
+        let mut simulation = columns(&RADII, 6.0e-6, increments, avalanche);
         let mut lengthening = 0.0;
         let mut broken = 0;
         let records = run(&mut simulation);
@@ -131,8 +137,8 @@ fn a_chain_breaks_at_its_weakest_bond_and_loses_its_energy_at_any_increment() {
     let bonds = radii.len() - 1;
     let force = STRENGTH * 2.0 * 3.0e-3;
     let lengthening = force * bonds as f64 / STIFFNESS;
-    for increments in [1, 5, 32] {
-        let mut simulation = chain(&radii, 2.0 * lengthening, increments);
+    for (increments, avalanche) in each_rule([1, 5, 32]) {
+        let mut simulation = chain(&radii, 2.0 * lengthening, increments, avalanche);
         let records = run(&mut simulation);
         let way = |r: &Observation| r.fraction * 2.0 * lengthening / f64::from(increments);
         let first = records.iter().position(|r| !r.ruptures.is_empty()).unwrap();
@@ -149,7 +155,7 @@ fn a_chain_breaks_at_its_weakest_bond_and_loses_its_energy_at_any_increment() {
     }
 }
 
-fn chain(radii: &[f64], pull: f64, increments: u32) -> Simulation {
+fn chain(radii: &[f64], pull: f64, increments: u32, avalanche: &str) -> Simulation {
     let (mut disks, mut bonds) = (String::new(), String::new());
     let mut y = 0.0;
     for (i, r) in radii.iter().enumerate() {
@@ -166,7 +172,7 @@ fn chain(radii: &[f64], pull: f64, increments: u32) -> Simulation {
         "(select: All, x: Held, rotation: Held), (select: Index([0]), y: Held),
          (select: Index([{last}]), y: Displacement({step:?}))"
     );
-    glued(&disks, &bonds, increments, &drives)
+    glued(&disks, &bonds, increments, &drives, avalanche)
 }
 
 /// A disk is pulled from another one that two smaller ones hold under 30 degrees. The bond of the smaller one (12 N)

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use clastic_components::attempt::IncrementStatus;
 use clastic_components::bond::RuptureMode;
 use clastic_components::findings::EventSearch;
+use clastic_components::increment::Progress;
 use clastic_components::observation::Observation;
 use clastic_components::program::{ConeProgram, ConeSolution};
 
@@ -55,8 +56,9 @@ impl Avalanche {
             return None;
         }
         let is_loaded = observation.fraction > 0.0;
-        let ended = if observation.ruptures.is_empty() {
-            let after = (!is_loaded).then(|| (observation.axial_stress, elastic_energy(world)));
+        let is_active = world.resource::<EventSearch>().active;
+        let after = (!is_loaded).then(|| (observation.axial_stress, elastic_energy(world)));
+        let mut ended = if observation.ruptures.is_empty() {
             open.take().map(|avalanche| avalanche.ended(after))
         } else if is_loaded {
             // Loading went on with one round of ruptures.
@@ -64,7 +66,7 @@ impl Avalanche {
         } else {
             None
         };
-        if open.is_none() && world.resource::<EventSearch>().active {
+        if open.is_none() && is_active {
             *open = Self::begun(world);
         }
         if let Some(avalanche) = open {
@@ -77,6 +79,11 @@ impl Avalanche {
                 };
                 avalanche.broken[mode] += 1;
             }
+        }
+        // The motion that was followed has come to rest without the bonds that broke in it.
+        let is_settled = is_active && !is_loaded && !world.resource::<Progress>().relaxing;
+        if is_settled && let Some(avalanche) = open.take() {
+            ended = Some(avalanche.ended(after));
         }
         ended
     }

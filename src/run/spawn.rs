@@ -55,6 +55,11 @@ pub fn insert_settings(world: &mut World, scene: &scene::Scene, particles: u32) 
             scene::RuptureOrder::Events => inc::RuptureOrder::Events {
                 tolerance: scene.rupture.tolerance,
                 group: scene.rupture.group,
+                avalanche: match scene.rupture.avalanche {
+                    scene::Avalanche::MostOverloaded => inc::Avalanche::MostOverloaded,
+                    scene::Avalanche::Together => inc::Avalanche::Together,
+                    scene::Avalanche::Dynamic => inc::Avalanche::Dynamic,
+                },
             },
             scene::RuptureOrder::OneRound => inc::RuptureOrder::OneRound,
             scene::RuptureOrder::AllAtOnce => {

@@ -151,6 +151,9 @@ pub struct Rupture {
     pub group: f64,
     /// With `AllAtOnce`: cap on the rounds.
     pub rounds: u32,
+    /// With `Events`: what happens after the first bond of an avalanche.
+    #[serde(skip_serializing_if = "Avalanche::is_default")]
+    pub avalanche: Avalanche,
 }
 
 impl Default for Rupture {
@@ -161,7 +164,27 @@ impl Default for Rupture {
             tolerance: 5e-4,
             group: 0.0,
             rounds: 200,
+            avalanche: Avalanche::default(),
         }
+    }
+}
+
+/// How the specimen comes to rest at constant load after a bond has broken.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+pub enum Avalanche {
+    /// The most overloaded bond breaks, equilibrium by equilibrium.
+    #[default]
+    MostOverloaded,
+    /// All bonds above their limits break, equilibrium by equilibrium.
+    Together,
+    /// The motion is followed, and bonds break in it as they reach their limits.
+    Dynamic,
+}
+
+impl Avalanche {
+    /// Whether it is what a scene has that does not say: records of such scenes do not say either.
+    fn is_default(&self) -> bool {
+        *self == Self::default()
     }
 }
 

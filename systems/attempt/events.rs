@@ -4,7 +4,9 @@
 //!
 //! That state is committed, before its ruptures; bonds that hold are judged by their own limits. The increment that
 //! follows has the fraction 0: its equilibrium at constant load tells whether other bonds break after them (an
-//! avalanche). Then the most overloaded break, and so on until all hold.
+//! avalanche). What breaks then is a choice of the scene ([`Avalanche`]): the most overloaded bond or all that are
+//! above their limits, and so on until all hold; or the motion to the next state at rest is followed, from the
+//! equilibrium before the rupture.
 
 use bevy_ecs::prelude::*;
 
@@ -12,7 +14,7 @@ use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::contact::{Bodies, BondRow, Contacts};
 use clastic_components::findings::{Corrections, EventSearch, EventTrial};
 use clastic_components::increment::{
-    Analysis, AnalysisKind, Progress, RollingLimit, RuptureOrder, RuptureRules,
+    Analysis, AnalysisKind, Avalanche, Progress, RollingLimit, RuptureOrder, RuptureRules,
 };
 use clastic_components::program::{ConeProgram, ConeSolution};
 
@@ -46,6 +48,13 @@ pub fn begin(world: &mut World) {
     *world.resource_mut::<EventSearch>() = EventSearch { active, ..EventSearch::default() };
 }
 
+/// Whether the motion is still to be followed that the last ruptures released.
+#[must_use]
+pub fn is_released(rules: &RuptureRules, progress: &Progress, search: &EventSearch) -> bool {
+    let follows = matches!(rules.order, RuptureOrder::Events { avalanche: Avalanche::Dynamic, .. });
+    follows && search.active && progress.relaxing && !search.moved
+}
+
 /// Takes the trial, with the bonds that break in it, or asks for another fraction.
 pub fn judge(
     rules: Res<RuptureRules>,
@@ -58,8 +67,13 @@ pub fn judge(
     corrections: Res<Corrections>,
     mut attempt: ResMut<Attempt>,
 ) {
-    let RuptureOrder::Events { tolerance, group } = rules.order else { return };
-    let group = GroupRules { tolerance, group };
+    let RuptureOrder::Events { tolerance, group, avalanche } = rules.order else { return };
+    if is_released(&rules, &progress, &search) {
+        attempt.verdict = Verdict::Released;
+        return;
+    }
+    let share = if avalanche == Avalanche::Together { f64::INFINITY } else { group };
+    let group = GroupRules { tolerance, group, share };
     let found = overloads(&contacts.0, &program, &solution);
     let bond = |o: &Overload| contacts.0[o.contact].bond.map_or(0, |k| k as usize);
     let sum = sum(&solution.forces).max(f64::MIN_POSITIVE);

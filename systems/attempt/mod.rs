@@ -42,6 +42,7 @@ use clastic_components::loads::TrialLoads;
 use clastic_components::program::ConeSolution;
 use clastic_components::wall::WallDrive;
 
+use self::motion::Cause;
 use self::next::{Budget, Next, next};
 use crate::control_walls::renew_stresses;
 use crate::schedule::{AttemptIncrement, AttemptSystems, Increment, IncrementSystems};
@@ -157,8 +158,11 @@ pub fn run_attempts(world: &mut World) {
             }
             Next::Follow => {
                 start.get_or_insert_with(|| Start::take(world));
+                let is_released =
+                    events::is_released(world.resource(), world.resource(), world.resource());
+                let cause = if is_released { Cause::Rupture } else { Cause::Loss };
                 world.resource_mut::<EventSearch>().moved = true;
-                motion::begin(world, false);
+                motion::begin(world, cause, false);
             }
             Next::Move => {
                 motion::take_step(world);
@@ -171,10 +175,11 @@ pub fn run_attempts(world: &mut World) {
                 seek_equilibrium(world);
             }
             Next::Repeat => {
+                let cause = motion::cause(world);
                 put_back(world, start.as_ref());
                 world.resource_mut::<Attempt>().motion_strain = 0.0;
                 open_trial(world);
-                motion::begin(world, true);
+                motion::begin(world, cause, true);
             }
             Next::Halve | Next::OneRound => {
                 put_back(world, start.take().as_ref());
@@ -267,15 +272,22 @@ fn begin_increment(world: &mut World) {
 fn budget(world: &World) -> Budget {
     let attempt = world.resource::<Attempt>();
     let failures = attempt.motion().map_or(0, |motion| motion.failures);
+    let is_released = attempt.motion().is_some_and(|motion| motion.released);
+    let released = attempt.released_steps;
     // Of a whole increment, not of what the last one could take: else a specimen that is stuck would creep on
     // in ever smaller steps.
     let finest = 0.5_f64.powf(f64::from(world.resource::<Acceptance>().halvings));
     Budget {
         follows: world.resource::<Analysis>().kind == AnalysisKind::Static,
         motion: attempt.motions < motion::MAX_MOTIONS,
-        step: attempt.motion_steps < motion::max_steps(world.resource())
-            && failures < motion::MAX_FAILURES,
-        solve: attempt.solves < MAX_SOLVES,
+        step: failures < motion::MAX_FAILURES
+            && if is_released {
+                released < motion::MAX_RELEASED_STEPS
+            } else {
+                attempt.motion_steps - released < motion::max_steps(world.resource())
+            },
+        // A released motion has many steps, and each makes progress.
+        solve: attempt.solves.saturating_sub(released) < MAX_SOLVES,
         half: 0.5 * world.resource::<Progress>().fraction >= finest,
         searches: world.resource::<EventSearch>().active,
     }

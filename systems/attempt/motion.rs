@@ -8,21 +8,26 @@
 //! energy falls: the motion loses what it has gained since its last maximum and comes to rest without overshoot.
 //! Bonds that reach a limit on the way break. The equilibrium that follows is exact: nothing of the inertia is
 //! left in it.
+//!
+//! With [`Avalanche::Dynamic`](clastic_components::increment::Avalanche) the motion that a rupture releases is followed
+//! as well. Which bonds break in it depends on where waves carry the force of the broken one. Its steps are therefore
+//! short: lengths are measured in the elongation at which bonds break instead of in radii, and the first step has the
+//! time sqrt(m/k) of a grain on a bond.
 
 use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, Mode, Verdict};
-use clastic_components::contact::{Bodies, Contacts, DraftHistory};
+use clastic_components::contact::{Bodies, BondRow, Contacts, DraftHistory};
 use clastic_components::energy::EnergyLedger;
 use clastic_components::findings::{Centre, Corrections, Pushed, Restraints, Ruptures};
-use clastic_components::increment::{Acceptance, Progress, RuptureRules};
+use clastic_components::increment::{Acceptance, Analysis, Progress, RuptureRules};
 use clastic_components::material::Materials;
 use clastic_components::motion::Motion;
 use clastic_components::program::{ConeProgram, ConeSolution, SolveStatus};
 
 use crate::kinetic_damping::{self, MIN_WEIGHT};
 use crate::mean_field::{furthest, mean_strain};
-use crate::rupture_bonds::{BuiltInRule, Met, find_ruptures, release};
+use crate::rupture_bonds::{BuiltInRule, Met, find_ruptures, release, yielding};
 use crate::update_state::remembered;
 
 /// The steps of all motions of one increment, rejected ones included, may add up to this travel, in radii, if each
@@ -43,18 +48,78 @@ const RESTFUL: f64 = 1e-2;
 const NO_REST: f64 = 10.0;
 /// At rest a step of a weight below [`SMALL_WEIGHT`] moves no grain further than this, in its radii.
 const NEAR_REST: f64 = 0.05;
+/// In a step of a motion that a rupture released no bond goes beyond its limit by more than this part of the travel, in
+/// elongations at strength, that a step aims at.
+const OVERLOAD: f64 = 1.0 / 3.0;
 /// Weights of the first step and of one that tells whether the motion is at rest.
 const FIRST_WEIGHT: f64 = 1e-3;
 const SMALL_WEIGHT: f64 = 1e-6;
 /// Number of steps that are made with the smallest weight: what still moves then is free.
 const MAX_FREE_STEPS: u32 = 4;
+/// Steps of all motions of one increment that ruptures released, rejected ones included: a bound on the time that they
+/// take, some ten times what the longest took in packings of 400 disks.
+pub const MAX_RELEASED_STEPS: u32 = 50_000;
+
+/// Why a motion begins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cause {
+    /// No equilibrium was found near by.
+    Loss,
+    /// Bonds have broken.
+    Rupture,
+}
+
+/// Why the motion under way began.
+#[must_use]
+pub fn cause(world: &World) -> Cause {
+    match world.resource::<Attempt>().motion() {
+        Some(motion) if motion.released => Cause::Rupture,
+        _ => Cause::Loss,
+    }
+}
+
+/// What the steps of a motion are measured by.
+struct Measure {
+    released: bool,
+    length: f64,
+    stiffness: f64,
+    first_weight: f64,
+}
+
+/// After a rupture the means over the intact bonds: of the elongation `C_N f_t = 2 C_N h sigma_t r` at strength over
+/// the radius, and of the stiffness `1/C_N`. One that leaves no bond is followed as a loss of equilibrium: nothing
+/// else can break.
+fn measure(world: &World, cause: Cause) -> Measure {
+    let bonds = &world.resource::<Bodies>().bonds;
+    if cause == Cause::Loss || bonds.is_empty() {
+        let scales = world.resource::<ConeProgram>().scales;
+        return Measure {
+            released: cause == Cause::Rupture,
+            length: 1.0,
+            stiffness: scales.force / scales.displacement,
+            first_weight: FIRST_WEIGHT,
+        };
+    }
+    let mean = |of: fn(&BondRow) -> f64| bonds.iter().map(of).sum::<f64>() / bonds.len() as f64;
+    let elongation = mean(|bond| 2.0 * bond.law.normal_compliance * bond.law.tensile_strength);
+    Measure {
+        released: true,
+        length: (elongation * world.resource::<Analysis>().thickness).min(1.0),
+        stiffness: mean(|bond| bond.law.normal_compliance.recip()),
+        first_weight: 1.0,
+    }
+}
+
 /// Starts a motion from rest. One that is `repeated` aims at steps half as long.
-pub fn begin(world: &mut World, repeated: bool) {
-    let (bodies, program) = (world.resource::<Bodies>(), world.resource::<ConeProgram>());
-    let goal = aimed(world.resource());
+pub fn begin(world: &mut World, cause: Cause, repeated: bool) {
+    let Measure { released, length, stiffness, first_weight } = measure(world, cause);
+    let bodies = world.resource::<Bodies>();
+    let goal = length * aimed(world.resource());
     let motion = Motion {
-        weight: FIRST_WEIGHT,
-        stiffness: program.scales.force / program.scales.displacement,
+        released,
+        length,
+        weight: first_weight,
+        stiffness,
         masses: kinetic_damping::relative_masses(bodies),
         velocities: vec![[0.0; 3]; bodies.positions.len()],
         goal: if repeated { 0.5 * goal } else { goal },
@@ -98,16 +163,28 @@ pub fn forget_passes(world: &mut World) {
     world.resource_mut::<Restraints>().replies = 0;
 }
 
-/// Judge: may the step be taken with the normals of its start?
+/// Judge: may the step be taken with the normals of its start? In one that a rupture released bonds are to break
+/// close to their limits.
 pub fn judge_length(
     bodies: Res<Bodies>,
+    contacts: Res<Contacts>,
+    acceptance: Res<Acceptance>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
     mut attempt: ResMut<Attempt>,
 ) {
     let far = furthest(&bodies, &program, &solution).map_or(0.0, |(_, far)| far);
-    if !(far <= Acceptance::MAX_TRAVEL) {
+    let length = attempt.motion().map_or(1.0, |motion| motion.length);
+    if !(far <= length * Acceptance::MAX_TRAVEL) {
         attempt.verdict = Verdict::TooFar(format!("a step of the motion went {far:.2} radii"));
+        return;
+    }
+    if attempt.motion().is_some_and(|motion| motion.released) {
+        let overload = yielding(&contacts.0, &program, &solution);
+        if overload > 1.0 + OVERLOAD * aimed(&acceptance) {
+            let message = format!("a bond went to {overload:.2} times its limit within a step");
+            attempt.verdict = Verdict::TooFar(message);
+        }
     }
 }
 
@@ -123,10 +200,10 @@ pub fn judge_rest(
     let strain = attempt.motion_strain + mean_strain(&bodies, &program, &solution);
     let Some(motion) = attempt.motion() else { return };
     let is_free = motion.weight <= MIN_WEIGHT;
-    let at_rest = (motion.weight <= SMALL_WEIGHT && far <= NEAR_REST)
+    let at_rest = (motion.weight <= SMALL_WEIGHT && far <= motion.length * NEAR_REST)
         || (is_free && motion.free_steps + 1 >= MAX_FREE_STEPS);
     let travelled = motion.travelled + far;
-    let moved = travelled > RESTFUL;
+    let moved = travelled > motion.length * RESTFUL;
     attempt.verdict = if attempt.bounded && strain > NO_REST * acceptance.snap {
         Verdict::GivesWay(format!(
             "the motion under constant loads strains the specimen by {:.0} % and finds no rest; the threshold \
@@ -151,11 +228,17 @@ pub fn shorten(world: &mut World) {
     let solved = world.resource::<ConeSolution>().status == SolveStatus::Solved;
     let far = furthest(world.resource(), world.resource(), world.resource());
     let mut attempt = world.resource_mut::<Attempt>();
-    attempt.motion_steps += 1;
+    count_step(&mut attempt);
     if let Mode::Motion(motion) = &mut attempt.mode {
-        let too_far = far.map(|(_, far)| far).filter(|far| solved && *far > Acceptance::MAX_TRAVEL);
+        let max = motion.length * Acceptance::MAX_TRAVEL;
+        let too_far = far.map(|(_, far)| far).filter(|far| solved && *far > max);
         kinetic_damping::shorten(motion, too_far);
     }
+}
+
+fn count_step(attempt: &mut Attempt) {
+    attempt.motion_steps += 1;
+    attempt.released_steps += u32::from(attempt.motion().is_some_and(|motion| motion.released));
 }
 
 /// Moves the tables by the solution of the step, breaks bonds, and sets the weight of the next step.
@@ -167,7 +250,7 @@ pub fn take_step(world: &mut World) {
     let displacements = solution.displacements.clone();
     move_tables(world);
     let mut attempt = world.resource_mut::<Attempt>();
-    attempt.motion_steps += 1;
+    count_step(&mut attempt);
     attempt.motion_strain += strain;
     if let Mode::Motion(motion) = &mut attempt.mode {
         kinetic_damping::carry_on(motion, &displacements, far);

@@ -2,6 +2,7 @@
 //! what the increment may still spend.
 
 use clastic_components::attempt::{Effort, IncrementStatus, Mode, Verdict};
+use clastic_components::motion::Motion;
 
 /// What an increment may still spend.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,7 +55,7 @@ pub enum Next {
 pub fn next(mode: &Mode, verdict: &Verdict, budget: Budget) -> Next {
     match mode {
         Mode::Equilibrium(effort) => after_equilibrium(*effort, verdict, budget),
-        Mode::Motion(motion) => after_motion(motion.repeated, verdict, budget),
+        Mode::Motion(motion) => after_motion(motion, verdict, budget),
         Mode::Proof => match verdict {
             Verdict::Again if budget.solve => Next::Solve,
             // With a mechanism or without: the motion has shown twice that the specimen finds no rest.
@@ -83,17 +84,18 @@ fn after_equilibrium(effort: Effort, verdict: &Verdict, budget: Budget) -> Next 
             Effort::Usual | Effort::Rescaled => Next::Try(Effort::Regularised),
             Effort::Regularised => lost(),
         },
-        Verdict::TooFar(_) => lost(),
+        Verdict::TooFar(_) | Verdict::Released => lost(),
         // Rigid bodies that have no motion have none with other scales either: `Locked` is not tried again.
         _ => smaller(budget),
     }
 }
 
-fn after_motion(repeated: bool, verdict: &Verdict, budget: Budget) -> Next {
+fn after_motion(motion: &Motion, verdict: &Verdict, budget: Budget) -> Next {
     match verdict {
         Verdict::Again if budget.solve => Next::Solve,
-        Verdict::AtRest { moved: true } => Next::Rest,
-        Verdict::GivesWay(_) if repeated => Next::Prove,
+        // A specimen that nothing drives after a rupture is at rest where it is.
+        Verdict::AtRest { moved } if *moved || motion.released => Next::Rest,
+        Verdict::GivesWay(_) if motion.repeated => Next::Prove,
         Verdict::GivesWay(_) => Next::Repeat,
         Verdict::Moving | Verdict::Sound if budget.step && budget.solve => Next::Move,
         Verdict::TooFar(_)
@@ -120,8 +122,6 @@ fn smaller(budget: Budget) -> Next {
 
 #[cfg(test)]
 mod tests {
-    use clastic_components::motion::Motion;
-
     use super::*;
 
     const ALL: Budget =
@@ -134,7 +134,9 @@ mod tests {
             Mode::Equilibrium(Effort::Rescaled),
             Mode::Equilibrium(Effort::Regularised),
             Mode::Motion(Motion::default()),
-            Mode::Motion(repeated),
+            Mode::Motion(repeated.clone()),
+            Mode::Motion(Motion { released: true, ..Motion::default() }),
+            Mode::Motion(Motion { released: true, ..repeated }),
             Mode::Proof,
         ]
     }
@@ -146,6 +148,7 @@ mod tests {
             Verdict::Impossible,
             Verdict::Again,
             Verdict::Overloaded,
+            Verdict::Released,
             Verdict::Unconverged { reason: reason.clone(), flung: false },
             Verdict::Unconverged { reason: reason.clone(), flung: true },
             Verdict::Locked,
@@ -226,12 +229,33 @@ mod tests {
         every(|mode, verdict, budget, next| {
             if next == Next::End(IncrementStatus::Undecided) {
                 assert!(!budget.half && !budget.searches, "{mode:?} {verdict:?} {budget:?}");
-                if let (Mode::Equilibrium(_), Verdict::TooFar(_)) = (mode, verdict) {
+                if let (Mode::Equilibrium(_), Verdict::TooFar(_) | Verdict::Released) =
+                    (mode, verdict)
+                {
                     let may_follow = budget.follows && budget.motion && budget.step && budget.solve;
                     assert!(!may_follow, "{budget:?}");
                 }
             }
         });
+    }
+
+    #[test]
+    fn a_motion_at_rest_ends_in_an_equilibrium_unless_it_led_nowhere() {
+        every(|mode, verdict, budget, next| {
+            let (Mode::Motion(motion), Verdict::AtRest { moved }) = (mode, verdict) else {
+                return assert_ne!(next, Next::Rest, "{mode:?} {verdict:?} {budget:?}");
+            };
+            let is_there = *moved || motion.released;
+            assert_eq!(next == Next::Rest, is_there, "{motion:?} {moved} {budget:?}");
+        });
+    }
+
+    #[test]
+    fn a_released_specimen_is_followed() {
+        for effort in [Effort::Usual, Effort::Rescaled, Effort::Regularised] {
+            let next = next(&Mode::Equilibrium(effort), &Verdict::Released, ALL);
+            assert_eq!(next, Next::Follow);
+        }
     }
 
     #[test]

@@ -252,6 +252,12 @@ fn settings() {
             "version: 1, rupture: (rounds: 0)",
             "2:35: rupture.rounds: zero (0); give a number of rounds of 1 or more",
         ),
+        (
+            VERSION,
+            "version: 1, rupture: (order: OneRound, avalanche: Dynamic)",
+            "2:55: rupture.avalanche: `Dynamic` has no effect: with `order: OneRound` there are no avalanches; \
+             give `order: Events`, or leave `avalanche` out",
+        ),
     ]);
 }
 

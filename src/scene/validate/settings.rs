@@ -1,6 +1,6 @@
 //! Version, analysis, solver and acceptance.
 
-use crate::scene::format::{Analysis, FrictionLaw, Solver, VERSION};
+use crate::scene::format::{Analysis, Avalanche, FrictionLaw, RuptureOrder, Solver, VERSION};
 
 use super::Context;
 use super::findings::Findings;
@@ -30,6 +30,14 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
     let what = "a relative change of force from 0 to 0.1";
     let allowed = |value: f64| (0.0..=0.1).contains(&value);
     findings.number(format_args!("rupture.group"), rupture.group, allowed, what);
+    if rupture.order != RuptureOrder::Events && rupture.avalanche != Avalanche::default() {
+        let message = format!(
+            "`{:?}` has no effect: with `order: {:?}` there are no avalanches",
+            rupture.avalanche, rupture.order
+        );
+        let help = "give `order: Events`, or leave `avalanche` out";
+        findings.add(format_args!("rupture.avalanche"), message, help);
+    }
     if let Some(corrector) = scene.corrector {
         let what = "a tolerance between 0 and 1";
         let allowed = |value| value > 0.0 && value < 1.0;
