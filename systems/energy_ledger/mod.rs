@@ -15,7 +15,7 @@
 //! `numerical` as long as the contact is closed (damping by theta > 1/2) and `collision` where it closes or opens.
 //!
 //! **Static increments.** Forces go from those of the start to those of the end, and so do the loads
-//! ([`quasi_static`]). Stationarity gives, with g and C those of the program,
+//! (`quasi_static`). Stationarity gives, with g and C those of the program,
 //!
 //! ```text
 //! d_n = g + C_N p - a (mu |s_t| + mu_r r |s_r|) - lambda_T
