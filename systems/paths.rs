@@ -17,12 +17,12 @@
 
 use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::findings::Impacts;
-use clastic_components::increment::{Analysis, AnalysisKind, Progress};
+use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
 use clastic_components::program::{ConeProgram, ConeSolution, Dof, Interaction};
 use glam::DVec2;
 
 use crate::assemble_program::hits::load_acceleration;
-use crate::attempt::push_out::LEAST;
+use crate::attempt::push_out::residual_overlap;
 use crate::solve_program::residuals::Carrying;
 
 /// How a particle goes through an increment.
@@ -40,6 +40,7 @@ pub fn paths(
     bodies: &Bodies,
     contacts: &Contacts,
     analysis: &Analysis,
+    acceptance: &Acceptance,
     progress: &Progress,
     program: &ConeProgram,
     solution: &ConeSolution,
@@ -98,7 +99,7 @@ pub fn paths(
                 }
                 None => contact.gap + contact.normal.dot(moved),
             };
-            if gap >= -LEAST * bodies.mean_radius {
+            if gap >= -residual_overlap(acceptance, bodies) {
                 continue;
             }
             for i in [a, b].into_iter().filter(|i| *i < n) {

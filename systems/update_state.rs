@@ -16,7 +16,7 @@ use clastic_components::findings::{
     Corrections, EventSearch, Impacts, Pushed, Restraints, Ruptures,
 };
 use clastic_components::increment::{
-    Analysis, AnalysisKind, Avalanche, Progress, RuptureOrder, RuptureRules,
+    Acceptance, Analysis, AnalysisKind, Avalanche, Progress, RuptureOrder, RuptureRules,
 };
 use clastic_components::loads::TrialLoads;
 use clastic_components::particle::{Particle, Swinging};
@@ -121,6 +121,7 @@ pub fn external_forces(
 pub fn move_bodies(
     bodies: Res<Bodies>,
     analysis: Res<Analysis>,
+    acceptance: Res<Acceptance>,
     progress: Res<Progress>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
@@ -141,7 +142,9 @@ pub fn move_bodies(
 ) {
     // What pushes rigid overlaps apart moves bodies and gives no velocity.
     let (pushed, impacts) = findings;
-    let paths = || paths(&bodies, &contacts, &analysis, &progress, &program, &solution, &impacts);
+    let paths = || {
+        paths(&bodies, &contacts, &analysis, &acceptance, &progress, &program, &solution, &impacts)
+    };
     let paths = if pushed.0.is_none() { paths() } else { None };
     let motion = pushed.0.as_ref().or(paths.as_ref()).unwrap_or(&solution.displacements);
     for (id, mut x, mut rotation, mut v, mut spin, mut last) in &mut particles {

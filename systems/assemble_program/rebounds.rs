@@ -25,13 +25,13 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::findings::{Impact, Impacts, Pushed};
-use clastic_components::increment::{Analysis, AnalysisKind, Progress};
+use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
 use clastic_components::material::Materials;
 use clastic_components::program::ConeProgram;
 
 use super::hits::{Approach, Motion};
 use super::interactions::contact_law;
-use crate::attempt::push_out::{LEAST, overlaps};
+use crate::attempt::push_out::{overlaps, residual_overlap};
 
 /// Run condition: contacts have restitution in this stage.
 pub fn has_restitution(analysis: Res<Analysis>) -> bool {
@@ -44,6 +44,7 @@ pub fn assemble_rebounds(
     contacts: Res<Contacts>,
     materials: Res<Materials>,
     analysis: Res<Analysis>,
+    acceptance: Res<Acceptance>,
     progress: Res<Progress>,
     pushed: Res<Pushed>,
     mut program: ResMut<ConeProgram>,
@@ -53,7 +54,7 @@ pub fn assemble_rebounds(
     impacts.end_share = 0.0;
     let AnalysisKind::Dynamic { dt: whole, .. } = analysis.kind else { return };
     let dt = whole * progress.fraction;
-    if pushed.0.is_none() && overlaps(&bodies, &contacts, &program) {
+    if pushed.0.is_none() && overlaps(&acceptance, &bodies, &contacts, &program) {
         // This solution takes out overlaps. The next one has the velocities.
         impacts.end_share = 1.0;
         return;
@@ -64,7 +65,7 @@ pub fn assemble_rebounds(
     let approaches: Vec<_> =
         pairs().map(|(contact, c)| Approach::of(&motions, contact, c)).collect();
     // How many others each body touches or would close to.
-    let touch = LEAST * bodies.mean_radius;
+    let touch = residual_overlap(&acceptance, &bodies);
     let near: Vec<_> = pairs()
         .zip(&approaches)
         .map(|((contact, c), approach)| {

@@ -11,15 +11,22 @@ use bevy_ecs::prelude::*;
 use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::findings::Pushed;
-use clastic_components::increment::{Analysis, AnalysisKind};
+use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
 use clastic_components::program::{ConeProgram, ConeSolution};
 
-/// Overlaps below this, in mean radii, are round-off and residuals of the last increment.
-pub(crate) const LEAST: f64 = 1e-7;
+/// Maximum overlap that counts as a residual of the last increment, over the accepted residual times the mean radius:
+/// the residual of a gap is relative to the displacements, but to one mean radius at most.
+const MARGIN: f64 = 10.0;
+
+/// Maximum overlap that counts as a residual, m.
+pub(crate) fn residual_overlap(acceptance: &Acceptance, bodies: &Bodies) -> f64 {
+    MARGIN * acceptance.residual * bodies.mean_radius
+}
 
 /// Keeps the motion of the first solution and asks for the second one.
 pub fn judge(
     analysis: Res<Analysis>,
+    acceptance: Res<Acceptance>,
     bodies: Res<Bodies>,
     contacts: Res<Contacts>,
     program: Res<ConeProgram>,
@@ -31,16 +38,22 @@ pub fn judge(
     if pushed.0.is_some() {
         return;
     }
-    if overlaps(&bodies, &contacts, &program) {
+    if overlaps(&acceptance, &bodies, &contacts, &program) {
         pushed.0 = Some(solution.displacements.clone());
         attempt.verdict = Verdict::Again;
     }
 }
 
 /// Whether rigid bodies overlap at the start.
-pub(crate) fn overlaps(bodies: &Bodies, contacts: &Contacts, program: &ConeProgram) -> bool {
+pub(crate) fn overlaps(
+    acceptance: &Acceptance,
+    bodies: &Bodies,
+    contacts: &Contacts,
+    program: &ConeProgram,
+) -> bool {
+    let residual = residual_overlap(acceptance, bodies);
     contacts.0.iter().zip(&program.interactions).any(|(contact, c)| {
         let bonded = c.limits.has_strength();
-        c.normal_compliance == 0.0 && !bonded && contact.gap < -LEAST * bodies.mean_radius
+        c.normal_compliance == 0.0 && !bonded && contact.gap < -residual
     })
 }

@@ -6,6 +6,9 @@
 //! converge, a primal-dual [`interior`] point method finds the active limits, and the
 //! [`polish`](super::polish) makes the solution exact. Clarabel is the last resort, and its word
 //! on infeasible programs stands only with a certificate.
+//!
+//! A large dynamic program without bonds, of which the first solution within the tolerance is enough, has a
+//! warm start (`warm`) before all this: sweeps from the last forces.
 
 pub mod interior;
 pub mod local;
@@ -15,6 +18,8 @@ mod parallel;
 pub mod reduced;
 pub mod rest;
 pub mod scaled;
+mod sweeps;
+mod warm;
 
 use clastic_components::program::{ConeProgram, ConeSolution, SolveStatus};
 
@@ -211,7 +216,6 @@ impl Condensed {
         if program.interactions.is_empty() {
             return None;
         }
-        self.prepare(program)?;
         let tolerance = self.tolerance(program);
         let loose = tolerance > TOLERANCE;
         let goal = |margin: f64| (tolerance / margin).max(ROUND_OFF);
@@ -222,6 +226,10 @@ impl Condensed {
         // is all that is needed.
         let is_bonded = || program.interactions.iter().any(|c| c.limits.has_strength());
         let at_once = program.is_dynamic() && (loose || (large && !is_bonded()));
+        if at_once && let Some(solution) = self.try_warm(program, iterations) {
+            return Some(solution);
+        }
+        self.prepare(program)?;
         let residual = goal(INTERIOR_MARGIN);
         let interior_goal = if at_once {
             interior::Goal::enough(residual, tolerance)

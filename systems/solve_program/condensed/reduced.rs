@@ -58,7 +58,10 @@ impl Reduced {
                 .collect(),
             scales: program.scales,
             tolerance: program.tolerance,
-            last_forces: Vec::new(),
+            last_forces: interactions
+                .iter()
+                .map(|k| program.last_forces.get(*k).copied().unwrap_or_default())
+                .collect(),
         };
         Some(Self { program: part, bodies, interactions, at_rest })
     }

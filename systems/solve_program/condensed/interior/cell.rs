@@ -5,6 +5,7 @@
 
 use super::super::matrix::Assembly;
 use super::super::scaled::{Kind, Local, ROWS, add_forces, kinematics};
+use super::Warm;
 use super::groups::Rows;
 use super::local_system::{LocalSystem, MOST_PAIRS, Slacks};
 
@@ -248,6 +249,42 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
             stationarity: [0.0; F],
             slacks,
             system: LocalSystem::default(),
+        }
+    }
+
+    /// Takes forces near the solution, with the multipliers that their stationarity asks for and slacks and
+    /// multipliers shifted to products of the same size: `w - lambda` stays, `w lambda` is the product.
+    pub fn warm(&mut self, u: &[[f64; 3]], warm: Warm) {
+        let law = &self.law;
+        self.s = first(&warm.forces[self.number]);
+        let e = law.kinematics(u);
+        let left: [f64; F] =
+            std::array::from_fn(|f| law.linear[f] + law.compliance[f] * self.s[f] - e[f]);
+        let mut multipliers = [0.0; Q];
+        let mut gap = left[0];
+        let mut slopes = 0.0;
+        for k in 0..Law::<F, Q>::PAIRS {
+            let slip = -left[Law::<F, Q>::force(k)];
+            multipliers[2 * k] = slip.max(0.0);
+            multipliers[2 * k + 1] = (-slip).max(0.0);
+            gap -= law.slopes[k] * slip.abs();
+            slopes += 2.0 * law.slopes[k];
+        }
+        // What the gap is beyond the slips: the limit of tension has it, or all others alike.
+        if Law::<F, Q>::HAS_TENSION {
+            multipliers[Q - 1] = gap;
+        } else {
+            for multiplier in &mut multipliers {
+                *multiplier += gap / slopes;
+            }
+        }
+        for q in 0..Q {
+            let slack = law.right[q] - law.limit(q, &self.s);
+            let d = slack - multipliers[q];
+            let root = d.hypot(2.0 * warm.product.sqrt());
+            let w = if d > 0.0 { 0.5 * (d + root) } else { 2.0 * warm.product / (root - d) };
+            self.slacks.w[q] = w;
+            self.slacks.lambda[q] = warm.product / w;
         }
     }
 

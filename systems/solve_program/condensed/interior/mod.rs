@@ -83,6 +83,15 @@ impl Goal {
     }
 }
 
+/// Forces near the solution, to begin with.
+#[derive(Clone, Copy, Debug)]
+pub struct Warm<'a> {
+    /// Forces by interaction.
+    pub forces: &'a [[f64; 3]],
+    /// Products of slacks and multipliers.
+    pub product: f64,
+}
+
 /// Runs the method from the displacements `start` until a point near the `goal` `is_enough`, or the residual no
 /// longer falls. Returns the best point on the way, `None` if there is none.
 #[must_use]
@@ -93,10 +102,27 @@ pub fn solve(
     goal: Goal,
     is_enough: impl Fn(&Interior) -> bool,
 ) -> Option<Interior> {
+    solve_from(program, matrix, start, None, goal, is_enough)
+}
+
+/// Runs the method from displacements and forces; without forces from the elastic trial at the displacements.
+#[must_use]
+pub fn solve_from(
+    program: &Scaled,
+    matrix: &mut BodyMatrix,
+    start: &[[f64; 3]],
+    warm: Option<Warm>,
+    goal: Goal,
+    is_enough: impl Fn(&Interior) -> bool,
+) -> Option<Interior> {
     let n = program.free.len();
     let mut u = program.with_known(start);
     let mut groups = Groups::new(program, matrix, &u);
-    if groups.greatest_force() > WILD {
+    if let Some(warm) = warm {
+        for cells in groups.all() {
+            for_each!(cell of cells => cell.warm(&u, warm));
+        }
+    } else if groups.greatest_force() > WILD {
         u = program.with_known(&vec![[0.0; 3]; n]);
         groups = Groups::new(program, matrix, &u);
     }
