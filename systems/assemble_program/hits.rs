@@ -63,9 +63,10 @@ pub struct Approach {
     pub gap: f64,
     /// Closing speed at the start, m/s.
     pub speed: f64,
-    /// Closing acceleration by the loads of both, m/s^2.
+    /// Closing acceleration that the loads of the two bodies cause, m/s^2.
     pub acceleration: f64,
-    /// Of it what presses: another contact may take what pulls a body away.
+    /// Part of it by which each body is loaded towards the other, m/s^2. A load that pulls a body away does not count:
+    /// another contact may carry it.
     pub pressing: f64,
 }
 

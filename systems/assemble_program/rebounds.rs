@@ -3,7 +3,7 @@
 //! Where a scene has restitution, velocities are those of theta = 1: the displacement of the program is
 //! `u = v dt`, v the velocity at the end, and an offset g bounds the closing speed at the end, `w <= g/dt`.
 //! Newton's law of restitution at the velocity level (Moreau 1988) is then an offset. With e of the contact,
-//! w_0 the closing speed at the start and a the closing acceleration by the loads of both bodies:
+//! w_0 the closing speed at the start, and a the closing acceleration that the loads of the two bodies cause:
 //!
 //! | contact | bound of the closing speed w at the end |
 //! |---|---|
@@ -13,7 +13,8 @@
 //! | separating at the start | `max(g_0/dt, e \|w_0\|)` |
 //! | any other | `g_0/dt` |
 //!
-//! The third and fourth row hold where `e |w_0| > a_p dt`, a_p what presses of a. What the loads turn round before the
+//! The third and fourth row hold where `e |w_0| > a_p dt`, a_p the part of a by which each
+//! body is loaded towards the other. What the loads turn round before the
 //! step ends is no rebound: the contact stays closed. So a grain comes to rest under gravity, and no speed has to be
 //! called small. The same holds for the first row, whose bracket must be positive.
 //!

@@ -17,7 +17,7 @@ const MAX_FAILURES: u32 = 4;
 /// Factorisations of a quick solve at most.
 const QUICK: u32 = 40;
 
-/// Residual that is asked of the solver over what is accepted.
+/// Safety factor: the solver aims at 0.9 times the accepted residual.
 const MARGIN: f64 = 0.9;
 
 /// The solver of this world, with what it keeps between increments.

@@ -240,7 +240,7 @@ impl Condensed {
         let order = matrix.order().to_vec();
         let has_branches = !matrix.branches().is_empty();
         let scaled = Scaled::new(program, &order);
-        let (du, df) = units(program);
+        let (du, _) = units(program);
         // A start far away (a grain that settled, another increment) is worse than none.
         let near = |u: &[f64; 3]| u[0].hypot(u[1]) <= FAR * du[0];
         let in_units =
@@ -251,22 +251,7 @@ impl Condensed {
             for (u, &i) in u.iter().zip(&order) {
                 displacements[i] = [0, 1, 2].map(|k| u[k] * du[k]);
             }
-            let mut solution = ConeSolution {
-                status: SolveStatus::Stalled,
-                forces: s.iter().map(|s| [s[0] * df[0], s[1] * df[0], s[2] * df[2]]).collect(),
-                displacements,
-                iterations,
-                message: message.to_owned(),
-                ..Default::default()
-            };
-            // What will be committed.
-            displacements_from_forces(program, &mut solution);
-            let r =
-                regularised_residuals(program, &solution.forces, &solution.displacements).worst();
-            if r <= tolerance {
-                solution.status = SolveStatus::Solved;
-            }
-            solution
+            checked(program, s, displacements, tolerance, iterations, message)
         };
         let mut starts = vec![start];
         if newton::applies(&scaled) {
@@ -329,6 +314,33 @@ impl Condensed {
         }
         None
     }
+}
+
+/// The solution with these forces, in units of the program's scales, and displacements, m and rad: solved if its
+/// residual is within the tolerance. Displacements with inertia follow from the forces, as they do in what is committed.
+fn checked(
+    program: &ConeProgram,
+    forces: &[[f64; 3]],
+    displacements: Vec<[f64; 3]>,
+    tolerance: f64,
+    iterations: u32,
+    message: &str,
+) -> ConeSolution {
+    let (_, df) = units(program);
+    let mut solution = ConeSolution {
+        status: SolveStatus::Stalled,
+        forces: forces.iter().map(|s| [s[0] * df[0], s[1] * df[0], s[2] * df[2]]).collect(),
+        displacements,
+        iterations,
+        message: message.to_owned(),
+        ..ConeSolution::default()
+    };
+    displacements_from_forces(program, &mut solution);
+    let r = regularised_residuals(program, &solution.forces, &solution.displacements).worst();
+    if r <= tolerance {
+        solution.status = SolveStatus::Solved;
+    }
+    solution
 }
 
 /// Whether bonds without compliance make forces and mechanism a matter of choice. The interior point

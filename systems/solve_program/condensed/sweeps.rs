@@ -11,7 +11,7 @@
 //! (projected symmetric Gauss-Seidel), and sweeps are accelerated (Nesterov 1983), with a restart where J
 //! rises (O'Donoghue and Candes 2015).
 
-use super::scaled::{Kind, Scaled, add_forces, kinematics};
+use super::scaled::{Kind, Local, Scaled, add_forces, kinematics};
 
 /// Sweeps from one over all contacts to the next; those between leave out contacts without force.
 const ALL: usize = 5;
@@ -87,16 +87,16 @@ fn accelerated<const F: usize>(
     displacements(program, &contacts, &s, &mut u);
     let (mut y, mut v) = (s.clone(), u.clone());
     let (mut t, mut last) = (1.0_f64, f64::INFINITY);
-    let mut loaded: Vec<usize> = Vec::new();
+    let mut visited: Vec<usize> = Vec::new();
     for k in 0..count {
         // Contacts without force are visited in every few sweeps only.
         if k.is_multiple_of(ALL) {
-            loaded.clear();
-            loaded.extend(0..contacts.len());
+            visited.clear();
+            visited.extend(0..contacts.len());
         } else if k % ALL == 1 {
-            loaded.retain(|k| y[*k][0] != 0.0 || s[*k][0] != 0.0);
+            visited.retain(|k| y[*k][0] != 0.0 || s[*k][0] != 0.0);
         }
-        for k in loaded.iter().copied().chain(loaded.iter().rev().copied()) {
+        for k in visited.iter().copied().chain(visited.iter().rev().copied()) {
             contacts[k].relax(&inverse, &mut y[k], &mut v);
         }
         let now = energy(program, &contacts, &y, &v);
@@ -114,7 +114,7 @@ fn accelerated<const F: usize>(
         extrapolate(&mut y, &mut s, momentum);
         extrapolate(&mut v, &mut u, momentum);
     }
-    // Round-off of so many updates is left behind.
+    // Recomputed from the forces: the updates have accumulated round-off.
     displacements(program, &contacts, &s, &mut u);
     let forces = s.iter().map(|s| std::array::from_fn(|f| s.get(f).copied().unwrap_or(0.0)));
     (forces.collect(), u)
@@ -153,7 +153,7 @@ fn energy<const F: usize>(
 }
 
 impl<const F: usize> Contact<F> {
-    fn new(local: &super::scaled::Local, inverse: &[[f64; 3]]) -> Self {
+    fn new(local: &Local, inverse: &[[f64; 3]]) -> Self {
         let rows = local.rows.map(|rows| rows.map(|row| std::array::from_fn(|f| row[f])));
         let compliance: [f64; F] = std::array::from_fn(|f| local.compliance[f]);
         let mut diagonal = compliance;

@@ -2,6 +2,7 @@
 
 use clastic_components::program::Interaction;
 
+use super::super::condensed::interior::slack;
 use super::super::condensed::scaled::Local;
 
 /// Limits of an interaction: of p, two of q, two of tau.
@@ -134,9 +135,7 @@ impl Cell {
         let taken = self.of_limits(&s);
         let mut out = Entry { s, w: [1.0; LIMITS], l: [0.0; LIMITS] };
         for q in self.each_limit() {
-            let d = self.strength(q) - taken[q] - raw[q];
-            let root = d.hypot(2.0 * product.sqrt());
-            out.w[q] = if d > 0.0 { 0.5 * (d + root) } else { 2.0 * product / (root - d) };
+            out.w[q] = slack(self.strength(q) - taken[q] - raw[q], product);
             out.l[q] = product / out.w[q];
         }
         out

@@ -5,9 +5,9 @@
 
 use super::super::matrix::Assembly;
 use super::super::scaled::{Kind, Local, ROWS, add_forces, kinematics};
-use super::Warm;
 use super::groups::Rows;
 use super::local_system::{LocalSystem, MOST_PAIRS, Slacks};
+use super::{Warm, slack};
 
 /// Complementarity product of the starting point.
 const START: f64 = 0.3;
@@ -279,10 +279,8 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
             }
         }
         for q in 0..Q {
-            let slack = law.right[q] - law.limit(q, &self.s);
-            let d = slack - multipliers[q];
-            let root = d.hypot(2.0 * warm.product.sqrt());
-            let w = if d > 0.0 { 0.5 * (d + root) } else { 2.0 * warm.product / (root - d) };
+            let left = law.right[q] - law.limit(q, &self.s);
+            let w = slack(left - multipliers[q], warm.product);
             self.slacks.w[q] = w;
             self.slacks.lambda[q] = warm.product / w;
         }

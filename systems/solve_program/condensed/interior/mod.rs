@@ -242,6 +242,13 @@ pub fn solve_from(
     Some(point)
 }
 
+/// The slack w of a limit whose multiplier lambda has `w - lambda = difference` and `w lambda = product`.
+#[inline]
+pub fn slack(difference: f64, product: f64) -> f64 {
+    let root = difference.hypot(2.0 * product.sqrt());
+    if difference > 0.0 { 0.5 * (difference + root) } else { 2.0 * product / (root - difference) }
+}
+
 /// Greatest magnitude; not a number if any of them is not.
 pub fn greatest(rows: &[[f64; 3]]) -> f64 {
     let greater = |m: f64, r: &f64| if r.abs() <= m || m.is_nan() { m } else { r.abs() };
