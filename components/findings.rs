@@ -5,7 +5,7 @@ use bevy_ecs::prelude::*;
 use glam::DVec2;
 
 use crate::bond::Rupture;
-use crate::program::Residuals;
+use clastic_cone::program::Residuals;
 
 /// Pairs that the pruning of detection left out and that a solution closed, sorted.
 #[derive(Resource, Clone, Debug, Default)]

@@ -15,5 +15,4 @@ pub mod material;
 pub mod motion;
 pub mod observation;
 pub mod particle;
-pub mod program;
 pub mod wall;

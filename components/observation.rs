@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::attempt::IncrementStatus;
 use crate::bond::Rupture;
-use crate::program::Residuals;
+use clastic_cone::program::Residuals;
 
 /// What a strain measure compares: closing is positive.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -11,6 +11,7 @@
 //!   [`Increment`](systems::schedule::Increment) schedule.
 
 pub use clastic_components as components;
+pub use clastic_cone as cone;
 pub use clastic_systems as systems;
 
 pub mod bench;
@@ -66,8 +67,8 @@ pub mod prelude {
     pub use crate::components::material::{BondLaw, ContactLaw, Material, Materials};
     pub use crate::components::observation::Observation;
     pub use crate::components::particle::{MaterialIndex, Particle};
-    pub use crate::components::program::{ConeProgram, ConeSolution};
     pub use crate::components::wall::*;
+    pub use crate::cone::program::{ConeProgram, ConeSolution};
     pub use crate::run::{Outcome, Simulation, Step};
     pub use crate::systems::schedule::{
         AttemptSystems, ControlSystems, ControlWalls, Increment, IncrementSystems, Loads,

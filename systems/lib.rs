@@ -2,7 +2,6 @@
 //! gather, detect contacts, assemble the cone program, solve it, judge the attempt, update the
 //! state, break bonds, control walls, record.
 
-pub mod adjacency;
 pub mod assemble_program;
 pub mod attempt;
 pub mod control_loads;

@@ -5,7 +5,7 @@ use glam::DVec2;
 
 use clastic_components::body::Drive;
 use clastic_components::contact::Bodies;
-use clastic_components::program::{ConeProgram, ConeSolution};
+use clastic_cone::program::{ConeProgram, ConeSolution};
 
 /// Fewer grains than this have a mean motion, but no affine field.
 const FEW: usize = 6;

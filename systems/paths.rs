@@ -18,12 +18,12 @@
 use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::findings::Impacts;
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
-use clastic_components::program::{ConeProgram, ConeSolution, Dof, Interaction};
+use clastic_cone::program::{ConeProgram, ConeSolution, Dof, Interaction};
 use glam::DVec2;
 
 use crate::assemble_program::hits::load_acceleration;
 use crate::attempt::push_out::residual_overlap;
-use crate::solve_program::residuals::Carrying;
+use clastic_cone::residuals::Carrying;
 
 /// How a particle goes through an increment.
 #[derive(Clone, Copy, Debug, PartialEq)]

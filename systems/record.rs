@@ -20,14 +20,14 @@ use clastic_components::observation::{
     StressComponent, StressMeasure,
 };
 use clastic_components::particle::Particle;
-use clastic_components::program::{ConeProgram, ConeSolution};
 use clastic_components::wall::Wall;
+use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use crate::attempt::events;
 use crate::control_walls::wall_distance;
 use crate::gather_bodies::gather_bodies;
 use crate::schedule::{Increment, IncrementSystems, lap};
-use crate::solve_program::residuals::{Carrying, displacement_scale, force_scale};
+use clastic_cone::residuals::{Carrying, displacement_scale, force_scale};
 
 /// Adds the systems of the record.
 pub struct RecordPlugin;

@@ -16,11 +16,11 @@ use clastic_components::contact::{Bodies, Contact, ContactHistory, Contacts};
 use clastic_components::findings::Ruptures;
 use clastic_components::increment::{Analysis, RollingLimit, RuptureRules};
 use clastic_components::material::Materials;
-use clastic_components::program::{ConeProgram, ConeSolution, Interaction, Kinematics, Limits};
+use clastic_cone::program::{ConeProgram, ConeSolution, Interaction, Kinematics, Limits};
 
 use crate::assemble_program::interactions::{contact_law, shear_after_rupture};
 use crate::schedule::{Increment, IncrementSystems, lap};
-use crate::solve_program::residuals::{displacement_scale, multipliers};
+use clastic_cone::residuals::{displacement_scale, multipliers};
 
 /// Adds [`rupture_bonds`]; it runs only where there are bonds.
 pub struct RuptureBondsPlugin;

@@ -67,7 +67,7 @@ pub enum AttemptSystems {
     Detect,
     /// The cone program.
     Assemble,
-    /// Rows of an embedding program: write [`ConeProgram`](clastic_components::program::ConeProgram).
+    /// Rows of an embedding program: write [`ConeProgram`](clastic_cone::program::ConeProgram).
     AssembleExtra,
     /// The solution.
     Solve,

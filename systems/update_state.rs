@@ -20,12 +20,12 @@ use clastic_components::increment::{
 };
 use clastic_components::loads::TrialLoads;
 use clastic_components::particle::{Particle, Swinging};
-use clastic_components::program::{ConeProgram, ConeSolution, Dof};
 use clastic_components::wall::Wall;
+use clastic_cone::program::{ConeProgram, ConeSolution, Dof};
 
 use crate::paths::paths;
 use crate::schedule::{Increment, IncrementSystems, lap};
-use crate::solve_program::residuals::Carrying;
+use clastic_cone::residuals::Carrying;
 
 /// Adds the systems of the update.
 pub struct UpdateStatePlugin;

@@ -6,7 +6,7 @@ mod common;
 use std::f64::consts::PI;
 
 use clastic::components::contact::Contacts;
-use clastic::components::program::ConeSolution;
+use clastic::cone::program::ConeSolution;
 use clastic::run::Simulation;
 use clastic::scene::format::{Analysis, FrictionLaw, Scene, Specimen, WallControl};
 use common::*;

@@ -1,7 +1,7 @@
 //! The factorisation of the condensed matrix, against faer's dense Cholesky factorisation of the same
 //! matrix, set up apart, and against the definition of a solution.
 
-use clastic::systems::solve_program::condensed::matrix::BodyMatrix;
+use clastic::cone::condensed::matrix::BodyMatrix;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use proptest::prelude::*;

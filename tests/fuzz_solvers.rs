@@ -15,13 +15,13 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::RunSystemOnce;
 use clastic::components::attempt::Attempt;
 use clastic::components::increment::{Acceptance, Analysis};
-use clastic::components::program::{
+use clastic::cone::certificate::{certificate, proves};
+use clastic::cone::clarabel::Clarabel;
+use clastic::cone::condensed::Condensed;
+use clastic::cone::program::{
     ConeProgram, ConeSolution, Dof, FreeDof, Interaction, Limits, ProgramBody, Scales, SolveStatus,
 };
-use clastic::systems::solve_program::certificate::{certificate, proves};
-use clastic::systems::solve_program::clarabel::Clarabel;
-use clastic::systems::solve_program::condensed::Condensed;
-use clastic::systems::solve_program::residuals::residuals;
+use clastic::cone::residuals::residuals;
 use clastic::systems::solve_program::{Solver, solve_program};
 use glam::DVec2;
 use rand_chacha::ChaCha8Rng;

@@ -5,10 +5,10 @@ use std::path::Path;
 
 use clastic::components::attempt::IncrementStatus;
 use clastic::components::observation::Observation;
-use clastic::components::program::{ConeProgram, ConeSolution};
+use clastic::cone::certificate::{certificate, proves};
+use clastic::cone::program::{ConeProgram, ConeSolution};
 use clastic::run::{Outcome, Simulation, Step};
 use clastic::scene;
-use clastic::systems::solve_program::certificate::{certificate, proves};
 
 /// Runs a scene of `scenes/` with other settings.
 fn run(name: &str, settings: &[&str]) -> (Vec<Observation>, Outcome) {

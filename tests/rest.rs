@@ -3,14 +3,14 @@
 mod common;
 
 use clastic::components::contact::ContactHistory;
-use clastic::components::program::{ConeProgram, ConeSolution, SolveStatus};
+use clastic::cone::condensed::{Condensed, rest};
+use clastic::cone::program::{ConeProgram, ConeSolution, SolveStatus};
+use clastic::cone::residuals::{displacement_scale, force_scale};
+use clastic::cone::solver::ConeSolver;
 use clastic::run::{Outcome, Simulation, WorldState};
 use clastic::scene::format::{
     Analysis, FrictionLaw, Load, Motion, ParticleControl, Scene, Select, Stage, WallControl,
 };
-use clastic::systems::solve_program::ConeSolver;
-use clastic::systems::solve_program::condensed::{Condensed, rest};
-use clastic::systems::solve_program::residuals::{displacement_scale, force_scale};
 
 use common::{next, parse, run, states};
 

@@ -3,7 +3,7 @@
 mod common;
 
 use clastic::components::energy::EnergyLedger;
-use clastic::components::program::ConeSolution;
+use clastic::cone::program::ConeSolution;
 use clastic::run::Simulation;
 use clastic::scene::format::Scene;
 use common::*;

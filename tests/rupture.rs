@@ -11,7 +11,7 @@ use clastic::components::bond::RuptureMode;
 use clastic::components::contact::{Bodies, Contacts};
 use clastic::components::increment::{Acceptance, RollingLimit, RuptureRules};
 use clastic::components::observation::Observation;
-use clastic::components::program::ConeSolution;
+use clastic::cone::program::ConeSolution;
 use clastic::run::{Outcome, Simulation, Step};
 use clastic::scene::format::{CompactTarget, Load, Motion, Stage, WallControl};
 use clastic::systems::record::average_stress;

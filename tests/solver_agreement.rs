@@ -2,15 +2,13 @@
 
 mod common;
 
-use clastic::components::program::{ConeProgram, ConeSolution, Dof, SolveStatus};
+use clastic::cone::certificate::{certificate, proves};
+use clastic::cone::clarabel::Clarabel;
+use clastic::cone::condensed::Condensed;
+use clastic::cone::program::{ConeProgram, ConeSolution, Dof, SolveStatus};
+use clastic::cone::residuals::{displacement_scale, force_scale, regularised_residuals, residuals};
+use clastic::cone::solver::ConeSolver;
 use clastic::run::Simulation;
-use clastic::systems::solve_program::ConeSolver;
-use clastic::systems::solve_program::certificate::{certificate, proves};
-use clastic::systems::solve_program::clarabel::Clarabel;
-use clastic::systems::solve_program::condensed::Condensed;
-use clastic::systems::solve_program::residuals::{
-    displacement_scale, force_scale, regularised_residuals, residuals,
-};
 
 use common::programs::{KINDS, Kind, RESIDUAL, WHEELS, programs, solve};
 use common::{load, step};

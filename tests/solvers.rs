@@ -2,18 +2,18 @@
 
 mod common;
 
-use clastic::components::program::{
+use clastic::cone::certificate::{certificate, proves};
+use clastic::cone::clarabel::Clarabel;
+use clastic::cone::condensed::Condensed;
+use clastic::cone::condensed::interior;
+use clastic::cone::condensed::matrix::BodyMatrix;
+use clastic::cone::condensed::scaled::Scaled;
+use clastic::cone::program::{
     ConeProgram, Dof, FreeDof, Interaction, Limits, ProgramBody, ProgramSize, Scales, SolveStatus,
 };
+use clastic::cone::residuals::{displacement_scale, force_scale, residuals};
+use clastic::cone::solver::ConeSolver;
 use clastic::run::{Simulation, Step};
-use clastic::systems::solve_program::ConeSolver;
-use clastic::systems::solve_program::certificate::{certificate, proves};
-use clastic::systems::solve_program::clarabel::Clarabel;
-use clastic::systems::solve_program::condensed::Condensed;
-use clastic::systems::solve_program::condensed::interior;
-use clastic::systems::solve_program::condensed::matrix::BodyMatrix;
-use clastic::systems::solve_program::condensed::scaled::Scaled;
-use clastic::systems::solve_program::residuals::{displacement_scale, force_scale, residuals};
 use glam::DVec2;
 
 use common::programs::{KINDS, programs, solve};

@@ -4,7 +4,7 @@ mod common;
 
 use clastic::components::contact::{Bodies, Contacts};
 use clastic::components::observation::Observation;
-use clastic::components::program::ConeSolution;
+use clastic::cone::program::ConeSolution;
 use clastic::run::Simulation;
 use clastic::scene::format::Scene;
 use clastic::systems::record::average_stress;

@@ -7,11 +7,11 @@ use std::path::Path;
 use clastic::bench::rigs::Scenes;
 use clastic::components::contact::ContactHistory;
 use clastic::components::observation::Observation;
-use clastic::components::program::ConeProgram;
+use clastic::cone::condensed::matrix::BodyMatrix;
+use clastic::cone::program::ConeProgram;
 use clastic::run::Simulation;
 use clastic::scene::LoadedScene;
 use clastic::scene::format::WallControl::Displacement;
-use clastic::systems::solve_program::condensed::matrix::BodyMatrix;
 use rayon::ThreadPoolBuilder;
 
 use common::{State, load_with_specimen, next, stage, states};

@@ -2,7 +2,7 @@
 
 use clastic_components::attempt::IncrementStatus;
 use clastic_components::observation::Observation;
-use clastic_components::program::ConeProgram;
+use clastic_cone::program::ConeProgram;
 
 use super::BenchError;
 use crate::run::{Simulation, Step};

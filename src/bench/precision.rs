@@ -4,11 +4,11 @@
 //! references differ by more than [`UNIQUE`] in a measure, that measure is not unique in the program
 //! and is left out; their difference is the floor below which errors mean nothing.
 
-use clastic_components::program::{ConeProgram, ConeSolution, SolveStatus};
-use clastic_systems::solve_program::ConeSolver;
-use clastic_systems::solve_program::clarabel::Clarabel;
-use clastic_systems::solve_program::condensed::Condensed;
-use clastic_systems::solve_program::residuals::residuals;
+use clastic_cone::clarabel::Clarabel;
+use clastic_cone::condensed::Condensed;
+use clastic_cone::program::{ConeProgram, ConeSolution, SolveStatus};
+use clastic_cone::residuals::residuals;
+use clastic_cone::solver::ConeSolver;
 
 use super::accuracy::{Errors, errors};
 use super::capture::{Captured, Moment, capture};

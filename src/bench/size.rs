@@ -2,7 +2,7 @@
 
 use clastic_components::contact::Bodies;
 use clastic_components::observation::{Observation, Timings};
-use clastic_components::program::ConeProgram;
+use clastic_cone::program::ConeProgram;
 
 use super::clock::{middle, time};
 use super::machine::{forget_peak_memory, peak_memory};

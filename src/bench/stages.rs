@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use clastic_components::program::ConeProgram;
+use clastic_cone::program::ConeProgram;
 
 use super::clock::{Repetitions, median};
 use super::rigs::{Scenes, set_motion};

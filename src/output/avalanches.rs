@@ -12,7 +12,7 @@ use clastic_components::bond::RuptureMode;
 use clastic_components::findings::EventSearch;
 use clastic_components::increment::Progress;
 use clastic_components::observation::Observation;
-use clastic_components::program::{ConeProgram, ConeSolution};
+use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use super::csv_file::Row;
 

@@ -403,7 +403,7 @@ fn positive(modulus: f64) -> Result<f64, &'static str> {
 
 #[cfg(test)]
 mod tests {
-    use clastic_components::program::Residuals;
+    use clastic_cone::program::Residuals;
 
     use super::*;
 

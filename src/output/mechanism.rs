@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use clastic_components::attempt::IncrementStatus;
 use clastic_components::contact::Bodies;
 use clastic_components::observation::Observation;
-use clastic_components::program::{ConeProgram, ConeSolution};
+use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use super::OutputError;
 use super::atomic::write_atomic;

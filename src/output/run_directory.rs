@@ -607,9 +607,10 @@ mod tests {
     use std::error::Error;
     use std::path::Path;
 
-    use clastic_components::program::SolveStatus;
-    use clastic_systems::solve_program::ConeSolver;
-    use clastic_systems::solve_program::clarabel::Clarabel;
+    use clastic_cone::clarabel::Clarabel;
+    use clastic_cone::dump::Dump;
+    use clastic_cone::program::SolveStatus;
+    use clastic_cone::solver::ConeSolver;
 
     use super::*;
     use crate::run::{Simulation, Step};
@@ -708,7 +709,7 @@ mod tests {
         let parent = tempfile::tempdir()?;
         run(parent.path(), u64::MAX)?;
         let path = directory::program(parent.path(), 3);
-        let (program, dumped) = dump::read_program(&path)?;
+        let Dump { program, solution: dumped, .. } = dump::read_program(&path)?;
         assert_eq!(dumped.status, SolveStatus::Solved);
         let solution = Clarabel::default().solve(&program)?;
         for (f, g) in solution.forces.iter().zip(&dumped.forces) {

@@ -4,8 +4,8 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::contact::Bodies;
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
-use clastic_components::program::{ConeProgram, ConeSolution, SolveStatus};
 use clastic_components::wall::WallName;
+use clastic_cone::program::{ConeProgram, ConeSolution, SolveStatus};
 use clastic_systems::assemble_program::known_pairs::{Forced, forced};
 
 use super::compact;

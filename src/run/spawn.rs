@@ -12,9 +12,9 @@ use clastic_components::material::{BondLaw, ContactLaw, Material, Materials};
 use clastic_components::observation::{Measures, Observation};
 use clastic_components::particle::{MaterialIndex, Particle};
 use clastic_components::wall::{Wall, WallName};
+use clastic_cone::clarabel::Clarabel;
+use clastic_cone::condensed::Condensed;
 use clastic_systems::solve_program::Solver;
-use clastic_systems::solve_program::clarabel::Clarabel;
-use clastic_systems::solve_program::condensed::Condensed;
 
 use super::cement::bond_pairs;
 use super::particles::particles;

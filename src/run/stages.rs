@@ -9,7 +9,7 @@ use clastic_components::bond::Rupture;
 use clastic_components::increment::Progress;
 use clastic_components::observation::{Measures, Observation};
 use clastic_components::particle::Particle;
-use clastic_components::program::ConeSolution;
+use clastic_cone::program::ConeSolution;
 use clastic_systems::record::{axial_stress_error, take_reference};
 use clastic_systems::schedule::Increment;
 use clastic_systems::solve_program::Solver;

@@ -9,8 +9,8 @@ use clastic_components::body::Drive;
 use clastic_components::contact::Bodies;
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::loads::TrialLoads;
-use clastic_components::program::{Dof, FreeDof, Interaction, ProgramBody};
 use clastic_components::wall::WallDrive;
+use clastic_cone::program::{Dof, FreeDof, Interaction, ProgramBody};
 
 /// Fills `out` with one entry per body.
 pub fn assemble(

@@ -4,8 +4,8 @@ use glam::DVec2;
 
 use clastic_components::body::Drive;
 use clastic_components::contact::{Bodies, Contact};
-use clastic_components::program::{ConeProgram, Dof, FreeDof, Interaction};
 use clastic_components::wall::WallDrive;
+use clastic_cone::program::{ConeProgram, Dof, FreeDof, Interaction};
 
 /// Velocity at the start (m/s) and acceleration by the loads (m/s^2) of a body.
 #[derive(Clone, Copy, Debug, Default)]

@@ -14,7 +14,7 @@ use clastic_components::contact::{Bodies, BondRow, Contact, ContactHistory};
 use clastic_components::findings::{Corrections, Pushed, Ruptures};
 use clastic_components::increment::{Analysis, AnalysisKind};
 use clastic_components::material::{ContactLaw, Materials};
-use clastic_components::program::{Interaction, Limits};
+use clastic_cone::program::{Interaction, Limits};
 
 /// Rigid overlaps below this, in mean radii, are what is left of the last increment. In a static
 /// program nothing else need move, and where nothing can they would count as forced into each other.

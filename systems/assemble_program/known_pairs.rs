@@ -6,7 +6,7 @@
 //! motions close stays in it: these motions are not feasible, and [`forced`] names the pair.
 
 use clastic_components::contact::{Bodies, Contact};
-use clastic_components::program::{ConeProgram, Dof, Interaction, Limits, ProgramBody};
+use clastic_cone::program::{ConeProgram, Dof, Interaction, Limits, ProgramBody};
 use glam::DVec2;
 
 use super::interactions::ROUND_OFF;

@@ -15,9 +15,9 @@ use clastic_components::contact::{Bodies, ContactHistory};
 use clastic_components::findings::{Bearing, Centre, Restraints};
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
 use clastic_components::motion::Motion;
-use clastic_components::program::{ConeProgram, Dof, Interaction};
+use clastic_cone::program::{ConeProgram, Dof, Interaction};
 
-use crate::adjacency::Adjacency;
+use clastic_cone::adjacency::Adjacency;
 
 /// First weight in a repeated attempt, where it applies to every body and its centre follows the
 /// solution until nothing of it is left in the balance; and the factor by which it falls with every

@@ -20,7 +20,7 @@ use clastic_components::findings::{
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
 use clastic_components::loads::TrialLoads;
 use clastic_components::material::Materials;
-use clastic_components::program::ConeProgram;
+use clastic_cone::program::ConeProgram;
 
 use self::interactions::Findings;
 use self::rebounds::{assemble_rebounds, has_restitution};

@@ -28,7 +28,7 @@ use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::findings::{Impact, Impacts, Pushed};
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
 use clastic_components::material::Materials;
-use clastic_components::program::ConeProgram;
+use clastic_cone::program::ConeProgram;
 
 use super::hits::{Approach, Motion};
 use super::interactions::contact_law;

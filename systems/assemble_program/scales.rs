@@ -6,8 +6,8 @@ use glam::DVec2;
 use clastic_components::body::Drive;
 use clastic_components::contact::{Bodies, ContactHistory};
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
-use clastic_components::program::{ConeProgram, Dof, FreeDof, Interaction, Scales};
 use clastic_components::wall::WallDrive;
+use clastic_cone::program::{ConeProgram, Dof, FreeDof, Interaction, Scales};
 
 /// Estimates the scales of the program; a rejected attempt's own magnitudes come first.
 pub fn estimate(

@@ -13,7 +13,7 @@
 use clastic_components::contact::{Bodies, Contact};
 use clastic_components::findings::Restraints;
 use clastic_components::increment::{Analysis, AnalysisKind};
-use clastic_components::program::{Interaction, Limits};
+use clastic_cone::program::{Interaction, Limits};
 
 /// Bonds below this fraction of their strength count as slack: they hold nothing.
 const LEAST_TENSION: f64 = 1e-6;

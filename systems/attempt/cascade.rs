@@ -7,7 +7,7 @@ use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::findings::{Corrections, Ruptures};
 use clastic_components::increment::{Progress, RuptureOrder, RuptureRules};
-use clastic_components::program::{ConeProgram, ConeSolution};
+use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use crate::rupture_bonds::{Met, find_ruptures};
 

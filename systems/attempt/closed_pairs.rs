@@ -8,7 +8,7 @@ use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::findings::AddedPairs;
 use clastic_components::increment::Acceptance;
-use clastic_components::program::{ConeProgram, ConeSolution};
+use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use crate::detect_contacts::Candidates;
 use crate::detect_contacts::grid::pairs_within;

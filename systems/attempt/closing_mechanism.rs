@@ -9,7 +9,7 @@ use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::contact::{Bodies, Contacts, DraftHistory};
 use clastic_components::findings::AddedPairs;
 use clastic_components::increment::Acceptance;
-use clastic_components::program::{ConeProgram, ConeSolution};
+use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use super::closed_pairs::{add, gap, is_listed, unlisted_pairs};
 use crate::detect_contacts::Candidates;

@@ -6,13 +6,13 @@ use clastic_components::attempt::{Attempt, Mode, Verdict};
 use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::findings::{AddedPairs, Centre, Closest, Restraints, Unconverged};
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
-use clastic_components::program::{Certificate, ConeProgram, ConeSolution, SolveStatus};
+use clastic_cone::program::{Certificate, ConeProgram, ConeSolution, SolveStatus};
 
 use super::thrown_grains::{reply, thrown};
 use crate::detect_contacts::Candidates;
 use crate::mean_field::furthest;
-use crate::solve_program::certificate::{certificate, proves};
-use crate::solve_program::residuals::{displacement_scale, regularised_residuals, worst_bodies};
+use clastic_cone::certificate::{certificate, proves};
+use clastic_cone::residuals::{displacement_scale, regularised_residuals, worst_bodies};
 
 /// Moves of the centre of the regularisation in one attempt.
 const MAX_CENTRES: u32 = 6;

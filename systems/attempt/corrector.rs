@@ -20,10 +20,10 @@ use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::findings::{Correction, Corrections};
 use clastic_components::increment::{Analysis, AnalysisKind, Corrector};
-use clastic_components::program::{ConeProgram, ConeSolution};
+use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use super::closed_pairs::moved_positions;
-use crate::solve_program::residuals::{Carrying, displacement_scale};
+use clastic_cone::residuals::{Carrying, displacement_scale};
 
 /// Asks for another pass until gap, slip and normal of what carries force are those of the solution.
 pub fn judge(

@@ -4,7 +4,7 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::findings::Sliding;
-use clastic_components::program::ConeSolution;
+use clastic_cone::program::ConeSolution;
 
 /// Rejects a solution whose residual under Coulomb's law is above the [bound](Sliding::BOUND): in statics the
 /// motion is followed, in dynamics the time step is halved.

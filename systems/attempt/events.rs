@@ -16,11 +16,11 @@ use clastic_components::findings::{Corrections, EventSearch, EventTrial};
 use clastic_components::increment::{
     Analysis, AnalysisKind, Avalanche, Progress, RollingLimit, RuptureOrder, RuptureRules,
 };
-use clastic_components::program::{ConeProgram, ConeSolution};
+use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use crate::event_search::{Decision, GroupRules, Now, at_constant_load, decide, maximum};
 use crate::rupture_bonds::{BuiltInRule, Overload, limit, overloads, rupture};
-use crate::solve_program::residuals::residuals;
+use clastic_cone::residuals::residuals;
 
 /// Run condition: bonds break from event to event.
 pub fn searches(search: Res<EventSearch>) -> bool {

@@ -39,8 +39,8 @@ use clastic_components::increment::{
     Acceptance, Analysis, AnalysisKind, Corrector, FrictionLaw, Progress, RuptureRules,
 };
 use clastic_components::loads::TrialLoads;
-use clastic_components::program::ConeSolution;
 use clastic_components::wall::WallDrive;
+use clastic_cone::program::ConeSolution;
 
 use self::motion::Cause;
 use self::next::{Budget, Next, next};

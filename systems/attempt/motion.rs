@@ -23,7 +23,7 @@ use clastic_components::findings::{Centre, Corrections, Pushed, Restraints, Rupt
 use clastic_components::increment::{Acceptance, Analysis, Progress, RuptureRules};
 use clastic_components::material::Materials;
 use clastic_components::motion::Motion;
-use clastic_components::program::{ConeProgram, ConeSolution, SolveStatus};
+use clastic_cone::program::{ConeProgram, ConeSolution, SolveStatus};
 
 use crate::kinetic_damping::{self, MIN_WEIGHT};
 use crate::mean_field::{furthest, mean_strain};

@@ -12,7 +12,7 @@ use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::findings::Pushed;
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
-use clastic_components::program::{ConeProgram, ConeSolution};
+use clastic_cone::program::{ConeProgram, ConeSolution};
 
 /// Maximum overlap that counts as a residual of the last increment, over the accepted residual times the mean radius:
 /// the residual of a gap is relative to the displacements, but to one mean radius at most.

@@ -7,7 +7,7 @@ use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::contact::Bodies;
 use clastic_components::findings::{Bearing, Restraints};
 use clastic_components::increment::Acceptance;
-use clastic_components::program::{ConeProgram, ConeSolution, Interaction};
+use clastic_cone::program::{ConeProgram, ConeSolution, Interaction};
 
 use crate::assemble_program::loose::find_loaded;
 use crate::assemble_program::taut;

@@ -8,8 +8,8 @@ use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::body::Drive;
 use clastic_components::contact::Bodies;
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
-use clastic_components::program::{ConeProgram, ConeSolution};
 use clastic_components::wall::WallDrive;
+use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use crate::mean_field::mean_strain;
 

@@ -8,7 +8,7 @@ use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::findings::{AddedPairs, Restraints};
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
-use clastic_components::program::{ConeProgram, ConeSolution};
+use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use super::closed_pairs::add_closed;
 use super::restraints::restrain;

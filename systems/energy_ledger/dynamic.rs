@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use clastic_components::body::{AngularVelocity, BodyId, Drive, ExternalForce, Position, Velocity};
 use clastic_components::energy::Energies;
-use clastic_components::program::ConeProgram;
+use clastic_cone::program::ConeProgram;
 
 use super::interactions::{Part, Tables};
 

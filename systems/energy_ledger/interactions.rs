@@ -8,10 +8,10 @@ use clastic_components::energy::Energies;
 use clastic_components::findings::Corrections;
 use clastic_components::increment::{Analysis, AnalysisKind};
 use clastic_components::material::{ContactLaw, Materials};
-use clastic_components::program::{ConeProgram, ConeSolution, Interaction, Kinematics};
+use clastic_cone::program::{ConeProgram, ConeSolution, Interaction, Kinematics};
 
 use crate::assemble_program::interactions::{contact_law, shear_after_rupture};
-use crate::solve_program::residuals::{Multipliers, multipliers};
+use clastic_cone::residuals::{Multipliers, multipliers};
 
 /// Tables at the start of what is booked, and what came of it.
 pub struct Tables<'a> {

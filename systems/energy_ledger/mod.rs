@@ -46,7 +46,7 @@ use clastic_components::energy::{Energies, EnergyLedger, MotionEnergies, Release
 use clastic_components::findings::{Corrections, Ruptures};
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::material::Materials;
-use clastic_components::program::{ConeProgram, ConeSolution};
+use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use self::dynamic::book_bodies;
 use self::interactions::{Part, Tables, after_rupture, book, gap_at};

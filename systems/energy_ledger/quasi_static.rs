@@ -11,7 +11,7 @@
 
 use clastic_components::contact::{ContactHistory, ContactMemory};
 use clastic_components::energy::{Energies, Released};
-use clastic_components::program::{ConeProgram, ConeSolution};
+use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use super::interactions::{Part, Tables, after_rupture};
 

@@ -8,7 +8,7 @@ use clastic_components::contact::{Bodies, ContactHistory, Contacts};
 use clastic_components::energy::{Energies, EnergyLedger, MotionEnergies};
 use clastic_components::findings::Ruptures;
 use clastic_components::increment::{Analysis, Progress};
-use clastic_components::program::{ConeProgram, ConeSolution, Dof};
+use clastic_cone::program::{ConeProgram, ConeSolution, Dof};
 
 use super::interactions::{Tables, book};
 

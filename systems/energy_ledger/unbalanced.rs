@@ -3,8 +3,8 @@
 use glam::DVec2;
 
 use clastic_components::energy::{Energies, Released};
-use clastic_components::program::{ConeProgram, Dof, Interaction, Limits};
 use clastic_components::wall::WallDrive;
+use clastic_cone::program::{ConeProgram, Dof, Interaction, Limits};
 
 use super::interactions::Tables;
 use super::quasi_static::Starts;

@@ -6,10 +6,10 @@ use clastic_components::attempt::Attempt;
 use clastic_components::contact::Bodies;
 use clastic_components::findings::Sliding;
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, FrictionLaw};
-use clastic_components::program::{ConeProgram, ConeSolution, SolveStatus};
+use clastic_cone::coulomb::Coulomb;
+use clastic_cone::program::{ConeProgram, ConeSolution, SolveStatus};
+use clastic_cone::residuals;
 
-use super::coulomb::Coulomb;
-use super::residuals;
 use crate::mean_field::furthest;
 
 /// Number of solves without success after which the other solves of the increment are quick.

@@ -1,11 +1,11 @@
 //! Cone programs of small random specimens, and solvers whose word is checked.
 
 use clastic::components::attempt::{Attempt, IncrementStatus};
-use clastic::components::program::{ConeProgram, ConeSolution, SolveStatus};
+use clastic::cone::certificate::proves;
+use clastic::cone::program::{ConeProgram, ConeSolution, SolveStatus};
+use clastic::cone::residuals::regularised_residuals;
+use clastic::cone::solver::ConeSolver;
 use clastic::run::{Simulation, Step};
-use clastic::systems::solve_program::ConeSolver;
-use clastic::systems::solve_program::certificate::proves;
-use clastic::systems::solve_program::residuals::regularised_residuals;
 
 /// Greatest residual of a solution that counts.
 pub const RESIDUAL: f64 = 1e-8;

@@ -6,8 +6,8 @@ use std::collections::BTreeSet;
 
 use clastic::components::body::{BodyId, Position};
 use clastic::components::particle::Particle;
-use clastic::components::program::{ConeProgram, Dof, Interaction};
 use clastic::components::wall::Wall;
+use clastic::cone::program::{ConeProgram, Dof, Interaction};
 use clastic::run::Simulation;
 use glam::DVec2;
 
@@ -142,7 +142,7 @@ pub fn check_absent_pairs(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clastic::components::program::{FreeDof, Limits, ProgramBody, Scales};
+    use clastic::cone::program::{FreeDof, Limits, ProgramBody, Scales};
 
     /// A disk on a plane under a vertical load, with a bond of the given tensile strength.
     fn lifted(load: f64, tension: f64) -> ConeProgram {

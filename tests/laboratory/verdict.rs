@@ -1,7 +1,7 @@
 //! The verdict on a scene, from the way in which its run ended.
 
 use clastic::components::increment::Acceptance;
-use clastic::components::program::{ConeProgram, ConeSolution};
+use clastic::cone::program::{ConeProgram, ConeSolution};
 use clastic::run::{Outcome, Simulation};
 
 use crate::certificate;

@@ -3,10 +3,10 @@
 use clastic::components::energy::{Energies, EnergyLedger};
 use clastic::components::increment::{self, Acceptance, AnalysisKind};
 use clastic::components::observation::Observation;
-use clastic::components::program::{ConeProgram, ConeSolution};
+use clastic::cone::program::{ConeProgram, ConeSolution};
+use clastic::cone::residuals::{displacement_scale, force_scale};
 use clastic::run::Simulation;
 use clastic::scene::format::{Analysis, FrictionLaw, Scene};
-use clastic::systems::solve_program::residuals::{displacement_scale, force_scale};
 
 use crate::common::{
     ELASTIC, RIGID, ROUGH, SMOOTH, assert_relative, assert_within, load, next, parse, small_cell,

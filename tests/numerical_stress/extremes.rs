@@ -403,7 +403,7 @@ fn coincident_centres_are_parted() {
 fn a_force_that_nothing_determines_is_not_remembered() {
     use bevy_ecs::system::RunSystemOnce;
     use clastic::components::contact::ContactHistory;
-    use clastic::components::program::{ConeProgram, ConeSolution};
+    use clastic::cone::program::{ConeProgram, ConeSolution};
     use clastic::systems::update_state::remember_contacts;
     let scene = packed(
         "held disk on a rigid floor, another one on it",

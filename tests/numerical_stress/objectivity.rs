@@ -1,7 +1,7 @@
 //! Objectivity: a bonded beam turned by a full turn, in few large increments and in many.
 
 use clastic::components::contact::Bodies;
-use clastic::components::program::ConeSolution;
+use clastic::cone::program::ConeSolution;
 use clastic::run::Simulation;
 use clastic::scene::format::{Corrector, Motion, ParticleControl, Scene, Select, Stage};
 use glam::DVec2;

@@ -17,12 +17,12 @@
 //! `d_n = n.(u_a - u_b)`, slip `d_t = t.(u_a - u_b) + l_a alpha_a + l_b alpha_b`, relative
 //! rotation `d_r = alpha_a - alpha_b`.
 
-use bevy_ecs::prelude::*;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 /// One degree of freedom of a body of the program.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Dof {
     /// Its displacement is known: imposed, held, or zero because nothing acts on it.
     Fixed(f64),
@@ -31,11 +31,12 @@ pub enum Dof {
 }
 
 /// A degree of freedom with a balance row `inertia u + proximal (u - reference) + G f = load`.
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct FreeDof {
     /// Load: applied force plus gravity plus, in dynamics, `inertia v_0 dt`; N or N m.
     pub load: f64,
     /// The part `inertia v_0 dt` of the load: what carries a motion on, and no force.
+    #[serde(default)]
     pub momentum: f64,
     /// Inertia `m / (theta dt^2)`, N/m (moments: N m/rad); 0 in static analysis.
     pub inertia: f64,
@@ -48,7 +49,7 @@ pub struct FreeDof {
 
 /// A body of the program. Its translations are along `axis` and along `axis` turned by +90
 /// degrees, so that a wall that moves along its normal has one translation.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ProgramBody {
     /// Unit vector of the first translation.
     pub axis: DVec2,
@@ -57,7 +58,7 @@ pub struct ProgramBody {
 }
 
 /// Limits of an interaction: `|q| <= cohesion + friction p`, `|tau| <= moment + rolling p`, `p >= -tension`.
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Limits {
     /// `c A`, N.
     pub cohesion: f64,
@@ -118,7 +119,7 @@ impl Limits {
 }
 
 /// One interaction of the program: a contact or a bond.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Interaction {
     /// First body.
     pub a: u32,
@@ -142,7 +143,13 @@ pub struct Interaction {
     pub limits: Limits,
     /// Share a of the associated dilation: sliding and rolling open the interaction by
     /// `a (mu |slip| + mu_r r |d_r|)`. 1 for the associated law, 0 for Coulomb's.
+    #[serde(default = "associated")]
     pub dilation: f64,
+}
+
+/// The dilation of a dump that does not state it.
+fn associated() -> f64 {
+    1.0
 }
 
 /// Closing, slip and relative rotation of an interaction.
@@ -164,6 +171,25 @@ impl ProgramBody {
 }
 
 impl Interaction {
+    /// A rigid interaction without friction or strength from body `a` to body `b`: normal along x,
+    /// no arms, no gap, associated law.
+    #[must_use]
+    pub fn between(a: u32, b: u32) -> Self {
+        Self {
+            a,
+            b,
+            normal: DVec2::X,
+            arm_a: 0.0,
+            arm_b: 0.0,
+            offset: 0.0,
+            normal_compliance: 0.0,
+            tangential_compliance: 0.0,
+            previous_shear: 0.0,
+            limits: Limits::default(),
+            dilation: 1.0,
+        }
+    }
+
     /// Coefficients of (p, q, tau) in the three balance rows of body `a` (`first`) or `b`, in the
     /// axes of that body: `rows[i][j]` belongs to degree of freedom i and force j.
     #[must_use]
@@ -176,7 +202,7 @@ impl Interaction {
 }
 
 /// The magnitudes that make the program non-dimensional inside a solver.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Scales {
     /// Length for moments and rotations, m: the mean radius.
     pub length: f64,
@@ -193,7 +219,8 @@ impl Default for Scales {
 }
 
 /// One increment as a cone program, in SI units.
-#[derive(Resource, Clone, Debug, Default)]
+#[cfg_attr(feature = "bevy", derive(bevy_ecs::prelude::Resource))]
+#[derive(Clone, Debug, Default)]
 pub struct ConeProgram {
     /// Bodies, by identity.
     pub bodies: Vec<ProgramBody>,
@@ -228,6 +255,23 @@ impl ConeProgram {
                 let g = c.rows(self.bodies[body].axis, first);
                 for (row, g) in rows[body].iter_mut().zip(&g) {
                     *row += g[0] * f[0] + g[1] * f[1] + g[2] * f[2];
+                }
+            }
+        }
+    }
+
+    /// Replaces the displacements of degrees of freedom with inertia by `u = (load - G f)/inertia`,
+    /// so that momentum holds to round-off whatever the solver's tolerance. An error of the forces
+    /// then shows in the motion: it is that motion whose residuals count.
+    pub fn displacements_from_forces(&self, solution: &mut ConeSolution) {
+        let mut rows = vec![[0.0; 3]; self.bodies.len()];
+        self.add_forces(&solution.forces, &mut rows);
+        for ((body, row), u) in self.bodies.iter().zip(&rows).zip(&mut solution.displacements) {
+            for k in 0..3 {
+                if let Dof::Free(free) = &body.dofs[k]
+                    && free.inertia > 0.0
+                {
+                    u[k] = (free.load - row[k]) / free.inertia;
                 }
             }
         }
@@ -282,7 +326,8 @@ pub struct ProgramSize {
 }
 
 /// How a solve ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum SolveStatus {
     /// Optimal to the residuals that stand beside it.
     Solved,
@@ -324,7 +369,7 @@ impl Residuals {
 
 /// Proof that no forces balance the loads: a mechanism along which the loads do more work than
 /// the limits can dissipate.
-#[derive(Clone, Debug, PartialEq, Default)]
+#[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Certificate {
     /// Displacements of the mechanism by body, in the bodies' own axes, greatest component 1.
     pub mechanism: Vec<[f64; 3]>,
@@ -336,20 +381,21 @@ pub struct Certificate {
 }
 
 /// What a solver returns.
-#[derive(Resource, Clone, Debug, Default)]
+#[cfg_attr(feature = "bevy", derive(bevy_ecs::prelude::Resource))]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct ConeSolution {
     /// How it ended.
     pub status: SolveStatus,
+    /// The solver's own words about how it ended.
+    pub message: String,
+    /// Iterations of the solver.
+    pub iterations: u32,
+    /// Residuals that our own code computed from the forces and displacements.
+    pub residuals: Residuals,
     /// (p, q, tau) of every interaction, N, N, N m.
     pub forces: Vec<[f64; 3]>,
     /// Displacements by body in the bodies' own axes, m, m, rad.
     pub displacements: Vec<[f64; 3]>,
-    /// Residuals that our own code computed from the two tables above.
-    pub residuals: Residuals,
-    /// Iterations of the solver.
-    pub iterations: u32,
     /// Mechanism of a collapse.
     pub certificate: Option<Certificate>,
-    /// The solver's own words about how it ended.
-    pub message: String,
 }

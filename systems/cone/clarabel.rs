@@ -11,12 +11,12 @@ use clarabel::solver::{
     DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus, ZeroConeT,
 };
 
-use clastic_components::program::{ConeProgram, ConeSolution, Dof, SolveStatus};
+use crate::program::{ConeProgram, ConeSolution, Dof, SolveStatus};
 
 use super::certificate::{certificate, locks, proves};
 use super::lowering::{displacements, forces, lower, polish};
 use super::polish::Point;
-use super::{ConeSolver, MalformedProgram};
+use super::solver::{ConeSolver, MalformedProgram};
 
 /// Clarabel and its settings.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,7 +3,7 @@
 
 use clarabel::algebra::CscMatrix;
 
-use clastic_components::program::{ConeProgram, ConeSolution, Dof};
+use crate::program::{ConeProgram, ConeSolution, Dof};
 
 use super::polish::{Point, QuadraticProgram};
 use super::residuals::regularised_residuals;

@@ -3,7 +3,7 @@
 //! Interaction c: `min 1/2 s'Cs + l's`, `A s + w = b`, `w >= 0` with s = (p, q, tau); stationarity
 //! `l + C s - e(u) + A' lambda = 0`. Bodies: `m u + G s = f` on free degrees of freedom.
 
-use clastic_components::program::{ConeProgram, Dof};
+use crate::program::{ConeProgram, Dof};
 
 use super::super::lowering::units;
 use super::matrix::places;

@@ -21,7 +21,7 @@ pub mod scaled;
 mod sweeps;
 mod warm;
 
-use clastic_components::program::{ConeProgram, ConeSolution, SolveStatus};
+use crate::program::{ConeProgram, ConeSolution, SolveStatus};
 
 use self::matrix::{BodyMatrix, places};
 use self::parallel::in_pool;
@@ -31,7 +31,7 @@ use super::clarabel::Clarabel;
 use super::lowering::{lower, polish, units};
 use super::polish::Point;
 use super::residuals::regularised_residuals;
-use super::{ConeSolver, MalformedProgram, displacements_from_forces};
+use super::solver::{ConeSolver, MalformedProgram};
 
 /// Default tolerance: just below the residual that increments are accepted with by default,
 const TOLERANCE: f64 = BELOW * 1e-8;
@@ -162,7 +162,7 @@ impl Condensed {
         };
         if solution.status == SolveStatus::Solved {
             // What will be committed: little as they are, forces at rest leave something.
-            displacements_from_forces(program, &mut solution);
+            program.displacements_from_forces(&mut solution);
             let r = regularised_residuals(program, &solution.forces, &solution.displacements);
             if !(r.worst() <= self.tolerance(program)) {
                 solution.status = SolveStatus::Stalled;
@@ -335,7 +335,7 @@ fn checked(
         message: message.to_owned(),
         ..ConeSolution::default()
     };
-    displacements_from_forces(program, &mut solution);
+    program.displacements_from_forces(&mut solution);
     let r = regularised_residuals(program, &solution.forces, &solution.displacements).worst();
     if r <= tolerance {
         solution.status = SolveStatus::Solved;

@@ -16,11 +16,10 @@ mod cell;
 mod interior;
 mod system;
 
-use clastic_components::program::{ConeProgram, ConeSolution, SolveStatus};
+use crate::program::{ConeProgram, ConeSolution, SolveStatus};
 
 use self::system::System;
 use super::condensed::matrix::UnsymmetricMatrix;
-use super::displacements_from_forces;
 use super::lowering::units;
 use super::residuals::{applied_force, natural_map, regularised_residuals};
 
@@ -199,7 +198,7 @@ impl<'a> Trial<'a> {
             displacements: displacements.to_vec(),
             ..ConeSolution::default()
         };
-        displacements_from_forces(self.program, &mut solution);
+        self.program.displacements_from_forces(&mut solution);
         let r =
             regularised_residuals(self.program, &solution.forces, &solution.displacements).worst();
         self.residuals = [self.residuals[1], r];

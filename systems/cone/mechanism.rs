@@ -8,13 +8,11 @@
 //! dissipated (Moreau's decomposition of the loads): the mechanism of a
 //! [certificate](super::certificate).
 
-use clastic_components::program::{
-    ConeProgram, ConeSolution, Dof, FreeDof, Interaction, Scales, SolveStatus,
-};
+use crate::program::{ConeProgram, ConeSolution, Dof, FreeDof, Interaction, Scales, SolveStatus};
 
-use super::ConeSolver;
 use super::certificate::{certificate, proves};
 use super::condensed::Condensed;
+use super::solver::ConeSolver;
 
 /// Collapsed with a certificate that proves it, or stalled.
 #[must_use]

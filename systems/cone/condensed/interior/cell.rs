@@ -55,7 +55,7 @@ pub struct Cells {
 /// Does the same for each of them.
 macro_rules! for_each {
     ($cell:ident of $cells:expr => $what:expr) => {{
-        let cells: &mut $crate::solve_program::condensed::interior::cell::Cells = $cells;
+        let cells: &mut $crate::condensed::interior::cell::Cells = $cells;
         for $cell in &mut cells.normal {
             $what;
         }

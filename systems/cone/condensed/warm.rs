@@ -1,7 +1,7 @@
 //! The warm start of dynamic programs whose interactions are contacts without strength: sweeps from the forces of the
 //! last increment, and the interior point from there, on the contacts that are near.
 
-use clastic_components::program::{ConeProgram, ConeSolution, Dof, SolveStatus};
+use crate::program::{ConeProgram, ConeSolution, Dof, SolveStatus};
 
 use super::super::lowering::units;
 use super::parallel::in_pool;

@@ -15,7 +15,7 @@
 
 use glam::DVec2;
 
-use clastic_components::program::{
+use crate::program::{
     ConeProgram, ConeSolution, Dof, Interaction, Kinematics, ProgramBody, Residuals,
 };
 

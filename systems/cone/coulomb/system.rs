@@ -1,7 +1,7 @@
 //! The complementarity system of all interactions and bodies, its residual, and the linear solves with its
 //! derivative.
 
-use clastic_components::program::ConeProgram;
+use crate::program::ConeProgram;
 
 use super::super::condensed::interior::greatest;
 use super::super::condensed::matrix::UnsymmetricMatrix;

@@ -11,7 +11,7 @@
 //! `lambda_T = -d_n - mu |d_t| - mu_r r |d_r|` is not negative, and infinite otherwise. p_min is
 //! -f_t, or the apex -c A/mu of the shear limit where that comes first.
 
-use clastic_components::program::{Certificate, ConeProgram, Dof};
+use crate::program::{Certificate, ConeProgram, Dof};
 
 /// A certificate proves a collapse when its margin is above this and its defect below.
 pub const TOLERANCE: f64 = 1e-6;

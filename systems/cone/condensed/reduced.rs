@@ -5,7 +5,7 @@
 //! projection of its trial onto its limits. What remains are the free bodies and those next to
 //! them, so that a few grains that settle in a large specimen cost as much as a few grains.
 
-use clastic_components::program::{ConeProgram, ConeSolution, Dof, Interaction};
+use crate::program::{ConeProgram, ConeSolution, Dof, Interaction};
 
 use super::newton::Spring;
 use super::scaled::Scaled;

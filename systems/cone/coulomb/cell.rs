@@ -1,6 +1,6 @@
 //! Coulomb's law of one interaction, its numbers at a point, and its part of a linear solve.
 
-use clastic_components::program::Interaction;
+use crate::program::Interaction;
 
 use super::super::condensed::interior::slack;
 use super::super::condensed::scaled::Local;

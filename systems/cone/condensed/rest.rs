@@ -11,7 +11,7 @@
 //! There is no such thing without inertia: beside displacements that vanish everywhere the round-off of a
 //! gap is no longer nothing.
 
-use clastic_components::program::{ConeProgram, Dof, ProgramBody, Residuals};
+use crate::program::{ConeProgram, Dof, ProgramBody, Residuals};
 
 use super::super::residuals::Units;
 use super::matrix::adjacency;

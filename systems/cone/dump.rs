@@ -1,0 +1,153 @@
+//! A cone program and its solution as JSON, for whoever wants to check it with another solver.
+
+use std::borrow::Cow;
+
+use serde::{Deserialize, Serialize};
+
+use crate::program::{ConeProgram, ConeSolution, Interaction, ProgramBody, Scales};
+
+/// The convex program in words; it stands in every dump.
+pub const FORMAT: &str = "\
+clastic cone program, version 2. SI units: m, rad, N, N m. \
+Unknowns: (p, q, tau) of every interaction: normal force (compression positive), shear force, \
+rolling moment; and the displacements u of all free degrees of freedom, the multipliers of the \
+balance rows. \
+Minimise 1/2 sum_dof (m + w) u^2 + sum_c [g p + 1/2 C_N p^2 + 1/2 C_T (q - q_0)^2 - e_n p - e_t q \
+- e_r tau] \
+subject to, for every free degree of freedom, (m + w) u + G (p, q, tau) = load + w r, \
+and for every interaction |q| <= cohesion + friction p, |tau| <= moment + rolling p, \
+p >= -tension; \
+m = inertia, momentum = the part of the load that is inertia times the motion of the last increment \
+(no force), w = proximal (regularisation; the residuals count its force as an error of the \
+balance), r = reference, g = offset, C_N = normal_compliance, \
+C_T = tangential_compliance, q_0 = previous_shear; an interaction without cohesion and friction has \
+q = 0 and a free slip, one without rolling has tau = 0 and a free rotation. \
+G: with n = normal (unit, from a to b) and t = (-n_y, n_x), body a has the rows p n + q t (forces) \
+and arm_a q + tau (moment), body b has -(p n + q t) and arm_b q - tau; forces are taken along axis and \
+along axis turned by +90 degrees, the two translations of a body. \
+Kinematics, the transpose of G: closing d_n = n.(u_a - u_b), slip d_t = t.(u_a - u_b) + arm_a alpha_a + \
+arm_b alpha_b, relative rotation d_r = alpha_a - alpha_b; (e_n, e_t, e_r) are (d_n, d_t, d_r) of the \
+fixed degrees of freedom alone. \
+Optimality: d_n = g + C_N p - friction (l1 + l2) - rolling (l3 + l4) - l5, \
+d_t = C_T (q - q_0) + l1 - l2, d_r = l3 - l4 with l1, l2 >= 0 the multipliers of +q and -q, l3, l4 those of \
++tau and -tau, l5 that of p >= -tension. \
+scales are the magnitudes that a solver may divide by; they change no solution. \
+Tables: bodies[i] is body i; solution.forces[k] = (p, q, tau) belongs to interactions[k]; \
+solution.displacements[i] = (first translation, second translation, rotation) to bodies[i]. \
+null stands for a number that is not finite.";
+
+/// A cone program and its solution, with where in a run they stand.
+#[derive(Clone, Debug)]
+pub struct Dump {
+    /// Increment of the run.
+    pub increment: u64,
+    /// Stage of the run.
+    pub stage: String,
+    /// Share of the increment that was solved, 0 to 1.
+    pub fraction: f64,
+    /// The program; without [`ConeProgram::tolerance`] and [`ConeProgram::last_forces`], which are
+    /// no part of the problem.
+    pub program: ConeProgram,
+    /// Its solution.
+    pub solution: ConeSolution,
+}
+
+/// Why a text is no dump.
+#[derive(Debug, thiserror::Error)]
+pub enum DumpError {
+    /// It is not of this form, or has a number that is not finite.
+    #[error(transparent)]
+    Json(#[from] serde_json::Error),
+    /// It is of another version.
+    #[error("not a dump of this version")]
+    Version,
+}
+
+/// The dump as it stands in the file.
+#[derive(Serialize, Deserialize)]
+struct Written<'a> {
+    format: Cow<'a, str>,
+    increment: u64,
+    stage: Cow<'a, str>,
+    fraction: f64,
+    units: Units<'a>,
+    scales: Scales,
+    bodies: Vec<Numbered>,
+    interactions: Cow<'a, [Interaction]>,
+    solution: Cow<'a, ConeSolution>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct Units<'a> {
+    length: Cow<'a, str>,
+    rotation: Cow<'a, str>,
+    force: Cow<'a, str>,
+    moment: Cow<'a, str>,
+    compliance: Cow<'a, str>,
+}
+
+impl Default for Units<'_> {
+    fn default() -> Self {
+        let [length, rotation, force, moment, compliance] =
+            ["m", "rad", "N", "N m", "m/N"].map(Cow::Borrowed);
+        Self { length, rotation, force, moment, compliance }
+    }
+}
+
+/// A body with its number, for readers.
+#[derive(Serialize, Deserialize)]
+struct Numbered {
+    id: usize,
+    #[serde(flatten)]
+    body: ProgramBody,
+}
+
+/// A program and its solution as one line of JSON.
+///
+/// # Errors
+/// Never for numbers of any value: those that are not finite become `null`.
+pub fn to_json(
+    increment: u64,
+    stage: &str,
+    fraction: f64,
+    program: &ConeProgram,
+    solution: &ConeSolution,
+) -> Result<String, serde_json::Error> {
+    let numbered = |(id, body): (usize, &ProgramBody)| Numbered { id, body: *body };
+    let mut text = serde_json::to_string(&Written {
+        format: FORMAT.into(),
+        increment,
+        stage: stage.into(),
+        fraction,
+        units: Units::default(),
+        scales: program.scales,
+        bodies: program.bodies.iter().enumerate().map(numbered).collect(),
+        interactions: Cow::Borrowed(&program.interactions),
+        solution: Cow::Borrowed(solution),
+    })?;
+    text.push('\n');
+    Ok(text)
+}
+
+/// Reads what [`to_json`] wrote.
+///
+/// # Errors
+/// Where the text is no dump of this version, or has a number that is not finite.
+pub fn from_json(text: &str) -> Result<Dump, DumpError> {
+    let written: Written = serde_json::from_str(text)?;
+    if written.format != FORMAT {
+        return Err(DumpError::Version);
+    }
+    Ok(Dump {
+        increment: written.increment,
+        stage: written.stage.into_owned(),
+        fraction: written.fraction,
+        program: ConeProgram {
+            bodies: written.bodies.into_iter().map(|numbered| numbered.body).collect(),
+            interactions: written.interactions.into_owned(),
+            scales: written.scales,
+            ..ConeProgram::default()
+        },
+        solution: written.solution.into_owned(),
+    })
+}

@@ -1,0 +1,100 @@
+//! What a solver of cone programs is, and which programs it may refuse.
+
+use crate::program::{ConeProgram, ConeSolution, Dof};
+
+/// A program that no solver can read: an error of whoever assembled it.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("malformed cone program: {0}")]
+pub struct MalformedProgram(pub String);
+
+/// Solves cone programs. A solver may keep what it likes between calls as long as its answer does
+/// not depend on it beyond its tolerance; what its last bits depend on is its [`memory`](Self::memory).
+pub trait ConeSolver: Send + Sync {
+    /// Name for the record.
+    fn name(&self) -> &'static str;
+
+    /// Solves the program. Every ending of a well-formed program is a [`ConeSolution`].
+    ///
+    /// # Errors
+    /// Only for a program that is malformed: indices out of range, numbers that are not finite,
+    /// negative inertias, compliances or limits.
+    fn solve(&mut self, program: &ConeProgram) -> Result<ConeSolution, MalformedProgram>;
+
+    /// What the next answer depends on besides the program: where a warm start begins. By body
+    /// in its own axes: two displacements, m, and a rotation, rad.
+    /// A checkpoint stores it.
+    fn memory(&self) -> &[[f64; 3]] {
+        &[]
+    }
+
+    /// Goes on from the [`memory`](Self::memory) of another solver of the same kind.
+    fn remember(&mut self, _memory: &[[f64; 3]]) {}
+}
+
+/// Refuses programs that are malformed.
+///
+/// # Errors
+/// Indices out of range, numbers that are not finite, negative inertias, compliances or limits.
+pub fn check(program: &ConeProgram) -> Result<(), MalformedProgram> {
+    let n = program.bodies.len();
+    for (k, body) in program.bodies.iter().enumerate() {
+        let sound = |dof: &Dof| match dof {
+            Dof::Fixed(u) => u.is_finite(),
+            Dof::Free(f) => {
+                [f.load, f.momentum, f.reference].iter().all(|x| x.is_finite())
+                    && [f.inertia, f.proximal].iter().all(|x| x.is_finite() && *x >= 0.0)
+            }
+        };
+        if !body.axis.is_finite() || !body.dofs.iter().all(sound) {
+            return Err(MalformedProgram(format!(
+                "body {k} has a number that is not finite, or a negative inertia"
+            )));
+        }
+    }
+    for (k, c) in program.interactions.iter().enumerate() {
+        if c.a as usize >= n || c.b as usize >= n || c.a == c.b {
+            return Err(MalformedProgram(format!(
+                "interaction {k} joins bodies {} and {} of {n}",
+                c.a, c.b
+            )));
+        }
+        let l = &c.limits;
+        let numbers = [
+            c.normal.x,
+            c.normal.y,
+            c.arm_a,
+            c.arm_b,
+            c.offset,
+            c.normal_compliance,
+            c.tangential_compliance,
+            c.previous_shear,
+            l.cohesion,
+            l.friction,
+            l.tension,
+            l.rolling,
+            l.moment,
+        ];
+        if numbers.iter().any(|x| !x.is_finite()) {
+            return Err(MalformedProgram(format!(
+                "interaction {k} of bodies {} and {} has a number that is not finite",
+                c.a, c.b
+            )));
+        }
+        let not_negative = [
+            c.normal_compliance,
+            c.tangential_compliance,
+            l.cohesion,
+            l.friction,
+            l.tension,
+            l.rolling,
+            l.moment,
+        ];
+        if not_negative.iter().any(|x| *x < 0.0) {
+            return Err(MalformedProgram(format!(
+                "interaction {k} of bodies {} and {} has a negative compliance or limit",
+                c.a, c.b
+            )));
+        }
+    }
+    Ok(())
+}
