@@ -65,8 +65,6 @@ const OF_THE_INCREMENT: &[&str] = &[
     "Bodies",
     "Centre",
     "Closest",
-    "ConeProgram",
-    "ConeSolution",
     "Contacts",
     "Corrections",
     "DraftHistory",
