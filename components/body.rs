@@ -4,23 +4,19 @@ use bevy_ecs::prelude::*;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-/// Dense identity of a body: particles first, in file order, then walls, in file order.
+use crate::identity::{body_gone, body_named};
+
+/// Identity of a body. A particle or wall that is inserted without one gets the next; none is used
+/// again.
 ///
-/// Everything that needs an order uses this one. `Entity` values and query order depend on the
-/// history of the world and order nothing.
+/// Everything that needs an order uses this one: particles by identity, then walls by identity.
+/// `Entity` values and query order depend on the history of the world and order nothing. Identities
+/// may have gaps; [`Bodies`](crate::contact::Bodies) has one dense row per body.
 #[derive(
     Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
 )]
-#[component(immutable)]
+#[component(immutable, on_insert = body_named, on_discard = body_gone)]
 pub struct BodyId(pub u32);
-
-impl BodyId {
-    /// The identity as an index into tables by body.
-    #[must_use]
-    pub fn index(self) -> usize {
-        self.0 as usize
-    }
-}
 
 /// Centre of a disk, or middle of a wall's drawn segment, m.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]

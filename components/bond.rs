@@ -4,22 +4,26 @@ use bevy_ecs::prelude::*;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-use crate::body::BodyId;
+use crate::body::{BodyId, Position};
+use crate::identity::{IdentityError, bond_added, bond_gone, bond_named, joined};
 use crate::material::BondLaw;
+use crate::particle::Particle;
+use crate::wall::Wall;
 
-/// Dense identity of a bond, in order of creation. It never changes and is never used again.
+/// Identity of a bond. A bond that is inserted without one gets the next; none is used again.
 #[derive(
     Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
 )]
-#[component(immutable)]
+#[component(immutable, on_insert = bond_named, on_discard = bond_gone)]
 pub struct BondId(pub u32);
 
 /// A bond between two bodies. The endpoints are plain fields, not relationships: adding or
 /// removing relationships reorders archetypes.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[component(on_add = bond_added)]
 #[require(BondState)]
 pub struct Bond {
-    /// First body, always a particle; `a < b`.
+    /// First body, always a particle.
     pub a: BodyId,
     /// Second body, a particle or a wall.
     pub b: BodyId,
@@ -27,6 +31,58 @@ pub struct Bond {
     pub initial_gap: f64,
     /// Its law.
     pub law: BondLaw,
+}
+
+impl Bond {
+    /// A bond between two entities, of which one may be a wall, free of stress as they lie. It turns
+    /// into a `Bond` when it is inserted; the bodies must have been inserted before, in the same
+    /// batch of commands or earlier.
+    #[must_use]
+    pub fn between(a: Entity, b: Entity, law: BondLaw) -> Joint {
+        Joint { a, b, law }
+    }
+}
+
+/// A bond that names entities; see [`Bond::between`]. It is replaced by a [`Bond`] on insertion.
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[component(on_add = joined)]
+pub struct Joint {
+    a: Entity,
+    b: Entity,
+    law: BondLaw,
+}
+
+impl Joint {
+    /// The bond between the bodies as they lie in `world`.
+    pub(crate) fn resolve(self, world: &World) -> Result<Bond, IdentityError> {
+        let Self { a, b, law } = self;
+        let refuse = |what| IdentityError::Joint { a, b, what };
+        let body = |entity| {
+            let id = world.get::<BodyId>(entity).copied();
+            id.ok_or(refuse("an entity is no body; insert its Particle or Wall first"))
+        };
+        let (id_a, id_b) = (body(a)?, body(b)?);
+        let disk = |entity| {
+            let place = world.get::<Position>(entity).map(|x| x.0).unwrap_or_default();
+            world.get::<Particle>(entity).map(|disk| (place, disk.radius))
+        };
+        if a == b {
+            return Err(refuse("they are one entity; join two"));
+        }
+        let (first, second, initial_gap) = match (disk(a), disk(b)) {
+            (Some((x, r)), Some((y, s))) => (id_a.min(id_b), id_a.max(id_b), x.distance(y) - r - s),
+            (Some((x, r)), None) => (id_a, id_b, height(world, b, x) - r),
+            (None, Some((x, r))) => (id_b, id_a, height(world, a, x) - r),
+            (None, None) => return Err(refuse("two walls do not bond; one must be a Particle")),
+        };
+        Ok(Bond { a: first, b: second, initial_gap, law })
+    }
+}
+
+/// Distance of a point from the line of a wall, along its inward normal, m.
+fn height(world: &World, wall: Entity, point: DVec2) -> f64 {
+    let middle = world.get::<Position>(wall).map(|x| x.0).unwrap_or_default();
+    world.get::<Wall>(wall).map_or(0.0, |wall| (point - middle).dot(wall.inward()))
 }
 
 /// Whether a bond still holds.

@@ -4,7 +4,7 @@ use bevy_ecs::prelude::*;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-use crate::body::{Drive, Ramp};
+use crate::body::{BodyId, Drive, Ramp};
 use crate::bond::BondId;
 use crate::material::{BondLaw, ContactLaw};
 use crate::wall::{WallControl, WallDrive};
@@ -16,9 +16,11 @@ use crate::wall::{WallControl, WallDrive};
 /// followed moves it; entities keep the last committed state until an accepted trial is committed.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Bodies {
-    /// Number of particles; walls have the identities from here on.
+    /// Number of particles; the rows of walls begin here.
     pub particles: usize,
-    /// Entity of every body, `Entity::PLACEHOLDER` for a wall that is not there.
+    /// Identity of every body, ascending among particles and among walls.
+    pub ids: Vec<BodyId>,
+    /// Entity of every body.
     pub entities: Vec<Entity>,
     /// Centres of particles and middles of walls, m.
     pub positions: Vec<DVec2>,
@@ -57,13 +59,26 @@ pub struct Bodies {
 }
 
 impl Bodies {
-    /// What messages call a body: its kind and its number in the scene.
+    /// What messages call the body of a row: its kind and its number in the scene.
     #[must_use]
-    pub fn name(&self, body: usize) -> String {
-        match body.checked_sub(self.particles) {
-            None => format!("particle {body}"),
+    pub fn name(&self, row: usize) -> String {
+        match row.checked_sub(self.particles) {
+            None => format!("particle {}", self.ids[row].0),
             Some(wall) => format!("wall {wall}"),
         }
+    }
+
+    /// The row of a body; `None` if it is not in the table.
+    #[must_use]
+    pub fn row(&self, id: BodyId) -> Option<usize> {
+        // Identities without a gap are rows.
+        let row = id.0 as usize;
+        if self.ids.get(row) == Some(&id) {
+            return Some(row);
+        }
+        let (particles, walls) = self.ids.split_at(self.particles);
+        let wall = || walls.binary_search(&id).ok().map(|k| self.particles + k);
+        particles.binary_search(&id).ok().or_else(wall)
     }
 
     /// What the trial does to degree of freedom `k` of particle `i`; displacements are those of a whole
@@ -114,10 +129,62 @@ impl Bodies {
     }
 }
 
+/// The identities by which tables are kept from one increment to the next, and where their rows went
+/// when bodies came or went between two increments. Whoever keeps such a table follows in
+/// `IncrementSystems::Renumber`.
+#[derive(Resource, Clone, Debug, Default, PartialEq)]
+pub struct KeptRows {
+    /// Identity of the body of every row.
+    pub ids: Vec<BodyId>,
+    now: Vec<Option<u32>>,
+}
+
+impl KeptRows {
+    /// The rows of the bodies of a run that goes on.
+    #[must_use]
+    pub fn of(ids: Vec<BodyId>) -> Self {
+        Self { ids, now: Vec::new() }
+    }
+
+    /// Takes the rows of `bodies`, and takes down where those of before went.
+    pub fn follow(&mut self, bodies: &Bodies) {
+        self.now.clear();
+        // Bodies that come after all others change no row.
+        if !bodies.ids.starts_with(&self.ids) {
+            self.now.extend(self.ids.iter().map(|id| bodies.row(*id).map(|row| row as u32)));
+        }
+        self.ids.clone_from(&bodies.ids);
+    }
+
+    /// Whether any row has changed.
+    #[must_use]
+    pub fn is_needed(&self) -> bool {
+        !self.now.is_empty()
+    }
+
+    /// The row now of what was in `row` before; `None` for a body that is gone.
+    #[must_use]
+    pub fn now(&self, row: u32) -> Option<u32> {
+        self.now.get(row as usize).copied().flatten()
+    }
+
+    /// A table by row of before, as one of `rows` rows now; new bodies get the default.
+    #[must_use]
+    pub fn table<T: Copy + Default>(&self, before: &[T], rows: usize) -> Vec<T> {
+        let mut table = vec![T::default(); rows];
+        for (value, now) in before.iter().zip(&self.now) {
+            if let Some(entry) = now.and_then(|now| table.get_mut(now as usize)) {
+                *entry = *value;
+            }
+        }
+        table
+    }
+}
+
 /// A wall of [`Bodies`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WallRow {
-    /// Body identity.
+    /// Row of the body.
     pub body: u32,
     /// Unit normal into the specimen.
     pub inward: DVec2,
@@ -138,9 +205,9 @@ pub struct BondRow {
     pub id: BondId,
     /// Its entity.
     pub entity: Entity,
-    /// First body (a particle).
+    /// Row of the first body, a particle.
     pub a: u32,
-    /// Second body.
+    /// Row of the second body.
     pub b: u32,
     /// Gap at creation, m.
     pub initial_gap: f64,
@@ -151,9 +218,9 @@ pub struct BondRow {
 /// A pair that carries force or may come to carry it within the increment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
-    /// First body, always a particle.
+    /// Row of the first body, always a particle.
     pub a: u32,
-    /// Second body: a particle with `b > a`, or a wall.
+    /// Row of the second body: a particle with `b > a`, or a wall.
     pub b: u32,
     /// Unit normal from a to b at the start of the increment.
     pub normal: DVec2,
@@ -186,9 +253,9 @@ pub struct Contacts(pub Vec<Contact>);
 /// What a contact remembers from one increment to the next.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ContactMemory {
-    /// First body.
+    /// Row of the first body.
     pub a: u32,
-    /// Second body.
+    /// Row of the second body.
     pub b: u32,
     /// Normal force at the end of the last increment, N.
     pub p: f64,
@@ -199,16 +266,27 @@ pub struct ContactMemory {
     pub tau: f64,
 }
 
-/// Memory of the contacts at the start of the trial: that of the last committed increment, or what a motion
-/// that is followed has left.
+/// Memory of the contacts at the start of the trial: that of the last committed
+/// increment, or what a motion that is followed has left.
 #[derive(Resource, Clone, Debug, Default, PartialEq)]
 pub struct DraftHistory(pub ContactHistory);
 
-/// Memory of the contacts that carried force, sorted by (a, b).
+/// Memory of the contacts that carried force, sorted by (a, b), which are rows of [`KeptRows`].
 #[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ContactHistory(pub Vec<ContactMemory>);
 
 impl ContactHistory {
+    /// Follows bodies to other rows; contacts of bodies that are gone are dropped.
+    pub fn renumber(&mut self, rows: &KeptRows) {
+        self.0.retain_mut(|m| match (rows.now(m.a), rows.now(m.b)) {
+            (Some(a), Some(b)) => {
+                (m.a, m.b) = (a, b);
+                true
+            }
+            _ => false,
+        });
+    }
+
     /// The memory of the pair (a, b), if it has any.
     #[must_use]
     pub fn get(&self, a: u32, b: u32) -> Option<&ContactMemory> {

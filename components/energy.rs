@@ -117,9 +117,9 @@ pub struct EnergyLedger {
 /// The force that a contact lost when its bond broke.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Released {
-    /// First body.
+    /// Row of the first body.
     pub a: u32,
-    /// Second body.
+    /// Row of the second body.
     pub b: u32,
     /// (p, q, tau) of the bond less those of the contact that is left, N, N, N m.
     pub forces: [f64; 3],

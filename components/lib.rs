@@ -9,6 +9,7 @@ pub mod bond;
 pub mod contact;
 pub mod energy;
 pub mod findings;
+pub mod identity;
 pub mod increment;
 pub mod loads;
 pub mod material;

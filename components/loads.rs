@@ -3,6 +3,7 @@
 use bevy_ecs::prelude::*;
 
 use crate::body::BodyId;
+use crate::contact::Bodies;
 
 /// What is added to one degree of freedom: a force, and a stiffness that resists the displacement.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
@@ -18,7 +19,7 @@ pub struct AddedLoad {
 /// depend on the order in which they were added.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct TrialLoads {
-    added: Vec<(u32, usize, AddedLoad)>,
+    added: Vec<(BodyId, usize, AddedLoad)>,
 }
 
 impl TrialLoads {
@@ -26,14 +27,14 @@ impl TrialLoads {
     /// along its inward normal, any other wall takes none.
     pub fn add(&mut self, body: BodyId, force: [f64; 3]) {
         for (k, force) in force.into_iter().enumerate() {
-            self.added.push((body.0, k, AddedLoad { force, stiffness: 0.0 }));
+            self.added.push((body, k, AddedLoad { force, stiffness: 0.0 }));
         }
     }
 
     /// Adds a spring on degree of freedom `k` (x, y, rotation) of a particle: it acts with `force` where the
     /// particle is and with `force - stiffness u` after a displacement u (N, N/m; N m, N m/rad).
     pub fn add_spring(&mut self, body: BodyId, k: usize, force: f64, stiffness: f64) {
-        self.added.push((body.0, k, AddedLoad { force, stiffness }));
+        self.added.push((body, k, AddedLoad { force, stiffness }));
     }
 
     /// Drops all loads.
@@ -47,10 +48,10 @@ impl TrialLoads {
         self.added.is_empty()
     }
 
-    /// Sums by body and degree of freedom, of `bodies` bodies. Contributions are sorted before they are
+    /// Sums by row of `bodies` and degree of freedom. Loads of bodies that are not there count for nothing. Contributions are sorted before they are
     /// summed: a sum of floating-point numbers depends on its order.
     #[must_use]
-    pub fn sums(&self, bodies: usize) -> Vec<[AddedLoad; 3]> {
+    pub fn sums(&self, bodies: &Bodies) -> Vec<[AddedLoad; 3]> {
         let mut sorted = self.added.clone();
         sorted.sort_by(|(a, k, x), (b, l, y)| {
             (a, k)
@@ -58,9 +59,10 @@ impl TrialLoads {
                 .then(x.force.total_cmp(&y.force))
                 .then(x.stiffness.total_cmp(&y.stiffness))
         });
-        let mut sums = vec![[AddedLoad::default(); 3]; bodies];
+        let mut sums = vec![[AddedLoad::default(); 3]; bodies.ids.len()];
         for (body, k, load) in sorted {
-            if let Some(sum) = sums.get_mut(body as usize).and_then(|rows| rows.get_mut(k)) {
+            let row = bodies.row(body).map(|row| &mut sums[row]);
+            if let Some(sum) = row.and_then(|sums| sums.get_mut(k)) {
                 sum.force += load.force;
                 sum.stiffness += load.stiffness;
             }

@@ -4,16 +4,16 @@ use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::body::{
-    AngularVelocity, AppliedLoad, Drives, ExternalForce, LastMotion, LoadControl, Origin, Position,
+    AngularVelocity, AppliedLoad, Drives, ExternalForce, LastMotion, LoadControl, Position,
     Rotation, Velocity,
 };
+use crate::identity::body_added;
 
 /// A rigid disk.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[component(immutable)]
+#[component(immutable, on_add = body_added)]
 #[require(
     Position,
-    Origin,
     Rotation,
     Velocity,
     AngularVelocity,

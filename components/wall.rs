@@ -4,7 +4,8 @@ use bevy_ecs::prelude::*;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-use crate::body::{ExternalForce, LastMotion, Origin, Position, Ramp};
+use crate::body::{ExternalForce, LastMotion, Position, Ramp};
+use crate::identity::body_added;
 use crate::increment::Progress;
 use crate::material::ContactLaw;
 
@@ -13,7 +14,8 @@ use crate::material::ContactLaw;
 /// Its [`Position`] is the middle of the drawn segment. Material lies on the left of the way from
 /// start to end: the inward normal is the tangent turned by +90 degrees. A wall does not rotate.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[require(Position, Origin, LastMotion, ExternalForce, ContactLaw, WallDrive, WallControl)]
+#[component(on_add = body_added)]
+#[require(Position, LastMotion, ExternalForce, ContactLaw, WallDrive, WallControl)]
 pub struct Wall {
     /// Unit vector from the start to the end of the segment.
     pub tangent: DVec2,

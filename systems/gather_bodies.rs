@@ -8,7 +8,10 @@ use clastic_components::body::{
     AngularVelocity, AppliedLoad, BodyId, Drives, LastMotion, Position, Rotation, Velocity,
 };
 use clastic_components::bond::{Bond, BondId, BondState};
-use clastic_components::contact::{Bodies, BondRow, ContactHistory, DraftHistory, WallRow};
+use clastic_components::contact::{
+    Bodies, BondRow, ContactHistory, DraftHistory, KeptRows, WallRow,
+};
+use clastic_components::identity::Identities;
 use clastic_components::material::ContactLaw;
 use clastic_components::particle::{MaterialIndex, Particle, Swinging};
 use clastic_components::wall::{Wall, WallControl, WallDrive};
@@ -21,11 +24,17 @@ pub struct GatherBodiesPlugin;
 impl Plugin for GatherBodiesPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<Bodies>()
+            .init_resource::<Identities>()
+            .init_resource::<KeptRows>()
             .init_resource::<ContactHistory>()
             .init_resource::<DraftHistory>()
             .add_systems(
                 Increment,
-                (gather_bodies, draft_history).chain().in_set(IncrementSystems::Gather),
+                (
+                    (gather_bodies, follow_rows).chain().in_set(IncrementSystems::Gather),
+                    renumber_contacts.in_set(IncrementSystems::Renumber),
+                    draft_history.in_set(IncrementSystems::Draft),
+                ),
             );
     }
 }
@@ -64,8 +73,9 @@ type WallQuery<'w, 's> = Query<
     ),
 >;
 
-/// Fills [`Bodies`]. Ids of particles are dense from 0; walls follow, and a wall that has been
-/// taken away leaves an unused entry.
+/// Fills [`Bodies`]: a row per body, particles by identity, then walls by identity.
+///
+/// A bond of which an end is not there holds nothing and has no row.
 pub fn gather_bodies(
     mut bodies: ResMut<Bodies>,
     particles: ParticleQuery,
@@ -74,18 +84,18 @@ pub fn gather_bodies(
 ) {
     let bodies = &mut *bodies;
     let n = particles.iter().len();
-    let all = walls.iter().map(|w| w.1.index() + 1).max().unwrap_or(n).max(n);
+    let mut ids: Vec<BodyId> = particles.iter().map(|p| *p.1).collect();
+    ids.sort_unstable();
+    ids.extend(walls.iter().map(|w| *w.1));
+    ids[n..].sort_unstable();
+    let all = ids.len();
     bodies.particles = n;
-    bodies.entities.clear();
+    bodies.ids = ids;
     bodies.entities.resize(all, Entity::PLACEHOLDER);
-    // A wall that was taken away must leave nothing behind: its last motion would go on setting the
-    // scale of displacements.
-    bodies.positions.clear();
     bodies.positions.resize(all, DVec2::ZERO);
     bodies.rotations.resize(n, 0.0);
     bodies.velocities.resize(all, DVec2::ZERO);
     bodies.angular_velocities.resize(all, 0.0);
-    bodies.last_motion.clear();
     bodies.last_motion.resize(all, [0.0; 3]);
     bodies.radii.resize(n, 0.0);
     bodies.masses.resize(n, 0.0);
@@ -109,7 +119,7 @@ pub fn gather_bodies(
         swinging,
     ) in &particles
     {
-        let i = id.index();
+        let Some(i) = bodies.row(*id) else { continue };
         bodies.entities[i] = entity;
         bodies.positions[i] = position.0;
         bodies.rotations[i] = rotation.0;
@@ -128,12 +138,15 @@ pub fn gather_bodies(
 
     bodies.walls.clear();
     for (entity, id, wall, position, motion, law, control, drive) in &walls {
-        let i = id.index();
+        let Some(i) = bodies.row(*id) else { continue };
         bodies.entities[i] = entity;
         bodies.positions[i] = position.0;
+        // What is no particle has no velocity in the tables.
+        bodies.velocities[i] = DVec2::ZERO;
+        bodies.angular_velocities[i] = 0.0;
         bodies.last_motion[i] = motion.0;
         bodies.walls.push(WallRow {
-            body: id.0,
+            body: i as u32,
             inward: wall.inward(),
             half_length: wall.half_length,
             law: *law,
@@ -145,18 +158,29 @@ pub fn gather_bodies(
 
     bodies.broken.clear();
     bodies.resting = false;
-    bodies.bonds.clear();
-    bodies.bonds.extend(bonds.iter().filter(|(.., state)| **state == BondState::Intact).map(
-        |(entity, id, bond, _)| BondRow {
-            id: *id,
-            entity,
-            a: bond.a.0,
-            b: bond.b.0,
-            initial_gap: bond.initial_gap,
-            law: bond.law,
+    let mut rows = std::mem::take(&mut bodies.bonds);
+    rows.clear();
+    let row = |id: BodyId| bodies.row(id).map(|row| row as u32);
+    rows.extend(bonds.iter().filter(|(.., state)| **state == BondState::Intact).filter_map(
+        |(entity, id, bond, _)| {
+            let (a, b) = (row(bond.a)?, row(bond.b)?);
+            let (a, b) = (a.min(b), a.max(b));
+            Some(BondRow { id: *id, entity, a, b, initial_gap: bond.initial_gap, law: bond.law })
         },
     ));
+    bodies.bonds = rows;
     bodies.bonds.sort_unstable_by_key(|b| (b.a, b.b));
+}
+
+/// Takes down which rows tables that are kept have from now on.
+pub fn follow_rows(bodies: Res<Bodies>, mut kept: ResMut<KeptRows>) {
+    if kept.ids != bodies.ids || kept.is_needed() {
+        kept.follow(&bodies);
+    }
+}
+
+fn renumber_contacts(rows: Res<KeptRows>, mut history: ResMut<ContactHistory>) {
+    history.renumber(&rows);
 }
 
 /// Starts the draft of the contact memory from what the last increment left.

@@ -259,12 +259,7 @@ fn record_state(
     let interactions = 0..solution.forces.len().min(program.interactions.len());
     out.contacts = interactions.filter(|k| carrying.is_carrying(*k)).count();
     out.potential_contacts = contacts.0.len();
-    // A bond to a body that is not there holds nothing.
-    let is_there = |body: u32| {
-        let entity = bodies.entities.get(body as usize);
-        entity.is_some_and(|entity| *entity != Entity::PLACEHOLDER)
-    };
-    out.bonds = bodies.bonds.iter().filter(|bond| is_there(bond.a) && is_there(bond.b)).count();
+    out.bonds = bodies.bonds.len();
     out.broken = count.0;
     // Summed in identity order: a sum depends on its order, and query order on history.
     let mut energy: Vec<(BodyId, f64)> = moving

@@ -10,7 +10,6 @@
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use clastic_components::body::BodyId;
 use clastic_components::bond::{Bond, BondState, Rupture, RuptureMode};
 use clastic_components::contact::{Bodies, Contact, ContactHistory, Contacts};
 use clastic_components::findings::Ruptures;
@@ -91,8 +90,8 @@ pub fn rupture(
     Some(Rupture {
         increment,
         bond: bond.id,
-        a: BodyId(bond.a),
-        b: BodyId(bond.b),
+        a: bodies.ids[bond.a as usize],
+        b: bodies.ids[bond.b as usize],
         mode,
         position: contact.point(bodies),
         normal: contact.normal,
@@ -276,7 +275,9 @@ pub fn release<'a>(
     history: &mut ContactHistory,
 ) {
     for rupture in ruptures {
-        let key = (rupture.a.0, rupture.b.0);
+        let row = |id| bodies.row(id).map(|row| row as u32);
+        let (Some(a), Some(b)) = (row(rupture.a), row(rupture.b)) else { continue };
+        let key = (a, b);
         let contact = contacts.0.binary_search_by_key(&key, |c| (c.a, c.b));
         let memory = history.0.binary_search_by_key(&key, |m| (m.a, m.b));
         if let (Ok(c), Ok(m)) = (contact, memory) {

@@ -3,7 +3,7 @@
 //! One run of [`Increment`] commits one increment (or the fraction of one that could be solved):
 //!
 //! ```text
-//! Increment:         Controls -> Gather -> Attempts -> Update -> Rupture -> Record
+//! Increment:         Controls -> Gather -> Renumber -> Draft -> Attempts -> Update -> Rupture -> Record
 //!   Controls runs    ControlWalls: BuiltIn -> Custom, for the increment that begins
 //!   Attempts runs    AttemptIncrement, again and again until an attempt is accepted:
 //!                    Detect -> Assemble -> AssembleExtra -> Solve -> Judge
@@ -20,6 +20,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::{LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor};
 
 use clastic_components::attempt::{Attempt, IncrementStatus};
+use clastic_components::contact::KeptRows;
 use clastic_components::observation::Timings;
 
 /// One increment.
@@ -50,6 +51,10 @@ pub enum IncrementSystems {
     Controls,
     /// Bodies, bonds, controls and contact memory into tables in identity order.
     Gather,
+    /// Tables that are kept by row follow bodies to other rows; only if rows have changed.
+    Renumber,
+    /// The draft of the contact memory, on which attempts work.
+    Draft,
     /// Detection, assembly and solve, until an attempt is accepted.
     Attempts,
     /// Commits the accepted attempt to the bodies.
@@ -104,6 +109,11 @@ pub fn start_clock(mut lap: ResMut<Lap>, mut timings: ResMut<Timings>) {
     lap.0 = Instant::now();
 }
 
+/// Run condition: bodies have come or gone such that rows have changed.
+pub fn rows_changed(rows: Res<KeptRows>) -> bool {
+    rows.is_needed()
+}
+
 /// Run condition: the attempts ended in a state that is to be committed.
 pub fn committed(attempt: Res<Attempt>) -> bool {
     matches!(attempt.status, IncrementStatus::Solved | IncrementStatus::Capped)
@@ -133,6 +143,8 @@ impl Plugin for SchedulePlugin {
             (
                 IncrementSystems::Controls,
                 IncrementSystems::Gather,
+                IncrementSystems::Renumber.run_if(rows_changed),
+                IncrementSystems::Draft,
                 IncrementSystems::Attempts,
                 IncrementSystems::Update.run_if(committed),
                 IncrementSystems::Rupture.run_if(ruptured),

@@ -71,10 +71,10 @@ pub fn external_forces(
             moments[contact.b as usize] += arm.perp_dot(resisted) - f[2];
         }
     }
-    let added = if loads.is_empty() { Vec::new() } else { loads.sums(bodies.positions.len()) };
+    let added = if loads.is_empty() { Vec::new() } else { loads.sums(&bodies) };
     let added = |i: usize| added.get(i).copied().unwrap_or_default();
     for (id, mut external) in &mut out {
-        let i = id.index();
+        let Some(i) = bodies.row(*id) else { continue };
         let body = &program.bodies[i];
         if i >= bodies.particles {
             let force = body.to_global(rows[i]);
@@ -148,7 +148,7 @@ pub fn move_bodies(
     let paths = if pushed.0.is_none() { paths() } else { None };
     let motion = pushed.0.as_ref().or(paths.as_ref()).unwrap_or(&solution.displacements);
     for (id, mut x, mut rotation, mut v, mut spin, mut last) in &mut particles {
-        let i = id.index();
+        let Some(i) = bodies.row(*id) else { continue };
         let u = program.bodies[i].to_global(solution.displacements[i]);
         let step = DVec2::new(u[0], u[1]);
         let moved = program.bodies[i].to_global(motion[i]);
@@ -168,8 +168,9 @@ pub fn move_bodies(
         }
     }
     for (id, mut x, mut last) in &mut walls {
-        let u = program.bodies[id.index()].to_global(motion[id.index()]);
-        x.0 = bodies.positions[id.index()] + DVec2::new(u[0], u[1]);
+        let Some(i) = bodies.row(*id) else { continue };
+        let u = program.bodies[i].to_global(motion[i]);
+        x.0 = bodies.positions[i] + DVec2::new(u[0], u[1]);
         last.0 = u;
     }
 }

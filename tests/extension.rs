@@ -46,7 +46,8 @@ fn support(
     mut loads: ResMut<TrialLoads>,
 ) {
     for (id, spring, origin) in &springs {
-        let stretched = bodies.positions[id.index()] - origin.0;
+        let Some(row) = bodies.row(*id) else { continue };
+        let stretched = bodies.positions[row] - origin.0;
         for k in 0..2 {
             loads.add_spring(*id, k, -spring.0 * stretched[k], spring.0);
         }

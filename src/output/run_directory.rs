@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use clastic_components::attempt::IncrementStatus;
 use clastic_components::energy::EnergyLedger;
+use clastic_components::identity::Identities;
 use clastic_components::increment::Progress;
 use clastic_components::observation::{Observation, Timings};
 use clastic_systems::gather_bodies::gather_bodies;
@@ -22,7 +23,6 @@ use super::mechanism::Mechanism;
 use super::run_record::{CLASTIC_VERSION, OutcomeRecord, Resumed, RunFacts, RunRecord};
 use super::snapshot::Snapshot;
 use super::{OutputError, directory, dump, events, frames, history, plots, porosity, timings};
-use crate::run::cement::BondCounter;
 use crate::run::stages::Script;
 use crate::run::{Outcome, StageEnd, WorldState};
 use crate::scene::format::{Bond, Contact, Record, Scene, Stage};
@@ -318,9 +318,7 @@ impl RunWriter {
             (false, false) => Phase::Loading,
             (false, true) => Phase::Reference,
         };
-        if let Some(counter) = world.get_resource::<BondCounter>() {
-            self.state.results.see_bonds(counter.0 as usize);
-        }
+        self.state.results.see_bonds(world.resource::<Identities>().next().bond as usize);
         let counts = self.state.results.observe(&observation, phase);
         if counts && self.scene.output.plots {
             self.state.peak = Some((Snapshot::take(world), caption(&observation)));

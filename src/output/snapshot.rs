@@ -4,7 +4,7 @@ use bevy_ecs::prelude::*;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-use clastic_components::body::{Origin, Rotation};
+use clastic_components::body::{BodyId, Origin, Rotation};
 use clastic_components::bond::{Bond, BondId, BondState};
 use clastic_components::contact::Bodies;
 use clastic_components::wall::Wall;
@@ -34,7 +34,7 @@ impl Snapshot {
         let mut broken: Vec<_> = broken
             .iter(world)
             .filter(|(.., state)| **state != BondState::Intact)
-            .map(|(id, bond, _)| (*id, bond.a.index(), bond.b.index()))
+            .map(|(id, bond, _)| (*id, bond.a, bond.b))
             .collect();
         broken.sort_unstable_by_key(|(id, ..)| *id);
 
@@ -43,13 +43,13 @@ impl Snapshot {
         let particles = || bodies.entities[..n].iter();
         let place = |i: usize, from: DVec2| match bodies.walls.iter().find(|w| w.body as usize == i)
         {
-            Some(wall) => Some(from - wall.inward * (from - bodies.positions[i]).dot(wall.inward)),
-            // A wall that was taken away has no place.
-            None => (i < n).then(|| bodies.positions[i]),
+            Some(wall) => from - wall.inward * (from - bodies.positions[i]).dot(wall.inward),
+            None => bodies.positions[i],
         };
-        let crack = |a: usize, b: usize| {
-            let from = bodies.positions[a];
-            Some([from, place(b, from)?])
+        // A body that was taken away has no place.
+        let crack = |a: BodyId, b: BodyId| {
+            let from = bodies.positions[bodies.row(a)?];
+            Some([from, place(bodies.row(b)?, from)])
         };
         let ends = |entity: Entity, middle: DVec2| {
             let wall = world.get::<Wall>(entity)?;

@@ -56,11 +56,11 @@ pub fn with_advice(world: &mut World, stage: &Stage, complaint: &str) -> String 
 /// Names two rigid bodies that imposed motions force into each other.
 fn driven_together(world: &World, pair: Forced) -> String {
     let bodies = world.resource::<Bodies>();
-    let body = |id: u32| {
-        let wall = bodies.entities.get(id as usize).and_then(|wall| world.get::<WallName>(*wall));
+    let body = |row: u32| {
+        let wall = bodies.entities.get(row as usize).and_then(|wall| world.get::<WallName>(*wall));
         match wall {
             Some(name) => format!("wall `{}`", name.0),
-            None => bodies.name(id as usize),
+            None => bodies.name(row as usize),
         }
     };
     // The last attempt may have been at a part of the increment, or at none of it.

@@ -3,7 +3,7 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::body::BodyId;
-use clastic_components::bond::{Bond, BondId};
+use clastic_components::bond::Bond;
 use clastic_components::contact::{Bodies, Contact};
 use clastic_components::material::{BondLaw, Materials};
 use clastic_systems::detect_contacts::gaps::{pair_contact, wall_contact};
@@ -12,10 +12,6 @@ use clastic_systems::gather_bodies::gather_bodies;
 
 use super::spawn::{WallCatalogue, bond_law};
 use crate::scene::format::Cement;
-
-/// Number of bonds ever created: the next bond's identity.
-#[derive(Resource, Clone, Copy, Debug, Default)]
-pub struct BondCounter(pub u32);
 
 /// Bonds every pair with `g_0 < length` whose materials cement and that has no intact bond. A wall with
 /// a bond law of its own cements whatever is near it.
@@ -63,21 +59,19 @@ fn add(world: &mut World, bodies: &Bodies, contact: &Contact) {
     let law_of =
         |body: u32| bodies.materials.get(body as usize).and_then(|m| materials.0[*m as usize].bond);
     let law = if b as usize >= bodies.particles {
-        law_of_wall(world, b).or_else(|| law_of(a))
+        law_of_wall(world, bodies.ids[b as usize]).or_else(|| law_of(a))
     } else {
         law_of(a).zip(law_of(b)).map(|(a, b)| BondLaw::between(a, b))
     };
     let Some(law) = law else { return };
-    let mut counter = world.get_resource_or_init::<BondCounter>();
-    let id = BondId(counter.0);
-    counter.0 += 1;
-    world.spawn((id, Bond { a: BodyId(a), b: BodyId(b), initial_gap: contact.gap, law }));
+    let [a, b] = [a, b].map(|row| bodies.ids[row as usize]);
+    world.spawn(Bond { a, b, initial_gap: contact.gap, law });
 }
 
 /// The bond law that the scene gives a wall.
-fn law_of_wall(world: &World, wall: u32) -> Option<BondLaw> {
+fn law_of_wall(world: &World, wall: BodyId) -> Option<BondLaw> {
     // A world that no scene was spawned in has no catalogue.
     let catalogue = world.get_resource::<WallCatalogue>()?;
-    let index = wall.checked_sub(catalogue.first)?;
+    let index = wall.0.checked_sub(catalogue.first)?;
     catalogue.walls.get(index as usize)?.bond.as_ref().map(bond_law)
 }

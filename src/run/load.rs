@@ -8,8 +8,6 @@ use glam::DVec2;
 use clastic_components::body::{
     BodyId, Drive, Drives, ExternalForce, Group, LoadControl, Position, Probe,
 };
-use clastic_components::bond::{Bond, BondState};
-use clastic_components::contact::ContactHistory;
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::observation::{
     MeasureArea, MeasureLength, Measures, StrainMeasure, StressComponent, StressMeasure,
@@ -33,10 +31,6 @@ pub fn begin(world: &mut World, stage: &scene::Load) {
 
     for name in &stage.remove_walls {
         if let Some(wall) = find_wall(world, name) {
-            if let Some(id) = world.get::<BodyId>(wall).copied() {
-                world.resource_mut::<ContactHistory>().0.retain(|m| m.b != id.0);
-                end_bonds(world, id);
-            }
             world.despawn(wall);
         }
     }
@@ -47,19 +41,6 @@ pub fn begin(world: &mut World, stage: &scene::Load) {
     }
     control_walls(world, stage);
     control_particles(world, stage, &analysis);
-}
-
-/// Ends the bonds that hold a wall which goes: they neither break nor come back with it. Those that
-/// broke before stay in the record.
-fn end_bonds(world: &mut World, wall: BodyId) {
-    let mut bonds = world.query::<(Entity, &Bond, &BondState)>();
-    let holds = |(_, bond, state): &(Entity, &Bond, &BondState)| {
-        bond.b == wall && **state == BondState::Intact
-    };
-    let ended: Vec<_> = bonds.iter(world).filter(holds).map(|(entity, ..)| entity).collect();
-    for bond in ended {
-        world.despawn(bond);
-    }
 }
 
 fn control_walls(world: &mut World, stage: &scene::Load) {

@@ -31,7 +31,7 @@ pub fn assemble(
             *t = (true, t.1 || turns);
         }
     }
-    let added = if loads.is_empty() { Vec::new() } else { loads.sums(bodies.positions.len()) };
+    let added = if loads.is_empty() { Vec::new() } else { loads.sums(bodies) };
     let added = |i: usize| added.get(i).copied().unwrap_or_default();
     let affine = Affine::of(bodies, analysis, fraction);
     let still = ProgramBody { axis: DVec2::X, dofs: [Dof::Fixed(0.0); 3] };

@@ -29,7 +29,7 @@ pub fn book_bodies(
     let Tables { bodies, analysis, program, solution, .. } = tables;
     let mut mean = solution.displacements.clone();
     for (id, _, force, velocity, spin) in rows {
-        let i = id.index();
+        let Some(i) = bodies.row(**id) else { continue };
         let u = program.bodies[i].to_global(solution.displacements[i]);
         e.external += (0..3).map(|k| force.0[k] * u[k]).sum::<f64>();
         let (Some(v), Some(spin)) = (velocity, spin) else { continue };

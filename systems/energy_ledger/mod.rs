@@ -41,7 +41,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 
 use clastic_components::body::{AngularVelocity, BodyId, ExternalForce, Position, Velocity};
-use clastic_components::contact::{Bodies, ContactHistory, Contacts, DraftHistory};
+use clastic_components::contact::{Bodies, ContactHistory, Contacts, DraftHistory, KeptRows};
 use clastic_components::energy::{Energies, EnergyLedger, MotionEnergies, Released};
 use clastic_components::findings::{Corrections, Ruptures};
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
@@ -60,7 +60,10 @@ pub struct EnergyLedgerPlugin;
 
 impl Plugin for EnergyLedgerPlugin {
     fn build(&self, app: &mut App) {
-        app.add_systems(
+        let renumber = renumber_released
+            .run_if(resource_exists::<EnergyLedger>)
+            .in_set(IncrementSystems::Renumber);
+        app.add_systems(Increment, renumber).add_systems(
             Increment,
             book_energies
                 .run_if(resource_exists::<EnergyLedger>)
@@ -69,6 +72,17 @@ impl Plugin for EnergyLedgerPlugin {
                 .before(IncrementSystems::Record),
         );
     }
+}
+
+/// Follows bodies to other rows.
+fn renumber_released(rows: Res<KeptRows>, mut ledger: ResMut<EnergyLedger>) {
+    ledger.released.retain_mut(|released| match (rows.now(released.a), rows.now(released.b)) {
+        (Some(a), Some(b)) => {
+            (released.a, released.b) = (a, b);
+            true
+        }
+        _ => false,
+    });
 }
 
 /// A body as the increment leaves it.
@@ -112,7 +126,9 @@ pub fn book_energies(solved: Solved, moved: Moved, mut ledger: ResMut<EnergyLedg
     rows.sort_unstable_by_key(|row| row.0);
     let mut end = bodies.positions.clone();
     for row in &rows {
-        end[row.0.index()] = row.1.0;
+        if let Some(i) = bodies.row(*row.0) {
+            end[i] = row.1.0;
+        }
     }
     let tables = Tables {
         bodies,

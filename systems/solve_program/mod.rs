@@ -6,6 +6,7 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, Mode};
+use clastic_components::contact::{Bodies, KeptRows};
 use clastic_components::findings::Sliding;
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
 use clastic_cone::condensed;
@@ -15,7 +16,7 @@ use clastic_cone::residuals;
 use clastic_cone::solver::{ConeSolver, check};
 
 use self::sliding::{SlidingSolver, solve_sliding};
-use crate::schedule::{AttemptIncrement, AttemptSystems, lap};
+use crate::schedule::{AttemptIncrement, AttemptSystems, Increment, IncrementSystems, lap};
 
 /// The solver of this world; [`Condensed`](condensed::Condensed) unless something else is said.
 #[derive(Resource)]
@@ -36,6 +37,7 @@ impl Plugin for SolveProgramPlugin {
             .init_resource::<Solver>()
             .init_resource::<SlidingSolver>()
             .init_resource::<Sliding>()
+            .add_systems(Increment, renumber_memory.in_set(IncrementSystems::Renumber))
             .add_systems(
                 AttemptIncrement,
                 (solve_program, solve_sliding, lap(|t| &mut t.solve))
@@ -43,6 +45,15 @@ impl Plugin for SolveProgramPlugin {
                     .in_set(AttemptSystems::Solve),
             );
     }
+}
+
+/// Follows bodies to other rows: new ones have no motion to start from.
+fn renumber_memory(rows: Res<KeptRows>, bodies: Res<Bodies>, mut solver: ResMut<Solver>) {
+    if solver.0.memory().is_empty() {
+        return;
+    }
+    let memory = rows.table(solver.0.memory(), bodies.ids.len());
+    solver.0.remember(&memory);
 }
 
 /// Solves the program and computes the residuals of what came back.

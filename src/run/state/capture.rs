@@ -9,6 +9,7 @@ use clastic_components::body::{
 use clastic_components::bond::{Bond, BondId, BondState};
 use clastic_components::contact::ContactHistory;
 use clastic_components::energy::EnergyLedger;
+use clastic_components::identity::Identities;
 use clastic_components::increment::{Analysis, Progress};
 use clastic_components::material::{ContactLaw, Materials};
 use clastic_components::observation::{Measures, Observation, RuptureCount};
@@ -17,7 +18,6 @@ use clastic_components::wall::{LoadedLength, Wall, WallControl, WallDrive, WallN
 use clastic_systems::solve_program::Solver;
 
 use super::{ControlState, LengthState, ParticleState, ScriptState, WallState, WorldState};
-use crate::run::cement::BondCounter;
 use crate::run::stages::{Before, Outcome, Script};
 
 impl WorldState {
@@ -59,7 +59,7 @@ impl WorldState {
             reference: world.resource::<Measures>().reference,
             observation: observation.clone(),
             ruptures: *world.resource::<RuptureCount>(),
-            bonds_created: world.get_resource::<BondCounter>().map_or(0, |counter| counter.0),
+            bonds_created: world.resource::<Identities>().next().bond,
             ledger: world.get_resource::<EnergyLedger>().cloned(),
             contacts: world.resource::<ContactHistory>().clone(),
             solver: solver.to_vec(),

@@ -3,6 +3,7 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::body::BodyId;
+use clastic_components::identity::{Identities, NextIdentities};
 use clastic_components::observation::Measures;
 use clastic_components::particle::Swinging;
 use clastic_components::wall::{LoadedLength, WallControl};
@@ -10,7 +11,6 @@ use clastic_systems::gather_bodies::gather_bodies;
 use clastic_systems::solve_program::Solver;
 
 use super::{ControlState, LengthState, ParticleState, WallState, WorldState};
-use crate::run::cement::BondCounter;
 use crate::run::load::resolve_measures;
 use crate::run::spawn::insert_settings;
 use crate::run::stages::Script;
@@ -39,7 +39,8 @@ impl WorldState {
         world.insert_resource(self.analysis);
         world.insert_resource(self.observation.clone());
         world.insert_resource(self.ruptures);
-        world.insert_resource(BondCounter(self.bonds_created));
+        let next = NextIdentities { bond: self.bonds_created, ..Default::default() };
+        world.get_resource_or_init::<Identities>().skip_to(next);
         if let Some(ledger) = &self.ledger {
             world.insert_resource(ledger.clone());
         }
