@@ -48,5 +48,5 @@ pub struct MaterialIndex(pub u32);
 
 /// A particle that a rejected solution moved far: it is on a mechanism, and its taut bonds are to pull
 /// it back in the increments that follow too.
-#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Swinging;

@@ -19,7 +19,8 @@ pub mod output;
 pub mod run;
 pub mod scene;
 
-use bevy_app::{PluginGroup, PluginGroupBuilder};
+use bevy_app::{PluginGroup, PluginGroupBuilder, Update};
+use bevy_ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
 
 use clastic_systems::assemble_program::AssembleProgramPlugin;
 use clastic_systems::attempt::AttemptPlugin;
@@ -32,16 +33,39 @@ use clastic_systems::record::RecordPlugin;
 use clastic_systems::rupture_bonds::RuptureBondsPlugin;
 use clastic_systems::schedule::SchedulePlugin;
 use clastic_systems::solve_program::SolveProgramPlugin;
+use clastic_systems::stepping::SteppingPlugin;
 use clastic_systems::trial_loads::TrialLoadsPlugin;
 use clastic_systems::update_state::UpdateStatePlugin;
 
 /// Everything that an increment needs. The program uses the same group as an embedder.
-pub struct ClasticPlugins;
+///
+/// The app makes one increment whenever `Update` runs, or the schedule given to
+/// [`new`](Self::new); [`Running`](systems::stepping::Running) pauses it. In `FixedUpdate` an
+/// increment that takes longer than the time step calls for more of them: use it only where
+/// increments are short.
+pub struct ClasticPlugins {
+    schedule: InternedScheduleLabel,
+}
+
+impl Default for ClasticPlugins {
+    fn default() -> Self {
+        Self::new(Update)
+    }
+}
+
+impl ClasticPlugins {
+    /// The app makes an increment whenever `schedule` runs.
+    #[must_use]
+    pub fn new(schedule: impl ScheduleLabel) -> Self {
+        Self { schedule: schedule.intern() }
+    }
+}
 
 impl PluginGroup for ClasticPlugins {
     fn build(self) -> PluginGroupBuilder {
         PluginGroupBuilder::start::<Self>()
             .add(SchedulePlugin)
+            .add(SteppingPlugin { schedule: self.schedule })
             .add(GatherBodiesPlugin)
             .add(TrialLoadsPlugin)
             .add(DetectContactsPlugin)

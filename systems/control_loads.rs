@@ -3,16 +3,18 @@
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use clastic_components::body::{AppliedLoad, LoadControl};
+use clastic_components::body::{AppliedLoad, BodyId, LoadControl};
 use clastic_components::increment::Progress;
 
 use crate::schedule::{ControlSystems, ControlWalls};
+use crate::state::RegisterState;
 
 /// Adds [`control_loads`].
 pub struct ControlLoadsPlugin;
 
 impl Plugin for ControlLoadsPlugin {
     fn build(&self, app: &mut App) {
+        app.register_component::<BodyId, LoadControl>("load_control");
         app.add_systems(ControlWalls, control_loads.in_set(ControlSystems::BuiltIn));
     }
 }

@@ -4,7 +4,7 @@
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use clastic_components::body::Position;
+use clastic_components::body::{BodyId, Position};
 use clastic_components::contact::Bodies;
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::wall::{LoadedLength, Wall, WallControl, WallDrive};
@@ -12,12 +12,16 @@ use clastic_components::wall::{LoadedLength, Wall, WallControl, WallDrive};
 use crate::schedule::{
     ControlSystems, ControlWalls, Increment, IncrementSystems, lap, start_clock,
 };
+use crate::state::RegisterState;
+use crate::wall_states::{ControlStates, WALL_CONTROL};
 
 /// Adds [`control_walls`] and runs it in every increment.
 pub struct ControlWallsPlugin;
 
 impl Plugin for ControlWallsPlugin {
     fn build(&self, app: &mut App) {
+        app.register_state::<ControlStates>(WALL_CONTROL)
+            .register_component::<BodyId, WallDrive>("wall_drive");
         app.add_systems(ControlWalls, control_walls.in_set(ControlSystems::BuiltIn)).add_systems(
             Increment,
             (

@@ -3,26 +3,30 @@
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use glam::DVec2;
+use serde::{Deserialize, Serialize};
 
 use clastic_components::body::{
-    AngularVelocity, AppliedLoad, BodyId, Drives, LastMotion, Position, Rotation, Velocity,
+    AngularVelocity, AppliedLoad, BodyId, Drives, ExternalForce, LastMotion, Origin, Position,
+    Rotation, Velocity,
 };
 use clastic_components::bond::{Bond, BondId, BondState};
 use clastic_components::contact::{
     Bodies, BondRow, ContactHistory, DraftHistory, KeptRows, WallRow,
 };
-use clastic_components::identity::Identities;
+use clastic_components::identity::{Identities, NextIdentities};
 use clastic_components::material::ContactLaw;
 use clastic_components::particle::{MaterialIndex, Particle, Swinging};
 use clastic_components::wall::{Wall, WallControl, WallDrive};
 
 use crate::schedule::{Increment, IncrementSystems};
+use crate::state::{RegisterState, StateOf};
 
 /// Adds [`gather_bodies`] and [`draft_history`].
 pub struct GatherBodiesPlugin;
 
 impl Plugin for GatherBodiesPlugin {
     fn build(&self, app: &mut App) {
+        register_bodies(app);
         app.init_resource::<Bodies>()
             .init_resource::<Identities>()
             .init_resource::<KeptRows>()
@@ -36,6 +40,54 @@ impl Plugin for GatherBodiesPlugin {
                     draft_history.in_set(IncrementSystems::Draft),
                 ),
             );
+    }
+}
+
+/// Registers what bodies and bonds keep from one increment to the next. Identities come first:
+/// entities are made of them.
+fn register_bodies(app: &mut App) {
+    app.register_state::<NextIdentities>("identities.next")
+        .register_component::<BodyId, Particle>("particle")
+        .register_component::<BodyId, Wall>("wall")
+        .register_component::<BodyId, Position>("position")
+        .register_component::<BodyId, Origin>("origin")
+        .register_component::<BodyId, Rotation>("rotation")
+        .register_component::<BodyId, Velocity>("velocity")
+        .register_component::<BodyId, AngularVelocity>("angular_velocity")
+        .register_component::<BodyId, LastMotion>("last_motion")
+        .register_component::<BodyId, MaterialIndex>("material")
+        .register_component::<BodyId, ContactLaw>("contact_law")
+        .register_component::<BodyId, Drives>("drives")
+        .register_component::<BodyId, AppliedLoad>("applied_load")
+        .register_component::<BodyId, Swinging>("swinging")
+        .register_component::<BodyId, ExternalForce>("external_force")
+        .register_component::<BondId, Bond>("bond")
+        .register_component::<BondId, BondState>("bond_state")
+        .register_state::<RowIds>("contact_history.rows")
+        .register_resource::<ContactHistory>("contact_history");
+}
+
+impl StateOf for NextIdentities {
+    fn take(world: &mut World) -> Option<Self> {
+        world.get_resource::<Identities>().map(Identities::next)
+    }
+
+    fn put(self, world: &mut World) {
+        world.get_resource_or_init::<Identities>().skip_to(self);
+    }
+}
+
+/// The identities by which tables are kept by row.
+#[derive(Serialize, Deserialize)]
+struct RowIds(Vec<BodyId>);
+
+impl StateOf for RowIds {
+    fn take(world: &mut World) -> Option<Self> {
+        world.get_resource::<KeptRows>().map(|kept| Self(kept.ids.clone()))
+    }
+
+    fn put(self, world: &mut World) {
+        world.insert_resource(KeptRows::of(self.0));
     }
 }
 

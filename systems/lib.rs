@@ -17,5 +17,8 @@ pub mod record;
 pub mod rupture_bonds;
 pub mod schedule;
 pub mod solve_program;
+pub mod state;
+pub mod stepping;
 pub mod trial_loads;
 pub mod update_state;
+pub mod wall_states;

@@ -4,6 +4,7 @@
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use glam::DVec2;
+use serde::{Deserialize, Serialize};
 
 use clastic_components::attempt::{Attempt, IncrementStatus};
 use clastic_components::body::{
@@ -27,6 +28,7 @@ use crate::attempt::events;
 use crate::control_walls::wall_distance;
 use crate::gather_bodies::gather_bodies;
 use crate::schedule::{Increment, IncrementSystems, lap};
+use crate::state::{RegisterState, StateOf};
 use clastic_cone::residuals::{Carrying, displacement_scale, force_scale};
 
 /// Adds the systems of the record.
@@ -35,7 +37,12 @@ pub struct RecordPlugin;
 impl Plugin for RecordPlugin {
     fn build(&self, app: &mut App) {
         // Whoever replaces the rule by which bonds break writes the messages that are read here.
-        app.init_resource::<RuptureCount>().add_message::<Rupture>();
+        app.init_resource::<RuptureCount>().init_resource::<Messages<Rupture>>();
+        app.add_systems(Increment, update_messages.before(IncrementSystems::Controls));
+        app.register_component::<BodyId, Probe>("probe")
+            .register_resource::<Observation>(OBSERVATION)
+            .register_resource::<RuptureCount>("rupture_count")
+            .register_state::<ReferenceLengths>("measures.reference");
         app.init_resource::<Observation>().init_resource::<Measures>().add_systems(
             Increment,
             (
@@ -52,6 +59,28 @@ impl Plugin for RecordPlugin {
                 .chain()
                 .in_set(IncrementSystems::Record),
         );
+    }
+}
+
+/// Name of [`Observation`] in a state.
+pub const OBSERVATION: &str = "observation";
+
+/// Messages of ruptures live for two increments, whether or not an app runs.
+fn update_messages(mut messages: ResMut<Messages<Rupture>>) {
+    messages.update();
+}
+
+/// Distances that strains are measured from, m: axial and lateral. What is measured is a setting.
+#[derive(Serialize, Deserialize)]
+struct ReferenceLengths(Option<[f64; 2]>);
+
+impl StateOf for ReferenceLengths {
+    fn take(world: &mut World) -> Option<Self> {
+        world.get_resource::<Measures>().map(|measures| Self(measures.reference))
+    }
+
+    fn put(self, world: &mut World) {
+        world.get_resource_or_init::<Measures>().reference = self.0;
     }
 }
 

@@ -27,7 +27,7 @@ pub struct RuptureBondsPlugin;
 impl Plugin for RuptureBondsPlugin {
     fn build(&self, app: &mut App) {
         app.insert_resource(BuiltInRule);
-        app.add_message::<Rupture>().add_systems(
+        app.init_resource::<Messages<Rupture>>().add_systems(
             Increment,
             (rupture_bonds.run_if(any_with_component::<Bond>), lap(|t| &mut t.rupture))
                 .chain()

@@ -21,7 +21,10 @@ use bevy_ecs::schedule::{LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleT
 
 use clastic_components::attempt::{Attempt, IncrementStatus};
 use clastic_components::contact::KeptRows;
+use clastic_components::increment::{Analysis, Progress};
 use clastic_components::observation::Timings;
+
+use crate::state::RegisterState;
 
 /// One increment.
 #[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -109,6 +112,9 @@ pub fn start_clock(mut lap: ResMut<Lap>, mut timings: ResMut<Timings>) {
     lap.0 = Instant::now();
 }
 
+/// Name of [`Progress`] in a state.
+pub const PROGRESS: &str = "progress";
+
 /// Run condition: bodies have come or gone such that rows have changed.
 pub fn rows_changed(rows: Res<KeptRows>) -> bool {
     rows.is_needed()
@@ -131,7 +137,8 @@ pub struct SchedulePlugin;
 
 impl Plugin for SchedulePlugin {
     fn build(&self, app: &mut App) {
-        app.init_resource::<Timings>().insert_resource(Lap(Instant::now()));
+        app.register_resource::<Progress>(PROGRESS).register_resource::<Analysis>("analysis");
+        app.init_resource::<Progress>().init_resource::<Timings>().insert_resource(Lap(Instant::now()));
         let settings = ScheduleBuildSettings {
             // An order that nobody stated is an order that may change: refuse it.
             ambiguity_detection: LogLevel::Error,

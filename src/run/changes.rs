@@ -11,14 +11,14 @@ use glam::DVec2;
 use clastic_components::increment::Progress;
 use clastic_components::wall::WallControl;
 
-use super::WorldState;
 use super::spawn::find_wall;
 use super::stages::Script;
+use super::state::StateView;
 use crate::scene::format::{Load, Scene, Stage, WallControl as Wanted};
 
 /// What of `new` cannot be, given that the run has come to `state` under `old`: each with a reason.
 #[must_use]
-pub fn refused(old: &Scene, new: &Scene, state: &WorldState) -> Vec<String> {
+pub fn refused(old: &Scene, new: &Scene, state: &StateView) -> Vec<String> {
     let mut refused = Vec::new();
     let mut fixed = |field: &str, same: bool, why: &str| {
         if !same {
@@ -46,14 +46,14 @@ pub fn refused(old: &Scene, new: &Scene, state: &WorldState) -> Vec<String> {
     for (k, stage) in old.stages.iter().enumerate() {
         let Some(changed) = new.stages.get(k) else {
             let last = index.min(old.stages.len().saturating_sub(1));
-            let gone = k < index || (k == last && state.script.begun);
+            let gone = k < index || (k == last && state.begun);
             fixed(&format!("stages.{}", stage.name()), !gone, "it has begun");
             continue;
         };
         let field = format!("stages.{}", stage.name());
-        if k < index || (k == index && state.script.begun && !state.is_within_stage()) {
+        if k < index || (k == index && state.begun && !state.is_within_stage()) {
             fixed(&field, stage == changed, "it has ended");
-        } else if k == index && state.script.begun {
+        } else if k == index && state.begun {
             let why = match (stage, changed) {
                 (Stage::Load(old), Stage::Load(new)) => stage_under_way(old, new, state),
                 _ => (stage != changed).then_some("it is under way"),
@@ -65,7 +65,7 @@ pub fn refused(old: &Scene, new: &Scene, state: &WorldState) -> Vec<String> {
 }
 
 /// Why a stage cannot go on as another one.
-fn stage_under_way(old: &Load, new: &Load, state: &WorldState) -> Option<&'static str> {
+fn stage_under_way(old: &Load, new: &Load, state: &StateView) -> Option<&'static str> {
     let mut allowed = new.clone();
     allowed.increments = old.increments;
     allowed.stop.clone_from(&old.stop);
@@ -85,9 +85,7 @@ fn stage_under_way(old: &Load, new: &Load, state: &WorldState) -> Option<&'stati
     if f64::from(new.increments) < state.progress.done {
         return Some("it is under way and has made more increments than that");
     }
-    let ramps = state.walls.iter().any(|wall| wall.control.is_ramp())
-        || state.particles.iter().any(|p| p.load_control.0.iter().any(|(from, to)| from != to));
-    (ramps && old.increments != new.increments).then_some(
+    (state.ramps && old.increments != new.increments).then_some(
         "a load is on its way to its target over the `increments` of this stage, which is under way",
     )
 }
@@ -103,7 +101,7 @@ fn motion(control: &Wanted) -> Option<WallControl> {
 
 /// Applies to a world restored from `state` what `new` changes of the stage under way; nothing of it
 /// was [`refused`].
-pub fn apply(world: &mut World, old: &Scene, new: &Scene, state: &WorldState) {
+pub fn apply(world: &mut World, old: &Scene, new: &Scene, state: &StateView) {
     let index = state.progress.stage;
     let (Some(Stage::Load(old)), Some(Stage::Load(new))) =
         (old.stages.get(index), new.stages.get(index))

@@ -1,24 +1,31 @@
 //! Running a scene: from its text to a world, and from stage to stage.
 //!
-//! All state lives in the world; [`Simulation`] only holds the app. An embedding program can do
-//! the same with its own app: [`spawn::spawn_scene`] fills a world, [`stages::advance`] takes it
-//! one increment on.
+//! All state lives in the world; [`Simulation`] only holds the app. An embedding program does the
+//! same with its own app: it adds [`ClasticPlugins`] and [`ScenePlugin`], and
+//! [`spawn::spawn_scene`] fills its world.
 
 mod advice;
+mod before;
 pub mod cement;
 pub mod changes;
 pub mod compact;
 pub mod load;
 pub mod particles;
+pub mod plugin;
+pub mod script;
 pub mod spawn;
 pub mod stages;
 pub mod state;
+mod stop;
 
 use bevy_app::App;
 use bevy_ecs::prelude::*;
 
-pub use stages::{Collapse, CollapsedBy, EndedBy, Outcome, StageEnd, Step};
-pub use state::WorldState;
+use clastic_systems::stepping::{Advance, Due};
+
+pub use plugin::ScenePlugin;
+pub use script::{Collapse, CollapsedBy, EndedBy, Outcome, StageEnd, Step};
+pub use state::{StateError, WorldState};
 
 use crate::ClasticPlugins;
 use crate::scene::format::Scene;
@@ -34,26 +41,40 @@ impl Simulation {
     /// `stored` is the content of the specimen file, where the scene names one.
     #[must_use]
     pub fn new(scene: &Scene, stored: Option<&StoredSpecimen>) -> Self {
-        let mut app = App::new();
-        app.add_plugins(ClasticPlugins);
+        let mut app = app();
         spawn::spawn_scene(app.world_mut(), scene, stored);
         Self { app }
     }
 
     /// A world that goes on from a state under the settings of `scene`: with those of the scene
     /// that the state comes from it goes on as if nothing had happened, to the last bit.
-    #[must_use]
-    pub fn resume(scene: &Scene, state: &WorldState) -> Self {
-        let mut app = App::new();
-        app.add_plugins(ClasticPlugins);
-        state.restore(app.world_mut(), scene);
-        Self { app }
+    ///
+    /// # Errors
+    /// If the state has an entry that no plugin registers, or that cannot be decoded.
+    pub fn resume(scene: &Scene, state: &WorldState) -> Result<Self, StateError> {
+        let mut app = app();
+        state::restore(app.world_mut(), scene, state)?;
+        Ok(Self { app })
+    }
+
+    /// The state between two increments, from which [`resume`](Self::resume) goes on. After an
+    /// undecided increment it is the state before that increment.
+    ///
+    /// # Errors
+    /// If a part of it cannot be encoded.
+    pub fn state(&mut self) -> Result<WorldState, StateError> {
+        state::capture(self.world_mut())
     }
 
     /// Runs the next increment, and what lies before it: ends and beginnings of stages, stages
     /// without increments.
     pub fn step(&mut self) -> Step {
-        stages::advance(self.app.world_mut())
+        let world = self.app.world_mut();
+        world.run_schedule(Advance);
+        match &world.resource::<script::Script>().outcome {
+            Some(outcome) if !world.resource::<Due>().0 => Step::Finished(outcome.clone()),
+            _ => Step::Increment,
+        }
     }
 
     /// Runs to the end.
@@ -80,4 +101,10 @@ impl Simulation {
     pub fn app_mut(&mut self) -> &mut App {
         &mut self.app
     }
+}
+
+fn app() -> App {
+    let mut app = App::new();
+    app.add_plugins((ClasticPlugins::default(), ScenePlugin));
+    app
 }

@@ -52,6 +52,7 @@ use self::dynamic::book_bodies;
 use self::interactions::{Part, Tables, after_rupture, book, gap_at};
 use self::quasi_static::Starts;
 use crate::schedule::{Increment, IncrementSystems, committed};
+use crate::state::RegisterState;
 
 pub(crate) use self::steps::book_step;
 
@@ -60,6 +61,7 @@ pub struct EnergyLedgerPlugin;
 
 impl Plugin for EnergyLedgerPlugin {
     fn build(&self, app: &mut App) {
+        app.register_resource::<EnergyLedger>("energy_ledger");
         let renumber = renumber_released
             .run_if(resource_exists::<EnergyLedger>)
             .in_set(IncrementSystems::Renumber);

@@ -4,6 +4,7 @@ pub mod sliding;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use clastic_components::attempt::{Attempt, Mode};
 use clastic_components::contact::{Bodies, KeptRows};
@@ -17,6 +18,7 @@ use clastic_cone::solver::{ConeSolver, check};
 
 use self::sliding::{SlidingSolver, solve_sliding};
 use crate::schedule::{AttemptIncrement, AttemptSystems, Increment, IncrementSystems, lap};
+use crate::state::{RegisterState, StateOf};
 
 /// The solver of this world; [`Condensed`](condensed::Condensed) unless something else is said.
 #[derive(Resource)]
@@ -33,7 +35,8 @@ pub struct SolveProgramPlugin;
 
 impl Plugin for SolveProgramPlugin {
     fn build(&self, app: &mut App) {
-        app.init_resource::<ConeSolution>()
+        app.register_state::<SolverMemory>(SOLVER_MEMORY)
+            .init_resource::<ConeSolution>()
             .init_resource::<Solver>()
             .init_resource::<SlidingSolver>()
             .init_resource::<Sliding>()
@@ -44,6 +47,25 @@ impl Plugin for SolveProgramPlugin {
                     .chain()
                     .in_set(AttemptSystems::Solve),
             );
+    }
+}
+
+/// Name of the memory of the solver in a state.
+pub const SOLVER_MEMORY: &str = "solver.memory";
+
+/// Where the solver's warm start begins, by row. Which solver it is follows from the settings.
+#[derive(Serialize, Deserialize)]
+struct SolverMemory(Vec<[f64; 3]>);
+
+impl StateOf for SolverMemory {
+    fn take(world: &mut World) -> Option<Self> {
+        world.get_resource::<Solver>().map(|solver| Self(solver.0.memory().to_vec()))
+    }
+
+    fn put(self, world: &mut World) {
+        if let Some(mut solver) = world.get_resource_mut::<Solver>() {
+            solver.0.remember(&self.0);
+        }
     }
 }
 

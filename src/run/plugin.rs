@@ -1,0 +1,123 @@
+//! `ScenePlugin`: the stages of a scene as systems around the increment.
+
+use std::collections::BTreeSet;
+
+use bevy_app::{App, Plugin};
+use bevy_ecs::prelude::*;
+use bevy_ecs::schedule::{
+    LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor,
+};
+
+use clastic_components::body::{BodyId, Group};
+use clastic_components::wall::WallName;
+use clastic_systems::state::RegisterState;
+use clastic_systems::stepping::{Advance, AdvanceSystems};
+
+use super::before::{Before, take_down};
+use super::stages::{CurrentStage, begin_built_in, change_stages, end_built_in};
+use super::script::Script;
+use super::state::{MATERIALS, MaterialNames, SCRIPT, ScriptState};
+use super::stop::end_increment;
+use crate::scene::format::{CustomStage, Stage};
+
+/// Begins the [`CurrentStage`]: sets controls and `Progress::total`, which is 0 for a stage without
+/// increments. Built-in kinds come first.
+#[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct BeginStage;
+
+/// Ends the [`CurrentStage`].
+#[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct EndStage;
+
+/// Sets of [`BeginStage`] and [`EndStage`], and of the end of an increment, in order.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum StageSystems {
+    /// What the engine does: in [`BeginStage`] and [`EndStage`].
+    BuiltIn,
+    /// What a plugin does for its own kind of stage: in [`BeginStage`] and [`EndStage`].
+    Custom,
+    /// Stop conditions of a plugin: in [`Advance`], after the increment. They set
+    /// [`Script::stop`].
+    Stop,
+}
+
+/// The kinds of `Custom` stages that plugins provide. A scene that names another one is refused.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct StageKinds(BTreeSet<&'static str>);
+
+impl StageKinds {
+    /// Why a stage cannot begin; `None` if a plugin provides its kind.
+    #[must_use]
+    pub fn refusal(&self, stage: &CustomStage) -> Option<String> {
+        let CustomStage { name, kind, .. } = stage;
+        (!self.0.contains(kind.as_str())).then(|| {
+            let known: Vec<_> = self.0.iter().copied().collect();
+            let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
+            format!(
+                "stage `{name}` cannot begin: no plugin of this program provides the kind `{kind}`; it \
+                 provides {known}"
+            )
+        })
+    }
+}
+
+/// Says that a plugin provides a kind of stage.
+pub trait ProvideStage {
+    /// The plugin has systems in [`StageSystems::Custom`] that begin and end stages of this kind.
+    fn provide_stage(&mut self, kind: &'static str) -> &mut Self;
+}
+
+impl ProvideStage for App {
+    fn provide_stage(&mut self, kind: &'static str) -> &mut Self {
+        self.world_mut().get_resource_or_init::<StageKinds>().0.insert(kind);
+        self
+    }
+}
+
+/// Run condition: the [`CurrentStage`] is a `Custom` one of this kind.
+pub fn stage_is(kind: &'static str) -> impl FnMut(Option<Res<CurrentStage>>) -> bool + Clone {
+    move |stage| matches!(stage.as_deref(), Some(CurrentStage(Stage::Custom(s))) if s.kind == kind)
+}
+
+/// Adds the stages of a scene to [`ClasticPlugins`](crate::ClasticPlugins). The scene itself comes
+/// with [`spawn_scene`](super::spawn::spawn_scene); without one, nothing of this does anything.
+pub struct ScenePlugin;
+
+impl Plugin for ScenePlugin {
+    fn build(&self, app: &mut App) {
+        for label in [BeginStage.intern(), EndStage.intern()] {
+            let mut schedule = Schedule::new(label);
+            schedule.set_build_settings(ScheduleBuildSettings {
+                ambiguity_detection: LogLevel::Error,
+                hierarchy_detection: LogLevel::Error,
+                ..Default::default()
+            });
+            schedule.set_executor(SingleThreadedExecutor::new());
+            schedule.configure_sets((StageSystems::BuiltIn, StageSystems::Custom).chain());
+            app.add_schedule(schedule);
+        }
+        let runs_scene = resource_exists::<Script>;
+        app.register_component::<BodyId, Group>("group")
+            .register_component::<BodyId, WallName>("wall_name")
+            .register_state::<MaterialNames>(MATERIALS)
+            .register_state::<ScriptState>(SCRIPT)
+            .init_resource::<StageKinds>()
+            .init_resource::<Before>()
+            .add_systems(BeginStage, begin_built_in.in_set(StageSystems::BuiltIn))
+            .add_systems(EndStage, end_built_in.in_set(StageSystems::BuiltIn))
+            .configure_sets(Advance, StageSystems::Stop.in_set(AdvanceSystems::End))
+            .add_systems(
+                Advance,
+                (
+                    (change_stages, take_down)
+                        .chain()
+                        .in_set(AdvanceSystems::Begin)
+                        .run_if(runs_scene),
+                    end_increment
+                        .in_set(AdvanceSystems::End)
+                        .after(StageSystems::Stop)
+                        .run_if(runs_scene),
+                ),
+            );
+    }
+}

@@ -1,0 +1,169 @@
+//! What a scene adds to the state of a world: where the run stands among its stages.
+
+use bevy_ecs::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use clastic_components::body::{BodyId, LoadControl, Origin};
+use clastic_components::increment::Progress;
+use clastic_components::material::Materials;
+use clastic_components::particle::{MaterialIndex, Particle};
+use clastic_systems::gather_bodies::gather_bodies;
+use clastic_systems::record::OBSERVATION;
+use clastic_systems::schedule::PROGRESS;
+use clastic_systems::solve_program::SOLVER_MEMORY;
+pub use clastic_systems::state::{StateError, StateOf, WorldState};
+use clastic_systems::wall_states::{ControlStates, WALL_CONTROL};
+
+use super::load::resolve_measures;
+use super::spawn::insert_settings;
+use super::stages::{Before, Collapse, Outcome, Script, StageEnd};
+use crate::scene::format::Scene;
+use crate::scene::{StoredParticle, StoredSpecimen};
+
+/// Name of [`ScriptState`] in a state.
+pub const SCRIPT: &str = "script";
+/// Name of [`MaterialNames`] in a state.
+pub const MATERIALS: &str = "materials.names";
+
+/// What a [`Script`] remembers besides its scene.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ScriptState {
+    /// Whether the stage has begun.
+    pub begun: bool,
+    /// Maximum speed after the last increment of the stage, m/s.
+    pub speed: Option<f64>,
+    /// Axial stress of the maximum magnitude in the stage so far, Pa.
+    pub peak: f64,
+    /// The first collapse.
+    pub collapse: Option<Collapse>,
+    /// The stages so far and how they ended.
+    pub ends: Vec<StageEnd>,
+}
+
+impl StateOf for ScriptState {
+    fn take(world: &mut World) -> Option<Self> {
+        let script = world.get_resource::<Script>()?;
+        let mut ends = script.ends.clone();
+        // Nothing of an undecided increment was committed: who resumes tries it again.
+        if let Some(end) = ends.last_mut().filter(|_| undecided(script)) {
+            end.increments -= 1;
+            end.ended_by = None;
+        }
+        Some(Self {
+            begun: script.begun,
+            speed: script.speed,
+            peak: script.peak,
+            collapse: script.collapse.clone(),
+            ends,
+        })
+    }
+
+    fn put(self, world: &mut World) {
+        let Some(mut script) = world.get_resource_mut::<Script>() else { return };
+        script.begun = self.begun;
+        script.speed = self.speed;
+        script.peak = self.peak;
+        script.collapse = self.collapse;
+        script.ends = self.ends;
+        if script.begun {
+            resolve_measures(world);
+        }
+    }
+}
+
+/// Names of the materials that particles have an index of. They follow from the scene: the state
+/// holds them for those who read it without a world.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MaterialNames(pub Vec<String>);
+
+impl StateOf for MaterialNames {
+    fn take(world: &mut World) -> Option<Self> {
+        let materials = world.get_resource::<Materials>()?;
+        Some(Self(materials.0.iter().map(|m| m.name.clone()).collect()))
+    }
+
+    fn put(self, _: &mut World) {}
+}
+
+fn undecided(script: &Script) -> bool {
+    matches!(script.outcome, Some(Outcome::Undecided { .. }))
+}
+
+/// The state of a world that runs a scene, between two increments. If the last increment was
+/// undecided, it is the state before that increment: nothing of it was committed.
+///
+/// # Errors
+/// If a part of it cannot be encoded.
+pub fn capture(world: &mut World) -> Result<WorldState, StateError> {
+    let mut state = WorldState::capture(world)?;
+    if world.get_resource::<Script>().is_some_and(undecided)
+        && let Some(before) = world.get_resource::<Before>()
+    {
+        state.set(PROGRESS, &before.progress)?;
+        state.set(OBSERVATION, &before.observation)?;
+        state.set(SOLVER_MEMORY, &before.solver)?;
+    }
+    Ok(state)
+}
+
+/// Fills `world` so that it goes on from `state` under the settings of `scene`. The world must have
+/// the plugins that the state comes from and no bodies.
+///
+/// # Errors
+/// If the state has an entry that no plugin registers, or that cannot be decoded.
+pub fn restore(world: &mut World, scene: &Scene, state: &WorldState) -> Result<(), StateError> {
+    let particles = state.components::<BodyId, Particle>("particle")?.len();
+    insert_settings(world, scene, particles as u32);
+    world.insert_resource(Script::new(scene));
+    state.restore(world)?;
+    // Who looks at the world before the next increment looks here.
+    let _ = world.run_system_cached(gather_bodies);
+    Ok(())
+}
+
+/// What those who take a run on need to know of its state before they have a world.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StateView {
+    /// How far the run has come.
+    pub progress: Progress,
+    /// Whether the stage at [`Progress::stage`] has begun.
+    pub begun: bool,
+    /// Whether any load is on its way to a target.
+    pub ramps: bool,
+    /// The particles as they were before the first stage.
+    pub specimen: StoredSpecimen,
+}
+
+impl StateView {
+    /// Reads it from a state.
+    ///
+    /// # Errors
+    /// If the state is not that of a run of a scene.
+    pub fn of(state: &WorldState) -> Result<Self, StateError> {
+        let controls: ControlStates = state.get(WALL_CONTROL)?;
+        let loads = state.components::<BodyId, LoadControl>("load_control")?;
+        let materials: MaterialNames = state.get(MATERIALS)?;
+        let particles = state.components::<BodyId, Particle>("particle")?;
+        let origins = state.components::<BodyId, Origin>("origin")?;
+        let indices = state.components::<BodyId, MaterialIndex>("material")?;
+        let origin = |id| origins.binary_search_by_key(&id, |(id, _)| *id).ok();
+        let rows = particles.iter().zip(&indices).filter_map(|((id, particle), (_, index))| {
+            let place = origins[origin(*id)?].1.0;
+            let material = materials.0.get(index.0 as usize).cloned();
+            Some(StoredParticle { x: place.x, y: place.y, r: particle.radius, material })
+        });
+        Ok(Self {
+            progress: state.get(PROGRESS)?,
+            begun: state.get::<ScriptState>(SCRIPT)?.begun,
+            ramps: controls.0.iter().any(|(_, control)| control.is_ramp())
+                || loads.iter().any(|(_, load)| load.0.iter().any(|(from, to)| from != to)),
+            specimen: StoredSpecimen { rows: rows.collect() },
+        })
+    }
+
+    /// Whether the stage under way has begun and is not at its end.
+    #[must_use]
+    pub fn is_within_stage(&self) -> bool {
+        self.begun && !self.progress.is_over()
+    }
+}

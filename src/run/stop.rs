@@ -1,0 +1,116 @@
+//! How an increment ended, and whether its stage goes on.
+
+use bevy_ecs::prelude::*;
+
+use clastic_components::attempt::{Attempt, IncrementStatus};
+use clastic_components::body::Velocity;
+use clastic_components::increment::Progress;
+use clastic_components::observation::Observation;
+use clastic_cone::program::ConeSolution;
+use clastic_systems::record::axial_stress_error;
+
+use super::advice::with_advice;
+use super::load;
+use super::script::{Collapse, CollapsedBy, EndedBy, Outcome, Script};
+use crate::scene::format::{Stage, Stop};
+
+impl Collapse {
+    /// The collapse that the last increment found.
+    fn found(world: &World, stage: &Stage) -> Self {
+        let complaint = &world.resource::<Attempt>().complaint;
+        let (by, reason) = if world.resource::<ConeSolution>().certificate.is_some() {
+            (CollapsedBy::Proof, "no equilibrium exists: a mechanism proves it".to_owned())
+        } else {
+            let reason =
+                format!("{complaint}; the same in steps half as long; no mechanism proves it");
+            (CollapsedBy::Motion, reason)
+        };
+        let increment = world.resource::<Progress>().increment;
+        Self { stage: stage.name().to_owned(), increment, by, reason }
+    }
+}
+
+/// Looks at how the increment ended and at the stop conditions of the stage. Exclusive, because
+/// what a collapse or a stop means reaches every wall and particle.
+pub fn end_increment(world: &mut World) {
+    let index = world.resource::<Progress>().stage;
+    let Some(stage) = world.resource::<Script>().stage(index).cloned() else { return };
+    let stage = &stage;
+    let (status, complaint) = {
+        let attempt = world.resource::<Attempt>();
+        (attempt.status, attempt.complaint.clone())
+    };
+    let increment = world.resource::<Progress>().increment;
+    let mut held = None;
+    let ended_by = match status {
+        IncrementStatus::Solved | IncrementStatus::Capped => {
+            if !world.resource::<Observation>().in_avalanche {
+                held = stopped(world, stage);
+            }
+            // A stage does not end before its last avalanche has.
+            if world.resource::<Progress>().relaxing {
+                held = None;
+            }
+            let mut script = world.resource_mut::<Script>();
+            let custom = std::mem::take(&mut script.stop);
+            (held.is_some() || custom).then_some(EndedBy::Stop)
+        }
+        IncrementStatus::Collapsed => {
+            let collapse = Collapse::found(world, stage);
+            world.resource_mut::<Script>().collapse.get_or_insert(collapse);
+            Some(EndedBy::Collapse)
+        }
+        IncrementStatus::Undecided => {
+            let message = with_advice(world, stage, &complaint);
+            world.resource_mut::<Script>().outcome =
+                Some(Outcome::Undecided { increment, message });
+            Some(EndedBy::Undecided)
+        }
+    };
+    if let Some(end) = world.resource_mut::<Script>().ends.last_mut() {
+        end.increments += 1;
+        end.capped += u64::from(status == IncrementStatus::Capped);
+        (end.ended_by, end.stop) = (ended_by, held);
+    }
+    if matches!(ended_by, Some(EndedBy::Stop | EndedBy::Collapse)) {
+        load::end_early(world);
+        let mut progress = world.resource_mut::<Progress>();
+        progress.done = progress.total;
+        progress.relaxing = false;
+    }
+}
+
+/// The error of the axial stress that `acceptance.residual` allows, Pa.
+fn error_of_stress(world: &mut World) -> f64 {
+    world.run_system_cached(axial_stress_error).ok().flatten().unwrap_or(0.0)
+}
+
+/// The first stop condition of the stage that is met.
+fn stopped(world: &mut World, stage: &Stage) -> Option<Stop> {
+    let Stage::Load(load) = stage else { return None };
+    let observation = world.resource::<Observation>();
+    let (strain, stress) = (observation.axial_strain, observation.axial_stress);
+    let time = world.resource::<Progress>().time;
+    let mut velocities = world.query::<&Velocity>();
+    let greatest = velocities.iter(world).map(|v| v.0.length()).fold(0.0, f64::max);
+    let mut script = world.resource_mut::<Script>();
+    let last = script.speed.replace(greatest);
+    if let Some(stress) = stress.filter(|s| s.abs() > script.peak.abs()) {
+        script.peak = stress;
+    }
+    // In a tension test the peak is negative.
+    let (peak, sign) = (script.peak.abs(), script.peak.signum());
+    load.stop.iter().copied().find(|stop| match *stop {
+        // Strains are sums of increments: the last bits must not cost one more of them.
+        Stop::AxialStrain(limit) => strain
+            .is_some_and(|e| if limit < 0.0 { e <= limit + 1e-12 } else { e >= limit - 1e-12 }),
+        // A drop that is no more than the error of the stress may be round-off.
+        Stop::StressDrop(fraction) => {
+            stress.is_some_and(|s| peak > 0.0 && sign * s < fraction * peak)
+                && (1.0 - fraction) * peak > error_of_stress(world)
+        }
+        Stop::Time(limit) => time >= limit * (1.0 - 1e-12),
+        // What begins to fall is slow too: at rest nothing gets faster.
+        Stop::Rest(speed) => greatest < speed && last.is_some_and(|last| greatest <= last),
+    })
+}

@@ -1,0 +1,290 @@
+//! State that lives from one increment to the next, registered by the plugin that owns it.
+//!
+//! A [`WorldState`] is the sum of what is registered: plain bytes under names, so that the state of
+//! an embedding program's plugin is kept and restored like that of the engine. Entities have no
+//! place in it: bodies and bonds are named by their identities. Tables that every increment makes
+//! anew (contacts, program, solution) are not state, and neither are settings.
+//!
+//! ```
+//! use bevy_app::App;
+//! use bevy_ecs::prelude::*;
+//! use clastic_systems::state::{RegisterState, WorldState};
+//! use serde::{Deserialize, Serialize};
+//!
+//! #[derive(Resource, Serialize, Deserialize)]
+//! struct Temperature(f64);
+//!
+//! let mut app = App::new();
+//! app.register_resource::<Temperature>("my_plugin.temperature");
+//! app.insert_resource(Temperature(291.0));
+//! let state = WorldState::capture(app.world_mut())?;
+//!
+//! let mut other = App::new();
+//! other.register_resource::<Temperature>("my_plugin.temperature");
+//! state.restore(other.world_mut())?;
+//! assert_eq!(other.world().resource::<Temperature>().0, 291.0);
+//! # Ok::<(), clastic_systems::state::StateError>(())
+//! ```
+
+use bevy_app::App;
+use bevy_ecs::prelude::*;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+
+use clastic_components::body::BodyId;
+use clastic_components::bond::BondId;
+use clastic_components::identity::Identities;
+
+/// Why a state cannot be captured or restored.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum StateError {
+    /// Nobody knows what an entry of the state is.
+    #[error(
+        "the state has an entry `{0}`, which no plugin of this program registers; add the plugin that \
+         the run was made with"
+    )]
+    Unknown(String),
+    /// An entry cannot be encoded or decoded.
+    #[error("entry `{name}` of the state: {what}")]
+    Encoding {
+        /// The entry.
+        name: String,
+        /// What is wrong with it.
+        what: String,
+    },
+    /// The state has no such entry.
+    #[error("the state has no entry `{0}`")]
+    Missing(String),
+}
+
+/// Bytes of an entry; `None` where the world has nothing of it.
+type Capture = fn(&mut World) -> Result<Option<Vec<u8>>, postcard::Error>;
+type Restore = fn(&mut World, &[u8]) -> Result<(), postcard::Error>;
+
+struct Entry {
+    name: &'static str,
+    capture: Capture,
+    restore: Restore,
+}
+
+/// What is registered, in the order of registration.
+#[derive(Resource, Default)]
+pub struct StateRegistry {
+    entries: Vec<Entry>,
+}
+
+/// State that is no resource and no component as it stands: `take` reads it from a world, `put`
+/// brings it into one.
+pub trait StateOf: Serialize + DeserializeOwned {
+    /// The state in the world; `None` where the world has none.
+    fn take(world: &mut World) -> Option<Self>;
+    /// Brings it into a world in which all bodies and bonds are.
+    fn put(self, world: &mut World);
+}
+
+/// An identity that names entities in a state.
+pub trait Identity: Component + Copy + Ord + Serialize + DeserializeOwned {
+    /// The entity that has this identity.
+    fn entity(self, identities: &Identities) -> Option<Entity>;
+}
+
+impl Identity for BodyId {
+    fn entity(self, identities: &Identities) -> Option<Entity> {
+        identities.body(self)
+    }
+}
+
+impl Identity for BondId {
+    fn entity(self, identities: &Identities) -> Option<Entity> {
+        identities.bond(self)
+    }
+}
+
+/// Registers state that a [`WorldState`] holds.
+///
+/// Names are those of the checkpoint: `plugin.what`, so that they do not meet.
+///
+/// # Panics
+/// If the name is registered already.
+pub trait RegisterState {
+    /// A resource.
+    fn register_resource<T: Resource + Serialize + DeserializeOwned>(
+        &mut self,
+        name: &'static str,
+    ) -> &mut Self;
+
+    /// A component of bodies ([`BodyId`]) or bonds ([`BondId`]). On restoring, an identity that is
+    /// not there yet becomes an entity.
+    fn register_component<I: Identity, T: Component + Clone + Serialize + DeserializeOwned>(
+        &mut self,
+        name: &'static str,
+    ) -> &mut Self;
+
+    /// Anything else.
+    fn register_state<S: StateOf>(&mut self, name: &'static str) -> &mut Self;
+}
+
+impl RegisterState for App {
+    fn register_resource<T: Resource + Serialize + DeserializeOwned>(
+        &mut self,
+        name: &'static str,
+    ) -> &mut Self {
+        register(
+            self,
+            name,
+            |world| world.get_resource::<T>().map(postcard::to_stdvec).transpose(),
+            |world, bytes| {
+                world.insert_resource(postcard::from_bytes::<T>(bytes)?);
+                Ok(())
+            },
+        )
+    }
+
+    fn register_component<I: Identity, T: Component + Clone + Serialize + DeserializeOwned>(
+        &mut self,
+        name: &'static str,
+    ) -> &mut Self {
+        register(self, name, capture_component::<I, T>, restore_component::<I, T>)
+    }
+
+    fn register_state<S: StateOf>(&mut self, name: &'static str) -> &mut Self {
+        register(
+            self,
+            name,
+            |world| S::take(world).as_ref().map(postcard::to_stdvec).transpose(),
+            |world, bytes| {
+                postcard::from_bytes::<S>(bytes)?.put(world);
+                Ok(())
+            },
+        )
+    }
+}
+
+fn register<'a>(
+    app: &'a mut App,
+    name: &'static str,
+    capture: Capture,
+    restore: Restore,
+) -> &'a mut App {
+    app.init_resource::<StateRegistry>();
+    let mut registry = app.world_mut().resource_mut::<StateRegistry>();
+    let is_new = registry.entries.iter().all(|entry| entry.name != name);
+    assert!(is_new, "state `{name}` is registered twice: give each a name of its own");
+    registry.entries.push(Entry { name, capture, restore });
+    app
+}
+
+fn capture_component<I: Identity, T: Component + Clone + Serialize>(
+    world: &mut World,
+) -> Result<Option<Vec<u8>>, postcard::Error> {
+    let mut rows: Vec<(I, &T)> =
+        world.query::<(&I, &T)>().iter(world).map(|(id, value)| (*id, value)).collect();
+    if rows.is_empty() {
+        return Ok(None);
+    }
+    rows.sort_unstable_by_key(|(id, _)| *id);
+    postcard::to_stdvec(&rows).map(Some)
+}
+
+fn restore_component<I: Identity, T: Component + DeserializeOwned>(
+    world: &mut World,
+    bytes: &[u8],
+) -> Result<(), postcard::Error> {
+    for (id, value) in postcard::from_bytes::<Vec<(I, T)>>(bytes)? {
+        let known = id.entity(&world.get_resource_or_init::<Identities>());
+        let entity = known.unwrap_or_else(|| world.spawn(id).id());
+        world.entity_mut(entity).insert(value);
+    }
+    Ok(())
+}
+
+/// The state of a world between two increments.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct WorldState {
+    entries: Vec<(String, Vec<u8>)>,
+}
+
+impl WorldState {
+    /// The state of a world in which no increment is under way.
+    ///
+    /// # Errors
+    /// If an entry cannot be encoded.
+    pub fn capture(world: &mut World) -> Result<Self, StateError> {
+        let mut entries = Vec::new();
+        let registered = names(world);
+        for (name, capture, _) in registered {
+            if let Some(bytes) = capture(world).map_err(|error| encoding(name, &error))? {
+                entries.push((name.to_owned(), bytes));
+            }
+        }
+        Ok(Self { entries })
+    }
+
+    /// Brings the state into a world that has no bodies and whose plugins are those of the world
+    /// that it comes from.
+    ///
+    /// # Errors
+    /// If an entry is not registered or cannot be decoded. The world is then not to be used.
+    pub fn restore(&self, world: &mut World) -> Result<(), StateError> {
+        let registered = names(world);
+        for (name, _) in &self.entries {
+            if registered.iter().all(|(known, ..)| known != name) {
+                return Err(StateError::Unknown(name.clone()));
+            }
+        }
+        // In the order of registration, whatever that was where the state was captured.
+        for (name, _, restore) in registered {
+            if let Some(bytes) = self.bytes(name) {
+                restore(world, bytes).map_err(|error| encoding(name, &error))?;
+                world.flush();
+            }
+        }
+        Ok(())
+    }
+
+    /// Puts another value in the place of an entry.
+    ///
+    /// # Errors
+    /// If it cannot be encoded.
+    pub fn set<T: Serialize>(&mut self, name: &str, value: &T) -> Result<(), StateError> {
+        let bytes = postcard::to_stdvec(value).map_err(|error| encoding(name, &error))?;
+        match self.entries.iter_mut().find(|(known, _)| known == name) {
+            Some((_, old)) => *old = bytes,
+            None => self.entries.push((name.to_owned(), bytes)),
+        }
+        Ok(())
+    }
+
+    /// An entry; resources as they are, components as `Vec<(I, T)>` by identity.
+    ///
+    /// # Errors
+    /// If it is missing or is of another type.
+    pub fn get<T: DeserializeOwned>(&self, name: &str) -> Result<T, StateError> {
+        let bytes = self.bytes(name).ok_or_else(|| StateError::Missing(name.to_owned()))?;
+        postcard::from_bytes(bytes).map_err(|error| encoding(name, &error))
+    }
+
+    /// Components of one kind by identity; none if no entity has one.
+    ///
+    /// # Errors
+    /// If the entry is of another type.
+    pub fn components<I: Identity, T: DeserializeOwned>(
+        &self,
+        name: &str,
+    ) -> Result<Vec<(I, T)>, StateError> {
+        if self.bytes(name).is_none() { Ok(Vec::new()) } else { self.get(name) }
+    }
+
+    fn bytes(&self, name: &str) -> Option<&[u8]> {
+        self.entries.iter().find(|(known, _)| known == name).map(|(_, bytes)| bytes.as_slice())
+    }
+}
+
+fn names(world: &mut World) -> Vec<(&'static str, Capture, Restore)> {
+    let registry = world.get_resource_or_init::<StateRegistry>();
+    registry.entries.iter().map(|e| (e.name, e.capture, e.restore)).collect()
+}
+
+fn encoding(name: &str, error: &postcard::Error) -> StateError {
+    StateError::Encoding { name: name.to_owned(), what: error.to_string() }
+}

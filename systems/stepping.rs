@@ -1,0 +1,137 @@
+//! One increment after another: the `Advance` schedule, and the app that runs it by itself.
+//!
+//! ```text
+//! Advance:   Begin -> Increment -> End -> Output
+//!   Begin    what must be done before the increment: stages end and begin
+//!   Increment    runs the Increment schedule, if one is due
+//!   End      how the increment ended, and whether the stage goes on
+//!   Output   what is written of it
+//! ```
+
+use bevy_app::{App, Plugin, Update};
+use bevy_ecs::prelude::*;
+use bevy_ecs::schedule::{
+    InternedScheduleLabel, LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor,
+};
+
+use clastic_components::particle::Particle;
+
+use crate::schedule::Increment;
+
+/// One increment with what is done before and after it.
+#[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Advance;
+
+/// Sets of [`Advance`], in order.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum AdvanceSystems {
+    /// Before the increment. Sets [`Due`].
+    Begin,
+    /// The increment.
+    Increment,
+    /// After the increment: only if one was due.
+    End,
+    /// Readers of the world, which change no result: only if an increment was due.
+    Output,
+}
+
+/// Whether [`Advance`] is to make an increment.
+#[derive(Resource, Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Due(pub bool);
+
+impl Default for Due {
+    fn default() -> Self {
+        Self(true)
+    }
+}
+
+/// Whether the app goes on by itself when the schedule of its plugins runs.
+#[derive(Resource, Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Running {
+    /// One increment every time.
+    #[default]
+    Always,
+    /// One increment every time, as many times as this; then paused.
+    Times(u32),
+    /// None.
+    Paused,
+}
+
+impl Running {
+    /// Takes one increment off; says whether it is to be made.
+    fn take_one(&mut self) -> bool {
+        match *self {
+            Self::Always => true,
+            Self::Times(0) | Self::Paused => false,
+            Self::Times(n) => {
+                *self = if n == 1 { Self::Paused } else { Self::Times(n - 1) };
+                true
+            }
+        }
+    }
+}
+
+/// Why nothing goes on any more: no increment is made while this resource is in the world.
+#[derive(Resource, Clone, Debug, PartialEq, Eq)]
+pub struct Halted(
+    /// What happened.
+    pub String,
+);
+
+/// Adds [`Advance`] and runs it, as [`Running`] says, whenever `schedule` runs.
+pub struct SteppingPlugin {
+    /// The schedule of the app that makes increments.
+    pub schedule: InternedScheduleLabel,
+}
+
+impl Default for SteppingPlugin {
+    fn default() -> Self {
+        Self { schedule: Update.intern() }
+    }
+}
+
+impl Plugin for SteppingPlugin {
+    fn build(&self, app: &mut App) {
+        let mut advance = Schedule::new(Advance);
+        advance.set_build_settings(ScheduleBuildSettings {
+            ambiguity_detection: LogLevel::Error,
+            hierarchy_detection: LogLevel::Error,
+            ..Default::default()
+        });
+        advance.set_executor(SingleThreadedExecutor::new());
+        advance.configure_sets(
+            (
+                AdvanceSystems::Begin,
+                AdvanceSystems::Increment.run_if(is_due),
+                AdvanceSystems::End.run_if(is_due),
+                AdvanceSystems::Output.run_if(is_due),
+            )
+                .chain()
+                .run_if(not(resource_exists::<Halted>)),
+        );
+        advance.add_systems(increment.in_set(AdvanceSystems::Increment));
+        app.init_resource::<Due>()
+            .init_resource::<Running>()
+            .add_schedule(advance)
+            .add_systems(self.schedule, step);
+    }
+}
+
+fn is_due(due: Res<Due>) -> bool {
+    due.0
+}
+
+/// Exclusive, because it runs a schedule.
+fn increment(world: &mut World) {
+    world.run_schedule(Increment);
+}
+
+/// Makes an increment if the app is [`Running`] and has particles. Exclusive, because it runs a
+/// schedule.
+fn step(world: &mut World, particles: &mut QueryState<(), With<Particle>>) {
+    if !particles.is_empty(world, world.last_change_tick(), world.read_change_tick())
+        && world.resource_mut::<Running>().take_one()
+    {
+        world.run_schedule(Advance);
+    }
+}

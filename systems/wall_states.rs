@@ -1,0 +1,112 @@
+//! Controls of walls as a state holds them: other walls by identity instead of by entity.
+
+use bevy_ecs::prelude::*;
+use glam::DVec2;
+use serde::{Deserialize, Serialize};
+
+use clastic_components::body::BodyId;
+use clastic_components::identity::Identities;
+use clastic_components::wall::{LoadedLength, WallControl};
+
+use crate::state::StateOf;
+
+/// Name of [`ControlStates`] in a state.
+pub const WALL_CONTROL: &str = "wall_control";
+
+/// The controls of all walls, by identity.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ControlStates(pub Vec<(BodyId, ControlState)>);
+
+/// A [`WallControl`] that names walls by identity.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum ControlState {
+    /// It stays.
+    Fixed,
+    /// Displacement in every increment, m.
+    Displacement(DVec2),
+    /// Velocity, m/s.
+    Velocity(DVec2),
+    /// Force from and to, N.
+    Force(f64, f64),
+    /// Stress from and to, Pa.
+    Stress(f64, f64, LengthState),
+    /// Another system drives it.
+    Custom,
+}
+
+/// A [`LoadedLength`] that names walls by identity.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum LengthState {
+    /// The wall's own segment.
+    Segment,
+    /// The distance of two walls; `None` is a wall that is no longer there.
+    Between(Option<BodyId>, Option<BodyId>),
+}
+
+impl ControlState {
+    /// Whether the load on the wall changes over the stage.
+    #[must_use]
+    pub fn is_ramp(&self) -> bool {
+        match self {
+            Self::Force(from, to) | Self::Stress(from, to, _) => from != to,
+            _ => false,
+        }
+    }
+
+    fn of(world: &World, control: &WallControl) -> Self {
+        let id = |wall: Entity| world.get::<BodyId>(wall).copied();
+        match *control {
+            WallControl::Fixed => Self::Fixed,
+            WallControl::Displacement(u) => Self::Displacement(u),
+            WallControl::Velocity(v) => Self::Velocity(v),
+            WallControl::Force { from, to } => Self::Force(from, to),
+            WallControl::Stress { from, to, length } => {
+                let length = match length {
+                    LoadedLength::Segment => LengthState::Segment,
+                    LoadedLength::Between(a, b) => LengthState::Between(id(a), id(b)),
+                };
+                Self::Stress(from, to, length)
+            }
+            WallControl::Custom => Self::Custom,
+        }
+    }
+
+    fn control(self, identities: &Identities) -> WallControl {
+        let wall = |id: Option<BodyId>| {
+            id.and_then(|id| identities.body(id)).unwrap_or(Entity::PLACEHOLDER)
+        };
+        match self {
+            Self::Fixed => WallControl::Fixed,
+            Self::Displacement(u) => WallControl::Displacement(u),
+            Self::Velocity(v) => WallControl::Velocity(v),
+            Self::Force(from, to) => WallControl::Force { from, to },
+            Self::Stress(from, to, length) => {
+                let length = match length {
+                    LengthState::Segment => LoadedLength::Segment,
+                    LengthState::Between(a, b) => LoadedLength::Between(wall(a), wall(b)),
+                };
+                WallControl::Stress { from, to, length }
+            }
+            Self::Custom => WallControl::Custom,
+        }
+    }
+}
+
+impl StateOf for ControlStates {
+    fn take(world: &mut World) -> Option<Self> {
+        let mut query = world.query::<(&BodyId, &WallControl)>();
+        let state = |(id, control): (&BodyId, &WallControl)| (*id, ControlState::of(world, control));
+        let mut walls: Vec<_> = query.iter(world).map(state).collect();
+        walls.sort_unstable_by_key(|(id, _)| *id);
+        Some(Self(walls))
+    }
+
+    fn put(self, world: &mut World) {
+        for (id, state) in self.0 {
+            let identities = world.get_resource_or_init::<Identities>();
+            let Some(entity) = identities.body(id) else { continue };
+            let control = state.control(&identities);
+            world.entity_mut(entity).insert(control);
+        }
+    }
+}
