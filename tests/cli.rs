@@ -892,23 +892,3 @@ fn a_dumped_program_can_be_checked_by_anyone() {
         assert!(balance > 1e-4 && complementarity > 1e-8, "{balance:e}, {complementarity:e}");
     }
 }
-
-#[test]
-fn bench_writes_tables_and_brings_a_page_up_to_date() {
-    let directory = tempfile::tempdir().unwrap();
-    let (out, page) = (directory.path().join("bench"), directory.path().join("page.md"));
-    fs::write(&page, "<!-- begin theta.md -->\n<!-- end theta.md -->\n").unwrap();
-    let [out_text, page_text] = [&out, &page].map(|path| path.to_str().unwrap());
-    clastic(&["bench", "theta", "--quick", "--out", out_text, "--page", page_text]).code(0);
-    let rows = rows(&out, "theta.csv");
-    let last = rows.iter().rfind(|row| row["theta"] == "0.5").unwrap();
-    let order: f64 = last["observed_order"].parse().unwrap();
-    assert!((order - 2.0).abs() < 0.01, "{order}");
-    let page = read(directory.path(), "page.md");
-    assert!(page.contains("command: `clastic bench theta --quick`"), "{page}");
-    assert!(page.contains("](bench/theta.svg)"), "{page}");
-    assert!(read(&out, "summary.md").contains("## theta"));
-
-    let missing = ["bench", "stages", "--quick", "--scenes", "nowhere", "--out", out_text];
-    assert!(stderr(&clastic(&missing).code(1)).contains("nowhere"));
-}

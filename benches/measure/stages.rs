@@ -3,17 +3,17 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use clastic_cone::program::ConeProgram;
+use clastic::cone::program::ConeProgram;
+use clastic::output::plots::history::History;
+use clastic::output::{OutputError, directory, timings};
+use clastic::scene::LoadedScene;
+use clastic::scene::format::{Load, Particle, Specimen, Stage, WallControl};
 
-use super::clock::{Repetitions, median};
-use super::rigs::{Scenes, set_motion};
-use super::table::{Cell, Part, Table};
-use super::{BenchError, Extent};
-use crate::output::plots::history::History;
-use crate::output::{OutputError, RunOptions, RunWriter, directory, timings};
-use crate::run::{Outcome, Simulation, Step};
-use crate::scene::LoadedScene;
-use crate::scene::format::{Load, Particle, Specimen, Stage, WallControl};
+use crate::clock::{Repetitions, median};
+use crate::rigs::{Scenes, set_motion};
+use crate::table::{Cell, Part, Table};
+use crate::written::written_run;
+use crate::{BenchError, Extent};
 
 /// Increments of the last stage that are averaged over, after the first one.
 const INCREMENTS: u32 = 5;
@@ -179,19 +179,7 @@ fn row(
 /// Runs a scene: the size of its last program with the mean of solves and iterations, and mean
 /// seconds by stage of the last increments.
 fn measure(loaded: &LoadedScene, scratch: &Path) -> Result<(Vec<Cell>, Vec<f64>), BenchError> {
-    let mut simulation = Simulation::new(&loaded.scene, loaded.specimen.as_ref());
-    let options = RunOptions { directory: scratch.to_owned(), force: true, ..Default::default() };
-    let mut writer = RunWriter::create(options, loaded, simulation.world_mut())?;
-    let outcome = loop {
-        if let Step::Finished(outcome) = simulation.step() {
-            break outcome;
-        }
-        writer.record(simulation.world_mut())?;
-    };
-    drop(writer);
-    if let Outcome::Undecided { message, .. } | Outcome::Refused { message, .. } = outcome {
-        return Err(BenchError::Run(message));
-    }
+    let simulation = written_run(loaded, scratch)?;
     let times = History::read(&scratch.join(directory::TIMINGS))?;
     let history = History::read(&scratch.join(directory::HISTORY))?;
     std::fs::remove_dir_all(scratch).map_err(OutputError::at(scratch))?;

@@ -1,5 +1,9 @@
 //! The benchmark: run time against error.
 //!
+//! The `clastic_bench` program runs the parts:
+//!
+//!     cargo run --release -p clastic_bench -- --help
+//!
 //! | part | question |
 //! |---|---|
 //! | [`precision`] | one program: time against error, by solver and tolerance |
@@ -27,9 +31,10 @@ pub mod stages;
 pub mod table;
 pub mod theta;
 pub mod threads;
+pub mod written;
 
-use crate::output::OutputError;
-use crate::scene::LoadError;
+use clastic::output::OutputError;
+use clastic::scene::LoadError;
 
 pub use table::Part;
 

@@ -1,10 +1,12 @@
-//! Line charts in the style of all our curves.
+//! Draws charts, with plotters.
 
 use std::io;
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+use super::Chart;
 
 /// Points in a chart at most; what lies closer together cannot be told apart.
 const MOST_POINTS: usize = 2000;
@@ -34,35 +36,9 @@ const SAMPLE: u32 = 18;
 const CHARACTER: f64 = 7.0;
 const LEGEND_ROW: u32 = 19;
 
-/// A line of a chart.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Line {
-    /// Name in the legend.
-    pub name: String,
-    /// Points.
-    pub points: Vec<(f64, f64)>,
-}
-
-/// Lines over one pair of axes, and perhaps one more on a second axis.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Chart {
-    /// Title.
-    pub title: String,
-    /// Line below the title, for conventions of sign.
-    pub caption: String,
-    /// Label of the horizontal axis, with its unit.
-    pub x: String,
-    /// Label of the vertical axis, with its unit.
-    pub y: String,
-    /// Lines.
-    pub lines: Vec<Line>,
-    /// Line on the second axis, labelled with its name.
-    pub second: Option<Line>,
-}
-
 impl Chart {
     /// Draws the chart.
-    pub fn svg(&self) -> io::Result<String> {
+    pub(super) fn drawn(&self) -> io::Result<String> {
         let mut text = String::new();
         {
             let root = SVGBackend::with_string(&mut text, (SIZE.0 * ZOOM, SIZE.1 * ZOOM));
@@ -216,6 +192,7 @@ fn tick(value: f64, span: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::output::plots::chart::Line;
 
     #[test]
     fn ticks_are_short() {

@@ -1,7 +1,7 @@
 //! Larger specimens from stored ones: tiles, every other one mirrored, so that the disks that
 //! touch the edge of a tile touch their mirror images, and the packing has no seams.
 
-use crate::scene::{StoredParticle, StoredSpecimen};
+use clastic::scene::{StoredParticle, StoredSpecimen};
 
 /// A specimen in the box from the origin to (`width`, `height`), m.
 #[derive(Clone, Debug)]

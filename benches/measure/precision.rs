@@ -4,19 +4,19 @@
 //! references differ by more than [`UNIQUE`] in a measure, that measure is not unique in the program
 //! and is left out; their difference is the floor below which errors mean nothing.
 
-use clastic_cone::clarabel::Clarabel;
-use clastic_cone::condensed::Condensed;
-use clastic_cone::program::{ConeProgram, ConeSolution, SolveStatus};
-use clastic_cone::residuals::residuals;
-use clastic_cone::solver::ConeSolver;
+use clastic::cone::clarabel::Clarabel;
+use clastic::cone::condensed::Condensed;
+use clastic::cone::program::{ConeProgram, ConeSolution, SolveStatus};
+use clastic::cone::residuals::residuals;
+use clastic::cone::solver::ConeSolver;
+use clastic::output::plots::chart::{Chart, Line};
 
-use super::accuracy::{Errors, errors};
-use super::capture::{Captured, Moment, capture};
-use super::clock::{Repetitions, median, time};
-use super::rigs::Scenes;
-use super::table::{Cell, Part, Table};
-use super::{BenchError, Extent};
-use crate::output::plots::chart::{Chart, Line};
+use crate::accuracy::{Errors, errors};
+use crate::capture::{Captured, Moment, capture};
+use crate::clock::{Repetitions, median, time};
+use crate::rigs::Scenes;
+use crate::table::{Cell, Part, Table};
+use crate::{BenchError, Extent};
 
 /// Greatest difference of the references in a measure that is taken to be unique.
 pub const UNIQUE: f64 = 1e-4;

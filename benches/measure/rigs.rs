@@ -2,10 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use super::BenchError;
-use super::specimens::Boxed;
-use crate::scene::format::{Scene, Stage};
-use crate::scene::{LoadError, LoadedScene, load};
+use clastic::scene::format::{Scene, Stage};
+use clastic::scene::{LoadError, LoadedScene, load};
+
+use crate::BenchError;
+use crate::specimens::Boxed;
 
 /// Where the scenes lie.
 #[derive(Clone, Debug)]
@@ -100,8 +101,8 @@ impl Scenes {
 }
 
 /// Sets the motion of a wall along y in every increment, m, in the stages that move it.
-pub(super) fn set_motion(scene: &mut Scene, wall: &str, motion: f64) {
-    use crate::scene::format::WallControl::Displacement;
+pub(crate) fn set_motion(scene: &mut Scene, wall: &str, motion: f64) {
+    use clastic::scene::format::WallControl::Displacement;
     for stage in &mut scene.stages {
         if let Stage::Load(load) = stage
             && let Some(Displacement(_, y)) = load.walls.get_mut(wall)
@@ -113,8 +114,8 @@ pub(super) fn set_motion(scene: &mut Scene, wall: &str, motion: f64) {
 
 /// Number of increments of the last stage and the factor on its wall motions: the same path in
 /// increments `factor` times as large.
-pub(super) fn scale_increments(scene: &mut Scene, factor: f64) -> Result<(), BenchError> {
-    use crate::scene::format::WallControl::Displacement;
+pub(crate) fn scale_increments(scene: &mut Scene, factor: f64) -> Result<(), BenchError> {
+    use clastic::scene::format::WallControl::Displacement;
     let Some(Stage::Load(load)) = scene.stages.last_mut() else {
         return Err(BenchError::Run("the last stage of the rig loads nothing".to_owned()));
     };

@@ -11,7 +11,7 @@
 //! measure. Whether the rest is unique in a given program is not taken for granted: two references
 //! from two solvers must agree on it.
 
-use clastic_cone::program::{ConeProgram, ConeSolution, Dof};
+use clastic::cone::program::{ConeProgram, ConeSolution, Dof};
 
 /// Errors by measure; none where the program does not define it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -183,7 +183,7 @@ fn displacements(program: &ConeProgram, s: &ConeSolution, reference: &ConeSoluti
 
 #[cfg(test)]
 mod tests {
-    use clastic_cone::program::{FreeDof, Interaction, Limits, ProgramBody};
+    use clastic::cone::program::{FreeDof, Interaction, Limits, ProgramBody};
     use glam::DVec2;
 
     use super::*;

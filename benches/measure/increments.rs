@@ -1,23 +1,23 @@
 //! Size of the increment: whole curves at a quarter to eight times the increment, over seeds.
 
-use clastic_components::attempt::IncrementStatus;
-use clastic_components::body::{Origin, Position};
-use clastic_components::increment::Progress;
-use clastic_components::observation::Observation;
-use clastic_components::wall::WallName;
-
-use super::clock::time;
-use super::rigs::{Scenes, scale_increments};
-use super::table::{Part, Table};
-use super::{BenchError, Extent};
-use crate::output::frames::specimen_rows;
-use crate::output::key_results::{KeyResults, Phase};
-use crate::output::plots::chart::{Chart, Line};
-use crate::run::{Outcome, Simulation, Step};
-use crate::scene::format::{
+use clastic::components::attempt::IncrementStatus;
+use clastic::components::body::{Origin, Position};
+use clastic::components::increment::Progress;
+use clastic::components::observation::Observation;
+use clastic::components::wall::WallName;
+use clastic::output::frames::specimen_rows;
+use clastic::output::key_results::{KeyResults, Phase};
+use clastic::output::plots::chart::{Chart, Line};
+use clastic::run::{Outcome, Simulation, Step};
+use clastic::scene::format::{
     Compact, CompactRest, CompactTarget, RuptureOrder, Scene, Sizes, Specimen, Stage,
 };
-use crate::scene::{LoadedScene, StoredSpecimen};
+use clastic::scene::{LoadedScene, StoredSpecimen};
+
+use crate::clock::time;
+use crate::rigs::{Scenes, scale_increments};
+use crate::table::{Part, Table};
+use crate::{BenchError, Extent};
 
 /// Sizes of the increment, over that of the scene; the first is the reference.
 const FACTORS: [f64; 6] = [0.25, 0.5, 1.0, 2.0, 4.0, 8.0];

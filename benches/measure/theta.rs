@@ -9,14 +9,14 @@ use std::f64::consts::PI;
 use std::path::Path;
 
 use bevy_ecs::prelude::*;
-use clastic_components::body::{BodyId, Origin, Position};
-use clastic_components::particle::Particle;
+use clastic::components::body::{BodyId, Origin, Position};
+use clastic::components::particle::Particle;
+use clastic::output::plots::chart::{Chart, Line};
+use clastic::run::{Outcome, Simulation};
+use clastic::scene::{LoadedScene, from_str};
 
-use super::BenchError;
-use super::table::{Part, Table};
-use crate::output::plots::chart::{Chart, Line};
-use crate::run::{Outcome, Simulation};
-use crate::scene::{LoadedScene, from_str};
+use crate::BenchError;
+use crate::table::{Part, Table};
 
 /// Disks of the chain.
 const DISKS: u32 = 8;

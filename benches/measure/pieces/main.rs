@@ -5,16 +5,13 @@
 //!     CLASTIC_BENCH=full cargo bench           regimes on the specimens of the paper too
 //!     cargo bench -- factorise                 what has this in its name
 //!
-//! Bodies are bonded rock after three elastic increments; regimes are the programs of `clastic
-//! bench precision`. A solve comes from the increment before, as in a run.
+//! Bodies are bonded rock after three elastic increments; regimes are the programs of the part
+//! `precision` of `clastic_bench`. A solve comes from the increment before, as in a run.
 
 use std::path::Path;
 use std::time::Duration;
 
 use bevy_ecs::prelude::*;
-use clastic::bench::capture::{Captured, Moment, capture};
-use clastic::bench::precision::problems;
-use clastic::bench::rigs::Scenes;
 use clastic::components::contact::Bodies;
 use clastic::cone::condensed::Condensed;
 use clastic::cone::condensed::matrix::BodyMatrix;
@@ -25,17 +22,19 @@ use clastic::scene::LoadedScene;
 use clastic::systems::assemble_program::assemble_program;
 use clastic::systems::detect_contacts::candidates::{CandidatePairs, SearchMethod};
 use clastic::systems::detect_contacts::detect_contacts;
+use clastic_bench::capture::{Captured, Moment, capture};
+use clastic_bench::precision::problems;
+use clastic_bench::rigs::Scenes;
 use criterion::{BatchSize, BenchmarkId, Criterion, criterion_group, criterion_main};
 use faer::Mat;
 use rayon::ThreadPoolBuilder;
 
-#[path = "beside/faer.rs"]
-mod beside;
+mod faer_cholesky;
 
-use beside::FaerCholesky;
+use faer_cholesky::FaerCholesky;
 
 fn scenes() -> Scenes {
-    Scenes::new(&Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes"))
+    Scenes::new(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes"))
 }
 
 /// Bonded rock in tiles: whether they are large (7380 disks, else 400), columns, rows.

@@ -1,27 +1,24 @@
-//! One thread against two: wall time of whole runs of the program, and whether their results are
+//! One thread against two: wall time of whole runs, and whether their results are
 //! the same bytes.
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
-use super::clock::{Repetitions, median, time};
-use super::table::{Part, Table};
-use super::{BenchError, Extent};
-use crate::output::plots::history::History;
-use crate::output::{OutputError, directory};
+use clastic::output::plots::history::History;
+use clastic::output::{OutputError, directory};
+use rayon::ThreadPoolBuilder;
 
-/// Runs this part: `program` is the clastic program, `scenes` the directory of the scenes. Runs
-/// are written below `scratch` and removed again.
+use crate::clock::{Repetitions, median, time};
+use crate::rigs::Scenes;
+use crate::table::{Part, Table};
+use crate::written::written_run;
+use crate::{BenchError, Extent};
+
+/// Runs this part. Runs are written below `scratch` and removed again.
 ///
 /// # Errors
-/// Where the program cannot be started, a run fails, or results depend on the number of threads.
-pub fn run(
-    program: &Path,
-    scenes: &Path,
-    extent: Extent,
-    scratch: &Path,
-) -> Result<Part, BenchError> {
+/// Where a scene is not there, a run fails, or results depend on the number of threads.
+pub fn run(scenes: &Scenes, extent: Extent, scratch: &Path) -> Result<Part, BenchError> {
     let mut table = Table::new(
         "threads",
         "Runs with one thread and two",
@@ -35,32 +32,25 @@ pub fn run(
     };
     let repetitions = Repetitions { least: if quick { 1 } else { 3 }, most: 3, seconds: 60.0 };
     for (name, increments) in runs {
+        let increments = format!("stages.load.increments={increments}");
+        // No pictures, nor frames of increments that may not come.
+        let sets = [increments.as_str(), "output.plots=false", "stages.load.record=()"];
         let mut first: Option<(f64, PathBuf)> = None;
-        for threads in [1_u32, 2] {
+        for threads in [1, 2] {
             let out = scratch.join(format!("threads_{threads}"));
+            let pool = ThreadPoolBuilder::new().num_threads(threads).build();
+            let pool = pool.map_err(|e| BenchError::Run(format!("cannot start threads: {e}")))?;
             let mut failed = None;
             let wall = median(&repetitions, || {
                 let (seconds, done) = time(|| {
-                    Command::new(program)
-                        .args(["run", "--quiet", "--force", "--threads", &threads.to_string()])
-                        .args(["--set", &format!("stages.load.increments={increments}")])
-                        .args(["--set", "output.plots=false"])
-                        // Pictures of increments that may not come.
-                        .args(["--set", "stages.load.record=()"])
-                        .arg("--out")
-                        .arg(&out)
-                        .arg(scenes.join(format!("{name}.ron")))
-                        .output()
+                    let loaded = scenes.load(name, &sets)?;
+                    pool.install(|| written_run(&loaded, &out).map(drop))
                 });
-                match done {
-                    Ok(output) if output.status.success() => {}
-                    Ok(output) => failed = Some(String::from_utf8_lossy(&output.stderr).into()),
-                    Err(error) => failed = Some(error.to_string()),
-                }
+                failed = done.err();
                 seconds
             });
-            if let Some(message) = failed {
-                return Err(BenchError::Run(message));
+            if let Some(error) = failed {
+                return Err(error);
             }
             let times = History::read(&out.join(directory::TIMINGS))?;
             let solve: f64 = times.column("solve_s").into_iter().flatten().sum();
@@ -89,9 +79,9 @@ pub fn run(
             fs::remove_dir_all(&out).map_err(OutputError::at(&out))?;
         }
     }
-    let text = "Whole runs of `clastic run --threads`: `wall_s` is the median wall time with start \
-        and output, `solve_s` the sum of the solves of the last of the runs. Below a thousand disks the \
-        matrix has no branches.";
+    let text = "Whole runs with all output but pictures: `wall_s` is the median wall time from reading \
+        the scene on, `solve_s` the sum of the solves of the last of the runs. Below a thousand disks \
+        the matrix has no branches.";
     Ok(Part { name: "threads", text: text.to_owned(), tables: vec![table], charts: Vec::new() })
 }
 

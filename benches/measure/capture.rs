@@ -1,12 +1,12 @@
 //! Cone programs taken from scenes that run.
 
-use clastic_components::attempt::IncrementStatus;
-use clastic_components::observation::Observation;
-use clastic_cone::program::ConeProgram;
+use clastic::components::attempt::IncrementStatus;
+use clastic::components::observation::Observation;
+use clastic::cone::program::ConeProgram;
+use clastic::run::{Simulation, Step};
+use clastic::scene::LoadedScene;
 
-use super::BenchError;
-use crate::run::{Simulation, Step};
-use crate::scene::LoadedScene;
+use crate::BenchError;
 
 /// The program of an increment and that of the increment before: what a solver comes from.
 #[derive(Clone, Debug)]

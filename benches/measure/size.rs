@@ -1,16 +1,16 @@
 //! Time and memory of an elastic increment against the number of disks.
 
-use clastic_components::contact::Bodies;
-use clastic_components::observation::{Observation, Timings};
-use clastic_cone::program::ConeProgram;
+use clastic::components::contact::Bodies;
+use clastic::components::observation::{Observation, Timings};
+use clastic::cone::program::ConeProgram;
+use clastic::output::plots::chart::{Chart, Line};
+use clastic::run::{Simulation, Step};
 
-use super::clock::{middle, time};
-use super::machine::{forget_peak_memory, peak_memory};
-use super::rigs::Scenes;
-use super::table::{Part, Table};
-use super::{BenchError, Extent};
-use crate::output::plots::chart::{Chart, Line};
-use crate::run::{Simulation, Step};
+use crate::clock::{middle, time};
+use crate::machine::{forget_peak_memory, peak_memory};
+use crate::rigs::Scenes;
+use crate::table::{Part, Table};
+use crate::{BenchError, Extent};
 
 /// Increments of every specimen; the first one, which orders and analyses the matrix, is apart.
 const INCREMENTS: u32 = 6;

@@ -5,10 +5,11 @@ use std::fs;
 use std::io;
 use std::path::Path;
 
-use super::Part;
-use super::machine::describe;
-use crate::output::OutputError;
-use crate::output::atomic::write_atomic;
+use clastic::output::OutputError;
+use clastic::output::atomic::write_atomic;
+
+use crate::Part;
+use crate::machine::describe;
 
 /// Names of the parts, in the order of the summary.
 pub const PARTS: [&str; 6] = ["precision", "increments", "theta", "stages", "size", "threads"];
@@ -48,7 +49,7 @@ fn page(part: &Part, command: &str) -> String {
 /// # Errors
 /// Where a file cannot be read or written.
 pub fn write_summary(directory: &Path) -> Result<(), OutputError> {
-    let mut out = "# Benchmark: run time against error\n\nWritten by `clastic bench`.\n".to_owned();
+    let mut out = "# Benchmark: run time against error\n\nWritten by `clastic_bench`.\n".to_owned();
     for name in PARTS {
         let path = directory.join(format!("{name}.md"));
         if path.exists() {
@@ -106,7 +107,7 @@ pub fn update_page(page: &Path, directory: &Path) -> Result<(), OutputError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bench::table::Table;
+    use crate::table::Table;
 
     #[test]
     fn the_summary_holds_all_parts_that_are_there() -> Result<(), Box<dyn std::error::Error>> {
@@ -114,7 +115,7 @@ mod tests {
         for name in ["theta", "precision"] {
             let tables = vec![Table::new(name, "title", &["a"])];
             let part = Part { name, text: format!("On {name}."), tables, ..Default::default() };
-            write_part(dir.path(), &part, "clastic bench")?;
+            write_part(dir.path(), &part, "clastic_bench")?;
         }
         write_summary(dir.path())?;
         let text = fs::read_to_string(dir.path().join("summary.md"))?;
