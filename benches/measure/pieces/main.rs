@@ -1,9 +1,9 @@
 //! The pieces of an increment, one by one: detection, assembly, ordering and symbolic
 //! factorisation, numeric factorisation, and the solve of one increment of each regime.
 //!
-//!     cargo bench                              1200, 7380 and 29 520 disks; regimes on small specimens
-//!     CLASTIC_BENCH=full cargo bench           regimes on the specimens of the paper too
-//!     cargo bench -- factorise                 what has this in its name
+//!     cargo bench                         1200, 7380 and 29 520 disks; regimes on small specimens
+//!     CLASTIC_BENCH=full cargo bench      regimes on the specimens of the paper too
+//!     cargo bench -- factorise            what has this in its name
 //!
 //! Bodies are bonded rock after three elastic increments; regimes are the programs of the part
 //! `precision` of `clastic_bench`. A solve comes from the increment before, as in a run.
