@@ -14,7 +14,6 @@ pub use clastic_components as components;
 pub use clastic_cone as cone;
 pub use clastic_systems as systems;
 
-pub mod bench;
 pub mod output;
 pub mod run;
 pub mod scene;

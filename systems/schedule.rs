@@ -138,7 +138,9 @@ pub struct SchedulePlugin;
 impl Plugin for SchedulePlugin {
     fn build(&self, app: &mut App) {
         app.register_resource::<Progress>(PROGRESS).register_resource::<Analysis>("analysis");
-        app.init_resource::<Progress>().init_resource::<Timings>().insert_resource(Lap(Instant::now()));
+        app.init_resource::<Progress>()
+            .init_resource::<Timings>()
+            .insert_resource(Lap(Instant::now()));
         let settings = ScheduleBuildSettings {
             // An order that nobody stated is an order that may change: refuse it.
             ambiguity_detection: LogLevel::Error,

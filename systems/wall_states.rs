@@ -95,7 +95,8 @@ impl ControlState {
 impl StateOf for ControlStates {
     fn take(world: &mut World) -> Option<Self> {
         let mut query = world.query::<(&BodyId, &WallControl)>();
-        let state = |(id, control): (&BodyId, &WallControl)| (*id, ControlState::of(world, control));
+        let state =
+            |(id, control): (&BodyId, &WallControl)| (*id, ControlState::of(world, control));
         let mut walls: Vec<_> = query.iter(world).map(state).collect();
         walls.sort_unstable_by_key(|(id, _)| *id);
         Some(Self(walls))

@@ -47,7 +47,7 @@ macro_rules! scenes {
 }
 
 scenes! {
-    // Analytic values are in analytic_bonds.rs, analytic_dynamics.rs and analytic_lattice.rs.
+    // Analytic values are in tests/engine: analytic_bonds.rs, analytic_dynamics.rs, analytic_lattice.rs.
     tension: "tension", COMPLETES, &[];
     direct_shear_under_tension: "direct_shear_-10N", COLLAPSES, &[];
     direct_shear: "direct_shear_0N", COMPLETES, &[];

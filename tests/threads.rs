@@ -4,17 +4,27 @@ mod common;
 
 use std::path::Path;
 
-use clastic::bench::rigs::Scenes;
 use clastic::components::contact::ContactHistory;
 use clastic::components::observation::Observation;
 use clastic::cone::condensed::matrix::BodyMatrix;
 use clastic::cone::program::ConeProgram;
 use clastic::run::Simulation;
-use clastic::scene::LoadedScene;
 use clastic::scene::format::WallControl::Displacement;
+use clastic::scene::{self, LoadedScene};
 use rayon::ThreadPoolBuilder;
 
 use common::{State, load_with_specimen, next, stage, states};
+
+/// The rock of `uniaxial.ron` for the scene of rigid rock, seven increments of it.
+const ELASTIC: [&str; 6] = [
+    "materials.rock.contact=(normal_stiffness: 3.4e10, tangential_stiffness: 3.4e10, friction: 0.4)",
+    "materials.rock.bond=(normal_stiffness: 7.9e10, tangential_stiffness: 7.9e10, friction: 0.8, \
+     cohesion: 195.0e6, tensile_strength: 144.0e6)",
+    "walls.bottom.contact=(normal_stiffness: 3.4e10, tangential_stiffness: 3.4e10, friction: 0.4)",
+    "walls.top.contact=(normal_stiffness: 3.4e10, tangential_stiffness: 3.4e10, friction: 0.4)",
+    "acceptance=(throw: 1.0)",
+    "stages.load.increments=7",
+];
 
 /// What so many increments leave: records, states, and forces that are remembered.
 type Left = (Vec<Observation>, Vec<State>, ContactHistory);
@@ -40,8 +50,8 @@ fn after(loaded: &LoadedScene, increments: usize, threads: usize) -> Left {
 /// Elastic rock up to its peak in large increments: Newton iteration, local elimination, interior point.
 #[test]
 fn rock_that_breaks() {
-    let scenes = Scenes::new(&Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes"));
-    let mut loaded = scenes.uniaxial(true, 7).unwrap();
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/uniaxial_rigid.ron");
+    let mut loaded = scene::load(&path, &ELASTIC.map(str::to_owned)).unwrap();
     let Some(Displacement(_, top)) = stage(&mut loaded.scene, "load").walls.get_mut("top") else {
         panic!("the platen is driven");
     };

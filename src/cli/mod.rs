@@ -1,6 +1,5 @@
 //! The command line: what can be typed, and which file does it.
 
-mod bench;
 mod check;
 mod compare;
 mod exit;
@@ -59,8 +58,6 @@ enum Command {
     Check(SceneArgs),
     /// List the scenes that have a name: those in ./scenes and those that clastic ships
     List,
-    /// Measure run time against error; writes CSV, SVG and summary.md
-    Bench(bench::BenchArgs),
     /// Draw the curves of several runs over one another and print their key results
     Compare {
         /// Directories of runs
@@ -156,8 +153,6 @@ pub fn main() -> ExitCode {
         Command::Resume(args) => on_threads(args.output.threads, || resume::resume(&args)),
         Command::Check(args) => check::check(&args),
         Command::List => list::list(),
-        // Beside programs that use one core, and solvers that do.
-        Command::Bench(args) => on_threads(Some(1), || bench::bench(&args)),
         Command::Compare { runs, out } => compare::compare(&runs, &out),
     };
     match done {

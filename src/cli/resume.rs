@@ -5,6 +5,7 @@ use std::path::Path;
 use clastic::output::directory;
 use clastic::output::run_record::CLASTIC_VERSION;
 use clastic::output::{Checkpoint, ResumeError, RunWriter};
+use clastic::run::state::{StateError, StateView};
 use clastic::run::{Simulation, changes};
 use clastic::scene::from_str_with;
 
@@ -31,20 +32,21 @@ pub fn resume(args: &ResumeArgs) -> Result<Exit, Failure> {
     };
     let name = Path::new(&checkpoint.facts.scene_file);
     let state = &checkpoint.world;
+    let view = StateView::of(state).map_err(damaged)?;
     let read = |sets: &[String], particles| from_str_with(&checkpoint.scene, name, particles, sets);
-    let before = read(&[], state.specimen())?.scene;
-    let loaded = read(&args.sets, state.specimen())?;
+    let before = read(&[], view.specimen.clone())?.scene;
+    let loaded = read(&args.sets, view.specimen.clone())?;
     // The run began without any: a setting has put it there, and its path says which.
     let foreign = own_findings(&loaded.scene);
     if let Some(finding) = foreign.first() {
         return Err(Failure { exit: Exit::Scene, message: finding.to_string() });
     }
-    let refused = changes::refused(&before, &loaded.scene, state);
+    let refused = changes::refused(&before, &loaded.scene, &view);
     if !refused.is_empty() {
         return Err(Failure { exit: Exit::Usage, message: refused.join("\n") });
     }
 
-    let increment = state.progress.increment;
+    let increment = checkpoint.increment;
     if checkpoint.clastic_version != CLASTIC_VERSION {
         complain(format_args!(
             "the checkpoint was written by clastic {}, this is {CLASTIC_VERSION}: the results from increment {} on \
@@ -53,14 +55,19 @@ pub fn resume(args: &ResumeArgs) -> Result<Exit, Failure> {
             increment + 1
         ));
     }
-    let mut simulation = Simulation::resume(&loaded.scene, state);
-    changes::apply(simulation.world_mut(), &before, &loaded.scene, state);
+    let mut simulation = Simulation::resume(&loaded.scene, state).map_err(damaged)?;
+    changes::apply(simulation.world_mut(), &before, &loaded.scene, &view);
     let every = args.output.checkpoint_every;
     let writer = RunWriter::resume(directory, checkpoint, &loaded, &args.sets, every)?;
     if !args.output.quiet {
         complain(format_args!("resumed after increment {increment}"));
     }
     to_the_end(simulation, writer, directory, args.output.quiet)
+}
+
+/// A state that this program cannot go on from.
+fn damaged(error: StateError) -> Failure {
+    Failure { exit: Exit::Usage, message: format!("the checkpoint cannot be resumed: {error}") }
 }
 
 /// Settings for a run that is at its end. Its checkpoint is gone, and with it all that an increment

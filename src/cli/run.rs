@@ -2,10 +2,12 @@
 
 use std::path::Path;
 
+use bevy_ecs::prelude::*;
+
 use clastic::components::increment::Progress as Place;
 use clastic::components::observation::Observation;
 use clastic::output::directory::default_directory;
-use clastic::output::{Ending, OutputError, RunOptions, RunWriter};
+use clastic::output::{Ending, OutputError, OutputFailure, OutputPlugin, RunOptions, RunWriter};
 use clastic::run::stages::Script;
 use clastic::run::{Outcome, Simulation, Step};
 use clastic::scene::format::Stage;
@@ -58,19 +60,22 @@ pub fn run(args: &RunArgs) -> Result<Exit, Failure> {
 /// Takes a run from where it is to its end and writes what it leaves.
 pub fn to_the_end(
     mut simulation: Simulation,
-    mut writer: RunWriter,
+    writer: RunWriter,
     directory: &Path,
     quiet: bool,
 ) -> Result<Exit, Failure> {
     let interrupt = Interrupt::listen();
     let mut progress =
         Progress::new(quiet, simulation.world().resource::<Script>().scene.stages.len());
+    simulation.app_mut().add_plugins(OutputPlugin).insert_resource(writer);
     let ending = loop {
         if let Step::Finished(outcome) = simulation.step() {
             break Ending::Finished(outcome);
         }
-        writer.record(simulation.world_mut()).map_err(|e| stopped(e, &writer, directory))?;
-        let world = simulation.world();
+        let world = simulation.world_mut();
+        if let Some(OutputFailure(error)) = world.remove_resource::<OutputFailure>() {
+            return Err(stopped(error, world.resource::<RunWriter>(), directory));
+        }
         progress.show(world.resource::<Place>(), world.resource::<Observation>());
         if interrupt.requested() && world.resource::<Script>().outcome.is_none() {
             break Ending::Interrupted;
@@ -78,9 +83,12 @@ pub fn to_the_end(
     };
     progress.end();
 
-    let results = writer
-        .finish(simulation.world_mut(), &ending)
-        .map_err(|e| stopped(e, &writer, directory))?;
+    let world = simulation.world_mut();
+    let finished =
+        world.resource_scope(|world, mut writer: Mut<RunWriter>| writer.finish(world, &ending));
+    let writer = world.resource::<RunWriter>();
+    let results = finished.map_err(|e| stopped(e, writer, directory))?;
+    let writer = simulation.world().resource::<RunWriter>();
     let increments = simulation.world().resource::<Observation>().increment;
     for missed in writer.dump_programs().iter().filter(|n| **n > increments) {
         complain(format_args!(

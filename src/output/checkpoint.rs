@@ -19,8 +19,8 @@ use super::run_record::{RunFacts, sha256};
 use crate::run::WorldState;
 
 /// Version of the format. It goes up with every change of what is stored: types that derive their
-/// encoding, in this file and in `run/state`, are the format.
-pub const VERSION: u32 = 7;
+/// encoding, in this file and where plugins register state, are the format.
+pub const VERSION: u32 = 8;
 
 const MAGIC: &str = "clastic checkpoint, format ";
 
@@ -29,6 +29,8 @@ const MAGIC: &str = "clastic checkpoint, format ";
 pub struct Checkpoint {
     /// Version of the program that wrote it.
     pub clastic_version: String,
+    /// The last increment that is committed.
+    pub increment: u64,
     /// The scene as run.
     pub scene: String,
     /// The scene before its settings were changed, where that happened with this very checkpoint:

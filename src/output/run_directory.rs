@@ -1,6 +1,7 @@
 //! Writes a run into its directory, increment by increment.
 
 use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -13,6 +14,7 @@ use clastic_components::identity::Identities;
 use clastic_components::increment::Progress;
 use clastic_components::observation::{Observation, Timings};
 use clastic_systems::gather_bodies::gather_bodies;
+use clastic_systems::schedule::PROGRESS;
 
 use super::atomic::{sync, write_atomic, write_durable};
 use super::avalanches::{self, Avalanche};
@@ -24,7 +26,8 @@ use super::run_record::{CLASTIC_VERSION, OutcomeRecord, Resumed, RunFacts, RunRe
 use super::snapshot::Snapshot;
 use super::{OutputError, directory, dump, events, frames, history, plots, porosity, timings};
 use crate::run::stages::Script;
-use crate::run::{Outcome, StageEnd, WorldState};
+use crate::run::state::{StateError, capture};
+use crate::run::{Outcome, StageEnd};
 use crate::scene::format::{Bond, Contact, Record, Scene, Stage};
 use crate::scene::{LoadedScene, StoredParticle};
 
@@ -56,7 +59,7 @@ pub enum Ending {
 }
 
 /// The run directory of a run under way.
-#[derive(Debug)]
+#[derive(Resource, Debug)]
 pub struct RunWriter {
     directory: PathBuf,
     dump_programs: Vec<u64>,
@@ -174,7 +177,7 @@ impl RunWriter {
             dump_programs: options.dump_programs,
             dump_in_stages: options.dump_in_stages,
             checkpoint_every: options.checkpoint_every,
-            scene: loaded.scene.clone(),
+            scene: plots::as_drawn(&loaded.scene),
             scene_text: loaded.text.clone(),
             reference_stage,
             facts,
@@ -208,7 +211,7 @@ impl RunWriter {
         settings: &[String],
         every: Option<u32>,
     ) -> Result<Self, ResumeError> {
-        let increment = checkpoint.world.progress.increment;
+        let increment = checkpoint.increment;
         let [history, events, avalanches, timings] = checkpoint.output.lengths;
         let open = |name: &str, length| CsvFile::open(directory.join(name), length);
         let mut history = open(directory::HISTORY, history)?;
@@ -249,7 +252,7 @@ impl RunWriter {
             dump_programs: next.dump_programs,
             dump_in_stages: next.dump_in_stages,
             checkpoint_every: next.every,
-            scene: loaded.scene.clone(),
+            scene: plots::as_drawn(&loaded.scene),
             scene_text: next.scene,
             reference_stage,
             facts: next.facts,
@@ -375,10 +378,18 @@ impl RunWriter {
             file.sync()?;
         }
         self.state.lengths = rows.map(CsvFile::length);
-        let world = WorldState::capture(world);
-        let increment = world.progress.increment;
+        let invalid = |error: StateError| io::Error::other(error);
+        let world = capture(world)
+            .map_err(invalid)
+            .map_err(OutputError::at(&self.directory.join(directory::CHECKPOINT)))?;
+        let increment = world
+            .get::<Progress>(PROGRESS)
+            .map_err(invalid)
+            .map_err(OutputError::at(&self.directory.join(directory::CHECKPOINT)))?
+            .increment;
         let checkpoint = Checkpoint {
             clastic_version: CLASTIC_VERSION.to_owned(),
+            increment,
             scene: self.scene_text.clone(),
             scene_before: None,
             facts: self.facts.clone(),

@@ -22,12 +22,7 @@ use crate::scene::format as scene;
 
 /// Sets up a loading stage.
 pub fn begin(world: &mut World, stage: &scene::Load) {
-    let scene = &world.resource::<Script>().scene;
-    let kind = stage.analysis.unwrap_or(scene.analysis);
-    let gravity = stage.gravity.unwrap_or(scene.gravity);
-    let analysis = analysis(scene, kind, gravity);
-    world.insert_resource(analysis);
-    world.resource_mut::<Progress>().total = f64::from(stage.increments);
+    let analysis = set_up(world, stage.analysis, stage.gravity, stage.increments);
 
     for name in &stage.remove_walls {
         if let Some(wall) = find_wall(world, name) {
@@ -41,6 +36,25 @@ pub fn begin(world: &mut World, stage: &scene::Load) {
     }
     control_walls(world, stage);
     control_particles(world, stage, &analysis);
+}
+
+/// Sets up a stage of a kind of a plugin as far as the scene says: its systems do the rest.
+pub fn begin_custom(world: &mut World, stage: &scene::CustomStage) {
+    set_up(world, stage.analysis, stage.gravity, stage.increments);
+}
+
+fn set_up(
+    world: &mut World,
+    kind: Option<scene::Analysis>,
+    gravity: Option<(f64, f64)>,
+    increments: u32,
+) -> Analysis {
+    let scene = &world.resource::<Script>().scene;
+    let analysis =
+        analysis(scene, kind.unwrap_or(scene.analysis), gravity.unwrap_or(scene.gravity));
+    world.insert_resource(analysis);
+    world.resource_mut::<Progress>().total = f64::from(increments);
+    analysis
 }
 
 fn control_walls(world: &mut World, stage: &scene::Load) {

@@ -4,9 +4,7 @@ use std::collections::BTreeSet;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
-use bevy_ecs::schedule::{
-    LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor,
-};
+use bevy_ecs::schedule::{LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor};
 
 use clastic_components::body::{BodyId, Group};
 use clastic_components::wall::WallName;
@@ -14,8 +12,8 @@ use clastic_systems::state::RegisterState;
 use clastic_systems::stepping::{Advance, AdvanceSystems};
 
 use super::before::{Before, take_down};
-use super::stages::{CurrentStage, begin_built_in, change_stages, end_built_in};
 use super::script::Script;
+use super::stages::{CurrentStage, begin_built_in, change_stages, end_built_in};
 use super::state::{MATERIALS, MaterialNames, SCRIPT, ScriptState};
 use super::stop::end_increment;
 use crate::scene::format::{CustomStage, Stage};

@@ -14,9 +14,10 @@ use clastic_systems::solve_program::SOLVER_MEMORY;
 pub use clastic_systems::state::{StateError, StateOf, WorldState};
 use clastic_systems::wall_states::{ControlStates, WALL_CONTROL};
 
+use super::before::Before;
 use super::load::resolve_measures;
+use super::script::{Collapse, Outcome, Script, StageEnd};
 use super::spawn::insert_settings;
-use super::stages::{Before, Collapse, Outcome, Script, StageEnd};
 use crate::scene::format::Scene;
 use crate::scene::{StoredParticle, StoredSpecimen};
 

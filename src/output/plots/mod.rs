@@ -1,7 +1,7 @@
 //! Pictures of a run, drawn at its end. Curves are read back from `history.csv`, so that a
-//! picture shows what the file says.
+//! picture shows what the file says. Only a build with the feature `plots` draws pictures.
 
-pub(crate) mod chart;
+pub mod chart;
 pub mod compare;
 pub mod force_displacement;
 pub mod history;
@@ -15,6 +15,7 @@ use std::path::Path;
 use super::OutputError;
 use super::atomic::write_atomic;
 use super::snapshot::Snapshot;
+use crate::scene::format::Scene;
 use history::History;
 
 /// Stress and broken bonds against strain.
@@ -31,6 +32,17 @@ pub const SPECIMEN_PEAK: &str = "specimen_peak.svg";
 pub const MECHANISM: &str = "mechanism.svg";
 /// All pictures.
 pub const FILES: [&str; 6] = [CURVES, VOLUMETRIC, PROBES, SPECIMEN, SPECIMEN_PEAK, MECHANISM];
+
+/// Whether this build draws pictures.
+pub const DRAWN: bool = cfg!(feature = "plots");
+
+/// The scene as its output is written: without pictures in a build that draws none.
+#[must_use]
+pub fn as_drawn(scene: &Scene) -> Scene {
+    let mut scene = scene.clone();
+    scene.output.plots &= DRAWN;
+    scene
+}
 
 /// Draws the curves that the history defines; of the probes only where no stress is defined.
 ///

@@ -34,15 +34,16 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
     }
     let loads = || {
         scene.stages.iter().enumerate().filter_map(|(i, stage)| match stage {
-            Stage::Load(load) => Some((i, load)),
+            Stage::Load(load) => Some((i, load.analysis)),
+            Stage::Custom(stage) => Some((i, stage.analysis)),
             Stage::Compact(_) | Stage::Cement(_) => None,
         })
     };
-    if loads().any(|(_, load)| load.analysis.is_none()) {
+    if loads().any(|(_, analysis)| analysis.is_none()) {
         theta(format_args!("analysis"), scene.analysis, findings);
     }
-    for (i, load) in loads() {
-        if let Some(analysis) = load.analysis {
+    for (i, analysis) in loads() {
+        if let Some(analysis) = analysis {
             theta(format_args!("stages[{i}].analysis"), analysis, findings);
         }
     }

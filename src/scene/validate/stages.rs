@@ -3,8 +3,8 @@
 use std::fmt::Arguments;
 
 use crate::scene::format::{
-    Analysis, Cement, Compact, CompactTarget, Length, Load, Motion, ParticleControl, Record,
-    Select, Specimen, Stage, Stop, Strain, Stress, Wall, WallControl,
+    Analysis, Cement, Compact, CompactTarget, CustomStage, Length, Load, Motion, ParticleControl,
+    Record, Select, Specimen, Stage, Stop, Strain, Stress, Wall, WallControl,
 };
 use crate::scene::spans::join;
 use crate::scene::suggest;
@@ -36,6 +36,7 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
             Stage::Compact(stage) => compact(context, path, stage, &present, findings),
             Stage::Cement(stage) => cement(context, path, stage, findings),
             Stage::Load(stage) => load(context, path, (i, stage), &mut present, findings),
+            Stage::Custom(stage) => custom(path, stage, findings),
         }
     }
 }
@@ -133,6 +134,23 @@ fn cement(context: &Context, path: Arguments, stage: &Cement, findings: &mut Fin
         let help = "add `bond: (...)` to the material that is to be cemented";
         findings.add(path, "no material has a bond law", help);
     }
+}
+
+fn custom(path: Arguments, stage: &CustomStage, findings: &mut Findings) {
+    if stage.kind.is_empty() {
+        let help = "name a kind that a plugin of the program provides";
+        findings.add(format_args!("{path}.kind"), "no kind".to_owned(), help);
+    }
+    if let Some(analysis) = stage.analysis {
+        super::settings::analysis(format_args!("{path}.analysis"), analysis, findings);
+    }
+    if let Some(gravity) = stage.gravity {
+        findings.vector(format_args!("{path}.gravity"), gravity, "an acceleration in m/s^2");
+    }
+    for (name, value) in &stage.values {
+        findings.finite(format_args!("{path}.values.{name}"), *value, "a finite number");
+    }
+    record(path, &stage.record, findings);
 }
 
 fn load(

@@ -1,0 +1,105 @@
+//! The scene format, version 1: what a RON scene may say.
+//!
+//! Units are SI throughout: m, s, kg, N, Pa, rad. Compression, contraction and anticlockwise
+//! rotation are positive. `some(x)` may be written as plain `x`; newtype variants need no second
+//! pair of parentheses. Unknown fields are errors.
+
+mod analysis;
+mod materials;
+mod measures;
+mod output;
+mod particle_control;
+mod solver;
+mod specimen;
+mod stages;
+mod walls;
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::unique_keys;
+
+pub use analysis::{Analysis, Avalanche, FrictionLaw, RollingLimit, Rupture, RuptureOrder};
+pub use materials::{Bond, Contact, Material};
+pub use measures::{Area, Component, Length, Measures, Strain, Stress};
+pub use output::{Output, Record};
+pub use particle_control::{Motion, ParticleControl, Select};
+pub use solver::{Acceptance, Corrector, Solver};
+pub use specimen::{ExplicitBond, Particle, Sizes, Specimen};
+pub use stages::{Cement, Compact, CompactRest, CompactTarget, CustomStage, Load, Stage, Stop};
+pub use walls::{Wall, WallControl};
+
+/// Version of the format that this build reads.
+pub const VERSION: u32 = 1;
+
+/// A scene: materials, a specimen, walls, and the stages that happen to them.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scene {
+    /// Version of the format: 1.
+    pub version: u32,
+    /// One line that says what the scene shows.
+    pub title: String,
+    /// Out-of-plane thickness h, m.
+    #[serde(default = "one")]
+    pub thickness: f64,
+    /// Acceleration of gravity (x, y), m/s^2.
+    #[serde(default)]
+    pub gravity: (f64, f64),
+    /// Static or dynamic; a stage may say otherwise for itself.
+    #[serde(default)]
+    pub analysis: Analysis,
+    /// Friction law of unbonded contacts.
+    #[serde(default)]
+    pub friction_law: FrictionLaw,
+    /// Rules of rupture.
+    #[serde(default)]
+    pub rupture: Rupture,
+    /// Whether increments are solved again with the geometry that they lead to.
+    #[serde(default)]
+    pub corrector: Option<Corrector>,
+    /// The solver.
+    #[serde(default)]
+    pub solver: Solver,
+    /// What an increment must satisfy to be committed.
+    #[serde(default)]
+    pub acceptance: Acceptance,
+    /// Particle materials by name.
+    #[serde(deserialize_with = "unique_keys::deserialize")]
+    pub materials: BTreeMap<String, Material>,
+    /// The particles.
+    pub specimen: Specimen,
+    /// Bonds that are there from the start, free of stress; cementing stages add more.
+    #[serde(default)]
+    pub bonds: Vec<ExplicitBond>,
+    /// Names under which the history records particles, by index: for those that are not listed one
+    /// by one.
+    #[serde(default, deserialize_with = "unique_keys::deserialize")]
+    pub probes: BTreeMap<String, u32>,
+    /// Straight walls.
+    #[serde(default)]
+    pub walls: Vec<Wall>,
+    /// What happens, in order.
+    pub stages: Vec<Stage>,
+    /// How this rig defines strain and stress.
+    #[serde(default)]
+    pub measures: Measures,
+    /// What is written.
+    #[serde(default)]
+    pub output: Output,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+impl Scene {
+    /// Whether a contact law of the scene has restitution: then velocities of dynamic stages are those of theta 1.
+    #[must_use]
+    pub fn has_restitution(&self) -> bool {
+        let materials = self.materials.values().map(|material| material.contact);
+        let walls = self.walls.iter().map(|wall| wall.contact);
+        materials.chain(walls).any(|contact| contact.restitution > 0.0)
+    }
+}

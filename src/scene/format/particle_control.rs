@@ -1,0 +1,66 @@
+//! What a stage does to particles.
+
+use serde::{Deserialize, Serialize};
+
+/// What a stage does to the particles that it selects.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct ParticleControl {
+    /// Which particles.
+    pub select: Select,
+    /// Along x.
+    #[serde(default)]
+    pub x: Motion,
+    /// Along y.
+    #[serde(default)]
+    pub y: Motion,
+    /// Rotation.
+    #[serde(default)]
+    pub rotation: Motion,
+    /// Displacement gradient ((ux_x, ux_y), (uy_x, uy_y)) in every increment, about the origin,
+    /// of positions at the start of the stage: imposes x and y.
+    #[serde(default)]
+    pub affine: Option<((f64, f64), (f64, f64))>,
+    /// Force (x, y) at the end of the stage, N; it goes there linearly from what it was.
+    #[serde(default)]
+    pub force: Option<(f64, f64)>,
+    /// Moment at the end of the stage, N m, likewise.
+    #[serde(default)]
+    pub moment: Option<f64>,
+}
+
+/// A selection of particles.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub enum Select {
+    /// Every particle.
+    All,
+    /// By index in the specimen, from 0.
+    Index(Vec<u32>),
+    /// By group.
+    Group(String),
+    /// By the name of its probe.
+    Probe(String),
+    /// Centres in a box at the start of the stage.
+    Box {
+        /// Lower left corner, m.
+        min: (f64, f64),
+        /// Upper right corner, m.
+        max: (f64, f64),
+    },
+}
+
+/// Imposed motion along one degree of freedom.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub enum Motion {
+    /// An unknown.
+    #[default]
+    Free,
+    /// Held.
+    Held,
+    /// Displacement (m) or rotation (rad) in every increment.
+    Displacement(f64),
+    /// Velocity (m/s) or angular velocity (rad/s).
+    Velocity(f64),
+}

@@ -1,0 +1,114 @@
+//! Specimens: where the particles come from.
+
+use serde::{Deserialize, Serialize};
+
+/// Where the particles come from.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub enum Specimen {
+    /// One by one.
+    Particles(Vec<Particle>),
+    /// A triangular lattice of equal, touching disks; the outermost ring is the group `boundary`.
+    Lattice {
+        /// Disks in a row; every other row has one less.
+        columns: u32,
+        /// Rows.
+        rows: u32,
+        /// Radius, m.
+        radius: f64,
+        /// Centre of the lower left disk, m.
+        #[serde(default)]
+        origin: (f64, f64),
+        /// Material; may be left out where the scene has only one.
+        #[serde(default)]
+        material: Option<String>,
+    },
+    /// Random disks on a loose square grid, one in each cell and at a random place in it; a
+    /// `Compact` stage makes a packing of them.
+    Packing {
+        /// Number of disks.
+        count: u32,
+        /// Columns of the grid.
+        columns: u32,
+        /// Spacing of the grid, m; at least the greatest diameter.
+        spacing: f64,
+        /// Lower left corner of the grid, m.
+        #[serde(default)]
+        origin: (f64, f64),
+        /// Size distribution.
+        sizes: Sizes,
+        /// Seed of sizes and places.
+        seed: u64,
+        /// Material; may be left out where the scene has only one.
+        #[serde(default)]
+        material: Option<String>,
+    },
+    /// A stored specimen: CSV with the columns x_m, y_m, radius_m (and optionally material).
+    File {
+        /// Path, relative to the scene file.
+        path: String,
+        /// Material of rows that name none.
+        #[serde(default)]
+        material: Option<String>,
+    },
+}
+
+/// Size distribution of a packing.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub enum Sizes {
+    /// All alike.
+    Equal {
+        /// Radius, m.
+        radius: f64,
+    },
+    /// Uniform by number between two radii.
+    Uniform {
+        /// Smallest and greatest radius, m.
+        radius: (f64, f64),
+    },
+    /// Log-normal by number, cut off.
+    LogNormal {
+        /// Median radius, m.
+        radius: f64,
+        /// Standard deviation of the logarithm.
+        deviation: f64,
+        /// Smallest and greatest radius, m.
+        limits: (f64, f64),
+    },
+}
+
+/// One particle.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Particle {
+    /// Centre (x, y), m.
+    pub position: (f64, f64),
+    /// Radius, m.
+    pub radius: f64,
+    /// Material; may be left out where the scene has only one.
+    #[serde(default)]
+    pub material: Option<String>,
+    /// Initial velocity, m/s.
+    #[serde(default)]
+    pub velocity: (f64, f64),
+    /// Initial angular velocity, rad/s.
+    #[serde(default)]
+    pub angular_velocity: f64,
+    /// Group for selection by stages.
+    #[serde(default)]
+    pub group: Option<String>,
+    /// Name under which the history records it.
+    #[serde(default)]
+    pub probe: Option<String>,
+}
+
+/// A bond between two particles, by their index in the specimen (from 0).
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct ExplicitBond {
+    /// First particle.
+    pub a: u32,
+    /// Second particle.
+    pub b: u32,
+}

@@ -1,0 +1,183 @@
+//! Stages: what happens to a specimen, in order.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::{Analysis, ParticleControl, Record, WallControl};
+use crate::scene::unique_keys;
+
+/// A stage.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub enum Stage {
+    /// Moves a wall against the particles, rigid and frictionless and with the least motion,
+    /// until the packing is as dense or as high as wanted. All other walls stay.
+    Compact(Compact),
+    /// Bonds every pair closer than a length, free of stress. Takes no increment.
+    Cement(Cement),
+    /// Increments under controlled walls and particles.
+    Load(Load),
+    /// A stage of a kind that a plugin of the program provides.
+    Custom(CustomStage),
+}
+
+impl Stage {
+    /// Name of the stage.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Compact(s) => &s.name,
+            Self::Cement(s) => &s.name,
+            Self::Load(s) => &s.name,
+            Self::Custom(s) => &s.name,
+        }
+    }
+
+    /// What it records; none where it takes no increments.
+    #[must_use]
+    pub fn record(&self) -> Option<&Record> {
+        match self {
+            Self::Compact(s) => Some(&s.record),
+            Self::Cement(_) => None,
+            Self::Load(s) => Some(&s.record),
+            Self::Custom(s) => Some(&s.record),
+        }
+    }
+}
+
+/// See [`Stage::Custom`].
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct CustomStage {
+    /// Name.
+    pub name: String,
+    /// What it is; a plugin of the program provides the kind.
+    pub kind: String,
+    /// Number of increments; 0 for a stage that only changes the specimen.
+    #[serde(default)]
+    pub increments: u32,
+    /// Analysis; that of the scene if it is left out.
+    #[serde(default)]
+    pub analysis: Option<Analysis>,
+    /// Gravity, m/s^2; that of the scene if it is left out.
+    #[serde(default)]
+    pub gravity: Option<(f64, f64)>,
+    /// Numbers that the plugin asks for, by name.
+    #[serde(default, deserialize_with = "unique_keys::deserialize")]
+    pub values: BTreeMap<String, f64>,
+    /// What is recorded.
+    #[serde(default)]
+    pub record: Record,
+}
+
+/// See [`Stage::Compact`].
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Compact {
+    /// Name.
+    pub name: String,
+    /// The wall that moves, along its inward normal.
+    pub wall: String,
+    /// The fixed wall opposite, from which the height counts.
+    pub base: String,
+    /// When it is done.
+    pub target: CompactTarget,
+    /// Greatest motion of the wall in an increment, m.
+    pub step: f64,
+    /// What the particles do where nothing pushes them.
+    #[serde(default)]
+    pub rest: CompactRest,
+    /// Shaking: greatest random part of the motion that particles tend to in an increment, in mean
+    /// radii. Without it a random packing jams before it is dense.
+    #[serde(default)]
+    pub agitation: f64,
+    /// Seed of the shaking.
+    #[serde(default)]
+    pub seed: u64,
+    /// What is recorded.
+    #[serde(default)]
+    pub record: Record,
+}
+
+/// When a compaction is done.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+pub enum CompactTarget {
+    /// Distance of the two walls, m.
+    Height(f64),
+    /// Porosity between the two walls over the length of the base.
+    Porosity(f64),
+}
+
+/// Reference motion of a compaction.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+pub enum CompactRest {
+    /// Particles follow the wall in proportion to their height: an even packing.
+    #[default]
+    Affine,
+    /// Particles stay until they are pushed: the packing fills from the moving wall.
+    Still,
+}
+
+/// See [`Stage::Cement`].
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Cement {
+    /// Name.
+    pub name: String,
+    /// Bond length g_int, m: pairs with a smaller gap are bonded (3.4.1 of the paper).
+    pub length: f64,
+    /// Whether particles are bonded to walls as well.
+    #[serde(default)]
+    pub walls: bool,
+}
+
+/// See [`Stage::Load`].
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Load {
+    /// Name.
+    pub name: String,
+    /// Number of increments.
+    pub increments: u32,
+    /// Analysis of this stage, where it differs from the scene's.
+    #[serde(default)]
+    pub analysis: Option<Analysis>,
+    /// Gravity of this stage, where it differs from the scene's.
+    #[serde(default)]
+    pub gravity: Option<(f64, f64)>,
+    /// Control of walls by name. A wall that is not named keeps its load if it is loaded, else
+    /// stays where it is.
+    #[serde(default, deserialize_with = "unique_keys::deserialize")]
+    pub walls: BTreeMap<String, WallControl>,
+    /// Walls that are taken away at the start.
+    #[serde(default)]
+    pub remove_walls: Vec<String>,
+    /// Walls that are brought in at the start.
+    #[serde(default)]
+    pub add_walls: Vec<String>,
+    /// What is done to particles. Particles that are not selected are free.
+    #[serde(default)]
+    pub particles: Vec<ParticleControl>,
+    /// Conditions that end the stage early.
+    #[serde(default)]
+    pub stop: Vec<Stop>,
+    /// What is recorded.
+    #[serde(default)]
+    pub record: Record,
+}
+
+/// A condition that ends a stage. A collapse always ends it.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub enum Stop {
+    /// Axial strain reaches this value.
+    AxialStrain(f64),
+    /// After its peak, the axial stress falls below this fraction of the peak. The drop must be more than
+    /// the error of the stress that `acceptance.residual` allows.
+    StressDrop(f64),
+    /// Time reaches this value, s.
+    Time(f64),
+    /// The greatest speed of a particle falls below this value, m/s (after the first increment).
+    Rest(f64),
+}

@@ -1,0 +1,11 @@
+//! Checkpoint and resume: a run that stops after any increment and goes on from its checkpoint leaves
+//! the same bytes as one that did not.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod changed;
+mod refused;
+mod resumed;
+mod same_bytes;
+mod stored;

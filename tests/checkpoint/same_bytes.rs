@@ -1,0 +1,205 @@
+//! A run that goes on from any increment leaves the same bytes, whatever the scene.
+
+use clastic::components::attempt::IncrementStatus;
+use clastic::components::observation::Observation;
+use clastic::output::directory;
+
+use crate::resumed::{COULOMB, load, parse, run, same_from_anywhere};
+
+#[test]
+fn biaxial_test_after_every_increment() {
+    let loaded = load(
+        "biaxial_small",
+        &[
+            "stages.confine.increments=3",
+            "stages.load.increments=7",
+            "stages.load.walls.top[1]=-0.16e-3",
+            "output=(frames_every: 3)",
+        ],
+    );
+    let records = same_from_anywhere(&loaded, |_| true);
+    assert_eq!(records.len(), 10);
+    assert!(records.iter().any(|o| !o.ruptures.is_empty()), "no bond broke");
+}
+
+/// A run that is interrupted within an avalanche has its bonds, its row of the avalanche and its way through it still
+/// to come.
+#[test]
+fn from_event_to_event_and_within_avalanches() {
+    let loaded = load(
+        "biaxial_small",
+        &[
+            "rupture.order=Events",
+            "rupture.group=0.003",
+            "stages.confine.increments=2",
+            "stages.load.increments=3",
+            "stages.load.walls.top[1]=-0.45e-3",
+        ],
+    );
+    let stops = |increment: u64| increment % 3 == 1;
+    let records = same_from_anywhere(&loaded, stops);
+    // With the first of them behind it and the next one to come.
+    let within = records.iter().filter(|o| stops(o.increment) && o.in_avalanche).count();
+    assert!(within >= 2, "stopped {within} times within an avalanche, of {}", records.len());
+}
+
+/// A motion that a rupture releases begins with the state that was committed before it.
+#[test]
+fn before_motions_that_ruptures_release() {
+    let sets = [
+        "rupture=(order: Events, avalanche: Dynamic)",
+        "specimen.count=72",
+        "stages.compact.target=Porosity(0.25)",
+        "stages.compact.step=2.5e-3",
+        "stages.load.increments=6",
+        "stages.load.walls.top[1]=-8.0e-6",
+    ];
+    let loaded = load("uniaxial_small", &sets);
+    let mut motions = Vec::new();
+    run(&loaded, &tempfile::tempdir().unwrap().path().join("first"), 0, |o| {
+        if o.fraction == 0.0 && o.motion_steps > 0 {
+            motions.push(o.increment);
+        }
+    });
+    assert!(motions.len() >= 2, "{motions:?}");
+    let records = same_from_anywhere(&loaded, |k| motions.contains(&(k + 1)));
+    let is_released = |o: &&Observation| motions.contains(&o.increment);
+    let broken = records.iter().filter(is_released).map(|o| o.ruptures.len()).sum::<usize>();
+    assert!(broken > 0, "no bond broke within a motion");
+}
+
+#[test]
+fn biaxial_test_whose_motion_is_followed_and_whose_increments_are_halved() {
+    // A limit of throw that grains meet all the time.
+    let sets = [
+        "acceptance.throw=0.01",
+        "stages.confine.increments=2",
+        "stages.load.increments=11",
+        "stages.load.walls.top[1]=-0.2e-3",
+    ];
+    let loaded = load("biaxial_small", &sets);
+    let records = same_from_anywhere(&loaded, |k| [7, 8, 12, 13].contains(&k));
+    assert!(records.iter().any(|o| o.motion_steps > 0), "no motion was followed");
+    assert!(records.iter().any(|o| o.fraction < 1.0), "nothing was halved");
+}
+
+#[test]
+fn compaction_cementing_and_walls_taken_away() {
+    // The left wall stays: the identity of the one that goes is not the last.
+    let sets = [
+        "stages.compact.step=2.5e-3",
+        "stages.load.increments=8",
+        "stages.load.remove_walls=[\"left\"]",
+        "stages.load.walls.top[1]=-14.0e-6",
+        "output=(frames_every: 5)",
+    ];
+    let loaded = load("uniaxial_small", &sets);
+    let records = same_from_anywhere(&loaded, |k| k % 4 == 1 || k == 22);
+    let stages: Vec<_> = records.iter().map(|o| o.stage.as_str()).collect();
+    assert!(stages.contains(&"compact") && stages.contains(&"load"), "{stages:?}");
+    assert!(records.iter().any(|o| !o.ruptures.is_empty()), "no bond broke");
+}
+
+#[test]
+fn dynamic_collapse_of_a_column() {
+    let sets = [
+        "specimen.count=60",
+        "specimen.columns=5",
+        "stages.compact.target=Porosity(0.35)",
+        "walls.floor.end=(70.0e-3, 0.0)",
+        "walls.back.start=(0.0, 0.2)",
+        "walls.gate.start=(70.0e-3, 0.0)",
+        "walls.gate.end=(70.0e-3, 0.2)",
+        "walls.lid.start=(70.0e-3, 0.16)",
+        "walls.lid.end=(0.0, 0.16)",
+        "stages.settle.increments=10",
+        "stages.release.increments=40",
+        "output=(frames_every: 10)",
+    ];
+    let loaded = load("column_collapse_small", &sets);
+    let records = same_from_anywhere(&loaded, |k| k % 3 == 0);
+    assert!(records.iter().any(|o| o.kinetic_energy > 0.0));
+}
+
+#[test]
+fn bounce_direct_shear_and_clarabel() {
+    let bounce = load("bounce", &["stages.drop.increments=60"]);
+    same_from_anywhere(&bounce, |k| k % 7 == 0);
+    // Loads of particles that are on their way; the bond breaks.
+    let shear = load("direct_shear_10N", &[]);
+    let records = same_from_anywhere(&shear, |k| k % 35 == 1);
+    assert!(records.iter().any(|o| !o.ruptures.is_empty()), "the bond did not break");
+    let clarabel = load("tension", &["solver=Clarabel()"]);
+    same_from_anywhere(&clarabel, |k| k % 7 == 0);
+}
+
+#[test]
+fn rebounds_go_on() {
+    let sets = [
+        "materials.stone.contact=(restitution: 0.6)",
+        "walls.floor.contact=(restitution: 0.6)",
+        "analysis.theta=0.5",
+        "stages.drop.increments=130",
+        "output=(energy: true)",
+    ];
+    let records = same_from_anywhere(&load("bounce", &sets), |k| k == 40 || (99..104).contains(&k));
+    let energies: Vec<f64> = records.iter().map(|o| o.kinetic_energy).collect();
+    assert!(energies.windows(2).any(|pair| pair[1] < 0.5 * pair[0]), "no impact");
+}
+
+#[test]
+fn the_ledger_and_the_corrector_go_on() {
+    let sets = ["output=(energy: true)", "corrector=(passes: 20)", "stages.drop.increments=40"];
+    same_from_anywhere(&load("bounce", &sets), |k| k % 6 == 1);
+    let sets = [
+        "output=(energy: true)",
+        "corrector=(passes: 20)",
+        "stages.confine.increments=2",
+        "stages.load.increments=5",
+        "stages.load.walls.top[1]=-0.16e-3",
+    ];
+    let records = same_from_anywhere(&load("biaxial_small", &sets), |k| k % 2 == 1);
+    assert!(records.iter().any(|o| o.solves > 1), "nothing was corrected");
+}
+
+/// A bond breaks under the 25th newton and nothing holds the rest; a stage follows.
+const COLLAPSE: &str = r#"(
+    version: 1,
+    title: "two disks torn apart",
+    materials: { "stone": (
+        contact: (normal_stiffness: 8.0e6, tangential_stiffness: 4.0e6),
+        bond: (normal_stiffness: 8.0e6, tangential_stiffness: 4.0e6, cohesion: 4.0e3, tensile_strength: 2.0e3),
+    ) },
+    specimen: Particles([
+        (position: (0.0, 0.0), radius: 6.0e-3),
+        (position: (12.0e-3, 0.0), radius: 6.0e-3, probe: "pulled"),
+    ]),
+    bonds: [(a: 0, b: 1)],
+    stages: [
+        Load(name: "pull", increments: 35, particles: [
+            (select: Index([0]), x: Held, y: Held, rotation: Held),
+            (select: Index([1]), y: Held, rotation: Held, force: (35.0, 0.0)),
+        ]),
+        Load(name: "hold", increments: 5, particles: [(select: All, x: Held, y: Held, rotation: Held)]),
+    ],
+)"#;
+
+#[test]
+fn the_mechanism_of_a_collapse_is_of_whoever_sees_it() {
+    // Before the collapse, at it and after it; every other time in a directory that has it already.
+    let records = same_from_anywhere(&parse(COLLAPSE), |k| [7, 8, 25, 26, 27].contains(&k));
+    let collapsed = |o: &&Observation| o.status == IncrementStatus::Collapsed;
+    let increments: Vec<_> = records.iter().filter(collapsed).map(|o| o.increment).collect();
+    assert_eq!(increments, [25]);
+    let parent = tempfile::tempdir().unwrap();
+    run(&parse(COLLAPSE), parent.path(), 0, |_| {});
+    assert!(parent.path().join(directory::MECHANISM).exists());
+}
+
+#[test]
+fn coulomb_cascade_and_walls_that_come_and_go() {
+    let records = same_from_anywhere(&parse(COULOMB), |_| true);
+    assert!(records.iter().any(|o| !o.ruptures.is_empty()), "no bond broke");
+    assert!(records.iter().any(|o| o.coulomb_residual > 0.0), "Coulomb's law made no difference");
+    assert!(records.iter().any(|o| o.stage == "hold"), "{:?}", records.last());
+}

@@ -1,0 +1,48 @@
+//! The format of a checkpoint belongs to its version: one of an earlier program is stored.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use clastic::output::{Checkpoint, directory};
+
+use crate::resumed::{COULOMB, parse, run};
+
+/// A checkpoint of this version of the format, as some earlier program wrote it.
+fn stored() -> PathBuf {
+    let name = format!("tests/data/checkpoint_{}.bin", clastic::output::checkpoint::VERSION);
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(name)
+}
+
+/// Writes it, once for every new version of the format: `CLASTIC_STORE_CHECKPOINT=1 cargo test
+/// --release --test checkpoint -- --ignored`. Not by a bare `--ignored`, which only runs what is long.
+#[test]
+#[ignore = "writes the stored checkpoint, with CLASTIC_STORE_CHECKPOINT=1"]
+fn write_the_stored_checkpoint() {
+    if std::env::var_os("CLASTIC_STORE_CHECKPOINT").is_none() {
+        eprintln!("skipped: CLASTIC_STORE_CHECKPOINT is not set");
+        return;
+    }
+    assert!(!stored().exists(), "{} is there: raise the version", stored().display());
+    let parent = tempfile::tempdir().unwrap();
+    run(&parse(COULOMB), parent.path(), 1, |o| {
+        if o.increment == 15 {
+            fs::copy(parent.path().join(directory::CHECKPOINT), stored()).unwrap();
+        }
+    });
+}
+
+/// Fails when what a checkpoint holds has changed without a new version: then raise
+/// `checkpoint::VERSION`, run the test above as it says, and remove the file of the version before.
+#[test]
+fn the_format_is_that_of_its_version() {
+    let parent = tempfile::tempdir().unwrap();
+    fs::copy(stored(), parent.path().join(directory::CHECKPOINT)).unwrap();
+    fs::write(parent.path().join(directory::SCENE), COULOMB).unwrap();
+    let checkpoint = Checkpoint::read(parent.path()).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(checkpoint.world.progress.increment, 15);
+    assert!(checkpoint.world.ruptures.0.iter().sum::<usize>() > 0);
+    // Written again it is the same: nothing of it was left out or read as something else.
+    checkpoint.write(parent.path()).unwrap();
+    let again = fs::read(parent.path().join(directory::CHECKPOINT)).unwrap();
+    assert!(again == fs::read(stored()).unwrap());
+}

@@ -1,0 +1,56 @@
+//! A load that changes its target on its way goes on from what it has reached.
+
+use clastic::prelude::*;
+use clastic::run::{Simulation, Step};
+
+use crate::common;
+
+/// A wall that presses a disk against the floor with 1 Pa more in each of ten increments.
+const PRESS: &str = r#"(
+    version: 1,
+    title: "press",
+    materials: { "stone": (contact: (normal_stiffness: 1.0e7)) },
+    specimen: Particles([(position: (0.0, 0.01), radius: 0.01, material: "stone")]),
+    walls: [
+        (name: "floor", start: (-0.5, 0.0), end: (0.5, 0.0), contact: (normal_stiffness: 1.0e7)),
+        (name: "lid", start: (0.5, 0.02), end: (-0.5, 0.02), contact: (normal_stiffness: 1.0e7)),
+    ],
+    stages: [Load(name: "press", increments: 10, walls: { "lid": Stress(stress: 10.0) })],
+    measures: (axial_stress: Walls(walls: ["lid"], length: Fixed(1.0))),
+)"#;
+
+/// Stresses of all increments, with another target from the fifth one on.
+fn stresses(target: f64) -> Vec<f64> {
+    let mut simulation = Simulation::new(&common::parse(PRESS), None);
+    let mut found = Vec::new();
+    while let Step::Increment = simulation.step() {
+        let world = simulation.world_mut();
+        found.push(world.resource::<Observation>().axial_stress.expect("the lid carries"));
+        if found.len() == 4 {
+            let progress = world.resource::<Progress>().clone();
+            let mut walls = world.query::<&mut WallControl>();
+            for mut control in walls.iter_mut(world) {
+                *control = control.retarget(&progress, target);
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn a_changed_stress_acts_in_the_next_increment_and_does_not_jump() {
+    for (target, step) in [(40.0, 6.0), (4.0, 0.0), (10.0, 1.0)] {
+        let found = stresses(target);
+        let expected: Vec<f64> = (1..=10)
+            .map(|n: u32| f64::from(n.min(4)) + step * f64::from(n.saturating_sub(4)))
+            .collect();
+        assert_eq!(found.len(), expected.len());
+        for (n, (found, expected)) in found.iter().zip(&expected).enumerate() {
+            assert!(
+                (found / expected - 1.0).abs() < 1e-8,
+                "increment {}: {found} Pa, not {expected}",
+                n + 1
+            );
+        }
+    }
+}

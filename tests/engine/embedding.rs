@@ -1,0 +1,128 @@
+//! A rig inside a bare `bevy_app::App`, without a scene: the sample of ARCHITECTURE.md.
+
+// [sample]
+use bevy_app::{App, Update};
+use bevy_ecs::prelude::*;
+use clastic::prelude::*;
+use glam::DVec2;
+
+/// Two bonded disks; one is held, the other is pulled away by 1.25 um in every increment.
+fn pulled_pair() -> (App, Entity) {
+    let mut app = App::new();
+    app.add_plugins(ClasticPlugins::default());
+
+    let contact =
+        ContactLaw { normal_compliance: 1.0 / 8.0e6, friction: 0.6, ..Default::default() };
+    let bond = BondLaw {
+        normal_compliance: 1.0 / 8.0e6,
+        tangential_compliance: 1.0 / 4.0e6,
+        friction: 0.6,
+        rolling_friction: 0.1,
+        cohesion: 4.0e3,
+        tensile_strength: 2.0e3,
+    };
+    let sand = Material { name: "sand".into(), density: 2650.0, contact, bond: Some(bond) };
+    app.insert_resource(Materials(vec![sand]));
+    // Four increments, each tried as a whole at first.
+    app.insert_resource(Progress { total: 4.0, fraction: 1.0, ..Default::default() });
+
+    let world = app.world_mut();
+    let mut disk = |id, x, motion| {
+        let (place, held) = (DVec2::new(x, 0.0), Drive::Imposed(0.0));
+        let drives = Drives([Drive::Imposed(motion), held, held]);
+        let disk = Particle::disk(6.0e-3, 2650.0, 1.0);
+        world.spawn((BodyId(id), disk, Position(place), Origin(place), drives)).id()
+    };
+    disk(0, 0.0, 0.0);
+    let pulled = disk(1, 12.0e-3, 1.25e-6);
+    let (a, b) = (BodyId(0), BodyId(1));
+    world.spawn((BondId(0), Bond { a, b, initial_gap: 0.0, law: bond }));
+    (app, pulled)
+}
+// [/sample]
+
+use clastic::run::spawn::spawn_scene;
+use clastic::run::stages::advance;
+
+#[test]
+fn the_bond_stretches_breaks_and_is_gone() {
+    let (mut app, pulled) = pulled_pair();
+    // k_N u, then the tensile strength 2 r h sigma_t = 24 N, then nothing.
+    for expected in [10.0, 20.0, 24.0, 0.0] {
+        app.update();
+        let world = app.world();
+        let status = world.resource::<Observation>().status.name();
+        assert_eq!(status, "solved");
+        let force = world.get::<ExternalForce>(pulled).unwrap().0[0];
+        assert!((force - expected).abs() < 1e-6, "{force} N instead of {expected} N");
+    }
+    let observation = app.world().resource::<Observation>();
+    assert_eq!((observation.bonds, observation.broken), (0, [1, 0, 0]));
+}
+
+/// A world with the scene of two free disks, as an embedding program fills it.
+fn world_of_two_disks() -> (App, clastic::scene::format::Scene) {
+    let text = r#"(
+        version: 1, title: "two disks",
+        materials: { "stone": () },
+        specimen: Particles([(position: (0.0, 0.0), radius: 1.0), (position: (3.0, 0.0), radius: 1.0)]),
+        stages: [Load(name: "rest", increments: 2)],
+    )"#;
+    let loaded = clastic::scene::from_str(text, "test.ron".as_ref(), "".as_ref(), &[]);
+    let scene = loaded.unwrap_or_else(|e| panic!("{e}")).scene;
+    let mut app = App::new();
+    app.add_plugins(ClasticPlugins::default());
+    spawn_scene(app.world_mut(), &scene, None);
+    (app, scene)
+}
+
+#[test]
+#[should_panic(expected = "the world has 2 bodies already")]
+fn a_second_scene_in_one_world_is_refused() {
+    let (mut app, scene) = world_of_two_disks();
+    spawn_scene(app.world_mut(), &scene, None);
+}
+
+#[test]
+#[should_panic(expected = "the scene has 2 particles, and 1 are left in the world")]
+fn a_despawned_particle_is_reported() {
+    let (mut app, _) = world_of_two_disks();
+    let world = app.world_mut();
+    assert_eq!(advance(world), Step::Increment);
+    let mut particles = world.query_filtered::<(Entity, &BodyId), With<Particle>>();
+    let first = particles.iter(world).find(|(_, id)| id.0 == 0).map(|(entity, _)| entity).unwrap();
+    world.despawn(first);
+    advance(world);
+}
+
+#[test]
+fn a_bond_to_a_body_that_is_not_there_does_not_count() {
+    let (mut app, _) = pulled_pair();
+    let world = app.world_mut();
+    let law = world.query::<&Bond>().iter(world).next().unwrap().law;
+    let place = Position(DVec2::new(-6.0e-3, 0.0));
+    let wall = Wall { tangent: DVec2::NEG_Y, half_length: 0.05 };
+    let wall = world.spawn((BodyId(2), wall, place, ContactLaw::default())).id();
+    let bond = |id, b| (BondId(id), Bond { a: BodyId(0), b: BodyId(b), initial_gap: 0.0, law });
+    world.spawn(bond(1, 2));
+    world.spawn(bond(2, 99));
+    let count = |app: &mut App| {
+        app.update();
+        app.world().resource::<Observation>().bonds
+    };
+    assert_eq!(count(&mut app), 2);
+    // A program that takes the wall away leaves the bond behind.
+    app.world_mut().despawn(wall);
+    assert_eq!(count(&mut app), 1);
+}
+
+#[test]
+fn the_sample_of_the_architecture_page_is_this_one() {
+    let page = include_str!("../../ARCHITECTURE.md");
+    let sample = include_str!("embedding.rs").split("// [sample]\n").nth(1).unwrap();
+    let sample = sample.split("// [/sample]").next().unwrap();
+    assert!(
+        page.contains(sample),
+        "copy the sample of tests/engine/embedding.rs to ARCHITECTURE.md"
+    );
+}

@@ -1,0 +1,198 @@
+//! Rupture from event to event, on assemblies with exact answers: what breaks, at which load, and what is left does
+//! not depend on the increment.
+
+use crate::common::*;
+use clastic::components::attempt::IncrementStatus;
+use clastic::components::energy::EnergyLedger;
+use clastic::components::observation::Observation;
+use clastic::run::Simulation;
+
+/// Stiffness of every bond, N/m.
+const STIFFNESS: f64 = 1.0e7;
+/// Tensile strength, Pa.
+const STRENGTH: f64 = 2.0e3;
+/// Tolerance of the search for an event.
+const TOLERANCE: f64 = 1e-7;
+
+/// Columns of three touching disks. The lowest is held, the uppermost is pulled. The lower bond of a column is the
+/// weaker one: its common radius is that of the lowest disk, `radii[i]`.
+fn columns(radii: &[f64], pull: f64, increments: u32, avalanche: &str) -> Simulation {
+    let mut disks = String::new();
+    let mut bonds = String::new();
+    let (mut low, mut high) = (Vec::new(), Vec::new());
+    for (i, r) in radii.iter().enumerate() {
+        let x = 0.1 * i as f64;
+        let places = [(0.0, 1.0), (2.1, 1.1), (4.4, 1.2)];
+        for (k, (y, times)) in places.into_iter().enumerate() {
+            let probe = if k == 2 { format!(", probe: \"{i}\"") } else { String::new() };
+            disks += &format!("(position: ({x:?}, {:?}), radius: {:?}{probe}),", y * r, times * r);
+        }
+        bonds += &format!("(a: {}, b: {}), (a: {1}, b: {}),", 3 * i, 3 * i + 1, 3 * i + 2);
+        low.push((3 * i).to_string());
+        high.push((3 * i + 2).to_string());
+    }
+    let step = pull / f64::from(increments);
+    let drives = format!(
+        "(select: All, x: Held, rotation: Held), (select: Index([{}]), y: Held),
+         (select: Index([{}]), y: Displacement({step:?}))",
+        low.join(", "),
+        high.join(", "),
+    );
+    glued(&disks, &bonds, increments, &drives, avalanche)
+}
+
+/// Disks with bonds that break in tension, one by one, and the drives of their only stage.
+fn glued(disks: &str, bonds: &str, increments: u32, drives: &str, avalanche: &str) -> Simulation {
+    let text = format!(
+        "(
+            version: 1,
+            title: \"glued disks\",
+            rupture: (order: Events, tolerance: {TOLERANCE:?}, avalanche: {avalanche}),
+            output: (energy: true),
+            materials: {{ \"glue\": (
+                contact: (normal_stiffness: {STIFFNESS:?}),
+                bond: (normal_stiffness: {STIFFNESS:?}, tangential_stiffness: {STIFFNESS:?}, cohesion: 1.0e9, tensile_strength: {STRENGTH:?}),
+            ) }},
+            specimen: Particles([{disks}]),
+            bonds: [{bonds}],
+            stages: [Load(name: \"pull\", increments: {increments}, particles: [{drives}])],
+        )",
+    );
+    Simulation::new(&parse(&text), None)
+}
+
+/// Runs to the end: the observations of all increments.
+fn run(simulation: &mut Simulation) -> Vec<Observation> {
+    let records: Vec<_> = std::iter::from_fn(|| step(simulation)).collect();
+    assert!(records.iter().all(|r| r.status == IncrementStatus::Solved));
+    records
+}
+
+/// Energy that the bonds that broke had stored, by the ledger, J.
+fn taken(simulation: &Simulation) -> f64 {
+    simulation.world().resource::<EnergyLedger>().total.rupture
+}
+
+/// Work that the pulled disks do, J: between two events forces grow linearly. `moved` is the motion in an increment.
+fn work(records: &[Observation], probes: &[&str], moved: impl Fn(&Observation) -> f64) -> f64 {
+    let force = |r: &Observation| probes.iter().map(|name| probe(r, name).force[1]).sum::<f64>();
+    let mut last = 0.0;
+    let mut sum = 0.0;
+    for record in records {
+        sum += 0.5 * (last + force(record)) * moved(record);
+        last = force(record);
+    }
+    sum
+}
+
+/// Lengthening at which the lower bond of a column breaks: two springs in series.
+fn breaks_at(radius: f64) -> f64 {
+    2.0 * STRENGTH * 2.0 * radius / STIFFNESS
+}
+
+/// All rules of an avalanche at all of these increments.
+fn each_rule(increments: [u32; 3]) -> impl Iterator<Item = (u32, &'static str)> {
+    let rules = ["MostOverloaded", "Together", "Dynamic"];
+    increments.into_iter().flat_map(move |n| rules.map(|rule| (n, rule)))
+}
+
+const NAMES: [&str; 7] = ["0", "1", "2", "3", "4", "5", "6"];
+const RADII: [f64; 7] = [3.0e-3, 3.7e-3, 2.9e-3, 4.4e-3, 5.0e-3, 3.1e-3, 4.1e-3];
+
+#[test]
+fn parallel_bonds_of_graded_strength_break_one_by_one_at_any_increment() {
+    let mut graded = RADII;
+    graded.sort_by(f64::total_cmp);
+    for (increments, avalanche) in each_rule([1, 7, 64]) {
+        let mut simulation = columns(&RADII, 6.0e-6, increments, avalanche);
+        let mut lengthening = 0.0;
+        let mut broken = 0;
+        let records = run(&mut simulation);
+        for record in &records {
+            let step = 6.0e-6 / f64::from(increments);
+            lengthening += record.fraction * step;
+            for _ in &record.ruptures {
+                let expected = breaks_at(graded[broken]);
+                assert_relative(lengthening, expected, 1.1 * TOLERANCE);
+                broken += 1;
+            }
+            assert!(record.ruptures.len() <= 1, "{:?}", record.ruptures);
+        }
+        assert_eq!(broken, graded.len(), "{increments} increments");
+        // f^2 / (2 k) of every lower bond is taken; the upper bond of a column has as much and loses it.
+        let stored = |r: &f64| (STRENGTH * 2.0 * r).powi(2) / (2.0 * STIFFNESS);
+        let stored: f64 = graded.iter().map(stored).sum();
+        assert_relative(taken(&simulation), stored, 1e-6);
+        let moved = |r: &Observation| r.fraction * 6.0e-6 / f64::from(increments);
+        assert_relative(work(&records, &NAMES, moved), 2.0 * stored, 1e-6);
+    }
+}
+
+#[test]
+fn a_chain_breaks_at_its_weakest_bond_and_loses_its_energy_at_any_increment() {
+    // Six disks in a row: bonds have the strength of the smaller disk. The third bond is the weakest.
+    let radii = [4.0e-3, 4.4e-3, 3.0e-3, 3.3e-3, 5.0e-3, 4.2e-3];
+    let bonds = radii.len() - 1;
+    let force = STRENGTH * 2.0 * 3.0e-3;
+    let lengthening = force * bonds as f64 / STIFFNESS;
+    for (increments, avalanche) in each_rule([1, 5, 32]) {
+        let mut simulation = chain(&radii, 2.0 * lengthening, increments, avalanche);
+        let records = run(&mut simulation);
+        let way = |r: &Observation| r.fraction * 2.0 * lengthening / f64::from(increments);
+        let first = records.iter().position(|r| !r.ruptures.is_empty()).unwrap();
+        let reached: f64 = records[..=first].iter().map(way).sum();
+        assert_relative(reached, lengthening, 1.1 * TOLERANCE);
+        assert_relative(probe(&records[first], "pulled").force[1], force, 1.1 * TOLERANCE);
+        let broken: Vec<_> = records.iter().flat_map(|r| &r.ruptures).map(|r| r.bond.0).collect();
+        // Two bonds have the radius of the smallest disk; the chain has only one of them to lose.
+        assert!(broken == [1] || broken == [2], "{broken:?}");
+        assert_within(probe(records.last().unwrap(), "pulled").force[1], 0.0, 1e-6 * force);
+        assert_relative(taken(&simulation), force.powi(2) / (2.0 * STIFFNESS), 1e-6);
+        let work = work(&records, &["pulled"], way);
+        assert_relative(work, 0.5 * force * lengthening, 1e-6);
+    }
+}
+
+fn chain(radii: &[f64], pull: f64, increments: u32, avalanche: &str) -> Simulation {
+    let (mut disks, mut bonds) = (String::new(), String::new());
+    let mut y = 0.0;
+    for (i, r) in radii.iter().enumerate() {
+        if i > 0 {
+            y += radii[i - 1] + r;
+            bonds += &format!("(a: {}, b: {i}),", i - 1);
+        }
+        let probe = if i + 1 == radii.len() { ", probe: \"pulled\"" } else { "" };
+        disks += &format!("(position: (0.0, {y:?}), radius: {r:?}{probe}),");
+    }
+    let last = radii.len() - 1;
+    let step = pull / f64::from(increments);
+    let drives = format!(
+        "(select: All, x: Held, rotation: Held), (select: Index([0]), y: Held),
+         (select: Index([{last}]), y: Displacement({step:?}))"
+    );
+    glued(&disks, &bonds, increments, &drives, avalanche)
+}
+
+/// A disk is pulled from another one that two smaller ones hold under 30 degrees. The bond of the smaller one (12 N)
+/// breaks first. At the same place of the pulled disk the other one (14.4 N) then carries more than it can, and breaks
+/// in the same avalanche: no row of the record lies between the two.
+#[test]
+fn an_avalanche_runs_at_constant_load_and_leaves_no_row_of_its_own() {
+    for increments in [1, 11, 40] {
+        let step = 5.5e-6 / f64::from(increments);
+        let order = format!("order: Events, tolerance: {TOLERANCE:?}, group: 0.0");
+        let scene = fork_scene(&order, increments, &format!("x: Displacement({step:?})"));
+        let mut simulation = Simulation::new(&scene, None);
+        let records = run(&mut simulation);
+        let broken: Vec<_> = records.iter().filter(|r| !r.ruptures.is_empty()).collect();
+        assert_eq!(broken.len(), 2, "{increments}");
+        // 12 N = k u cos 30, and the middle disk has gone a third of the way.
+        let expected = 2.0 / 3.0 * 3.0 * 12.0 / 0.75_f64.sqrt();
+        assert_relative(probe(broken[0], "pulled").force[0], expected, 1e-4);
+        assert!(!broken[0].in_avalanche && broken[1].in_avalanche);
+        assert_eq!((broken[1].fraction, broken[1].increment), (0.0, broken[0].increment + 1));
+        let after = &records[broken[1].increment as usize];
+        assert!(!after.in_avalanche && after.fraction == 0.0);
+        assert_within(probe(after, "pulled").force[0], 0.0, 1e-6);
+    }
+}

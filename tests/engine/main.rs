@@ -1,0 +1,28 @@
+//! The engine: analytic values, conservation laws, events, motions, and its use by other programs.
+//! Each module is a subject; `cargo test --release --test engine restitution` runs one of them.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod analytic_bonds;
+mod analytic_dynamics;
+mod analytic_lattice;
+mod avalanches;
+mod biaxial;
+mod changed_stress;
+mod column_collapse;
+mod conservation;
+mod detection;
+mod embedding;
+mod events;
+mod extension;
+mod followed_motion;
+mod held_bodies;
+mod invariance;
+mod limit_load;
+mod rest;
+mod restitution;
+mod rupture;
+mod stages;
+mod stress;
+mod swinging;

@@ -1,0 +1,14 @@
+//! The `clastic` program as its user meets it: commands, exit codes, what a run leaves behind.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod bad_scenes;
+mod call;
+mod commands;
+mod compare;
+mod dumps;
+mod exit_codes;
+mod files;
+mod results;
+mod stopped;

@@ -1,0 +1,189 @@
+//! Collapses, mechanisms, capped increments and key results, as the program says them.
+
+use std::fs;
+
+use assert_cmd::assert::Assert;
+use tempfile::TempDir;
+
+use crate::call::{assert_complete, clastic, json, read, rows, run, stdout};
+
+#[test]
+fn a_collapse_is_a_result() {
+    // Pulled by 1 N more in every increment; the bond carries 24 N.
+    let (collapsed, out) = run(
+        "tension",
+        &[
+            "--set",
+            "stages.pull.particles[1].x=Free",
+            "--set",
+            "stages.pull.particles[1].force=(35.0, 0.0)",
+        ],
+    );
+    let said = stdout(&collapsed.code(0));
+    assert!(said.contains("collapsed in increment 25, in stage pull"), "{said}");
+    assert_complete(out.path(), "collapsed");
+    let record = json(out.path(), "run.json");
+    assert_eq!(
+        (&record["outcome"]["stage"], &record["outcome"]["increment"]),
+        (&"pull".into(), &25.into())
+    );
+    let events = rows(out.path(), "events.csv");
+    assert_eq!((events.len(), events[0]["mode"].as_str()), (1, "tension"));
+    let p: f64 = events[0]["p_n"].parse().unwrap();
+    assert!((p + 24.0).abs() < 1e-6, "{p} N");
+    assert_eq!(rows(out.path(), "history.csv").last().unwrap()["status"], "collapsed");
+}
+
+#[test]
+fn the_mechanism_of_a_collapse_is_a_result() {
+    // When the bond breaks nothing holds the 10 N that pull the free disk along x.
+    let (collapsed, out) = run("direct_shear_-10N", &[]);
+    collapsed.code(0);
+    let record = json(out.path(), "run.json");
+    let mechanism = &record["results"]["mechanism"];
+    assert_eq!(mechanism["increment"], record["outcome"]["increment"]);
+    // Nothing dissipates, and no condition is violated.
+    assert!((mechanism["margin"].as_f64().unwrap() - 1.0).abs() < 1e-9, "{mechanism}");
+    assert!(mechanism["defect"].as_f64().unwrap() < 1e-9, "{mechanism}");
+    let text = read(out.path(), "mechanism.csv");
+    assert!(text.starts_with("body,x_m,y_m,u_x,u_y,rotation\n"), "{text}");
+    let rows = rows(out.path(), "mechanism.csv");
+    let number = |row: usize, column: &str| rows[row][column].parse::<f64>().unwrap();
+    assert_eq!(rows.len(), 2);
+    for (row, u_x) in [(0, 0.0), (1, 1.0)] {
+        let motion = ["u_x", "u_y", "rotation"].map(|column| number(row, column));
+        assert_eq!(motion, [u_x, 0.0, 0.0]);
+    }
+    assert_eq!([number(0, "x_m"), number(0, "y_m"), number(1, "y_m")], [0.0; 3]);
+    assert!((number(1, "x_m") - 12.0e-3).abs() < 1e-6);
+    assert!(read(out.path(), "mechanism.svg").contains("increment"));
+
+    // A run that does not collapse has none.
+    let (completed, out) = run("direct_shear_10N", &[]);
+    completed.code(0);
+    assert!(!out.path().join("mechanism.csv").exists());
+    assert!(json(out.path(), "run.json")["results"]["mechanism"].is_null());
+}
+
+#[test]
+fn the_first_increment_of_the_rigid_test_shows_its_mechanism() {
+    let (done, out) = run("uniaxial_rigid_small", &["--set", "output.plots=false"]);
+    done.code(0);
+    assert_eq!(fs::read_dir(out.path().join("frames")).unwrap().count(), 1);
+    let rows = rows(out.path(), "frames/frame_000001.csv");
+    assert_eq!(rows.len(), 400);
+    let moves = |column: &str, sign: f64| {
+        rows.iter().map(|row| sign * row[column].parse::<f64>().unwrap()).fold(0.0, f64::max)
+    };
+    // The platen comes down, and the specimen gives way to both sides.
+    let platen = 1.451e-6;
+    for (column, sign, least) in [("uy_m", -1.0, 0.9), ("ux_m", 1.0, 0.3), ("ux_m", -1.0, 0.3)] {
+        let most = moves(column, sign);
+        assert!(most > least * platen, "{column}: {most}");
+    }
+}
+
+/// A biaxial test without bonds whose solves under Coulomb's law end before they have converged.
+fn capped(settings: &[&str]) -> (Assert, TempDir) {
+    let law = "friction_law=Coulomb(factorisations: 5)";
+    let few = ["stages.cement.length=1e-12", "stages.load.increments=4", "output.plots=false"];
+    let mut all = vec!["--quiet", "--set", law];
+    all.extend(few.iter().chain(settings).flat_map(|set| ["--set", set]));
+    run("biaxial_small", &all)
+}
+
+#[test]
+fn a_run_with_capped_increments_says_so_loudly() {
+    let (done, out) = capped(&[]);
+    let said = stdout(&done.code(0));
+    for what in [
+        "completed in 9 increments, all of them capped",
+        "WARNING: all 5 increments of stage confine are capped",
+        "WARNING: all 4 increments of stage load are capped",
+    ] {
+        assert!(said.lines().any(|line| line == what), "no `{what}` in\n{said}");
+    }
+    assert!(rows(out.path(), "history.csv").iter().all(|row| row["status"] == "capped"));
+    let record = json(out.path(), "run.json");
+    assert_eq!(record["capped_increments"], 9);
+    assert_eq!(record["stages"][2]["capped"], 4);
+    let message = record["outcome"]["message"].as_str().unwrap();
+    assert!(message.contains("all 4 increments of stage load are capped"), "{message}");
+    let pictures = tempfile::tempdir().unwrap();
+    let [runs, to] = [out.path(), pictures.path()].map(|path| path.to_str().unwrap());
+    let compared = stdout(&clastic(&["compare", runs, "--out", to]).code(0));
+    assert!(compared.contains("completed, 9 of 9 increments capped"), "{compared}");
+
+    // With as many factorisations as some solves need, and others do not.
+    let (done, out) = capped(&["friction_law.factorisations=7"]);
+    let said = stdout(&done.code(0));
+    let history = rows(out.path(), "history.csv");
+    let count = |stage: &str| {
+        history.iter().filter(|row| row["stage"] == stage && row["status"] == "capped").count()
+    };
+    let [confine, load] = ["confine", "load"].map(count);
+    assert!(confine > 0 && confine + load < 9, "{confine}, {load}");
+    let all = confine + load;
+    assert!(
+        said.starts_with(&format!("completed in 9 increments, {all} of them capped\n")),
+        "{said}"
+    );
+    let of_five = if confine == 5 { "all 5".to_owned() } else { format!("{confine} of 5") };
+    let warning = format!("\nWARNING: {of_five} increments of stage confine are capped\n");
+    assert!(said.contains(&warning), "{said}");
+    assert_eq!(said.contains("increments of stage load are capped"), load > 0, "{said}");
+    assert_eq!(json(out.path(), "run.json")["capped_increments"], all);
+    // A run without capped increments has no warning.
+    let (done, _out) = run("tension", &["--quiet"]);
+    assert!(!stdout(&done.code(0)).contains("apped"));
+}
+
+#[test]
+fn key_results_of_capped_increments_are_null_with_the_reason() {
+    let (done, out) = capped(&[]);
+    let said = stdout(&done.code(0));
+    assert!(!said.contains("E = ") && !said.contains("peak stress 3"), "{said}");
+    assert!(said.contains("no modulus and no peak stress: all increments"), "{said}");
+    let results = &json(out.path(), "run.json")["results"];
+    for name in [
+        "youngs_modulus_pa",
+        "youngs_modulus_secant_half_peak_pa",
+        "peak_stress_pa",
+        "strain_at_peak",
+    ] {
+        assert!(results[name].is_null(), "{name}: {}", results[name]);
+        let reason = results["not_defined"][name].as_str().unwrap();
+        assert!(reason.contains("capped"), "{name}: {reason}");
+    }
+}
+
+#[test]
+fn round_off_is_no_key_result() {
+    // The platen moves away from the specimen.
+    let away = ["stages.load.walls.top[1]=1.0e-6", "stages.load.increments=6"];
+    let (done, out) = run("uniaxial_small", &["--quiet", "--set", away[0], "--set", away[1]]);
+    let said = stdout(&done.code(0));
+    assert!(!said.contains("E = ") && said.contains("but for round-off"), "{said}");
+    let results = &json(out.path(), "run.json")["results"];
+    assert!(results["youngs_modulus_pa"].is_null() && results["peak_stress_pa"].is_null());
+    let reason = results["not_defined"]["youngs_modulus_pa"].as_str().unwrap();
+    assert!(reason.contains("round-off"), "{reason}");
+}
+
+#[test]
+fn a_reference_stage_without_a_curve_is_mentioned() {
+    let load = "Load(name: \"load\", increments: 2, particles: [(select: Group(\"boundary\"), \
+                rotation: Held, affine: ((0.0, 0.0), (0.0, -1.0e-6)))])";
+    let cement = |name: &str| format!("Cement(name: \"{name}\", length: 1.0e-6)");
+    let stages = format!("stages=[{}, {load}, {}]", cement("bonds"), cement("last"));
+    let (done, _out) = run("lattice", &["--quiet", "--set", &stages]);
+    let said = stdout(&done.code(0));
+    let line = said.lines().find(|line| line.contains("no increment from the start"));
+    let line = line.unwrap_or_else(|| panic!("nothing is said in {said}"));
+    assert!(line.contains("the reference stage is last; `measures.reference_stage`"), "{line}");
+    // The other one has a curve: nothing is to be said.
+    let reference = "measures.reference_stage=\"load\"";
+    let (done, _out) = run("lattice", &["--quiet", "--set", &stages, "--set", reference]);
+    let said = stdout(&done.code(0));
+    assert!(said.contains("E = ") && !said.contains("measures.reference_stage"), "{said}");
+}

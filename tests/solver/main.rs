@@ -1,0 +1,8 @@
+//! The cone program and its solvers: matrix, residuals, certificates, and agreement of the solvers.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod agreement;
+mod body_matrix;
+mod solvers;
