@@ -56,6 +56,14 @@ pub enum Drive {
 #[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Drives(pub [Drive; 3]);
 
+impl Drives {
+    /// Imposes all three displacements of an increment: x, y (m) and rotation (rad); 0 holds.
+    #[must_use]
+    pub fn imposed(displacements: [f64; 3]) -> Self {
+        Self(displacements.map(Drive::Imposed))
+    }
+}
+
 /// A load that goes linearly from its value at the start of an increment to that at its end.
 #[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Ramp {

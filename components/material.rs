@@ -76,8 +76,8 @@ impl BondLaw {
     }
 }
 
-/// A particle material.
-#[derive(Clone, Debug, PartialEq)]
+/// A particle material. The default is rigid and frictionless, and does not cement.
+#[derive(Clone, Debug, PartialEq, Default)]
 pub struct Material {
     /// Name in the scene.
     pub name: String,
@@ -89,15 +89,30 @@ pub struct Material {
     pub bond: Option<BondLaw>,
 }
 
-/// All particle materials, in scene order.
+/// All particle materials, in scene order. Without any, contacts of particles are rigid and
+/// frictionless.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Materials(pub Vec<Material>);
 
 impl Materials {
     /// The contact law of two particles with the given material indices.
+    ///
+    /// # Panics
+    /// If a particle has an index beyond the last material.
     #[must_use]
     pub fn contact(&self, a: u32, b: u32) -> ContactLaw {
-        let (la, lb) = (self.0[a as usize].contact, self.0[b as usize].contact);
+        if self.0.is_empty() {
+            return ContactLaw::rigid_frictionless();
+        }
+        let (la, lb) = (self.law(a), self.law(b));
         if a == b { la } else { la.between(lb) }
+    }
+
+    fn law(&self, index: u32) -> ContactLaw {
+        let material = self.0.get(index as usize);
+        let count = self.0.len();
+        material.map(|material| material.contact).unwrap_or_else(|| {
+            panic!("a particle has MaterialIndex({index}), and the world has {count} Materials")
+        })
     }
 }

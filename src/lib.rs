@@ -81,19 +81,28 @@ impl PluginGroup for ClasticPlugins {
 }
 
 /// What most programs that embed clastic need.
+///
+/// Types whose names Bevy or other physics engines use too come with their module: `body::Position`,
+/// `body::Rotation`, `body::Origin`, `body::Group`, `body::Probe`, `material::Material`.
 pub mod prelude {
     pub use crate::ClasticPlugins;
-    pub use crate::components::body::*;
-    pub use crate::components::bond::*;
-    pub use crate::components::increment::*;
+    pub use crate::components::body::{
+        AngularVelocity, BodyId, Drive, Drives, ExternalForce, LoadControl, Velocity,
+    };
+    pub use crate::components::bond::{Bond, BondId, BondState, Rupture, RuptureMode};
+    pub use crate::components::increment::{
+        Acceptance, Analysis, AnalysisKind, Corrector, FrictionLaw, Progress, RuptureRules,
+    };
     pub use crate::components::loads::TrialLoads;
-    pub use crate::components::material::{BondLaw, ContactLaw, Material, Materials};
+    pub use crate::components::material::{BondLaw, ContactLaw};
     pub use crate::components::observation::Observation;
     pub use crate::components::particle::{MaterialIndex, Particle};
-    pub use crate::components::wall::*;
+    pub use crate::components::wall::{LoadedLength, Wall, WallControl, WallDrive, WallName};
+    pub use crate::components::{body, material};
     pub use crate::cone::program::{ConeProgram, ConeSolution};
-    pub use crate::run::{Outcome, Simulation, Step};
+    pub use crate::run::{Outcome, ScenePlugin, Simulation, Step};
     pub use crate::systems::schedule::{
         AttemptSystems, ControlSystems, ControlWalls, Increment, IncrementSystems, Loads,
     };
+    pub use crate::systems::stepping::{Advance, AdvanceSystems, Halted, Running};
 }

@@ -69,12 +69,7 @@ impl Simulation {
     /// Runs the next increment, and what lies before it: ends and beginnings of stages, stages
     /// without increments.
     pub fn step(&mut self) -> Step {
-        let world = self.app.world_mut();
-        world.run_schedule(Advance);
-        match &world.resource::<script::Script>().outcome {
-            Some(outcome) if !world.resource::<Due>().0 => Step::Finished(outcome.clone()),
-            _ => Step::Increment,
-        }
+        advance(self.app.world_mut())
     }
 
     /// Runs to the end.
@@ -100,6 +95,15 @@ impl Simulation {
     /// The app, to add plugins and systems to it.
     pub fn app_mut(&mut self) -> &mut App {
         &mut self.app
+    }
+}
+
+/// Takes a world with a scene on to the end of the next increment: runs [`Advance`] once.
+pub fn advance(world: &mut World) -> Step {
+    world.run_schedule(Advance);
+    match &world.resource::<script::Script>().outcome {
+        Some(outcome) if !world.resource::<Due>().0 => Step::Finished(outcome.clone()),
+        _ => Step::Increment,
     }
 }
 

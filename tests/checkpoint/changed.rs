@@ -4,8 +4,10 @@ use std::fs;
 use std::path::Path;
 
 use clastic::components::attempt::IncrementStatus;
+use clastic::components::observation::Observation;
 use clastic::output::{Checkpoint, Ending, RunOptions, RunWriter, directory};
-use clastic::run::{Outcome, Simulation, Step, WorldState, changes};
+use clastic::run::state::StateView;
+use clastic::run::{Outcome, Simulation, Step, changes};
 use clastic::scene::{self, LoadedScene};
 
 use crate::common::files;
@@ -29,8 +31,9 @@ fn an_undecided_run_goes_on_with_other_settings() {
     let failed = records.last().unwrap();
     assert_eq!(failed.status, IncrementStatus::Undecided, "{outcome:?}");
     let checkpoint = Checkpoint::read(&stalled).unwrap();
-    assert_eq!(checkpoint.world.progress.increment + 1, failed.increment);
-    assert_eq!(checkpoint.world.observation, records[records.len() - 2]);
+    assert_eq!(checkpoint.increment + 1, failed.increment);
+    let before: Observation = checkpoint.world.get("observation").unwrap();
+    assert_eq!(before, records[records.len() - 2]);
 
     // With the same settings it fails in the same way and leaves the same bytes.
     let expected = files(&stalled);
@@ -41,28 +44,29 @@ fn an_undecided_run_goes_on_with_other_settings() {
     // With others it goes on to the end. The failed row is gone and the record says what happened.
     let (outcome, state) = resume(&stalled, &["acceptance.throw=0.3"]);
     assert_eq!(outcome, Outcome::Completed);
-    assert!(state.observation.increment >= failed.increment);
+    let last: Observation = state.get("observation").unwrap();
+    assert!(last.increment >= failed.increment);
     let history = fs::read_to_string(stalled.join(directory::HISTORY)).unwrap();
     assert!(!history.contains("undecided"));
-    assert_eq!(history.lines().count() as u64, 1 + state.observation.increment);
+    assert_eq!(history.lines().count() as u64, 1 + last.increment);
     let record = fs::read_to_string(stalled.join(directory::RUN)).unwrap();
     let record: serde_json::Value = serde_json::from_str(&record).unwrap();
     assert_eq!(record["resumed"][0]["after_increment"], failed.increment - 1);
     assert_eq!(record["resumed"][0]["settings"][0], "acceptance.throw=0.3");
     assert_eq!(record["settings"]["acceptance"]["throw"], 0.3);
-    assert_eq!(record["increments"], state.observation.increment);
+    assert_eq!(record["increments"], last.increment);
     let scene = fs::read_to_string(stalled.join(directory::SCENE)).unwrap();
     assert!(scene.contains("throw: 0.3"), "{scene}");
 }
 
 /// The state of [`COULOMB`] after some increments, and its scene.
-fn state_after(increments: u64) -> (LoadedScene, WorldState) {
+fn state_after(increments: u64) -> (LoadedScene, StateView) {
     let loaded = parse(COULOMB);
     let mut simulation = Simulation::new(&loaded.scene, None);
     for _ in 0..increments {
         assert_eq!(simulation.step(), Step::Increment);
     }
-    (loaded, capture(simulation.world_mut()))
+    (loaded, StateView::of(&simulation.state().unwrap()).unwrap())
 }
 
 #[test]
@@ -73,7 +77,7 @@ fn what_may_change_depends_on_how_far_the_run_has_come() {
         let new = scene::from_str_with(
             COULOMB,
             Path::new("rig.ron"),
-            state.specimen(),
+            state.specimen.clone(),
             &[set.to_owned()],
         );
         changes::refused(&old.scene, &new.unwrap_or_else(|e| panic!("{e}")).scene, &state)
@@ -116,7 +120,7 @@ fn what_may_change_depends_on_how_far_the_run_has_come() {
     let new = scene::from_str_with(
         COULOMB,
         Path::new("rig.ron"),
-        state.specimen(),
+        state.specimen.clone(),
         &["stages.confine.increments=6".to_owned()],
     );
     let said = changes::refused(&old.scene, &new.unwrap().scene, &state).join("\n");

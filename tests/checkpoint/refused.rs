@@ -3,10 +3,17 @@
 use std::fs;
 use std::path::Path;
 
+use bevy_app::App;
+use bevy_ecs::prelude::*;
+use clastic::ClasticPlugins;
 use clastic::output::{Checkpoint, ResumeError, RunOptions, RunWriter, directory};
-use clastic::run::Simulation;
+use clastic::run::state::{capture, restore};
+use clastic::run::{ScenePlugin, Simulation, StateError, Step};
+use clastic::scene::format::Scene;
+use clastic::systems::state::RegisterState;
+use serde::{Deserialize, Serialize};
 
-use crate::resumed::{COULOMB, copy_first, parse};
+use crate::resumed::{COULOMB, bytes, copy_first, parse};
 
 /// A directory with a checkpoint, and the error of reading it after a change.
 fn refusal(change: impl Fn(&Path)) -> String {
@@ -102,4 +109,38 @@ fn a_directory_that_lost_rows_or_is_in_use_is_refused() {
     assert!(try_resume().is_err_and(|e| e.contains("history.csv") && e.contains("bytes")));
     edit(&history, |bytes| bytes.extend([b'x'; 20]));
     assert!(try_resume().is_err_and(|e| e.contains("other rows")));
+}
+
+#[derive(Resource, Serialize, Deserialize, PartialEq, Debug)]
+struct Temperature(f64);
+
+/// A run of which a plugin of its own keeps a temperature and a mark on a particle.
+fn heated(scene: &Scene) -> Simulation {
+    let mut simulation = Simulation::new(scene, None);
+    heat(simulation.app_mut());
+    simulation.world_mut().insert_resource(Temperature(300.0));
+    simulation
+}
+
+fn heat(app: &mut App) {
+    app.register_resource::<Temperature>("heat.temperature");
+}
+
+#[test]
+fn state_of_a_plugin_resumes_with_it_and_is_refused_by_name_without() {
+    let scene = parse(COULOMB).scene;
+    let mut simulation = heated(&scene);
+    for _ in 0..3 {
+        assert_eq!(simulation.step(), Step::Increment);
+    }
+    let state = simulation.state().unwrap();
+    let error = Simulation::resume(&scene, &state).err().unwrap();
+    assert_eq!(error, StateError::Unknown("heat.temperature".to_owned()));
+    assert!(error.to_string().contains("`heat.temperature`"), "{error}");
+
+    let mut app = App::new();
+    app.add_plugins((ClasticPlugins::default(), ScenePlugin, heat));
+    restore(app.world_mut(), &scene, &state).unwrap();
+    assert_eq!(app.world().resource::<Temperature>(), &Temperature(300.0));
+    assert!(bytes(&capture(app.world_mut()).unwrap()) == bytes(&state));
 }

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use clastic::components::observation::Observation;
 use clastic::output::{Checkpoint, Ending, RunOptions, RunWriter, directory};
+use clastic::run::state::StateView;
 use clastic::run::{Outcome, Simulation, Step, WorldState, changes};
 use clastic::scene::{self, LoadedScene};
 
@@ -55,7 +56,7 @@ pub fn finish(
         after(simulation.world().resource::<Observation>());
     };
     writer.finish(simulation.world_mut(), &Ending::Finished(outcome.clone())).unwrap();
-    (outcome, capture(simulation.world_mut()))
+    (outcome, simulation.state().unwrap())
 }
 
 /// Resumes a directory as the program does.
@@ -64,14 +65,16 @@ pub fn resume(directory: &Path, sets: &[&str]) -> (Outcome, WorldState) {
     let sets: Vec<_> = sets.iter().map(|set| (*set).to_owned()).collect();
     let name = Path::new(&checkpoint.facts.scene_file);
     let state = &checkpoint.world;
-    let read =
-        |sets: &[String]| scene::from_str_with(&checkpoint.scene, name, state.specimen(), sets);
+    let view = StateView::of(state).unwrap();
+    let read = |sets: &[String]| {
+        scene::from_str_with(&checkpoint.scene, name, view.specimen.clone(), sets)
+    };
     let (before, loaded) = (read(&[]).unwrap().scene, read(&sets).unwrap());
-    assert_eq!(changes::refused(&before, &loaded.scene, state), [""; 0]);
-    let mut simulation = Simulation::resume(&loaded.scene, state);
+    assert_eq!(changes::refused(&before, &loaded.scene, &view), [""; 0]);
+    let mut simulation = Simulation::resume(&loaded.scene, state).unwrap();
     // What was restored is what was stored, to the bit.
-    assert!(bytes(&capture(simulation.world_mut())) == bytes(state));
-    changes::apply(simulation.world_mut(), &before, &loaded.scene, state);
+    assert!(bytes(&simulation.state().unwrap()) == bytes(state));
+    changes::apply(simulation.world_mut(), &before, &loaded.scene, &view);
     let mut writer = RunWriter::resume(directory, checkpoint, &loaded, &sets, None).unwrap();
     finish(&mut simulation, &mut writer, &mut |_| {})
 }

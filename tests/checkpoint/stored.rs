@@ -3,9 +3,11 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use clastic::components::observation::RuptureCount;
 use clastic::output::{Checkpoint, directory};
+use clastic::run::Simulation;
 
-use crate::resumed::{COULOMB, parse, run};
+use crate::resumed::{COULOMB, bytes, parse, run};
 
 /// A checkpoint of this version of the format, as some earlier program wrote it.
 fn stored() -> PathBuf {
@@ -39,8 +41,13 @@ fn the_format_is_that_of_its_version() {
     fs::copy(stored(), parent.path().join(directory::CHECKPOINT)).unwrap();
     fs::write(parent.path().join(directory::SCENE), COULOMB).unwrap();
     let checkpoint = Checkpoint::read(parent.path()).unwrap_or_else(|e| panic!("{e}"));
-    assert_eq!(checkpoint.world.progress.increment, 15);
-    assert!(checkpoint.world.ruptures.0.iter().sum::<usize>() > 0);
+    assert_eq!(checkpoint.increment, 15);
+    let ruptures: RuptureCount = checkpoint.world.get("rupture_count").unwrap();
+    assert!(ruptures.0.iter().sum::<usize>() > 0);
+    // A world made of it has its state, to the bit: every entry is what its plugin expects.
+    let scene = parse(COULOMB).scene;
+    let mut simulation = Simulation::resume(&scene, &checkpoint.world).unwrap();
+    assert!(bytes(&simulation.state().unwrap()) == bytes(&checkpoint.world));
     // Written again it is the same: nothing of it was left out or read as something else.
     checkpoint.write(parent.path()).unwrap();
     let again = fs::read(parent.path().join(directory::CHECKPOINT)).unwrap();

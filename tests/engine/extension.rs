@@ -24,7 +24,7 @@ impl Sine {
 }
 
 /// For `ControlSystems::Custom`: what the walls do in the increment that follows.
-fn follow_sine(progress: Res<Progress>, mut walls: Query<(&Sine, &Position, &mut WallDrive)>) {
+fn follow_sine(progress: Res<Progress>, mut walls: Query<(&Sine, &body::Position, &mut WallDrive)>) {
     for (sine, position, mut drive) in &mut walls {
         // A drive is for a whole increment. Where one had to be halved, only `left` of it is still
         // to come; measured from where the wall is, nothing adds up.
@@ -41,7 +41,7 @@ struct Foundation(f64);
 /// For `Loads`: the force `-k (x + u - x_0)`, with x the place from which the trial starts. Entities still hold
 /// the last committed state where an increment is halved or a motion is followed; `Bodies` holds the trial's.
 fn support(
-    springs: Query<(&BodyId, &Foundation, &Origin)>,
+    springs: Query<(&BodyId, &Foundation, &body::Origin)>,
     bodies: Res<Bodies>,
     mut loads: ResMut<TrialLoads>,
 ) {
@@ -65,9 +65,9 @@ use std::path::Path;
 
 use bevy_app::PluginGroup;
 use clastic::components::contact::Contacts;
-use clastic::output::{Ending, RunOptions, RunWriter};
+use clastic::output::{Ending, OutputPlugin, RunOptions, RunWriter};
 use clastic::run::spawn::spawn_scene;
-use clastic::run::stages::advance;
+use clastic::run::{ScenePlugin, advance};
 use clastic::scene;
 use clastic::systems::rupture_bonds::RuptureBondsPlugin;
 
@@ -76,22 +76,21 @@ const STIFFNESS: f64 = 8.0e6;
 
 fn app() -> App {
     let mut app = App::new();
-    app.add_plugins((ClasticPlugins, custom_boundaries));
+    app.add_plugins((ClasticPlugins::default(), custom_boundaries));
     let contact = ContactLaw { normal_compliance: 1.0 / STIFFNESS, ..Default::default() };
-    let sand = Material { name: "sand".into(), density: 2650.0, contact, bond: None };
-    app.insert_resource(Materials(vec![sand]));
-    app.insert_resource(Progress { total: 24.0, fraction: 1.0, ..Default::default() });
+    let sand = material::Material { name: "sand".into(), density: 2650.0, contact, bond: None };
+    app.insert_resource(material::Materials(vec![sand]));
     app
 }
 
 fn disk(y: f64) -> impl Bundle {
     let place = DVec2::new(0.0, y);
-    (BodyId(0), Particle::disk(RADIUS, 2650.0, 1.0), Position(place), Origin(place))
+    (BodyId(0), Particle::disk(RADIUS, 2650.0, 1.0), body::Position(place), body::Origin(place))
 }
 
 fn wall(id: u32, tangent: DVec2, y: f64) -> impl Bundle {
     let law = ContactLaw { normal_compliance: 1.0 / STIFFNESS, ..Default::default() };
-    let place = Position(DVec2::new(0.0, y));
+    let place = body::Position(DVec2::new(0.0, y));
     (BodyId(id), Wall { tangent, half_length: 0.05 }, place, law)
 }
 
@@ -109,7 +108,7 @@ fn a_wall_follows_a_sine_and_squeezes_a_disk() {
         assert_eq!(status, "solved", "increment {n}");
         let sine = world.get::<Sine>(lid).unwrap();
         let (sought, squeezed) = (sine.height(f64::from(n)), sine.rest - sine.height(f64::from(n)));
-        let height = world.get::<Position>(lid).unwrap().0.y;
+        let height = world.get::<body::Position>(lid).unwrap().0.y;
         assert!((height - sought).abs() < 1e-16, "increment {n}: {height} for {sought}");
         // Two equal springs in series under the lid, none above it; positive pushes downwards.
         let force = -world.get::<ExternalForce>(lid).unwrap().0[1];
@@ -133,7 +132,7 @@ fn the_wall_is_in_its_place_after_a_halved_increment() {
         world.run_schedule(Increment);
         assert_eq!(world.resource::<Progress>().done, done);
     }
-    let height = world.get::<Position>(lid).unwrap().0.y;
+    let height = world.get::<body::Position>(lid).unwrap().0.y;
     assert!((height - sought).abs() < 1e-16, "{height} for {sought}");
 }
 
@@ -145,7 +144,7 @@ fn extra_rows_hold_a_disk_on_springs() {
     let disk = world.spawn((disk(0.0), Foundation(1.0e6), load)).id();
     for n in 1..=24 {
         world.run_schedule(Increment);
-        let y = world.get::<Position>(disk).unwrap().0.y;
+        let y = world.get::<body::Position>(disk).unwrap().0.y;
         let expected = -1.0e-6 * f64::from(n);
         assert!(
             (y - expected).abs() < 1e-7 * expected.abs(),
@@ -174,7 +173,7 @@ fn loads_of_several_systems_add_up_in_any_order() {
         let disk = world.spawn((disk(0.0), Foundation(1.0e9))).id();
         world.run_schedule(Increment);
         assert_eq!(world.resource::<Observation>().status.name(), "solved");
-        world.get::<Position>(disk).unwrap().0
+        world.get::<body::Position>(disk).unwrap().0
     };
     let found = place(false);
     assert!((found - DVec2::new(-0.2e-9, 0.07)).length() < 1e-12, "{found}");
@@ -236,8 +235,8 @@ fn break_at_10_newtons(
         messages.write(Rupture {
             increment: progress.increment,
             bond: row.id,
-            a: BodyId(row.a),
-            b: BodyId(row.b),
+            a: bodies.ids[row.a as usize],
+            b: bodies.ids[row.b as usize],
             mode,
             position: contact.point(&bodies),
             normal: contact.normal,
@@ -253,21 +252,23 @@ fn ruptures_by_a_rule_of_an_embedding_program_are_events() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/tension.ron");
     let loaded = scene::load(Path::new(path), &[]).unwrap();
     let mut app = App::new();
-    app.add_plugins(ClasticPlugins.build().disable::<RuptureBondsPlugin>());
+    let engine = ClasticPlugins::default().build().disable::<RuptureBondsPlugin>();
+    app.add_plugins((engine, ScenePlugin, OutputPlugin));
     app.add_systems(Increment, break_at_10_newtons.in_set(IncrementSystems::Rupture));
     spawn_scene(app.world_mut(), &loaded.scene, None);
     let out = tempfile::tempdir().unwrap();
     let options = RunOptions { directory: out.path().to_owned(), ..Default::default() };
-    let mut writer = RunWriter::create(options, &loaded, app.world_mut()).unwrap();
+    let writer = RunWriter::create(options, &loaded, app.world_mut()).unwrap();
+    app.insert_resource(writer);
     let mut broke = None;
     while advance(app.world_mut()) == Step::Increment {
-        writer.record(app.world_mut()).unwrap();
         let record = app.world().resource::<Observation>();
         if let [rupture] = record.ruptures.as_slice() {
             assert_eq!(broke.replace((record.increment, *rupture)), None, "it broke twice");
         }
         assert_eq!(record.broken, [usize::from(broke.is_some()), 0, 0]);
     }
+    let mut writer = app.world_mut().remove_resource::<RunWriter>().unwrap();
     writer.finish(app.world_mut(), &Ending::Finished(Outcome::Completed)).unwrap();
     // The engine's own rule breaks the bond at 24 N.
     let (increment, rupture) = broke.unwrap();

@@ -75,7 +75,7 @@ fn porosity(simulation: &mut Simulation) -> f64 {
     let mut radii: Vec<_> = disks.iter(world).map(|(id, p)| (*id, p.radius)).collect();
     radii.sort_unstable_by_key(|(id, _)| *id);
     let area: f64 = radii.iter().map(|(_, r)| std::f64::consts::PI * r * r).sum();
-    let mut walls = world.query::<(&WallName, &Position)>();
+    let mut walls = world.query::<(&WallName, &body::Position)>();
     let mut place = |name: &str| walls.iter(world).find(|(n, _)| n.0 == name).unwrap().1.0;
     let height = place("top").y - place("bottom").y;
     let width = place("right").x - place("left").x;

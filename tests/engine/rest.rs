@@ -5,7 +5,7 @@ use clastic::cone::condensed::{Condensed, rest};
 use clastic::cone::program::{ConeProgram, ConeSolution, SolveStatus};
 use clastic::cone::residuals::{displacement_scale, force_scale};
 use clastic::cone::solver::ConeSolver;
-use clastic::run::{Outcome, Simulation, WorldState};
+use clastic::run::{Outcome, Simulation};
 use clastic::scene::format::{
     Analysis, FrictionLaw, Load, Motion, ParticleControl, Scene, Select, Stage, WallControl,
 };
@@ -155,7 +155,7 @@ fn a_run_that_is_resumed_sleeps_on() {
         next(&mut whole).unwrap();
     }
     let moved = whole.world().resource::<ConeSolution>().displacements.clone();
-    let mut resumed = Simulation::resume(&scene, &capture(whole.world_mut()));
+    let mut resumed = Simulation::resume(&scene, &whole.state().unwrap()).unwrap();
     let (mut last, mut also) = (moved.clone(), moved);
     for _ in 0..30 {
         assert_eq!(next(&mut whole), next(&mut resumed));

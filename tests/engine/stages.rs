@@ -1,10 +1,12 @@
 //! From stage to stage: what a stage leaves to the next one, and what ends it.
 
 use crate::common::*;
+use clastic::components::bond::Bond;
 use clastic::components::observation::Observation;
 use clastic::run::EndedBy;
 use clastic::run::stages::Script;
-use clastic::run::{Outcome, Simulation, StageEnd, WorldState, changes};
+use clastic::run::state::StateView;
+use clastic::run::{Outcome, Simulation, StageEnd, changes};
 use clastic::scene::format::{FrictionLaw, Scene};
 
 /// A disk between a floor and a lid; the rest is the stages and, if any, measures.
@@ -163,11 +165,12 @@ fn a_stage_that_selects_no_particle_is_refused_as_it_begins() {
     assert_eq!(simulation.world().resource::<Script>().ends.len(), 1);
 
     // From there the run goes on with another box.
-    let state = capture(simulation.world_mut());
+    let state = simulation.state().unwrap();
+    let view = StateView::of(&state).unwrap();
     let mended = parse(&moved_and_held(0.5e-3, 1.5e-3));
-    assert!(changes::refused(&scene, &mended, &state).is_empty());
-    let mut simulation = Simulation::resume(&mended, &state);
-    changes::apply(simulation.world_mut(), &scene, &mended, &state);
+    assert!(changes::refused(&scene, &mended, &view).is_empty());
+    let mut simulation = Simulation::resume(&mended, &state).unwrap();
+    changes::apply(simulation.world_mut(), &scene, &mended, &view);
     assert_eq!(simulation.run(), Outcome::Completed);
     assert_eq!(simulation.world().resource::<Observation>().increment, 3);
 }
@@ -201,7 +204,8 @@ fn cemented_lid(last: &str) -> String {
 
 /// Whether a world has a bond in any state.
 fn bonds(simulation: &mut Simulation) -> usize {
-    capture(simulation.world_mut()).bonds.len()
+    let world = simulation.world_mut();
+    world.query::<&Bond>().iter(world).count()
 }
 
 #[test]
@@ -222,8 +226,8 @@ fn the_bonds_of_a_wall_end_when_it_is_taken_away() {
         }
         if k == 2 {
             // A checkpoint of the time without the lid does not bring them back either.
-            let state = capture(simulation.world_mut());
-            resumed = Some(Simulation::resume(&scene, &state));
+            let state = simulation.state().unwrap();
+            resumed = Some(Simulation::resume(&scene, &state).unwrap());
         }
     }
 }

@@ -1,0 +1,59 @@
+//! A boundary condition of one's own: a lid whose height follows a sine.
+//!
+//! `WallControl::Custom` keeps the built-in controls away; a system in `ControlSystems::Custom` says
+//! what the lid does in the increment that begins.
+
+use std::f64::consts::TAU;
+
+use bevy_app::App;
+use bevy_ecs::prelude::*;
+use clastic::prelude::*;
+use glam::DVec2;
+
+/// Height `rest + amplitude sin(2 pi n / period)` after n increments.
+#[derive(Component)]
+struct Sine {
+    rest: f64,
+    amplitude: f64,
+    period: f64,
+}
+
+impl Sine {
+    fn height(&self, n: f64) -> f64 {
+        self.rest + self.amplitude * (TAU * n / self.period).sin()
+    }
+}
+
+fn follow(
+    progress: Res<Progress>,
+    mut lids: Query<(&Sine, &body::Position, &mut WallDrive)>,
+) {
+    for (sine, place, mut drive) in &mut lids {
+        // Measured from where the lid is, so that no error adds up.
+        let motion = sine.height(progress.done + 1.0) - place.0.y;
+        *drive = WallDrive::Imposed(DVec2::new(0.0, motion));
+    }
+}
+
+pub fn main() {
+    let mut app = App::new();
+    app.add_plugins(ClasticPlugins::default());
+    app.add_systems(ControlWalls, follow.in_set(ControlSystems::Custom));
+
+    let sine = Sine { rest: 1.0, amplitude: 1.0e-3, period: 8.0 };
+    let lid = (Wall { tangent: DVec2::NEG_X, half_length: 1.0 }, WallControl::Custom);
+    let world = app.world_mut();
+    let lid = world.spawn((lid, sine, body::Position(DVec2::Y))).id();
+    // An increment needs a particle; this one is held far below.
+    let disk = Particle::disk(0.1, 2650.0, 1.0);
+    world.spawn((disk, body::Position::default(), Drives::imposed([0.0; 3])));
+
+    for n in 1..=8 {
+        app.update();
+        let world = app.world();
+        let height = world.get::<body::Position>(lid).map_or(0.0, |place| place.0.y);
+        let wanted = world.get::<Sine>(lid).map_or(0.0, |sine| sine.height(f64::from(n)));
+        println!("{height:.6} m");
+        assert!((height - wanted).abs() < 1e-15);
+    }
+}
