@@ -7,8 +7,10 @@
 //! [`polish`](super::polish) makes the solution exact. Clarabel is the last resort, and its word
 //! on infeasible programs stands only with a certificate.
 //!
-//! A large dynamic program without bonds, of which the first solution within the tolerance is enough, has a
-//! warm start (`warm`) before all this: sweeps from the last forces.
+//! Elastic steps of a motion with rolling moments, for which there is no Newton iteration, start the
+//! interior point from the last forces (`warm`). A large dynamic program without bonds, of which the
+//! first solution within the tolerance is enough, has a warm start (`warm`) before all this: sweeps
+//! from the last forces.
 
 pub mod interior;
 pub mod local;
@@ -265,8 +267,8 @@ impl Condensed {
             }
             // Where it gave up is a good place for the interior point to begin, mostly.
             starts.insert(0, (result.u, None));
-        } else if warm::is_step_of_motion(program, &scaled) {
-            // Bodies are where the last step has brought them: its forces belong to no displacement.
+        } else if warm::is_elastic_step(program, &scaled) {
+            // Bodies are where the last step has brought them: its forces belong to no motion.
             let rest = vec![[0.0; 3]; order.len()];
             starts.insert(0, (rest, Some(warm::last_forces(program))));
         }

@@ -1,6 +1,7 @@
 //! The warm start of dynamic programs whose interactions are contacts without strength: sweeps from the forces of the
-//! last increment, and the interior point from there, on the contacts that are near. Steps of a motion that is followed
-//! have the last forces and no sweeps: their weights are too small for sweeps to get anywhere.
+//! last increment, and the interior point from there, on the contacts that are near. Elastic steps of
+//! a motion that is followed start from the last forces as well, without sweeps and with all
+//! contacts.
 
 use clastic_components::program::{ConeProgram, ConeSolution, Dof, SolveStatus};
 
@@ -123,11 +124,17 @@ pub(super) fn raised(forces: &[[f64; 3]]) -> interior::Warm<'_> {
     interior::Warm { forces, product: PRODUCT }
 }
 
-/// Whether a program is a step of a motion that is followed: static, with a weight on every degree of freedom, and
-/// not to be solved exactly. The last forces are those after the step before.
-pub(super) fn is_step_of_motion(program: &ConeProgram, scaled: &Scaled) -> bool {
-    let is_known = !program.last_forces.is_empty();
-    is_known && program.tolerance > 0.0 && !program.is_dynamic() && scaled.is_damped()
+/// Whether a program is an elastic step of a motion that is followed: static, with a weight on every
+/// degree of freedom, and not to be solved exactly. The last forces are those after the step before.
+/// Springs have them at zero displacement, so that only the balance is off there; of what is rigid
+/// forces need not be unique.
+pub(super) fn is_elastic_step(program: &ConeProgram, scaled: &Scaled) -> bool {
+    let is_elastic = || program.interactions.iter().all(|c| c.normal_compliance > 0.0);
+    program.tolerance > 0.0
+        && !program.last_forces.is_empty()
+        && !program.is_dynamic()
+        && scaled.is_damped()
+        && is_elastic()
 }
 
 /// Forces that the interactions carried at the end of the last increment, in units of the scales; 0 where there was
