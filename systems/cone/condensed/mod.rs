@@ -7,8 +7,10 @@
 //! [`polish`](super::polish) makes the solution exact. Clarabel is the last resort, and its word
 //! on infeasible programs stands only with a certificate.
 //!
-//! A large dynamic program without bonds, of which the first solution within the tolerance is enough, has a
-//! warm start (`warm`) before all this: sweeps from the last forces.
+//! Elastic steps of a motion with rolling moments, for which there is no Newton iteration, start the
+//! interior point from the last forces (`warm`). A large dynamic program without bonds, of which the
+//! first solution within the tolerance is enough, has a warm start (`warm`) before all this: sweeps
+//! from the last forces.
 
 pub mod interior;
 pub mod local;
@@ -253,10 +255,10 @@ impl Condensed {
             }
             checked(program, s, displacements, tolerance, iterations, message)
         };
-        let mut starts = vec![start];
+        let mut starts = vec![(start, None)];
         if newton::applies(&scaled) {
             let result = in_pool(has_branches, || {
-                newton::solve(&scaled, matrix, &starts[0], goal(newton_margin))
+                newton::solve(&scaled, matrix, &starts[0].0, goal(newton_margin))
             });
             *iterations += result.iterations;
             let solution = back(&result.u, &result.s, *iterations, "newton");
@@ -264,17 +266,22 @@ impl Condensed {
                 return Some(solution);
             }
             // Where it gave up is a good place for the interior point to begin, mostly.
-            starts.insert(0, result.u);
+            starts.insert(0, (result.u, None));
+        } else if warm::is_elastic_step(program, &scaled) {
+            // Bodies are where the last step has brought them: its forces belong to no motion.
+            let rest = vec![[0.0; 3]; order.len()];
+            starts.insert(0, (rest, Some(warm::last_forces(program))));
         }
         // Whether a later attempt regularises it.
         let undamped = !scaled.is_damped() && !program.is_dynamic();
         let mut last = None;
-        for start in &starts {
+        for (start, forces) in &starts {
             let solved = |point: &interior::Interior| {
                 back(&point.u, &point.s, 0, "interior").status == SolveStatus::Solved
             };
             let result = in_pool(has_branches, || {
-                interior::solve(&scaled, matrix, start, interior_goal, solved)
+                let warm = forces.as_deref().map(warm::raised);
+                interior::solve_from(&scaled, matrix, start, warm, interior_goal, solved)
             });
             let Some(result) = result else {
                 continue;

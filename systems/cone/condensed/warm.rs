@@ -1,5 +1,7 @@
 //! The warm start of dynamic programs whose interactions are contacts without strength: sweeps from the forces of the
-//! last increment, and the interior point from there, on the contacts that are near.
+//! last increment, and the interior point from there, on the contacts that are near. Elastic steps of
+//! a motion that is followed start from the last forces as well, without sweeps and with all
+//! contacts.
 
 use crate::program::{ConeProgram, ConeSolution, Dof, SolveStatus};
 
@@ -103,9 +105,9 @@ impl Condensed {
         };
         let residual = (tolerance / INTERIOR_MARGIN).max(ROUND_OFF);
         let goal = interior::Goal::enough(residual, tolerance);
-        let warm = interior::Warm { forces: &forces, product: PRODUCT };
+        let warm = Some(raised(&forces));
         let result = in_pool(has_branches, || {
-            interior::solve_from(&own, matrix, &start, Some(warm), goal, |point| {
+            interior::solve_from(&own, matrix, &start, warm, goal, |point| {
                 is_enough(&expand(&point.s))
             })
         })?;
@@ -117,9 +119,27 @@ impl Condensed {
     }
 }
 
+/// The start of the interior point with these forces, in units of the scales.
+pub(super) fn raised(forces: &[[f64; 3]]) -> interior::Warm<'_> {
+    interior::Warm { forces, product: PRODUCT }
+}
+
+/// Whether a program is an elastic step of a motion that is followed: static, with a weight on every
+/// degree of freedom, and not to be solved exactly. The last forces are those after the step before.
+/// Springs have them at zero displacement, so that only the balance is off there; of what is rigid
+/// forces need not be unique.
+pub(super) fn is_elastic_step(program: &ConeProgram, scaled: &Scaled) -> bool {
+    let is_elastic = || program.interactions.iter().all(|c| c.normal_compliance > 0.0);
+    program.tolerance > 0.0
+        && !program.last_forces.is_empty()
+        && !program.is_dynamic()
+        && scaled.is_damped()
+        && is_elastic()
+}
+
 /// Forces that the interactions carried at the end of the last increment, in units of the scales; 0 where there was
 /// none.
-fn last_forces(program: &ConeProgram) -> Vec<[f64; 3]> {
+pub(super) fn last_forces(program: &ConeProgram) -> Vec<[f64; 3]> {
     let (_, df) = units(program);
     let in_units = |f: &[f64; 3]| [f[0] / df[0], f[1] / df[0], f[2] / df[2]];
     let mut out: Vec<_> = program.last_forces.iter().map(in_units).collect();
