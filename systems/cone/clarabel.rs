@@ -15,7 +15,7 @@ use crate::program::{ConeProgram, ConeSolution, Dof, SolveStatus};
 
 use super::certificate::{certificate, locks, proves};
 use super::lowering::{displacements, forces, lower, polish};
-use super::polish::Point;
+use super::polish::{Point, PolishSettings};
 use super::solver::{ConeSolver, MalformedProgram};
 
 /// Clarabel and its settings.
@@ -25,13 +25,14 @@ pub struct Clarabel {
     pub tolerance: f64,
     /// Cap on iterations.
     pub max_iterations: u32,
-    /// Whether what comes out is polished: solved exactly for the limits that are active.
-    pub polish: bool,
+    /// How what comes out is polished: solved exactly for the limits that are active. `None` if it
+    /// is not.
+    pub polish: Option<PolishSettings>,
 }
 
 impl Default for Clarabel {
     fn default() -> Self {
-        Self { tolerance: 1e-10, max_iterations: 200, polish: true }
+        Self { tolerance: 1e-10, max_iterations: 200, polish: Some(PolishSettings::default()) }
     }
 }
 
@@ -86,9 +87,9 @@ impl ConeSolver for Clarabel {
         match raw.status {
             SolverStatus::Solved | SolverStatus::AlmostSolved => {
                 solution.status = SolveStatus::Solved;
-                if self.polish {
+                if let Some(settings) = &self.polish {
                     let point = Point { x: raw.x.clone(), z: raw.z.clone() };
-                    polish(program, &low, &a, point, &mut solution);
+                    polish(program, &low, &a, point, settings, &mut solution);
                 }
             }
             SolverStatus::DualInfeasible | SolverStatus::AlmostDualInfeasible
@@ -103,9 +104,9 @@ impl ConeSolver for Clarabel {
                 if mechanism.is_some() {
                     solution.status = SolveStatus::Collapsed;
                     solution.certificate = mechanism;
-                } else if self.polish {
+                } else if let Some(settings) = &self.polish {
                     let point = Point { x: raw.x.clone(), z: raw.z.clone() };
-                    polish(program, &low, &a, point, &mut solution);
+                    polish(program, &low, &a, point, settings, &mut solution);
                 }
             }
         }

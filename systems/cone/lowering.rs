@@ -5,23 +5,12 @@ use clarabel::algebra::CscMatrix;
 
 use crate::program::{ConeProgram, ConeSolution, Dof};
 
-use super::polish::{Point, QuadraticProgram};
+use super::polish::{Point, PolishSettings, QuadraticProgram};
 use super::residuals::regularised_residuals;
 
-/// Residuals below this are both small.
-const SMALL: f64 = 1e-10;
-/// Polishes of one solution at most.
-const POLISHES: usize = 8;
-/// Residual at which polishing stops.
-const POLISHED: f64 = 1e-11;
-/// The same for programs with more variables than [`LARGE`], where every polish costs as much as
-/// the solution.
-const POLISHED_LARGE: f64 = 1e-9;
-const LARGE: usize = 5000;
-
 /// Residual at which a solution of a program of this size is as good as polishing makes it.
-pub(super) fn polished(low: &Lowered) -> f64 {
-    if low.linear.len() > LARGE { POLISHED_LARGE } else { POLISHED }
+fn polished(low: &Lowered, settings: &PolishSettings) -> f64 {
+    if low.linear.len() > settings.large { settings.large_residual } else { settings.residual }
 }
 
 /// Triplets of a sparse matrix.
@@ -182,6 +171,7 @@ pub(super) fn polish(
     low: &Lowered,
     matrix: &CscMatrix<f64>,
     start: Point,
+    settings: &PolishSettings,
     solution: &mut ConeSolution,
 ) {
     let qp = QuadraticProgram {
@@ -194,22 +184,22 @@ pub(super) fn polish(
     let worst =
         |s: &ConeSolution| regularised_residuals(program, &s.forces, &s.displacements).worst();
     let mut best = worst(solution);
-    let goal = polished(low);
+    let goal = polished(low, settings);
     // Small residuals alone are not enough: where a gap just closes, slack and force are both small,
     // and each is only accurate to the square root of their product.
-    if best <= goal && low.linear.len() > LARGE {
+    if best <= goal && low.linear.len() > settings.large {
         return;
     }
     let mut active = qp.active(&start);
-    for pass in 0..POLISHES {
-        let Some(point) = qp.solve_active(&active, &start) else { return };
+    for pass in 0..settings.max_passes {
+        let Some(point) = qp.solve_active(&active, &start, settings) else { return };
         let forces = forces(program, &low.columns, &point.x);
         let displacements = displacements(program, &low.rows, &point.z);
         let polished = ConeSolution { forces, displacements, ..Default::default() };
         let now = worst(&polished);
         // Of two small residuals the polished one belongs to the more accurate solution, for the
         // same reason. Also true where the interior point left something that is not a number.
-        if now <= goal.max(SMALL) || !(best <= now) {
+        if now <= goal.max(settings.small_residual) || !(best <= now) {
             best = now;
             solution.forces = polished.forces;
             solution.displacements = polished.displacements;

@@ -8,39 +8,15 @@
 //! (Nonlinear elimination, or nonlinearly preconditioned Newton: Cai and Keyes 2002.)
 
 use super::matrix::{BodyMatrix, places};
-use super::newton::{self, Limits};
+use super::newton::{self, Goal};
 use super::parallel::in_parallel;
 use super::scaled::{Local, Scaled};
+use super::settings::LocalSettings;
 use crate::adjacency::Adjacency;
 
-/// Bodies with more than this fraction of the greatest unbalance are eliminated, and those that the last
-/// step left behind,
-const SHARE: f64 = 0.05;
-/// with what lies within so many interactions of them,
-const RINGS: usize = 2;
-/// where that is no more bodies than this.
-const LARGEST: usize = 1500;
-/// Bodies with more interactions than this are walls, mostly.
-const CROWDED: usize = 32;
-/// Open contacts further than this, in units of displacement, join nothing.
-const NEAR: f64 = 50.0;
-/// With fewer bodies in all to be eliminated it does not pay to hand any to another thread.
-const MANY: usize = 300;
-/// What is left of their unbalance, as a fraction of the greatest.
-const REST: f64 = 1e-8;
-const LIMITS: Limits = Limits {
-    iterations: 30,
-    tiny: 30,
-    patience: 30,
-    goal: 1e-10,
-    unbalance: 0.0,
-    damping: 1e-6,
-    least_damping: 1e-10,
-};
-
 /// Walls touch bodies everywhere: elimination leaves them where they are.
-pub(super) fn is_crowded(adjacency: &Adjacency, body: usize) -> bool {
-    adjacency.of(body).len() > CROWDED
+pub(super) fn is_crowded(adjacency: &Adjacency, settings: &LocalSettings, body: usize) -> bool {
+    adjacency.of(body).len() > settings.max_interactions
 }
 
 /// Brings the bodies that are furthest out of balance, and those that are `fast` (none if it is empty),
@@ -48,6 +24,7 @@ pub(super) fn is_crowded(adjacency: &Adjacency, body: usize) -> bool {
 pub(super) fn eliminate(
     program: &Scaled,
     adjacency: &Adjacency,
+    settings: &LocalSettings,
     gradient: &[[f64; 3]],
     e: &[[f64; 2]],
     fast: &[bool],
@@ -57,8 +34,8 @@ pub(super) fn eliminate(
         gradient.iter().map(|g| g.iter().fold(0.0_f64, |m, g| m.max(g.abs()))).collect();
     let greatest = unbalance.iter().copied().fold(0.0, f64::max);
     let n = unbalance.len();
-    let mobile = |i: usize| program.free[i].contains(&true) && !is_crowded(adjacency, i);
-    let wanted = |i: usize| unbalance[i] > SHARE * greatest || fast.get(i) == Some(&true);
+    let mobile = |i: usize| program.free[i].contains(&true) && !is_crowded(adjacency, settings, i);
+    let wanted = |i: usize| unbalance[i] > settings.share * greatest || fast.get(i) == Some(&true);
     let mut inside = vec![false; n];
     let mut list: Vec<usize> = (0..n).filter(|i| wanted(*i) && mobile(*i)).collect();
     for i in &list {
@@ -67,11 +44,11 @@ pub(super) fn eliminate(
     let joined = |k: usize, i: usize| {
         let l = &program.locals[k];
         let bonded = l.count == 3 && l.right[2] > 0.0;
-        let near = bonded || e[k][0] - l.linear[0] > -NEAR;
+        let near = bonded || e[k][0] - l.linear[0] > -settings.max_gap;
         near.then(|| if l.bodies[0] == i { l.bodies[1] } else { l.bodies[0] })
     };
     let mut first = 0;
-    for _ in 0..RINGS {
+    for _ in 0..settings.rings {
         let ring = first..list.len();
         first = ring.end;
         for at in ring {
@@ -106,16 +83,17 @@ pub(super) fn eliminate(
             }
             at += 1;
         }
-        if members.len() <= LARGEST {
+        if members.len() <= settings.max_bodies {
             members.sort_unstable();
             patches.push(members);
         }
     }
-    let limits = Limits { unbalance: REST * greatest, ..LIMITS };
+    let goal = Goal { relative: settings.goal, absolute: settings.residual * greatest };
     let solutions = {
         let start = &*u;
-        let of_patch = |members: &Vec<usize>| balance(program, adjacency, members, start, &limits);
-        let many = patches.iter().map(Vec::len).sum::<usize>() >= MANY;
+        let of_patch =
+            |members: &Vec<usize>| balance(program, adjacency, settings, members, start, goal);
+        let many = patches.iter().map(Vec::len).sum::<usize>() >= settings.min_parallel_bodies;
         if many {
             in_parallel(patches.iter(), of_patch)
         } else {
@@ -135,9 +113,10 @@ pub(super) fn eliminate(
 fn balance(
     program: &Scaled,
     adjacency: &Adjacency,
+    settings: &LocalSettings,
     members: &[usize],
     start: &[[f64; 3]],
-    limits: &Limits,
+    goal: Goal,
 ) -> Option<Vec<(usize, [f64; 3])>> {
     let mut used: Vec<usize> = members.iter().flat_map(|i| adjacency.of(*i)).copied().collect();
     used.sort_unstable();
@@ -182,7 +161,7 @@ fn balance(
         })
         .collect();
     let from: Vec<[f64; 3]> = bodies.iter().map(|i| start[*i]).collect();
-    let result = newton::iterate(&part, &mut matrix, &from, limits, None);
+    let result = newton::iterate(&part, &mut matrix, &from, &settings.newton, goal, None);
     if result.iterations == 0 || !result.u.iter().flatten().all(|u| u.is_finite()) {
         return None;
     }

@@ -18,6 +18,7 @@ mod parallel;
 pub mod reduced;
 pub mod rest;
 pub mod scaled;
+pub mod settings;
 mod sweeps;
 mod warm;
 
@@ -27,40 +28,19 @@ use self::matrix::{BodyMatrix, places};
 use self::parallel::in_pool;
 use self::reduced::Reduced;
 use self::scaled::Scaled;
+pub use self::settings::CondensedSettings;
 use super::clarabel::Clarabel;
 use super::lowering::{lower, polish, units};
 use super::polish::Point;
 use super::residuals::regularised_residuals;
 use super::solver::{ConeSolver, MalformedProgram};
 
-/// Default tolerance: just below the residual that increments are accepted with by default,
-const TOLERANCE: f64 = BELOW * 1e-8;
-/// as what a program says is good enough is to be kept to.
-const BELOW: f64 = 0.9;
-/// The tolerance over what the Newton iteration and the interior point aim at: what they measure
-/// is not the residual of the program, and the interior point is to be polished.
-const NEWTON_MARGIN: f64 = 90.0;
-const INTERIOR_MARGIN: f64 = 900.0;
-/// The margin of the Newton iteration where a program says that less is good enough.
-const LOOSE_MARGIN: f64 = 3.0;
-/// What round-off allows them to reach.
+/// Minimum residual that the Newton iteration and the interior point can reach.
 const ROUND_OFF: f64 = 1e-14;
-
-/// Where a program has more interactions than this and is solved, the polish would cost more than
-/// it gains. Where it is static, not solved, and not all of it is regularised, bodies move so far that
-/// Clarabel does not do better in twenty times the time; with all of them regularised, as a later
-/// attempt has them, either method does.
-const LARGE: usize = 2500;
-
-/// What the interior point leaves is worth polishing when its residual is this good.
-const WORTH: f64 = 1e-3;
-
-/// A starting point with greater displacements, in units of the scale, is not used.
-const FAR: f64 = 20.0;
 
 /// The condensed solver with what it keeps between increments.
 pub struct Condensed {
-    tolerance: f64,
+    settings: CondensedSettings,
     pairs: Vec<(u32, u32)>,
     matrix: Option<BodyMatrix>,
     /// Displacements of the last solution, m and rad: a starting point.
@@ -70,29 +50,27 @@ pub struct Condensed {
 
 impl Default for Condensed {
     fn default() -> Self {
-        Self::new(TOLERANCE)
+        Self::new(CondensedSettings::default())
     }
 }
 
 impl Condensed {
-    /// A solver that accepts residuals up to `tolerance`, or to what a program says is good enough, before
-    /// it tries the next method. Small programs are polished even so, unless that is looser than the
-    /// default of 9e-9.
+    /// A solver with these settings.
     #[must_use]
-    pub fn new(tolerance: f64) -> Self {
+    pub fn new(settings: CondensedSettings) -> Self {
         Self {
-            tolerance,
+            settings,
             pairs: Vec::new(),
             matrix: None,
             last: Vec::new(),
-            fallback: Clarabel::default(),
+            fallback: settings.fallback,
         }
     }
 
     /// Residual that is accepted of a program: what the program says is good enough, if that is more than
     /// the solver's own.
     fn tolerance(&self, program: &ConeProgram) -> f64 {
-        self.tolerance.max(BELOW * program.tolerance)
+        self.settings.tolerance.max(self.settings.safety * program.tolerance)
     }
 
     fn prepare(&mut self, program: &ConeProgram) -> Option<()> {
@@ -116,7 +94,7 @@ impl ConeSolver for Condensed {
         if self.last.len() != program.bodies.len() {
             self.last = vec![[0.0; 3]; program.bodies.len()];
         }
-        let asleep = rest::find(program, &self.last);
+        let asleep = rest::find(program, &self.last, &self.settings.rest);
         let awake = asleep.map(|asleep| self.solve_awake(program, asleep)).transpose()?;
         let spent = awake.as_ref().map_or(0, |solution| solution.iterations);
         let solution = match awake {
@@ -217,10 +195,12 @@ impl Condensed {
             return None;
         }
         let tolerance = self.tolerance(program);
-        let loose = tolerance > TOLERANCE;
+        let settings = self.settings;
+        let loose = tolerance > settings.loose_tolerance;
         let goal = |margin: f64| (tolerance / margin).max(ROUND_OFF);
-        let newton_margin = if loose { LOOSE_MARGIN } else { NEWTON_MARGIN };
-        let large = program.interactions.len() > LARGE;
+        let newton_margin =
+            if loose { settings.loose_newton_margin } else { settings.newton_margin };
+        let large = program.interactions.len() > settings.large;
         // Which bonds are at a limit is seen of exact forces only, a polish begins with them, and far from
         // them static grains without load float far about. Where there is nothing of that, what is accepted
         // is all that is needed.
@@ -230,7 +210,7 @@ impl Condensed {
             return Some(solution);
         }
         self.prepare(program)?;
-        let residual = goal(INTERIOR_MARGIN);
+        let residual = goal(settings.interior_margin);
         let interior_goal = if at_once {
             interior::Goal::enough(residual, tolerance)
         } else {
@@ -242,7 +222,7 @@ impl Condensed {
         let scaled = Scaled::new(program, &order);
         let (du, _) = units(program);
         // A start far away (a grain that settled, another increment) is worse than none.
-        let near = |u: &[f64; 3]| u[0].hypot(u[1]) <= FAR * du[0];
+        let near = |u: &[f64; 3]| u[0].hypot(u[1]) <= settings.max_start * du[0];
         let in_units =
             |u: &[f64; 3]| if near(u) { [0, 1, 2].map(|k| u[k] / du[k]) } else { [0.0; 3] };
         let start: Vec<[f64; 3]> = order.iter().map(|i| in_units(&start[*i])).collect();
@@ -256,7 +236,14 @@ impl Condensed {
         let mut starts = vec![start];
         if newton::applies(&scaled) {
             let result = in_pool(has_branches, || {
-                newton::solve(&scaled, matrix, &starts[0], goal(newton_margin))
+                newton::solve(
+                    &scaled,
+                    matrix,
+                    &starts[0],
+                    &settings.newton,
+                    &settings.local,
+                    goal(newton_margin),
+                )
             });
             *iterations += result.iterations;
             let solution = back(&result.u, &result.s, *iterations, "newton");
@@ -274,13 +261,13 @@ impl Condensed {
                 back(&point.u, &point.s, 0, "interior").status == SolveStatus::Solved
             };
             let result = in_pool(has_branches, || {
-                interior::solve(&scaled, matrix, start, interior_goal, solved)
+                interior::solve(&scaled, matrix, start, &settings.interior, interior_goal, solved)
             });
             let Some(result) = result else {
                 continue;
             };
             *iterations += result.iterations;
-            if result.merit > WORTH && !(large && undamped) {
+            if result.merit > settings.max_polished_residual && !(large && undamped) {
                 continue;
             }
             let solution = back(&result.u, &result.s, *iterations, "interior");
@@ -306,7 +293,7 @@ impl Condensed {
         let mut low = low;
         let (rows, variables) = (low.right.len(), low.linear.len());
         let a = std::mem::take(&mut low.matrix).matrix(rows, variables);
-        polish(program, &low, &a, point, &mut solution);
+        polish(program, &low, &a, point, &settings.polish, &mut solution);
         let r = regularised_residuals(program, &solution.forces, &solution.displacements).worst();
         if r <= tolerance {
             solution.status = SolveStatus::Solved;

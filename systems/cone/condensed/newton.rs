@@ -11,52 +11,8 @@ use super::interior::factorise_and_solve;
 use super::local::{eliminate, is_crowded};
 use super::matrix::BodyMatrix;
 use super::scaled::{Kind, Local, Scaled, add_forces, kinematics};
+use super::settings::{LineSearchSettings, LocalSettings, NewtonSettings};
 use crate::adjacency::Adjacency;
-
-/// What ends the iteration, and what damps it.
-#[derive(Clone, Copy, Debug)]
-pub struct Limits {
-    /// Factorisations at most.
-    pub iterations: u32,
-    /// So many tiny steps in a row.
-    pub tiny: u32,
-    /// Factorisations after which the unbalance over the greatest force must be below 1 %.
-    pub patience: u32,
-    /// Unbalance over the greatest force at which it is done,
-    pub goal: f64,
-    /// or unbalance in units of force.
-    pub unbalance: f64,
-    /// Added to the diagonal of the first matrix, and the least to which it falls: keeps a step
-    /// short where nothing is stiff.
-    pub damping: f64,
-    /// See `damping`.
-    pub least_damping: f64,
-}
-
-/// Of the whole program: the interior point takes over where it does not converge.
-const GLOBAL: Limits = Limits {
-    iterations: 16,
-    tiny: 4,
-    patience: 8,
-    goal: 1e-10,
-    unbalance: 0.0,
-    damping: 1e-10,
-    least_damping: 1e-10,
-};
-/// Steps shorter than this mean that every loose cluster holds all others back.
-const TINY: f64 = 0.02;
-/// Started near enough to a solution it gets so far within a few factorisations.
-const LOST: f64 = 1e-2;
-/// [Local elimination](eliminate) comes before a global step where the unbalance over the greatest
-/// force is more than this and the last step was shorter than that, or left fast bodies behind.
-const UNBALANCED: f64 = 1e-9;
-const SHORT: f64 = 0.7;
-/// Bodies that a step moves further than so many times as far as this fraction of all bodies move are
-/// fast,
-const FAST: f64 = 2.0;
-const MOST: f64 = 0.97;
-/// and left behind where that makes the step longer by this factor.
-const LONGER: f64 = 2.0;
 
 /// Result of the iteration, converged or not.
 pub struct Newton {
@@ -191,15 +147,32 @@ impl Spring {
     }
 }
 
+/// Unbalance at which the iteration is done: the looser of the two counts.
+#[derive(Clone, Copy, Debug)]
+pub struct Goal {
+    /// Over the maximum force.
+    pub relative: f64,
+    /// In units of force.
+    pub absolute: f64,
+}
+
 /// Solves the program from the displacements `start`, with local elimination, until the unbalance over
 /// the greatest force is at most `goal`.
 #[must_use]
-pub fn solve(program: &Scaled, matrix: &mut BodyMatrix, start: &[[f64; 3]], goal: f64) -> Newton {
-    let patience = if program.is_damped() { GLOBAL.iterations } else { GLOBAL.patience };
-    let limits = Limits { goal, patience, ..GLOBAL };
+pub fn solve(
+    program: &Scaled,
+    matrix: &mut BodyMatrix,
+    start: &[[f64; 3]],
+    settings: &NewtonSettings,
+    local: &LocalSettings,
+    goal: f64,
+) -> Newton {
+    let patience = if program.is_damped() { settings.max_iterations } else { settings.patience };
+    let settings = NewtonSettings { patience, ..*settings };
+    let goal = Goal { relative: goal, absolute: 0.0 };
     let pairs = program.locals.iter().map(|l| l.bodies);
     let adjacency = Adjacency::new(program.free.len(), pairs);
-    iterate(program, matrix, start, &limits, Some(&adjacency))
+    iterate(program, matrix, start, &settings, goal, Some((&adjacency, local)))
 }
 
 /// Runs the iteration from the displacements `start`; with local elimination where the adjacency of
@@ -209,10 +182,12 @@ pub fn iterate(
     program: &Scaled,
     matrix: &mut BodyMatrix,
     start: &[[f64; 3]],
-    limits: &Limits,
-    adjacency: Option<&Adjacency>,
+    settings: &NewtonSettings,
+    goal: Goal,
+    local: Option<(&Adjacency, &LocalSettings)>,
 ) -> Newton {
     let n = program.free.len();
+    let search = &settings.line_search;
     let mut u = program.with_known(start);
     let springs: Vec<Spring> = program.locals.iter().map(Spring::new).collect();
     let arms: Vec<Arms> = program.locals.iter().map(Arms::new).collect();
@@ -225,11 +200,11 @@ pub fn iterate(
     let mut tiny = 0;
     let mut step = 0.0;
     let mut eliminated = false;
-    let mut damping = limits.damping;
+    let mut damping = settings.damping;
     let mut fast: Vec<bool> = Vec::new();
     loop {
         program.balance_of_bodies(&u, &mut gradient);
-        let mut force = 1e-3_f64;
+        let mut force = settings.min_force;
         for (k, (spring, arms)) in springs.iter().zip(&arms).enumerate() {
             e[k] = arms.kinematics(&u);
             responses[k] = spring.respond(e[k]);
@@ -239,15 +214,17 @@ pub fn iterate(
         }
         let unbalance = gradient.iter().flatten().map(|g| g.abs()).fold(0.0, f64::max);
         let finite = gradient.iter().flatten().all(|g| g.is_finite());
-        let lost = iterations >= limits.patience && unbalance > LOST * force;
-        let done = iterations >= limits.iterations || tiny >= limits.tiny || lost;
-        if !finite || unbalance <= (limits.goal * force).max(limits.unbalance) || done {
+        let lost =
+            iterations >= settings.patience && unbalance > settings.max_late_unbalance * force;
+        let done = iterations >= settings.max_iterations || tiny >= settings.max_tiny_steps || lost;
+        if !finite || unbalance <= (goal.relative * force).max(goal.absolute) || done {
             break;
         }
-        if let Some(adjacency) = adjacency
+        if let Some((adjacency, local)) = local
             && !std::mem::replace(&mut eliminated, true)
-            && ((unbalance > UNBALANCED * force && step < SHORT) || !fast.is_empty())
-            && eliminate(program, adjacency, &gradient, &e, &fast, &mut u)
+            && ((unbalance > local.min_unbalance * force && step < local.short_step)
+                || !fast.is_empty())
+            && eliminate(program, adjacency, local, &gradient, &e, &fast, &mut u)
         {
             continue;
         }
@@ -276,24 +253,24 @@ pub fn iterate(
                 du[k] = 0.0;
             }
         }
-        damping = (0.5 * damping).max(limits.least_damping);
+        damping = (0.5 * damping).max(settings.min_damping);
         for (de, arms) in de.iter_mut().zip(&arms) {
             *de = arms.kinematics(&du);
         }
-        step = line_search(program, &springs, [&u, &du, &gradient], &e, &de);
+        step = line_search(program, &springs, search, [&u, &du, &gradient], &e, &de);
         fast.clear();
-        if let Some(adjacency) = adjacency.filter(|_| step < SHORT) {
-            let slow = SlowPart::of(program, adjacency, &du, &de);
+        if let Some((adjacency, local)) = local.filter(|(_, l)| step < l.short_step) {
+            let slow = SlowPart::of(program, adjacency, local, &du, &de);
             let longer = slow.as_ref().map_or(0.0, |slow| {
-                line_search(program, &springs, [&u, &slow.du, &gradient], &e, &slow.de)
+                line_search(program, &springs, search, [&u, &slow.du, &gradient], &e, &slow.de)
             });
-            if let Some(slow) = slow.filter(|_| longer > LONGER * step) {
+            if let Some(slow) = slow.filter(|_| longer > local.min_gain * step) {
                 step = longer.min(1.0);
                 du = slow.du;
                 fast = slow.fast;
             }
         }
-        tiny = if step < TINY { tiny + 1 } else { 0 };
+        tiny = if step < settings.tiny_step { tiny + 1 } else { 0 };
         for (u, du) in u.iter_mut().zip(&du) {
             for k in 0..3 {
                 u[k] += step * du[k];
@@ -319,15 +296,16 @@ impl SlowPart {
     fn of(
         program: &Scaled,
         adjacency: &Adjacency,
+        local: &LocalSettings,
         du: &[[f64; 3]],
         de: &[[f64; 2]],
     ) -> Option<Self> {
         let size = |du: &[f64; 3]| du[0].hypot(du[1]).max(du[2].abs());
         let mut sizes: Vec<f64> = du.iter().map(size).collect();
-        let place = (MOST * sizes.len() as f64) as usize;
+        let place = (local.fast_quantile * sizes.len() as f64) as usize;
         let (_, usual, _) = sizes.select_nth_unstable_by(place, f64::total_cmp);
-        let greatest = FAST * *usual;
-        let is_fast = |i: usize| size(&du[i]) > greatest && !is_crowded(adjacency, i);
+        let greatest = local.fast * *usual;
+        let is_fast = |i: usize| size(&du[i]) > greatest && !is_crowded(adjacency, local, i);
         let fast: Vec<bool> = (0..du.len()).map(is_fast).collect();
         fast.contains(&true).then(|| {
             let slow = |(du, fast): (&[f64; 3], &bool)| if *fast { [0.0; 3] } else { *du };
@@ -344,6 +322,7 @@ impl SlowPart {
 fn line_search(
     program: &Scaled,
     springs: &[Spring],
+    settings: &LineSearchSettings,
     [u, du, gradient]: [&[[f64; 3]]; 3],
     e: &[[f64; 2]],
     de: &[[f64; 2]],
@@ -370,9 +349,9 @@ fn line_search(
     };
     let (mut low, mut high) = (0.0, f64::INFINITY);
     let mut a = 1.0;
-    for _ in 0..30 {
+    for _ in 0..settings.max_evaluations {
         let (value, curvature) = derivative(a);
-        if value.abs() <= 0.02 * slope.abs() {
+        if value.abs() <= settings.max_slope * slope.abs() {
             break;
         }
         if value > 0.0 {
@@ -388,7 +367,7 @@ fn line_search(
         } else {
             4.0 * a
         };
-        if a > 1e6 || high - low < 1e-9 * high {
+        if a > settings.max_length || high - low < settings.min_bracket * high {
             break;
         }
     }

@@ -15,14 +15,16 @@ use crate::program::{ConeProgram, Dof, ProgramBody, Residuals};
 
 use super::super::residuals::Units;
 use super::matrix::adjacency;
-
-/// Greatest residual of what is at rest: a hundredth of what is accepted by default.
-const AT_REST: f64 = 1e-10;
+use super::settings::RestSettings;
 
 /// Bodies at rest; `None` where there are none. `moved` are the displacements of the last solution: what
 /// is little beside them is nothing.
 #[must_use]
-pub fn find(program: &ConeProgram, moved: &[[f64; 3]]) -> Option<Vec<bool>> {
+pub fn find(
+    program: &ConeProgram,
+    moved: &[[f64; 3]],
+    settings: &RestSettings,
+) -> Option<Vec<bool>> {
     let forces = &program.last_forces;
     if forces.is_empty() || !program.is_dynamic() {
         return None;
@@ -38,7 +40,7 @@ pub fn find(program: &ConeProgram, moved: &[[f64; 3]]) -> Option<Vec<bool>> {
         let mut left = Residuals::default();
         let e = program.kinematics(c, &still);
         units.of_interaction(c, &e, f, &mut left);
-        if left.worst() <= AT_REST && e[1] == 0.0 && e[2] == 0.0 {
+        if left.worst() <= settings.max_residual && e[1] == 0.0 && e[2] == 0.0 {
             continue;
         }
         let [a, b] = [c.a as usize, c.b as usize];
@@ -54,11 +56,11 @@ pub fn find(program: &ConeProgram, moved: &[[f64; 3]]) -> Option<Vec<bool>> {
             Dof::Free(f) if f.inertia > 0.0 => {
                 let length = if k < 2 { 1.0 } else { units.length };
                 let motion = (f.load - rows[i][k]) / f.inertia * length;
-                motion.abs() <= AT_REST * units.displacement
+                motion.abs() <= settings.max_residual * units.displacement
             }
             _ => true,
         });
-        if !(left.worst() <= AT_REST && slow) {
+        if !(left.worst() <= settings.max_residual && slow) {
             rests[i] = false;
         }
     }

@@ -9,26 +9,11 @@
 
 use super::Trial;
 use super::interior::boundary;
+use super::settings::ArcSettings;
 use super::system::{System, Vector};
 
-/// Compliance that regularises the matrix, over what is usual.
-const SOFT: f64 = 1e-10;
-/// A point is on the path where the next correction changes no slack and no multiplier by more than this part.
-const CLOSE: f64 = 0.3;
-/// Part of the way to the boundary that a step takes.
-const REACH: f64 = 0.9;
-/// Slacks and multipliers may grow by this many times themselves in a predictor.
-const GROWTH: f64 = 3.0;
-/// Factor that shortens a predictor whose corrections do not lead to the path.
-const SHORTENED: f64 = 0.3;
-/// Maximum number of corrections of one predictor. A correction twice as long as the last ends them earlier.
-const MAX_CORRECTIONS: u32 = 4;
-/// Where tau gets that large the path has gone astray.
-const ASTRAY: f64 = 30.0;
-/// Below that tau the end of the path is reached to round-off.
-const SPENT: f64 = 1e-14;
-/// The shortest predictor, in tau.
-const SHORTEST: f64 = 1e-9;
+/// tau at which the end of the path is reached to round-off.
+const MIN_TAU: f64 = 1e-14;
 
 /// Where the last predictor began.
 struct Saved {
@@ -40,8 +25,14 @@ struct Saved {
 }
 
 /// Follows the path from a point until the trial is solved, and returns where; at most `max` factorisations.
-pub fn follow(system: &mut System, mut z: Vector, max: u32, trial: &mut Trial) -> Option<Vector> {
-    system.regularise(SOFT);
+pub fn follow(
+    system: &mut System,
+    mut z: Vector,
+    settings: &ArcSettings,
+    max: u32,
+    trial: &mut Trial,
+) -> Option<Vector> {
+    system.regularise(settings.regularisation);
     let first = system.residual(&z);
     let mut by_tau = Vector::zeros(&z);
     by_tau.add(-1.0, &first);
@@ -62,19 +53,20 @@ pub fn follow(system: &mut System, mut z: Vector, max: u32, trial: &mut Trial) -
         let back = -along / (square + 1.0 / (tau * tau));
         correction.add(back, &tangent);
         let off = largest_change(system, &z, &correction) + (back / tau).abs();
-        let near = off < CLOSE;
+        let near = off < settings.close;
         bad = if near { 0 } else { bad + 1 };
-        let lost = !near && (bad > MAX_CORRECTIONS || (bad > 1 && off > 2.0 * before));
+        let lost = !near
+            && (bad > settings.max_corrections || (bad > 1 && off > settings.divergence * before));
         if !off.is_finite() || lost {
             let Some(last) = &mut saved else { return None };
-            last.length *= SHORTENED;
-            if last.length < SHORTEST * last.tau {
+            last.length *= settings.shortening;
+            if last.length < settings.min_length * last.tau {
                 return None;
             }
             z = last.z.clone();
             z.add(last.length, &last.tangent);
             tau = last.tau + last.length * last.direction;
-            (bad, grow, before) = (0, SHORTENED, f64::INFINITY);
+            (bad, grow, before) = (0, settings.shortening, f64::INFINITY);
             continue;
         }
         before = off;
@@ -82,7 +74,7 @@ pub fn follow(system: &mut System, mut z: Vector, max: u32, trial: &mut Trial) -
         if back < 0.0 {
             room = room.min(-tau / back);
         }
-        let length = (REACH * room).min(1.0);
+        let length = (settings.reach * room).min(1.0);
         z.add(length, &correction);
         tau += length * back;
         if near {
@@ -95,9 +87,9 @@ pub fn follow(system: &mut System, mut z: Vector, max: u32, trial: &mut Trial) -
                 room = room.min(tau);
             }
             let growth = fastest_growth(system, &z, &ahead).max(direction / tau).max(1e-300);
-            let length = (REACH * grow * room).min(GROWTH * grow / growth);
-            if off < 0.5 * CLOSE {
-                grow = (1.6 * grow).min(1.0);
+            let length = (settings.reach * grow * room).min(settings.growth * grow / growth);
+            if off < 0.5 * settings.close {
+                grow = (settings.recovery * grow).min(1.0);
             }
             let last = Saved { z: z.clone(), tangent: ahead, tau, direction, length };
             z.add(length, &last.tangent);
@@ -107,7 +99,7 @@ pub fn follow(system: &mut System, mut z: Vector, max: u32, trial: &mut Trial) -
         if trial.consider(system, &z) {
             return Some(z);
         }
-        if !(SPENT..=ASTRAY).contains(&tau) {
+        if !(MIN_TAU..=settings.max_tau).contains(&tau) {
             return None;
         }
     }

@@ -2,20 +2,18 @@
 
 use super::Trial;
 use super::cell::LIMITS;
+use super::settings::CoulombInteriorSettings;
 use super::system::{System, Vector};
 
-/// Compliance that regularises the matrix, over what is usual.
-const SOFT: f64 = 1e-8;
-/// Minimum length of a step that counts as progress.
-const SHORT: f64 = 0.05;
-/// Maximum number of shorter steps in a row.
-const MAX_SHORT: u32 = 3;
-/// Number of iterations in which the residual has to fall by half.
-const PATIENCE: usize = 10;
-
 /// Iterates from a point until the trial is solved; at most `max` factorisations.
-pub fn iterate(system: &mut System, mut z: Vector, max: u32, trial: &mut Trial) {
-    system.regularise(SOFT);
+pub fn iterate(
+    system: &mut System,
+    mut z: Vector,
+    settings: &CoulombInteriorSettings,
+    max: u32,
+    trial: &mut Trial,
+) {
+    system.regularise(settings.regularisation);
     let mut last = 1.0;
     let mut short = 0;
     let mut residuals = Vec::new();
@@ -27,12 +25,15 @@ pub fn iterate(system: &mut System, mut z: Vector, max: u32, trial: &mut Trial) 
             return;
         }
         residuals.push(if iteration == 0 { f64::INFINITY } else { trial.worst() });
-        let stalls = iteration as usize >= PATIENCE
-            && residuals[iteration as usize] > 0.5 * residuals[iteration as usize - PATIENCE];
+        let earlier = (iteration as usize).checked_sub(settings.patience);
+        let stalls = earlier.is_some_and(|earlier| {
+            residuals[iteration as usize] > settings.progress * residuals[earlier]
+        });
         let r = system.residual(&z);
         let mu = sum_of_products(system, &z, None, 0.0) / system.limits;
-        short = if last < SHORT { short + 1 } else { 0 };
-        let ends = !mu.is_finite() || iteration == max || short >= MAX_SHORT || stalls;
+        short = if last < settings.short_step { short + 1 } else { 0 };
+        let ends =
+            !mu.is_finite() || iteration == max || short >= settings.max_short_steps || stalls;
         if ends || !system.factorise(&z) {
             return;
         }
@@ -40,7 +41,7 @@ pub fn iterate(system: &mut System, mut z: Vector, max: u32, trial: &mut Trial) 
         let length = boundary(system, &z, &predictor).min(1.0);
         let after = sum_of_products(system, &z, Some(&predictor), length) / system.limits;
         // After a short step the iteration has to come back to the path first.
-        let least = if last < 0.2 { 0.8 } else { 0.0 };
+        let least = if last < settings.centring_step { settings.min_centring } else { 0.0 };
         let target = (after.max(0.0) / mu).powi(3).clamp(least, 1.0) * mu;
         let mut aimed = r;
         for ((r, d), cell) in aimed.cells.iter_mut().zip(&predictor.cells).zip(&system.cells) {
@@ -54,7 +55,8 @@ pub fn iterate(system: &mut System, mut z: Vector, max: u32, trial: &mut Trial) 
             return;
         }
         last = room.min(1.0);
-        z.add((room * (1.0 - mu).clamp(0.99, 0.9995)).min(1.0), &step);
+        let [lower, upper] = settings.step;
+        z.add((room * (1.0 - mu).clamp(lower, upper)).min(1.0), &step);
     }
 }
 

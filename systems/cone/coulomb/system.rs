@@ -7,10 +7,7 @@ use super::super::condensed::interior::greatest;
 use super::super::condensed::matrix::UnsymmetricMatrix;
 use super::super::condensed::scaled::{Scaled, add_forces, kinematics};
 use super::cell::{Cell, Entry, Linear, times};
-
-/// Steps of refinement of a linear solve at most, and the relative defect at which it is good enough.
-const MAX_REFINEMENTS: usize = 4;
-const REFINED: f64 = 1e-10;
+use super::settings::CoulombSettings;
 
 /// A point, a step, or a residual: displacements (of a residual the balance) by place, and the interactions.
 #[derive(Clone, Debug, Default)]
@@ -54,11 +51,17 @@ pub struct System<'a> {
     diagonal: Vec<[f64; 3]>,
     /// Compliances that a regularisation of 1 stands for.
     soft: Vec<[f64; 3]>,
+    max_refinements: usize,
+    refined: f64,
 }
 
 impl<'a> System<'a> {
     /// The system of a program, whose scales are the units.
-    pub fn new(program: &ConeProgram, matrix: &'a mut UnsymmetricMatrix) -> Self {
+    pub fn new(
+        program: &ConeProgram,
+        matrix: &'a mut UnsymmetricMatrix,
+        settings: &CoulombSettings,
+    ) -> Self {
         let scaled = Scaled::new(program, matrix.order());
         let (length, force) = (program.scales.length, program.scales.force);
         let cells: Vec<Cell> = scaled
@@ -89,6 +92,8 @@ impl<'a> System<'a> {
             matrix,
             factorisations: 0,
             soft,
+            max_refinements: settings.max_refinements,
+            refined: settings.refined,
         }
     }
 
@@ -169,7 +174,7 @@ impl<'a> System<'a> {
         self.matrix.solve(&mut x);
         let scale = greatest(&right);
         let mut last = f64::INFINITY;
-        for _ in 0..MAX_REFINEMENTS {
+        for _ in 0..self.max_refinements {
             let mut defect = right.clone();
             for ((d, diagonal), x) in defect.iter_mut().zip(&self.diagonal).zip(&x) {
                 for k in 0..3 {
@@ -181,7 +186,7 @@ impl<'a> System<'a> {
                 add_forces(cell.bodies, &cell.rows, &s, -1.0, &mut defect);
             }
             let size = greatest(&defect);
-            if size <= REFINED * scale || size >= 0.5 * last || size.is_nan() {
+            if size <= self.refined * scale || size >= 0.5 * last || size.is_nan() {
                 break;
             }
             last = size;

@@ -5,14 +5,10 @@
 
 use super::super::matrix::Assembly;
 use super::super::scaled::{Kind, Local, ROWS, add_forces, kinematics};
+use super::super::settings::InteriorSettings;
 use super::groups::Rows;
-use super::local_system::{LocalSystem, MOST_PAIRS, Slacks};
+use super::local_system::{LocalSystem, MAX_PAIRS, Slacks};
 use super::{Warm, slack};
-
-/// Complementarity product of the starting point.
-const START: f64 = 0.3;
-/// Greatest compliance that the starting point counts with, in units of displacement over force.
-const SOFT: f64 = 10.0;
 
 /// What the program says of an interaction with `F` forces and `Q` limits: see [`Local`].
 #[derive(Clone, Debug)]
@@ -22,7 +18,7 @@ pub struct Law<const F: usize, const Q: usize> {
     pub compliance: [f64; F],
     pub linear: [f64; F],
     /// Slope m of each pair of limits, `-m p + x` and `-m p - x`.
-    pub slopes: [f64; MOST_PAIRS],
+    pub slopes: [f64; MAX_PAIRS],
     pub right: [f64; Q],
 }
 
@@ -77,13 +73,19 @@ pub(super) use for_each;
 
 impl Cells {
     /// Adds an interaction, near the elastic trial at the starting displacements.
-    pub fn push(&mut self, number: usize, local: &Local, u: &[[f64; 3]]) {
+    pub fn push(
+        &mut self,
+        number: usize,
+        local: &Local,
+        u: &[[f64; 3]],
+        settings: &InteriorSettings,
+    ) {
         match local.kind {
-            Kind::Normal => self.normal.push(Cell::new(number, local, u)),
-            Kind::Friction => self.friction.push(Cell::new(number, local, u)),
-            Kind::Bond => self.bond.push(Cell::new(number, local, u)),
-            Kind::Rolling => self.rolling.push(Cell::new(number, local, u)),
-            Kind::Wheel => self.wheel.push(Cell::new(number, local, u)),
+            Kind::Normal => self.normal.push(Cell::new(number, local, u, settings)),
+            Kind::Friction => self.friction.push(Cell::new(number, local, u, settings)),
+            Kind::Bond => self.bond.push(Cell::new(number, local, u, settings)),
+            Kind::Rolling => self.rolling.push(Cell::new(number, local, u, settings)),
+            Kind::Wheel => self.wheel.push(Cell::new(number, local, u, settings)),
         }
     }
 }
@@ -201,7 +203,7 @@ impl<const F: usize, const Q: usize> Law<F, Q> {
 
 impl<const F: usize, const Q: usize> Cell<F, Q> {
     /// Forces, slacks and multipliers near the elastic trial at the displacements.
-    fn new(number: usize, local: &Local, u: &[[f64; 3]]) -> Self {
+    fn new(number: usize, local: &Local, u: &[[f64; 3]], settings: &InteriorSettings) -> Self {
         let law = Law::<F, Q>::new(local);
         let e = law.kinematics(u);
         let mut trial = [0.0; F];
@@ -225,7 +227,8 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
         // Slack where it is inside; where it was clamped, the excess is the multiplier.
         // What is far softer than the rest must not start with products far greater than theirs.
         let is_rigid = law.compliance[0] == 0.0;
-        let compliance = if is_rigid { 1.0 } else { law.compliance[0].min(SOFT) };
+        let compliance =
+            if is_rigid { 1.0 } else { law.compliance[0].min(settings.max_start_compliance) };
         // Of a rigid contact that is open the multipliers make up the gap, which is the stationarity of p. Started
         // smaller they would shorten the steps of all others: near rest gaps are thousands of displacements. What
         // has strength does not open by itself.
@@ -233,13 +236,14 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
         let gap = if has_strength { 0.0 } else { (law.linear[0] - e[0]).max(0.0) };
         let multiplier = gap / (0..Q).map(|q| -local.limits[q][0]).sum::<f64>();
         let beyond: [f64; F] = std::array::from_fn(|f| trial[f] - s[f]);
+        let start = settings.start;
         for q in 0..Q {
             let slack = law.right[q] - law.limit(q, &s);
             let excess = if is_rigid { multiplier } else { law.limit(q, &beyond) };
             let x = slack.max(0.0) - excess.max(0.0);
-            let root = x.hypot(2.0 * START);
-            slacks.w[q] = 0.5 * if x > 0.0 { x + root } else { 4.0 * START * START / (root - x) };
-            slacks.lambda[q] = START * START / slacks.w[q] * compliance;
+            let root = x.hypot(2.0 * start);
+            slacks.w[q] = 0.5 * if x > 0.0 { x + root } else { 4.0 * start * start / (root - x) };
+            slacks.lambda[q] = start * start / slacks.w[q] * compliance;
         }
         Self {
             number,

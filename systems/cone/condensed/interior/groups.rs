@@ -8,6 +8,7 @@ use std::ops::Range;
 use super::super::matrix::{Assembly, BodyMatrix};
 use super::super::parallel::{in_parallel, split};
 use super::super::scaled::Scaled;
+use super::super::settings::InteriorSettings;
 use super::cell::{Cells, for_each};
 
 /// Interactions by branch.
@@ -27,14 +28,19 @@ pub struct Rows<'a> {
 
 impl Groups {
     /// All near the elastic trial at the starting displacements.
-    pub fn new(program: &Scaled, matrix: &BodyMatrix, u: &[[f64; 3]]) -> Self {
+    pub fn new(
+        program: &Scaled,
+        matrix: &BodyMatrix,
+        u: &[[f64; 3]],
+        settings: &InteriorSettings,
+    ) -> Self {
         let bodies = matrix.branches();
         let mut branches: Vec<Cells> = bodies.iter().map(|_| Cells::default()).collect();
         let mut rest = Cells::default();
         for (number, local) in program.locals.iter().enumerate() {
             let [a, b] = local.bodies.map(|i| bodies.partition_point(|branch| branch.end <= i));
             let cells = if a == b { branches.get_mut(a) } else { None };
-            cells.unwrap_or(&mut rest).push(number, local, u);
+            cells.unwrap_or(&mut rest).push(number, local, u, settings);
         }
         Self { branches, bodies, rest }
     }

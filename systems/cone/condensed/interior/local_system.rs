@@ -27,9 +27,10 @@
 use super::cell::Law;
 
 /// Pairs of limits at most.
-pub const MOST_PAIRS: usize = 2;
-/// A tie that p hardly enters is no tie: its sum follows from its own limits.
-const SLACK: f64 = 1e-6;
+pub const MAX_PAIRS: usize = 2;
+/// Minimum slope of a tie. With a smaller slope p hardly enters, and the sum follows from the limits
+/// of the pair alone.
+const MIN_TIE_SLOPE: f64 = 1e-6;
 
 /// Slacks and multipliers of the limits, their steps, and what the steps are to bring about.
 #[derive(Clone, Copy, Debug)]
@@ -73,14 +74,14 @@ struct Pair {
 pub struct LocalSystem<const F: usize, const Q: usize> {
     /// Takes kinematics to forces: T.
     pub stiffness: [[f64; F]; F],
-    pairs: [Pair; MOST_PAIRS],
+    pairs: [Pair; MAX_PAIRS],
     /// Theta of the limit of tension.
     tension: f64,
 }
 
 impl<const F: usize, const Q: usize> Default for LocalSystem<F, Q> {
     fn default() -> Self {
-        Self { stiffness: [[0.0; F]; F], pairs: [Pair::default(); MOST_PAIRS], tension: 0.0 }
+        Self { stiffness: [[0.0; F]; F], pairs: [Pair::default(); MAX_PAIRS], tension: 0.0 }
     }
 }
 
@@ -186,13 +187,13 @@ impl<const F: usize, const Q: usize> LocalSystem<F, Q> {
             |k: usize, sum: f64| [0.5 * (sum + difference(k)), 0.5 * (sum - difference(k))];
         // What stationarity of p leaves for its ties.
         let mut left = law.compliance[0] * ds[0] - e[0];
-        let mut ties = [false; MOST_PAIRS];
+        let mut ties = [false; MAX_PAIRS];
         for k in 0..Law::<F, Q>::PAIRS {
             let x = 2 * k;
             match [is_active(x), is_active(x + 1)] {
                 [true, false] => dlambda[x] = dlambda[x + 1] + difference(k),
                 [false, true] => dlambda[x + 1] = dlambda[x] - difference(k),
-                [true, true] if law.slopes[k] > SLACK => {
+                [true, true] if law.slopes[k] > MIN_TIE_SLOPE => {
                     ties[k] = true;
                     continue;
                 }
@@ -275,7 +276,7 @@ mod tests {
     use proptest::test_runner::TestRunner;
 
     use super::super::cell::Law;
-    use super::{LocalSystem, SLACK, Slacks};
+    use super::{LocalSystem, MIN_TIE_SLOPE, Slacks};
 
     fn power(range: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
         range.prop_map(|x| 10.0_f64.powf(x))
@@ -330,7 +331,7 @@ mod tests {
             // No limits but those of almost no strength at all are like that.
             let active = |q: usize| slacks.lambda[q] > slacks.w[q];
             let no_strength =
-                |k: usize| law.slopes[k] <= SLACK && active(2 * k) && active(2 * k + 1);
+                |k: usize| law.slopes[k] <= MIN_TIE_SLOPE && active(2 * k) && active(2 * k + 1);
             prop_assume!(!(0..Law::<F, Q>::PAIRS).any(no_strength));
             let mut system = LocalSystem::default();
             system.set(&law, &slacks);

@@ -13,6 +13,7 @@ use self::cell::{Ahead, Aim, Sizes, for_each};
 use self::groups::Groups;
 use super::matrix::BodyMatrix;
 use super::scaled::{ROWS, Scaled};
+use super::settings::InteriorSettings;
 
 /// An interior point.
 pub struct Interior {
@@ -37,49 +38,27 @@ impl Interior {
     }
 }
 
-const MAX_ITERATIONS: u32 = 80;
-/// Where the elastic trial of the start has a force of more than so many units, zero is the better start:
-/// nothing leads back from there.
-const WILD: f64 = 1e5;
-/// Where the residual falls to no less than this fraction in so many iterations it will not get there.
-const PATIENCE: usize = 20;
-const LITTLE: f64 = 0.1;
-/// Weight of the proximal term by the mean product, and what is left of it in the end.
-const PROXIMAL: f64 = 1e-3;
-const LEAST_PROXIMAL: f64 = 1e-10;
-/// Steps of refinement at most, and the relative defect at which there is no need of one.
-const MAX_REFINEMENTS: usize = 3;
-const REFINED: f64 = 1e-4;
-/// Weight of the greatest complementarity product beside the other residuals.
-const PRODUCT: f64 = 0.02;
-
-/// A point that is good enough may end the method where the residual is so many times what it should be.
-const NEAR: f64 = 10.0;
-/// Iterations without a better point that end the method where the residual is what it should be.
-const FEW: usize = 3;
-
 /// What ends the method.
 #[derive(Clone, Copy, Debug)]
 pub struct Goal {
     /// Residual at which it is done.
     residual: f64,
-    /// From so many times that residual on, a point that is good enough ends it:
-    near: f64,
-    /// any such point, or only one from which there is little progress.
-    at_once: bool,
+    /// Residual, over the goal, at which the first point that is good enough ends the method. `None`
+    /// if only a slow method ends there.
+    first: Option<f64>,
 }
 
 impl Goal {
-    /// This residual, or little more where more iterations hardly gain anything.
+    /// This residual, or a little more where the method is slow.
     #[must_use]
     pub fn exact(residual: f64) -> Self {
-        Self { residual, near: NEAR, at_once: false }
+        Self { residual, first: None }
     }
 
     /// The first point that is good enough, from a residual of `near` on.
     #[must_use]
     pub fn enough(residual: f64, near: f64) -> Self {
-        Self { residual, near: near / residual, at_once: true }
+        Self { residual, first: Some(near / residual) }
     }
 }
 
@@ -99,10 +78,11 @@ pub fn solve(
     program: &Scaled,
     matrix: &mut BodyMatrix,
     start: &[[f64; 3]],
+    settings: &InteriorSettings,
     goal: Goal,
     is_enough: impl Fn(&Interior) -> bool,
 ) -> Option<Interior> {
-    solve_from(program, matrix, start, None, goal, is_enough)
+    solve_from(program, matrix, start, None, settings, goal, is_enough)
 }
 
 /// Runs the method from displacements and forces; without forces from the elastic trial at the displacements.
@@ -112,19 +92,20 @@ pub fn solve_from(
     matrix: &mut BodyMatrix,
     start: &[[f64; 3]],
     warm: Option<Warm>,
+    settings: &InteriorSettings,
     goal: Goal,
     is_enough: impl Fn(&Interior) -> bool,
 ) -> Option<Interior> {
     let n = program.free.len();
     let mut u = program.with_known(start);
-    let mut groups = Groups::new(program, matrix, &u);
+    let mut groups = Groups::new(program, matrix, &u, settings);
     if let Some(warm) = warm {
         for cells in groups.all() {
             for_each!(cell of cells => cell.warm(&u, warm));
         }
-    } else if groups.greatest_force() > WILD {
+    } else if groups.greatest_force() > settings.max_start_force {
         u = program.with_known(&vec![[0.0; 3]; n]);
-        groups = Groups::new(program, matrix, &u);
+        groups = Groups::new(program, matrix, &u, settings);
     }
     let limits: usize = program.locals.iter().map(|l| l.count).sum();
     let limits = limits.max(1) as f64;
@@ -152,12 +133,12 @@ pub fn solve_from(
         let size = sizes.into_iter().fold(Sizes::default(), Sizes::and);
         let mu = size.products / limits;
         let unbalance = greatest(&balance);
-        let force = size.force.max(1e-3);
+        let force = size.force.max(settings.min_force);
         let sum = unbalance + size.kinematic + size.primal + mu;
         // Products count by the greatest: started near a solution most of them are nothing.
         let merit = (unbalance.max(size.primal) / force)
             .max(size.kinematic)
-            .max(PRODUCT * size.product / force);
+            .max(settings.product_weight * size.product / force);
         if !sum.is_finite() {
             break;
         }
@@ -173,10 +154,13 @@ pub fn solve_from(
             since_best += 1;
         }
         merits.push(best.as_ref().map_or(merit, |b| b.merit));
-        let earlier = merits.len().checked_sub(PATIENCE + 1).map_or(f64::INFINITY, |k| merits[k]);
-        let slow = merit > 0.3 * last_merit;
+        let earlier = merits.len().checked_sub(settings.patience + 1);
+        let earlier = earlier.map_or(f64::INFINITY, |k| merits[k]);
+        let slow = merit > settings.slow * last_merit;
         let there = merit <= goal.residual;
-        let is_near = there || (merit <= goal.near * goal.residual && (slow || goal.at_once));
+        let is_near = there
+            || (merit <= goal.first.unwrap_or(settings.near) * goal.residual
+                && (slow || goal.first.is_some()));
         // Asked once of every point: it looks at the whole program.
         let near = best.as_ref().filter(|b| is_near && b.merit < refused);
         let enough = near.is_some_and(&is_enough);
@@ -184,13 +168,15 @@ pub fn solve_from(
         last_merit = merit;
         // The residual is relative to the scales of the program. Where bodies hardly move, what is good enough
         // may be far below it.
-        let is_done = best.as_ref().is_some_and(|b| b.merit <= goal.residual) && since_best >= FEW;
+        let is_done = best.as_ref().is_some_and(|b| b.merit <= goal.residual)
+            && since_best >= settings.max_idle_at_goal;
         if enough
             || is_done
-            || iterations >= MAX_ITERATIONS
-            || (since_best > 8 && merit > 1e3 * best.as_ref().map_or(0.0, |b| b.merit))
-            || since_best > 15
-            || merits[merits.len() - 1] > LITTLE * earlier
+            || iterations >= settings.max_iterations
+            || (since_best > settings.max_idle_diverging
+                && merit > settings.divergence * best.as_ref().map_or(0.0, |b| b.merit))
+            || since_best > settings.max_idle
+            || merits[merits.len() - 1] > settings.progress * earlier
         {
             break;
         }
@@ -200,7 +186,7 @@ pub fn solve_from(
         matrix.clear();
         let mut values = matrix.assembly();
         // A vanishing proximal weight keeps what nothing holds from going to infinity.
-        let proximal = LEAST_PROXIMAL + PROXIMAL * mu.min(1.0);
+        let proximal = settings.min_proximal + settings.proximal * mu.min(1.0);
         for i in 0..n {
             for k in 0..3 {
                 weight[i][k] = program.weight[i][k] + proximal;
@@ -228,9 +214,10 @@ pub fn solve_from(
         });
         du.clone_from(&right);
         matrix.solve(&mut du);
-        refine(program, matrix, &mut groups, &weight, &right, &mut du, &mut defect);
+        refine(program, matrix, &mut groups, settings, &weight, &right, &mut du, &mut defect);
         let step = steps(&mut groups, &du).length;
-        length = if step < 1.0 { step * (1.0 - mu.min(0.01)).clamp(0.99, 0.9995) } else { 1.0 };
+        let [lower, upper] = settings.step;
+        length = if step < 1.0 { step * (1.0 - mu).clamp(lower, upper) } else { 1.0 };
         for (u, du) in u.iter_mut().zip(&du) {
             for k in 0..3 {
                 u[k] += length * du[k];
@@ -297,13 +284,14 @@ fn refine(
     program: &Scaled,
     matrix: &mut BodyMatrix,
     groups: &mut Groups,
+    settings: &InteriorSettings,
     weight: &[[f64; 3]],
     right: &[[f64; 3]],
     du: &mut [[f64; 3]],
     defect: &mut [[f64; 3]],
 ) {
     let scale = greatest(right);
-    for _ in 0..MAX_REFINEMENTS {
+    for _ in 0..settings.max_refinements {
         for (i, defect) in defect.iter_mut().enumerate() {
             for k in 0..3 {
                 defect[k] =
@@ -313,7 +301,7 @@ fn refine(
         groups.scatter(defect, |cells, defect| {
             for_each!(cell of cells => cell.take_away(du, defect));
         });
-        if greatest(defect) <= REFINED * scale {
+        if greatest(defect) <= settings.refined * scale {
             return;
         }
         matrix.solve(defect);
