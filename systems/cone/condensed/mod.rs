@@ -10,28 +10,29 @@
 //! A large dynamic program without bonds, of which the first solution within the tolerance is enough, has a
 //! warm start (`warm`) before all this: sweeps from the last forces.
 
+mod attempt;
 pub mod interior;
-pub mod local;
+mod line_search;
+mod local;
 pub mod matrix;
-pub mod newton;
+mod newton;
 mod parallel;
-pub mod reduced;
-pub mod rest;
+mod reduced;
+mod rest;
 pub mod scaled;
 pub mod settings;
+mod spring;
 mod sweeps;
 mod warm;
 
 use crate::program::{ConeProgram, ConeSolution, SolveStatus};
 
-use self::matrix::{BodyMatrix, places};
-use self::parallel::in_pool;
+use self::attempt::{Attempt, Demand};
+use self::matrix::BodyMatrix;
 use self::reduced::Reduced;
-use self::scaled::Scaled;
 pub use self::settings::CondensedSettings;
 use super::clarabel::Clarabel;
-use super::lowering::{lower, polish, units};
-use super::polish::Point;
+use super::lowering::units;
 use super::residuals::regularised_residuals;
 use super::solver::{ConeSolver, MalformedProgram};
 
@@ -67,10 +68,9 @@ impl Condensed {
         }
     }
 
-    /// Residual that is accepted of a program: what the program says is good enough, if that is more than
-    /// the solver's own.
+    /// Maximum residual of a solution of a program.
     fn tolerance(&self, program: &ConeProgram) -> f64 {
-        self.settings.tolerance.max(self.settings.safety * program.tolerance)
+        self.settings.tolerance_of(program)
     }
 
     fn prepare(&mut self, program: &ConeProgram) -> Option<()> {
@@ -194,112 +194,29 @@ impl Condensed {
         if program.interactions.is_empty() {
             return None;
         }
-        let tolerance = self.tolerance(program);
-        let settings = self.settings;
-        let loose = tolerance > settings.loose_tolerance;
-        let goal = |margin: f64| (tolerance / margin).max(ROUND_OFF);
-        let newton_margin =
-            if loose { settings.loose_newton_margin } else { settings.newton_margin };
-        let large = program.interactions.len() > settings.large;
-        // Which bonds are at a limit is seen of exact forces only, a polish begins with them, and far from
-        // them static grains without load float far about. Where there is nothing of that, what is accepted
-        // is all that is needed.
-        let is_bonded = || program.interactions.iter().any(|c| c.limits.has_strength());
-        let at_once = program.is_dynamic() && (loose || (large && !is_bonded()));
-        if at_once && let Some(solution) = self.try_warm(program, iterations) {
+        let demand = Demand::of(program, &self.settings);
+        if demand.at_once
+            && let Some(solution) = self.try_warm(program, iterations)
+        {
             return Some(solution);
         }
         self.prepare(program)?;
-        let residual = goal(settings.interior_margin);
-        let interior_goal = if at_once {
-            interior::Goal::enough(residual, tolerance)
-        } else {
-            interior::Goal::exact(residual)
-        };
-        let matrix = self.matrix.as_mut()?;
-        let order = matrix.order().to_vec();
-        let has_branches = !matrix.branches().is_empty();
-        let scaled = Scaled::new(program, &order);
-        let (du, _) = units(program);
-        // A start far away (a grain that settled, another increment) is worse than none.
-        let near = |u: &[f64; 3]| u[0].hypot(u[1]) <= settings.max_start * du[0];
-        let in_units =
-            |u: &[f64; 3]| if near(u) { [0, 1, 2].map(|k| u[k] / du[k]) } else { [0.0; 3] };
-        let start: Vec<[f64; 3]> = order.iter().map(|i| in_units(&start[*i])).collect();
-        let back = |u: &[[f64; 3]], s: &[[f64; 3]], iterations: u32, message: &str| {
-            let mut displacements = vec![[0.0; 3]; order.len()];
-            for (u, &i) in u.iter().zip(&order) {
-                displacements[i] = [0, 1, 2].map(|k| u[k] * du[k]);
-            }
-            checked(program, s, displacements, tolerance, iterations, message)
-        };
-        let mut starts = vec![start];
-        if newton::applies(&scaled) {
-            let result = in_pool(has_branches, || {
-                newton::solve(
-                    &scaled,
-                    matrix,
-                    &starts[0],
-                    &settings.newton,
-                    &settings.local,
-                    goal(newton_margin),
-                )
-            });
-            *iterations += result.iterations;
-            let solution = back(&result.u, &result.s, *iterations, "newton");
+        let mut attempt = Attempt::new(program, &self.settings, self.matrix.as_mut()?, demand);
+        let mut starts = vec![attempt.in_units(start)];
+        if newton::applies(&attempt.scaled) {
+            let (result, solution) = attempt.newton(&starts[0], iterations);
             if solution.status == SolveStatus::Solved {
                 return Some(solution);
             }
             // Where it gave up is a good place for the interior point to begin, mostly.
             starts.insert(0, result.u);
         }
-        // Whether a later attempt regularises it.
-        let undamped = !scaled.is_damped() && !program.is_dynamic();
-        let mut last = None;
-        for start in &starts {
-            let solved = |point: &interior::Interior| {
-                back(&point.u, &point.s, 0, "interior").status == SolveStatus::Solved
-            };
-            let result = in_pool(has_branches, || {
-                interior::solve(&scaled, matrix, start, &settings.interior, interior_goal, solved)
-            });
-            let Some(result) = result else {
-                continue;
-            };
-            *iterations += result.iterations;
-            if result.merit > settings.max_polished_residual && !(large && undamped) {
-                continue;
-            }
-            let solution = back(&result.u, &result.s, *iterations, "interior");
-            let solved = solution.status == SolveStatus::Solved;
-            let better = |(last, _): &(interior::Interior, _)| result.merit < last.merit;
-            if solved || last.as_ref().is_none_or(better) {
-                last = Some((result, solution));
-            }
-            if solved {
-                break;
-            }
+        let (point, solution) = attempt.best_interior(&starts, iterations)?;
+        if attempt.is_final(&solution) {
+            Some(solution)
+        } else {
+            attempt.polished(&point, solution)
         }
-        let (result, mut solution) = last?;
-        let enough = large || loose || is_rigid_plastic(program);
-        if enough && solution.status == SolveStatus::Solved {
-            return Some(solution);
-        }
-        if large && undamped {
-            return Some(solution);
-        }
-        let low = lower(program);
-        let point = lowered_point(&scaled, &order, &low, &result);
-        let mut low = low;
-        let (rows, variables) = (low.right.len(), low.linear.len());
-        let a = std::mem::take(&mut low.matrix).matrix(rows, variables);
-        polish(program, &low, &a, point, &settings.polish, &mut solution);
-        let r = regularised_residuals(program, &solution.forces, &solution.displacements).worst();
-        if r <= tolerance {
-            solution.status = SolveStatus::Solved;
-            return Some(solution);
-        }
-        None
     }
 }
 
@@ -328,49 +245,4 @@ fn checked(
         solution.status = SolveStatus::Solved;
     }
     solution
-}
-
-/// Whether bonds without compliance make forces and mechanism a matter of choice. The interior point
-/// converges to the middle of all choices, where a limit is active only if it is so in all of them:
-/// those are the bonds that break. A polish would take it to a corner.
-fn is_rigid_plastic(program: &ConeProgram) -> bool {
-    program.interactions.iter().any(|c| c.limits.tension > 0.0 && c.normal_compliance == 0.0)
-        && !program.is_dynamic()
-}
-
-/// The interior point in the numbering of the lowered program.
-fn lowered_point(
-    scaled: &Scaled,
-    order: &[usize],
-    low: &super::lowering::Lowered,
-    result: &interior::Interior,
-) -> Point {
-    let mut x = vec![0.0; low.linear.len()];
-    let mut z = vec![0.0; low.right.len()];
-    let mut row = low.balance_rows;
-    for (k, local) in scaled.locals.iter().enumerate() {
-        for (column, f) in (low.columns[k]..).zip((0..3).filter(|f| local.has[*f])) {
-            x[column] = result.s[k][f];
-        }
-        for q in 0..local.count {
-            z[row] = result.lambda[k][q];
-            row += 1;
-        }
-    }
-    let mut column = low
-        .columns
-        .last()
-        .map_or(0, |_| scaled.locals.iter().map(|l| l.has.iter().filter(|h| **h).count()).sum());
-    for (rows, i) in low.rows.iter().zip(places(order)) {
-        for k in 0..3 {
-            if let Some(r) = rows[k] {
-                z[r] = -result.u[i][k];
-                if scaled.weight[i][k] > 0.0 {
-                    x[column] = scaled.weight[i][k].sqrt() * result.u[i][k];
-                    column += 1;
-                }
-            }
-        }
-    }
-    Point { x, z }
 }

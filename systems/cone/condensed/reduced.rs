@@ -7,8 +7,8 @@
 
 use crate::program::{ConeProgram, ConeSolution, Dof, Interaction};
 
-use super::newton::Spring;
 use super::scaled::Scaled;
+use super::spring::Spring;
 
 /// The program without what is known, and the way back.
 pub struct Reduced {

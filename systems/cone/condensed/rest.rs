@@ -14,8 +14,8 @@
 use crate::program::{ConeProgram, Dof, ProgramBody, Residuals};
 
 use super::super::residuals::Units;
-use super::matrix::adjacency;
 use super::settings::RestSettings;
+use crate::adjacency::Adjacency;
 
 /// Bodies at rest; `None` where there are none. `moved` are the displacements of the last solution: what
 /// is little beside them is nothing.
@@ -77,10 +77,10 @@ pub fn find(
 fn wake_neighbours(program: &ConeProgram, free: &[bool], rests: &mut [bool]) {
     let both_free = program.interactions.iter().map(|c| (c.a, c.b));
     let pairs: Vec<_> = both_free.filter(|(a, b)| free[*a as usize] && free[*b as usize]).collect();
-    let (starts, neighbours) = adjacency(rests.len(), &pairs);
+    let neighbours = Adjacency::of_neighbours(rests.len(), &pairs);
     let mut awake: Vec<usize> = (0..rests.len()).filter(|i| free[*i] && !rests[*i]).collect();
     while let Some(i) = awake.pop() {
-        for &j in &neighbours[starts[i]..starts[i + 1]] {
+        for &j in neighbours.of(i) {
             if std::mem::replace(&mut rests[j], false) {
                 awake.push(j);
             }

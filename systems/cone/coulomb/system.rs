@@ -3,7 +3,7 @@
 
 use crate::program::ConeProgram;
 
-use super::super::condensed::interior::greatest;
+use super::super::condensed::interior::max_magnitude;
 use super::super::condensed::matrix::UnsymmetricMatrix;
 use super::super::condensed::scaled::{Scaled, add_forces, kinematics};
 use super::cell::{Cell, Entry, Linear, times};
@@ -172,7 +172,7 @@ impl<'a> System<'a> {
     fn solve_bodies(&mut self, right: Vec<[f64; 3]>) -> Vec<[f64; 3]> {
         let mut x = right.clone();
         self.matrix.solve(&mut x);
-        let scale = greatest(&right);
+        let scale = max_magnitude(&right);
         let mut last = f64::INFINITY;
         for _ in 0..self.max_refinements {
             let mut defect = right.clone();
@@ -185,7 +185,7 @@ impl<'a> System<'a> {
                 let s = times(&linear.stiffness, &self.kinematics(cell, &x));
                 add_forces(cell.bodies, &cell.rows, &s, -1.0, &mut defect);
             }
-            let size = greatest(&defect);
+            let size = max_magnitude(&defect);
             if size <= self.refined * scale || size >= 0.5 * last || size.is_nan() {
                 break;
             }

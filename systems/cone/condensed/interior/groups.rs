@@ -45,13 +45,13 @@ impl Groups {
         Self { branches, bodies, rest }
     }
 
-    /// The greatest normal force.
-    pub fn greatest_force(&mut self) -> f64 {
-        let mut greatest = 0.0_f64;
+    /// Maximum normal force.
+    pub fn max_force(&mut self) -> f64 {
+        let mut maximum = 0.0_f64;
         for cells in self.all() {
-            for_each!(cell of cells => greatest = greatest.max(cell.normal_force().abs()));
+            for_each!(cell of cells => maximum = maximum.max(cell.normal_force().abs()));
         }
-        greatest
+        maximum
     }
 
     /// Branch by branch, and the rest.

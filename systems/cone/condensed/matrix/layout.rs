@@ -4,27 +4,27 @@ use super::branches;
 use super::dense::kept_rows;
 use super::fronts::{Branch, Front, Fronts};
 use super::merge::{Group, NONE, columns, merge};
+use crate::adjacency::Adjacency;
 
-/// The fronts of bodies with these neighbours (`starts`, `neighbours`: compressed rows), eliminated in
-/// this order or one that gives the same fill.
-pub fn fronts(order: &[usize], starts: &[usize], neighbours: &[usize]) -> Fronts {
-    in_parts(order, starts, neighbours, branches::cut)
+/// The fronts of bodies with these neighbours, eliminated in this order or in one that gives the
+/// same fill.
+pub fn fronts(order: &[usize], neighbours: &Adjacency) -> Fronts {
+    in_parts(order, neighbours, branches::cut)
 }
 
-/// The same fronts, all in the trunk.
-pub fn fronts_in_one(order: &[usize], starts: &[usize], neighbours: &[usize]) -> Fronts {
-    in_parts(order, starts, neighbours, |_, _, _| Vec::new())
+/// As [`fronts`], with all fronts in the trunk.
+pub fn fronts_in_one(order: &[usize], neighbours: &Adjacency) -> Fronts {
+    in_parts(order, neighbours, |_, _, _| Vec::new())
 }
 
 /// The fronts, and branches on the feet that `cut` finds.
 fn in_parts(
     order: &[usize],
-    starts: &[usize],
-    neighbours: &[usize],
+    neighbours: &Adjacency,
     cut: impl Fn(&[Vec<u32>], &[Option<Group>], &[usize]) -> Vec<Vec<usize>>,
 ) -> Fronts {
     let n = order.len();
-    let (column_rows, parents) = columns(order, starts, neighbours);
+    let (column_rows, parents) = columns(order, neighbours);
     let (column_rows, groups) = (&column_rows[..], &merge(&column_rows, &parents)[..]);
     let roots: Vec<usize> = (0..n).filter(|k| parents[*k] == NONE).collect();
     let branches = cut(column_rows, groups, &roots);

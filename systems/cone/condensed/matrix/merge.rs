@@ -3,6 +3,7 @@
 use std::cmp::Reverse;
 
 use super::ordering::places;
+use crate::adjacency::Adjacency;
 
 /// Fronts are merged with their parent, with zeros in the factor, as long as there are at most so
 /// many pivots and so great a part of the trapezoid is zero: less to do for each, and wider
@@ -24,11 +25,7 @@ pub struct Group {
 }
 
 /// Of every column of the factor its rows below the diagonal and its parent in the elimination tree.
-pub fn columns(
-    order: &[usize],
-    starts: &[usize],
-    neighbours: &[usize],
-) -> (Vec<Vec<u32>>, Vec<usize>) {
+pub fn columns(order: &[usize], neighbours: &Adjacency) -> (Vec<Vec<u32>>, Vec<usize>) {
     let n = order.len();
     let place = places(order);
     let mut rows: Vec<Vec<u32>> = Vec::with_capacity(n);
@@ -37,7 +34,7 @@ pub fn columns(
     let mut seen = vec![NONE; n];
     for k in 0..n {
         let mut list = Vec::new();
-        let own = &neighbours[starts[order[k]]..starts[order[k] + 1]];
+        let own = neighbours.of(order[k]);
         let of_children = children[k].iter().flat_map(|c: &usize| rows[*c].iter());
         for j in own.iter().map(|i| place[*i]).chain(of_children.map(|j| *j as usize)) {
             if j > k && std::mem::replace(&mut seen[j], k) != k {

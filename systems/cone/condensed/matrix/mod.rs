@@ -26,13 +26,18 @@ pub use self::assembly::Assembly;
 use self::assembly::PairPlace;
 use self::fronts::Fronts;
 use self::numeric::{Backward, Eliminate, Forward, Part};
-pub(super) use self::ordering::{adjacency, places};
+pub(super) use self::ordering::places;
 pub use self::unsymmetric::UnsymmetricMatrix;
 use super::parallel::{in_parallel, split};
+use crate::adjacency::Adjacency;
 
 /// Numbers in a block of the diagonal (its lower triangle by columns) and of a pair.
 const DIAGONAL: usize = 6;
 const PAIR: usize = 9;
+
+/// Shifts of the diagonal, over its maximum, that make up for round-off: a hundred times the unit
+/// round-off, and more where that is not enough.
+const SHIFTS: [f64; 3] = [1e-14, 1e-12, 1e-10];
 
 /// The matrix, its factor, and what depends on its pattern only.
 pub struct BodyMatrix {
@@ -63,9 +68,9 @@ impl BodyMatrix {
     /// The pattern of `bodies` bodies coupled by `pairs`; `None` if faer finds no order for it.
     #[must_use]
     pub fn new(bodies: usize, pairs: &[(u32, u32)]) -> Option<Self> {
-        let (starts, neighbours) = adjacency(bodies, pairs);
-        let order = ordering::minimum_degree(&starts, &neighbours)?;
-        let fronts = layout::fronts(&order, &starts, &neighbours);
+        let neighbours = Adjacency::of_neighbours(bodies, pairs);
+        let order = ordering::minimum_degree(&neighbours)?;
+        let fronts = layout::fronts(&order, &neighbours);
 
         let place = places(&fronts.order);
         let mut front_of = vec![0; bodies];
@@ -163,9 +168,8 @@ impl BodyMatrix {
         pieces.map(assembly).collect()
     }
 
-    /// The greatest value on the diagonal.
-    #[must_use]
-    pub fn greatest_diagonal(&self) -> f64 {
+    /// Maximum value on the diagonal.
+    fn max_diagonal(&self) -> f64 {
         let on_diagonal = self.diagonal.iter().flat_map(|start| [0, 3, 5].map(|k| start + k));
         on_diagonal.map(|k| self.values[k]).fold(0.0, f64::max)
     }
@@ -192,6 +196,29 @@ impl BodyMatrix {
             self.solve_backward(x);
         }
         definite
+    }
+
+    /// As [`factorise_and_solve`](Self::factorise_and_solve), with a larger diagonal where round-off
+    /// has cost the matrix its positive definiteness.
+    #[must_use = "without a factor the right side is where the solution would be"]
+    pub fn factorise_shifted_and_solve(&mut self, x: &mut [[f64; 3]]) -> bool {
+        if self.factorise_and_solve(x) {
+            return true;
+        }
+        let maximum = self.max_diagonal();
+        for shift in SHIFTS {
+            let bodies = self.bodies();
+            let mut values = self.assembly();
+            for body in 0..bodies {
+                for k in 0..3 {
+                    values.add_diagonal(body, k, shift * maximum);
+                }
+            }
+            if self.factorise_and_solve(x) {
+                return true;
+            }
+        }
+        false
     }
 
     /// Solves in place with the last factor; `x` in the order of elimination. Only after

@@ -9,6 +9,7 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::fronts::{Front, Fronts};
 use super::{layout, lu, ordering, places};
+use crate::adjacency::Adjacency;
 
 /// Numbers in the block of a body and in the two blocks of a pair.
 const BODY: usize = 9;
@@ -57,9 +58,9 @@ impl UnsymmetricMatrix {
     /// The pattern of `bodies` bodies coupled by `pairs`; `None` if faer finds no order for it.
     #[must_use]
     pub fn new(bodies: usize, pairs: &[(u32, u32)]) -> Option<Self> {
-        let (starts, neighbours) = ordering::adjacency(bodies, pairs);
-        let order = ordering::minimum_degree(&starts, &neighbours)?;
-        let fronts = layout::fronts_in_one(&order, &starts, &neighbours);
+        let neighbours = Adjacency::of_neighbours(bodies, pairs);
+        let order = ordering::minimum_degree(&neighbours)?;
+        let fronts = layout::fronts_in_one(&order, &neighbours);
         let place = places(&fronts.order);
         let mut front_of = vec![0; bodies];
         for (number, front) in fronts.list.iter().enumerate() {

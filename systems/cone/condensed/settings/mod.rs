@@ -15,6 +15,7 @@ pub use self::interior::InteriorSettings;
 pub use self::newton::{LineSearchSettings, LocalSettings, NewtonSettings};
 use crate::clarabel::Clarabel;
 use crate::polish::PolishSettings;
+use crate::program::ConeProgram;
 
 /// Tolerance of increments by default (`acceptance.residual` of a scene).
 const DEFAULT_RESIDUAL: f64 = 1e-8;
@@ -114,6 +115,11 @@ impl CondensedSettings {
     #[must_use]
     pub fn with_tolerance(tolerance: f64) -> Self {
         Self { tolerance, ..Self::default() }
+    }
+
+    /// Maximum residual of a solution of a program.
+    pub(super) fn tolerance_of(&self, program: &ConeProgram) -> f64 {
+        self.tolerance.max(self.safety * program.tolerance)
     }
 }
 
