@@ -1,9 +1,9 @@
-//! Polish of an interior-point solution: guess which limits are active, solve the equations that
-//! remain exactly, correct the guess.
+//! Polish of an interior-point solution: guess the active limits, solve the linear equations that
+//! remain, correct the guess.
 //!
-//! An interior point stops at slacks and multipliers whose *product* is small; where both are
-//! small (a force that just reaches its limit) each is only accurate to the square root. With the
-//! active limits known the optimality conditions are linear,
+//! At an interior point the *product* of slack and multiplier is small. Where both are small (a
+//! force that just reaches its limit) each is accurate to the square root of the product only. With
+//! the active limits known, the optimality conditions are linear,
 //!
 //! ```text
 //! [ P    A_e'  A_a' ] [ x   ]   [ -q  ]
@@ -11,9 +11,9 @@
 //! [ A_a             ] [ y_a ]   [ b_a ]
 //! ```
 //!
-//! and are solved by a factorisation of the matrix with `+d`, `-d` on its diagonal and iterative
-//! refinement against the matrix without. The refinement is a proximal-point iteration: where the
-//! system is singular it converges to a solution near the point it started from.
+//! and are solved by a factorisation of the matrix with `+d`, `-d` added to its diagonal and
+//! iterative refinement with the matrix itself. The refinement is a proximal-point iteration: if
+//! the system is singular, it converges to a solution near its start.
 
 use clarabel::algebra::CscMatrix;
 use clarabel::qdldl::{QDLDLFactorisation, QDLDLSettings};
@@ -33,7 +33,8 @@ pub struct PolishSettings {
     ///
     /// 1e-11: decision 001.
     pub residual: f64,
-    /// The same residual for a large program, where every pass costs as much as the solution.
+    /// Residual at which polishing ends in a large program, where a pass costs as much as the
+    /// solution.
     ///
     /// 1e-9: decision 001.
     pub large_residual: f64,
@@ -41,9 +42,9 @@ pub struct PolishSettings {
     ///
     /// 5000: decision 001.
     pub large: usize,
-    /// Residual below which a polished solution is better than one that is not polished, whatever
-    /// the residual of that: slack and multiplier of a limit that is just reached are accurate to
-    /// the square root of the residual only.
+    /// A polished solution with a residual below this replaces any solution without polish, even
+    /// one with a smaller residual: slack and multiplier of a limit that is just reached are
+    /// accurate to the square root of the residual only.
     ///
     /// 1e-10: decision 001.
     pub small_residual: f64,
@@ -113,7 +114,7 @@ impl QuadraticProgram<'_> {
         s
     }
 
-    /// The active limits of a point: multiplier above slack.
+    /// The active limits of a point: those whose multiplier exceeds their slack.
     #[must_use]
     pub fn active(&self, point: &Point) -> Vec<bool> {
         let s = self.slacks(&point.x);
@@ -210,7 +211,7 @@ impl QuadraticProgram<'_> {
         QDLDLFactorisation::new(&upper, Some(settings)).ok()
     }
 
-    /// Right side less the matrix times y, and its greatest entry.
+    /// Right side less the matrix times y, and the maximum magnitude of its entries.
     fn defect(&self, y: &[f64], row_of: &[usize], rows: &[usize]) -> (Vec<f64>, f64) {
         let n = self.linear.len();
         let mut r: Vec<f64> =

@@ -68,7 +68,8 @@ impl<'a> Attempt<'a> {
         Self { program, settings, matrix, demand, order, has_branches, scaled, is_undamped }
     }
 
-    /// Displacements as a start, in units and order of the matrix; zero for bodies that are too far.
+    /// Displacements as a start, in units and order of the matrix; zero for bodies that are too
+    /// far.
     pub fn in_units(&self, start: &[[f64; 3]]) -> Vec<[f64; 3]> {
         let (du, _) = units(self.program);
         let is_near = |u: &[f64; 3]| u[0].hypot(u[1]) <= self.settings.max_start * du[0];
@@ -108,8 +109,8 @@ impl<'a> Attempt<'a> {
         (result, solution)
     }
 
-    /// The first interior point from any of the starts that is solved, else the one with the minimum
-    /// residual; `None` if none is worth a polish.
+    /// The first interior point from any of the starts that is solved, else the one with the
+    /// minimum residual; `None` if none is worth a polish.
     pub fn best_interior(
         &mut self,
         starts: &[Vec<[f64; 3]>],
@@ -195,9 +196,9 @@ fn solution(
     checked(program, s, displacements, tolerance, iterations, message)
 }
 
-/// Whether bonds without compliance make forces and mechanism a matter of choice. The interior point
-/// converges to the middle of all choices, where a limit is active only if it is so in all of them:
-/// those are the bonds that break. A polish would take it to a corner.
+/// Whether bonds without compliance make forces and mechanism a matter of choice. The interior
+/// point converges to the middle of all choices, where a limit is active only if it is so in all of
+/// them: those are the bonds that break. A polish would take it to a corner.
 fn is_rigid_plastic(program: &ConeProgram) -> bool {
     program.interactions.iter().any(|c| c.limits.tension > 0.0 && c.normal_compliance == 0.0)
         && !program.is_dynamic()

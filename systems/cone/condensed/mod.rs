@@ -1,14 +1,19 @@
-//! The dedicated solver: contact forces eliminated contact by contact, one sparse symmetric
-//! positive definite matrix of three unknowns per body.
+//! The condensed solver: the forces of every interaction are eliminated in closed form, which
+//! leaves one sparse symmetric positive definite matrix with three unknowns per body.
 //!
-//! Where everything is elastic a warm [`newton`] iteration in the displacements comes first: near
-//! the last increment's solution it needs a few factorisations. Otherwise, and where it does not
-//! converge, a primal-dual [`interior`] point method finds the active limits, and the
-//! [`polish`](super::polish) makes the solution exact. Clarabel is the last resort, and its word
-//! on infeasible programs stands only with a certificate.
+//! A solve goes through these steps until one of them has a solution:
 //!
-//! A large dynamic program without bonds, of which the first solution within the tolerance is enough, has a
-//! warm start (`warm`) before all this: sweeps from the last forces.
+//! 1. Bodies at rest keep their forces and are left out (`rest`, `reduced`).
+//! 2. A dynamic program that may end with the first point within the tolerance has a warm start:
+//!    sweeps from the last forces, then the interior point (`warm`, `sweeps`).
+//! 3. A program in which every force has a compliance goes to a Newton iteration from the last
+//!    displacements (`newton`, `local`).
+//! 4. The primal-dual [`interior`] point method finds the active limits.
+//! 5. The [`polish`](super::polish) solves for the active limits exactly.
+//! 6. [Clarabel](super::clarabel) is the fallback. Its verdict on an infeasible program counts only
+//!    with a certificate.
+//!
+//! [`settings`] has every number that steers these steps.
 
 mod attempt;
 pub mod interior;
@@ -39,12 +44,12 @@ use super::solver::{ConeSolver, MalformedProgram};
 /// Minimum residual that the Newton iteration and the interior point can reach.
 const ROUND_OFF: f64 = 1e-14;
 
-/// The condensed solver with what it keeps between increments.
+/// The condensed solver. It keeps the matrix of the last pairs and the last solution.
 pub struct Condensed {
     settings: CondensedSettings,
     pairs: Vec<(u32, u32)>,
     matrix: Option<BodyMatrix>,
-    /// Displacements of the last solution, m and rad: a starting point.
+    /// Displacements of the last solution by body, m and rad: the start of the next solve.
     last: Vec<[f64; 3]>,
     fallback: Clarabel,
 }
@@ -73,6 +78,7 @@ impl Condensed {
         self.settings.tolerance_of(program)
     }
 
+    /// Brings the pattern of the matrix up to date; `None` if no order of elimination is found.
     fn prepare(&mut self, program: &ConeProgram) -> Option<()> {
         let bodies = program.bodies.len();
         let known = program.interactions.iter().map(|c| (c.a, c.b)).eq(self.pairs.iter().copied())
@@ -121,7 +127,8 @@ impl ConeSolver for Condensed {
 }
 
 impl Condensed {
-    /// Solves what is not at rest. Solved only if that leaves nothing of the whole program open.
+    /// Solves the program with the bodies `asleep` left out. The result is solved if it is a
+    /// solution of the whole program.
     fn solve_awake(
         &mut self,
         program: &ConeProgram,
@@ -139,7 +146,8 @@ impl Condensed {
             self.solve_reduced(program, asleep)?
         };
         if solution.status == SolveStatus::Solved {
-            // What will be committed: little as they are, forces at rest leave something.
+            // The motion that is committed follows from the forces, and those at rest are not
+            // exact.
             program.displacements_from_forces(&mut solution);
             let r = regularised_residuals(program, &solution.forces, &solution.displacements);
             if !(r.worst() <= self.tolerance(program)) {
@@ -149,7 +157,7 @@ impl Condensed {
         Ok(solution)
     }
 
-    /// Solves a program without what is known or at rest.
+    /// Solves a program without bodies at rest and without interactions whose forces are known.
     fn solve_reduced(
         &mut self,
         program: &ConeProgram,
@@ -169,6 +177,7 @@ impl Condensed {
         }
     }
 
+    /// Solves a program from the displacements `start`, m and rad, with the fallback where needed.
     fn solve_part(
         &mut self,
         program: &ConeProgram,
@@ -184,7 +193,8 @@ impl Condensed {
         }
     }
 
-    /// `None` where the fallback may tell what is the matter; `iterations` were spent in any case.
+    /// Tries all methods but the fallback; `None` if none has a solution. Adds the factorisations
+    /// to `iterations` in any case.
     fn try_condensed(
         &mut self,
         program: &ConeProgram,
@@ -208,7 +218,7 @@ impl Condensed {
             if solution.status == SolveStatus::Solved {
                 return Some(solution);
             }
-            // Where it gave up is a good place for the interior point to begin, mostly.
+            // The point where it gave up is mostly a better start than the last solution.
             starts.insert(0, result.u);
         }
         let (point, solution) = attempt.best_interior(&starts, iterations)?;
@@ -220,8 +230,9 @@ impl Condensed {
     }
 }
 
-/// The solution with these forces, in units of the program's scales, and displacements, m and rad: solved if its
-/// residual is within the tolerance. Displacements with inertia follow from the forces, as they do in what is committed.
+/// The solution with these forces, in units of the program's scales, and displacements, m and rad.
+/// It is solved if its residual is within the tolerance. Displacements with inertia follow from the
+/// forces, as in the motion that is committed.
 fn checked(
     program: &ConeProgram,
     forces: &[[f64; 3]],

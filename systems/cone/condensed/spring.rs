@@ -1,8 +1,8 @@
 //! The forces of an elastic interaction.
 //!
 //! The forces (p, q) that belong to kinematics (e_n, e_t) are the projection of the elastic trial
-//! `p = k_n (e_n - l_n)`, `q = k_t (e_t - l_t)` onto the limits `|q| <= c + mu p`, `p >= -f_t`, in the
-//! metric of the compliances.
+//! `p = k_n (e_n - l_n)`, `q = k_t (e_t - l_t)` onto the limits `|q| <= c + mu p`, `p >= -f_t`, in
+//! the metric of the compliances.
 
 use super::scaled::{Kind, Local};
 

@@ -1,11 +1,11 @@
 //! The path of the perturbed system, followed by its arc length.
 //!
-//! With R the complementarity system and z_0 a point whose products are all alike, the path is
-//! `R(z) = tau R(z_0)` from tau = 1 to 0: with tau = 0 it is at a solution. Where a few
-//! grains slide in a mechanism of their own it turns back, and any method whose parameter only falls gets stuck.
-//! Along a regular path the sign of `dtau` times that of the determinant of the derivative does not change
-//! (Keller 1977; Allgower and Georg 1990): tau falls while the determinant has its first sign, and rises while
-//! it has the other.
+//! With R the complementarity system and z_0 a point with equal products, the path is `R(z) = tau
+//! R(z_0)` from tau = 1 to tau = 0, which is a solution. Where a few grains slide in a mechanism of
+//! their own the path turns back, and a method whose parameter only falls gets stuck. Along a
+//! regular path the sign of `dtau` times that of the determinant of the derivative does not change
+//! (Keller 1977; Allgower and Georg 1990): tau falls while the determinant has its first sign, and
+//! rises while it has the other.
 
 use super::Trial;
 use super::interior::boundary;
@@ -15,7 +15,7 @@ use super::system::{System, Vector};
 /// tau at which the end of the path is reached to round-off.
 const MIN_TAU: f64 = 1e-14;
 
-/// Where the last predictor began.
+/// The start of the last predictor.
 struct Saved {
     z: Vector,
     tangent: Vector,
@@ -24,7 +24,8 @@ struct Saved {
     length: f64,
 }
 
-/// Follows the path from a point until the trial is solved, and returns where; at most `max` factorisations.
+/// Follows the path from a point until the trial is solved, for at most `max` factorisations.
+/// Returns the last point, `None` if the path is lost.
 pub fn follow(
     system: &mut System,
     mut z: Vector,
@@ -48,7 +49,8 @@ pub fn follow(
         h.add(-tau, &first);
         let tangent = system.solve(&z, &by_tau);
         let mut correction = system.solve(&z, &h);
-        // Normal to the tangent, in relative changes of slacks, multipliers and tau.
+        // The correction is made normal to the tangent, in the metric of relative changes of
+        // slacks, multipliers and tau.
         let (along, square) = products(system, &z, &tangent, &correction);
         let back = -along / (square + 1.0 / (tau * tau));
         correction.add(back, &tangent);
@@ -106,7 +108,8 @@ pub fn follow(
     None
 }
 
-/// Of the relative changes of slacks and multipliers in two steps: their product, and the square of the first.
+/// Scalar product of the relative changes of slacks and multipliers in a tangent and a step, and
+/// the square of those in the tangent.
 fn products(system: &System, z: &Vector, tangent: &Vector, step: &Vector) -> (f64, f64) {
     let (mut along, mut square) = (0.0, 0.0);
     let cells = system.cells.iter().zip(&z.cells).zip(tangent.cells.iter().zip(&step.cells));
@@ -121,7 +124,7 @@ fn products(system: &System, z: &Vector, tangent: &Vector, step: &Vector) -> (f6
     (along, square)
 }
 
-/// The largest relative change of a slack or multiplier; not a number if any is not.
+/// Maximum relative change of a slack or multiplier; NaN if any is NaN.
 fn largest_change(system: &System, z: &Vector, step: &Vector) -> f64 {
     let mut largest = 0.0_f64;
     for ((cell, x), d) in system.cells.iter().zip(&z.cells).zip(&step.cells) {
@@ -137,7 +140,7 @@ fn largest_change(system: &System, z: &Vector, step: &Vector) -> f64 {
     largest
 }
 
-/// The fastest relative growth of a slack or multiplier.
+/// Maximum relative growth of a slack or multiplier.
 fn fastest_growth(system: &System, z: &Vector, step: &Vector) -> f64 {
     let mut fastest = 0.0_f64;
     for ((cell, x), d) in system.cells.iter().zip(&z.cells).zip(&step.cells) {

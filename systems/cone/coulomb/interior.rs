@@ -1,11 +1,12 @@
-//! The interior-point iteration on the complementarity system (predictor and corrector after Mehrotra).
+//! The interior-point iteration on the complementarity system, with the predictor and corrector of
+//! Mehrotra (1992).
 
 use super::Trial;
 use super::cell::LIMITS;
 use super::settings::CoulombInteriorSettings;
 use super::system::{System, Vector};
 
-/// Iterates from a point until the trial is solved; at most `max` factorisations.
+/// Iterates from a point until the trial is solved, for at most `max` factorisations.
 pub fn iterate(
     system: &mut System,
     mut z: Vector,
@@ -19,7 +20,7 @@ pub fn iterate(
     let mut residuals = Vec::new();
     for iteration in 0..=max {
         let solved = trial.consider(system, &z);
-        // The first step leads from the start to the path: it says nothing of the progress.
+        // The first step leads from the start to the path and is no measure of progress.
         let sharpens = if iteration < 2 { !trial.is_sharp() } else { trial.sharpens() };
         if solved && !sharpens {
             return;
@@ -40,9 +41,9 @@ pub fn iterate(
         let predictor = system.solve(&z, &r);
         let length = boundary(system, &z, &predictor).min(1.0);
         let after = sum_of_products(system, &z, Some(&predictor), length) / system.limits;
-        // After a short step the iteration has to come back to the path first.
-        let least = if last < settings.centring_step { settings.min_centring } else { 0.0 };
-        let target = (after.max(0.0) / mu).powi(3).clamp(least, 1.0) * mu;
+        // After a short step the iteration goes back to the path first.
+        let min = if last < settings.centring_step { settings.min_centring } else { 0.0 };
+        let target = (after.max(0.0) / mu).powi(3).clamp(min, 1.0) * mu;
         let mut aimed = r;
         for ((r, d), cell) in aimed.cells.iter_mut().zip(&predictor.cells).zip(&system.cells) {
             for q in cell.each_limit() {
@@ -60,7 +61,8 @@ pub fn iterate(
     }
 }
 
-/// The length at which the first slack or multiplier vanishes; not a number if any of the step is not.
+/// The length of a step at which the first slack or multiplier vanishes; NaN if a number of the
+/// step is NaN.
 pub fn boundary(system: &System, z: &Vector, step: &Vector) -> f64 {
     let mut length = f64::INFINITY;
     for ((cell, x), d) in system.cells.iter().zip(&z.cells).zip(&step.cells) {

@@ -1,15 +1,16 @@
-//! Coulomb's law, solved as the complementarity problem that it is.
+//! Coulomb's law as a complementarity problem.
 //!
-//! The associated law opens a sliding contact by `mu |slip|`; Coulomb's does not, and the problem is no longer
-//! that of a minimum. Its admissible forces are the same, so that a proof of collapse holds for both, and the
-//! associated solution is where the search for one of Coulomb's begins:
+//! The associated law opens a sliding contact by `mu |slip|`. Coulomb's law does not, and its
+//! solution is not the minimum of an energy. Both laws have the same admissible forces: a proof of
+//! collapse holds for both, and the search for a solution of Coulomb's law begins at the associated
+//! one:
 //!
-//! 1. an interior point iteration (`interior`) from there;
+//! 1. an interior-point iteration (`interior`);
 //! 2. where it stalls, the path of the perturbed problem (`arc`), followed past its turning points,
 //!    from two starts.
 //!
-//! In statics there may be none, one or several solutions; the order of the starts is fixed, so that runs repeat.
-//! In dynamics with a small time step there is one.
+//! In statics none, one or several solutions may exist; the order of the starts is fixed, so that
+//! runs repeat. In dynamics with a small time step the solution is unique.
 
 mod arc;
 mod cell;
@@ -25,7 +26,7 @@ use super::condensed::matrix::UnsymmetricMatrix;
 use super::lowering::units;
 use super::residuals::{applied_force, natural_map, regularised_residuals};
 
-/// The solver, with the pattern that it keeps.
+/// The solver of Coulomb's law. It keeps the pattern of its matrix between calls.
 #[derive(Default)]
 pub struct Coulomb {
     settings: CoulombSettings,
@@ -41,9 +42,9 @@ impl Coulomb {
         Self { settings, ..Self::default() }
     }
 
-    /// Solves a program, whose interactions have the dilation that they shall have, from a solution with full
-    /// dilation, in at most `max` factorisations. Solved if the residuals are at most `tolerance`; otherwise the
-    /// best point on the way, stalled.
+    /// Solves a program with the dilation of its interactions, from a solution with full dilation,
+    /// in at most `max` factorisations. The result is solved if its residual is at most
+    /// `tolerance`, otherwise the best point on the way, stalled.
     pub fn solve(
         &mut self,
         program: &ConeProgram,
@@ -59,7 +60,7 @@ impl Coulomb {
             return trial.into_solution(0);
         }
         let Some(matrix) = self.matrix.as_mut() else { return trial.into_solution(0) };
-        // The scales of the program may be far above what its forces have come to.
+        // The force scale of the program may be far above its forces.
         let mut scaled = program.clone();
         scaled.scales.force = unit_of_force(program, start, settings.min_force);
         trial.units = units(&scaled);
@@ -92,7 +93,7 @@ impl Coulomb {
         trial.into_solution(spent)
     }
 
-    /// Brings the pattern of the matrix up to date; whether there is one.
+    /// Brings the pattern of the matrix up to date; whether an order of elimination was found.
     fn prepare(&mut self, program: &ConeProgram) -> bool {
         let pairs = program.interactions.iter().map(|c| (c.a, c.b));
         if self.bodies != program.bodies.len() || !pairs.clone().eq(self.pairs.iter().copied()) {
@@ -104,14 +105,13 @@ impl Coulomb {
     }
 }
 
-/// The maximum force that acts or is applied, N.
+/// Maximum force, contact or applied, N; at least `min` times the force scale.
 fn unit_of_force(program: &ConeProgram, start: &ConeSolution, min: f64) -> f64 {
     let contact = start.forces.iter().map(|f| f[0].abs().max(f[1].abs())).fold(0.0, f64::max);
-    let least = min * program.scales.force;
-    contact.max(applied_force(program)).max(least)
+    contact.max(applied_force(program)).max(min * program.scales.force)
 }
 
-/// Points are tried on the program in SI units; the best one is kept.
+/// Evaluates points on the program in SI units and keeps the best one.
 pub struct Trial<'a> {
     program: &'a ConeProgram,
     settings: &'a CoulombSettings,
@@ -120,7 +120,7 @@ pub struct Trial<'a> {
     order: Vec<usize>,
     best: ConeSolution,
     worst: f64,
-    /// Residuals of the last two points, the last one last.
+    /// Residuals of the last two points, oldest first.
     residuals: [f64; 2],
 }
 
@@ -154,27 +154,27 @@ impl<'a> Trial<'a> {
         self.worst
     }
 
-    /// Whether the last point was so much better than the one before it that another one is worth its price.
+    /// Whether another iteration pays: the last point was much better than the one before.
     fn sharpens(&self) -> bool {
         let [before, last] = self.residuals;
         !self.is_sharp() && last <= self.settings.progress * before
     }
 
-    /// Whether nothing is to be gained by another iteration.
+    /// Whether the best point needs no further iteration.
     fn is_sharp(&self) -> bool {
         self.is_within(self.settings.sharp * self.tolerance)
     }
 
-    /// Whether the best point is a solution with at most this natural map.
+    /// Whether the best point is a solution whose natural map is at most `map`.
     fn is_within(&self, map: f64) -> bool {
         self.is_solved()
             && natural_map(self.program, &self.best.forces, &self.best.displacements) <= map
     }
 
-    /// Offers a point with its forces brought within their limits; whether it is a solution.
+    /// Evaluates a point with its forces clamped to their limits; whether it is a solution.
     fn consider(&mut self, system: &System, z: &system::Vector) -> bool {
         let (du, df) = self.units;
-        // What is known is known exactly.
+        // Imposed displacements are exact, without round-off of the units.
         let mut displacements = self.program.imposed();
         for ((u, free), &i) in z.u.iter().zip(&system.program.free).zip(&self.order) {
             for k in (0..3).filter(|k| free[*k]) {
@@ -189,6 +189,7 @@ impl<'a> Trial<'a> {
         self.offer(&forces, &displacements)
     }
 
+    /// Evaluates forces, N, and displacements, m; whether they are a solution.
     fn offer(&mut self, forces: &[[f64; 3]], displacements: &[[f64; 3]]) -> bool {
         let mut solution = ConeSolution {
             status: SolveStatus::Stalled,

@@ -49,7 +49,8 @@ pub struct CoulombSettings {
     pub progress: f64,
     /// Minimum unit of force over the force scale of the program.
     ///
-    /// 1e-2: the floor of the unit that residuals are relative to (docs/formulation.md, section 10).
+    /// 1e-2: the floor of the unit that residuals are relative to (docs/formulation.md, section
+    /// 10).
     pub min_force: f64,
     /// Maximum number of refinements of a linear solve.
     ///
@@ -110,8 +111,8 @@ pub struct CoulombInteriorSettings {
     ///
     /// 0.5: decision 001.
     pub progress: f64,
-    /// Length of the last step below which the next one goes back to the path first: its target is at
-    /// least [`min_centring`](Self::min_centring) times the mean product.
+    /// Length of the last step below which the next one goes back to the path first: its target is
+    /// at least [`min_centring`](Self::min_centring) times the mean product.
     ///
     /// 0.2: decision 001.
     pub centring_step: f64,

@@ -69,9 +69,9 @@ impl<'a> History<'a> {
 
     /// Whether more iterations lead nowhere: at the goal, far from the best point, or slowly.
     ///
-    /// The residual is relative to the scales of the program. Where bodies hardly move, a point that
-    /// is good enough may have a residual far below the goal: the method goes on from there while it
-    /// finds better points.
+    /// The residual is relative to the scales of the program. Where bodies hardly move, a point
+    /// that is good enough may have a residual far below the goal: the method goes on from there
+    /// while it finds better points.
     pub fn is_over(&self) -> bool {
         let settings = self.settings;
         let best = self.best_merit();

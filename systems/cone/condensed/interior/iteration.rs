@@ -18,8 +18,8 @@ pub struct Iteration<'a> {
     u: Vec<[f64; 3]>,
     /// Number of limits.
     limits: f64,
-    /// Part of the last step that the interactions have still to make. They make it in the pass that
-    /// evaluates the residuals, since every pass over them costs.
+    /// Part of the last step that the interactions have still to make. They make it in the pass
+    /// that evaluates the residuals, since every pass over them costs.
     length: f64,
     /// Out-of-balance forces by body.
     balance: Vec<[f64; 3]>,
@@ -99,8 +99,9 @@ impl<'a> Iteration<'a> {
         (self.unbalance + kinematic + primal + self.mu).is_finite()
     }
 
-    /// Residual of the point: balance and limits over the maximum force, kinematics, and the maximum
-    /// product. The mean product says little of a start near a solution, where most are zero.
+    /// Residual of the point: balance and limits over the maximum force, kinematics, and the
+    /// maximum product. The mean product says little of a start near a solution, where most are
+    /// zero.
     pub fn merit(&self) -> f64 {
         let Sizes { kinematic, primal, force, product, .. } = self.sizes;
         let force = force.max(self.settings.min_force);
@@ -119,8 +120,8 @@ impl<'a> Iteration<'a> {
         }
     }
 
-    /// Assembles the condensed matrix, and the right side of the predictor, which takes all products
-    /// away.
+    /// Assembles the condensed matrix, and the right side of the predictor, which takes all
+    /// products away.
     pub fn assemble(&mut self) {
         let Self { program, matrix, settings, groups, weight, right, .. } = self;
         matrix.clear();
@@ -146,8 +147,8 @@ impl<'a> Iteration<'a> {
         self.matrix.factorise_shifted_and_solve(&mut self.du)
     }
 
-    /// The mean product that the corrector aims at: the third power of what the predictor would leave
-    /// of it, over what is there (Mehrotra 1992).
+    /// The mean product that the corrector aims at: the third power of what the predictor would
+    /// leave of it, over what is there (Mehrotra 1992).
     pub fn target(&mut self) -> f64 {
         let after = self.steps_of_interactions().products_after() / self.limits;
         let ratio = if self.mu > 0.0 { after / self.mu } else { 0.0 };

@@ -8,7 +8,9 @@
 //! |---|---|
 //! | `iteration` | the current point, and the steps that make an iteration |
 //! | `history` | the best point so far, and what ends the method |
-//! | `groups`, `cell`, `local_system` | the interactions: by branches of the matrix, one by one, and the elimination of one |
+//! | `groups` | the interactions by branches of the matrix |
+//! | `cell` | one interaction |
+//! | `local_system` | elimination of one interaction |
 
 mod cell;
 mod groups;
@@ -50,8 +52,8 @@ impl Interior {
 pub struct Goal {
     /// Residual at which it is done.
     residual: f64,
-    /// Residual, over the goal, at which the first point that is good enough ends the method. `None`
-    /// if only a slow method ends there.
+    /// Residual, over the goal, at which the first point that is good enough ends the method.
+    /// `None` if only a slow method ends there.
     first: Option<f64>,
 }
 

@@ -19,8 +19,8 @@ pub struct SlowPart {
 }
 
 impl SlowPart {
-    /// A body is fast if its step exceeds `settings.fast` times the `fast_quantile` of all steps and
-    /// it is no wall. `None` where no body is fast.
+    /// A body is fast if its step exceeds `settings.fast` times the `fast_quantile` of all steps
+    /// and it is no wall. `None` where no body is fast.
     pub fn of(
         program: &Scaled,
         adjacency: &Adjacency,

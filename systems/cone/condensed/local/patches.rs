@@ -46,8 +46,8 @@ impl<'a> Patches<'a> {
         self.program.free[i].contains(&true) && !is_wall(self.adjacency, self.settings, i)
     }
 
-    /// The other body of interaction `k` if it joins it to body `i`: a bond does, and a contact that
-    /// is closed or nearly so.
+    /// The other body of interaction `k` if it joins it to body `i`: a bond does, and a contact
+    /// that is closed or nearly so.
     fn neighbour(&self, k: usize, i: usize) -> Option<usize> {
         let l = &self.program.locals[k];
         let is_bonded = l.count == 3 && l.right[2] > 0.0;

@@ -15,8 +15,8 @@ pub fn places(order: &[usize]) -> Vec<usize> {
     places
 }
 
-/// Bodies in the order of their elimination (Amestoy, Davis and Duff 1996); `None` if faer refuses
-/// the pattern.
+/// Bodies in the order of elimination (Amestoy, Davis and Duff 1996); `None` if faer refuses the
+/// pattern.
 pub fn minimum_degree(neighbours: &Adjacency) -> Option<Vec<usize>> {
     let n = neighbours.bodies();
     if n == 0 {

@@ -12,8 +12,8 @@ pub struct InteriorSettings {
     /// Maximum force of the elastic trial at the starting displacements. Where a contact carries
     /// more, the method starts from zero.
     ///
-    /// 1e5: the last solution may load contacts a million times as much as the loads do, and nothing
-    /// leads back from there (docs/benchmarks.md, *Wild starts*).
+    /// 1e5: the last solution may load contacts a million times as much as the loads do, and
+    /// nothing leads back from there (docs/benchmarks.md, *Wild starts*).
     pub max_start_force: f64,
     /// Root of the complementarity product of the starting point, for a compliance of 1.
     ///
@@ -47,8 +47,8 @@ pub struct InteriorSettings {
     pub product_weight: f64,
     /// Minimum force that the residual is relative to.
     ///
-    /// 1e-3: where no contact carries anything, the loads are what counts, and they are of the order
-    /// of 1.
+    /// 1e-3: where no contact carries anything, the loads are what counts, and they are of the
+    /// order of 1.
     pub min_force: f64,
     /// Residual over the goal at which a point may end the method, if it is good enough and the
     /// method is slow. Only for exact goals.
@@ -68,8 +68,8 @@ pub struct InteriorSettings {
     ///
     /// 0.1: decision 001.
     pub progress: f64,
-    /// Number of iterations without a better point that end the method once the best point is at the
-    /// goal.
+    /// Number of iterations without a better point that end the method once the best point is at
+    /// the goal.
     ///
     /// 3: decision 001.
     pub max_idle_at_goal: usize,

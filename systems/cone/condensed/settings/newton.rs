@@ -9,8 +9,8 @@ pub struct NewtonSettings {
     /// 16 for the whole program: giving up earlier costs a tenth to a third of the time at the peak
     /// of the rock specimen, since the interior point that follows is dearer (docs/benchmarks.md).
     pub max_iterations: u32,
-    /// Length below which a step is tiny, as a fraction of the Newton step. Tiny steps in a row mean
-    /// that every loose cluster holds all others back.
+    /// Length below which a step is tiny, as a fraction of the Newton step. Tiny steps in a row
+    /// mean that every loose cluster holds all others back.
     ///
     /// 0.02: decision 001.
     pub tiny_step: f64,
@@ -40,8 +40,8 @@ pub struct NewtonSettings {
     pub min_damping: f64,
     /// Minimum force that the unbalance is compared with.
     ///
-    /// 1e-3: where no contact carries anything, the loads are what counts, and they are of the order
-    /// of 1.
+    /// 1e-3: where no contact carries anything, the loads are what counts, and they are of the
+    /// order of 1.
     pub min_force: f64,
     /// Line search along a step.
     pub line_search: LineSearchSettings,
@@ -63,12 +63,13 @@ impl Default for NewtonSettings {
     }
 }
 
-/// Settings of the line search: a safeguarded Newton iteration for the zero of the derivative of the
-/// energy along a step.
+/// Settings of the line search: a safeguarded Newton iteration for the zero of the derivative of
+/// the energy along a step.
 #[non_exhaustive]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LineSearchSettings {
-    /// Derivative at which the search ends, as a fraction of the derivative at the start of the step.
+    /// Derivative at which the search ends, as a fraction of the derivative at the start of the
+    /// step.
     ///
     /// 0.02: decision 001.
     pub max_slope: f64,
@@ -127,17 +128,18 @@ pub struct LocalSettings {
     ///
     /// 50: decision 001.
     pub max_gap: f64,
-    /// Number of bodies to be eliminated from which on patches are shared out among threads. Changes
-    /// no result.
+    /// Number of bodies to be eliminated from which on patches are shared out among threads.
+    /// Changes no result.
     ///
     /// 300: handing out less costs more time than it saves.
     pub min_parallel_bodies: usize,
     /// Unbalance that is left of a patch, over the maximum unbalance before.
     ///
-    /// 1e-8: what is left is the residual of the whole program after the next step, if all but a few
-    /// clusters are elastic.
+    /// 1e-8: what is left is the residual of the whole program after the next step, if all but a
+    /// few clusters are elastic.
     pub residual: f64,
-    /// Unbalance that is left of a patch, over its maximum force: the looser of the two goals counts.
+    /// Unbalance that is left of a patch, over its maximum force: the looser of the two goals
+    /// counts.
     ///
     /// 1e-10: decision 001.
     pub goal: f64,
