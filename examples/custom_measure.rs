@@ -19,9 +19,10 @@ fn measure(
     solution: Res<ConeSolution>,
     mut coordination: ResMut<Coordination>,
 ) {
-    let loaded = contacts.0.iter().zip(&solution.forces).filter(|(contact, force)| {
-        (contact.b as usize) < bodies.particles && force[0] > 1.0e-6
-    });
+    let loaded =
+        contacts.0.iter().zip(&solution.forces).filter(|(contact, force)| {
+            (contact.b as usize) < bodies.particles && force[0] > 1.0e-6
+        });
     coordination.0 = 2.0 * loaded.count() as f64 / bodies.particles as f64;
 }
 

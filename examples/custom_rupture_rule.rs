@@ -44,8 +44,7 @@ pub fn main() {
     let mut app = App::new();
     app.add_plugins(ClasticPlugins::default().build().disable::<RuptureBondsPlugin>());
     app.add_systems(Increment, break_old_bonds.in_set(IncrementSystems::Rupture));
-    let bond =
-        BondLaw { normal_compliance: 1.0e-7, tensile_strength: 1.0e6, ..Default::default() };
+    let bond = BondLaw { normal_compliance: 1.0e-7, tensile_strength: 1.0e6, ..Default::default() };
     let mut commands = app.world_mut().commands();
     let [a, b] = [(0.0, 0.0), (2.0, 1.0e-6)].map(|(x, pull)| {
         let place = body::Position(DVec2::new(x, 0.0));

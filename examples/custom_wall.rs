@@ -24,10 +24,7 @@ impl Sine {
     }
 }
 
-fn follow(
-    progress: Res<Progress>,
-    mut lids: Query<(&Sine, &body::Position, &mut WallDrive)>,
-) {
+fn follow(progress: Res<Progress>, mut lids: Query<(&Sine, &body::Position, &mut WallDrive)>) {
     for (sine, place, mut drive) in &mut lids {
         // Measured from where the lid is, so that no error adds up.
         let motion = sine.height(progress.done + 1.0) - place.0.y;

@@ -5,7 +5,8 @@
 //! and is left out; their difference is the floor below which errors mean nothing.
 
 use clastic::cone::clarabel::Clarabel;
-use clastic::cone::condensed::Condensed;
+use clastic::cone::condensed::{Condensed, CondensedSettings};
+use clastic::cone::polish::PolishSettings;
 use clastic::cone::program::{ConeProgram, ConeSolution, SolveStatus};
 use clastic::cone::residuals::residuals;
 use clastic::cone::solver::ConeSolver;
@@ -46,8 +47,13 @@ impl Kind {
 
     fn solver(self, tolerance: f64, polish: bool) -> Box<dyn ConeSolver> {
         match self {
-            Self::Clarabel => Box::new(Clarabel { tolerance, polish, ..Default::default() }),
-            Self::Condensed => Box::new(Condensed::new(tolerance)),
+            Self::Clarabel => {
+                let polish = polish.then(PolishSettings::default);
+                Box::new(Clarabel { tolerance, polish, ..Default::default() })
+            }
+            Self::Condensed => {
+                Box::new(Condensed::new(CondensedSettings::with_tolerance(tolerance)))
+            }
         }
     }
 

@@ -1,36 +1,103 @@
-//! Which interactions a body takes part in.
+//! Adjacency lists of bodies, in compressed rows.
 
-/// The interactions of every body, in compressed rows.
+/// A list of numbers for every body: of its interactions, or of its neighbours.
 pub struct Adjacency {
     starts: Vec<usize>,
-    interactions: Vec<usize>,
+    entries: Vec<usize>,
 }
 
 impl Adjacency {
-    /// Of interactions that join these pairs of so many bodies.
+    /// The interactions of every body, ascending: interaction k joins the k-th pair of bodies.
     #[must_use]
     pub fn new(bodies: usize, pairs: impl Iterator<Item = [usize; 2]> + Clone) -> Self {
+        let numbered = pairs.enumerate().flat_map(|(k, [a, b])| [(a, k), (b, k)]);
+        Self::collect(bodies, numbered)
+    }
+
+    /// The neighbours of every body, ascending and each of them once.
+    #[must_use]
+    pub fn of_neighbours(bodies: usize, pairs: &[(u32, u32)]) -> Self {
+        let both = pairs.iter().map(|(a, b)| (*a as usize, *b as usize));
+        let mut all = Self::collect(bodies, both.flat_map(|(a, b)| [(a, b), (b, a)]));
+        let mut end = 0;
+        for body in 0..bodies {
+            let (start, first) = (all.starts[body], end);
+            let list = &mut all.entries[start..all.starts[body + 1]];
+            list.sort_unstable();
+            for k in start..all.starts[body + 1] {
+                if end == first || all.entries[end - 1] != all.entries[k] {
+                    all.entries[end] = all.entries[k];
+                    end += 1;
+                }
+            }
+            all.starts[body] = first;
+        }
+        all.starts[bodies] = end;
+        all.entries.truncate(end);
+        all
+    }
+
+    /// Lists of the entries by body, in their order.
+    fn collect(bodies: usize, entries: impl Iterator<Item = (usize, usize)> + Clone) -> Self {
         let mut starts = vec![0; bodies + 1];
-        for body in pairs.clone().flatten() {
+        for (body, _) in entries.clone() {
             starts[body + 1] += 1;
         }
         for i in 0..bodies {
             starts[i + 1] += starts[i];
         }
         let mut next = starts.clone();
-        let mut interactions = vec![0; starts[bodies]];
-        for (k, pair) in pairs.enumerate() {
-            for body in pair {
-                interactions[next[body]] = k;
-                next[body] += 1;
-            }
+        let mut out = vec![0; starts[bodies]];
+        for (body, entry) in entries {
+            out[next[body]] = entry;
+            next[body] += 1;
         }
-        Self { starts, interactions }
+        Self { starts, entries: out }
     }
 
-    /// Numbers of the interactions of a body, ascending.
+    /// Number of bodies.
+    #[must_use]
+    pub fn bodies(&self) -> usize {
+        self.starts.len() - 1
+    }
+
+    /// The list of a body.
     #[must_use]
     pub fn of(&self, body: usize) -> &[usize] {
-        &self.interactions[self.starts[body]..self.starts[body + 1]]
+        &self.entries[self.starts[body]..self.starts[body + 1]]
+    }
+
+    /// Where the list of every body starts in [`entries`](Self::entries), and where the last ends.
+    #[must_use]
+    pub fn starts(&self) -> &[usize] {
+        &self.starts
+    }
+
+    /// All lists, one after the other.
+    #[must_use]
+    pub fn entries(&self) -> &[usize] {
+        &self.entries
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Adjacency;
+
+    /// A triangle with one pair twice, and a body that touches nothing.
+    #[test]
+    fn lists_of_a_triangle() {
+        let pairs = [(2, 0), (0, 1), (1, 2), (0, 2)];
+        let interactions = Adjacency::new(4, pairs.iter().map(|&(a, b)| [a, b]));
+        let lists: Vec<_> = (0..4).map(|i| interactions.of(i).to_vec()).collect();
+        assert_eq!(lists, [vec![0, 1, 3], vec![1, 2], vec![0, 2, 3], vec![]]);
+
+        let pairs = pairs.map(|(a, b)| (a as u32, b as u32));
+        let neighbours = Adjacency::of_neighbours(4, &pairs);
+        let lists: Vec<_> = (0..4).map(|i| neighbours.of(i).to_vec()).collect();
+        assert_eq!(lists, [vec![1, 2], vec![0, 2], vec![0, 1], vec![]]);
+        assert_eq!(neighbours.starts(), [0, 2, 4, 6, 6]);
+        assert_eq!(neighbours.entries(), [1, 2, 0, 2, 0, 1]);
+        assert_eq!(neighbours.bodies(), 4);
     }
 }

@@ -1,7 +1,7 @@
 //! Certificates of collapse.
 //!
-//! By Farkas' lemma no forces within the limits balance the loads if there is a mechanism u,
-//! still where displacements are imposed and where there is inertia, with
+//! By Farkas' lemma no forces within the limits balance the loads if a mechanism u exists, zero on
+//! degrees of freedom with imposed displacements or inertia, with
 //!
 //! ```text
 //! load . u  >  sum_c  sup { (p, q, tau) . (d_n, d_t, d_r) : limits of c }
@@ -9,23 +9,23 @@
 //!
 //! The supremum is the dissipation `c A |d_t| + mu_r r f_t |d_r| - p_min lambda_T` where
 //! `lambda_T = -d_n - mu |d_t| - mu_r r |d_r|` is not negative, and infinite otherwise. p_min is
-//! -f_t, or the apex -c A/mu of the shear limit where that comes first.
+//! -f_t, or the apex -c A/mu of the shear limit if that is larger.
 
 use crate::program::{Certificate, ConeProgram, Dof};
 
-/// A certificate proves a collapse when its margin is above this and its defect below.
+/// A certificate proves a collapse if its margin is above this and its defect is below.
 pub const TOLERANCE: f64 = 1e-6;
 
-/// Checks a mechanism (displacements by body in the bodies' own axes, any scale): its margin and
-/// its defect. `None` if it does not move at all.
+/// Computes margin and defect of a mechanism: displacements by body in the bodies' own axes, at any
+/// scale. `None` if no body moves, or if the loads do no work.
 #[must_use]
 pub fn certificate(program: &ConeProgram, mechanism: &[[f64; 3]]) -> Option<Certificate> {
     let length = program.scales.length;
     let mut u = mechanism.to_vec();
     for (body, u) in program.bodies.iter().zip(&mut u) {
         for k in 0..3 {
-            // Inertia takes up any load: no collapse along it. Regularisation does too, but is not
-            // part of the problem.
+            // A degree of freedom with inertia takes up any load and does not collapse. A
+            // regularised one does too, but regularisation is no part of the problem.
             let free = matches!(&body.dofs[k], Dof::Free(f) if f.inertia == 0.0);
             if !free {
                 u[k] = 0.0;
@@ -33,13 +33,13 @@ pub fn certificate(program: &ConeProgram, mechanism: &[[f64; 3]]) -> Option<Cert
         }
     }
     let size = |u: &[f64; 3]| u[0].abs().max(u[1].abs()).max(length * u[2].abs());
-    let greatest = u.iter().map(size).fold(0.0, f64::max);
-    if !(greatest > 0.0 && greatest.is_finite()) {
+    let maximum = u.iter().map(size).fold(0.0, f64::max);
+    if !(maximum > 0.0 && maximum.is_finite()) {
         return None;
     }
     for u in &mut u {
         for x in u {
-            *x /= greatest;
+            *x /= maximum;
         }
     }
     let mut work = 0.0;
@@ -65,21 +65,24 @@ pub fn certificate(program: &ConeProgram, mechanism: &[[f64; 3]]) -> Option<Cert
     (work > 0.0).then(|| Certificate { mechanism: u, margin: (work - dissipation) / work, defect })
 }
 
-/// An overlap, in units of length, that rigid bodies must have to count as forced into each other.
-const FORCED: f64 = 1e-9;
+/// Minimum work per unit of force, over the length scale, that proves rigid bodies to be forced
+/// into each other: an overlap above round-off.
+const MIN_OVERLAP: f64 = 1e-9;
 
-/// Whether forces prove that rigid bodies are locked: they balance each other without any load,
-/// within limits that grow with them, strain nothing elastic, and the motions imposed close (or the
-/// overlaps are) what they press on. No displacements satisfy the constraints then.
+/// Whether forces prove that rigid bodies are locked, so that no displacements satisfy the
+/// constraints.
+///
+/// They do if they balance each other without any load, lie within the limits without cohesion, act
+/// on rigid contacts only, and do work on the overlaps and the imposed motions.
 #[must_use]
 pub fn locks(program: &ConeProgram, forces: &[[f64; 3]]) -> bool {
     let length = program.scales.length;
     let size = |f: &[f64; 3]| f[0].abs().max(f[1].abs()).max(f[2].abs() / length);
-    let greatest = forces.iter().map(size).fold(0.0, f64::max);
-    if !(greatest > 0.0 && greatest.is_finite()) {
+    let maximum = forces.iter().map(size).fold(0.0, f64::max);
+    if !(maximum > 0.0 && maximum.is_finite()) {
         return false;
     }
-    let forces: Vec<[f64; 3]> = forces.iter().map(|f| f.map(|f| f / greatest)).collect();
+    let forces: Vec<[f64; 3]> = forces.iter().map(|f| f.map(|f| f / maximum)).collect();
     let mut rows = vec![[0.0; 3]; program.bodies.len()];
     program.add_forces(&forces, &mut rows);
     let known = program.imposed();
@@ -99,7 +102,7 @@ pub fn locks(program: &ConeProgram, forces: &[[f64; 3]]) -> bool {
             && (c.normal_compliance == 0.0 || p.abs() <= TOLERANCE)
             && (c.tangential_compliance == 0.0 || q.abs() <= TOLERANCE);
     }
-    balanced && allowed && work > FORCED * length
+    balanced && allowed && work > MIN_OVERLAP * length
 }
 
 /// Whether a certificate proves the collapse.

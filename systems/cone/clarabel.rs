@@ -1,10 +1,10 @@
 //! Clarabel, an interior-point solver for conic programs, behind [`ConeSolver`].
 //!
 //! In two dimensions |q| and |tau| are absolute values: the program is a QP (an LP where it is
-//! static and rigid) and its cones are half-lines. It goes to Clarabel as
-//! `min 1/2 x'Px + q'x, Ax + s = b` with x the forces and, where there is inertia w, `sqrt(w) u`;
-//! first the balance rows (s = 0), whose multipliers are -u, then the limits (s >= 0). All is in
-//! units of the program's scales.
+//! static and rigid) and its cones are half-lines. It goes to Clarabel as `min 1/2 x'Px + q'x, Ax +
+//! s = b`. The variables x are the forces and, for degrees of freedom with inertia w, `sqrt(w) u`.
+//! The balance rows (s = 0), whose multipliers are -u, come first, then the limits (s >= 0). All
+//! numbers are in units of the program's scales.
 
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{
@@ -15,23 +15,23 @@ use crate::program::{ConeProgram, ConeSolution, Dof, SolveStatus};
 
 use super::certificate::{certificate, locks, proves};
 use super::lowering::{displacements, forces, lower, polish};
-use super::polish::Point;
+use super::polish::{Point, PolishSettings};
 use super::solver::{ConeSolver, MalformedProgram};
 
-/// Clarabel and its settings.
+/// Clarabel with its settings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clarabel {
     /// Tolerance on feasibility and gap, in scaled units.
     pub tolerance: f64,
     /// Cap on iterations.
     pub max_iterations: u32,
-    /// Whether what comes out is polished: solved exactly for the limits that are active.
-    pub polish: bool,
+    /// Settings of the [polish](super::polish) of its solutions; `None` for no polish.
+    pub polish: Option<PolishSettings>,
 }
 
 impl Default for Clarabel {
     fn default() -> Self {
-        Self { tolerance: 1e-10, max_iterations: 200, polish: true }
+        Self { tolerance: 1e-10, max_iterations: 200, polish: Some(PolishSettings::default()) }
     }
 }
 
@@ -62,7 +62,7 @@ impl ConeSolver for Clarabel {
             tol_feas: self.tolerance,
             tol_gap_abs: self.tolerance,
             tol_gap_rel: self.tolerance,
-            // Named, not "auto", so that a run does not depend on what the build has.
+            // Named, not "auto", so that a run does not depend on the features of the build.
             direct_solve_method: "qdldl".into(),
             max_threads: 1,
             iterative_refinement_max_iter: 20,
@@ -86,9 +86,9 @@ impl ConeSolver for Clarabel {
         match raw.status {
             SolverStatus::Solved | SolverStatus::AlmostSolved => {
                 solution.status = SolveStatus::Solved;
-                if self.polish {
+                if let Some(settings) = &self.polish {
                     let point = Point { x: raw.x.clone(), z: raw.z.clone() };
-                    polish(program, &low, &a, point, &mut solution);
+                    polish(program, &low, &a, point, settings, &mut solution);
                 }
             }
             SolverStatus::DualInfeasible | SolverStatus::AlmostDualInfeasible
@@ -96,16 +96,16 @@ impl ConeSolver for Clarabel {
             {
                 solution.status = SolveStatus::Locked;
             }
-            // Clarabel may give up where the truth is infeasible; what proves the collapse is the
-            // mechanism, not the word.
+            // Clarabel may give up on an infeasible program: the mechanism proves the collapse, not
+            // the status.
             _ => {
                 let mechanism = certificate(program, &solution.displacements).filter(proves);
                 if mechanism.is_some() {
                     solution.status = SolveStatus::Collapsed;
                     solution.certificate = mechanism;
-                } else if self.polish {
+                } else if let Some(settings) = &self.polish {
                     let point = Point { x: raw.x.clone(), z: raw.z.clone() };
-                    polish(program, &low, &a, point, &mut solution);
+                    polish(program, &low, &a, point, settings, &mut solution);
                 }
             }
         }
@@ -118,7 +118,7 @@ fn diagonal(entries: &[f64]) -> CscMatrix<f64> {
     CscMatrix::new(n, n, (0..=n).collect(), (0..n).collect(), entries.to_vec())
 }
 
-/// The collapse of a degree of freedom that carries a load and that nothing holds.
+/// The collapse of a degree of freedom with a load and without interactions.
 fn lonely_collapse(program: &ConeProgram, body: usize, dof: usize) -> ConeSolution {
     let mut mechanism = vec![[0.0; 3]; program.bodies.len()];
     if let Dof::Free(free) = &program.bodies[body].dofs[dof] {

@@ -1,4 +1,4 @@
-//! A cone program and its solution as JSON, for whoever wants to check it with another solver.
+//! A cone program and its solution as JSON, so that other solvers can check them.
 
 use std::borrow::Cow;
 
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::program::{ConeProgram, ConeSolution, Interaction, ProgramBody, Scales};
 
-/// The convex program in words; it stands in every dump.
+/// The description of the convex program that every dump contains.
 pub const FORMAT: &str = "\
 clastic cone program, version 2. SI units: m, rad, N, N m. \
 Unknowns: (p, q, tau) of every interaction: normal force (compression positive), shear force, \
@@ -17,26 +17,32 @@ Minimise 1/2 sum_dof (m + w) u^2 + sum_c [g p + 1/2 C_N p^2 + 1/2 C_T (q - q_0)^
 subject to, for every free degree of freedom, (m + w) u + G (p, q, tau) = load + w r, \
 and for every interaction |q| <= cohesion + friction p, |tau| <= moment + rolling p, \
 p >= -tension; \
-m = inertia, momentum = the part of the load that is inertia times the motion of the last increment \
+m = inertia, momentum = the part of the load that is inertia times the motion of the last \
+increment \
 (no force), w = proximal (regularisation; the residuals count its force as an error of the \
 balance), r = reference, g = offset, C_N = normal_compliance, \
-C_T = tangential_compliance, q_0 = previous_shear; an interaction without cohesion and friction has \
+C_T = tangential_compliance, q_0 = previous_shear; an interaction without cohesion and friction \
+has \
 q = 0 and a free slip, one without rolling has tau = 0 and a free rotation. \
 G: with n = normal (unit, from a to b) and t = (-n_y, n_x), body a has the rows p n + q t (forces) \
-and arm_a q + tau (moment), body b has -(p n + q t) and arm_b q - tau; forces are taken along axis and \
+and arm_a q + tau (moment), body b has -(p n + q t) and arm_b q - tau; forces are taken along \
+axis and \
 along axis turned by +90 degrees, the two translations of a body. \
-Kinematics, the transpose of G: closing d_n = n.(u_a - u_b), slip d_t = t.(u_a - u_b) + arm_a alpha_a + \
-arm_b alpha_b, relative rotation d_r = alpha_a - alpha_b; (e_n, e_t, e_r) are (d_n, d_t, d_r) of the \
+Kinematics, the transpose of G: closing d_n = n.(u_a - u_b), slip d_t = t.(u_a - u_b) + arm_a \
+alpha_a + \
+arm_b alpha_b, relative rotation d_r = alpha_a - alpha_b; (e_n, e_t, e_r) are (d_n, d_t, d_r) of \
+the \
 fixed degrees of freedom alone. \
 Optimality: d_n = g + C_N p - friction (l1 + l2) - rolling (l3 + l4) - l5, \
-d_t = C_T (q - q_0) + l1 - l2, d_r = l3 - l4 with l1, l2 >= 0 the multipliers of +q and -q, l3, l4 those of \
+d_t = C_T (q - q_0) + l1 - l2, d_r = l3 - l4 with l1, l2 >= 0 the multipliers of +q and -q, l3, \
+l4 those of \
 +tau and -tau, l5 that of p >= -tension. \
 scales are the magnitudes that a solver may divide by; they change no solution. \
 Tables: bodies[i] is body i; solution.forces[k] = (p, q, tau) belongs to interactions[k]; \
 solution.displacements[i] = (first translation, second translation, rotation) to bodies[i]. \
 null stands for a number that is not finite.";
 
-/// A cone program and its solution, with where in a run they stand.
+/// A cone program and its solution, with their place in a run.
 #[derive(Clone, Debug)]
 pub struct Dump {
     /// Increment of the run.
@@ -45,14 +51,14 @@ pub struct Dump {
     pub stage: String,
     /// Share of the increment that was solved, 0 to 1.
     pub fraction: f64,
-    /// The program; without [`ConeProgram::tolerance`] and [`ConeProgram::last_forces`], which are
+    /// The program, without [`ConeProgram::tolerance`] and [`ConeProgram::last_forces`], which are
     /// no part of the problem.
     pub program: ConeProgram,
     /// Its solution.
     pub solution: ConeSolution,
 }
 
-/// Why a text is no dump.
+/// The reason why a text is no dump.
 #[derive(Debug, thiserror::Error)]
 pub enum DumpError {
     /// It is not of this form, or has a number that is not finite.
@@ -63,7 +69,7 @@ pub enum DumpError {
     Version,
 }
 
-/// The dump as it stands in the file.
+/// The dump as it is written.
 #[derive(Serialize, Deserialize)]
 struct Written<'a> {
     format: Cow<'a, str>,

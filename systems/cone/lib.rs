@@ -1,9 +1,9 @@
 //! The cone program of one increment and its solvers: plain data in, plain data out, no ECS.
 //!
-//! A [`solver`] reads a [`program::ConeProgram`] and writes a [`program::ConeSolution`]; how it
-//! ended is data. Whether it is a solution is not for the solver to say: [`residuals`] and
-//! [`certificate`] are computed from the forces and displacements alone. A [`dump`] holds a
-//! program and its solution as JSON.
+//! A [`solver`] reads a [`program::ConeProgram`] and returns a [`program::ConeSolution`], whose
+//! status says how the solve ended. [`residuals`] and [`certificate`] are computed from the forces
+//! and displacements alone and check that status. A [`dump`] holds a program and its solution as
+//! JSON.
 //!
 //! ```
 //! use clastic_cone::condensed::Condensed;

@@ -1,27 +1,16 @@
-//! Lowering: the cone program as a quadratic program in matrix form, in units of its scales, and
-//! the way back. See [`clarabel`](super::clarabel) for the form.
+//! The cone program as a quadratic program in matrix form, in units of its scales, and its solution
+//! back in SI units. [`clarabel`](super::clarabel) states the form.
 
 use clarabel::algebra::CscMatrix;
 
 use crate::program::{ConeProgram, ConeSolution, Dof};
 
-use super::polish::{Point, QuadraticProgram};
+use super::polish::{Point, PolishSettings, QuadraticProgram};
 use super::residuals::regularised_residuals;
 
-/// Residuals below this are both small.
-const SMALL: f64 = 1e-10;
-/// Polishes of one solution at most.
-const POLISHES: usize = 8;
-/// Residual at which polishing stops.
-const POLISHED: f64 = 1e-11;
-/// The same for programs with more variables than [`LARGE`], where every polish costs as much as
-/// the solution.
-const POLISHED_LARGE: f64 = 1e-9;
-const LARGE: usize = 5000;
-
-/// Residual at which a solution of a program of this size is as good as polishing makes it.
-pub(super) fn polished(low: &Lowered) -> f64 {
-    if low.linear.len() > LARGE { POLISHED_LARGE } else { POLISHED }
+/// Residual at which polishing ends in a program of this size.
+fn polished(low: &Lowered, settings: &PolishSettings) -> f64 {
+    if low.linear.len() > settings.large { settings.large_residual } else { settings.residual }
 }
 
 /// Triplets of a sparse matrix.
@@ -46,19 +35,19 @@ impl Triplets {
     }
 }
 
-/// The program as Clarabel reads it, with the way back.
+/// The program as Clarabel reads it, with the places of its rows and columns.
 pub(super) struct Lowered {
     /// Diagonal of P.
     pub(super) quadratic: Vec<f64>,
     pub(super) linear: Vec<f64>,
     pub(super) matrix: Triplets,
     pub(super) right: Vec<f64>,
-    /// Row of every degree of freedom, where it has one.
+    /// Balance row of every degree of freedom; `None` if it has none.
     pub(super) rows: Vec<[Option<usize>; 3]>,
     /// First column of every interaction.
     pub(super) columns: Vec<usize>,
     pub(super) balance_rows: usize,
-    /// A free degree of freedom that carries a load and that nothing touches.
+    /// A free degree of freedom with a load and without interactions: a collapse by itself.
     pub(super) unbalanced: Option<(usize, usize)>,
 }
 
@@ -85,7 +74,7 @@ pub(super) fn lower(program: &ConeProgram) -> Lowered {
         unbalanced: None,
     };
 
-    // A balance row without a single coefficient is either trivial or a collapse by itself.
+    // A balance row without coefficients is trivial, or a collapse by itself.
     let mut touched = vec![[false; 3]; program.bodies.len()];
     for c in &program.interactions {
         let has = [true, c.limits.has_shear(), c.limits.has_rolling()];
@@ -123,7 +112,7 @@ pub(super) fn lower(program: &ConeProgram) -> Lowered {
                 let rows = c.rows(program.bodies[body].axis, first);
                 for dof in 0..3 {
                     if let Some(row) = low.rows[body][dof] {
-                        // Moments and arms in units of length: rows over df, columns times df.
+                        // Units of moments and arms: rows are divided by df, columns multiplied.
                         low.matrix.push(row, k, rows[dof][force] * df[force_unit(force)] / df[dof]);
                     }
                 }
@@ -171,17 +160,18 @@ pub(super) fn lower(program: &ConeProgram) -> Lowered {
     low
 }
 
-/// Which unit a force variable has: forces, or moments.
+/// The unit of a force variable: 0 for forces, 2 for moments.
 fn force_unit(force: usize) -> usize {
     if force == 2 { 2 } else { 0 }
 }
 
-/// Improves a solution while its residuals improve.
+/// Polishes a solution until its residual is at its goal or the guess of the active limits stays.
 pub(super) fn polish(
     program: &ConeProgram,
     low: &Lowered,
     matrix: &CscMatrix<f64>,
     start: Point,
+    settings: &PolishSettings,
     solution: &mut ConeSolution,
 ) {
     let qp = QuadraticProgram {
@@ -194,22 +184,22 @@ pub(super) fn polish(
     let worst =
         |s: &ConeSolution| regularised_residuals(program, &s.forces, &s.displacements).worst();
     let mut best = worst(solution);
-    let goal = polished(low);
-    // Small residuals alone are not enough: where a gap just closes, slack and force are both small,
-    // and each is only accurate to the square root of their product.
-    if best <= goal && low.linear.len() > LARGE {
+    let goal = polished(low, settings);
+    // A small program is polished even if its residual is small: where a gap just closes, slack and
+    // force are accurate to the square root of their product only.
+    if best <= goal && low.linear.len() > settings.large {
         return;
     }
     let mut active = qp.active(&start);
-    for pass in 0..POLISHES {
-        let Some(point) = qp.solve_active(&active, &start) else { return };
+    for pass in 0..settings.max_passes {
+        let Some(point) = qp.solve_active(&active, &start, settings) else { return };
         let forces = forces(program, &low.columns, &point.x);
         let displacements = displacements(program, &low.rows, &point.z);
         let polished = ConeSolution { forces, displacements, ..Default::default() };
         let now = worst(&polished);
-        // Of two small residuals the polished one belongs to the more accurate solution, for the
-        // same reason. Also true where the interior point left something that is not a number.
-        if now <= goal.max(SMALL) || !(best <= now) {
+        // For the reason above, of two solutions with small residuals the polished one is the more
+        // accurate. The negation also replaces a solution whose residual is NaN.
+        if now <= goal.max(settings.small_residual) || !(best <= now) {
             best = now;
             solution.forces = polished.forces;
             solution.displacements = polished.displacements;

@@ -1,12 +1,12 @@
-//! Looks for a mechanism by which a static specimen collapses, where no solver found equilibrium and none
-//! said why.
+//! Search for the mechanism by which a static specimen collapses, for programs in which the solvers
+//! found neither an equilibrium nor a proof that none exists.
 //!
-//! Of all motions u that the contacts allow, the one sought makes `1/2 w |u|^2 + D(u) - load . u` least, with
-//! D the dissipation at the limits of strength. That is a cone program of the same kind: the bodies have
-//! inertia w and nothing else, all interactions are rigid and closed, nothing is imposed. It has one solution,
-//! which is zero where forces within the limits balance the loads, and otherwise does more work than is
-//! dissipated (Moreau's decomposition of the loads): the mechanism of a
-//! [certificate](super::certificate).
+//! Of all motions u that the contacts allow, it is the one that minimises `1/2 w |u|^2 + D(u) -
+//! load . u`, with D the dissipation at the limits of strength. This is a cone program too: the
+//! bodies have the inertia w, all interactions are rigid and closed, and no motion is imposed. Its
+//! solution is unique. It is zero if forces within the limits balance the loads; otherwise the
+//! loads do more work on it than is dissipated (Moreau's decomposition of the loads), and it is the
+//! mechanism of a [certificate](super::certificate).
 
 use crate::program::{ConeProgram, ConeSolution, Dof, FreeDof, Interaction, Scales, SolveStatus};
 
@@ -14,7 +14,7 @@ use super::certificate::{certificate, proves};
 use super::condensed::Condensed;
 use super::solver::ConeSolver;
 
-/// Collapsed with a certificate that proves it, or stalled.
+/// Returns a solution with the status `Collapsed` and a certificate that proves it, or `Stalled`.
 #[must_use]
 pub fn find(program: &ConeProgram) -> ConeSolution {
     let motion = Condensed::default().solve(&of_loads(program)).unwrap_or_default();
@@ -33,19 +33,19 @@ pub fn find(program: &ConeProgram) -> ConeSolution {
     }
 }
 
-/// The program of the motion along which the loads do most. The greatest of them would move a body on its
-/// own by one unit of length.
+/// The program of the mechanism. Its inertia w is such that the maximum load moves a free body by
+/// one unit of length.
 fn of_loads(program: &ConeProgram) -> ConeProgram {
     let length = program.scales.length;
-    let mut greatest = 0.0_f64;
+    let mut maximum = 0.0_f64;
     for body in &program.bodies {
         for (k, dof) in body.dofs.iter().enumerate() {
             if let Dof::Free(free) = dof {
-                greatest = greatest.max(free.load.abs() / if k < 2 { 1.0 } else { length });
+                maximum = maximum.max(free.load.abs() / if k < 2 { 1.0 } else { length });
             }
         }
     }
-    let force = if greatest > 0.0 { greatest } else { program.scales.force };
+    let force = if maximum > 0.0 { maximum } else { program.scales.force };
     let weight = force / length;
     let mut out = program.clone();
     for body in &mut out.bodies {

@@ -4,7 +4,8 @@
 //! multipliers of the balance rows. With m the inertia weights,
 //!
 //! ```text
-//! minimise   1/2 sum m u^2 + sum_c [ (g - e_n) p + 1/2 C_N p^2 - e_t q + 1/2 C_T (q - q_0)^2 - e_r tau ]
+//! minimise   1/2 sum m u^2 + sum_c [ (g - e_n) p + 1/2 C_N p^2
+//!                                    - e_t q + 1/2 C_T (q - q_0)^2 - e_r tau ]
 //! subject to m u + G (p, q, tau) = f                    for every free degree of freedom
 //!            |q| <= c A + mu p,  |tau| <= mu_r r (p + f_t),  p >= -f_t
 //! ```
@@ -24,7 +25,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Dof {
-    /// Its displacement is known: imposed, held, or zero because nothing acts on it.
+    /// Its displacement is known: imposed, held, or zero because no force acts on it.
     Fixed(f64),
     /// Its displacement is unknown and its balance is a row of the program.
     Free(FreeDof),
@@ -35,7 +36,8 @@ pub enum Dof {
 pub struct FreeDof {
     /// Load: applied force plus gravity plus, in dynamics, `inertia v_0 dt`; N or N m.
     pub load: f64,
-    /// The part `inertia v_0 dt` of the load: what carries a motion on, and no force.
+    /// The part `inertia v_0 dt` of the load. It stands for the motion at the start of the
+    /// increment and counts as no force in the residuals.
     #[serde(default)]
     pub momentum: f64,
     /// Inertia `m / (theta dt^2)`, N/m (moments: N m/rad); 0 in static analysis.
@@ -57,7 +59,8 @@ pub struct ProgramBody {
     pub dofs: [Dof; 3],
 }
 
-/// Limits of an interaction: `|q| <= cohesion + friction p`, `|tau| <= moment + rolling p`, `p >= -tension`.
+/// Limits of an interaction: `|q| <= cohesion + friction p`, `|tau| <= moment + rolling p`,
+/// `p >= -tension`.
 #[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Limits {
     /// `c A`, N.
@@ -85,8 +88,8 @@ impl Limits {
         self.cohesion > 0.0 || self.friction > 0.0
     }
 
-    /// Whether the interaction resists being pulled apart or sheared without any pressure, as an
-    /// intact bond does. One without any strength is no more than a contact.
+    /// Whether the interaction resists tension, or shear without pressure, as an intact bond does.
+    /// An interaction without strength is a contact.
     #[must_use]
     pub fn has_strength(&self) -> bool {
         self.tension > 0.0 || self.cohesion > 0.0
@@ -98,8 +101,8 @@ impl Limits {
         self.rolling > 0.0
     }
 
-    /// The minimum normal force that the limits allow, N: `-f_t`, or the apex of the shear limit or of
-    /// the rolling limit where that comes first.
+    /// The minimum normal force that the limits allow, N: `-f_t`, or the apex of the shear limit or
+    /// of the rolling limit if that is larger.
     #[must_use]
     pub fn least_normal_force(&self) -> f64 {
         let apex = |at_zero: f64, slope: f64| {
@@ -228,11 +231,11 @@ pub struct ConeProgram {
     pub interactions: Vec<Interaction>,
     /// Expected magnitudes.
     pub scales: Scales,
-    /// Residual that is good enough, where it is more than what a solver aims at by itself, else 0: what is
-    /// not committed need not be exact, nor what a scene says need not be.
+    /// Residual at which the solver may stop; 0 means its own default.
     pub tolerance: f64,
-    /// Forces (p, q, tau) of the interactions at the end of the last increment, in their order, as far as
-    /// they are known; what lies beyond carried none. No part of the problem: a guess of its solution.
+    /// Forces (p, q, tau) at the end of the last increment, in the order of the interactions;
+    /// interactions beyond the end of the list carried none. They are a guess of the solution and
+    /// no part of the problem.
     pub last_forces: Vec<[f64; 3]>,
 }
 
@@ -340,21 +343,21 @@ pub enum SolveStatus {
     Stalled,
 }
 
-/// KKT residuals of a solution, each the greatest over its rows and without dimension.
+/// KKT residuals of a solution: the maximum over all rows of each kind, without dimension.
 #[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Residuals {
-    /// |balance row| over the greatest force (moments: over force x mean radius).
+    /// |balance row| over the maximum force (moments: over force x mean radius).
     pub balance: f64,
-    /// |stationarity row| over the greatest displacement.
+    /// |stationarity row| over the maximum displacement.
     pub kinematics: f64,
-    /// Violation of a limit over the greatest force.
+    /// Violation of a limit over the maximum force.
     pub cone: f64,
     /// Slack x multiplier over force x displacement.
     pub complementarity: f64,
 }
 
 impl Residuals {
-    /// The greatest of the four; not a number if any of them is not.
+    /// Maximum of the four; NaN if any of them is not finite.
     #[must_use]
     pub fn worst(&self) -> f64 {
         let all = [self.balance, self.kinematics, self.cone, self.complementarity];
@@ -371,12 +374,12 @@ impl Residuals {
 /// the limits can dissipate.
 #[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Certificate {
-    /// Displacements of the mechanism by body, in the bodies' own axes, greatest component 1.
+    /// Displacements of the mechanism by body, in the bodies' own axes; the maximum component is 1.
     pub mechanism: Vec<[f64; 3]>,
-    /// Work of the loads less greatest dissipation, over the work of the loads; positive proves
-    /// the collapse up to the defect.
+    /// Work of the loads less the maximum dissipation, over the work of the loads. A positive
+    /// margin proves the collapse, up to the defect.
     pub margin: f64,
-    /// Greatest violation of the mechanism's kinematic conditions over its greatest motion.
+    /// Maximum violation of the mechanism's kinematic conditions over its maximum motion.
     pub defect: f64,
 }
 

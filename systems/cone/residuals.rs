@@ -4,14 +4,15 @@
 //! kinematics of an interaction and a its dilation, stationarity (equation 34 of the paper) gives
 //!
 //! ```text
-//! s_t = d_t - C_T (q - q_0)                                  lambda_q = |s_t|, at the limit of its sign
-//! s_r = d_r                                                  lambda_r = |s_r|, at the limit of its sign
-//! lambda_T = g + C_N p - d_n - a (mu lambda_q + mu_r r lambda_r)  of p >= -f_t
+//! s_t = d_t - C_T (q - q_0)                       lambda_q = |s_t|, at the limit of its sign
+//! s_r = d_r                                       lambda_r = |s_r|, at the limit of its sign
+//! lambda_T = g + C_N p - d_n - a (mu lambda_q + mu_r r lambda_r)         of p >= -f_t
 //! ```
 //!
-//! so that what can be wrong is the sign of `lambda_T` (kinematics) and a multiplier at a limit
-//! with slack (complementarity; where the slack exceeds the greatest force, kinematics). Where the apex of the shear limit comes before the tension limit
-//! (`c A < mu f_t`), both shear rows are active there and share `lambda_T`.
+//! Two errors are left: a negative `lambda_T` (kinematics), and a multiplier of a limit with slack
+//! (complementarity; kinematics if the slack exceeds the maximum force). If the apex of the shear
+//! limit is above the tension limit (`c A < mu f_t`), both shear rows are active there and share
+//! `lambda_T`.
 
 use glam::DVec2;
 
@@ -31,7 +32,7 @@ pub struct Multipliers {
     pub rotation: f64,
 }
 
-/// The multipliers that belong to the kinematics `e` and the forces `f` of an interaction.
+/// The multipliers that follow from the kinematics `e` and the forces `f` of an interaction.
 #[must_use]
 pub fn multipliers(c: &Interaction, e: &Kinematics, f: &[f64; 3]) -> Multipliers {
     let l = &c.limits;
@@ -47,42 +48,46 @@ pub fn multipliers(c: &Interaction, e: &Kinematics, f: &[f64; 3]) -> Multipliers
     Multipliers { tension, slip, rotation }
 }
 
-/// Contact forces above this many times what is expected or applied are no scale: rigid bodies that
-/// are locked into each other carry any force, and beside it loads that nothing balances elsewhere
+/// Maximum unit of force over the maximum of expected and applied forces. Rigid bodies that are
+/// locked into each other carry any force, and relative to that a load without balance elsewhere
 /// would not show.
-const GREATEST_FORCE: f64 = 1e5;
+const MAX_FORCE: f64 = 1e5;
 
-/// Which interactions carry a normal force: an interior point leaves a little on open contacts, of the
-/// product of force and gap. (Of a step in which grains settle all is kept: it says which contacts are
-/// near.)
+/// Tells which interactions carry a normal force. An interior point leaves a small force on open
+/// contacts: the complementarity product over the gap.
 pub struct Carrying<'a> {
     program: &'a ConeProgram,
     solution: &'a ConeSolution,
-    /// Greatest normal force that is none, N.
-    nothing: f64,
-    /// Greatest force and displacement where gaps count too, N and m.
+    /// Maximum normal force that counts as zero, N.
+    threshold: f64,
+    /// Maximum force, N, and displacement, m, if gaps count too.
     units: Option<[f64; 2]>,
 }
 
 impl<'a> Carrying<'a> {
-    /// Of a solution. In dynamics it may end with any product that is accepted; then the greater of the two
-    /// factors, each in units of the greatest there is, tells.
+    /// The interactions of a solution.
+    ///
+    /// In statics an interaction carries a force above 1e-9 of the maximum force. In dynamics a
+    /// solution may have products up to the tolerance, and the force must also exceed the gap, each
+    /// over its maximum.
     #[must_use]
     pub fn new(program: &'a ConeProgram, solution: &'a ConeSolution) -> Self {
         let force = force_scale(program, &solution.forces);
         let dynamic = program.is_dynamic();
-        let nothing = if dynamic { program.tolerance.max(NOTHING) } else { NOTHING } * force;
+        let relative =
+            if dynamic { program.tolerance.max(MIN_RELATIVE_FORCE) } else { MIN_RELATIVE_FORCE };
+        let threshold = relative * force;
         let units = (dynamic && solution.displacements.len() == program.bodies.len())
             .then(|| [force, displacement_scale(program, &solution.displacements)]);
-        Self { program, solution, nothing, units }
+        Self { program, solution, threshold, units }
     }
 
-    /// Whether interaction `k` does.
+    /// Whether interaction `k` carries a normal force.
     #[must_use]
     pub fn is_carrying(&self, k: usize) -> bool {
         let (c, f) = (&self.program.interactions[k], &self.solution.forces[k]);
         let p = f[0].abs();
-        p > self.nothing
+        p > self.threshold
             && self.units.is_none_or(|[force, displacement]| {
                 let e = self.program.kinematics(c, &self.solution.displacements);
                 p * displacement >= multipliers(c, &e, f).tension * force
@@ -90,13 +95,13 @@ impl<'a> Carrying<'a> {
     }
 }
 
-/// Normal force over the greatest that counts as none.
-const NOTHING: f64 = 1e-9;
+/// Normal force, over the maximum force, below which an interaction carries none.
+const MIN_RELATIVE_FORCE: f64 = 1e-9;
 
-/// Greatest force in the program: contact or applied, N; the scale where all are zero.
+/// Maximum force of the program, contact or applied, N; at least 1 % of the force scale.
 ///
-/// Contact forces count that act on something free. Between a rigid wall and a disk that is held
-/// against it any pressure will do, and beside one of 1e24 N no error would show.
+/// Contact forces count if they act on a free degree of freedom. Between a rigid wall and a disk
+/// that is held against it any force is a solution, and relative to 1e24 N no error would show.
 #[must_use]
 pub fn force_scale(program: &ConeProgram, forces: &[[f64; 3]]) -> f64 {
     let felt = |body: u32, direction: DVec2| {
@@ -115,10 +120,10 @@ pub fn force_scale(program: &ConeProgram, forces: &[[f64; 3]]) -> f64 {
         }
     }
     let applied = applied_force(program);
-    // Where all are zero (a bond has broken, a specimen is unloaded) round-off of what was there
-    // before must not count as an error.
+    // If all forces are zero (a bond has broken, a specimen is unloaded), the round-off of forces
+    // that were there before must not count as an error.
     let expected = applied.max(program.scales.force);
-    contact.min(GREATEST_FORCE * expected).max(applied).max(1e-2 * program.scales.force)
+    contact.min(MAX_FORCE * expected).max(applied).max(1e-2 * program.scales.force)
 }
 
 /// Maximum applied force, N.
@@ -131,16 +136,16 @@ pub(super) fn applied_force(program: &ConeProgram) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// Greatest displacement, m, but at least 1e-6 mean radii and at most one: beside a body that a
-/// solver throws to the end of the world every error of the others would look small.
+/// Maximum displacement, m, between 1e-6 and 1 mean radii: relative to a body that a solver throws
+/// far away every error of the other bodies would look small.
 #[must_use]
 pub fn displacement_scale(program: &ConeProgram, displacements: &[[f64; 3]]) -> f64 {
     let length = program.scales.length;
     displacements.iter().map(|u| u[0].hypot(u[1])).fold(1e-6 * length, f64::max).min(length)
 }
 
-/// The four residuals, each the greatest over its rows. What a regularisation adds to the balance
-/// is an error of it.
+/// The four residuals of a solution. The force of a regularisation counts as an error of the
+/// balance.
 #[must_use]
 pub fn residuals(
     program: &ConeProgram,
@@ -150,7 +155,8 @@ pub fn residuals(
     evaluate(program, forces, displacements, 0.0)
 }
 
-/// The residuals of the program as it was posed to the solver, regularisation included.
+/// The residuals of the program that the solver was given: the force of a regularisation is part of
+/// the balance.
 #[must_use]
 pub fn regularised_residuals(
     program: &ConeProgram,
@@ -179,8 +185,9 @@ fn evaluate(
     out
 }
 
-/// The bodies at which the maximum residual of a solution is: one body twice where it is one of its balance, the
-/// two of an interaction otherwise. `None` for a solution without forces and displacements.
+/// The bodies at the maximum residual of a solution: one body twice if it is a residual of the
+/// balance, else the two bodies of an interaction. `None` for a solution without forces and
+/// displacements.
 #[must_use]
 pub fn worst_bodies(program: &ConeProgram, solution: &ConeSolution) -> Option<[usize; 2]> {
     let (forces, displacements) = (&solution.forces, &solution.displacements);
@@ -204,14 +211,14 @@ pub fn worst_bodies(program: &ConeProgram, solution: &ConeSolution) -> Option<[u
     balance.chain(laws).max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, bodies)| bodies)
 }
 
-/// Maximum of the natural map of the contacts without strength, without dimension: with P, Q, T forces and s the
-/// gap, slip and rotation of the law over their units,
+/// Maximum of the natural map of the contacts without strength, without dimension. With P, Q, T the
+/// forces and s_n, s_t, s_r the gap, slip and rotation of the law, each over its unit, the map is
 ///
 /// ```text
 /// |min(P, s_n)|,   |Q - clamp(Q + s_t, -mu P, mu P)|,   |T - clamp(T + s_r, -mu_r r P, mu_r r P)|
 /// ```
 ///
-/// Unlike the products of forces and gaps it stays large where both are small and neither vanishes.
+/// Unlike a product of force and gap it is not small where both are small and neither vanishes.
 #[must_use]
 pub fn natural_map(program: &ConeProgram, forces: &[[f64; 3]], displacements: &[[f64; 3]]) -> f64 {
     let Units { force, displacement, length } = Units::of(program, forces, displacements);
@@ -233,24 +240,24 @@ pub fn natural_map(program: &ConeProgram, forces: &[[f64; 3]], displacements: &[
         }
         out
     };
-    // The maximum of f64 drops what is not a number.
+    // f64::max drops NaN.
     let larger = |m: f64, x: f64| if x <= m || m.is_nan() { m } else { x };
     interactions.filter(|(c, _)| !c.limits.has_strength()).map(of).fold(0.0, larger)
 }
 
-/// What residuals are relative to.
+/// The units that residuals are relative to.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Units {
     /// Force, N.
     pub(super) force: f64,
     /// Displacement, m.
     pub(super) displacement: f64,
-    /// Length that makes moments of forces, m.
+    /// Length by which a moment is divided, m.
     pub(super) length: f64,
 }
 
 impl Units {
-    /// Of a program with these forces and displacements.
+    /// The units of a program with these forces and displacements.
     pub(super) fn of(
         program: &ConeProgram,
         forces: &[[f64; 3]],
@@ -263,7 +270,8 @@ impl Units {
         }
     }
 
-    /// Raises the residual of the balance to what it is at a body: `row` is what its interactions resist.
+    /// Raises the residual of the balance to that of a body; `row` is the force of its
+    /// interactions.
     pub(super) fn of_balance(
         &self,
         body: &ProgramBody,
@@ -282,7 +290,7 @@ impl Units {
         }
     }
 
-    /// Raises the other residuals to what they are at an interaction.
+    /// Raises the other residuals to those of an interaction.
     pub(super) fn of_interaction(
         &self,
         c: &Interaction,
@@ -305,9 +313,9 @@ impl Units {
             worsen(&mut out.cone, -shear / force);
         }
 
-        // A limit further away than the greatest force is not active: its multiplier is zero, and
-        // what is left of the stationarity row is an error of the kinematics. Times a strength of
-        // 1e6 times the forces its round-off would look like an error where there is none.
+        // A limit further away than the maximum force is not active: its multiplier is zero, and
+        // the remainder of the stationarity row is an error of the kinematics. Multiplied by a
+        // strength of 1e6 times the forces, round-off of that row would look like an error.
         let mut product = |multiplier: f64, slack: f64, length: f64| {
             if slack.abs() > force * length {
                 worsen(&mut out.kinematics, (multiplier * length).abs() / displacement);
@@ -324,7 +332,7 @@ impl Units {
     }
 }
 
-/// Raises a residual; once it is not a number it stays so.
+/// Raises a residual to a value; NaN stays NaN.
 fn worsen(residual: &mut f64, value: f64) {
     if residual.is_finite() && (value > *residual || !value.is_finite()) {
         *residual = if value.is_finite() { value } else { f64::NAN };

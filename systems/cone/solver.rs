@@ -1,14 +1,16 @@
-//! What a solver of cone programs is, and which programs it may refuse.
+//! The interface of solvers of cone programs, and the check for malformed programs.
 
 use crate::program::{ConeProgram, ConeSolution, Dof};
 
-/// A program that no solver can read: an error of whoever assembled it.
+/// A program that no solver can read: an error of the code that assembled it.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("malformed cone program: {0}")]
 pub struct MalformedProgram(pub String);
 
-/// Solves cone programs. A solver may keep what it likes between calls as long as its answer does
-/// not depend on it beyond its tolerance; what its last bits depend on is its [`memory`](Self::memory).
+/// Solves cone programs.
+///
+/// A solver may keep data between calls. A solution may depend on them within the solver's
+/// tolerance only, and the data on which its last bits depend are its [`memory`](Self::memory).
 pub trait ConeSolver: Send + Sync {
     /// Name for the record.
     fn name(&self) -> &'static str;
@@ -20,14 +22,13 @@ pub trait ConeSolver: Send + Sync {
     /// negative inertias, compliances or limits.
     fn solve(&mut self, program: &ConeProgram) -> Result<ConeSolution, MalformedProgram>;
 
-    /// What the next answer depends on besides the program: where a warm start begins. By body
-    /// in its own axes: two displacements, m, and a rotation, rad.
-    /// A checkpoint stores it.
+    /// The start of the next solve, on which its solution depends besides the program: for every
+    /// body in its own axes two displacements, m, and a rotation, rad. A checkpoint stores it.
     fn memory(&self) -> &[[f64; 3]] {
         &[]
     }
 
-    /// Goes on from the [`memory`](Self::memory) of another solver of the same kind.
+    /// Takes over the [`memory`](Self::memory) of another solver of this kind.
     fn remember(&mut self, _memory: &[[f64; 3]]) {}
 }
 

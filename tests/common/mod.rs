@@ -4,6 +4,7 @@
 
 pub mod programs;
 pub mod random;
+pub mod settings;
 
 use std::collections::BTreeMap;
 use std::fs;

@@ -21,7 +21,8 @@ fn pulled_pair() -> (App, Entity) {
         cohesion: 4.0e3,
         tensile_strength: 2.0e3,
     };
-    let sand = material::Material { name: "sand".into(), density: 2650.0, contact, bond: Some(bond) };
+    let sand =
+        material::Material { name: "sand".into(), density: 2650.0, contact, bond: Some(bond) };
     app.insert_resource(material::Materials(vec![sand]));
 
     let mut commands = app.world_mut().commands();

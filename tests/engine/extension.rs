@@ -24,7 +24,10 @@ impl Sine {
 }
 
 /// For `ControlSystems::Custom`: what the walls do in the increment that follows.
-fn follow_sine(progress: Res<Progress>, mut walls: Query<(&Sine, &body::Position, &mut WallDrive)>) {
+fn follow_sine(
+    progress: Res<Progress>,
+    mut walls: Query<(&Sine, &body::Position, &mut WallDrive)>,
+) {
     for (sine, position, mut drive) in &mut walls {
         // A drive is for a whole increment. Where one had to be halved, only `left` of it is still
         // to come; measured from where the wall is, nothing adds up.

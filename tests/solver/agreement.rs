@@ -2,7 +2,7 @@
 
 use clastic::cone::certificate::{certificate, proves};
 use clastic::cone::clarabel::Clarabel;
-use clastic::cone::condensed::Condensed;
+use clastic::cone::condensed::{Condensed, CondensedSettings};
 use clastic::cone::program::{ConeProgram, ConeSolution, Dof, SolveStatus};
 use clastic::cone::residuals::{displacement_scale, force_scale, regularised_residuals, residuals};
 use clastic::cone::solver::ConeSolver;
@@ -177,7 +177,7 @@ fn compare(programs: &[(String, ConeProgram)]) -> Agreement {
         // second is not always so near: contacts that just touch and carry nothing are off by the root of
         // what it leaves of the product of gap and force.
         doubtful += 1;
-        let exact = solve(&mut Condensed::new(1e-12), program);
+        let exact = solve(&mut Condensed::new(CondensedSettings::with_tolerance(1e-12)), program);
         let Some(b) = solve_from(program, &b.displacements)
             .and_then(|b| solve_from(program, &b.displacements))
         else {

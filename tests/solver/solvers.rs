@@ -6,6 +6,7 @@ use clastic::cone::condensed::Condensed;
 use clastic::cone::condensed::interior;
 use clastic::cone::condensed::matrix::BodyMatrix;
 use clastic::cone::condensed::scaled::Scaled;
+use clastic::cone::condensed::settings::InteriorSettings;
 use clastic::cone::program::{
     ConeProgram, Dof, FreeDof, Interaction, Limits, ProgramBody, ProgramSize, Scales, SolveStatus,
 };
@@ -264,6 +265,8 @@ fn a_vice_that_closes_on_a_rigid_disk_is_locked() {
 /// were wanting (5000 disks that collapse).
 #[test]
 fn an_interior_point_that_is_not_enough_goes_on_near_its_goal() {
+    let settings = InteriorSettings::default();
+    let exact = interior::Goal::exact(1e-11);
     let mut went_on = 0;
     for kind in KINDS.iter().filter(|k| k.name.starts_with("rigid") || k.name == "rolling") {
         for program in (1..=4).flat_map(|seed| programs(kind, seed)) {
@@ -272,9 +275,7 @@ fn an_interior_point_that_is_not_enough_goes_on_near_its_goal() {
             let end = |enough: bool| {
                 let mut matrix = BodyMatrix::new(program.bodies.len(), &pairs)?;
                 let scaled = Scaled::new(&program, matrix.order());
-                interior::solve(&scaled, &mut matrix, &start, interior::Goal::exact(1e-11), |_| {
-                    enough
-                })
+                interior::solve(&scaled, &mut matrix, &start, &settings, exact, |_| enough)
             };
             let (Some(soon), Some(late)) = (end(true), end(false)) else { continue };
             assert!(late.merit <= soon.merit);
@@ -289,6 +290,7 @@ fn an_interior_point_that_is_not_enough_goes_on_near_its_goal() {
 /// ends the interior point, which goes on where it is not enough.
 #[test]
 fn the_first_point_that_is_enough_ends_the_interior_point() {
+    let settings = InteriorSettings::default();
     let (mut saved, mut all) = (0, 0);
     for kind in KINDS.iter().filter(|k| k.name.starts_with("rigid") || k.name == "rolling") {
         for program in (1..=4).flat_map(|seed| programs(kind, seed)) {
@@ -297,7 +299,7 @@ fn the_first_point_that_is_enough_ends_the_interior_point() {
             let end = |goal: interior::Goal, enough: bool| {
                 let mut matrix = BodyMatrix::new(program.bodies.len(), &pairs)?;
                 let scaled = Scaled::new(&program, matrix.order());
-                interior::solve(&scaled, &mut matrix, &start, goal, |_| enough)
+                interior::solve(&scaled, &mut matrix, &start, &settings, goal, |_| enough)
             };
             let exact = end(interior::Goal::exact(1e-11), false);
             let Some(exact) = exact.filter(|point| point.merit <= 1e-11) else { continue };
@@ -318,6 +320,7 @@ fn the_first_point_that_is_enough_ends_the_interior_point() {
 /// first increment of `biaxial_0kPa`).
 #[test]
 fn a_start_that_loads_contacts_wildly_is_none() {
+    let settings = InteriorSettings::default();
     let mut started_again = 0;
     for kind in KINDS.iter().filter(|k| k.name == "rolling") {
         for program in (1..=4).flat_map(|seed| programs(kind, seed)) {
@@ -326,9 +329,8 @@ fn a_start_that_loads_contacts_wildly_is_none() {
                 let mut matrix = BodyMatrix::new(program.bodies.len(), &pairs)?;
                 let scaled = Scaled::new(&program, matrix.order());
                 let start: Vec<_> = (0..program.bodies.len()).map(|i| [start(i); 3]).collect();
-                interior::solve(&scaled, &mut matrix, &start, interior::Goal::exact(1e-8), |_| {
-                    false
-                })
+                let goal = interior::Goal::exact(1e-8);
+                interior::solve(&scaled, &mut matrix, &start, &settings, goal, |_| false)
             };
             let Some(near) = from(&|_| 0.0).filter(|point| point.merit <= 1e-8) else { continue };
             let far = from(&|i| if i % 2 == 0 { 1e9 } else { -1e9 }).expect("a point");

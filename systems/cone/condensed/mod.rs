@@ -1,102 +1,85 @@
-//! The dedicated solver: contact forces eliminated contact by contact, one sparse symmetric
-//! positive definite matrix of three unknowns per body.
+//! The condensed solver: the forces of every interaction are eliminated in closed form, which
+//! leaves one sparse symmetric positive definite matrix with three unknowns per body.
 //!
-//! Where everything is elastic a warm [`newton`] iteration in the displacements comes first: near
-//! the last increment's solution it needs a few factorisations. Otherwise, and where it does not
-//! converge, a primal-dual [`interior`] point method finds the active limits, and the
-//! [`polish`](super::polish) makes the solution exact. Clarabel is the last resort, and its word
-//! on infeasible programs stands only with a certificate.
+//! A solve goes through these steps until one of them has a solution:
 //!
-//! Elastic steps of a motion with rolling moments, for which there is no Newton iteration, start the
-//! interior point from the last forces (`warm`). A large dynamic program without bonds, of which the
-//! first solution within the tolerance is enough, has a warm start (`warm`) before all this: sweeps
-//! from the last forces.
+//! 1. Bodies at rest keep their forces and are left out (`rest`, `reduced`).
+//! 2. A dynamic program that may end with the first point within the tolerance has a warm start:
+//!    sweeps from the last forces, then the interior point (`warm`, `sweeps`).
+//! 3. A program in which every force has a compliance goes to a Newton iteration from the last
+//!    displacements (`newton`, `local`).
+//! 4. The primal-dual [`interior`] point method finds the active limits. An elastic step of a
+//!    followed motion with rolling moments starts it from the last forces (`warm`).
+//! 5. The [`polish`](super::polish) solves for the active limits exactly.
+//! 6. [Clarabel](super::clarabel) is the fallback. Its verdict on an infeasible program counts only
+//!    with a certificate.
+//!
+//! [`settings`] has every number that steers these steps.
 
+mod attempt;
 pub mod interior;
-pub mod local;
+mod line_search;
+mod local;
 pub mod matrix;
-pub mod newton;
+mod newton;
 mod parallel;
-pub mod reduced;
-pub mod rest;
+mod reduced;
+mod rest;
 pub mod scaled;
+pub mod settings;
+mod spring;
 mod sweeps;
 mod warm;
 
 use crate::program::{ConeProgram, ConeSolution, SolveStatus};
 
-use self::matrix::{BodyMatrix, places};
-use self::parallel::in_pool;
+use self::attempt::{Attempt, Demand, Start};
+use self::matrix::BodyMatrix;
 use self::reduced::Reduced;
-use self::scaled::Scaled;
+pub use self::settings::CondensedSettings;
 use super::clarabel::Clarabel;
-use super::lowering::{lower, polish, units};
-use super::polish::Point;
+use super::lowering::units;
 use super::residuals::regularised_residuals;
 use super::solver::{ConeSolver, MalformedProgram};
 
-/// Default tolerance: just below the residual that increments are accepted with by default,
-const TOLERANCE: f64 = BELOW * 1e-8;
-/// as what a program says is good enough is to be kept to.
-const BELOW: f64 = 0.9;
-/// The tolerance over what the Newton iteration and the interior point aim at: what they measure
-/// is not the residual of the program, and the interior point is to be polished.
-const NEWTON_MARGIN: f64 = 90.0;
-const INTERIOR_MARGIN: f64 = 900.0;
-/// The margin of the Newton iteration where a program says that less is good enough.
-const LOOSE_MARGIN: f64 = 3.0;
-/// What round-off allows them to reach.
+/// Minimum residual that the Newton iteration and the interior point can reach.
 const ROUND_OFF: f64 = 1e-14;
 
-/// Where a program has more interactions than this and is solved, the polish would cost more than
-/// it gains. Where it is static, not solved, and not all of it is regularised, bodies move so far that
-/// Clarabel does not do better in twenty times the time; with all of them regularised, as a later
-/// attempt has them, either method does.
-const LARGE: usize = 2500;
-
-/// What the interior point leaves is worth polishing when its residual is this good.
-const WORTH: f64 = 1e-3;
-
-/// A starting point with greater displacements, in units of the scale, is not used.
-const FAR: f64 = 20.0;
-
-/// The condensed solver with what it keeps between increments.
+/// The condensed solver. It keeps the matrix of the last pairs and the last solution.
 pub struct Condensed {
-    tolerance: f64,
+    settings: CondensedSettings,
     pairs: Vec<(u32, u32)>,
     matrix: Option<BodyMatrix>,
-    /// Displacements of the last solution, m and rad: a starting point.
+    /// Displacements of the last solution by body, m and rad: the start of the next solve.
     last: Vec<[f64; 3]>,
     fallback: Clarabel,
 }
 
 impl Default for Condensed {
     fn default() -> Self {
-        Self::new(TOLERANCE)
+        Self::new(CondensedSettings::default())
     }
 }
 
 impl Condensed {
-    /// A solver that accepts residuals up to `tolerance`, or to what a program says is good enough, before
-    /// it tries the next method. Small programs are polished even so, unless that is looser than the
-    /// default of 9e-9.
+    /// A solver with these settings.
     #[must_use]
-    pub fn new(tolerance: f64) -> Self {
+    pub fn new(settings: CondensedSettings) -> Self {
         Self {
-            tolerance,
+            settings,
             pairs: Vec::new(),
             matrix: None,
             last: Vec::new(),
-            fallback: Clarabel::default(),
+            fallback: settings.fallback,
         }
     }
 
-    /// Residual that is accepted of a program: what the program says is good enough, if that is more than
-    /// the solver's own.
+    /// Maximum residual of a solution of a program.
     fn tolerance(&self, program: &ConeProgram) -> f64 {
-        self.tolerance.max(BELOW * program.tolerance)
+        self.settings.tolerance_of(program)
     }
 
+    /// Brings the pattern of the matrix up to date; `None` if no order of elimination is found.
     fn prepare(&mut self, program: &ConeProgram) -> Option<()> {
         let bodies = program.bodies.len();
         let known = program.interactions.iter().map(|c| (c.a, c.b)).eq(self.pairs.iter().copied())
@@ -118,7 +101,7 @@ impl ConeSolver for Condensed {
         if self.last.len() != program.bodies.len() {
             self.last = vec![[0.0; 3]; program.bodies.len()];
         }
-        let asleep = rest::find(program, &self.last);
+        let asleep = rest::find(program, &self.last, &self.settings.rest);
         let awake = asleep.map(|asleep| self.solve_awake(program, asleep)).transpose()?;
         let spent = awake.as_ref().map_or(0, |solution| solution.iterations);
         let solution = match awake {
@@ -145,7 +128,8 @@ impl ConeSolver for Condensed {
 }
 
 impl Condensed {
-    /// Solves what is not at rest. Solved only if that leaves nothing of the whole program open.
+    /// Solves the program with the bodies `asleep` left out. The result is solved if it is a
+    /// solution of the whole program.
     fn solve_awake(
         &mut self,
         program: &ConeProgram,
@@ -163,7 +147,8 @@ impl Condensed {
             self.solve_reduced(program, asleep)?
         };
         if solution.status == SolveStatus::Solved {
-            // What will be committed: little as they are, forces at rest leave something.
+            // The motion that is committed follows from the forces, and those at rest are not
+            // exact.
             program.displacements_from_forces(&mut solution);
             let r = regularised_residuals(program, &solution.forces, &solution.displacements);
             if !(r.worst() <= self.tolerance(program)) {
@@ -173,7 +158,7 @@ impl Condensed {
         Ok(solution)
     }
 
-    /// Solves a program without what is known or at rest.
+    /// Solves a program without bodies at rest and without interactions whose forces are known.
     fn solve_reduced(
         &mut self,
         program: &ConeProgram,
@@ -193,6 +178,7 @@ impl Condensed {
         }
     }
 
+    /// Solves a program from the displacements `start`, m and rad, with the fallback where needed.
     fn solve_part(
         &mut self,
         program: &ConeProgram,
@@ -208,7 +194,8 @@ impl Condensed {
         }
     }
 
-    /// `None` where the fallback may tell what is the matter; `iterations` were spent in any case.
+    /// Tries all methods but the fallback; `None` if none has a solution. Adds the factorisations
+    /// to `iterations` in any case.
     fn try_condensed(
         &mut self,
         program: &ConeProgram,
@@ -218,113 +205,41 @@ impl Condensed {
         if program.interactions.is_empty() {
             return None;
         }
-        let tolerance = self.tolerance(program);
-        let loose = tolerance > TOLERANCE;
-        let goal = |margin: f64| (tolerance / margin).max(ROUND_OFF);
-        let newton_margin = if loose { LOOSE_MARGIN } else { NEWTON_MARGIN };
-        let large = program.interactions.len() > LARGE;
-        // Which bonds are at a limit is seen of exact forces only, a polish begins with them, and far from
-        // them static grains without load float far about. Where there is nothing of that, what is accepted
-        // is all that is needed.
-        let is_bonded = || program.interactions.iter().any(|c| c.limits.has_strength());
-        let at_once = program.is_dynamic() && (loose || (large && !is_bonded()));
-        if at_once && let Some(solution) = self.try_warm(program, iterations) {
+        let demand = Demand::of(program, &self.settings);
+        if demand.at_once
+            && let Some(solution) = self.try_warm(program, iterations)
+        {
             return Some(solution);
         }
         self.prepare(program)?;
-        let residual = goal(INTERIOR_MARGIN);
-        let interior_goal = if at_once {
-            interior::Goal::enough(residual, tolerance)
-        } else {
-            interior::Goal::exact(residual)
-        };
-        let matrix = self.matrix.as_mut()?;
-        let order = matrix.order().to_vec();
-        let has_branches = !matrix.branches().is_empty();
-        let scaled = Scaled::new(program, &order);
-        let (du, _) = units(program);
-        // A start far away (a grain that settled, another increment) is worse than none.
-        let near = |u: &[f64; 3]| u[0].hypot(u[1]) <= FAR * du[0];
-        let in_units =
-            |u: &[f64; 3]| if near(u) { [0, 1, 2].map(|k| u[k] / du[k]) } else { [0.0; 3] };
-        let start: Vec<[f64; 3]> = order.iter().map(|i| in_units(&start[*i])).collect();
-        let back = |u: &[[f64; 3]], s: &[[f64; 3]], iterations: u32, message: &str| {
-            let mut displacements = vec![[0.0; 3]; order.len()];
-            for (u, &i) in u.iter().zip(&order) {
-                displacements[i] = [0, 1, 2].map(|k| u[k] * du[k]);
-            }
-            checked(program, s, displacements, tolerance, iterations, message)
-        };
-        let mut starts = vec![(start, None)];
-        if newton::applies(&scaled) {
-            let result = in_pool(has_branches, || {
-                newton::solve(&scaled, matrix, &starts[0].0, goal(newton_margin))
-            });
-            *iterations += result.iterations;
-            let solution = back(&result.u, &result.s, *iterations, "newton");
+        let mut attempt = Attempt::new(program, &self.settings, self.matrix.as_mut()?, demand);
+        let mut starts = vec![Start::at(attempt.in_units(start))];
+        if newton::applies(&attempt.scaled) {
+            let (result, solution) = attempt.newton(&starts[0].displacements, iterations);
             if solution.status == SolveStatus::Solved {
                 return Some(solution);
             }
-            // Where it gave up is a good place for the interior point to begin, mostly.
-            starts.insert(0, (result.u, None));
-        } else if warm::is_elastic_step(program, &scaled) {
-            // Bodies are where the last step has brought them: its forces belong to no motion.
-            let rest = vec![[0.0; 3]; order.len()];
-            starts.insert(0, (rest, Some(warm::last_forces(program))));
+            // The point where it gave up is mostly a better start than the last solution.
+            starts.insert(0, Start::at(result.u));
+        } else if warm::is_elastic_step(program, &attempt.scaled) {
+            // The last step of the motion has moved the bodies to where they are now: its forces
+            // belong to a displacement of zero.
+            let displacements = vec![[0.0; 3]; program.bodies.len()];
+            let forces = Some(warm::last_forces(program));
+            starts.insert(0, Start { displacements, forces });
         }
-        // Whether a later attempt regularises it.
-        let undamped = !scaled.is_damped() && !program.is_dynamic();
-        let mut last = None;
-        for (start, forces) in &starts {
-            let solved = |point: &interior::Interior| {
-                back(&point.u, &point.s, 0, "interior").status == SolveStatus::Solved
-            };
-            let result = in_pool(has_branches, || {
-                let warm = forces.as_deref().map(warm::raised);
-                interior::solve_from(&scaled, matrix, start, warm, interior_goal, solved)
-            });
-            let Some(result) = result else {
-                continue;
-            };
-            *iterations += result.iterations;
-            if result.merit > WORTH && !(large && undamped) {
-                continue;
-            }
-            let solution = back(&result.u, &result.s, *iterations, "interior");
-            let solved = solution.status == SolveStatus::Solved;
-            let better = |(last, _): &(interior::Interior, _)| result.merit < last.merit;
-            if solved || last.as_ref().is_none_or(better) {
-                last = Some((result, solution));
-            }
-            if solved {
-                break;
-            }
+        let (point, solution) = attempt.best_interior(&starts, iterations)?;
+        if attempt.is_final(&solution) {
+            Some(solution)
+        } else {
+            attempt.polished(&point, solution)
         }
-        let (result, mut solution) = last?;
-        let enough = large || loose || is_rigid_plastic(program);
-        if enough && solution.status == SolveStatus::Solved {
-            return Some(solution);
-        }
-        if large && undamped {
-            return Some(solution);
-        }
-        let low = lower(program);
-        let point = lowered_point(&scaled, &order, &low, &result);
-        let mut low = low;
-        let (rows, variables) = (low.right.len(), low.linear.len());
-        let a = std::mem::take(&mut low.matrix).matrix(rows, variables);
-        polish(program, &low, &a, point, &mut solution);
-        let r = regularised_residuals(program, &solution.forces, &solution.displacements).worst();
-        if r <= tolerance {
-            solution.status = SolveStatus::Solved;
-            return Some(solution);
-        }
-        None
     }
 }
 
-/// The solution with these forces, in units of the program's scales, and displacements, m and rad: solved if its
-/// residual is within the tolerance. Displacements with inertia follow from the forces, as they do in what is committed.
+/// The solution with these forces, in units of the program's scales, and displacements, m and rad.
+/// It is solved if its residual is within the tolerance. Displacements with inertia follow from the
+/// forces, as in the motion that is committed.
 fn checked(
     program: &ConeProgram,
     forces: &[[f64; 3]],
@@ -348,49 +263,4 @@ fn checked(
         solution.status = SolveStatus::Solved;
     }
     solution
-}
-
-/// Whether bonds without compliance make forces and mechanism a matter of choice. The interior point
-/// converges to the middle of all choices, where a limit is active only if it is so in all of them:
-/// those are the bonds that break. A polish would take it to a corner.
-fn is_rigid_plastic(program: &ConeProgram) -> bool {
-    program.interactions.iter().any(|c| c.limits.tension > 0.0 && c.normal_compliance == 0.0)
-        && !program.is_dynamic()
-}
-
-/// The interior point in the numbering of the lowered program.
-fn lowered_point(
-    scaled: &Scaled,
-    order: &[usize],
-    low: &super::lowering::Lowered,
-    result: &interior::Interior,
-) -> Point {
-    let mut x = vec![0.0; low.linear.len()];
-    let mut z = vec![0.0; low.right.len()];
-    let mut row = low.balance_rows;
-    for (k, local) in scaled.locals.iter().enumerate() {
-        for (column, f) in (low.columns[k]..).zip((0..3).filter(|f| local.has[*f])) {
-            x[column] = result.s[k][f];
-        }
-        for q in 0..local.count {
-            z[row] = result.lambda[k][q];
-            row += 1;
-        }
-    }
-    let mut column = low
-        .columns
-        .last()
-        .map_or(0, |_| scaled.locals.iter().map(|l| l.has.iter().filter(|h| **h).count()).sum());
-    for (rows, i) in low.rows.iter().zip(places(order)) {
-        for k in 0..3 {
-            if let Some(r) = rows[k] {
-                z[r] = -result.u[i][k];
-                if scaled.weight[i][k] > 0.0 {
-                    x[column] = scaled.weight[i][k].sqrt() * result.u[i][k];
-                    column += 1;
-                }
-            }
-        }
-    }
-    Point { x, z }
 }

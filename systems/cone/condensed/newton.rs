@@ -2,70 +2,63 @@
 //! compliance.
 //!
 //! Given u, the forces of a contact are the projection of its elastic trial onto its limits in the
-//! metric of the compliances; the balance is then the gradient of a convex, piecewise quadratic
-//! function of u, and its generalised Hessian is the condensed matrix of the current regions. The
-//! line search is exact: the derivative along the step is monotone and piecewise linear. Where a step
-//! leaves fast bodies behind it is one of the others alone: what that does to those bodies is not counted.
+//! metric of the compliances ([`Spring`]). The balance is then the gradient of a convex, piecewise
+//! quadratic function of u, and its generalised Hessian is the condensed matrix of the current
+//! regions. The derivative along a step is monotone and piecewise linear, and the line search finds
+//! its zero.
+//!
+//! What else happens between two steps is up to the caller: see [`Between`].
 
-use super::interior::factorise_and_solve;
-use super::local::{eliminate, is_crowded};
+use super::line_search::line_search;
 use super::matrix::BodyMatrix;
-use super::scaled::{Kind, Local, Scaled, add_forces, kinematics};
-use crate::adjacency::Adjacency;
+use super::scaled::{Local, Scaled, add_forces, kinematics};
+use super::settings::{LineSearchSettings, NewtonSettings};
+use super::spring::{Response, Spring};
 
-/// What ends the iteration, and what damps it.
+/// Unbalance at which the iteration is done: the looser of the two counts.
 #[derive(Clone, Copy, Debug)]
-pub struct Limits {
-    /// Factorisations at most.
-    pub iterations: u32,
-    /// So many tiny steps in a row.
-    pub tiny: u32,
-    /// Factorisations after which the unbalance over the greatest force must be below 1 %.
-    pub patience: u32,
-    /// Unbalance over the greatest force at which it is done,
-    pub goal: f64,
-    /// or unbalance in units of force.
-    pub unbalance: f64,
-    /// Added to the diagonal of the first matrix, and the least to which it falls: keeps a step
-    /// short where nothing is stiff.
-    pub damping: f64,
-    /// See `damping`.
-    pub least_damping: f64,
+pub struct Goal {
+    /// Over the maximum force.
+    pub relative: f64,
+    /// In units of force.
+    pub absolute: f64,
 }
-
-/// Of the whole program: the interior point takes over where it does not converge.
-const GLOBAL: Limits = Limits {
-    iterations: 16,
-    tiny: 4,
-    patience: 8,
-    goal: 1e-10,
-    unbalance: 0.0,
-    damping: 1e-10,
-    least_damping: 1e-10,
-};
-/// Steps shorter than this mean that every loose cluster holds all others back.
-const TINY: f64 = 0.02;
-/// Started near enough to a solution it gets so far within a few factorisations.
-const LOST: f64 = 1e-2;
-/// [Local elimination](eliminate) comes before a global step where the unbalance over the greatest
-/// force is more than this and the last step was shorter than that, or left fast bodies behind.
-const UNBALANCED: f64 = 1e-9;
-const SHORT: f64 = 0.7;
-/// Bodies that a step moves further than so many times as far as this fraction of all bodies move are
-/// fast,
-const FAST: f64 = 2.0;
-const MOST: f64 = 0.97;
-/// and left behind where that makes the step longer by this factor.
-const LONGER: f64 = 2.0;
 
 /// Result of the iteration, converged or not.
 pub struct Newton {
     /// Displacements by body, in the order of elimination.
     pub u: Vec<[f64; 3]>,
-    /// Forces.
+    /// Forces by interaction.
     pub s: Vec<[f64; 3]>,
-    /// Factorisations.
+    /// Number of factorisations.
     pub iterations: u32,
+}
+
+/// What the caller does between two steps of the iteration.
+pub trait Between {
+    /// May change the displacements of the point before the next step; whether it did. The point is
+    /// then evaluated again.
+    fn move_bodies(&mut self, program: &Scaled, point: &mut Point) -> bool;
+
+    /// May change a step and its length after the line search.
+    fn change_step(
+        &mut self,
+        program: &Scaled,
+        point: &Point,
+        step: &mut Step,
+        search: &LineSearchSettings,
+    );
+}
+
+/// Nothing happens between two steps.
+pub struct Nothing;
+
+impl Between for Nothing {
+    fn move_bodies(&mut self, _: &Scaled, _: &mut Point) -> bool {
+        false
+    }
+
+    fn change_step(&mut self, _: &Scaled, _: &Point, _: &mut Step, _: &LineSearchSettings) {}
 }
 
 /// Whether every force of the program has a compliance.
@@ -77,21 +70,48 @@ pub fn applies(program: &Scaled) -> bool {
         .all(|l| !l.has[2] && l.compliance[0] > 0.0 && (!l.has[1] || l.compliance[1] > 0.0))
 }
 
-/// What the forces of an elastic interaction follow from.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Spring {
-    /// Stiffness in normal and tangential direction, 1 over the compliance.
-    stiffness: [f64; 2],
-    /// Kinematics without forces.
-    linear: [f64; 2],
-    /// Coefficient of friction, cohesion, and tensile strength (infinite where friction says it all).
-    friction: f64,
-    cohesion: f64,
-    tension: f64,
-    shears: bool,
+/// Runs the iteration from the displacements `start`.
+#[must_use]
+pub fn iterate(
+    program: &Scaled,
+    matrix: &mut BodyMatrix,
+    start: &[[f64; 3]],
+    settings: &NewtonSettings,
+    goal: Goal,
+    between: &mut impl Between,
+) -> Newton {
+    let mut point = Point::new(program, start);
+    let mut step = Step::new(program);
+    let (mut iterations, mut tiny_steps) = (0, 0);
+    let mut damping = settings.damping;
+    loop {
+        point.evaluate(program, settings.min_force);
+        let is_lost = iterations >= settings.patience
+            && point.unbalance > settings.max_late_unbalance * point.force;
+        let gives_up = iterations >= settings.max_iterations
+            || tiny_steps >= settings.max_tiny_steps
+            || is_lost;
+        if !point.is_finite() || point.is_at(goal) || gives_up {
+            break;
+        }
+        if between.move_bodies(program, &mut point) {
+            continue;
+        }
+        iterations += 1;
+        point.assemble(program, matrix, damping);
+        if !point.find_step(program, matrix, &mut step) {
+            break;
+        }
+        damping = (0.5 * damping).max(settings.min_damping);
+        step.length = point.search(program, &step.du, &step.de, &settings.line_search);
+        between.change_step(program, &point, &mut step, &settings.line_search);
+        tiny_steps = if step.length < settings.tiny_step { tiny_steps + 1 } else { 0 };
+        point.make(&step);
+    }
+    Newton { s: point.forces(), u: point.u, iterations }
 }
 
-/// What two forces of an interaction act on.
+/// The bodies of an interaction and the rows of its two forces.
 struct Arms {
     bodies: [u32; 2],
     rows: [[[f64; 2]; 3]; 2],
@@ -108,289 +128,135 @@ impl Arms {
     }
 }
 
-/// Forces (p, q) with their derivatives by (e_n, e_t): those of p by e_n, of p by e_t (and q by e_n),
-/// and of q by e_t.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Response {
-    /// Forces.
-    pub s: [f64; 2],
-    d: [f64; 3],
+/// A point of the iteration, and what follows from its displacements.
+pub struct Point {
+    springs: Vec<Spring>,
+    arms: Vec<Arms>,
+    responses: Vec<Response>,
+    /// Displacements by body.
+    pub u: Vec<[f64; 3]>,
+    /// Kinematics by interaction.
+    pub e: Vec<[f64; 2]>,
+    /// Out-of-balance forces by body: the gradient of the energy.
+    pub gradient: Vec<[f64; 3]>,
+    /// Maximum force of the interactions, and at least the minimum of the settings.
+    pub force: f64,
+    /// Maximum out-of-balance force.
+    pub unbalance: f64,
 }
 
-impl Spring {
-    /// Of an interaction with compliance in each of its forces, and without rolling moment.
-    pub(super) fn new(l: &Local) -> Self {
-        let (friction, cohesion, tension) = match l.kind {
-            Kind::Normal => (0.0, 0.0, l.right[0]),
-            Kind::Bond => (-l.limits[0][0], l.right[0], l.right[2]),
-            Kind::Friction | Kind::Rolling | Kind::Wheel => {
-                (-l.limits[0][0], l.right[0], f64::INFINITY)
-            }
-        };
+/// A step of the iteration.
+pub struct Step {
+    /// Newton step of the displacements.
+    pub du: Vec<[f64; 3]>,
+    /// The kinematics that belong to it.
+    pub de: Vec<[f64; 2]>,
+    /// Part of it that is made.
+    pub length: f64,
+}
+
+impl Step {
+    fn new(program: &Scaled) -> Self {
+        let du = vec![[0.0; 3]; program.free.len()];
+        Self { du, de: vec![[0.0; 2]; program.locals.len()], length: 0.0 }
+    }
+}
+
+impl Point {
+    fn new(program: &Scaled, start: &[[f64; 3]]) -> Self {
+        let count = program.locals.len();
         Self {
-            stiffness: [1.0 / l.compliance[0], 1.0 / l.compliance[1]],
-            linear: [l.linear[0], l.linear[1]],
-            friction,
-            cohesion,
-            tension,
-            shears: l.has[1],
+            springs: program.locals.iter().map(Spring::new).collect(),
+            arms: program.locals.iter().map(Arms::new).collect(),
+            responses: vec![Response::default(); count],
+            u: program.with_known(start),
+            e: vec![[0.0; 2]; count],
+            gradient: vec![[0.0; 3]; program.free.len()],
+            force: 0.0,
+            unbalance: 0.0,
         }
     }
 
-    /// Projection of the elastic trial onto the limits.
-    #[inline]
-    pub(super) fn respond(&self, e: [f64; 2]) -> Response {
-        let [kn, kt] = self.stiffness;
-        let pt = (e[0] - self.linear[0]) * kn;
-        let qt = (e[1] - self.linear[1]) * kt;
-        let size = qt.abs();
-        let over = size - self.cohesion - self.friction * pt;
-        if self.shears && over <= 0.0 && pt >= -self.tension {
-            return Response { s: [pt, qt], d: [kn, 0.0, kt] };
-        }
-        self.limited(pt, qt)
-    }
-
-    /// The projection of a trial that may be outside of the limits.
-    fn limited(&self, pt: f64, qt: f64) -> Response {
-        let [kn, kt] = self.stiffness;
-        let (mu, cohesion, tension) = (self.friction, self.cohesion, self.tension);
-        if !self.shears {
-            return if pt > -tension {
-                Response { s: [pt, 0.0], d: [kn, 0.0, 0.0] }
-            } else {
-                Response { s: [-tension, 0.0], d: [0.0; 3] }
-            };
-        }
-        let sign = if qt < 0.0 { -1.0 } else { 1.0 };
-        let size = qt.abs();
-        // The corner of the limits: where tension cuts the shear cone, or the cone's own apex.
-        let at_tension = cohesion - mu * tension;
-        let (p0, q0) =
-            if at_tension >= 0.0 { (-tension, at_tension) } else { (-cohesion / mu, 0.0) };
-        let over = size - cohesion - mu * pt;
-        if pt < p0 && (over <= 0.0 || size <= q0) {
-            return if size <= q0 && q0 > 0.0 {
-                Response { s: [p0, qt], d: [0.0, 0.0, kt] }
-            } else {
-                Response { s: [p0, sign * q0.min(size)], d: [0.0; 3] }
-            };
-        }
-        if over <= 0.0 {
-            return Response { s: [pt, qt], d: [kn, 0.0, kt] };
-        }
-        let sum = kt + mu * mu * kn;
-        let slip = over / sum;
-        let p = pt + mu * kn * slip;
-        if p >= p0 {
-            let (vn, vt) = (-mu * kn, sign * kt);
-            let d = [kn - vn * vn / sum, -vn * vt / sum, kt - vt * vt / sum];
-            return Response { s: [p, sign * (size - kt * slip)], d };
-        }
-        Response { s: [p0, sign * q0], d: [0.0; 3] }
-    }
-}
-
-/// Solves the program from the displacements `start`, with local elimination, until the unbalance over
-/// the greatest force is at most `goal`.
-#[must_use]
-pub fn solve(program: &Scaled, matrix: &mut BodyMatrix, start: &[[f64; 3]], goal: f64) -> Newton {
-    let patience = if program.is_damped() { GLOBAL.iterations } else { GLOBAL.patience };
-    let limits = Limits { goal, patience, ..GLOBAL };
-    let pairs = program.locals.iter().map(|l| l.bodies);
-    let adjacency = Adjacency::new(program.free.len(), pairs);
-    iterate(program, matrix, start, &limits, Some(&adjacency))
-}
-
-/// Runs the iteration from the displacements `start`; with local elimination where the adjacency of
-/// the program is given.
-#[must_use]
-pub fn iterate(
-    program: &Scaled,
-    matrix: &mut BodyMatrix,
-    start: &[[f64; 3]],
-    limits: &Limits,
-    adjacency: Option<&Adjacency>,
-) -> Newton {
-    let n = program.free.len();
-    let mut u = program.with_known(start);
-    let springs: Vec<Spring> = program.locals.iter().map(Spring::new).collect();
-    let arms: Vec<Arms> = program.locals.iter().map(Arms::new).collect();
-    let mut responses = vec![Response::default(); springs.len()];
-    let mut e = vec![[0.0; 2]; springs.len()];
-    let mut de = e.clone();
-    let mut gradient = vec![[0.0; 3]; n];
-    let mut du = gradient.clone();
-    let mut iterations = 0;
-    let mut tiny = 0;
-    let mut step = 0.0;
-    let mut eliminated = false;
-    let mut damping = limits.damping;
-    let mut fast: Vec<bool> = Vec::new();
-    loop {
-        program.balance_of_bodies(&u, &mut gradient);
-        let mut force = 1e-3_f64;
-        for (k, (spring, arms)) in springs.iter().zip(&arms).enumerate() {
-            e[k] = arms.kinematics(&u);
-            responses[k] = spring.respond(e[k]);
-            let [p, q] = responses[k].s;
-            add_forces(arms.bodies, &arms.rows, &[p, q], 1.0, &mut gradient);
+    /// Computes forces and out-of-balance forces from the displacements.
+    fn evaluate(&mut self, program: &Scaled, min_force: f64) {
+        program.balance_of_bodies(&self.u, &mut self.gradient);
+        let mut force = min_force;
+        for (k, (spring, arms)) in self.springs.iter().zip(&self.arms).enumerate() {
+            self.e[k] = arms.kinematics(&self.u);
+            self.responses[k] = spring.respond(self.e[k]);
+            let [p, q] = self.responses[k].s;
+            add_forces(arms.bodies, &arms.rows, &[p, q], 1.0, &mut self.gradient);
             force = force.max(p.abs()).max(q.abs());
         }
-        let unbalance = gradient.iter().flatten().map(|g| g.abs()).fold(0.0, f64::max);
-        let finite = gradient.iter().flatten().all(|g| g.is_finite());
-        let lost = iterations >= limits.patience && unbalance > LOST * force;
-        let done = iterations >= limits.iterations || tiny >= limits.tiny || lost;
-        if !finite || unbalance <= (limits.goal * force).max(limits.unbalance) || done {
-            break;
-        }
-        if let Some(adjacency) = adjacency
-            && !std::mem::replace(&mut eliminated, true)
-            && ((unbalance > UNBALANCED * force && step < SHORT) || !fast.is_empty())
-            && eliminate(program, adjacency, &gradient, &e, &fast, &mut u)
-        {
-            continue;
-        }
-        eliminated = false;
-        iterations += 1;
+        self.force = force;
+        self.unbalance = self.gradient.iter().flatten().map(|g| g.abs()).fold(0.0, f64::max);
+    }
+
+    fn is_finite(&self) -> bool {
+        self.gradient.iter().flatten().all(|g| g.is_finite())
+    }
+
+    fn is_at(&self, goal: Goal) -> bool {
+        self.unbalance <= (goal.relative * self.force).max(goal.absolute)
+    }
+
+    /// Sets the matrix to the Hessian, with damping on its diagonal.
+    fn assemble(&self, program: &Scaled, matrix: &mut BodyMatrix, damping: f64) {
         matrix.clear();
         let mut values = matrix.assembly();
-        for i in 0..n {
+        for (i, free) in program.free.iter().enumerate() {
             for k in 0..3 {
-                let weight = if program.free[i][k] { program.weight[i][k] + damping } else { 1.0 };
+                let weight = if free[k] { program.weight[i][k] + damping } else { 1.0 };
                 values.add_diagonal(i, k, weight);
             }
         }
-        for (k, (arms, response)) in arms.iter().zip(&responses).enumerate() {
+        for (k, (arms, response)) in self.arms.iter().zip(&self.responses).enumerate() {
             let [nn, nt, tt] = response.d;
             values.add(k, &arms.rows, &[[nn, nt], [nt, tt]]);
         }
-        for (du, g) in du.iter_mut().zip(&gradient) {
+    }
+
+    /// Solves for the step; whether the matrix has a factor.
+    fn find_step(&self, program: &Scaled, matrix: &mut BodyMatrix, step: &mut Step) -> bool {
+        for (du, g) in step.du.iter_mut().zip(&self.gradient) {
             *du = g.map(|g| -g);
         }
-        if !factorise_and_solve(matrix, &mut du) {
-            break;
+        if !matrix.factorise_shifted_and_solve(&mut step.du) {
+            return false;
         }
-        for (i, du) in du.iter_mut().enumerate() {
-            for k in (0..3).filter(|k| !program.free[i][*k]) {
+        for (du, free) in step.du.iter_mut().zip(&program.free) {
+            for k in (0..3).filter(|k| !free[*k]) {
                 du[k] = 0.0;
             }
         }
-        damping = (0.5 * damping).max(limits.least_damping);
-        for (de, arms) in de.iter_mut().zip(&arms) {
-            *de = arms.kinematics(&du);
+        for (de, arms) in step.de.iter_mut().zip(&self.arms) {
+            *de = arms.kinematics(&step.du);
         }
-        step = line_search(program, &springs, [&u, &du, &gradient], &e, &de);
-        fast.clear();
-        if let Some(adjacency) = adjacency.filter(|_| step < SHORT) {
-            let slow = SlowPart::of(program, adjacency, &du, &de);
-            let longer = slow.as_ref().map_or(0.0, |slow| {
-                line_search(program, &springs, [&u, &slow.du, &gradient], &e, &slow.de)
-            });
-            if let Some(slow) = slow.filter(|_| longer > LONGER * step) {
-                step = longer.min(1.0);
-                du = slow.du;
-                fast = slow.fast;
-            }
-        }
-        tiny = if step < TINY { tiny + 1 } else { 0 };
-        for (u, du) in u.iter_mut().zip(&du) {
-            for k in 0..3 {
-                u[k] += step * du[k];
-            }
-        }
+        true
     }
-    let s = responses.iter().map(|r| [r.s[0], r.s[1], 0.0]).collect();
-    Newton { u, s, iterations }
-}
 
-/// A step without the bodies that it moves fastest. Where a few loose bodies go far, the state of their
-/// contacts changes at once: alone they would end a step that all others could make. Those are what
-/// [local elimination](eliminate) takes on next.
-struct SlowPart {
-    fast: Vec<bool>,
-    du: Vec<[f64; 3]>,
-    /// Zero where one of the bodies is fast.
-    de: Vec<[f64; 2]>,
-}
-
-impl SlowPart {
-    /// `None` where no body is fast.
-    fn of(
+    /// The length at which the derivative of the energy along a step vanishes.
+    pub fn search(
+        &self,
         program: &Scaled,
-        adjacency: &Adjacency,
         du: &[[f64; 3]],
         de: &[[f64; 2]],
-    ) -> Option<Self> {
-        let size = |du: &[f64; 3]| du[0].hypot(du[1]).max(du[2].abs());
-        let mut sizes: Vec<f64> = du.iter().map(size).collect();
-        let place = (MOST * sizes.len() as f64) as usize;
-        let (_, usual, _) = sizes.select_nth_unstable_by(place, f64::total_cmp);
-        let greatest = FAST * *usual;
-        let is_fast = |i: usize| size(&du[i]) > greatest && !is_crowded(adjacency, i);
-        let fast: Vec<bool> = (0..du.len()).map(is_fast).collect();
-        fast.contains(&true).then(|| {
-            let slow = |(du, fast): (&[f64; 3], &bool)| if *fast { [0.0; 3] } else { *du };
-            let both_slow = |l: &Local| !l.bodies.iter().any(|i| fast[*i]);
-            let du = du.iter().zip(&fast).map(slow).collect();
-            let of_both = |(de, l): (&[f64; 2], &Local)| if both_slow(l) { *de } else { [0.0; 2] };
-            let de = de.iter().zip(&program.locals).map(of_both).collect();
-            Self { fast, du, de }
-        })
+        settings: &LineSearchSettings,
+    ) -> f64 {
+        let along = [&self.u[..], du, &self.gradient[..]];
+        line_search(program, &self.springs, settings, along, &self.e, de)
     }
-}
 
-/// The step at which the derivative along `du` vanishes, to a few per cent.
-fn line_search(
-    program: &Scaled,
-    springs: &[Spring],
-    [u, du, gradient]: [&[[f64; 3]]; 3],
-    e: &[[f64; 2]],
-    de: &[[f64; 2]],
-) -> f64 {
-    let dot = |x: &[[f64; 3]], y: &[[f64; 3]]| -> f64 {
-        x.iter().flatten().zip(y.iter().flatten()).map(|(x, y)| x * y).sum()
-    };
-    let slope = dot(gradient, du);
-    let (mut linear, mut quadratic) = (0.0, 0.0);
-    for i in 0..u.len() {
-        for k in (0..3).filter(|k| program.free[i][*k]) {
-            linear += (program.weight[i][k] * u[i][k] - program.right[i][k]) * du[i][k];
-            quadratic += program.weight[i][k] * du[i][k] * du[i][k];
+    /// Makes a step.
+    fn make(&mut self, step: &Step) {
+        for (u, du) in self.u.iter_mut().zip(&step.du) {
+            for k in 0..3 {
+                u[k] += step.length * du[k];
+            }
         }
     }
-    let derivative = |a: f64| {
-        let (mut value, mut curvature) = (linear + a * quadratic, quadratic);
-        for ((spring, e), de) in springs.iter().zip(e).zip(de) {
-            let Response { s, d } = spring.respond([e[0] + a * de[0], e[1] + a * de[1]]);
-            value += s[0] * de[0] + s[1] * de[1];
-            curvature += d[0] * de[0] * de[0] + 2.0 * d[1] * de[0] * de[1] + d[2] * de[1] * de[1];
-        }
-        (value, curvature)
-    };
-    let (mut low, mut high) = (0.0, f64::INFINITY);
-    let mut a = 1.0;
-    for _ in 0..30 {
-        let (value, curvature) = derivative(a);
-        if value.abs() <= 0.02 * slope.abs() {
-            break;
-        }
-        if value > 0.0 {
-            high = a;
-        } else {
-            low = a;
-        }
-        let newton = a - value / curvature;
-        a = if newton > low && newton < high {
-            newton
-        } else if high.is_finite() {
-            0.5 * (low + high)
-        } else {
-            4.0 * a
-        };
-        if a > 1e6 || high - low < 1e-9 * high {
-            break;
-        }
+
+    fn forces(&self) -> Vec<[f64; 3]> {
+        self.responses.iter().map(|r| [r.s[0], r.s[1], 0.0]).collect()
     }
-    a
 }

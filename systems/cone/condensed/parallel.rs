@@ -1,12 +1,12 @@
-//! Work on several threads, with results that do not depend on how many there are.
+//! Work on several threads, with results that do not depend on the number of threads.
 //!
-//! Threads are those of the rayon pool that the solver is called in, or of rayon's own.
+//! The threads are those of the rayon pool in which the solver is called, or of the global pool.
 
 use std::ops::Range;
 
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
-/// Does the same for all, in no order, and returns what comes of it in theirs.
+/// Calls `f` for all items, in any order, and returns the results in the order of the items.
 pub fn in_parallel<T: Send, R: Send>(
     items: impl Iterator<Item = T>,
     f: impl Fn(T) -> R + Sync + Send,
@@ -19,13 +19,13 @@ pub fn in_parallel<T: Send, R: Send>(
     }
 }
 
-/// Does it on a thread of the pool, if it is `worth` the way there: work is handed out more quickly from
-/// there.
+/// Calls `f` on a thread of the pool if `worth` it: a thread of the pool hands out work more
+/// quickly.
 pub fn in_pool<R: Send>(worth: bool, f: impl FnOnce() -> R + Send) -> R {
     if worth && rayon::current_num_threads() > 1 { rayon::scope(|_| f()) } else { f() }
 }
 
-/// The pieces of a slice at ranges that lie one after the other from its start on, and the rest.
+/// The pieces of a slice at consecutive ranges from its start, and the rest.
 pub fn split<T>(
     slice: &mut [T],
     ranges: impl Iterator<Item = Range<usize>>,

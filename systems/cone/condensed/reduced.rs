@@ -1,29 +1,29 @@
-//! Leaves out of the program what does not depend on the rest: interactions between bodies whose
-//! motion is known, bodies that no other interaction touches, and what is [at rest](super::rest).
+//! Reduces a program to its unknowns: leaves out elastic interactions between bodies whose motion
+//! is known, bodies that no other interaction touches, and bodies [at rest](super::rest).
 //!
-//! With both bodies known an elastic interaction is a problem of its own: its forces are the
-//! projection of its trial onto its limits. What remains are the free bodies and those next to
-//! them, so that a few grains that settle in a large specimen cost as much as a few grains.
+//! The forces of an elastic interaction between two bodies with known motion are the projection of
+//! its trial onto its limits. The free bodies and their neighbours remain, so that a few grains
+//! that settle in a large specimen cost as much as a few grains.
 
 use crate::program::{ConeProgram, ConeSolution, Dof, Interaction};
 
-use super::newton::Spring;
 use super::scaled::Scaled;
+use super::spring::Spring;
 
-/// The program without what is known, and the way back.
+/// The reduced program, with the places of its bodies and interactions in the whole one.
 pub struct Reduced {
-    /// The program of the bodies that are left.
+    /// The reduced program.
     pub program: ConeProgram,
-    /// Bodies left, by their number in the whole program.
+    /// Its bodies, by their number in the whole program.
     pub bodies: Vec<usize>,
-    /// Interactions left.
+    /// Its interactions, by their number in the whole program.
     interactions: Vec<usize>,
     /// Bodies that keep their place and their forces.
     at_rest: Vec<bool>,
 }
 
 impl Reduced {
-    /// `None` where there is nothing to leave out. `at_rest` are whole clusters of free bodies.
+    /// `None` if the whole program remains. `at_rest` marks whole clusters of free bodies.
     #[must_use]
     pub fn new(program: &ConeProgram, at_rest: Vec<bool>) -> Option<Self> {
         let free: Vec<bool> =
@@ -66,7 +66,7 @@ impl Reduced {
         Some(Self { program: part, bodies, interactions, at_rest })
     }
 
-    /// The solution of the whole program that belongs to one of what is left.
+    /// The solution of the whole program that follows from a solution of the reduced one.
     #[must_use]
     pub fn expand(&self, program: &ConeProgram, part: ConeSolution) -> ConeSolution {
         let mut displacements = program.imposed();
@@ -96,8 +96,8 @@ impl Reduced {
     }
 }
 
-/// Whether the forces of an interaction follow from its kinematics alone: elastic, and without a
-/// rolling moment unless its bodies turn alike.
+/// Whether the forces of an interaction between bodies with known motion follow from that motion:
+/// it is elastic, and has no rolling moment unless both bodies turn by one angle.
 fn is_known(program: &ConeProgram, c: &Interaction) -> bool {
     let turn = |i: u32| match program.bodies[i as usize].dofs[2] {
         Dof::Fixed(u) => u,

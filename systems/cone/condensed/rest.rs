@@ -1,28 +1,32 @@
-//! Finds what is at rest: bodies that need not move, because the forces of the last increment still
+//! Finds sleeping bodies: bodies that need not move, because the forces of the last increment still
 //! balance them and obey all limits.
 //!
-//! In dynamics whole clusters of touching bodies rest while others move: a pile on the ground while more
-//! falls, an island in a large scene. A cluster is asleep where zero displacement with the forces of the
-//! last increment solves its rows more exactly than a solver would. It wakes by itself: a body that comes
-//! near is a contact that joins the cluster to what moves; what its balance leaves adds up in the
-//! velocities, and what its gaps leave in the gaps, until they no longer pass. Slip that is imposed on it
-//! adds up nowhere, and keeps it awake however small.
+//! In dynamics whole clusters of touching bodies rest while others move: a pile on the ground onto
+//! which more falls, an island in a large scene. A cluster sleeps if zero displacement with the
+//! forces of the last increment solves its rows with a residual below that of a solver.
 //!
-//! There is no such thing without inertia: beside displacements that vanish everywhere the round-off of a
-//! gap is no longer nothing.
+//! A cluster wakes without further rules. A body that comes near is a contact that joins it to
+//! moving bodies. Residuals of its balance add up in the velocities, and residuals of its limits in
+//! the gaps, until they exceed the threshold. Imposed slip adds up in neither, so that any slip
+//! wakes it.
+//!
+//! Only programs with inertia have sleeping bodies. In statics all displacements may vanish, and
+//! relative to them the round-off of a gap is not small.
 
 use crate::program::{ConeProgram, Dof, ProgramBody, Residuals};
 
 use super::super::residuals::Units;
-use super::matrix::adjacency;
+use super::settings::RestSettings;
+use crate::adjacency::Adjacency;
 
-/// Greatest residual of what is at rest: a hundredth of what is accepted by default.
-const AT_REST: f64 = 1e-10;
-
-/// Bodies at rest; `None` where there are none. `moved` are the displacements of the last solution: what
-/// is little beside them is nothing.
+/// Which bodies sleep; `None` if none does. `moved` are the displacements of the last solution, the
+/// unit of displacements.
 #[must_use]
-pub fn find(program: &ConeProgram, moved: &[[f64; 3]]) -> Option<Vec<bool>> {
+pub fn find(
+    program: &ConeProgram,
+    moved: &[[f64; 3]],
+    settings: &RestSettings,
+) -> Option<Vec<bool>> {
     let forces = &program.last_forces;
     if forces.is_empty() || !program.is_dynamic() {
         return None;
@@ -32,13 +36,13 @@ pub fn find(program: &ConeProgram, moved: &[[f64; 3]]) -> Option<Vec<bool>> {
     let free: Vec<bool> = program.bodies.iter().map(ProgramBody::is_free).collect();
     let mut rests = free.clone();
     let mut known_rest = true;
-    let nothing = [0.0; 3];
-    for (c, f) in program.interactions.iter().zip(forces.iter().chain(std::iter::repeat(&nothing)))
+    let no_force = [0.0; 3];
+    for (c, f) in program.interactions.iter().zip(forces.iter().chain(std::iter::repeat(&no_force)))
     {
         let mut left = Residuals::default();
         let e = program.kinematics(c, &still);
         units.of_interaction(c, &e, f, &mut left);
-        if left.worst() <= AT_REST && e[1] == 0.0 && e[2] == 0.0 {
+        if left.worst() <= settings.max_residual && e[1] == 0.0 && e[2] == 0.0 {
             continue;
         }
         let [a, b] = [c.a as usize, c.b as usize];
@@ -54,11 +58,11 @@ pub fn find(program: &ConeProgram, moved: &[[f64; 3]]) -> Option<Vec<bool>> {
             Dof::Free(f) if f.inertia > 0.0 => {
                 let length = if k < 2 { 1.0 } else { units.length };
                 let motion = (f.load - rows[i][k]) / f.inertia * length;
-                motion.abs() <= AT_REST * units.displacement
+                motion.abs() <= settings.max_residual * units.displacement
             }
             _ => true,
         });
-        if !(left.worst() <= AT_REST && slow) {
+        if !(left.worst() <= settings.max_residual && slow) {
             rests[i] = false;
         }
     }
@@ -71,14 +75,14 @@ pub fn find(program: &ConeProgram, moved: &[[f64; 3]]) -> Option<Vec<bool>> {
     (any && (known_rest || !all)).then_some(rests)
 }
 
-/// Wakes all bodies of a cluster of which one is awake.
+/// Wakes all bodies of every cluster with a body that is awake.
 fn wake_neighbours(program: &ConeProgram, free: &[bool], rests: &mut [bool]) {
     let both_free = program.interactions.iter().map(|c| (c.a, c.b));
     let pairs: Vec<_> = both_free.filter(|(a, b)| free[*a as usize] && free[*b as usize]).collect();
-    let (starts, neighbours) = adjacency(rests.len(), &pairs);
+    let neighbours = Adjacency::of_neighbours(rests.len(), &pairs);
     let mut awake: Vec<usize> = (0..rests.len()).filter(|i| free[*i] && !rests[*i]).collect();
     while let Some(i) = awake.pop() {
-        for &j in &neighbours[starts[i]..starts[i + 1]] {
+        for &j in neighbours.of(i) {
             if std::mem::replace(&mut rests[j], false) {
                 awake.push(j);
             }

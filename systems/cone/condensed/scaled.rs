@@ -1,4 +1,5 @@
-//! The program in units of its scales, contact by contact, as the condensed solver works on it.
+//! The program in units of its scales, interaction by interaction, as the condensed solver reads
+//! it.
 //!
 //! Interaction c: `min 1/2 s'Cs + l's`, `A s + w = b`, `w >= 0` with s = (p, q, tau); stationarity
 //! `l + C s - e(u) + A' lambda = 0`. Bodies: `m u + G s = f` on free degrees of freedom.
@@ -8,11 +9,12 @@ use crate::program::{ConeProgram, Dof};
 use super::super::lowering::units;
 use super::matrix::places;
 
-/// Most limit rows of an interaction: two of shear and two of rolling, which imply that of tension.
+/// Maximum number of limits of an interaction: two of shear and two of rolling, which imply that of
+/// tension.
 pub const ROWS: usize = 4;
 
-/// What forces an interaction has, and how many limits they have: what is done for every interaction
-/// in every iteration is compiled for each kind.
+/// The forces and limits of an interaction. The inner loops of the solver are compiled for each
+/// kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// p alone, with the limit of tension.
@@ -23,7 +25,7 @@ pub enum Kind {
     Bond,
     /// p, q and tau, with two limits of shear and two of rolling.
     Rolling,
-    /// p and tau, with two limits of rolling; q has a compliance, and nothing acts on it.
+    /// p and tau, with two limits of rolling; q is a dummy with a compliance and without load.
     Wheel,
 }
 
@@ -32,7 +34,7 @@ pub enum Kind {
 pub struct Local {
     /// Bodies, by their places in the order of elimination.
     pub bodies: [usize; 2],
-    /// What it has.
+    /// Its forces and limits.
     pub kind: Kind,
     /// Rows of the two bodies: `[body][dof][force]`, zero where the degree of freedom is fixed.
     pub rows: [[[f64; 3]; 3]; 2],
@@ -66,7 +68,8 @@ pub struct Scaled {
 }
 
 impl Scaled {
-    /// Scales a program. Its bodies come in this `order`: here, body k is `order[k]` of the program.
+    /// Scales a program. Its bodies come in this `order`: here, body k is `order[k]` of the
+    /// program.
     #[must_use]
     pub fn new(program: &ConeProgram, order: &[usize]) -> Self {
         let (du, df) = units(program);
@@ -92,7 +95,7 @@ impl Scaled {
             out.right.push(right);
             out.known.push(known);
         }
-        // They are large, and to grow step by step is to copy them all.
+        // Entries are large: a vector that grows would copy them.
         out.locals.reserve_exact(program.interactions.len());
         for c in &program.interactions {
             let l = &c.limits;
@@ -134,7 +137,7 @@ impl Scaled {
                 ],
                 linear: [
                     c.offset / du[0] - fixed[0],
-                    // Where there is no shear force none is left over either.
+                    // Without a shear force no force is left over from the last increment.
                     if has[1] {
                         -c.tangential_compliance * stiffness * c.previous_shear / df[0] - fixed[1]
                     } else {
@@ -167,21 +170,22 @@ impl Scaled {
         out
     }
 
-    /// These displacements where they are free, and those that are known.
+    /// The displacements `u` of free degrees of freedom and the known ones of all others.
     #[must_use]
     pub fn with_known(&self, u: &[[f64; 3]]) -> Vec<[f64; 3]> {
         let of = |i: usize, k: usize| if self.free[i][k] { u[i][k] } else { self.known[i][k] };
         (0..self.free.len()).map(|i| [0, 1, 2].map(|k| of(i, k))).collect()
     }
 
-    /// Whether inertia or regularisation keeps every degree of freedom from moving without end.
+    /// Whether every free degree of freedom has a weight: inertia or regularisation.
     #[must_use]
     pub fn is_damped(&self) -> bool {
         let free = self.free.iter().flatten().zip(self.weight.iter().flatten());
         free.filter(|(free, _)| **free).all(|(_, weight)| *weight > 0.0)
     }
 
-    /// Sets `out` to `m u - f` on free degrees of freedom, the balance without the forces of interactions.
+    /// Sets `out` to `m u - f` on free degrees of freedom: the balance without the forces of the
+    /// interactions.
     pub fn balance_of_bodies(&self, u: &[[f64; 3]], out: &mut [[f64; 3]]) {
         for (i, out) in out.iter_mut().enumerate() {
             for k in 0..3 {
@@ -194,14 +198,14 @@ impl Scaled {
         }
     }
 
-    /// Kinematics `e = G'u` of an interaction, without what fixed degrees of freedom add.
+    /// Kinematics `e = G'u` of an interaction, without the part of fixed degrees of freedom.
     #[must_use]
     pub fn kinematics(local: &Local, u: &[[f64; 3]]) -> [f64; 3] {
         kinematics(local.bodies.map(|i| i as u32), &local.rows, u)
     }
 }
 
-/// Kinematics of `F` forces with these rows, without what fixed degrees of freedom add.
+/// Kinematics of `F` forces with these rows, without the part of fixed degrees of freedom.
 #[inline]
 pub fn kinematics<const F: usize>(
     bodies: [u32; 2],
@@ -220,7 +224,7 @@ pub fn kinematics<const F: usize>(
     e
 }
 
-/// Adds `sign G s` of `F` forces with these rows to those of free degrees of freedom.
+/// Adds `sign G s` of `F` forces with these rows to the rows of free degrees of freedom.
 #[inline]
 pub fn add_forces<const F: usize>(
     bodies: [u32; 2],

@@ -12,9 +12,8 @@
 //! rises (O'Donoghue and Candes 2015).
 
 use super::scaled::{Kind, Local, Scaled, add_forces, kinematics};
+use super::settings::WarmSettings;
 
-/// Sweeps from one over all contacts to the next; those between leave out contacts without force.
-const ALL: usize = 5;
 /// Smallest diagonal of a force, in units of displacement over force.
 const MIN_DIAGONAL: f64 = 1e-12;
 
@@ -41,13 +40,17 @@ pub fn applies(program: &Scaled) -> bool {
         && program.locals.iter().all(|l| l.kind != Kind::Bond && without_strength(&l.right))
 }
 
-/// The forces after `count` sweeps from `start`, and the displacements that balance them.
+/// The forces after the sweeps from `start`, and the displacements that balance them.
 #[must_use]
-pub fn sweep(program: &Scaled, start: &[[f64; 3]], count: usize) -> (Vec<[f64; 3]>, Vec<[f64; 3]>) {
+pub fn sweep(
+    program: &Scaled,
+    start: &[[f64; 3]],
+    settings: &WarmSettings,
+) -> (Vec<[f64; 3]>, Vec<[f64; 3]>) {
     if program.locals.iter().any(|l| l.has[2]) {
-        accelerated::<3>(program, start, count)
+        accelerated::<3>(program, start, settings)
     } else {
-        accelerated::<2>(program, start, count)
+        accelerated::<2>(program, start, settings)
     }
 }
 
@@ -73,7 +76,7 @@ fn displacements<const F: usize>(
 fn accelerated<const F: usize>(
     program: &Scaled,
     start: &[[f64; 3]],
-    count: usize,
+    settings: &WarmSettings,
 ) -> (Vec<[f64; 3]>, Vec<[f64; 3]>) {
     let inverse: Vec<[f64; 3]> = (0..program.free.len())
         .map(|i| {
@@ -88,12 +91,12 @@ fn accelerated<const F: usize>(
     let (mut y, mut v) = (s.clone(), u.clone());
     let (mut t, mut last) = (1.0_f64, f64::INFINITY);
     let mut visited: Vec<usize> = Vec::new();
-    for k in 0..count {
+    for k in 0..settings.sweeps {
         // Contacts without force are visited in every few sweeps only.
-        if k.is_multiple_of(ALL) {
+        if k.is_multiple_of(settings.full_sweep_every) {
             visited.clear();
             visited.extend(0..contacts.len());
-        } else if k % ALL == 1 {
+        } else if k % settings.full_sweep_every == 1 {
             visited.retain(|k| y[*k][0] != 0.0 || s[*k][0] != 0.0);
         }
         for k in visited.iter().copied().chain(visited.iter().rev().copied()) {

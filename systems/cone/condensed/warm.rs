@@ -8,18 +8,8 @@ use crate::program::{ConeProgram, ConeSolution, Dof, SolveStatus};
 use super::super::lowering::units;
 use super::parallel::in_pool;
 use super::scaled::{Local, Scaled};
-use super::{Condensed, INTERIOR_MARGIN, ROUND_OFF, checked, interior, sweeps};
-
-/// Sweeps before the interior point. On the collapse of 5000 disks half as many leave two factorisations more of eleven
-/// in an increment; twice as many save less than one, and cost more time than that.
-const SWEEPS: usize = 40;
-/// A contact without force is left out where its gap is larger than this part of the largest displacement.
-const FAR: f64 = 0.06;
-/// Products that the interior point starts with, in units of force times displacement. Smaller ones get stuck at
-/// the wrong limits, larger ones forget the start.
-const PRODUCT: f64 = 3e-4;
-/// Times that contacts which were left out and are needed are taken back.
-const RETURNS: usize = 2;
+use super::settings::WarmSettings;
+use super::{Condensed, ROUND_OFF, checked, interior, sweeps};
 
 impl Condensed {
     /// Solves the program from the forces of the last increment. `None` where that does not apply or does not lead to a
@@ -43,16 +33,17 @@ impl Condensed {
             let solution = checked(program, s, program.imposed(), tolerance, iterations, message);
             (solution.status == SolveStatus::Solved).then_some(solution)
         };
-        let (mut s, mut u) = sweeps::sweep(&scaled, &last_forces(program), SWEEPS);
+        let (mut s, mut u) = sweeps::sweep(&scaled, &last_forces(program), &self.settings.warm);
         if let Some(solution) = evaluate(&s, *iterations, "sweeps") {
             return Some(solution);
         }
         let gaps =
             |u: &[[f64; 3]]| -> Vec<f64> { scaled.locals.iter().map(|l| gap(l, u)).collect() };
-        let far = FAR * u.iter().map(|u| u[0].hypot(u[1])).fold(0.0, f64::max);
+        let far =
+            self.settings.warm.max_gap * u.iter().map(|u| u[0].hypot(u[1])).fold(0.0, f64::max);
         let mut keep: Vec<bool> =
             gaps(&u).iter().zip(&s).map(|(gap, s)| s[0] > 0.0 || *gap < far).collect();
-        for _ in 0..=RETURNS {
+        for _ in 0..=self.settings.warm.max_returns {
             let is_enough = |s: &[[f64; 3]]| evaluate(s, 0, "").is_some();
             *iterations += self.solve_kept(program, &keep, &mut s, &mut u, is_enough)?;
             if let Some(solution) = evaluate(&s, *iterations, "warm") {
@@ -103,13 +94,19 @@ impl Condensed {
             }
             all
         };
-        let residual = (tolerance / INTERIOR_MARGIN).max(ROUND_OFF);
+        let residual = (tolerance / self.settings.interior_margin).max(ROUND_OFF);
         let goal = interior::Goal::enough(residual, tolerance);
-        let warm = Some(raised(&forces));
+        let warm = Some(raised(&forces, &self.settings.warm));
         let result = in_pool(has_branches, || {
-            interior::solve_from(&own, matrix, &start, warm, goal, |point| {
-                is_enough(&expand(&point.s))
-            })
+            interior::solve_from(
+                &own,
+                matrix,
+                &start,
+                warm,
+                &self.settings.interior,
+                goal,
+                |point| is_enough(&expand(&point.s)),
+            )
         })?;
         *s = expand(&result.s);
         for (place, displacement) in order.iter().zip(&result.u) {
@@ -120,8 +117,8 @@ impl Condensed {
 }
 
 /// The start of the interior point with these forces, in units of the scales.
-pub(super) fn raised(forces: &[[f64; 3]]) -> interior::Warm<'_> {
-    interior::Warm { forces, product: PRODUCT }
+pub(super) fn raised<'a>(forces: &'a [[f64; 3]], settings: &WarmSettings) -> interior::Warm<'a> {
+    interior::Warm { forces, product: settings.product }
 }
 
 /// Whether a program is an elastic step of a motion that is followed: static, with a weight on every

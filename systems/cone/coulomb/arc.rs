@@ -1,36 +1,21 @@
 //! The path of the perturbed system, followed by its arc length.
 //!
-//! With R the complementarity system and z_0 a point whose products are all alike, the path is
-//! `R(z) = tau R(z_0)` from tau = 1 to 0: with tau = 0 it is at a solution. Where a few
-//! grains slide in a mechanism of their own it turns back, and any method whose parameter only falls gets stuck.
-//! Along a regular path the sign of `dtau` times that of the determinant of the derivative does not change
-//! (Keller 1977; Allgower and Georg 1990): tau falls while the determinant has its first sign, and rises while
-//! it has the other.
+//! With R the complementarity system and z_0 a point with equal products, the path is `R(z) = tau
+//! R(z_0)` from tau = 1 to tau = 0, which is a solution. Where a few grains slide in a mechanism of
+//! their own the path turns back, and a method whose parameter only falls gets stuck. Along a
+//! regular path the sign of `dtau` times that of the determinant of the derivative does not change
+//! (Keller 1977; Allgower and Georg 1990): tau falls while the determinant has its first sign, and
+//! rises while it has the other.
 
 use super::Trial;
 use super::interior::boundary;
+use super::settings::ArcSettings;
 use super::system::{System, Vector};
 
-/// Compliance that regularises the matrix, over what is usual.
-const SOFT: f64 = 1e-10;
-/// A point is on the path where the next correction changes no slack and no multiplier by more than this part.
-const CLOSE: f64 = 0.3;
-/// Part of the way to the boundary that a step takes.
-const REACH: f64 = 0.9;
-/// Slacks and multipliers may grow by this many times themselves in a predictor.
-const GROWTH: f64 = 3.0;
-/// Factor that shortens a predictor whose corrections do not lead to the path.
-const SHORTENED: f64 = 0.3;
-/// Maximum number of corrections of one predictor. A correction twice as long as the last ends them earlier.
-const MAX_CORRECTIONS: u32 = 4;
-/// Where tau gets that large the path has gone astray.
-const ASTRAY: f64 = 30.0;
-/// Below that tau the end of the path is reached to round-off.
-const SPENT: f64 = 1e-14;
-/// The shortest predictor, in tau.
-const SHORTEST: f64 = 1e-9;
+/// tau at which the end of the path is reached to round-off.
+const MIN_TAU: f64 = 1e-14;
 
-/// Where the last predictor began.
+/// The start of the last predictor.
 struct Saved {
     z: Vector,
     tangent: Vector,
@@ -39,9 +24,16 @@ struct Saved {
     length: f64,
 }
 
-/// Follows the path from a point until the trial is solved, and returns where; at most `max` factorisations.
-pub fn follow(system: &mut System, mut z: Vector, max: u32, trial: &mut Trial) -> Option<Vector> {
-    system.regularise(SOFT);
+/// Follows the path from a point until the trial is solved, for at most `max` factorisations.
+/// Returns the last point, `None` if the path is lost.
+pub fn follow(
+    system: &mut System,
+    mut z: Vector,
+    settings: &ArcSettings,
+    max: u32,
+    trial: &mut Trial,
+) -> Option<Vector> {
+    system.regularise(settings.regularisation);
     let first = system.residual(&z);
     let mut by_tau = Vector::zeros(&z);
     by_tau.add(-1.0, &first);
@@ -57,24 +49,26 @@ pub fn follow(system: &mut System, mut z: Vector, max: u32, trial: &mut Trial) -
         h.add(-tau, &first);
         let tangent = system.solve(&z, &by_tau);
         let mut correction = system.solve(&z, &h);
-        // Normal to the tangent, in relative changes of slacks, multipliers and tau.
+        // The correction is made normal to the tangent, in the metric of relative changes of
+        // slacks, multipliers and tau.
         let (along, square) = products(system, &z, &tangent, &correction);
         let back = -along / (square + 1.0 / (tau * tau));
         correction.add(back, &tangent);
         let off = largest_change(system, &z, &correction) + (back / tau).abs();
-        let near = off < CLOSE;
+        let near = off < settings.close;
         bad = if near { 0 } else { bad + 1 };
-        let lost = !near && (bad > MAX_CORRECTIONS || (bad > 1 && off > 2.0 * before));
+        let lost = !near
+            && (bad > settings.max_corrections || (bad > 1 && off > settings.divergence * before));
         if !off.is_finite() || lost {
             let Some(last) = &mut saved else { return None };
-            last.length *= SHORTENED;
-            if last.length < SHORTEST * last.tau {
+            last.length *= settings.shortening;
+            if last.length < settings.min_length * last.tau {
                 return None;
             }
             z = last.z.clone();
             z.add(last.length, &last.tangent);
             tau = last.tau + last.length * last.direction;
-            (bad, grow, before) = (0, SHORTENED, f64::INFINITY);
+            (bad, grow, before) = (0, settings.shortening, f64::INFINITY);
             continue;
         }
         before = off;
@@ -82,7 +76,7 @@ pub fn follow(system: &mut System, mut z: Vector, max: u32, trial: &mut Trial) -
         if back < 0.0 {
             room = room.min(-tau / back);
         }
-        let length = (REACH * room).min(1.0);
+        let length = (settings.reach * room).min(1.0);
         z.add(length, &correction);
         tau += length * back;
         if near {
@@ -95,9 +89,9 @@ pub fn follow(system: &mut System, mut z: Vector, max: u32, trial: &mut Trial) -
                 room = room.min(tau);
             }
             let growth = fastest_growth(system, &z, &ahead).max(direction / tau).max(1e-300);
-            let length = (REACH * grow * room).min(GROWTH * grow / growth);
-            if off < 0.5 * CLOSE {
-                grow = (1.6 * grow).min(1.0);
+            let length = (settings.reach * grow * room).min(settings.growth * grow / growth);
+            if off < 0.5 * settings.close {
+                grow = (settings.recovery * grow).min(1.0);
             }
             let last = Saved { z: z.clone(), tangent: ahead, tau, direction, length };
             z.add(length, &last.tangent);
@@ -107,14 +101,15 @@ pub fn follow(system: &mut System, mut z: Vector, max: u32, trial: &mut Trial) -
         if trial.consider(system, &z) {
             return Some(z);
         }
-        if !(SPENT..=ASTRAY).contains(&tau) {
+        if !(MIN_TAU..=settings.max_tau).contains(&tau) {
             return None;
         }
     }
     None
 }
 
-/// Of the relative changes of slacks and multipliers in two steps: their product, and the square of the first.
+/// Scalar product of the relative changes of slacks and multipliers in a tangent and a step, and
+/// the square of those in the tangent.
 fn products(system: &System, z: &Vector, tangent: &Vector, step: &Vector) -> (f64, f64) {
     let (mut along, mut square) = (0.0, 0.0);
     let cells = system.cells.iter().zip(&z.cells).zip(tangent.cells.iter().zip(&step.cells));
@@ -129,7 +124,7 @@ fn products(system: &System, z: &Vector, tangent: &Vector, step: &Vector) -> (f6
     (along, square)
 }
 
-/// The largest relative change of a slack or multiplier; not a number if any is not.
+/// Maximum relative change of a slack or multiplier; NaN if any is NaN.
 fn largest_change(system: &System, z: &Vector, step: &Vector) -> f64 {
     let mut largest = 0.0_f64;
     for ((cell, x), d) in system.cells.iter().zip(&z.cells).zip(&step.cells) {
@@ -145,7 +140,7 @@ fn largest_change(system: &System, z: &Vector, step: &Vector) -> f64 {
     largest
 }
 
-/// The fastest relative growth of a slack or multiplier.
+/// Maximum relative growth of a slack or multiplier.
 fn fastest_growth(system: &System, z: &Vector, step: &Vector) -> f64 {
     let mut fastest = 0.0_f64;
     for ((cell, x), d) in system.cells.iter().zip(&z.cells).zip(&step.cells) {

@@ -1,11 +1,11 @@
-//! Coulomb's law of one interaction, its numbers at a point, and its part of a linear solve.
+//! Coulomb's law of one interaction, its numbers at a point, and its part of the linear system.
 
 use crate::program::Interaction;
 
 use super::super::condensed::interior::slack;
 use super::super::condensed::scaled::Local;
 
-/// Limits of an interaction: of p, two of q, two of tau.
+/// Maximum number of limits of an interaction: one of p, two of q, two of tau.
 pub const LIMITS: usize = 5;
 
 /// The law of an interaction in units of the scales. With a its dilation,
@@ -14,7 +14,8 @@ pub const LIMITS: usize = 5;
 /// g + C_n p - e_n - lambda_n - a (mu (lambda_+ + lambda_-) + m (kappa_+ + kappa_-)) = 0
 /// C_t (q - q_0) - e_t + lambda_+ - lambda_- = 0
 /// -e_r + kappa_+ - kappa_- = 0
-/// w_n = f_t + p,   w_+- = c + mu p -+ q,   v_+- = m_0 + m p -+ tau,   w lambda = 0,  w, lambda >= 0
+/// w_n = f_t + p,   w_+- = c + mu p -+ q,   v_+- = m_0 + m p -+ tau
+/// w lambda = 0,   w >= 0,   lambda >= 0
 /// ```
 pub struct Cell {
     pub bodies: [u32; 2],
@@ -29,12 +30,12 @@ pub struct Cell {
     /// Which limits exist.
     on: [bool; LIMITS],
     dilation: f64,
-    /// Compliances that regularise the matrix: no part of the law.
+    /// Compliances that regularise the matrix and are no part of the law.
     soft: [f64; 3],
 }
 
-/// What belongs to an interaction in a point, a step or a residual: of a residual the defects of the
-/// stationarity of the forces, of the limits and of the products.
+/// The entries of an interaction in a point, a step or a residual. In a residual they are the
+/// defects of stationarity, of the limits and of the products.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Entry {
     /// Forces p, q, tau.
@@ -45,12 +46,12 @@ pub struct Entry {
     pub l: [f64; LIMITS],
 }
 
-/// An interaction's part of the linear system at a point.
+/// The part of an interaction in the linear system at a point.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Linear {
-    /// Takes kinematics to forces: not symmetric.
+    /// The matrix from kinematics to forces; it is not symmetric.
     pub stiffness: [[f64; 3]; 3],
-    /// Multiplier over slack.
+    /// Multiplier over slack of every limit.
     theta: [f64; LIMITS],
 }
 
@@ -85,12 +86,12 @@ impl Cell {
         self.on.iter().filter(|on| **on).count()
     }
 
-    /// Its limits that exist.
+    /// The numbers of its limits.
     pub fn each_limit(&self) -> impl Iterator<Item = usize> {
         (0..LIMITS).filter(|q| self.on[*q])
     }
 
-    /// What the limits take of their strengths: `w = strength - of_limits(s)`.
+    /// The part of the strengths that forces use up: the slacks are `strength - of_limits(s)`.
     #[inline]
     fn of_limits(&self, s: &[f64; 3]) -> [f64; LIMITS] {
         let ([p, q, tau], [mu, m]) = (*s, self.slopes);
@@ -102,7 +103,7 @@ impl Cell {
         self.strengths[q.div_ceil(2)]
     }
 
-    /// Brings forces within their limits.
+    /// Clamps forces to their limits, the normal force first.
     pub fn clamp(&self, s: &[f64; 3]) -> [f64; 3] {
         let [f_t, c, m_0] = self.strengths;
         let [_, shear, _, rolling, _] = self.on;
@@ -124,7 +125,7 @@ impl Cell {
         ]
     }
 
-    /// Slacks and multipliers of forces and kinematics near by, with all products at `product`.
+    /// Slacks and multipliers near those of the forces and kinematics, with all products `product`.
     pub fn near(&self, s: [f64; 3], e: &[f64; 3], product: f64) -> Entry {
         let st = e[1] - self.linear[1] - self.compliance[1] * s[1];
         let sr = e[2] - self.linear[2];
@@ -162,7 +163,8 @@ impl Cell {
         r
     }
 
-    /// The inverse of what is left of the law for the forces, at a point.
+    /// Derivative of the forces by the kinematics at a point, with slacks and multipliers
+    /// eliminated.
     #[inline]
     pub fn linearise(&self, x: &Entry) -> Linear {
         let mut theta = [0.0; LIMITS];
@@ -197,8 +199,8 @@ impl Cell {
         Linear { stiffness, theta }
     }
 
-    /// Steps of the multipliers for no step of the forces, and the kinematics that ask for the same forces as
-    /// the residual does.
+    /// Steps of the multipliers without steps of the forces, and the kinematics that demand the
+    /// same forces as the residual.
     #[inline]
     fn asked(&self, x: &Entry, r: &Entry) -> ([f64; LIMITS], [f64; 3]) {
         let mut h = [0.0; LIMITS];
@@ -216,13 +218,14 @@ impl Cell {
         (h, e)
     }
 
-    /// Steps of the forces that take the residual away where no body moves.
+    /// Steps of the forces that cancel the residual if no body moves.
     #[inline]
     pub fn forces_at_rest(&self, linear: &Linear, x: &Entry, r: &Entry) -> [f64; 3] {
         times(&linear.stiffness, &self.asked(x, r).1)
     }
 
-    /// Steps of forces, slacks and multipliers that take the residual away, for steps `e` of the kinematics.
+    /// Steps of forces, slacks and multipliers that cancel the residual, for steps `e` of the
+    /// kinematics.
     #[inline]
     pub fn step(&self, linear: &Linear, x: &Entry, r: &Entry, e: &[f64; 3]) -> Entry {
         let (h, asked) = self.asked(x, r);
@@ -307,7 +310,7 @@ mod tests {
         }
     }
 
-    /// Without dilation the stiffness is what is left of the law, not symmetric; with it, it is symmetric.
+    /// The stiffness is symmetric with full dilation and unsymmetric without dilation.
     #[test]
     fn the_stiffness_of_full_dilation_is_symmetric() {
         let x = Entry {

@@ -1,47 +1,49 @@
-//! The interior-point iteration on the complementarity system (predictor and corrector after Mehrotra).
+//! The interior-point iteration on the complementarity system, with the predictor and corrector of
+//! Mehrotra (1992).
 
 use super::Trial;
 use super::cell::LIMITS;
+use super::settings::CoulombInteriorSettings;
 use super::system::{System, Vector};
 
-/// Compliance that regularises the matrix, over what is usual.
-const SOFT: f64 = 1e-8;
-/// Minimum length of a step that counts as progress.
-const SHORT: f64 = 0.05;
-/// Maximum number of shorter steps in a row.
-const MAX_SHORT: u32 = 3;
-/// Number of iterations in which the residual has to fall by half.
-const PATIENCE: usize = 10;
-
-/// Iterates from a point until the trial is solved; at most `max` factorisations.
-pub fn iterate(system: &mut System, mut z: Vector, max: u32, trial: &mut Trial) {
-    system.regularise(SOFT);
+/// Iterates from a point until the trial is solved, for at most `max` factorisations.
+pub fn iterate(
+    system: &mut System,
+    mut z: Vector,
+    settings: &CoulombInteriorSettings,
+    max: u32,
+    trial: &mut Trial,
+) {
+    system.regularise(settings.regularisation);
     let mut last = 1.0;
     let mut short = 0;
     let mut residuals = Vec::new();
     for iteration in 0..=max {
         let solved = trial.consider(system, &z);
-        // The first step leads from the start to the path: it says nothing of the progress.
+        // The first step leads from the start to the path and is no measure of progress.
         let sharpens = if iteration < 2 { !trial.is_sharp() } else { trial.sharpens() };
         if solved && !sharpens {
             return;
         }
         residuals.push(if iteration == 0 { f64::INFINITY } else { trial.worst() });
-        let stalls = iteration as usize >= PATIENCE
-            && residuals[iteration as usize] > 0.5 * residuals[iteration as usize - PATIENCE];
+        let earlier = (iteration as usize).checked_sub(settings.patience);
+        let stalls = earlier.is_some_and(|earlier| {
+            residuals[iteration as usize] > settings.progress * residuals[earlier]
+        });
         let r = system.residual(&z);
         let mu = sum_of_products(system, &z, None, 0.0) / system.limits;
-        short = if last < SHORT { short + 1 } else { 0 };
-        let ends = !mu.is_finite() || iteration == max || short >= MAX_SHORT || stalls;
+        short = if last < settings.short_step { short + 1 } else { 0 };
+        let ends =
+            !mu.is_finite() || iteration == max || short >= settings.max_short_steps || stalls;
         if ends || !system.factorise(&z) {
             return;
         }
         let predictor = system.solve(&z, &r);
         let length = boundary(system, &z, &predictor).min(1.0);
         let after = sum_of_products(system, &z, Some(&predictor), length) / system.limits;
-        // After a short step the iteration has to come back to the path first.
-        let least = if last < 0.2 { 0.8 } else { 0.0 };
-        let target = (after.max(0.0) / mu).powi(3).clamp(least, 1.0) * mu;
+        // After a short step the iteration goes back to the path first.
+        let min = if last < settings.centring_step { settings.min_centring } else { 0.0 };
+        let target = (after.max(0.0) / mu).powi(3).clamp(min, 1.0) * mu;
         let mut aimed = r;
         for ((r, d), cell) in aimed.cells.iter_mut().zip(&predictor.cells).zip(&system.cells) {
             for q in cell.each_limit() {
@@ -54,11 +56,13 @@ pub fn iterate(system: &mut System, mut z: Vector, max: u32, trial: &mut Trial) 
             return;
         }
         last = room.min(1.0);
-        z.add((room * (1.0 - mu).clamp(0.99, 0.9995)).min(1.0), &step);
+        let [lower, upper] = settings.step;
+        z.add((room * (1.0 - mu).clamp(lower, upper)).min(1.0), &step);
     }
 }
 
-/// The length at which the first slack or multiplier vanishes; not a number if any of the step is not.
+/// The length of a step at which the first slack or multiplier vanishes; NaN if a number of the
+/// step is NaN.
 pub fn boundary(system: &System, z: &Vector, step: &Vector) -> f64 {
     let mut length = f64::INFINITY;
     for ((cell, x), d) in system.cells.iter().zip(&z.cells).zip(&step.cells) {

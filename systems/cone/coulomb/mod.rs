@@ -1,61 +1,50 @@
-//! Coulomb's law, solved as the complementarity problem that it is.
+//! Coulomb's law as a complementarity problem.
 //!
-//! The associated law opens a sliding contact by `mu |slip|`; Coulomb's does not, and the problem is no longer
-//! that of a minimum. Its admissible forces are the same, so that a proof of collapse holds for both, and the
-//! associated solution is where the search for one of Coulomb's begins:
+//! The associated law opens a sliding contact by `mu |slip|`. Coulomb's law does not, and its
+//! solution is not the minimum of an energy. Both laws have the same admissible forces: a proof of
+//! collapse holds for both, and the search for a solution of Coulomb's law begins at the associated
+//! one:
 //!
-//! 1. an interior point iteration (`interior`) from there;
+//! 1. an interior-point iteration (`interior`);
 //! 2. where it stalls, the path of the perturbed problem (`arc`), followed past its turning points,
 //!    from two starts.
 //!
-//! In statics there may be none, one or several solutions; the order of the starts is fixed, so that runs repeat.
-//! In dynamics with a small time step there is one.
+//! In statics none, one or several solutions may exist; the order of the starts is fixed, so that
+//! runs repeat. In dynamics with a small time step the solution is unique.
 
 mod arc;
 mod cell;
 mod interior;
+mod settings;
 mod system;
 
 use crate::program::{ConeProgram, ConeSolution, SolveStatus};
 
+pub use self::settings::{ArcSettings, CoulombInteriorSettings, CoulombSettings};
 use self::system::System;
 use super::condensed::matrix::UnsymmetricMatrix;
 use super::lowering::units;
 use super::residuals::{applied_force, natural_map, regularised_residuals};
 
-/// Products at the start of the iteration, in units of force times displacement.
-const PRODUCT: f64 = 1e-3;
-/// Products at the start of the first and of the second arc.
-const ARCS: [f64; 2] = [1e-1, 1e-3];
-/// Factorisations of the iteration at most.
-const MAX_ITERATIONS: u32 = 40;
-/// Factorisations of an arc at most.
-const MAX_ARC: u32 = 250;
-/// Factorisations that sharpen the end of an arc at most.
-const MAX_SHARPENING: u32 = 8;
-/// Products at the start of that sharpening, over the tolerance.
-const END: f64 = 0.1;
-/// Maximum natural map of a solution with dilation that is taken for one without.
-const NEAR: f64 = 1e-8;
-/// Natural map at which a solution is sharp, over the tolerance.
-const SHARP: f64 = 1e-3;
-/// Maximum part of the residual that an iteration may leave for another one to follow, once solved.
-const PROGRESS: f64 = 0.5;
-/// Minimum unit of force over the force scale of the program.
-const MIN_FORCE: f64 = 1e-2;
-
-/// The solver, with the pattern that it keeps.
+/// The solver of Coulomb's law. It keeps the pattern of its matrix between calls.
 #[derive(Default)]
 pub struct Coulomb {
+    settings: CoulombSettings,
     pairs: Vec<(u32, u32)>,
     bodies: usize,
     matrix: Option<UnsymmetricMatrix>,
 }
 
 impl Coulomb {
-    /// Solves a program, whose interactions have the dilation that they shall have, from a solution with full
-    /// dilation, in at most `max` factorisations. Solved if the residuals are at most `tolerance`; otherwise the
-    /// best point on the way, stalled.
+    /// A solver with these settings.
+    #[must_use]
+    pub fn new(settings: CoulombSettings) -> Self {
+        Self { settings, ..Self::default() }
+    }
+
+    /// Solves a program with the dilation of its interactions, from a solution with full dilation,
+    /// in at most `max` factorisations. The result is solved if its residual is at most
+    /// `tolerance`, otherwise the best point on the way, stalled.
     pub fn solve(
         &mut self,
         program: &ConeProgram,
@@ -63,45 +52,48 @@ impl Coulomb {
         tolerance: f64,
         max: u32,
     ) -> ConeSolution {
-        let mut trial = Trial::new(program, start, tolerance);
+        let settings = self.settings;
+        let mut trial = Trial::new(program, start, &settings, tolerance);
         trial.offer(&start.forces, &start.displacements);
         let is_associated = program.interactions.iter().all(|c| c.dilation == 1.0);
-        if is_associated || trial.is_within(NEAR) || !self.prepare(program) {
+        if is_associated || trial.is_within(settings.max_start_map) || !self.prepare(program) {
             return trial.into_solution(0);
         }
         let Some(matrix) = self.matrix.as_mut() else { return trial.into_solution(0) };
-        // The scales of the program may be far above what its forces have come to.
+        // The force scale of the program may be far above its forces.
         let mut scaled = program.clone();
-        scaled.scales.force = unit_of_force(program, start);
+        scaled.scales.force = unit_of_force(program, start, settings.min_force);
         trial.units = units(&scaled);
         trial.order = matrix.order().to_vec();
         let (du, df) = trial.units;
-        let mut system = System::new(&scaled, matrix);
+        let mut system = System::new(&scaled, matrix, &settings);
         let of = |u: &[f64; 3], d: &[f64; 3]| [0, 1, 2].map(|k| u[k] / d[k]);
         let u: Vec<_> = trial.order.iter().map(|i| of(&start.displacements[*i], &du)).collect();
         let force_units = [df[0], df[0], df[2]];
         let s: Vec<_> = start.forces.iter().map(|f| of(f, &force_units)).collect();
-        let z = system.near(&u, &s, PRODUCT);
-        interior::iterate(&mut system, z, max.min(MAX_ITERATIONS), &mut trial);
-        for product in ARCS {
+        let z = system.near(&u, &s, settings.product);
+        let first = max.min(settings.max_iterations);
+        interior::iterate(&mut system, z, &settings.interior, first, &mut trial);
+        for product in settings.arc_products {
             let left = max - system.factorisations.min(max);
             if trial.is_solved() || left == 0 {
                 break;
             }
             let z = system.near(&u, &s, product);
-            let end = arc::follow(&mut system, z, left.min(MAX_ARC), &mut trial);
+            let end =
+                arc::follow(&mut system, z, &settings.arc, left.min(settings.max_arc), &mut trial);
             if let Some(z) = end.filter(|_| trial.is_solved()) {
                 let (u, s) = (&z.u, z.cells.iter().map(|x| x.s).collect::<Vec<_>>());
-                let z = system.near(u, &s, END * tolerance);
-                let left = max - system.factorisations.min(max);
-                interior::iterate(&mut system, z, left.min(MAX_SHARPENING), &mut trial);
+                let z = system.near(u, &s, settings.end_product * tolerance);
+                let left = (max - system.factorisations.min(max)).min(settings.max_sharpening);
+                interior::iterate(&mut system, z, &settings.interior, left, &mut trial);
             }
         }
         let spent = system.factorisations;
         trial.into_solution(spent)
     }
 
-    /// Brings the pattern of the matrix up to date; whether there is one.
+    /// Brings the pattern of the matrix up to date; whether an order of elimination was found.
     fn prepare(&mut self, program: &ConeProgram) -> bool {
         let pairs = program.interactions.iter().map(|c| (c.a, c.b));
         if self.bodies != program.bodies.len() || !pairs.clone().eq(self.pairs.iter().copied()) {
@@ -113,31 +105,37 @@ impl Coulomb {
     }
 }
 
-/// The maximum force that acts or is applied, N.
-fn unit_of_force(program: &ConeProgram, start: &ConeSolution) -> f64 {
+/// Maximum force, contact or applied, N; at least `min` times the force scale.
+fn unit_of_force(program: &ConeProgram, start: &ConeSolution, min: f64) -> f64 {
     let contact = start.forces.iter().map(|f| f[0].abs().max(f[1].abs())).fold(0.0, f64::max);
-    let least = MIN_FORCE * program.scales.force;
-    contact.max(applied_force(program)).max(least)
+    contact.max(applied_force(program)).max(min * program.scales.force)
 }
 
-/// Points are tried on the program in SI units; the best one is kept.
+/// Evaluates points on the program in SI units and keeps the best one.
 pub struct Trial<'a> {
     program: &'a ConeProgram,
+    settings: &'a CoulombSettings,
     tolerance: f64,
     units: ([f64; 3], [f64; 3]),
     order: Vec<usize>,
     best: ConeSolution,
     worst: f64,
-    /// Residuals of the last two points, the last one last.
+    /// Residuals of the last two points, oldest first.
     residuals: [f64; 2],
 }
 
 impl<'a> Trial<'a> {
-    fn new(program: &'a ConeProgram, start: &ConeSolution, tolerance: f64) -> Self {
+    fn new(
+        program: &'a ConeProgram,
+        start: &ConeSolution,
+        settings: &'a CoulombSettings,
+        tolerance: f64,
+    ) -> Self {
         let best = start.clone();
         let units = units(program);
         Self {
             program,
+            settings,
             tolerance,
             units,
             order: Vec::new(),
@@ -156,27 +154,27 @@ impl<'a> Trial<'a> {
         self.worst
     }
 
-    /// Whether the last point was so much better than the one before it that another one is worth its price.
+    /// Whether another iteration pays: the last point was much better than the one before.
     fn sharpens(&self) -> bool {
         let [before, last] = self.residuals;
-        !self.is_sharp() && last <= PROGRESS * before
+        !self.is_sharp() && last <= self.settings.progress * before
     }
 
-    /// Whether nothing is to be gained by another iteration.
+    /// Whether the best point needs no further iteration.
     fn is_sharp(&self) -> bool {
-        self.is_within(SHARP * self.tolerance)
+        self.is_within(self.settings.sharp * self.tolerance)
     }
 
-    /// Whether the best point is a solution with at most this natural map.
+    /// Whether the best point is a solution whose natural map is at most `map`.
     fn is_within(&self, map: f64) -> bool {
         self.is_solved()
             && natural_map(self.program, &self.best.forces, &self.best.displacements) <= map
     }
 
-    /// Offers a point with its forces brought within their limits; whether it is a solution.
+    /// Evaluates a point with its forces clamped to their limits; whether it is a solution.
     fn consider(&mut self, system: &System, z: &system::Vector) -> bool {
         let (du, df) = self.units;
-        // What is known is known exactly.
+        // Imposed displacements are exact, without round-off of the units.
         let mut displacements = self.program.imposed();
         for ((u, free), &i) in z.u.iter().zip(&system.program.free).zip(&self.order) {
             for k in (0..3).filter(|k| free[*k]) {
@@ -191,6 +189,7 @@ impl<'a> Trial<'a> {
         self.offer(&forces, &displacements)
     }
 
+    /// Evaluates forces, N, and displacements, m; whether they are a solution.
     fn offer(&mut self, forces: &[[f64; 3]], displacements: &[[f64; 3]]) -> bool {
         let mut solution = ConeSolution {
             status: SolveStatus::Stalled,

@@ -1,18 +1,16 @@
-//! The complementarity system of all interactions and bodies, its residual, and the linear solves with its
-//! derivative.
+//! The complementarity system of all interactions and bodies, its residual, and linear solves with
+//! its derivative.
 
 use crate::program::ConeProgram;
 
-use super::super::condensed::interior::greatest;
+use super::super::condensed::interior::max_magnitude;
 use super::super::condensed::matrix::UnsymmetricMatrix;
 use super::super::condensed::scaled::{Scaled, add_forces, kinematics};
 use super::cell::{Cell, Entry, Linear, times};
+use super::settings::CoulombSettings;
 
-/// Steps of refinement of a linear solve at most, and the relative defect at which it is good enough.
-const MAX_REFINEMENTS: usize = 4;
-const REFINED: f64 = 1e-10;
-
-/// A point, a step, or a residual: displacements (of a residual the balance) by place, and the interactions.
+/// A point, a step, or a residual: displacements (in a residual the balance) by place, and the
+/// interactions.
 #[derive(Clone, Debug, Default)]
 pub struct Vector {
     pub u: Vec<[f64; 3]>,
@@ -20,12 +18,12 @@ pub struct Vector {
 }
 
 impl Vector {
-    /// Zeros, as many as another has numbers.
+    /// A vector of zeros with the sizes of another.
     pub fn zeros(like: &Self) -> Self {
         Self { u: vec![[0.0; 3]; like.u.len()], cells: vec![Entry::default(); like.cells.len()] }
     }
 
-    /// Adds `factor` times another one.
+    /// Adds `factor` times another vector.
     pub fn add(&mut self, factor: f64, other: &Self) {
         let add = |x: &mut [f64], y: &[f64]| {
             for (x, y) in x.iter_mut().zip(y) {
@@ -41,7 +39,7 @@ impl Vector {
     }
 }
 
-/// The system, the matrix of its last linearisation, and what both need.
+/// The system with the matrix of its last linearisation.
 pub struct System<'a> {
     pub program: Scaled,
     pub cells: Vec<Cell>,
@@ -52,13 +50,19 @@ pub struct System<'a> {
     pub factorisations: u32,
     linear: Vec<Linear>,
     diagonal: Vec<[f64; 3]>,
-    /// Compliances that a regularisation of 1 stands for.
+    /// Usual compliances of every interaction, by which a regularisation is multiplied.
     soft: Vec<[f64; 3]>,
+    max_refinements: usize,
+    refined: f64,
 }
 
 impl<'a> System<'a> {
-    /// The system of a program, whose scales are the units.
-    pub fn new(program: &ConeProgram, matrix: &'a mut UnsymmetricMatrix) -> Self {
+    /// The system of a program in units of its scales.
+    pub fn new(
+        program: &ConeProgram,
+        matrix: &'a mut UnsymmetricMatrix,
+        settings: &CoulombSettings,
+    ) -> Self {
         let scaled = Scaled::new(program, matrix.order());
         let (length, force) = (program.scales.length, program.scales.force);
         let cells: Vec<Cell> = scaled
@@ -89,10 +93,12 @@ impl<'a> System<'a> {
             matrix,
             factorisations: 0,
             soft,
+            max_refinements: settings.max_refinements,
+            refined: settings.refined,
         }
     }
 
-    /// Compliances of a part of what is usual are added in the matrix.
+    /// Sets the regularisation of the matrix, as a part of the usual compliances.
     pub fn regularise(&mut self, part: f64) {
         for (cell, soft) in self.cells.iter_mut().zip(&self.soft) {
             cell.soften(soft.map(|c| part * c));
@@ -103,14 +109,14 @@ impl<'a> System<'a> {
         kinematics(cell.bodies, &cell.rows, u)
     }
 
-    /// The point near forces and displacements with all products at `product`.
+    /// The point near forces and displacements with all products `product`.
     pub fn near(&self, u: &[[f64; 3]], s: &[[f64; 3]], product: f64) -> Vector {
         let cells = self.cells.iter().zip(s);
         let cells = cells.map(|(cell, s)| cell.near(*s, &self.kinematics(cell, u), product));
         Vector { cells: cells.collect(), u: u.to_vec() }
     }
 
-    /// Balance, stationarity of the forces, limits and products.
+    /// The residual: balance, stationarity of the forces, limits and products.
     pub fn residual(&self, z: &Vector) -> Vector {
         let mut out = Vector::zeros(z);
         self.program.balance_of_bodies(&z.u, &mut out.u);
@@ -140,7 +146,7 @@ impl<'a> System<'a> {
         self.matrix.factorise()
     }
 
-    /// The step `dz` with `J dz = -r`, of the derivative J that was factorised at `z`.
+    /// The step `dz` with `J dz = -r`, for the derivative J that was factorised at `z`.
     pub fn solve(&mut self, z: &Vector, r: &Vector) -> Vector {
         let mut right: Vec<[f64; 3]> = r.u.iter().map(|b| b.map(|x| -x)).collect();
         let cells = self.cells.iter().zip(&self.linear).zip(z.cells.iter().zip(&r.cells));
@@ -167,9 +173,9 @@ impl<'a> System<'a> {
     fn solve_bodies(&mut self, right: Vec<[f64; 3]>) -> Vec<[f64; 3]> {
         let mut x = right.clone();
         self.matrix.solve(&mut x);
-        let scale = greatest(&right);
+        let scale = max_magnitude(&right);
         let mut last = f64::INFINITY;
-        for _ in 0..MAX_REFINEMENTS {
+        for _ in 0..self.max_refinements {
             let mut defect = right.clone();
             for ((d, diagonal), x) in defect.iter_mut().zip(&self.diagonal).zip(&x) {
                 for k in 0..3 {
@@ -180,8 +186,8 @@ impl<'a> System<'a> {
                 let s = times(&linear.stiffness, &self.kinematics(cell, &x));
                 add_forces(cell.bodies, &cell.rows, &s, -1.0, &mut defect);
             }
-            let size = greatest(&defect);
-            if size <= REFINED * scale || size >= 0.5 * last || size.is_nan() {
+            let size = max_magnitude(&defect);
+            if size <= self.refined * scale || size >= 0.5 * last || size.is_nan() {
                 break;
             }
             last = size;
@@ -196,7 +202,7 @@ impl<'a> System<'a> {
     }
 }
 
-/// The median of the normal compliances, 1 where all are rigid.
+/// Median of the normal compliances above 0; 1 if all are rigid.
 fn typical_compliance(cells: &[Cell]) -> f64 {
     let mut all: Vec<f64> =
         cells.iter().map(Cell::normal_compliance).filter(|c| *c > 0.0).collect();
@@ -204,7 +210,7 @@ fn typical_compliance(cells: &[Cell]) -> f64 {
     all.get(all.len() / 2).copied().unwrap_or(1.0)
 }
 
-/// Diagonal of the compliance that the weights of its bodies give an interaction.
+/// Compliance that the weights of its bodies give an interaction: the diagonal of `G' M^-1 G`.
 fn of_weights(cell: &Cell, weights: &[[f64; 3]]) -> [f64; 3] {
     let mut out = [0.0; 3];
     for (rows, body) in cell.rows.iter().zip(cell.bodies) {

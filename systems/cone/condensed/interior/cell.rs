@@ -1,20 +1,17 @@
-//! What the interior-point method knows of one interaction, and does with it in every iteration.
+//! The data of one interaction in the interior-point method, and its part of an iteration.
 //!
-//! All of it is read or written several times in an iteration, and memory is what these passes wait
-//! for: interactions of a kind lie together, and have no room for what their kind does not have.
+//! An iteration passes over all interactions several times, and these passes wait for memory.
+//! Interactions of a kind therefore lie together, without room for forces and limits that the kind
+//! does not have.
 
 use super::super::matrix::Assembly;
 use super::super::scaled::{Kind, Local, ROWS, add_forces, kinematics};
+use super::super::settings::InteriorSettings;
 use super::groups::Rows;
-use super::local_system::{LocalSystem, MOST_PAIRS, Slacks};
+use super::local_system::{LocalSystem, MAX_PAIRS, Slacks};
 use super::{Warm, slack};
 
-/// Complementarity product of the starting point.
-const START: f64 = 0.3;
-/// Greatest compliance that the starting point counts with, in units of displacement over force.
-const SOFT: f64 = 10.0;
-
-/// What the program says of an interaction with `F` forces and `Q` limits: see [`Local`].
+/// The law of an interaction with `F` forces and `Q` limits: see [`Local`].
 #[derive(Clone, Debug)]
 pub struct Law<const F: usize, const Q: usize> {
     pub bodies: [u32; 2],
@@ -22,7 +19,7 @@ pub struct Law<const F: usize, const Q: usize> {
     pub compliance: [f64; F],
     pub linear: [f64; F],
     /// Slope m of each pair of limits, `-m p + x` and `-m p - x`.
-    pub slopes: [f64; MOST_PAIRS],
+    pub slopes: [f64; MAX_PAIRS],
     pub right: [f64; Q],
 }
 
@@ -52,7 +49,7 @@ pub struct Cells {
     pub wheel: Vec<Cell<3, 2>>,
 }
 
-/// Does the same for each of them.
+/// Evaluates an expression for every interaction.
 macro_rules! for_each {
     ($cell:ident of $cells:expr => $what:expr) => {{
         let cells: &mut $crate::condensed::interior::cell::Cells = $cells;
@@ -77,18 +74,25 @@ pub(super) use for_each;
 
 impl Cells {
     /// Adds an interaction, near the elastic trial at the starting displacements.
-    pub fn push(&mut self, number: usize, local: &Local, u: &[[f64; 3]]) {
+    pub fn push(
+        &mut self,
+        number: usize,
+        local: &Local,
+        u: &[[f64; 3]],
+        settings: &InteriorSettings,
+    ) {
         match local.kind {
-            Kind::Normal => self.normal.push(Cell::new(number, local, u)),
-            Kind::Friction => self.friction.push(Cell::new(number, local, u)),
-            Kind::Bond => self.bond.push(Cell::new(number, local, u)),
-            Kind::Rolling => self.rolling.push(Cell::new(number, local, u)),
-            Kind::Wheel => self.wheel.push(Cell::new(number, local, u)),
+            Kind::Normal => self.normal.push(Cell::new(number, local, u, settings)),
+            Kind::Friction => self.friction.push(Cell::new(number, local, u, settings)),
+            Kind::Bond => self.bond.push(Cell::new(number, local, u, settings)),
+            Kind::Rolling => self.rolling.push(Cell::new(number, local, u, settings)),
+            Kind::Wheel => self.wheel.push(Cell::new(number, local, u, settings)),
         }
     }
 }
 
-/// Greatest residuals, greatest force, and products.
+/// Maxima over interactions: residuals of kinematics and limits, force, product; and the sum of all
+/// products.
 #[derive(Default)]
 pub struct Sizes {
     pub kinematic: f64,
@@ -99,7 +103,7 @@ pub struct Sizes {
 }
 
 impl Sizes {
-    /// Of both.
+    /// The sizes of two sets of interactions together.
     pub fn and(self, other: Self) -> Self {
         Self {
             kinematic: self.kinematic.max(other.kinematic),
@@ -111,9 +115,9 @@ impl Sizes {
     }
 }
 
-/// How far one can go along a step, and what becomes of the products on the way.
+/// The length of a step to the boundary, and the products along it.
 pub struct Ahead {
-    /// The step that leaves all slacks and multipliers positive, at most 1.
+    /// Maximum length, at most 1, that leaves all slacks and multipliers positive.
     pub length: f64,
     /// Sum of products, and its derivatives by the length: first, and half the second.
     products: [f64; 3],
@@ -126,7 +130,7 @@ impl Default for Ahead {
 }
 
 impl Ahead {
-    /// Of both.
+    /// The step of two sets of interactions together.
     pub fn and(self, other: Self) -> Self {
         let products = [0, 1, 2].map(|k| self.products[k] + other.products[k]);
         Self { length: self.length.min(other.length), products }
@@ -138,12 +142,12 @@ impl Ahead {
     }
 }
 
-/// What the steps are to leave of the products of slacks and multipliers.
+/// The products of slacks and multipliers that a step aims at.
 #[derive(Clone, Copy)]
 pub enum Aim {
-    /// Nothing (predictor).
+    /// Zero (predictor).
     Zero,
-    /// So much, with the products of the predictor's steps taken into account (corrector).
+    /// This product, with the products of the predictor's steps taken into account (corrector).
     Target(f64),
 }
 
@@ -165,7 +169,7 @@ impl<const F: usize, const Q: usize> Law<F, Q> {
         if F == 3 && Q == 2 { 2 } else { pair + 1 }
     }
 
-    /// What a limit says of the forces: a row of `A s`.
+    /// The row of a limit in `A s`.
     #[inline]
     pub fn limit(&self, q: usize, s: &[f64; F]) -> f64 {
         if Self::HAS_TENSION && q == Q - 1 {
@@ -201,7 +205,7 @@ impl<const F: usize, const Q: usize> Law<F, Q> {
 
 impl<const F: usize, const Q: usize> Cell<F, Q> {
     /// Forces, slacks and multipliers near the elastic trial at the displacements.
-    fn new(number: usize, local: &Local, u: &[[f64; 3]]) -> Self {
+    fn new(number: usize, local: &Local, u: &[[f64; 3]], settings: &InteriorSettings) -> Self {
         let law = Law::<F, Q>::new(local);
         let e = law.kinematics(u);
         let mut trial = [0.0; F];
@@ -222,24 +226,26 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
             let strength = law.right[0] + law.slopes[0] * s[0];
             s[1] = trial[1].clamp(-strength.max(0.0), strength.max(0.0));
         }
-        // Slack where it is inside; where it was clamped, the excess is the multiplier.
-        // What is far softer than the rest must not start with products far greater than theirs.
+        // Inside of a limit the distance to it is the slack; outside, the excess is the multiplier.
+        // A contact that is far softer than the others must not start with far larger products.
         let is_rigid = law.compliance[0] == 0.0;
-        let compliance = if is_rigid { 1.0 } else { law.compliance[0].min(SOFT) };
-        // Of a rigid contact that is open the multipliers make up the gap, which is the stationarity of p. Started
-        // smaller they would shorten the steps of all others: near rest gaps are thousands of displacements. What
-        // has strength does not open by itself.
+        let compliance =
+            if is_rigid { 1.0 } else { law.compliance[0].min(settings.max_start_compliance) };
+        // The multipliers of a rigid open contact add up to its gap: the stationarity of p. Smaller
+        // ones would shorten the steps of all others, since near rest gaps are thousands of
+        // displacements. An interaction with strength does not open by itself.
         let has_strength = law.right.iter().any(|right| *right > 0.0);
         let gap = if has_strength { 0.0 } else { (law.linear[0] - e[0]).max(0.0) };
         let multiplier = gap / (0..Q).map(|q| -local.limits[q][0]).sum::<f64>();
         let beyond: [f64; F] = std::array::from_fn(|f| trial[f] - s[f]);
+        let start = settings.start;
         for q in 0..Q {
             let slack = law.right[q] - law.limit(q, &s);
             let excess = if is_rigid { multiplier } else { law.limit(q, &beyond) };
             let x = slack.max(0.0) - excess.max(0.0);
-            let root = x.hypot(2.0 * START);
-            slacks.w[q] = 0.5 * if x > 0.0 { x + root } else { 4.0 * START * START / (root - x) };
-            slacks.lambda[q] = START * START / slacks.w[q] * compliance;
+            let root = x.hypot(2.0 * start);
+            slacks.w[q] = 0.5 * if x > 0.0 { x + root } else { 4.0 * start * start / (root - x) };
+            slacks.lambda[q] = start * start / slacks.w[q] * compliance;
         }
         Self {
             number,
@@ -252,8 +258,9 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
         }
     }
 
-    /// Takes forces near the solution, with the multipliers that their stationarity asks for and slacks and
-    /// multipliers shifted to products of the same size: `w - lambda` stays, `w lambda` is the product.
+    /// Takes forces near the solution, with the multipliers of their stationarity. Slacks and
+    /// multipliers are then shifted to equal products: `w - lambda` stays, `w lambda` is the
+    /// product.
     pub fn warm(&mut self, u: &[[f64; 3]], warm: Warm) {
         let law = &self.law;
         self.s = first(&warm.forces[self.number]);
@@ -270,7 +277,8 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
             gap -= law.slopes[k] * slip.abs();
             slopes += 2.0 * law.slopes[k];
         }
-        // What the gap is beyond the slips: the limit of tension has it, or all others alike.
+        // The gap less the dilation of the slips goes to the limit of tension, or in equal parts to
+        // the other limits.
         if Law::<F, Q>::HAS_TENSION {
             multipliers[Q - 1] = gap;
         } else {
@@ -291,7 +299,7 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
         self.s[0]
     }
 
-    /// Makes the step, up to `length`, and evaluates the residuals; the forces go to the balance.
+    /// Makes `length` times the step, evaluates the residuals, and adds the forces to the balance.
     pub fn evaluate(&mut self, length: f64, u: &[[f64; 3]], balance: &mut Rows, size: &mut Sizes) {
         for f in 0..F {
             self.s[f] += length * self.ds[f];
@@ -331,20 +339,20 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
         size.force = size.force.max(self.s[0].abs());
     }
 
-    /// Forces and multipliers, to their place in the program.
+    /// Copies forces and multipliers to their places in the program.
     pub fn store(&self, forces: &mut [[f64; 3]], multipliers: &mut [[f64; ROWS]]) {
         forces[self.number][..F].copy_from_slice(&self.s);
         multipliers[self.number][..Q].copy_from_slice(&self.slacks.lambda);
     }
 
-    /// Sets up the system, adds what is left of it to the matrix, and aims the predictor.
+    /// Sets up the system, adds its stiffness to the matrix, and aims the predictor.
     pub fn condense(&mut self, matrix: &mut Assembly, right: &mut Rows) {
         self.system.set(&self.law, &self.slacks);
         matrix.add(self.number, &self.law.rows, &self.system.stiffness);
         self.aim(Aim::Zero, right);
     }
 
-    /// Adds what it has in the right side of the condensed system.
+    /// Sets the aim, and adds its part to the right side of the condensed system.
     #[inline]
     pub fn aim(&mut self, aim: Aim, right: &mut Rows) {
         let slacks = &mut self.slacks;
@@ -382,7 +390,7 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
         }
     }
 
-    /// Takes what it adds to the condensed operator away from the defect.
+    /// Subtracts its part of the condensed operator, applied to `du`, from the defect.
     pub fn take_away(&self, du: &[[f64; 3]], defect: &mut Rows) {
         let e = self.law.kinematics(du);
         let mut s = [0.0; F];

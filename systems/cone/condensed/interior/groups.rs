@@ -1,13 +1,15 @@
-//! The interactions, by branches of the body matrix: passes over them go on at once.
+//! The interactions by branches of the body matrix, so that several threads pass over them at once.
 //!
-//! What is within a branch touches no body and no block of the matrix of another; what touches the
-//! trunk comes after all branches. Sums are over the branches in their order, on any number of threads.
+//! Interactions within a branch touch no body and no block of the matrix of another branch.
+//! Interactions that touch the trunk come after all branches. Sums are over the branches in their
+//! order, whatever the number of threads.
 
 use std::ops::Range;
 
 use super::super::matrix::{Assembly, BodyMatrix};
 use super::super::parallel::{in_parallel, split};
 use super::super::scaled::Scaled;
+use super::super::settings::InteriorSettings;
 use super::cell::{Cells, for_each};
 
 /// Interactions by branch.
@@ -15,50 +17,55 @@ pub struct Groups {
     branches: Vec<Cells>,
     /// Bodies of each branch.
     bodies: Vec<Range<usize>>,
-    /// Those of the trunk.
+    /// Interactions that touch the trunk.
     rest: Cells,
 }
 
-/// Rows of bodies from the first on.
+/// Rows of consecutive bodies from `first`.
 pub struct Rows<'a> {
     pub first: u32,
     pub rows: &'a mut [[f64; 3]],
 }
 
 impl Groups {
-    /// All near the elastic trial at the starting displacements.
-    pub fn new(program: &Scaled, matrix: &BodyMatrix, u: &[[f64; 3]]) -> Self {
+    /// All interactions, near the elastic trial at the starting displacements.
+    pub fn new(
+        program: &Scaled,
+        matrix: &BodyMatrix,
+        u: &[[f64; 3]],
+        settings: &InteriorSettings,
+    ) -> Self {
         let bodies = matrix.branches();
         let mut branches: Vec<Cells> = bodies.iter().map(|_| Cells::default()).collect();
         let mut rest = Cells::default();
         for (number, local) in program.locals.iter().enumerate() {
             let [a, b] = local.bodies.map(|i| bodies.partition_point(|branch| branch.end <= i));
             let cells = if a == b { branches.get_mut(a) } else { None };
-            cells.unwrap_or(&mut rest).push(number, local, u);
+            cells.unwrap_or(&mut rest).push(number, local, u, settings);
         }
         Self { branches, bodies, rest }
     }
 
-    /// The greatest normal force.
-    pub fn greatest_force(&mut self) -> f64 {
-        let mut greatest = 0.0_f64;
+    /// Maximum normal force.
+    pub fn max_force(&mut self) -> f64 {
+        let mut maximum = 0.0_f64;
         for cells in self.all() {
-            for_each!(cell of cells => greatest = greatest.max(cell.normal_force().abs()));
+            for_each!(cell of cells => maximum = maximum.max(cell.normal_force().abs()));
         }
-        greatest
+        maximum
     }
 
-    /// Branch by branch, and the rest.
+    /// The interactions branch by branch, then those of the trunk.
     pub fn all(&mut self) -> impl Iterator<Item = &mut Cells> {
         self.branches.iter_mut().chain([&mut self.rest])
     }
 
-    /// Does the same for the interactions of every group, and returns what comes of it.
+    /// Calls `f` for the interactions of every group and returns the results.
     pub fn each<R: Send>(&mut self, f: impl Fn(&mut Cells) -> R + Sync + Send) -> Vec<R> {
         in_parallel(self.all(), f)
     }
 
-    /// The same where something is added to the `rows` of their bodies.
+    /// Calls `f` for the interactions of every group with the `rows` of their bodies.
     pub fn scatter<R: Send>(
         &mut self,
         rows: &mut [[f64; 3]],
@@ -70,7 +77,8 @@ impl Groups {
         results
     }
 
-    /// The same where something is added to the matrix too.
+    /// Calls `f` for the interactions of every group with the `rows` of their bodies and their part
+    /// of the matrix.
     pub fn condense(
         &mut self,
         matrix: &mut BodyMatrix,
@@ -82,7 +90,7 @@ impl Groups {
         f(&mut self.rest, &mut matrix.assembly(), &mut Rows { first: 0, rows });
     }
 
-    /// Branches, each with the rows of its bodies.
+    /// The branches, each with the rows of its bodies.
     fn with_rows<'a>(
         &'a mut self,
         rows: &'a mut [[f64; 3]],

@@ -6,32 +6,37 @@
 //! lambda dw + w dlambda = -c        complementarity
 //! ```
 //!
-//! Limits come in pairs, of `x - m p` and of `-x - m p`, one for each force x (shear, rolling moment)
-//! that the normal force p allows, and there may be one of tension, of `-p`. With `theta = lambda/w` and
-//! `b = c/lambda - d` the multipliers are `dlambda = theta (A ds - b)`, each x follows from p, and p from
+//! Limits come in pairs, of `x - m p` and of `-x - m p`, one for each force x (shear, rolling
+//! moment) that the normal force p allows, and there may be one of tension, of `-p`. With `theta =
+//! lambda/w` and `b = c/lambda - d` the multipliers are `dlambda = theta (A ds - b)`, each x
+//! follows from p, and p from
 //!
 //! ```text
-//! (c_n + sum m a) dp = e_n - r_n + sum m (...),   a = m (S c_x + 4 theta_+ theta_-)/(c_x + S),   S = theta_+ + theta_-
+//! (c_n + sum m a) dp = e_n - r_n + sum m (...)
+//! a = m (S c_x + 4 theta_+ theta_-)/(c_x + S),   S = theta_+ + theta_-
 //! ```
 //!
-//! in which every term of the sums is positive, however much a limit outweighs all else.
+//! in which every term of the sums is positive, so that nothing cancels however stiff a limit is.
 //!
-//! Near the solution w or lambda of a limit vanishes, and whichever is small must come out with a
-//! small *relative* error or the iteration diverges. Of limits with `lambda > w` (active) the multiplier
-//! is not taken from the slack but from stationarity, and the slack from complementarity; of the
-//! others it is the other way round. With one limit of a pair active, the stationarity of x gives its
-//! multiplier. With both (the apex) it gives their difference, and their sum, like the multiplier of
-//! tension, follows from that of p: these are the *ties* of p. Where there are two of them p gives one
-//! sum, and how it is divided follows from what each says of p.
+//! Near the solution w or lambda of a limit vanishes, and the smaller one needs a small *relative*
+//! error or the iteration diverges. A limit with `lambda > w` is active: its multiplier follows
+//! from stationarity and its slack from complementarity. For the other limits it is the other way
+//! round.
+//!
+//! If one limit of a pair is active, the stationarity of x gives its multiplier. If both are active
+//! (the apex), it gives the difference of the multipliers; their sum, like the multiplier of
+//! tension, follows from the stationarity of p. These sums are the *ties* of p. With two ties the
+//! stationarity of p gives their sum only, and the relation of each tie to p gives its share.
 
 use super::cell::Law;
 
-/// Pairs of limits at most.
-pub const MOST_PAIRS: usize = 2;
-/// A tie that p hardly enters is no tie: its sum follows from its own limits.
-const SLACK: f64 = 1e-6;
+/// Maximum number of pairs of limits.
+pub const MAX_PAIRS: usize = 2;
+/// Minimum slope of a tie. With a smaller slope p hardly enters, and the sum follows from the
+/// limits of the pair alone.
+const MIN_TIE_SLOPE: f64 = 1e-6;
 
-/// Slacks and multipliers of the limits, their steps, and what the steps are to bring about.
+/// Slacks and multipliers of the limits, their steps, and the right sides of the system.
 #[derive(Clone, Copy, Debug)]
 pub struct Slacks<const Q: usize> {
     /// Slacks w.
@@ -44,7 +49,7 @@ pub struct Slacks<const Q: usize> {
     pub dlambda: [f64; Q],
     /// Defects d of the limits.
     pub defect: [f64; Q],
-    /// Products c to be taken away.
+    /// Products c that the step takes away.
     pub product: [f64; Q],
 }
 
@@ -60,27 +65,27 @@ impl<const Q: usize> Default for Slacks<Q> {
 struct Pair {
     /// `1/(c_x + S)`.
     flexibility: f64,
-    /// Both theta times that.
+    /// Both theta times the flexibility.
     weights: [f64; 2],
-    /// `theta_+ (c_x + 2 theta_-)/(c_x + S)`, and the other.
+    /// `theta_+ (c_x + 2 theta_-)/(c_x + S)`, and the same with + and - exchanged.
     pulls: [f64; 2],
-    /// By how much the sum of the multipliers falls with p: a.
+    /// Derivative of the sum of the multipliers by -p: a.
     fall: f64,
 }
 
-/// The system at some slacks and multipliers.
+/// The system at given slacks and multipliers.
 #[derive(Clone, Copy, Debug)]
 pub struct LocalSystem<const F: usize, const Q: usize> {
-    /// Takes kinematics to forces: T.
+    /// The matrix T from kinematics to forces.
     pub stiffness: [[f64; F]; F],
-    pairs: [Pair; MOST_PAIRS],
+    pairs: [Pair; MAX_PAIRS],
     /// Theta of the limit of tension.
     tension: f64,
 }
 
 impl<const F: usize, const Q: usize> Default for LocalSystem<F, Q> {
     fn default() -> Self {
-        Self { stiffness: [[0.0; F]; F], pairs: [Pair::default(); MOST_PAIRS], tension: 0.0 }
+        Self { stiffness: [[0.0; F]; F], pairs: [Pair::default(); MAX_PAIRS], tension: 0.0 }
     }
 }
 
@@ -134,7 +139,7 @@ impl<const F: usize, const Q: usize> LocalSystem<F, Q> {
         self.forces_of(law, e, &right(slacks))
     }
 
-    /// The same for what the limits ask for, `b`.
+    /// Steps of the forces for the right sides `b` of the limits.
     #[inline]
     fn forces_of(&self, law: &Law<F, Q>, e: &[f64; F], b: &[f64; Q]) -> [f64; F] {
         let mut of_p = e[0];
@@ -170,7 +175,7 @@ impl<const F: usize, const Q: usize> LocalSystem<F, Q> {
         let b = right(slacks);
         let ds = self.forces_of(law, e, &b);
         let Slacks { w, lambda, dw, dlambda, defect, product } = slacks;
-        // As if no limit were active.
+        // First as if no limit were active.
         for q in 0..Q {
             let step = -defect[q] - law.limit(q, &ds);
             dw[q] = step;
@@ -184,15 +189,15 @@ impl<const F: usize, const Q: usize> LocalSystem<F, Q> {
         };
         let divide =
             |k: usize, sum: f64| [0.5 * (sum + difference(k)), 0.5 * (sum - difference(k))];
-        // What stationarity of p leaves for its ties.
+        // The part of the stationarity of p that its ties must cancel.
         let mut left = law.compliance[0] * ds[0] - e[0];
-        let mut ties = [false; MOST_PAIRS];
+        let mut ties = [false; MAX_PAIRS];
         for k in 0..Law::<F, Q>::PAIRS {
             let x = 2 * k;
             match [is_active(x), is_active(x + 1)] {
                 [true, false] => dlambda[x] = dlambda[x + 1] + difference(k),
                 [false, true] => dlambda[x + 1] = dlambda[x] - difference(k),
-                [true, true] if law.slopes[k] > SLACK => {
+                [true, true] if law.slopes[k] > MIN_TIE_SLOPE => {
                     ties[k] = true;
                     continue;
                 }
@@ -211,7 +216,7 @@ impl<const F: usize, const Q: usize> LocalSystem<F, Q> {
                 left -= dlambda[Q - 1];
             }
         }
-        // A tie by what it says of p: its slope m, the fall a of its sum with p, and its sum where p is held.
+        // The relation of a tie to p: its slope m, the fall a of its sum, and its sum if p is held.
         let tie = |k: usize| Tie {
             slope: law.slopes[k],
             fall: self.pairs[k].fall,
@@ -244,21 +249,21 @@ impl<const F: usize, const Q: usize> LocalSystem<F, Q> {
     }
 }
 
-/// What the steps of slacks and multipliers are to bring about: `b = c/lambda - d`.
+/// Right sides of the limits, `b = c/lambda - d`.
 #[inline]
 fn right<const Q: usize>(slacks: &Slacks<Q>) -> [f64; Q] {
     std::array::from_fn(|q| slacks.product[q] / slacks.lambda[q] - slacks.defect[q])
 }
 
-/// What limits that are all active say of p: their multipliers have the sum `free - fall dp`, which
-/// p feels `slope` times.
+/// A tie of p: active limits whose multipliers have the sum `free - fall dp`. The sum enters the
+/// stationarity of p with the factor `slope`.
 struct Tie {
     slope: f64,
     fall: f64,
     free: f64,
 }
 
-/// The sums of two ties which together have to give `left`.
+/// The sums of two ties whose parts in the stationarity of p add up to `left`.
 #[inline]
 fn sums(first: Tie, second: Tie, left: f64) -> [f64; 2] {
     let between = first.free / first.fall - second.free / second.fall;
@@ -275,7 +280,7 @@ mod tests {
     use proptest::test_runner::TestRunner;
 
     use super::super::cell::Law;
-    use super::{LocalSystem, SLACK, Slacks};
+    use super::{LocalSystem, MIN_TIE_SLOPE, Slacks};
 
     fn power(range: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
         range.prop_map(|x| 10.0_f64.powf(x))
@@ -314,11 +319,11 @@ mod tests {
         })
     }
 
-    /// Whether terms add up to zero, but for what little of the greatest of them and of `size` round-off costs.
+    /// Whether terms add up to zero, up to 1e-8 of the maximum of their magnitudes and `size`.
     fn cancel(terms: &[f64], size: f64) -> Result<(), TestCaseError> {
         let sum: f64 = terms.iter().sum();
-        let greatest = terms.iter().map(|x| x.abs()).fold(size.max(1e-300), f64::max);
-        prop_assert!(sum.abs() <= 1e-8 * greatest, "{terms:?}: {:e}", sum / greatest);
+        let maximum = terms.iter().map(|x| x.abs()).fold(size.max(1e-300), f64::max);
+        prop_assert!(sum.abs() <= 1e-8 * maximum, "{terms:?}: {:e}", sum / maximum);
         Ok(())
     }
 
@@ -327,10 +332,10 @@ mod tests {
         let input = (law::<F, Q>(), slacks::<Q>(), prop::array::uniform3(-1.0..1.0_f64));
         let result = TestRunner::default().run(&input, |(law, mut slacks, e)| {
             let e: [f64; F] = std::array::from_fn(|f| e[f]);
-            // No limits but those of almost no strength at all are like that.
+            // Both limits of a pair without slope are active only if it has almost no strength.
             let active = |q: usize| slacks.lambda[q] > slacks.w[q];
             let no_strength =
-                |k: usize| law.slopes[k] <= SLACK && active(2 * k) && active(2 * k + 1);
+                |k: usize| law.slopes[k] <= MIN_TIE_SLOPE && active(2 * k) && active(2 * k + 1);
             prop_assume!(!(0..Law::<F, Q>::PAIRS).any(no_strength));
             let mut system = LocalSystem::default();
             system.set(&law, &slacks);
@@ -338,7 +343,7 @@ mod tests {
             let Slacks { w, lambda, dw, dlambda, defect, product } = slacks;
             let mut rows: Vec<Vec<f64>> =
                 (0..F).map(|f| vec![law.compliance[f] * ds[f], -e[f]]).collect();
-            // Of what is not active the multiplier is as exact as its limit.
+            // The multiplier of an inactive limit is as exact as its slack.
             let mut size = 0.0_f64;
             for q in 0..Q {
                 let of = |f: usize, s: f64| {
@@ -349,8 +354,8 @@ mod tests {
                 let limit: Vec<f64> =
                     (0..F).map(|f| of(f, ds[f])).chain([dw[q], defect[q]]).collect();
                 if lambda[q] <= w[q] {
-                    let greatest = limit.iter().map(|x| x.abs()).fold(0.0, f64::max);
-                    size = size.max(lambda[q] / w[q] * greatest);
+                    let maximum = limit.iter().map(|x| x.abs()).fold(0.0, f64::max);
+                    size = size.max(lambda[q] / w[q] * maximum);
                 }
                 for (f, row) in rows.iter_mut().enumerate() {
                     row.push(of(f, 1.0) * dlambda[q]);

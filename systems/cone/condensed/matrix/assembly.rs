@@ -1,11 +1,11 @@
-//! Blocks of bodies and pairs are added up to the values of the matrix.
+//! Adds blocks of bodies and pairs to the values of the matrix.
 
 use super::{DIAGONAL, PAIR};
 
-/// Where what a pair (a, b) adds lies in the values of the matrix.
+/// Place of a pair (a, b) in the values of the matrix.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PairPlace {
-    /// Where the three columns of its block start, three rows each.
+    /// Start of its block: three columns of three rows.
     pub start: usize,
     /// Whether columns belong to a, and rows to b.
     pub forward: bool,
@@ -13,24 +13,26 @@ pub struct PairPlace {
     pub bodies: [u32; 2],
 }
 
-/// What can be added to at once by several threads: the rows and columns of a branch, or all.
+/// Values to add to: those of a branch, so that threads can add to several branches at once, or
+/// all.
 pub struct Assembly<'a> {
     pub(super) values: &'a mut [f64],
-    /// Where these values start among all.
+    /// Start of these values among all.
     pub(super) first: usize,
     pub(super) diagonal: &'a [usize],
     pub(super) pairs: &'a [PairPlace],
 }
 
 impl Assembly<'_> {
-    /// Adds to the diagonal of degree of freedom `k` of a body: 0 and 1 translations, 2 the rotation.
+    /// Adds to the diagonal at degree of freedom `k` of a body: 0 and 1 are translations, 2 is the
+    /// rotation.
     #[inline]
     pub fn add_diagonal(&mut self, body: usize, k: usize, value: f64) {
         self.values[self.diagonal[body] - self.first + [0, 3, 5][k]] += value;
     }
 
-    /// Adds `G D G'` of a pair, with `G` of `F` columns in the rows of its two bodies, in the order in
-    /// which the pattern was made of them. `D` is symmetric.
+    /// Adds `G D G'` of a pair. `G` has `F` columns, in the rows of its two bodies in the order of
+    /// the pair in the pattern. `D` is symmetric.
     #[inline]
     pub fn add<const F: usize>(
         &mut self,

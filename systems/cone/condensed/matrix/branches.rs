@@ -1,23 +1,24 @@
-//! Cuts the tree of fronts into branches, which know nothing of each other, and the trunk that they grow
-//! from: branches can be worked on at once.
+//! Cuts the tree of fronts into branches, which are independent of each other, and the trunk from
+//! which they grow: several threads can work on the branches at once.
 //!
-//! The cut follows from the pattern alone, not from the number of threads, and what branches leave for
-//! the trunk is added up in their order: results are the same bytes on any number of threads.
+//! The cut follows from the pattern alone, not from the number of threads, and the updates of the
+//! branches for the trunk are added in their order: any number of threads gives the same bytes.
 
 use super::merge::Group;
 
-/// Below so many bodies it does not pay to hand anything to another thread.
-const FEWEST: usize = 1000;
-/// Cuts that are tried after the best one so far.
-const TRIES: usize = 12;
+/// Minimum number of bodies of a matrix with branches: for less, handing out the work costs more
+/// than it saves.
+const MIN_BODIES: usize = 1000;
+/// Number of cuts without improvement that end the search for the best one.
+const MAX_TRIES: usize = 12;
 
-/// Work of a branch, and what its subtrees grow from.
+/// Work of a branch, and the feet of its subtrees.
 type Share = (f64, Vec<usize>);
 
-/// The columns at the feet of the subtrees of every branch, four at most; none where it does not pay. The
-/// two halves of the list are about as much work, and so are the branches.
+/// The columns at the feet of the subtrees of every branch: at most four branches, none if they do
+/// not pay. The branches have about equal work, and so have the two halves of the list.
 pub fn cut(rows: &[Vec<u32>], groups: &[Option<Group>], roots: &[usize]) -> Vec<Vec<usize>> {
-    if groups.len() < FEWEST {
+    if groups.len() < MIN_BODIES {
         return Vec::new();
     }
     // Children come before their parents.
@@ -29,16 +30,16 @@ pub fn cut(rows: &[Vec<u32>], groups: &[Option<Group>], roots: &[usize]) -> Vec<
     }
     let mut feet = roots.to_vec();
     let mut trunk = 0.0;
-    let (mut best, mut least, mut tries) = (Vec::new(), f64::INFINITY, 0);
-    while tries <= TRIES {
+    let (mut best, mut minimum, mut tries) = (Vec::new(), f64::INFINITY, 0);
+    while tries <= MAX_TRIES {
         feet.sort_by(|a, b| whole[*b].total_cmp(&whole[*a]).then(a.cmp(b)));
         let branches = share_out(&feet, &whole);
-        // On two threads and on four.
+        // Time on two threads plus time on four.
         let [w, x, y, z] = [0, 1, 2, 3].map(|k| branches[k].0);
         let time = (trunk + (w + x).max(y + z)) + (trunk + w);
         tries += 1;
-        if time < least {
-            (best, least, tries) = (branches.into(), time, 0);
+        if time < minimum {
+            (best, minimum, tries) = (branches.into(), time, 0);
         }
         // The heaviest subtree loses its foot to the trunk.
         let Some(group) = feet.first().and_then(|foot| groups[*foot].as_ref()) else { break };
@@ -51,8 +52,8 @@ pub fn cut(rows: &[Vec<u32>], groups: &[Option<Group>], roots: &[usize]) -> Vec<
     if branches.len() < 2 { Vec::new() } else { branches }
 }
 
-/// Gives every subtree, the heaviest first, to the branch with the least work; the branch with the most
-/// comes first, and that with the least next.
+/// Gives every subtree, the heaviest first, to the branch with the minimum work. In the result the
+/// branch with the maximum work comes first, and the one with the minimum work second.
 fn share_out(feet: &[usize], whole: &[f64]) -> [Share; 4] {
     let mut branches: [Share; 4] = Default::default();
     for &foot in feet {
@@ -65,7 +66,8 @@ fn share_out(feet: &[usize], whole: &[f64]) -> [Share; 4] {
     branches
 }
 
-/// Work that a front is: multiplications, and numbers to be moved, which take several times as long.
+/// Work of a front: multiplications, and four times the numbers that are moved. Moving a number
+/// takes several times as long as a multiplication.
 fn work(pivots: usize, rows: usize) -> f64 {
     let (width, below) = (3.0 * pivots as f64, 3.0 * rows as f64);
     let multiplications = width * (width * width / 3.0 + width * below + below * below);

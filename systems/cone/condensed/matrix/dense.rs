@@ -1,15 +1,15 @@
 //! Dense arithmetic on one front: Cholesky factorisation of its trapezoid, its update, and the
 //! triangular solves.
 //!
-//! A trapezoid is made column by column, `height` numbers each, with room for padding to [`LANES`];
-//! what is above the diagonal means nothing. What is kept of it has no such room: block after block of
-//! three columns, each from the row below its pivots on and padded at its end, and the triangles of the
-//! pivots apart. Solves read it all, and wait for memory.
+//! A trapezoid is computed column by column, with `height` numbers in each and room for padding to
+//! [`LANES`]; its entries above the diagonal have no meaning. The factor is stored without that
+//! room: blocks of three columns, each from the row below its pivots and padded at its end, and
+//! apart from them the triangles of the pivots. Solves read all of it and wait for memory.
 //!
 //! All functions are inlined into a caller that is compiled for the instructions of the machine
-//! (`pulp`): loops over constant lengths become vector instructions. Which of them there are does not
-//! show in the results: the order of every sum is fixed, and what is fused is so explicitly. A machine
-//! without fused multiplication computes it in software, far more slowly.
+//! (`pulp`): loops over constant lengths become vector instructions. The results do not depend on
+//! these instructions, since the order of every sum is fixed and fused multiplications are
+//! explicit. A machine without fused multiplication computes it in software, far more slowly.
 
 /// Rows are padded to a multiple of this, so that loops over them have no remainder.
 pub const LANES: usize = 4;
@@ -17,7 +17,7 @@ pub const LANES: usize = 4;
 /// Lower triangle of three, column by column, with the inverses of the numbers on its diagonal.
 pub type Triangle = [f64; 6];
 
-/// Sum over columns of what is in rows `i..i + R` times each of the three rows from `b` on.
+/// Sum over columns of the rows `i..i + R` times each of the three rows from `b`.
 #[inline(always)]
 fn products<const R: usize>(columns: &[f64], height: usize, i: usize, b: usize) -> [[f64; R]; 3] {
     let mut sums = [[0.0; R]; 3];
@@ -32,7 +32,7 @@ fn products<const R: usize>(columns: &[f64], height: usize, i: usize, b: usize) 
     sums
 }
 
-/// Calls for rows `from..to`, multiples of [`LANES`], in pieces that fit into registers.
+/// Calls a function for rows `from..to`, multiples of [`LANES`], in pieces that fit into registers.
 macro_rules! in_pieces {
     ($from:expr, $to:expr, $f:ident($($argument:expr),*)) => {
         let (mut i, to) = ($from, $to);
@@ -48,7 +48,7 @@ macro_rules! in_pieces {
     };
 }
 
-/// Takes what the columns before contribute away from rows of a block of three columns.
+/// Subtracts the products of the columns before from rows of a block of three columns.
 #[inline(always)]
 fn take_away<const R: usize>(
     i: usize,
@@ -100,7 +100,7 @@ pub fn factorise(panel: &mut [f64], height: usize, triangles: &mut [Triangle]) -
     true
 }
 
-/// Factorises three columns from which those before have been taken away.
+/// Factorises three columns, after the products of the columns before have been subtracted.
 #[inline(always)]
 pub fn finish_block(
     block: &mut [f64],
@@ -160,12 +160,12 @@ pub fn update(panel: &[f64], height: usize, width: usize, bottom: usize, out: &m
     }
 }
 
-/// Rows of the block of the given pivot that are kept, of `bodies` pivots and rows of a front.
+/// Number of stored rows of the block of a pivot, in a front with `bodies` pivots and rows.
 pub fn kept_rows(bodies: usize, pivot: usize) -> usize {
     (3 * (bodies - 1 - pivot)).next_multiple_of(LANES)
 }
 
-/// Keeps what is below the pivots of a trapezoid of so many pivots and rows.
+/// Stores the part of a trapezoid below its pivots; `bodies` is the number of its pivots and rows.
 #[inline(always)]
 pub fn keep(panel: &[f64], height: usize, bodies: usize, kept: &mut [f64]) {
     let mut kept = kept;
@@ -185,7 +185,8 @@ pub fn keep(panel: &[f64], height: usize, bodies: usize, kept: &mut [f64]) {
     }
 }
 
-/// Forward solve of one front of so many pivots and rows: `x` has its pivots, its rows, and padding.
+/// Forward solve of one front with `bodies` pivots and rows: `x` has its pivots, its rows, and
+/// padding.
 #[inline(always)]
 pub fn forward(kept: &[f64], bodies: usize, triangles: &[Triangle], x: &mut [f64]) {
     let mut kept = kept;
@@ -206,7 +207,8 @@ pub fn forward(kept: &[f64], bodies: usize, triangles: &[Triangle], x: &mut [f64
     }
 }
 
-/// Backward solve of one front: `x` has its pivots, of its rows the solution, and zeros for padding.
+/// Backward solve of one front: `x` has its pivots, the solution of its rows, and zeros for
+/// padding.
 #[inline(always)]
 pub fn backward(kept: &[f64], bodies: usize, triangles: &[Triangle], x: &mut [f64]) {
     let mut kept = kept;

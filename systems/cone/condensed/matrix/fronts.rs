@@ -1,29 +1,30 @@
-//! What of the factorisation depends on the pattern only: fronts, their order, and where everything lies.
+//! The data of a factorisation that depend on the pattern only: fronts, their order, and the places
+//! of their numbers.
 //!
-//! A front is a group of bodies that are eliminated together, its pivots, and the bodies that they
-//! are then coupled with, its rows. It is the trapezoid of the factor below its pivots, dense, and
-//! the update that eliminating them leaves for the rows. Fronts form a tree: all rows of a front
-//! are pivots or rows of its parent (Duff and Reid 1983; Liu 1992).
+//! A front has pivots, a group of bodies that are eliminated together, and rows, the bodies that
+//! are coupled with them. Its numbers are a dense trapezoid, the columns of the factor at its
+//! pivots, and an update, which the elimination of the pivots adds to the rows. Fronts form a tree:
+//! all rows of a front are pivots or rows of its parent (Duff and Reid 1983; Liu 1992).
 
 use std::ops::Range;
 
 use super::dense::LANES;
 
-/// One front. Places of bodies are those in [`Fronts::order`], less those before its branch.
+/// One front. Places of bodies count from the first body of its branch in [`Fronts::order`].
 pub struct Front {
     /// Places of the pivots.
     pub pivots: Range<usize>,
-    /// Where its rows are in [`Fronts::rows`] and [`Fronts::in_parent`].
+    /// Range of its rows in [`Fronts::rows`] and [`Fronts::in_parent`].
     pub rows: Range<usize>,
-    /// How many of its rows, the first ones, are pivots of its parent.
+    /// Number of its rows that are pivots of its parent: its first rows.
     pub inside: usize,
-    /// Where its children are in [`Fronts::children`].
+    /// Range of its children in [`Fronts::children`].
     pub children: Range<usize>,
-    /// Where what is kept of its trapezoid is in the factor of its branch.
+    /// Range of its trapezoid in the factor of its branch.
     pub factor: Range<usize>,
-    /// Where its update starts, in the one of the two stacks of its branch that `odd` tells.
+    /// Start of its update in a stack of its branch; `odd` selects one of the two stacks.
     pub update: usize,
-    /// Whether its depth in the tree is odd: updates of parent and child are in different stacks.
+    /// Whether its depth in the tree is odd, so that parent and child use different stacks.
     pub odd: bool,
 }
 
@@ -38,8 +39,7 @@ impl Front {
         (3 * self.rows.len()).next_multiple_of(LANES)
     }
 
-    /// Rows of the trapezoid, which lies column by column, with padding: pieces of [`LANES`] may begin
-    /// anywhere.
+    /// Rows of a column of the trapezoid, with padding for pieces of [`LANES`] that begin anywhere.
     pub fn height(&self) -> usize {
         (3 * self.bodies() + LANES - 1).next_multiple_of(LANES)
     }
@@ -54,13 +54,13 @@ impl Front {
         self.pivots.len() + self.rows.len()
     }
 
-    /// Numbers in the update, a square of which the lower triangle means something.
+    /// Numbers in the update: a square, whose lower triangle is used.
     pub fn update_len(&self) -> usize {
         self.bottom() * 3 * self.rows.len()
     }
 }
 
-/// Fronts that are worked on together: a branch of the tree, or the trunk.
+/// A branch of the tree, or the trunk.
 #[derive(Default)]
 pub struct Branch {
     /// Its fronts.
@@ -69,7 +69,7 @@ pub struct Branch {
     pub places: Range<usize>,
     /// Numbers in its factor, without the triangles of the pivots.
     pub factor_len: usize,
-    /// Numbers that its two stacks of updates hold at most.
+    /// Maximum number of numbers in each of its two stacks of updates.
     pub update_len: [usize; 2],
 }
 
@@ -81,14 +81,14 @@ pub struct Fronts {
     pub list: Vec<Front>,
     /// Branches, in the order of elimination.
     pub branches: Vec<Branch>,
-    /// What comes after them.
+    /// The trunk, after all branches.
     pub trunk: Branch,
-    /// Places of the rows of all fronts, ascending within each: less those before the branch and, in the
-    /// trunk, between branch and trunk.
+    /// Places of the rows of all fronts, ascending within each. In a branch they count from its
+    /// first body, and bodies of the trunk follow those of the branch.
     pub rows: Vec<u32>,
-    /// For every row, where its three numbers start in a column of the parent's trapezoid.
+    /// For every row, the start of its three numbers in a column of the parent's trapezoid.
     pub in_parent: Vec<u32>,
-    /// Fronts whose updates a front takes.
+    /// The children of all fronts: the fronts whose updates a front takes.
     pub children: Vec<u32>,
 }
 
@@ -98,8 +98,8 @@ impl Fronts {
         self.branches.iter().chain([&self.trunk])
     }
 
-    /// Where the block of a pivot and another body, eliminated later, starts in the trapezoid of the
-    /// front of the pivot; places are those in [`order`](Self::order).
+    /// Start of the block of a pivot and a body that is eliminated later, in the trapezoid of the
+    /// front of the pivot. Places are those in [`order`](Self::order).
     pub fn target(&self, branch: &Branch, front: &Front, pivot: usize, other: usize) -> usize {
         let [pivot, other] = [pivot, other].map(|place| self.within(branch, place));
         let row = if other < front.pivots.end {
@@ -111,7 +111,7 @@ impl Fronts {
         3 * (pivot - front.pivots.start) * front.height() + row
     }
 
-    /// The place of a body less what lies before the branch, and between it and the trunk.
+    /// The place of a body as its branch counts: its own bodies first, then those of the trunk.
     pub fn within(&self, branch: &Branch, place: usize) -> usize {
         if place < branch.places.end {
             place - branch.places.start

@@ -1,30 +1,31 @@
-//! Puts children before parents and branches before the trunk, and finds a place for everything.
+//! Orders the fronts, children before parents and branches before the trunk, and gives all their
+//! numbers a place.
 
 use super::branches;
 use super::dense::kept_rows;
 use super::fronts::{Branch, Front, Fronts};
 use super::merge::{Group, NONE, columns, merge};
+use crate::adjacency::Adjacency;
 
-/// The fronts of bodies with these neighbours (`starts`, `neighbours`: compressed rows), eliminated in
-/// this order or one that gives the same fill.
-pub fn fronts(order: &[usize], starts: &[usize], neighbours: &[usize]) -> Fronts {
-    in_parts(order, starts, neighbours, branches::cut)
+/// The fronts of bodies with these neighbours, eliminated in this order or in one that gives the
+/// same fill.
+pub fn fronts(order: &[usize], neighbours: &Adjacency) -> Fronts {
+    in_parts(order, neighbours, branches::cut)
 }
 
-/// The same fronts, all in the trunk.
-pub fn fronts_in_one(order: &[usize], starts: &[usize], neighbours: &[usize]) -> Fronts {
-    in_parts(order, starts, neighbours, |_, _, _| Vec::new())
+/// As [`fronts`], with all fronts in the trunk.
+pub fn fronts_in_one(order: &[usize], neighbours: &Adjacency) -> Fronts {
+    in_parts(order, neighbours, |_, _, _| Vec::new())
 }
 
-/// The fronts, and branches on the feet that `cut` finds.
+/// The fronts, with branches on the feet that `cut` finds.
 fn in_parts(
     order: &[usize],
-    starts: &[usize],
-    neighbours: &[usize],
+    neighbours: &Adjacency,
     cut: impl Fn(&[Vec<u32>], &[Option<Group>], &[usize]) -> Vec<Vec<usize>>,
 ) -> Fronts {
     let n = order.len();
-    let (column_rows, parents) = columns(order, starts, neighbours);
+    let (column_rows, parents) = columns(order, neighbours);
     let (column_rows, groups) = (&column_rows[..], &merge(&column_rows, &parents)[..]);
     let roots: Vec<usize> = (0..n).filter(|k| parents[*k] == NONE).collect();
     let branches = cut(column_rows, groups, &roots);
@@ -47,7 +48,7 @@ fn in_parts(
         let branch = layout.lay_out(feet);
         layout.fronts.branches.push(branch);
     }
-    // Branches have their numbers: what is left is the trunk.
+    // Fronts without a number are those of the trunk.
     layout.fronts.trunk = layout.lay_out(&roots);
     let Layout { mut fronts, columns, .. } = layout;
     let mut place = vec![0; n];
@@ -55,7 +56,7 @@ fn in_parts(
         place[column as usize] = fronts.order.len() as u32;
         fronts.order.push(order[column as usize]);
     }
-    // Rows are eliminated after their front: only now do all have their places.
+    // Rows are eliminated after their front: all have places only now.
     for front in &fronts.list {
         let rows = &mut fronts.rows[front.rows.clone()];
         for row in &mut *rows {
@@ -74,19 +75,19 @@ fn in_parts(
     fronts
 }
 
-/// What grows while fronts are laid out.
+/// The fronts that are laid out so far.
 struct Layout<'a> {
     column_rows: &'a [Vec<u32>],
     groups: &'a [Option<Group>],
     fronts: Fronts,
-    /// The column under which the group of every front is.
+    /// The column that stands for the group of every front.
     columns: Vec<usize>,
-    /// The front of every group that has one already.
+    /// The front of every group, by its column; `NONE` if it has none yet.
     number: Vec<usize>,
 }
 
 impl Layout<'_> {
-    /// Lays out the subtrees on these feet, without what is laid out already.
+    /// Lays out the subtrees on these feet, without the fronts that are laid out already.
     fn lay_out(&mut self, feet: &[usize]) -> Branch {
         let first_front = self.fronts.list.len();
         let first_place = self.fronts.list.last().map_or(0, |front| front.pivots.end);
@@ -110,8 +111,8 @@ impl Layout<'_> {
                 update: used[mine],
                 odd: mine == 1,
             };
-            // It takes the updates of its children, which are the last ones in their stack; those of
-            // branches are in other stacks.
+            // Its children have the last updates in their stack; those of branches are in other
+            // stacks.
             let mut children = fronts.children[first_child..].iter().map(|c| *c as usize);
             if let Some(child) = children.find(|c| *c >= first_front) {
                 used[theirs] = fronts.list[child].update;
@@ -129,7 +130,7 @@ impl Layout<'_> {
         Branch { fronts, places: first_place..place, factor_len, update_len }
     }
 
-    /// Groups above these feet with their depth, children before parents.
+    /// Columns of the groups above these feet with their depth, children before parents.
     fn postorder(&self, feet: &[usize]) -> Vec<(usize, usize)> {
         let mut order = Vec::new();
         let is_new = |column: usize| self.number[column] == NONE;
@@ -152,7 +153,7 @@ impl Layout<'_> {
     }
 }
 
-/// Finds the rows of a front in its parent, and how many of them are pivots there.
+/// Finds the rows of a front in its parent, and the number of them that are pivots there.
 fn find_in_parent(fronts: &mut Fronts, child: usize, parent: usize) -> usize {
     let parent = &fronts.list[parent];
     let below = &fronts.rows[parent.rows.clone()];
@@ -171,7 +172,7 @@ fn find_in_parent(fronts: &mut Fronts, child: usize, parent: usize) -> usize {
     inside
 }
 
-/// Takes away from all places of a branch what comes before it.
+/// Makes all places count from the start of their branch.
 fn count_within_branches(fronts: &mut Fronts) {
     let within = |fronts: &Fronts, branch: &Branch| {
         let rows = branch.fronts.clone().flat_map(|k| fronts.list[k].rows.clone());

@@ -1,18 +1,19 @@
-//! Dense arithmetic on one unsymmetric front: LU factorisation of its first columns, the update that they
-//! leave, and the triangular solves.
+//! Dense arithmetic on one unsymmetric front: LU factorisation of its first columns, its update,
+//! and the triangular solves.
 //!
-//! A front is a square of `height` rows, row by row with room for padding to [`LANES`]. Rows are exchanged
-//! among the pivots of the front only: which rows a front has does not depend on the values.
+//! A front is a square of `height` rows, stored row by row with room for padding to [`LANES`]. Rows
+//! are exchanged among the pivots of the front only, so that the rows of a front do not depend on
+//! the values.
 //!
-//! All functions are inlined into a caller that is compiled for the instructions of the machine (`pulp`).
-//! The order of every sum is fixed, and what is fused is so explicitly.
+//! All functions are inlined into a caller that is compiled for the instructions of the machine
+//! (`pulp`). The order of every sum is fixed, and fused multiplications are explicit.
 
 use super::dense::LANES;
 
-/// A pivot stays on the diagonal if it is not smaller than this part of the maximum of its column
-/// among the pivots of the front.
+/// A pivot stays on the diagonal if it is at least this part of the maximum of its column among the
+/// pivots of the front.
 const THRESHOLD: f64 = 0.1;
-/// Pivots whose rows are taken away together from the rows below.
+/// Number of pivots whose rows are subtracted from the rows below in one pass.
 const TOGETHER: usize = 4;
 
 /// Numbers in a row with room for padding.
@@ -20,7 +21,7 @@ pub fn row_len(height: usize) -> usize {
     height.next_multiple_of(LANES)
 }
 
-/// Takes `factor` times a row away from another.
+/// Subtracts `factor` times a row from another.
 #[inline(always)]
 fn take_away(row: &mut [f64], other: &[f64], factor: f64) {
     for (x, y) in row.iter_mut().zip(other) {
@@ -35,9 +36,9 @@ fn two_rows(front: &mut [f64], len: usize, upper: usize, lower: usize) -> (&mut 
     (&mut before[upper * len..(upper + 1) * len], &mut after[..len])
 }
 
-/// Factorises the first `width` columns, `P A = L U` with a unit diagonal in L, and leaves the update in the
-/// remaining square. `exchanged[k]` is the row that row k was exchanged with. Returns the sign of the
-/// determinant of the pivots, 0 where a pivot is zero or not finite.
+/// Factorises the first `width` columns, `P A = L U` with a unit diagonal in L, and leaves the
+/// update in the remaining square. `exchanged[k]` is the row with which row k was exchanged.
+/// Returns the sign of the determinant of the pivots, or 0 if a pivot is zero or not finite.
 #[inline(always)]
 pub fn factorise(front: &mut [f64], height: usize, width: usize, exchanged: &mut [u32]) -> f64 {
     let len = row_len(height);

@@ -1,12 +1,13 @@
-//! Which bodies are eliminated together: the columns of the factor, and the groups that they are merged to.
+//! Finds the bodies that are eliminated together: the columns of the factor, and their groups.
 
 use std::cmp::Reverse;
 
 use super::ordering::places;
+use crate::adjacency::Adjacency;
 
-/// Fronts are merged with their parent, with zeros in the factor, as long as there are at most so
-/// many pivots and so great a part of the trapezoid is zero: less to do for each, and wider
-/// columns (Ashcraft and Grimes 1989). Measured, as the fastest of eight.
+/// Maximum number of pivots, and maximum part of zeros in the trapezoid, with which a front is
+/// merged with its parent. Wider fronts cost zeros in the factor and have less overhead (Ashcraft
+/// and Grimes 1989). The fastest of eight rules (docs/benchmarks.md).
 const MERGED: [(usize, f64); 3] = [(2, 0.5), (8, 0.2), (32, 0.05)];
 
 /// No parent.
@@ -19,16 +20,12 @@ pub struct Group {
     pub pivots: Vec<u32>,
     /// Groups whose parent it is.
     pub children: Vec<usize>,
-    /// Blocks of its trapezoid that are zero.
+    /// Number of zero blocks in its trapezoid.
     zeros: usize,
 }
 
-/// Of every column of the factor its rows below the diagonal and its parent in the elimination tree.
-pub fn columns(
-    order: &[usize],
-    starts: &[usize],
-    neighbours: &[usize],
-) -> (Vec<Vec<u32>>, Vec<usize>) {
+/// Rows below the diagonal and parent in the elimination tree of every column of the factor.
+pub fn columns(order: &[usize], neighbours: &Adjacency) -> (Vec<Vec<u32>>, Vec<usize>) {
     let n = order.len();
     let place = places(order);
     let mut rows: Vec<Vec<u32>> = Vec::with_capacity(n);
@@ -37,7 +34,7 @@ pub fn columns(
     let mut seen = vec![NONE; n];
     for k in 0..n {
         let mut list = Vec::new();
-        let own = &neighbours[starts[order[k]]..starts[order[k] + 1]];
+        let own = neighbours.of(order[k]);
         let of_children = children[k].iter().flat_map(|c: &usize| rows[*c].iter());
         for j in own.iter().map(|i| place[*i]).chain(of_children.map(|j| *j as usize)) {
             if j > k && std::mem::replace(&mut seen[j], k) != k {
@@ -54,7 +51,7 @@ pub fn columns(
     (rows, parents)
 }
 
-/// Groups of columns, each under its last one; `None` for a column that is in the group of another.
+/// Groups of columns, each at the place of its last column; `None` at the places of the others.
 pub fn merge(rows: &[Vec<u32>], parents: &[usize]) -> Vec<Option<Group>> {
     let mut children = vec![Vec::new(); rows.len()];
     for (k, &parent) in parents.iter().enumerate().filter(|(_, p)| **p != NONE) {
@@ -70,7 +67,7 @@ pub fn merge(rows: &[Vec<u32>], parents: &[usize]) -> Vec<Option<Group>> {
             let pivots = child.pivots.len() + group.pivots.len();
             let zeros = child.zeros + group.zeros + child.pivots.len() * added;
             let blocks = pivots * (pivots + 1) / 2 + pivots * rows[k].len();
-            let few = |(most, part)| pivots <= most && zeros as f64 <= part * blocks as f64;
+            let few = |(max, part)| pivots <= max && zeros as f64 <= part * blocks as f64;
             if zeros == 0 || MERGED.into_iter().any(few) {
                 child.pivots.append(&mut group.pivots);
                 group.pivots = std::mem::take(&mut child.pivots);

@@ -2,9 +2,9 @@
 //! factorised by a multifrontal Cholesky method (Duff and Reid 1983; Liu 1992).
 //!
 //! Its pattern is the graph of bodies and interactions. The order of elimination (approximate
-//! minimum degree on that graph) and the fronts live as long as the pattern does. Fronts are small,
-//! a handful of bodies for most, and three unknowns a body are known when this is compiled: that is
-//! what makes it three times as fast as a factorisation for any matrix (docs/benchmarks.md).
+//! minimum degree on that graph) and the fronts are kept as long as the pattern stays. Most fronts
+//! have a handful of bodies, and the number of three unknowns per body is known to the compiler:
+//! this makes it three times as fast as a factorisation for general matrices (docs/benchmarks.md).
 
 mod assembly;
 mod branches;
@@ -26,21 +26,26 @@ pub use self::assembly::Assembly;
 use self::assembly::PairPlace;
 use self::fronts::Fronts;
 use self::numeric::{Backward, Eliminate, Forward, Part};
-pub(super) use self::ordering::{adjacency, places};
+pub(super) use self::ordering::places;
 pub use self::unsymmetric::UnsymmetricMatrix;
 use super::parallel::{in_parallel, split};
+use crate::adjacency::Adjacency;
 
 /// Numbers in a block of the diagonal (its lower triangle by columns) and of a pair.
 const DIAGONAL: usize = 6;
 const PAIR: usize = 9;
 
-/// The matrix, its factor, and what depends on its pattern only.
+/// Shifts of the diagonal, over its maximum, that make up for round-off: a hundred times the unit
+/// round-off, and more where that is not enough.
+const SHIFTS: [f64; 3] = [1e-14, 1e-12, 1e-10];
+
+/// The matrix, its factor, and the data that depend on its pattern only.
 pub struct BodyMatrix {
     /// Blocks of the lower triangle, front by front: those of the diagonal, then those of pairs.
     values: Vec<f64>,
-    /// Where the block of the diagonal of every body starts.
+    /// Start of the diagonal block of every body in the values.
     diagonal: Vec<usize>,
-    /// Of every pair, in the order of the pairs given.
+    /// Places of the pairs, in the order given.
     pairs: Vec<PairPlace>,
     pattern: Pattern,
     branches: Vec<Part>,
@@ -48,14 +53,14 @@ pub struct BodyMatrix {
     instructions: Arch,
 }
 
-/// The fronts, and where what they begin with is found.
+/// The fronts, and the places of their values.
 struct Pattern {
     fronts: Fronts,
-    /// Where the values of each front start.
+    /// Start of the values of each front.
     starts: Vec<usize>,
-    /// Where the block of each pair, in the order of the values, lies in the trapezoid of its front,
-    /// and where those of each front start.
+    /// Place of the block of each pair, in the order of the values, in the trapezoid of its front.
     targets: Vec<u32>,
+    /// Start of the targets of each front.
     target_starts: Vec<usize>,
 }
 
@@ -63,9 +68,9 @@ impl BodyMatrix {
     /// The pattern of `bodies` bodies coupled by `pairs`; `None` if faer finds no order for it.
     #[must_use]
     pub fn new(bodies: usize, pairs: &[(u32, u32)]) -> Option<Self> {
-        let (starts, neighbours) = adjacency(bodies, pairs);
-        let order = ordering::minimum_degree(&starts, &neighbours)?;
-        let fronts = layout::fronts(&order, &starts, &neighbours);
+        let neighbours = Adjacency::of_neighbours(bodies, pairs);
+        let order = ordering::minimum_degree(&neighbours)?;
+        let fronts = layout::fronts(&order, &neighbours);
 
         let place = places(&fronts.order);
         let mut front_of = vec![0; bodies];
@@ -123,14 +128,14 @@ impl BodyMatrix {
         self.diagonal.len()
     }
 
-    /// Bodies in the order of elimination. Elsewhere a body of the matrix is its place in this order.
+    /// Bodies in the order of elimination. All other functions number bodies by this order.
     #[must_use]
     pub fn order(&self) -> &[usize] {
         &self.pattern.fronts.order
     }
 
-    /// Places that no pair joins with those of another of these ranges, from the first place on: work on
-    /// them can go on at once. None if there is too little of it.
+    /// Ranges of bodies, in the order of elimination, that no pair joins: several threads can work
+    /// on them at once. Empty if the work is too small for that.
     #[must_use]
     pub fn branches(&self) -> Vec<Range<usize>> {
         self.pattern.fronts.branches.iter().map(|branch| branch.places.clone()).collect()
@@ -141,13 +146,13 @@ impl BodyMatrix {
         self.values.fill(0.0);
     }
 
-    /// All values, to be added to.
+    /// Access to all values, to add to them.
     pub fn assembly(&mut self) -> Assembly<'_> {
         let Self { values, diagonal, pairs, .. } = self;
         Assembly { values, first: 0, diagonal, pairs }
     }
 
-    /// Values of the [branches](Self::branches), to be added to.
+    /// Access to the values of each of the [branches](Self::branches), to add to them.
     pub fn assemblies(&mut self) -> Vec<Assembly<'_>> {
         let Self { values, pattern, diagonal, pairs, .. } = self;
         let fronts = pattern.fronts.branches.iter().map(|branch| &branch.fronts);
@@ -163,16 +168,15 @@ impl BodyMatrix {
         pieces.map(assembly).collect()
     }
 
-    /// The greatest value on the diagonal.
-    #[must_use]
-    pub fn greatest_diagonal(&self) -> f64 {
+    /// Maximum value on the diagonal.
+    fn max_diagonal(&self) -> f64 {
         let on_diagonal = self.diagonal.iter().flat_map(|start| [0, 3, 5].map(|k| start + k));
         on_diagonal.map(|k| self.values[k]).fold(0.0, f64::max)
     }
 
-    /// Factorises, and solves in place; whether the matrix was positive definite. `x` in the order of
-    /// elimination, left as it was if not.
-    #[must_use = "a matrix that is not positive definite leaves the right side where the solution would be"]
+    /// Factorises, and solves in place; whether the matrix was positive definite. If not, `x` stays
+    /// as it was. `x` is in the order of elimination.
+    #[must_use = "without a factor the right side is where the solution would be"]
     pub fn factorise_and_solve(&mut self, x: &mut [[f64; 3]]) -> bool {
         let Self { values, pattern, branches, trunk, instructions, .. } = self;
         let fronts = &pattern.fronts;
@@ -194,8 +198,31 @@ impl BodyMatrix {
         definite
     }
 
-    /// Solves in place with the last factor; `x` in the order of elimination. Only after
-    /// `factorise_and_solve` has returned true.
+    /// As [`factorise_and_solve`](Self::factorise_and_solve), with a larger diagonal where
+    /// round-off has cost the matrix its positive definiteness.
+    #[must_use = "without a factor the right side is where the solution would be"]
+    pub fn factorise_shifted_and_solve(&mut self, x: &mut [[f64; 3]]) -> bool {
+        if self.factorise_and_solve(x) {
+            return true;
+        }
+        let maximum = self.max_diagonal();
+        for shift in SHIFTS {
+            let bodies = self.bodies();
+            let mut values = self.assembly();
+            for body in 0..bodies {
+                for k in 0..3 {
+                    values.add_diagonal(body, k, shift * maximum);
+                }
+            }
+            if self.factorise_and_solve(x) {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Solves in place with the last factor, after `factorise_and_solve` has returned true. `x` is
+    /// in the order of elimination.
     pub fn solve(&mut self, x: &mut [[f64; 3]]) {
         let Self { pattern: Pattern { fronts, .. }, branches, trunk, instructions, .. } = self;
         in_parallel(fronts.branches.iter().zip(&mut *branches), |(branch, part)| {
@@ -223,14 +250,14 @@ impl BodyMatrix {
     }
 }
 
-/// Puts the right side where it is worked on; what a branch adds to the trunk is yet to come.
+/// Copies the right side to the work of a part, and clears the part of a branch for the trunk.
 fn take(x: &[[f64; 3]], part: &mut Part) {
     let (own, beyond) = part.work.split_at_mut(x.len());
     own.copy_from_slice(x);
     beyond.fill([0.0; 3]);
 }
 
-/// Adds what the branches leave for the trunk, one after the other.
+/// Adds the parts of the branches for the trunk to its work, one after the other.
 fn add_branches(trunk: &mut Part, branches: &[Part]) {
     let in_trunk = trunk.work.len();
     for branch in branches {

@@ -1,8 +1,8 @@
 //! The factorisation and the solves, front by front.
 //!
-//! Every front: its trapezoid from the values of the matrix and the updates of its children, its
-//! factorisation, its update for the parent. The forward solve of the right side that comes with a
-//! matrix goes along, while what it needs is at hand.
+//! For every front: the trapezoid is assembled from the values of the matrix and the updates of its
+//! children, factorised, and leaves an update for the parent. The forward solve of the first right
+//! side is done front by front too, while the factor is in the cache.
 
 use std::ops::Range;
 
@@ -12,38 +12,38 @@ use super::dense::{self, LANES, Triangle};
 use super::fronts::{Branch, Front, Fronts};
 use super::{DIAGONAL, PAIR, Pattern, packed};
 
-/// What is computed of a branch, or of the trunk.
+/// The numbers of a branch, or of the trunk.
 pub struct Part {
-    /// What is kept of the trapezoids, front by front.
+    /// Its factor, front by front.
     factor: Vec<f64>,
     /// Its diagonal blocks, in the order of elimination.
     triangles: Vec<Triangle>,
-    /// Updates that wait for the parents of their fronts, of those in even and odd depth.
+    /// Updates that wait for the parents of their fronts: of fronts in even and in odd depth.
     updates: [Vec<f64>; 2],
     /// The trapezoid of one front, and its copy if it is large.
     panel: Vec<f64>,
     packed: Vec<f64>,
-    /// Right side and solution of its bodies; after those of a branch come those of the trunk, to which
-    /// the branch adds something, and of which it needs the solution.
+    /// Right side and solution of its bodies. In a branch the bodies of the trunk follow: the
+    /// branch adds to their right side and needs their solution.
     pub work: Vec<[f64; 3]>,
-    /// The same of one front.
+    /// Right side and solution of one front.
     front_work: Vec<f64>,
 }
 
 impl Part {
-    /// Room for a branch, or for the trunk with `beyond` = 0; `beyond` is the number of bodies in the
-    /// trunk.
+    /// Room for a branch, with `beyond` the number of bodies in the trunk, or for the trunk, with
+    /// `beyond` = 0.
     pub fn new(fronts: &Fronts, branch: &Branch, beyond: usize) -> Self {
         let list = &fronts.list[branch.fronts.clone()];
-        let greatest = |of: fn(&Front) -> usize| list.iter().map(of).max().unwrap_or(0);
+        let maximum = |of: fn(&Front) -> usize| list.iter().map(of).max().unwrap_or(0);
         Self {
             factor: vec![0.0; branch.factor_len],
             triangles: vec![[0.0; 6]; branch.places.len()],
             updates: branch.update_len.map(|len| vec![0.0; len]),
-            panel: vec![0.0; greatest(Front::panel_len)],
-            packed: vec![0.0; greatest(packed::packed_len)],
+            panel: vec![0.0; maximum(Front::panel_len)],
+            packed: vec![0.0; maximum(packed::packed_len)],
             work: vec![[0.0; 3]; branch.places.len() + beyond],
-            front_work: vec![0.0; 3 * greatest(Front::bodies) + LANES],
+            front_work: vec![0.0; 3 * maximum(Front::bodies) + LANES],
         }
     }
 
@@ -53,7 +53,7 @@ impl Part {
     }
 }
 
-/// Brings together what belongs to the pivots and the rows of a front.
+/// Copies the numbers of the pivots and rows of a front to `local`.
 #[inline(always)]
 fn gather<'a>(
     front: &Front,
@@ -73,7 +73,7 @@ fn gather<'a>(
     &mut local[..padding + LANES]
 }
 
-/// Puts the first numbers where they belong.
+/// Copies the first numbers of `local` to the work.
 #[inline(always)]
 fn store(work: &mut [[f64; 3]], local: &[f64]) {
     for (work, local) in work.iter_mut().zip(local.as_chunks().0) {
@@ -81,7 +81,7 @@ fn store(work: &mut [[f64; 3]], local: &[f64]) {
     }
 }
 
-/// Solves for the pivots of one front, and takes what they contribute away from its rows.
+/// Solves for the pivots of one front, and subtracts their contribution from its rows.
 #[inline(always)]
 fn solve_front(
     front: &Front,
@@ -99,7 +99,7 @@ fn solve_front(
     }
 }
 
-/// Factorisation of a branch, or of the trunk on its branches, and forward solve of what is in `work`;
+/// Factorisation of a branch, or of the trunk with its branches, and forward solve of its work;
 /// whether it was positive definite.
 pub struct Eliminate<'a> {
     pub pattern: &'a Pattern,
@@ -228,7 +228,7 @@ fn extend(
     }
 }
 
-/// Forward solve of what is in `work` with the last factor.
+/// Forward solve of the work with the last factor.
 pub struct Forward<'a>(pub &'a Fronts, pub &'a Branch, pub &'a mut Part);
 
 impl WithSimd for Forward<'_> {

@@ -1,25 +1,25 @@
 //! The arithmetic of a large front, on a copy of its columns in chunks of rows.
 //!
-//! Column by column, the rows that a sum needs lie a column apart, and with some hundred rows in a
-//! column each is in a page of its own. A chunk has [`CHUNK`] rows of all columns one after the
-//! other. Sums and their order are those of [`dense`](super::dense): so are the results, byte by byte.
+//! In a trapezoid the numbers of a sum lie a column apart, each in a memory page of its own if a
+//! column has some hundred rows. A chunk has [`CHUNK`] rows of all columns, one after the other.
+//! Sums and their order are those of [`dense`](super::dense), and so are the results, byte by byte.
 
 use super::dense::{LANES, Triangle, finish_block};
 use super::fronts::Front;
 
-/// Rows of a chunk: a multiple of three, so that no block of three rows is in two of them.
+/// Rows of a chunk: a multiple of three, so that no block of three rows is in two chunks.
 const CHUNK: usize = 3 * LANES;
 
-/// Rows of a trapezoid, and columns, from which on the copy pays.
-const LARGE: [usize; 2] = [240, 24];
+/// Minimum numbers of rows and of columns of a trapezoid for which the copy pays.
+const MIN_SIZE: [usize; 2] = [240, 24];
 
-/// Numbers in the copy of a front; 0 if it does without.
+/// Numbers in the copy of a front; 0 if it has none.
 pub fn packed_len(front: &Front) -> usize {
-    let large = front.height() >= LARGE[0] && front.width() >= LARGE[1];
+    let large = front.height() >= MIN_SIZE[0] && front.width() >= MIN_SIZE[1];
     if large { front.height().next_multiple_of(CHUNK) * front.width() } else { 0 }
 }
 
-/// Sum over the first columns of a chunk times three rows, from `row` on, of another.
+/// Sum over the first columns of a chunk times three rows, from `row`, of another chunk.
 #[inline(always)]
 fn products(chunk: &[f64], other: &[f64], row: usize, columns: usize) -> [[f64; CHUNK]; 3] {
     let mut sums = [[0.0; CHUNK]; 3];
@@ -34,7 +34,7 @@ fn products(chunk: &[f64], other: &[f64], row: usize, columns: usize) -> [[f64; 
     sums
 }
 
-/// As [`dense::factorise`](super::dense::factorise); leaves the copy.
+/// As [`dense::factorise`](super::dense::factorise); also fills the copy.
 #[inline(always)]
 pub fn factorise(
     panel: &mut [f64],

@@ -1,29 +1,31 @@
-//! A matrix with the pattern of the condensed one whose values are not symmetric, factorised by a multifrontal
-//! LU method (Davis and Duff 1997, on the fronts of the symmetric pattern).
+//! An unsymmetric matrix with the pattern of the condensed matrix, factorised by a multifrontal LU
+//! method (Davis and Duff 1997) on the fronts of the symmetric pattern.
 //!
-//! Fronts are those of the Cholesky method without branches: everything is done on one thread. Rows are
-//! exchanged within the pivots of a front only, so that the fronts do not depend on the values; what that costs
-//! in accuracy is for a refinement to mend. The sign of the determinant comes with the factor.
+//! The fronts are those of the Cholesky method without branches, and the work is done on one
+//! thread. Rows are exchanged among the pivots of a front only, so that the fronts do not depend on
+//! the values. This costs accuracy, which the caller recovers by iterative refinement. The sign of
+//! the determinant comes with the factor.
 
 use pulp::{Arch, Simd, WithSimd};
 
 use super::fronts::{Front, Fronts};
 use super::{layout, lu, ordering, places};
+use crate::adjacency::Adjacency;
 
 /// Numbers in the block of a body and in the two blocks of a pair.
 const BODY: usize = 9;
 const PAIR: usize = 18;
 
-/// The matrix, its factor, and what depends on its pattern only.
+/// The matrix, its factor, and the data that depend on its pattern only.
 pub struct UnsymmetricMatrix {
     fronts: Fronts,
     /// Blocks of bodies by place, row by row.
     bodies: Vec<[f64; BODY]>,
-    /// Blocks of pairs: rows of the first body in columns of the second, and the other way round.
+    /// Blocks of pairs: rows of the first body in columns of the second, then the transposed place.
     pairs: Vec<[f64; PAIR]>,
     /// Places of the bodies of every pair.
     of_pair: Vec<[u32; 2]>,
-    /// Of every front its pairs, with the rows where their bodies start in it.
+    /// The pairs of every front, with the rows at which their bodies start in it.
     in_front: Vec<Vec<(u32, [u32; 2])>>,
     factor: Factor,
     instructions: Arch,
@@ -36,13 +38,13 @@ struct Factor {
     lower: Vec<f64>,
     /// Rows of the pivots, without padding.
     upper: Vec<f64>,
-    /// Rows that were exchanged, by pivot.
+    /// The row with which the row of every pivot was exchanged.
     exchanged: Vec<u32>,
-    /// Where the three start, front by front.
+    /// Start of the three in every front.
     starts: Vec<[usize; 3]>,
     /// Sign of the determinant.
     sign: f64,
-    /// The front that is worked on, and the updates that wait for their parents.
+    /// The current front, and the updates that wait for their parents.
     front: Vec<f64>,
     updates: Vec<f64>,
     local: Vec<f64>,
@@ -57,9 +59,9 @@ impl UnsymmetricMatrix {
     /// The pattern of `bodies` bodies coupled by `pairs`; `None` if faer finds no order for it.
     #[must_use]
     pub fn new(bodies: usize, pairs: &[(u32, u32)]) -> Option<Self> {
-        let (starts, neighbours) = ordering::adjacency(bodies, pairs);
-        let order = ordering::minimum_degree(&starts, &neighbours)?;
-        let fronts = layout::fronts_in_one(&order, &starts, &neighbours);
+        let neighbours = Adjacency::of_neighbours(bodies, pairs);
+        let order = ordering::minimum_degree(&neighbours)?;
+        let fronts = layout::fronts_in_one(&order, &neighbours);
         let place = places(&fronts.order);
         let mut front_of = vec![0; bodies];
         for (number, front) in fronts.list.iter().enumerate() {
@@ -83,7 +85,7 @@ impl UnsymmetricMatrix {
             of_pair.push([a as u32, b as u32]);
         }
         let mut factor = Factor::default();
-        let (mut at, mut waiting, mut most) = ([0; 3], 0, 0);
+        let (mut at, mut waiting, mut max_waiting) = ([0; 3], 0, 0);
         for front in &fronts.list {
             factor.starts.push(at);
             let (rows, width) = (height(front), front.width());
@@ -93,14 +95,14 @@ impl UnsymmetricMatrix {
                 waiting -= square(&fronts.list[*child as usize]);
             }
             waiting += square(front);
-            most = most.max(waiting);
+            max_waiting = max_waiting.max(waiting);
         }
         let highest = fronts.list.iter().map(height).max().unwrap_or(0);
         factor.lower = vec![0.0; at[0]];
         factor.upper = vec![0.0; at[1]];
         factor.exchanged = vec![0; at[2]];
         factor.front = vec![0.0; highest * lu::row_len(highest)];
-        factor.updates = Vec::with_capacity(most);
+        factor.updates = Vec::with_capacity(max_waiting);
         factor.local = vec![0.0; highest];
         Some(Self {
             bodies: vec![[0.0; BODY]; bodies],
@@ -113,7 +115,7 @@ impl UnsymmetricMatrix {
         })
     }
 
-    /// Bodies in the order of elimination. Elsewhere a body of the matrix is its place in this order.
+    /// Bodies in the order of elimination. All other functions number bodies by this order.
     #[must_use]
     pub fn order(&self) -> &[usize] {
         &self.fronts.order
@@ -125,13 +127,14 @@ impl UnsymmetricMatrix {
         self.pairs.fill([0.0; PAIR]);
     }
 
-    /// Adds to the diagonal of degree of freedom `k` of a body: 0 and 1 translations, 2 the rotation.
+    /// Adds to the diagonal at degree of freedom `k` of a body: 0 and 1 are translations, 2 is the
+    /// rotation.
     pub fn add_diagonal(&mut self, body: usize, k: usize, value: f64) {
         self.bodies[body][4 * k] += value;
     }
 
-    /// Adds `G T G'` of a pair, with `G` in the rows of its two bodies, in the order in which the pattern was
-    /// made of them.
+    /// Adds `G T G'` of a pair, with `G` in the rows of its two bodies in the order of the pair in
+    /// the pattern.
     pub fn add(&mut self, pair: usize, rows: &[[[f64; 3]; 3]; 2], t: &[[f64; 3]; 3]) {
         let times = |rows: &[[f64; 3]; 3]| {
             rows.map(|row| {
@@ -152,7 +155,7 @@ impl UnsymmetricMatrix {
         }
     }
 
-    /// Factorises; whether no pivot vanished.
+    /// Factorises; whether all pivots are finite and none is zero.
     #[must_use]
     pub fn factorise(&mut self) -> bool {
         let Self { fronts, bodies, pairs, in_front, factor, instructions, .. } = self;
@@ -166,7 +169,7 @@ impl UnsymmetricMatrix {
         self.factor.sign
     }
 
-    /// Solves in place with the last factor; `x` in the order of elimination.
+    /// Solves in place with the last factor; `x` is in the order of elimination.
     pub fn solve(&mut self, x: &mut [[f64; 3]]) {
         let Self { fronts, factor, instructions, .. } = self;
         instructions.dispatch(Solve { fronts, factor, x });
@@ -296,7 +299,7 @@ impl WithSimd for Solve<'_> {
     }
 }
 
-/// Brings together what belongs to the pivots and the rows of a front.
+/// Copies the numbers of the pivots and rows of a front to `local`.
 #[inline(always)]
 fn gather<'a>(front: &Front, rows: &[u32], x: &[[f64; 3]], local: &'a mut [f64]) -> &'a mut [f64] {
     let local = &mut local[..height(front)];
@@ -317,8 +320,8 @@ mod tests {
 
     use super::*;
 
-    /// A random unsymmetric matrix on a random graph: solution and sign of the determinant are those of a
-    /// dense LU factorisation with pivoting.
+    /// On a random unsymmetric matrix of a random graph, solution and sign of the determinant are
+    /// those of a dense LU factorisation with pivoting.
     #[test]
     fn solves_as_a_dense_factorisation_does() {
         let mut random = ChaCha8Rng::seed_from_u64(1);

@@ -1,0 +1,66 @@
+//! The line search of the Newton iteration: a Newton iteration for one number, safeguarded by a
+//! bracket.
+
+use super::scaled::Scaled;
+use super::settings::LineSearchSettings;
+use super::spring::{Response, Spring};
+
+/// The length a at which the derivative of the energy along `du` vanishes, to a few per cent of the
+/// derivative at a = 0.
+///
+/// The derivative at a is `du.(M (u + a du) - f) + sum de.s(e + a de)`; it rises with a, and is
+/// piecewise linear. `gradient` is that of the energy at `u`.
+pub fn line_search(
+    program: &Scaled,
+    springs: &[Spring],
+    settings: &LineSearchSettings,
+    [u, du, gradient]: [&[[f64; 3]]; 3],
+    e: &[[f64; 2]],
+    de: &[[f64; 2]],
+) -> f64 {
+    let dot = |x: &[[f64; 3]], y: &[[f64; 3]]| -> f64 {
+        x.iter().flatten().zip(y.iter().flatten()).map(|(x, y)| x * y).sum()
+    };
+    let slope = dot(gradient, du);
+    let (mut linear, mut quadratic) = (0.0, 0.0);
+    for i in 0..u.len() {
+        for k in (0..3).filter(|k| program.free[i][*k]) {
+            linear += (program.weight[i][k] * u[i][k] - program.right[i][k]) * du[i][k];
+            quadratic += program.weight[i][k] * du[i][k] * du[i][k];
+        }
+    }
+    let derivative = |a: f64| {
+        let (mut value, mut curvature) = (linear + a * quadratic, quadratic);
+        for ((spring, e), de) in springs.iter().zip(e).zip(de) {
+            let Response { s, d } = spring.respond([e[0] + a * de[0], e[1] + a * de[1]]);
+            value += s[0] * de[0] + s[1] * de[1];
+            curvature += d[0] * de[0] * de[0] + 2.0 * d[1] * de[0] * de[1] + d[2] * de[1] * de[1];
+        }
+        (value, curvature)
+    };
+    let (mut low, mut high) = (0.0, f64::INFINITY);
+    let mut a = 1.0;
+    for _ in 0..settings.max_evaluations {
+        let (value, curvature) = derivative(a);
+        if value.abs() <= settings.max_slope * slope.abs() {
+            break;
+        }
+        if value > 0.0 {
+            high = a;
+        } else {
+            low = a;
+        }
+        let newton = a - value / curvature;
+        a = if newton > low && newton < high {
+            newton
+        } else if high.is_finite() {
+            0.5 * (low + high)
+        } else {
+            4.0 * a
+        };
+        if a > settings.max_length || high - low < settings.min_bracket * high {
+            break;
+        }
+    }
+    a
+}

@@ -1,0 +1,48 @@
+//! Steps without the fast bodies.
+
+use super::super::newton::Step;
+use super::super::scaled::{Local, Scaled};
+use super::super::settings::LocalSettings;
+use super::is_wall;
+use crate::adjacency::Adjacency;
+
+/// A step without its fast bodies. Where a few loose bodies go far, the state of their contacts
+/// changes at once: alone they would end a step that all others could make.
+pub struct SlowPart {
+    /// Which bodies are fast.
+    pub fast: Vec<bool>,
+    /// The step, zero for fast bodies.
+    pub du: Vec<[f64; 3]>,
+    /// Its kinematics, zero for interactions of fast bodies: what the step does to them is not
+    /// counted.
+    pub de: Vec<[f64; 2]>,
+}
+
+impl SlowPart {
+    /// A body is fast if its step exceeds `settings.fast` times the `fast_quantile` of all steps
+    /// and it is no wall. `None` where no body is fast.
+    pub fn of(
+        program: &Scaled,
+        adjacency: &Adjacency,
+        settings: &LocalSettings,
+        step: &Step,
+    ) -> Option<Self> {
+        let Step { du, de, .. } = step;
+        let size = |du: &[f64; 3]| du[0].hypot(du[1]).max(du[2].abs());
+        let mut sizes: Vec<f64> = du.iter().map(size).collect();
+        let last = sizes.len() - 1;
+        let place = ((settings.fast_quantile * sizes.len() as f64) as usize).min(last);
+        let (_, quantile, _) = sizes.select_nth_unstable_by(place, f64::total_cmp);
+        let threshold = settings.fast * *quantile;
+        let is_fast = |i: usize| size(&du[i]) > threshold && !is_wall(adjacency, settings, i);
+        let fast: Vec<bool> = (0..du.len()).map(is_fast).collect();
+        fast.contains(&true).then(|| {
+            let slow = |(du, fast): (&[f64; 3], &bool)| if *fast { [0.0; 3] } else { *du };
+            let both_slow = |l: &Local| !l.bodies.iter().any(|i| fast[*i]);
+            let du = du.iter().zip(&fast).map(slow).collect();
+            let counted = |(de, l): (&[f64; 2], &Local)| if both_slow(l) { *de } else { [0.0; 2] };
+            let de = de.iter().zip(&program.locals).map(counted).collect();
+            Self { fast, du, de }
+        })
+    }
+}

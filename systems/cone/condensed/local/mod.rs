@@ -1,0 +1,120 @@
+//! Newton iteration with local elimination: bodies that are far out of balance, and their
+//! surroundings, are brought to balance with all others held before the next global step.
+//!
+//! After a rupture a few contacts out of thousands change their state, and a cluster that came
+//! loose sends the global direction far off. One global step length then serves one cluster per
+//! factorisation. Each cluster on its own is a small problem ([`patches`]). It is solved to the
+//! end: what is left would be the residual of the whole program after the next step, if all but a
+//! few clusters are elastic. (Nonlinear elimination, or nonlinearly preconditioned Newton: Cai and
+//! Keyes 2002.)
+//!
+//! Where a few fast bodies shorten a global step it is made without them ([`fast`]), and local
+//! elimination takes them on next.
+
+mod fast;
+mod patch;
+mod patches;
+
+use self::fast::SlowPart;
+use self::patches::{Patches, is_wall};
+use super::matrix::BodyMatrix;
+use super::newton::{Between, Goal, Newton, Point, Step, iterate};
+use super::scaled::Scaled;
+use super::settings::{LineSearchSettings, LocalSettings, NewtonSettings};
+use crate::adjacency::Adjacency;
+
+/// Solves the program from the displacements `start` until the unbalance over the maximum force is
+/// at most `goal`.
+#[must_use]
+pub fn solve(
+    program: &Scaled,
+    matrix: &mut BodyMatrix,
+    start: &[[f64; 3]],
+    newton: &NewtonSettings,
+    local: &LocalSettings,
+    goal: f64,
+) -> Newton {
+    let patience = if program.is_damped() { newton.max_iterations } else { newton.patience };
+    let newton = NewtonSettings { patience, ..*newton };
+    let goal = Goal { relative: goal, absolute: 0.0 };
+    let pairs = program.locals.iter().map(|l| l.bodies);
+    let adjacency = Adjacency::new(program.free.len(), pairs);
+    let mut elimination = Elimination {
+        adjacency,
+        settings: local,
+        last_length: 0.0,
+        fast: Vec::new(),
+        is_done: false,
+    };
+    iterate(program, matrix, start, &newton, goal, &mut elimination)
+}
+
+/// Local elimination between two steps.
+struct Elimination<'a> {
+    adjacency: Adjacency,
+    settings: &'a LocalSettings,
+    /// Length of the last step; 0 before the first.
+    last_length: f64,
+    /// Bodies that the last step left behind; empty if it left none.
+    fast: Vec<bool>,
+    /// Whether bodies were eliminated since the last step: a step comes next in any case.
+    is_done: bool,
+}
+
+impl Between for Elimination<'_> {
+    fn move_bodies(&mut self, program: &Scaled, point: &mut Point) -> bool {
+        let is_first = !std::mem::replace(&mut self.is_done, true);
+        let is_short = point.unbalance > self.settings.min_unbalance * point.force
+            && self.last_length < self.settings.short_step;
+        let moved =
+            is_first && (is_short || !self.fast.is_empty()) && self.eliminate(program, point);
+        if !moved {
+            self.is_done = false;
+        }
+        moved
+    }
+
+    fn change_step(
+        &mut self,
+        program: &Scaled,
+        point: &Point,
+        step: &mut Step,
+        search: &LineSearchSettings,
+    ) {
+        self.fast.clear();
+        if step.length < self.settings.short_step
+            && let Some(slow) = SlowPart::of(program, &self.adjacency, self.settings, step)
+        {
+            let length = point.search(program, &slow.du, &slow.de, search);
+            if length > self.settings.min_gain * step.length {
+                step.length = length.min(1.0);
+                step.du = slow.du;
+                self.fast = slow.fast;
+            }
+        }
+        self.last_length = step.length;
+    }
+}
+
+impl Elimination<'_> {
+    /// Brings the bodies that are furthest out of balance, and fast ones, to balance; whether any
+    /// moved.
+    fn eliminate(&self, program: &Scaled, point: &mut Point) -> bool {
+        let of_body = |g: &[f64; 3]| g.iter().fold(0.0_f64, |m, g| m.max(g.abs()));
+        let unbalance: Vec<f64> = point.gradient.iter().map(of_body).collect();
+        let maximum = unbalance.iter().copied().fold(0.0, f64::max);
+        let settings = self.settings;
+        let is_seed =
+            |i: usize| unbalance[i] > settings.share * maximum || self.fast.get(i) == Some(&true);
+        let patches = Patches::new(program, &self.adjacency, settings, &point.e).grow(is_seed);
+        let goal = Goal { relative: settings.goal, absolute: settings.residual * maximum };
+        let solutions =
+            patch::balance_all(program, &self.adjacency, settings, &patches, &point.u, goal);
+        let mut moved = false;
+        for (i, u) in solutions {
+            point.u[i] = u;
+            moved = true;
+        }
+        moved
+    }
+}

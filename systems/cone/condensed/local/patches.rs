@@ -1,0 +1,106 @@
+//! Which bodies are eliminated, and how they fall into patches.
+
+use super::super::scaled::Scaled;
+use super::super::settings::LocalSettings;
+use crate::adjacency::Adjacency;
+
+/// Whether a body has so many interactions that it counts as a wall. Walls touch bodies everywhere
+/// and would join all patches to one: they are held.
+pub fn is_wall(adjacency: &Adjacency, settings: &LocalSettings, body: usize) -> bool {
+    adjacency.of(body).len() > settings.max_interactions
+}
+
+/// Finds patches: bodies that are joined by interactions and are solved for together.
+pub struct Patches<'a> {
+    program: &'a Scaled,
+    adjacency: &'a Adjacency,
+    settings: &'a LocalSettings,
+    /// Kinematics by interaction.
+    e: &'a [[f64; 2]],
+}
+
+impl<'a> Patches<'a> {
+    pub fn new(
+        program: &'a Scaled,
+        adjacency: &'a Adjacency,
+        settings: &'a LocalSettings,
+        e: &'a [[f64; 2]],
+    ) -> Self {
+        Self { program, adjacency, settings, e }
+    }
+
+    /// The patches around the seeds, each with its bodies in ascending order.
+    pub fn grow(&self, is_seed: impl Fn(usize) -> bool) -> Vec<Vec<usize>> {
+        let n = self.program.free.len();
+        let mut inside = vec![false; n];
+        let mut bodies: Vec<usize> = (0..n).filter(|i| is_seed(*i) && self.is_mobile(*i)).collect();
+        for i in &bodies {
+            inside[*i] = true;
+        }
+        self.add_rings(&mut bodies, &mut inside);
+        bodies.sort_unstable();
+        self.components(&bodies, &inside)
+    }
+
+    fn is_mobile(&self, i: usize) -> bool {
+        self.program.free[i].contains(&true) && !is_wall(self.adjacency, self.settings, i)
+    }
+
+    /// The other body of interaction `k` if it joins it to body `i`: a bond does, and a contact
+    /// that is closed or nearly so.
+    fn neighbour(&self, k: usize, i: usize) -> Option<usize> {
+        let l = &self.program.locals[k];
+        let is_bonded = l.count == 3 && l.right[2] > 0.0;
+        let is_near = is_bonded || self.e[k][0] - l.linear[0] > -self.settings.max_gap;
+        is_near.then(|| if l.bodies[0] == i { l.bodies[1] } else { l.bodies[0] })
+    }
+
+    /// Adds the mobile bodies that are joined to those inside, ring by ring.
+    fn add_rings(&self, bodies: &mut Vec<usize>, inside: &mut [bool]) {
+        let mut first = 0;
+        for _ in 0..self.settings.rings {
+            let ring = first..bodies.len();
+            first = ring.end;
+            for at in ring {
+                for &k in self.adjacency.of(bodies[at]) {
+                    if let Some(j) = self.neighbour(k, bodies[at])
+                        && !inside[j]
+                        && self.is_mobile(j)
+                    {
+                        inside[j] = true;
+                        bodies.push(j);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The connected components of the bodies inside, without those that are too large.
+    fn components(&self, bodies: &[usize], inside: &[bool]) -> Vec<Vec<usize>> {
+        let mut seen = vec![false; inside.len()];
+        let mut patches = Vec::new();
+        for &seed in bodies {
+            if std::mem::replace(&mut seen[seed], true) {
+                continue;
+            }
+            let mut members = vec![seed];
+            let mut at = 0;
+            while at < members.len() {
+                for &k in self.adjacency.of(members[at]) {
+                    if let Some(j) = self.neighbour(k, members[at])
+                        && inside[j]
+                        && !std::mem::replace(&mut seen[j], true)
+                    {
+                        members.push(j);
+                    }
+                }
+                at += 1;
+            }
+            if members.len() <= self.settings.max_bodies {
+                members.sort_unstable();
+                patches.push(members);
+            }
+        }
+        patches
+    }
+}

@@ -1,0 +1,119 @@
+//! Settings of the interior-point method.
+
+/// Settings of the interior-point method. *Residual* is what the method measures of a point, *best*
+/// the point with the minimum of it so far.
+#[non_exhaustive]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InteriorSettings {
+    /// Maximum number of factorisations.
+    ///
+    /// 80: 59 is the most that a solved program is known to take (docs/benchmarks.md).
+    pub max_iterations: u32,
+    /// Maximum force of the elastic trial at the starting displacements. Where a contact carries
+    /// more, the method starts from zero.
+    ///
+    /// 1e5: the last solution may load contacts a million times as much as the loads do, and
+    /// nothing leads back from there (docs/benchmarks.md, *Wild starts*).
+    pub max_start_force: f64,
+    /// Root of the complementarity product of the starting point, for a compliance of 1.
+    ///
+    /// 0.3: decision 001.
+    pub start: f64,
+    /// Maximum compliance that the starting point counts with, displacement over force. A contact
+    /// that is far softer than the others must not start with products far above theirs.
+    ///
+    /// 10: decision 001.
+    pub max_start_compliance: f64,
+    /// Proximal weight per unit of the mean product, force over displacement. Keeps bodies that
+    /// nothing holds in place.
+    ///
+    /// 1e-3: decision 001.
+    pub proximal: f64,
+    /// Minimum proximal weight, force over displacement.
+    ///
+    /// 1e-10: decision 001.
+    pub min_proximal: f64,
+    /// Maximum number of refinements of a linear solve.
+    ///
+    /// 3: decision 001.
+    pub max_refinements: usize,
+    /// Defect of a linear solve, over its right side, that needs no refinement.
+    ///
+    /// 1e-4: decision 001.
+    pub refined: f64,
+    /// Weight of the maximum product in the residual.
+    ///
+    /// 0.02: decision 001.
+    pub product_weight: f64,
+    /// Minimum force that the residual is relative to.
+    ///
+    /// 1e-3: where no contact carries anything, the loads are what counts, and they are of the
+    /// order of 1.
+    pub min_force: f64,
+    /// Residual over the goal at which a point may end the method, if it is good enough and the
+    /// method is slow. Only for exact goals.
+    ///
+    /// 10: ending wherever the method was slow cost half of the time of a collapse, ending only at
+    /// the goal wastes iterations near round-off (docs/benchmarks.md, *Collapse, polish*).
+    pub near: f64,
+    /// Residual over that of the last iteration above which the method is slow.
+    ///
+    /// 0.3: decision 001.
+    pub slow: f64,
+    /// Number of iterations in which the best residual must fall by [`progress`](Self::progress).
+    ///
+    /// 20: decision 001.
+    pub patience: usize,
+    /// Factor by which the best residual must fall in [`patience`](Self::patience) iterations.
+    ///
+    /// 0.1: decision 001.
+    pub progress: f64,
+    /// Number of iterations without a better point that end the method once the best point is at
+    /// the goal.
+    ///
+    /// 3: decision 001.
+    pub max_idle_at_goal: usize,
+    /// Number of iterations without a better point that end the method.
+    ///
+    /// 15: decision 001.
+    pub max_idle: usize,
+    /// Number of iterations without a better point that end the method if it diverges.
+    ///
+    /// 8: decision 001.
+    pub max_idle_diverging: usize,
+    /// Residual over the best one above which the method diverges.
+    ///
+    /// 1e3: decision 001.
+    pub divergence: f64,
+    /// Minimum and maximum part of the way to the boundary that a step takes. Between them it is 1
+    /// less the mean product.
+    ///
+    /// 0.99 and 0.9995: decision 001.
+    pub step: [f64; 2],
+}
+
+impl Default for InteriorSettings {
+    fn default() -> Self {
+        Self {
+            max_iterations: 80,
+            max_start_force: 1e5,
+            start: 0.3,
+            max_start_compliance: 10.0,
+            proximal: 1e-3,
+            min_proximal: 1e-10,
+            max_refinements: 3,
+            refined: 1e-4,
+            product_weight: 0.02,
+            min_force: 1e-3,
+            near: 10.0,
+            slow: 0.3,
+            patience: 20,
+            progress: 0.1,
+            max_idle_at_goal: 3,
+            max_idle: 15,
+            max_idle_diverging: 8,
+            divergence: 1e3,
+            step: [0.99, 0.9995],
+        }
+    }
+}

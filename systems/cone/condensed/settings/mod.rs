@@ -1,0 +1,176 @@
+//! Settings of the [condensed solver](super::Condensed): every number that steers it.
+//!
+//! Lengths and displacements are in units of the program's displacement scale and forces in units
+//! of its force scale, unless a field says otherwise. Round-off limits and array sizes are
+//! constants beside the code that uses them.
+//!
+//! `docs/decisions/001-solver-settings.md` has the solves that fail, the iterations and the
+//! differences of solutions with half and with double of every field. A field without evidence of
+//! its own refers to that table.
+
+mod interior;
+mod newton;
+
+pub use self::interior::InteriorSettings;
+pub use self::newton::{LineSearchSettings, LocalSettings, NewtonSettings};
+use crate::clarabel::Clarabel;
+use crate::polish::PolishSettings;
+use crate::program::ConeProgram;
+
+/// Tolerance of increments by default (`acceptance.residual` of a scene).
+const DEFAULT_RESIDUAL: f64 = 1e-8;
+
+/// Settings of the condensed solver.
+#[non_exhaustive]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CondensedSettings {
+    /// Maximum residual of a solution, without dimension. A program may allow more
+    /// ([`ConeProgram::tolerance`](crate::program::ConeProgram::tolerance)).
+    ///
+    /// 0.9 times the default tolerance of increments, 1e-8.
+    pub tolerance: f64,
+    /// Safety factor on the tolerance that a program states.
+    ///
+    /// 0.9: whoever judges the increment computes the residual again, with another round-off.
+    pub safety: f64,
+    /// A tolerance above this is loose: small programs are not polished, and dynamic programs end
+    /// with the first point within the tolerance.
+    ///
+    /// The default tolerance. Ending with the first point saves an eighth of the iterations in
+    /// dynamics and must not happen in statics, where it threw grains in 129 of 169 increments
+    /// (docs/benchmarks.md, *The first point that is accepted*).
+    pub loose_tolerance: f64,
+    /// Tolerance over the goal of the Newton iteration. The iteration measures the unbalance, which
+    /// is not the residual of the program.
+    ///
+    /// 90: a goal of 1e-10 for the default tolerance. Decision 001.
+    pub newton_margin: f64,
+    /// The same margin for a loose tolerance.
+    ///
+    /// 3: decision 001.
+    pub loose_newton_margin: f64,
+    /// Tolerance over the goal of the interior point. The polish that follows needs a point that is
+    /// more exact than the tolerance.
+    ///
+    /// 900: a goal of 1e-11 for the default tolerance. Decision 001.
+    pub interior_margin: f64,
+    /// Number of interactions above which a program is large. A large program is not polished once
+    /// it is solved. A large static program that is neither solved nor regularised throughout is
+    /// returned as it is, without a polish and without Clarabel.
+    ///
+    /// 2500: beyond, the polish costs more than it gains, and Clarabel does no better in twenty
+    /// times the time.
+    pub large: usize,
+    /// Maximum residual of an interior point that is worth a polish.
+    ///
+    /// 1e-3: decision 001.
+    pub max_polished_residual: f64,
+    /// Maximum displacement of a starting point. A body beyond starts from zero: a start far away
+    /// (a grain that settled, another increment) is worse than none.
+    ///
+    /// 20: decision 001.
+    pub max_start: f64,
+    /// Newton iteration of the whole program.
+    pub newton: NewtonSettings,
+    /// Local elimination between the steps of the Newton iteration.
+    pub local: LocalSettings,
+    /// Interior-point method.
+    pub interior: InteriorSettings,
+    /// Warm start of large dynamic programs.
+    pub warm: WarmSettings,
+    /// Bodies at rest.
+    pub rest: RestSettings,
+    /// Polish of what the interior point leaves of a small program.
+    pub polish: PolishSettings,
+    /// The solver that is called where all others fail.
+    pub fallback: Clarabel,
+}
+
+impl Default for CondensedSettings {
+    fn default() -> Self {
+        let safety = 0.9;
+        Self {
+            tolerance: safety * DEFAULT_RESIDUAL,
+            safety,
+            loose_tolerance: safety * DEFAULT_RESIDUAL,
+            newton_margin: 90.0,
+            loose_newton_margin: 3.0,
+            interior_margin: 900.0,
+            large: 2500,
+            max_polished_residual: 1e-3,
+            max_start: 20.0,
+            newton: NewtonSettings::default(),
+            local: LocalSettings::default(),
+            interior: InteriorSettings::default(),
+            warm: WarmSettings::default(),
+            rest: RestSettings::default(),
+            polish: PolishSettings::default(),
+            fallback: Clarabel::default(),
+        }
+    }
+}
+
+impl CondensedSettings {
+    /// The defaults with another maximum residual.
+    #[must_use]
+    pub fn with_tolerance(tolerance: f64) -> Self {
+        Self { tolerance, ..Self::default() }
+    }
+
+    /// Maximum residual of a solution of a program.
+    pub(super) fn tolerance_of(&self, program: &ConeProgram) -> f64 {
+        self.tolerance.max(self.safety * program.tolerance)
+    }
+}
+
+/// Settings of the warm start: sweeps from the last forces, then the interior point.
+#[non_exhaustive]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WarmSettings {
+    /// Number of sweeps before the interior point.
+    ///
+    /// 40: in the collapse of 5000 disks 20 leave two more of eleven factorisations an increment;
+    /// 80 save less than one and cost more time than that.
+    pub sweeps: usize,
+    /// Sweeps from one over all contacts to the next. Those between leave out contacts without
+    /// force.
+    ///
+    /// 5: decision 001.
+    pub full_sweep_every: usize,
+    /// A contact without force is left out if its gap exceeds this fraction of the maximum
+    /// displacement.
+    ///
+    /// 0.06: decision 001.
+    pub max_gap: f64,
+    /// Complementarity products that the interior point starts with, force times displacement.
+    ///
+    /// 3e-4: with less it gets stuck at the wrong limits, with more it forgets the start.
+    pub product: f64,
+    /// Maximum number of times that contacts which were left out and have closed are taken back.
+    ///
+    /// 2: decision 001.
+    pub max_returns: usize,
+}
+
+impl Default for WarmSettings {
+    fn default() -> Self {
+        Self { sweeps: 40, full_sweep_every: 5, max_gap: 0.06, product: 3e-4, max_returns: 2 }
+    }
+}
+
+/// Settings of the search for bodies at rest.
+#[non_exhaustive]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RestSettings {
+    /// Maximum residual of bodies at rest, without dimension.
+    ///
+    /// 1e-10: a hundredth of the default tolerance of increments, so that what rest leaves does not
+    /// count beside it.
+    pub max_residual: f64,
+}
+
+impl Default for RestSettings {
+    fn default() -> Self {
+        Self { max_residual: 1e-10 }
+    }
+}

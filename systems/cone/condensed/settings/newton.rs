@@ -1,0 +1,188 @@
+//! Settings of the Newton iteration and of local elimination.
+
+/// Settings of one semismooth Newton iteration.
+#[non_exhaustive]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NewtonSettings {
+    /// Maximum number of factorisations.
+    ///
+    /// 16 for the whole program: giving up earlier costs a tenth to a third of the time at the peak
+    /// of the rock specimen, since the interior point that follows is dearer (docs/benchmarks.md).
+    pub max_iterations: u32,
+    /// Length below which a step is tiny, as a fraction of the Newton step. Tiny steps in a row
+    /// mean that every loose cluster holds all others back.
+    ///
+    /// 0.02: decision 001.
+    pub tiny_step: f64,
+    /// Maximum number of tiny steps in a row.
+    ///
+    /// 4 for the whole program: decision 001.
+    pub max_tiny_steps: u32,
+    /// Number of factorisations after which the unbalance must be below
+    /// [`max_late_unbalance`](Self::max_late_unbalance).
+    ///
+    /// 8 for the whole program: from a start near the solution a few factorisations get there.
+    /// Where all bodies are damped it is [`max_iterations`](Self::max_iterations).
+    pub patience: u32,
+    /// Maximum unbalance after [`patience`](Self::patience) factorisations, over the maximum force.
+    ///
+    /// 1e-2: decision 001.
+    pub max_late_unbalance: f64,
+    /// Damping of the first matrix: added to its diagonal, force over displacement. Halved by every
+    /// factorisation. Keeps a step short where nothing is stiff.
+    ///
+    /// 1e-10 for the whole program, 1e-6 for patches: less in patches than before gained a tenth to
+    /// a fifth of the time (docs/benchmarks.md, *leaving fast bodies behind*).
+    pub damping: f64,
+    /// Minimum damping, force over displacement.
+    ///
+    /// 1e-10: small beside the stiffness of a contact, which is of the order of 1.
+    pub min_damping: f64,
+    /// Minimum force that the unbalance is compared with.
+    ///
+    /// 1e-3: where no contact carries anything, the loads are what counts, and they are of the
+    /// order of 1.
+    pub min_force: f64,
+    /// Line search along a step.
+    pub line_search: LineSearchSettings,
+}
+
+impl Default for NewtonSettings {
+    fn default() -> Self {
+        Self {
+            max_iterations: 16,
+            tiny_step: 0.02,
+            max_tiny_steps: 4,
+            patience: 8,
+            max_late_unbalance: 1e-2,
+            damping: 1e-10,
+            min_damping: 1e-10,
+            min_force: 1e-3,
+            line_search: LineSearchSettings::default(),
+        }
+    }
+}
+
+/// Settings of the line search: a safeguarded Newton iteration for the zero of the derivative of
+/// the energy along a step.
+#[non_exhaustive]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LineSearchSettings {
+    /// Derivative at which the search ends, as a fraction of the derivative at the start of the
+    /// step.
+    ///
+    /// 0.02: decision 001.
+    pub max_slope: f64,
+    /// Maximum number of evaluations of the derivative.
+    ///
+    /// 30: a bisection gains a factor of 1e9 with as many.
+    pub max_evaluations: u32,
+    /// Maximum length of a step, as a multiple of the Newton step. Nothing holds the bodies of a
+    /// longer one.
+    ///
+    /// 1e6: decision 001.
+    pub max_length: f64,
+    /// Width of the bracket of the zero, over its upper end, at which the search ends.
+    ///
+    /// 1e-9: the derivative jumps within it.
+    pub min_bracket: f64,
+}
+
+impl Default for LineSearchSettings {
+    fn default() -> Self {
+        Self { max_slope: 0.02, max_evaluations: 30, max_length: 1e6, min_bracket: 1e-9 }
+    }
+}
+
+/// Settings of local elimination: when it comes before a step of the Newton iteration, which bodies
+/// it takes, and how exactly it solves for them.
+#[non_exhaustive]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LocalSettings {
+    /// Length of the last step below which bodies are eliminated, as a fraction of the Newton step.
+    ///
+    /// 0.7: decision 001.
+    pub short_step: f64,
+    /// Minimum unbalance at which bodies are eliminated, over the maximum force.
+    ///
+    /// 1e-9: decision 001.
+    pub min_unbalance: f64,
+    /// Unbalance above which a body is eliminated, as a fraction of the maximum unbalance.
+    ///
+    /// 0.05: fractions of 1 to 10 % make a tenth of the time (docs/benchmarks.md).
+    pub share: f64,
+    /// Interactions from a body that is eliminated to the bodies that are eliminated with it.
+    ///
+    /// 2: 2 to 5 make a tenth of the time (docs/benchmarks.md).
+    pub rings: usize,
+    /// Maximum number of bodies of a patch. Larger ones are left to the global step.
+    ///
+    /// 1500: part of a tenth to a fifth of the time gained (docs/benchmarks.md).
+    pub max_bodies: usize,
+    /// Maximum number of interactions of a body that is eliminated. Bodies with more are walls,
+    /// mostly, and would join everything to one patch.
+    ///
+    /// 32: a disk among equal ones has at most six contacts.
+    pub max_interactions: usize,
+    /// Maximum gap of a contact that joins two bodies to a patch.
+    ///
+    /// 50: decision 001.
+    pub max_gap: f64,
+    /// Number of bodies to be eliminated from which on patches are shared out among threads.
+    /// Changes no result.
+    ///
+    /// 300: handing out less costs more time than it saves.
+    pub min_parallel_bodies: usize,
+    /// Unbalance that is left of a patch, over the maximum unbalance before.
+    ///
+    /// 1e-8: what is left is the residual of the whole program after the next step, if all but a
+    /// few clusters are elastic.
+    pub residual: f64,
+    /// Unbalance that is left of a patch, over its maximum force: the looser of the two goals
+    /// counts.
+    ///
+    /// 1e-10: decision 001.
+    pub goal: f64,
+    /// A body is fast if its step exceeds this many times the
+    /// [`fast_quantile`](Self::fast_quantile) of all steps.
+    ///
+    /// 2: decision 001.
+    pub fast: f64,
+    /// Quantile of the steps of all bodies that fast bodies are compared with.
+    ///
+    /// 0.97: other quantiles make a tenth of the time (docs/benchmarks.md).
+    pub fast_quantile: f64,
+    /// Factor by which a step without the fast bodies must be longer for them to be left behind.
+    ///
+    /// 2: decision 001.
+    pub min_gain: f64,
+    /// Newton iteration of a patch. Its limits guard against hanging: a patch ends at its goal.
+    pub newton: NewtonSettings,
+}
+
+impl Default for LocalSettings {
+    fn default() -> Self {
+        Self {
+            short_step: 0.7,
+            min_unbalance: 1e-9,
+            share: 0.05,
+            rings: 2,
+            max_bodies: 1500,
+            max_interactions: 32,
+            max_gap: 50.0,
+            min_parallel_bodies: 300,
+            residual: 1e-8,
+            goal: 1e-10,
+            fast: 2.0,
+            fast_quantile: 0.97,
+            min_gain: 2.0,
+            newton: NewtonSettings {
+                max_iterations: 30,
+                max_tiny_steps: 30,
+                patience: 30,
+                damping: 1e-6,
+                ..NewtonSettings::default()
+            },
+        }
+    }
+}

@@ -1,0 +1,208 @@
+//! Settings of the [solver of Coulomb's law](super::Coulomb).
+//!
+//! Forces are in units of the maximum force of the start, displacements in units of the program's
+//! displacement scale, and a complementarity product is a force times a displacement.
+//! `docs/decisions/001-solver-settings.md` has the effect of half and double of every field.
+
+/// Settings of the solver of Coulomb's law.
+#[non_exhaustive]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CoulombSettings {
+    /// Products at the start of the interior-point iteration.
+    ///
+    /// 1e-3: decision 001.
+    pub product: f64,
+    /// Maximum number of factorisations of the interior-point iteration.
+    ///
+    /// 40: decision 001.
+    pub max_iterations: u32,
+    /// Products at the start of the first and of the second arc. Their order is fixed, so that runs
+    /// repeat.
+    ///
+    /// 0.1 and 1e-3: decision 001.
+    pub arc_products: [f64; 2],
+    /// Maximum number of factorisations of an arc.
+    ///
+    /// 250: decision 001.
+    pub max_arc: u32,
+    /// Products at the start of the iteration that sharpens the end of an arc, over the tolerance.
+    ///
+    /// 0.1: decision 001.
+    pub end_product: f64,
+    /// Maximum number of factorisations of that iteration.
+    ///
+    /// 8: decision 001.
+    pub max_sharpening: u32,
+    /// Maximum natural map of a solution with dilation that is taken for one without.
+    ///
+    /// 1e-8: the default tolerance of increments. Nothing slides then.
+    pub max_start_map: f64,
+    /// Natural map at which a solution is sharp, over the tolerance. A sharp solution ends the
+    /// iteration.
+    ///
+    /// 1e-3: the products are then a thousandth of what the tolerance allows. Decision 001.
+    pub sharp: f64,
+    /// Maximum ratio of the residuals of two iterations for another one to follow, once the program
+    /// is solved.
+    ///
+    /// 0.5: decision 001.
+    pub progress: f64,
+    /// Minimum unit of force over the force scale of the program.
+    ///
+    /// 1e-2: the floor of the unit that residuals are relative to (docs/formulation.md, section
+    /// 10).
+    pub min_force: f64,
+    /// Maximum number of refinements of a linear solve.
+    ///
+    /// 4: decision 001.
+    pub max_refinements: usize,
+    /// Defect of a linear solve, over its right side, that needs no refinement.
+    ///
+    /// 1e-10: decision 001.
+    pub refined: f64,
+    /// Interior-point iteration.
+    pub interior: CoulombInteriorSettings,
+    /// Path by arc length.
+    pub arc: ArcSettings,
+}
+
+impl Default for CoulombSettings {
+    fn default() -> Self {
+        Self {
+            product: 1e-3,
+            max_iterations: 40,
+            arc_products: [1e-1, 1e-3],
+            max_arc: 250,
+            end_product: 0.1,
+            max_sharpening: 8,
+            max_start_map: 1e-8,
+            sharp: 1e-3,
+            progress: 0.5,
+            min_force: 1e-2,
+            max_refinements: 4,
+            refined: 1e-10,
+            interior: CoulombInteriorSettings::default(),
+            arc: ArcSettings::default(),
+        }
+    }
+}
+
+/// Settings of the interior-point iteration for Coulomb's law.
+#[non_exhaustive]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CoulombInteriorSettings {
+    /// Compliance that regularises the matrix, over the usual compliance of the interaction.
+    ///
+    /// 1e-8: decision 001.
+    pub regularisation: f64,
+    /// Length below which a step is short, as a fraction of the step to the target.
+    ///
+    /// 0.05: decision 001.
+    pub short_step: f64,
+    /// Number of short steps in a row that ends the iteration.
+    ///
+    /// 3: decision 001.
+    pub max_short_steps: u32,
+    /// Number of iterations in which the best residual must fall by [`progress`](Self::progress).
+    ///
+    /// 10: decision 001.
+    pub patience: usize,
+    /// Factor by which the best residual must fall in [`patience`](Self::patience) iterations.
+    ///
+    /// 0.5: decision 001.
+    pub progress: f64,
+    /// Length of the last step below which the next one goes back to the path first: its target is
+    /// at least [`min_centring`](Self::min_centring) times the mean product.
+    ///
+    /// 0.2: decision 001.
+    pub centring_step: f64,
+    /// Minimum target after such a step, over the mean product.
+    ///
+    /// 0.8: decision 001.
+    pub min_centring: f64,
+    /// Minimum and maximum part of the way to the boundary that a step takes. Between them it is 1
+    /// less the mean product.
+    ///
+    /// 0.99 and 0.9995, as in the interior-point method of the associated law.
+    pub step: [f64; 2],
+}
+
+impl Default for CoulombInteriorSettings {
+    fn default() -> Self {
+        Self {
+            regularisation: 1e-8,
+            short_step: 0.05,
+            max_short_steps: 3,
+            patience: 10,
+            progress: 0.5,
+            centring_step: 0.2,
+            min_centring: 0.8,
+            step: [0.99, 0.9995],
+        }
+    }
+}
+
+/// Settings of the path by arc length. A *predictor* is a step along the tangent of the path, a
+/// *correction* a step back to the path, and tau the parameter of the path.
+#[non_exhaustive]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ArcSettings {
+    /// Compliance that regularises the matrix, over the usual compliance of the interaction.
+    ///
+    /// 1e-10: decision 001.
+    pub regularisation: f64,
+    /// Relative change of slacks and multipliers by a correction below which the point is on the
+    /// path.
+    ///
+    /// 0.3: decision 001.
+    pub close: f64,
+    /// Part of the way to the boundary that a step takes.
+    ///
+    /// 0.9: decision 001.
+    pub reach: f64,
+    /// Maximum relative growth of a slack, a multiplier or tau in a predictor.
+    ///
+    /// 3: decision 001.
+    pub growth: f64,
+    /// Factor that shortens a predictor whose corrections do not lead to the path.
+    ///
+    /// 0.3: decision 001.
+    pub shortening: f64,
+    /// Factor by which the next predictors grow again after a quick correction.
+    ///
+    /// 1.6: decision 001.
+    pub recovery: f64,
+    /// Maximum number of corrections of one predictor.
+    ///
+    /// 4: decision 001.
+    pub max_corrections: u32,
+    /// Ratio of the lengths of two corrections above which they diverge.
+    ///
+    /// 2: decision 001.
+    pub divergence: f64,
+    /// Maximum tau, 1 at the start. Beyond, the path leads away from the solutions.
+    ///
+    /// 30: decision 001.
+    pub max_tau: f64,
+    /// Minimum length of a predictor, over tau.
+    ///
+    /// 1e-9: decision 001.
+    pub min_length: f64,
+}
+
+impl Default for ArcSettings {
+    fn default() -> Self {
+        Self {
+            regularisation: 1e-10,
+            close: 0.3,
+            reach: 0.9,
+            growth: 3.0,
+            shortening: 0.3,
+            recovery: 1.6,
+            max_corrections: 4,
+            divergence: 2.0,
+            max_tau: 30.0,
+            min_length: 1e-9,
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! Every field of the settings of the solvers by its name, to be scaled.
+
+use clastic::cone::condensed::CondensedSettings;
+use clastic::cone::coulomb::CoulombSettings;
+
+/// A number, or numbers, that a factor makes larger or smaller.
+pub trait Scaled {
+    /// Multiplies by `factor`; whole numbers are rounded to the nearest, and stay above zero.
+    fn scale(&mut self, factor: f64);
+}
+
+impl Scaled for f64 {
+    fn scale(&mut self, factor: f64) {
+        *self *= factor;
+    }
+}
+
+impl Scaled for usize {
+    fn scale(&mut self, factor: f64) {
+        *self = ((*self as f64 * factor).round() as Self).max(1);
+    }
+}
+
+impl Scaled for u32 {
+    fn scale(&mut self, factor: f64) {
+        *self = ((f64::from(*self) * factor).round() as Self).max(1);
+    }
+}
+
+impl<const N: usize> Scaled for [f64; N] {
+    fn scale(&mut self, factor: f64) {
+        for x in self {
+            x.scale(factor);
+        }
+    }
+}
+
+/// A field: its path, and what scales it.
+pub type Field<S> = (&'static str, fn(&mut S, f64));
+
+macro_rules! fields {
+    ($settings:ty: $($($field:ident).+),* $(,)?) => {
+        vec![$((
+            stringify!($($field).+),
+            (|s: &mut $settings, factor: f64| s.$($field).+.scale(factor)) as fn(&mut $settings, f64),
+        )),*]
+    };
+}
+
+/// Scales what a part leaves of the whole: twice the part itself may be no part.
+fn scale_rest(parts: &mut [f64], factor: f64) {
+    for part in parts {
+        *part = 1.0 - factor * (1.0 - *part);
+    }
+}
+
+/// All fields of the condensed solver.
+pub fn of_condensed() -> Vec<Field<CondensedSettings>> {
+    let mut fields = fields![CondensedSettings:
+        tolerance, safety, loose_tolerance, newton_margin, loose_newton_margin, interior_margin,
+        large, max_polished_residual, max_start,
+        newton.max_iterations, newton.tiny_step, newton.max_tiny_steps, newton.patience,
+        newton.max_late_unbalance, newton.damping, newton.min_damping, newton.min_force,
+        newton.line_search.max_slope, newton.line_search.max_evaluations,
+        newton.line_search.max_length, newton.line_search.min_bracket,
+        local.short_step, local.min_unbalance, local.share, local.rings, local.max_bodies,
+        local.max_interactions, local.max_gap, local.min_parallel_bodies, local.residual,
+        local.goal, local.fast, local.min_gain,
+        local.newton.max_iterations, local.newton.tiny_step, local.newton.max_tiny_steps,
+        local.newton.patience, local.newton.max_late_unbalance, local.newton.damping,
+        local.newton.min_damping, local.newton.min_force, local.newton.line_search.max_slope,
+        local.newton.line_search.max_evaluations, local.newton.line_search.max_length,
+        local.newton.line_search.min_bracket,
+        interior.max_iterations, interior.max_start_force, interior.start,
+        interior.max_start_compliance, interior.proximal, interior.min_proximal,
+        interior.max_refinements, interior.refined, interior.product_weight, interior.min_force,
+        interior.near, interior.slow, interior.patience, interior.progress,
+        interior.max_idle_at_goal, interior.max_idle, interior.max_idle_diverging,
+        interior.divergence,
+        warm.sweeps, warm.full_sweep_every, warm.max_gap, warm.product, warm.max_returns,
+        rest.max_residual,
+        polish.max_passes, polish.residual, polish.large_residual, polish.large,
+        polish.small_residual, polish.regularisation, polish.max_refinements, polish.progress,
+        fallback.tolerance, fallback.max_iterations,
+    ];
+    fields.push(("interior.step", |s, factor| scale_rest(&mut s.interior.step, factor)));
+    fields.push(("local.fast_quantile", |s, factor| {
+        scale_rest(std::slice::from_mut(&mut s.local.fast_quantile), factor);
+    }));
+    fields
+}
+
+/// All fields of the solver of Coulomb's law.
+pub fn of_coulomb() -> Vec<Field<CoulombSettings>> {
+    let mut fields = fields![CoulombSettings:
+        product, max_iterations, arc_products, max_arc, end_product, max_sharpening,
+        max_start_map, sharp, progress, min_force, max_refinements, refined,
+        interior.regularisation, interior.short_step, interior.max_short_steps,
+        interior.patience, interior.progress, interior.centring_step, interior.min_centring,
+        arc.regularisation, arc.close, arc.reach, arc.growth, arc.shortening, arc.recovery,
+        arc.max_corrections, arc.divergence, arc.max_tau, arc.min_length,
+    ];
+    fields.push(("interior.step", |s, factor| scale_rest(&mut s.interior.step, factor)));
+    fields
+}
