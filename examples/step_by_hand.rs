@@ -4,7 +4,6 @@
 //! 9.81 n mm/s.
 
 use bevy_app::App;
-use bevy_ecs::prelude::*;
 use clastic::prelude::*;
 use glam::DVec2;
 
