@@ -326,7 +326,8 @@ mod tests {
 
     #[test]
     fn a_prepared_packing_is_that_of_the_scene() -> Result<(), BenchError> {
-        let scenes = Scenes::new(&std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes"));
+        let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        let scenes = Scenes::new(&root.join("scenes"));
         let stress = |loaded: &LoadedScene, stage: &str| {
             let mut simulation = Simulation::new(&loaded.scene, loaded.specimen.as_ref());
             loop {

@@ -2,7 +2,9 @@
 //!
 //! The `clastic_bench` program runs the parts:
 //!
-//!     cargo run --release -p clastic_bench -- --help
+//! ```text
+//! cargo run --release -p clastic_bench -- --help
+//! ```
 //!
 //! | part | question |
 //! |---|---|
