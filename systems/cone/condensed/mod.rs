@@ -24,6 +24,8 @@ mod newton;
 mod parallel;
 mod reduced;
 mod rest;
+#[cfg(test)]
+mod samples;
 pub mod scaled;
 pub mod settings;
 mod spring;
