@@ -5,6 +5,7 @@ use clastic::cone::condensed::matrix::BodyMatrix;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
 
 /// One interaction: bodies, rows of (p, q) for both, and the 2 x 2 block between.
 type Interaction = ((u32, u32), [[[f64; 2]; 3]; 2], [[f64; 2]; 2]);
@@ -30,6 +31,21 @@ impl Sample {
             values.add(k, rows, d);
         }
         matrix
+    }
+
+    /// Sums of the magnitudes of the terms of every entry of the matrix, and the maximum number of
+    /// interactions of a body.
+    fn magnitudes(&self) -> (Mat<f64>, usize) {
+        let mut absolute = self.clone();
+        let mut interactions = vec![0; self.weights.len()];
+        for ((a, b), rows, d) in &mut absolute.interactions {
+            *rows = rows.map(|rows| rows.map(|row| row.map(f64::abs)));
+            *d = d.map(|d| d.map(f64::abs));
+            for body in [*a, *b] {
+                interactions[body as usize] += 1;
+            }
+        }
+        (absolute.dense(), interactions.into_iter().max().unwrap_or(0))
     }
 
     fn dense(&self) -> Mat<f64> {
@@ -108,24 +124,53 @@ fn samples() -> impl Strategy<Value = Sample> {
     )
 }
 
-/// What round-off leaves of [`backward_error`]: 1e-17 is usual, a wrong solution has 1e-10 and more.
-const BACKWARD: f64 = 1e-15;
+/// Higham's gamma_k = k u/(1 - k u), with u the unit round-off: the relative error of a number that `k`
+/// operations have rounded.
+fn gamma(k: usize) -> f64 {
+    let rounded = k as f64 * 0.5 * f64::EPSILON;
+    rounded / (1.0 - rounded)
+}
 
-/// Greatest defect of a row, over what the row adds up with every entry of the matrix replaced by
-/// the geometric mean of those on the diagonal (Higham 2002, theorem 10.4 and after): for a Cholesky
-/// factorisation some units of round-off, however different the stiffnesses are.
-fn backward_error(dense: &Mat<f64>, x: &[[f64; 3]]) -> f64 {
+/// A bound of the defect of every row of a computed solution x, of n numbers. It has three parts:
+///
+/// - factorisation and solves: a Cholesky factorisation solves `(A + E) x = b` exactly, with
+///   `|E_ij| <= gamma_(3n+1)/(1 - gamma_(n+1)) sqrt(a_ii a_jj)` (Higham 2002, theorems 10.3 to 10.5);
+/// - assembly: an entry is a sum of terms `r d r`, four for every interaction, and a weight. With m the
+///   maximum number of interactions of a body, no term is rounded more than 4 m + 5 times, here and in
+///   the dense matrix: `2 gamma_(4m+5)` times the sum of the magnitudes of the terms;
+/// - the product `A x` that the defect is computed with: `gamma_(n+1) |A| |x|`.
+fn defect_bound(sample: &Sample, dense: &Mat<f64>, x: &Mat<f64>) -> Vec<f64> {
+    let n = x.nrows();
+    let root = |k: usize| dense[(k, k)].sqrt();
+    let sum: f64 = (0..n).map(|k| root(k) * x[(k, 0)].abs()).sum();
+    let of_factor = gamma(3 * n + 1) / (1.0 - gamma(n + 1));
+    let (terms, interactions) = sample.magnitudes();
+    let of_terms = 2.0 * gamma(4 * interactions + 5);
+    let bound = |k: usize| {
+        let row = (0..n).map(|l| {
+            (of_terms * terms[(k, l)] + gamma(n + 1) * dense[(k, l)].abs()) * x[(l, 0)].abs()
+        });
+        of_factor * root(k) * sum + row.sum::<f64>()
+    };
+    (0..n).map(bound).collect()
+}
+
+/// Maximum defect of a row over its bound: at most 1 for a solution.
+fn relative_defect(sample: &Sample, dense: &Mat<f64>, x: &[[f64; 3]]) -> f64 {
     let solution = Mat::from_fn(3 * x.len(), 1, |k, _| x[k / 3][k % 3]);
     let product = dense * &solution;
-    let root = |k: usize| dense[(k, k)].sqrt();
-    let sum: f64 = (0..3 * x.len()).map(|k| root(k) * solution[(k, 0)].abs()).sum();
     let right = right_side(x.len());
     let defect = |k: usize| (product[(k, 0)] - right[k / 3][k % 3]).abs();
-    (0..3 * x.len()).map(|k| defect(k) / (root(k) * sum)).fold(0.0, f64::max)
+    let bounds = defect_bound(sample, dense, &solution);
+    bounds.iter().enumerate().map(|(k, bound)| defect(k) / bound).fold(0.0, f64::max)
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(300))]
+    // Fixed seeds: a run is repeatable, and the bounds hold for any seed.
+    #![proptest_config(ProptestConfig {
+        rng_seed: RngSeed::Fixed(1),
+        ..ProptestConfig::with_cases(300)
+    })]
 
     #[test]
     fn solutions_are_those_of_a_dense_factorisation(sample in samples()) {
@@ -136,12 +181,16 @@ proptest! {
         let mut matrix = sample.matrix();
         let mut x = right_side(n);
         prop_assert!(factorise_and_solve(&mut matrix, &mut x));
-        let scale = expected.norm_max();
-        for k in 0..3 * n {
-            let error = (x[k / 3][k % 3] - expected[(k, 0)]).abs();
-            prop_assert!(error <= 1e-9 * scale, "{error:e} of {scale:e} at {k}");
-        }
-        prop_assert!(backward_error(&dense, &x) <= BACKWARD);
+        prop_assert!(relative_defect(&sample, &dense, &x) <= 1.0);
+        // Both solutions have a defect within its bound, and the eigenvalues of the matrix are at least
+        // its minimum weight: their difference is the inverse times the difference of the defects.
+        let solution = Mat::from_fn(3 * n, 1, |k, _| x[k / 3][k % 3]);
+        let norm = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let defects = norm(&defect_bound(&sample, &dense, &solution))
+            + norm(&defect_bound(&sample, &dense, &expected));
+        let weight = sample.weights.iter().copied().fold(f64::INFINITY, f64::min);
+        let error = (&solution - &expected).norm_l2();
+        prop_assert!(error <= defects / weight, "{error:e} above {:e}", defects / weight);
         // The same factor once more, on its own.
         let mut again = right_side(n);
         in_its_order(&mut matrix, &mut again, BodyMatrix::solve);
@@ -164,7 +213,9 @@ proptest! {
         prop_assert!(factorise_and_solve(&mut matrix, &mut x));
         let mut dense = sample.dense();
         dense[(3 * (which % n) + which % 3, 3 * (which % n) + which % 3)] += 1e7;
-        prop_assert!(backward_error(&dense, &x) <= BACKWARD);
+        // The two shifts here and the one in the dense matrix are three more roundings of a diagonal of
+        // 1e7, beside the 3 n + 1 >= 10 that the bound has for it.
+        prop_assert!(relative_defect(&sample, &dense, &x) <= 1.3);
 
         matrix.assembly().add_diagonal(place, which % 3, f64::NAN);
         let mut x = right_side(n);
@@ -193,11 +244,12 @@ fn contrast_of_stiffness_does_not_cost_backward_stability() {
     let dense = sample.dense();
     let mut x = right_side(bodies);
     assert!(factorise_and_solve(&mut sample.matrix(), &mut x));
-    let error = backward_error(&dense, &x);
-    assert!(error <= BACKWARD, "{error:e}");
-    // The measure sees what a norm of the whole matrix hides.
-    let twice: Vec<_> = x.iter().map(|x| x.map(|x| 2.0 * x)).collect();
-    assert!(backward_error(&dense, &twice) > 1e3 * BACKWARD);
+    let error = relative_defect(&sample, &dense, &x);
+    assert!(error <= 1.0, "{error:e}");
+    // The bound refuses a solution that is 1 % off, although the norm of the matrix is 1e8.
+    let off: Vec<_> = x.iter().map(|x| x.map(|x| 1.01 * x)).collect();
+    let error = relative_defect(&sample, &dense, &off);
+    assert!(error > 1.0, "{error:e}");
 }
 
 /// Two crowds in which everything touches everything share half of their bodies: a front of rows enough
@@ -226,8 +278,8 @@ fn a_large_front() {
         let sample = Sample { weights: vec![1e-3; bodies], interactions };
         let mut x = right_side(bodies);
         assert!(factorise_and_solve(&mut sample.matrix(), &mut x));
-        let error = backward_error(&sample.dense(), &x);
-        assert!(error <= BACKWARD, "{crowd} bodies: {error:e}");
+        let error = relative_defect(&sample, &sample.dense(), &x);
+        assert!(error <= 1.0, "{crowd} bodies: {error:e}");
     }
 }
 
@@ -290,8 +342,8 @@ fn branches_and_trunk() {
     let one = on(1);
     assert_eq!(on(2), one);
     assert_eq!(on(3), one);
-    let error = backward_error(&sample.dense(), &one);
-    assert!(error <= BACKWARD, "{error:e}");
+    let error = relative_defect(&sample, &sample.dense(), &one);
+    assert!(error <= 1.0, "{error:e}");
 }
 
 /// Bodies that touch nothing have no trunk, and a pair that is there twice counts twice.
@@ -302,8 +354,8 @@ fn bodies_that_touch_little() {
         let sample = Sample { weights: vec![4.0; 1200], interactions };
         let mut x = right_side(1200);
         assert!(factorise_and_solve(&mut sample.matrix(), &mut x));
-        let error = backward_error(&sample.dense(), &x);
-        assert!(error <= BACKWARD, "{error:e}");
+        let error = relative_defect(&sample, &sample.dense(), &x);
+        assert!(error <= 1.0, "{error:e}");
         assert_eq!(x[7], right_side(1200)[7].map(|b| b / 4.0));
     }
 }

@@ -64,3 +64,34 @@ pub fn line_search(
     }
     a
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::samples::{contact, held, loaded, posed};
+    use super::*;
+    use crate::program::ConeProgram;
+    use glam::DVec2;
+
+    /// A body with weight 1 at a contact of stiffness 10 is moved down by `a du`: the derivative of the
+    /// energy vanishes at a depth of 0.1, whatever the length of du.
+    #[test]
+    fn the_minimum_of_a_parabola() {
+        let program = ConeProgram {
+            bodies: vec![held(), loaded(0.0, -1.0)],
+            interactions: vec![contact(0, 1, DVec2::Y, 0.1, 0.0)],
+            ..ConeProgram::default()
+        };
+        let (scaled, _, place) = posed(&program);
+        let springs = [Spring::new(&scaled.locals[0])];
+        for length in [0.05, 0.1, 2.0] {
+            let u = [[0.0; 3]; 2];
+            let (mut du, mut gradient) = (u, u);
+            du[place[1]][1] = -length;
+            gradient[place[1]][1] = 1.0;
+            let settings = LineSearchSettings::default();
+            let along = [&u[..], &du[..], &gradient[..]];
+            let a = line_search(&scaled, &springs, &settings, along, &[[0.0; 2]], &[[length, 0.0]]);
+            assert!((a * length - 0.1).abs() <= 0.1 * settings.max_slope, "{a} times {length}");
+        }
+    }
+}

@@ -25,6 +25,8 @@ mod newton;
 mod parallel;
 mod reduced;
 mod rest;
+#[cfg(test)]
+mod samples;
 pub mod scaled;
 pub mod settings;
 mod spring;

@@ -260,3 +260,93 @@ impl Point {
         self.responses.iter().map(|r| [r.s[0], r.s[1], 0.0]).collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec2;
+
+    use super::super::samples::{column, contact, held, loaded, posed};
+    use super::*;
+    use crate::program::ConeProgram;
+
+    const GOAL: Goal = Goal { relative: 1e-12, absolute: 0.0 };
+
+    fn solve(program: &ConeProgram) -> (Newton, Vec<usize>) {
+        let (scaled, mut matrix, place) = posed(program);
+        assert!(applies(&scaled));
+        let start = vec![[0.0; 3]; scaled.free.len()];
+        let settings = NewtonSettings::default();
+        (iterate(&scaled, &mut matrix, &start, &settings, GOAL, &mut Nothing), place)
+    }
+
+    /// A column is a chain of springs: contact k carries the weight of all bodies above it, and a body
+    /// sinks by the sum of the contacts below it. At the start all contacts just touch.
+    #[test]
+    fn a_column_of_three() {
+        let (result, place) = solve(&column(3, 0.1));
+        for (k, force) in [3.0, 2.0, 1.0].into_iter().enumerate() {
+            assert!((result.s[k][0] - force).abs() < 1e-9, "{:?}", result.s);
+        }
+        for (body, sink) in [(1, 0.3), (2, 0.5), (3, 0.6)] {
+            assert!((result.u[place[body]][1] + sink).abs() < 1e-9, "{:?}", result.u);
+        }
+    }
+
+    /// A disk between two walls at right angles, both at 45 degrees: p = W/sqrt(2) each.
+    #[test]
+    fn a_disk_in_a_groove() {
+        let diagonal = DVec2::new(1.0, 1.0).normalize();
+        let program = ConeProgram {
+            bodies: vec![held(), held(), loaded(0.0, -1.0)],
+            interactions: vec![
+                contact(0, 2, diagonal, 0.1, 0.0),
+                contact(1, 2, DVec2::new(-diagonal.x, diagonal.y), 0.1, 0.0),
+            ],
+            ..ConeProgram::default()
+        };
+        let (result, _) = solve(&program);
+        for s in &result.s {
+            assert!((s[0] - 0.5_f64.sqrt()).abs() < 1e-9, "{s:?}");
+        }
+    }
+
+    /// A disk that is pulled up from the floor below it and down by nothing: no force holds it, and the
+    /// iteration ends without a solution, at a cap.
+    #[test]
+    fn what_nothing_holds_ends_at_a_cap() {
+        let program = ConeProgram {
+            bodies: vec![held(), loaded(0.0, 1.0)],
+            interactions: vec![contact(0, 1, DVec2::Y, 0.1, 0.0)],
+            ..ConeProgram::default()
+        };
+        let (result, _) = solve(&program);
+        let settings = NewtonSettings::default();
+        assert!(result.iterations <= settings.max_iterations);
+        assert_eq!(result.s[0][0], 0.0);
+    }
+
+    /// A caller that moves bodies before every step is asked again at the point that it has made.
+    #[test]
+    fn the_caller_may_move_bodies_between_steps() {
+        struct Solution(u32);
+        impl Between for Solution {
+            fn move_bodies(&mut self, _: &Scaled, point: &mut Point) -> bool {
+                self.0 += 1;
+                for (u, g) in point.u.iter_mut().zip(&point.gradient) {
+                    u[1] -= 0.1 * g[1];
+                }
+                true
+            }
+            fn change_step(&mut self, _: &Scaled, _: &Point, _: &mut Step, _: &LineSearchSettings) {
+                unreachable!("no step is needed");
+            }
+        }
+        let (scaled, mut matrix, place) = posed(&column(1, 0.1));
+        let mut between = Solution(0);
+        let start = [[0.0; 3]; 2];
+        let settings = NewtonSettings::default();
+        let result = iterate(&scaled, &mut matrix, &start, &settings, GOAL, &mut between);
+        assert_eq!((result.iterations, between.0), (0, 1));
+        assert!((result.u[place[1]][1] + 0.1).abs() < 1e-12);
+    }
+}

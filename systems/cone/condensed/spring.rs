@@ -105,3 +105,74 @@ impl Spring {
         Response { s: [p0, sign * q0], d: [0.0; 3] }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Stiffnesses of 2 and 1, a coefficient of friction of 0.5, cohesion of 1, strength of 0.5.
+    fn bond() -> Spring {
+        Spring {
+            stiffness: [2.0, 1.0],
+            linear: [0.0, 0.0],
+            friction: 0.5,
+            cohesion: 1.0,
+            tension: 0.5,
+            shears: true,
+        }
+    }
+
+    #[test]
+    fn within_the_limits_the_forces_are_elastic() {
+        let Response { s, d } = bond().respond([1.0, -0.5]);
+        assert_eq!((s, d), ([2.0, -0.5], [2.0, 0.0, 1.0]));
+    }
+
+    /// The return to the limit of shear, `q = c + mu p`, goes along the flow rule: the slip
+    /// `(|q_t| - c - mu p_t)/(k_t + mu^2 k_n)` opens the contact by mu times as much.
+    #[test]
+    fn sliding_returns_to_the_limit_of_shear() {
+        let Response { s, .. } = bond().respond([1.0, 3.5]);
+        let slip = (3.5 - 1.0 - 0.5 * 2.0) / (1.0 + 0.25 * 2.0);
+        assert_eq!(s, [2.0 + 0.5 * 2.0 * slip, 3.5 - slip]);
+        assert!((s[1] - (1.0 + 0.5 * s[0])).abs() < 1e-15);
+    }
+
+    #[test]
+    fn tension_and_shear_are_cut_off_at_the_corner() {
+        // Torn apart, without shear: the strength is left.
+        assert_eq!(bond().respond([-5.0, 0.25]).s, [-0.5, 0.25]);
+        // Torn and sheared: the corner, where q = c - mu f_t.
+        assert_eq!(bond().respond([-5.0, -4.0]).s, [-0.5, -0.75]);
+        // The apex of a contact without strength: no force.
+        let contact = Spring { cohesion: 0.0, tension: f64::INFINITY, ..bond() };
+        assert_eq!(contact.respond([-1.0, 0.1]).s, [0.0, 0.0]);
+    }
+
+    /// Derivatives are those of the forces wherever these are smooth.
+    #[test]
+    fn derivatives_are_those_of_the_forces() {
+        let frictionless = Spring { shears: false, ..bond() };
+        let contact = Spring { cohesion: 0.0, tension: f64::INFINITY, ..bond() };
+        for spring in [bond(), frictionless, contact] {
+            for e in [[1.0, -0.5], [1.0, 3.5], [1.0, -3.5], [-5.0, 0.25], [-5.0, -4.0]] {
+                let [nn, nt, tt] = spring.respond(e).d;
+                let h = 1e-6;
+                let slope = |by: usize, f: usize| {
+                    let at = |sign: f64| {
+                        let mut e = e;
+                        e[by] += sign * h;
+                        spring.respond(e).s[f]
+                    };
+                    (at(1.0) - at(-1.0)) / (2.0 * h)
+                };
+                // The forces are piecewise linear: differences are exact up to round-off over h.
+                for (derivative, slope) in
+                    [(nn, slope(0, 0)), (nt, slope(1, 0)), (nt, slope(0, 1)), (tt, slope(1, 1))]
+                {
+                    assert!((derivative - slope).abs() < 1e-8, "{e:?}: {derivative} {slope}");
+                }
+            }
+        }
+    }
+}

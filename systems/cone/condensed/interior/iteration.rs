@@ -110,6 +110,12 @@ impl<'a> Iteration<'a> {
             .max(self.settings.product_weight * product / force)
     }
 
+    /// Mean product of slacks and multipliers.
+    #[cfg(test)]
+    pub fn mean_product(&self) -> f64 {
+        self.mu
+    }
+
     /// Copies the point.
     pub fn store(&mut self, to: &mut Option<Interior>) {
         let point = to.get_or_insert_with(|| Interior::of(self.program));

@@ -46,3 +46,31 @@ impl SlowPart {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::samples::column;
+    use super::*;
+
+    /// Of 100 bodies one goes ten times as far as all others, or none does.
+    #[test]
+    fn a_body_beyond_the_quantile_is_fast() {
+        let natural: Vec<usize> = (0..100).collect();
+        let scaled = Scaled::new(&column(99, 0.1), &natural);
+        let adjacency = Adjacency::new(100, scaled.locals.iter().map(|l| l.bodies));
+        let settings = LocalSettings::default();
+        let mut step =
+            Step { du: vec![[0.0, 1.0, 0.0]; 100], de: vec![[1.0, 0.0]; 99], length: 0.1 };
+        assert!(SlowPart::of(&scaled, &adjacency, &settings, &step).is_none());
+        step.du[7] = [0.0, 10.0, 0.0];
+        let slow = SlowPart::of(&scaled, &adjacency, &settings, &step).unwrap();
+        for i in 0..100 {
+            assert_eq!(slow.fast[i], i == 7);
+            assert_eq!(slow.du[i], if i == 7 { [0.0; 3] } else { step.du[i] });
+        }
+        // Interactions 6 and 7 join body 7 to its neighbours.
+        for k in 0..99 {
+            assert_eq!(slow.de[k][0], if k == 6 || k == 7 { 0.0 } else { 1.0 });
+        }
+    }
+}

@@ -118,3 +118,28 @@ impl Elimination<'_> {
         moved
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::samples::{column, posed};
+    use super::*;
+
+    /// With local elimination a column comes to the forces of a chain of springs, also from a start in
+    /// which its upper half hangs in the air.
+    #[test]
+    fn a_column_from_a_start_with_open_contacts() {
+        let program = column(6, 0.1);
+        let (scaled, mut matrix, place) = posed(&program);
+        for lift in [0.0, 3.0, 40.0] {
+            let mut start = vec![[0.0; 3]; 7];
+            for body in 4..7 {
+                start[place[body]][1] = lift * body as f64;
+            }
+            let (newton, local) = (NewtonSettings::default(), LocalSettings::default());
+            let result = solve(&scaled, &mut matrix, &start, &newton, &local, 1e-12);
+            for (k, s) in result.s.iter().enumerate() {
+                assert!((s[0] - (6 - k) as f64).abs() < 1e-9, "lift {lift}: {:?}", result.s);
+            }
+        }
+    }
+}

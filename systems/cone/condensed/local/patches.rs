@@ -104,3 +104,42 @@ impl<'a> Patches<'a> {
         patches
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::samples::column;
+    use super::*;
+
+    /// A column of nine bodies on body 0, which is held, with a seed in its middle.
+    fn patches(change: impl Fn(&mut LocalSettings, &mut [[f64; 2]])) -> Vec<Vec<usize>> {
+        let program = column(9, 0.1);
+        let natural: Vec<usize> = (0..10).collect();
+        let scaled = Scaled::new(&program, &natural);
+        let adjacency = Adjacency::new(10, scaled.locals.iter().map(|l| l.bodies));
+        let (mut settings, mut e) = (LocalSettings::default(), [[0.0; 2]; 9]);
+        change(&mut settings, &mut e);
+        Patches::new(&scaled, &adjacency, &settings, &e).grow(|i| i == 5)
+    }
+
+    #[test]
+    fn a_patch_has_the_bodies_within_the_rings() {
+        assert_eq!(patches(|_, _| {}), [[3, 4, 5, 6, 7]]);
+        assert_eq!(patches(|s, _| s.rings = 0), [[5]]);
+        // The held body is in no patch.
+        assert_eq!(patches(|s, _| s.rings = 20), [[1, 2, 3, 4, 5, 6, 7, 8, 9]]);
+    }
+
+    #[test]
+    fn contacts_with_a_wide_gap_join_nothing() {
+        assert_eq!(patches(|s, e| e[5][0] = -1.01 * s.max_gap), [[3, 4, 5]]);
+        assert_eq!(patches(|s, e| e[5][0] = -0.99 * s.max_gap), [[3, 4, 5, 6, 7]]);
+    }
+
+    #[test]
+    fn large_patches_and_walls_are_left_out() {
+        assert_eq!(patches(|s, _| s.max_bodies = 5).len(), 1);
+        assert_eq!(patches(|s, _| s.max_bodies = 4).len(), 0);
+        // With two interactions every body but the last is a wall.
+        assert_eq!(patches(|s, _| s.max_interactions = 1).len(), 0);
+    }
+}

@@ -134,3 +134,37 @@ pub fn backward(upper: &[f64], height: usize, x: &mut [f64]) {
         own[i] = sum / row[i];
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A front without rows whose first pivot is zero: rows are exchanged, and the solution of
+    /// `A x = b` and the sign of the determinant are those of the matrix.
+    #[test]
+    fn a_front_with_a_zero_pivot() {
+        let matrix = [[0.0, 2.0, 1.0], [4.0, 1.0, 0.0], [2.0, 0.0, 3.0]];
+        // Along the first row: -2 (4 * 3 - 0 * 2) + 1 (4 * 0 - 1 * 2) = -26.
+        let mut front = vec![0.0; 3 * row_len(3)];
+        for (row, values) in front.chunks_exact_mut(row_len(3)).zip(matrix) {
+            row[..3].copy_from_slice(&values);
+        }
+        let mut exchanged = [0; 3];
+        assert_eq!(factorise(&mut front, 3, 3, &mut exchanged), -1.0);
+        let square: Vec<f64> =
+            front.chunks_exact(row_len(3)).flat_map(|row| row[..3].to_vec()).collect();
+        let expected = [1.0, -2.0, 3.0];
+        let mut x = matrix.map(|row| (0..3).map(|k| row[k] * expected[k]).sum::<f64>());
+        forward(&square, 3, &exchanged, &mut x);
+        backward(&square, 3, &mut x);
+        for (x, expected) in x.iter().zip(expected) {
+            assert!((x - expected).abs() < 1e-14, "{x} {expected}");
+        }
+    }
+
+    #[test]
+    fn a_singular_front_has_no_sign() {
+        let mut front = vec![1.0; 2 * row_len(2)];
+        assert_eq!(factorise(&mut front, 2, 2, &mut [0; 2]), 0.0);
+    }
+}

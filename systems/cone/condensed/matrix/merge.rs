@@ -82,3 +82,51 @@ pub fn merge(rows: &[Vec<u32>], parents: &[usize]) -> Vec<Option<Group>> {
     }
     groups
 }
+
+#[cfg(test)]
+mod tests {
+    use rand_chacha::ChaCha8Rng;
+    use rand_chacha::rand_core::{Rng, SeedableRng};
+
+    use super::super::ordering::minimum_degree;
+    use super::*;
+
+    /// Order, columns and groups of random graphs: the order is a permutation, the columns have the fill
+    /// that elimination on a dense pattern leaves, and every column is in one group.
+    #[test]
+    fn columns_have_the_fill_of_an_elimination() {
+        let mut random = ChaCha8Rng::seed_from_u64(1);
+        for bodies in [1, 2, 5, 12, 30] {
+            let n = bodies as u32;
+            let mut draw = || (random.next_u32() % n, random.next_u32() % n);
+            let pairs: Vec<_> = (0..2 * bodies).map(|_| draw()).filter(|(a, b)| a != b).collect();
+            let neighbours = Adjacency::of_neighbours(bodies, &pairs);
+            let order = minimum_degree(&neighbours).unwrap();
+            let mut sorted = order.clone();
+            sorted.sort_unstable();
+            assert!(sorted.into_iter().eq(0..bodies));
+
+            let place = places(&order);
+            let mut pattern = vec![vec![false; bodies]; bodies];
+            for (a, b) in pairs {
+                let [a, b] = [a, b].map(|i| place[i as usize]);
+                (pattern[a][b], pattern[b][a]) = (true, true);
+            }
+            let (rows, parents) = columns(&order, &neighbours);
+            for k in 0..bodies {
+                let below: Vec<usize> = (k + 1..bodies).filter(|j| pattern[k][*j]).collect();
+                for &i in &below {
+                    for &j in &below {
+                        pattern[i][j] |= i != j;
+                    }
+                }
+                assert_eq!(parents[k], below.first().copied().unwrap_or(NONE));
+                assert!(rows[k].iter().map(|j| *j as usize).eq(below));
+            }
+            let mut grouped: Vec<u32> =
+                merge(&rows, &parents).into_iter().flatten().flat_map(|g| g.pivots).collect();
+            grouped.sort_unstable();
+            assert!(grouped.into_iter().eq(0..n));
+        }
+    }
+}

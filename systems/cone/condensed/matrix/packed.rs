@@ -92,3 +92,102 @@ pub fn update(packed: &[f64], width: usize, bottom: usize, out: &mut [f64]) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::dense;
+    use super::*;
+
+    /// A trapezoid that is diagonally dominant, of so many pivots and rows.
+    fn trapezoid(pivots: usize, bodies: usize) -> (usize, Vec<f64>) {
+        let height = (3 * bodies + LANES - 1).next_multiple_of(LANES);
+        let mut panel = vec![0.0; 3 * pivots * height];
+        for (k, column) in panel.chunks_exact_mut(height).enumerate() {
+            for (i, x) in column.iter_mut().take(3 * bodies).enumerate() {
+                *x = if i == k {
+                    3.0 * bodies as f64
+                } else {
+                    ((i * i + k * k + i * k) as f64).sin()
+                };
+            }
+        }
+        (height, panel)
+    }
+
+    /// Entry of the factor: in the triangle of its pivot, or below it in the panel.
+    fn entry(panel: &[f64], triangles: &[Triangle], height: usize, i: usize, j: usize) -> f64 {
+        let triangle = &triangles[j / 3];
+        match (i - 3 * (j / 3), j % 3) {
+            (0, 0) => 1.0 / triangle[0],
+            (1, 0) => triangle[1],
+            (2, 0) => triangle[2],
+            (1, 1) => 1.0 / triangle[3],
+            (2, 1) => triangle[4],
+            (2, 2) => 1.0 / triangle[5],
+            (0..3, _) => 0.0,
+            _ => panel[j * height + i],
+        }
+    }
+
+    /// The factor times its transpose is the matrix: every entry within gamma_(n+1) of what it is a sum
+    /// of (Higham 2002, theorem 10.3).
+    #[test]
+    fn the_factor_of_a_trapezoid() {
+        for (pivots, bodies) in [(1, 1), (1, 4), (2, 3), (5, 5), (4, 11)] {
+            let (height, matrix) = trapezoid(pivots, bodies);
+            let (mut panel, mut triangles) = (matrix.clone(), vec![[0.0; 6]; pivots]);
+            assert!(dense::factorise(&mut panel, height, &mut triangles));
+            for j in 0..3 * pivots {
+                for i in j..3 * bodies {
+                    let terms = (0..=j).map(|k| {
+                        entry(&panel, &triangles, height, i, k)
+                            * entry(&panel, &triangles, height, j, k)
+                    });
+                    let size: f64 = terms.clone().map(f64::abs).sum();
+                    let sum: f64 = terms.sum();
+                    // A few roundings more than the theorem: inverses of the diagonal, and this sum.
+                    let bound = (2 * j + 8) as f64 * 0.5 * f64::EPSILON * size;
+                    assert!(
+                        (sum - matrix[j * height + i]).abs() <= bound,
+                        "{pivots} {bodies} {i} {j}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_not_positive_definite_has_no_factor() {
+        let (height, mut panel) = trapezoid(3, 5);
+        panel[4 * height + 4] = -1.0;
+        assert!(!dense::factorise(&mut panel, height, &mut [[0.0; 6]; 3]));
+    }
+
+    /// Factor and update of a front that is copied into chunks are the same bytes as without the copy.
+    #[test]
+    fn a_copy_in_chunks_changes_no_byte() {
+        for (pivots, rows) in [(8, 75), (9, 80), (21, 90)] {
+            let (height, matrix) = trapezoid(pivots, pivots + rows);
+            let (width, bottom) = (3 * pivots, (3 * rows).next_multiple_of(LANES));
+            let (mut panel, mut triangles) = (matrix.clone(), vec![[0.0; 6]; pivots]);
+            assert!(dense::factorise(&mut panel, height, &mut triangles));
+            let mut plain = vec![0.0; bottom * 3 * rows];
+            dense::update(&panel, height, width, bottom, &mut plain);
+
+            let (mut other, mut other_triangles) = (matrix, vec![[0.0; 6]; pivots]);
+            let mut copy = vec![0.0; height.next_multiple_of(CHUNK) * width];
+            assert!(factorise(&mut other, height, &mut other_triangles, &mut copy));
+            let mut chunked = vec![0.0; bottom * 3 * rows];
+            update(&copy, width, bottom, &mut chunked);
+            assert_eq!(triangles, other_triangles);
+            for j in 0..width {
+                let below = j * height + 3 * (j / 3) + 3..(j * height + 3 * (pivots + rows));
+                assert_eq!(panel[below.clone()], other[below]);
+            }
+            for j in 0..3 * rows {
+                let lower = j * bottom + j..j * bottom + 3 * rows;
+                assert_eq!(plain[lower.clone()], chunked[lower]);
+            }
+        }
+    }
+}
