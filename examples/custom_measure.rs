@@ -26,6 +26,7 @@ fn measure(
     coordination.0 = 2.0 * loaded.count() as f64 / bodies.particles as f64;
 }
 
+/// Runs the example.
 pub fn main() {
     let mut app = App::new();
     app.add_plugins(ClasticPlugins::default());

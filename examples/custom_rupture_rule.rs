@@ -40,6 +40,7 @@ fn break_old_bonds(
     }
 }
 
+/// Runs the example.
 pub fn main() {
     let mut app = App::new();
     app.add_plugins(ClasticPlugins::default().build().disable::<RuptureBondsPlugin>());

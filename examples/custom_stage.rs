@@ -36,6 +36,7 @@ const SCENE: &str = r#"(
         analysis: Dynamic(dt: 1.0e-3, theta: 1.0))],
 )"#;
 
+/// Runs the example.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let loaded = clastic::scene::from_str(SCENE, "tilt.ron".as_ref(), "".as_ref(), &[])?;
     let mut app = App::new();

@@ -32,6 +32,7 @@ fn follow(progress: Res<Progress>, mut lids: Query<(&Sine, &body::Position, &mut
     }
 }
 
+/// Runs the example.
 pub fn main() {
     let mut app = App::new();
     app.add_plugins(ClasticPlugins::default());

@@ -5,6 +5,7 @@
 use clastic::prelude::*;
 use clastic::scene::load;
 
+/// Runs the example.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/tension.ron");
     let loaded = load(path.as_ref(), &[])?;

@@ -7,6 +7,7 @@ use bevy_app::App;
 use clastic::prelude::*;
 use glam::DVec2;
 
+/// Runs the example.
 pub fn main() {
     let mut app = App::new();
     app.add_plugins(ClasticPlugins::default());

@@ -69,12 +69,13 @@ pub fn to_the_end(
         Progress::new(quiet, simulation.world().resource::<Script>().scene.stages.len());
     simulation.app_mut().add_plugins(OutputPlugin).insert_resource(writer);
     let ending = loop {
-        if let Step::Finished(outcome) = simulation.step() {
-            break Ending::Finished(outcome);
-        }
+        let step = simulation.step();
         let world = simulation.world_mut();
         if let Some(OutputFailure(error)) = world.remove_resource::<OutputFailure>() {
             return Err(stopped(error, world.resource::<RunWriter>(), directory));
+        }
+        if let Step::Finished(outcome) = step {
+            break Ending::Finished(outcome);
         }
         progress.show(world.resource::<Place>(), world.resource::<Observation>());
         if interrupt.requested() && world.resource::<Script>().outcome.is_none() {
@@ -126,6 +127,7 @@ pub fn to_the_end(
         Ending::Finished(Outcome::Undecided { message, .. }) => {
             Err(Failure { exit: Exit::Solver, message })
         }
+        Ending::Finished(Outcome::Halted(message)) => Err(Failure { exit: Exit::Files, message }),
         Ending::Finished(Outcome::Refused { message, .. }) => {
             let message = format!(
                 "{message}; once that is mended, `clastic resume {} --set PATH=VALUE` goes on",

@@ -46,6 +46,9 @@ pub fn summary(of: &Summary) -> String {
         Ending::Finished(Outcome::Undecided { increment, .. }) => {
             format!("undecided at increment {increment}")
         }
+        Ending::Finished(Outcome::Halted(message)) => {
+            format!("stopped after increment {increment}: {message}")
+        }
         Ending::Finished(Outcome::Refused { stage, .. }) => {
             format!("stopped after increment {increment}: stage {} cannot begin", label(stage))
         }

@@ -149,6 +149,9 @@ impl OutcomeRecord {
             Some(Outcome::Undecided { increment, message }) => {
                 at("undecided", stage, *increment, Some(message.clone()))
             }
+            Some(Outcome::Halted(message)) => {
+                at("interrupted", stage, increment, Some(message.clone()))
+            }
             Some(Outcome::Refused { stage, message }) => {
                 at("refused", stage.clone(), increment, Some(message.clone()))
             }

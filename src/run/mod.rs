@@ -21,7 +21,7 @@ mod stop;
 use bevy_app::App;
 use bevy_ecs::prelude::*;
 
-use clastic_systems::stepping::{Advance, Due};
+use clastic_systems::stepping::{Advance, Due, Halted};
 
 pub use plugin::ScenePlugin;
 pub use script::{Collapse, CollapsedBy, EndedBy, Outcome, StageEnd, Step};
@@ -101,6 +101,9 @@ impl Simulation {
 /// Takes a world with a scene on to the end of the next increment: runs [`Advance`] once.
 pub fn advance(world: &mut World) -> Step {
     world.run_schedule(Advance);
+    if let Some(Halted(message)) = world.get_resource::<Halted>() {
+        return Step::Finished(Outcome::Halted(message.clone()));
+    }
     match &world.resource::<script::Script>().outcome {
         Some(outcome) if !world.resource::<Due>().0 => Step::Finished(outcome.clone()),
         _ => Step::Increment,

@@ -14,7 +14,7 @@ use clastic_systems::stepping::{Advance, AdvanceSystems};
 use super::before::{Before, take_down};
 use super::script::Script;
 use super::stages::{CurrentStage, begin_built_in, change_stages, end_built_in};
-use super::state::{MATERIALS, MaterialNames, SCRIPT, ScriptState};
+use super::state::{FIRST_WALL, FirstWall, MATERIALS, MaterialNames, SCRIPT, ScriptState};
 use super::stop::end_increment;
 use crate::scene::format::{CustomStage, Stage};
 
@@ -98,6 +98,7 @@ impl Plugin for ScenePlugin {
         app.register_component::<BodyId, Group>("group")
             .register_component::<BodyId, WallName>("wall_name")
             .register_state::<MaterialNames>(MATERIALS)
+            .register_state::<FirstWall>(FIRST_WALL)
             .register_state::<ScriptState>(SCRIPT)
             .init_resource::<StageKinds>()
             .init_resource::<Before>()

@@ -153,6 +153,12 @@ pub enum Outcome {
         /// Which residual, and what to try.
         message: String,
     },
+    /// Nothing goes on any more, for a reason that is not the specimen's: an increment could not be
+    /// written, or a plugin has inserted [`Halted`](clastic_systems::stepping::Halted).
+    Halted(
+        /// What happened.
+        String,
+    ),
     /// A stage could not begin as the scene says. All increments before it are committed.
     Refused {
         /// The stage.

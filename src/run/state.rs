@@ -17,7 +17,7 @@ use clastic_systems::wall_states::{ControlStates, WALL_CONTROL};
 use super::before::Before;
 use super::load::resolve_measures;
 use super::script::{Collapse, Outcome, Script, StageEnd};
-use super::spawn::insert_settings;
+use super::spawn::{WallCatalogue, insert_settings};
 use crate::scene::format::Scene;
 use crate::scene::{StoredParticle, StoredSpecimen};
 
@@ -25,6 +25,9 @@ use crate::scene::{StoredParticle, StoredSpecimen};
 pub const SCRIPT: &str = "script";
 /// Name of [`MaterialNames`] in a state.
 pub const MATERIALS: &str = "materials.names";
+
+/// Name of [`FirstWall`] in a state.
+pub const FIRST_WALL: &str = "walls.first";
 
 /// What a [`Script`] remembers besides its scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -86,6 +89,20 @@ impl StateOf for MaterialNames {
     fn put(self, _: &mut World) {}
 }
 
+/// Identity of the first wall of the scene: the number of particles when it was spawned.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FirstWall(pub u32);
+
+impl StateOf for FirstWall {
+    fn take(world: &mut World) -> Option<Self> {
+        world.get_resource::<WallCatalogue>().map(|catalogue| Self(catalogue.first))
+    }
+
+    fn put(self, world: &mut World) {
+        world.get_resource_or_init::<WallCatalogue>().first = self.0;
+    }
+}
+
 fn undecided(script: &Script) -> bool {
     matches!(script.outcome, Some(Outcome::Undecided { .. }))
 }
@@ -113,8 +130,8 @@ pub fn capture(world: &mut World) -> Result<WorldState, StateError> {
 /// # Errors
 /// If the state has an entry that no plugin registers, or that cannot be decoded.
 pub fn restore(world: &mut World, scene: &Scene, state: &WorldState) -> Result<(), StateError> {
-    let particles = state.components::<BodyId, Particle>("particle")?.len();
-    insert_settings(world, scene, particles as u32);
+    let FirstWall(first) = state.get(FIRST_WALL)?;
+    insert_settings(world, scene, first);
     world.insert_resource(Script::new(scene));
     state.restore(world)?;
     // Who looks at the world before the next increment looks here.

@@ -160,7 +160,7 @@ struct Lid {
 fn leave_to_loads(mut lids: Query<(&WallControl, &mut WallDrive), With<Lid>>) {
     for (control, mut drive) in &mut lids {
         if *control == WallControl::Custom {
-            *drive = WallDrive::Loaded(Ramp::default());
+            *drive = WallDrive::Loaded(body::Ramp::default());
         }
     }
 }

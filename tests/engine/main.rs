@@ -11,6 +11,7 @@ mod avalanches;
 mod biaxial;
 mod changed_stress;
 mod column_collapse;
+mod coming_and_going;
 mod conservation;
 mod detection;
 mod embedding;

@@ -39,7 +39,9 @@ impl Verdict {
             }
             Outcome::Collapsed(_) => Self::Collapsed { proved: proofs.iter().all(|proof| *proof) },
             Outcome::Undecided { message, .. } => Self::Undecided(message.clone()),
-            Outcome::Refused { message, .. } => Self::Wrong(message.clone()),
+            Outcome::Refused { message, .. } | Outcome::Halted(message) => {
+                Self::Wrong(message.clone())
+            }
         }
     }
 

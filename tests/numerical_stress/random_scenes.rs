@@ -418,7 +418,7 @@ pub fn survey(scene_of: impl Fn(u64) -> Scene) {
                     Outcome::Completed => 0,
                     Outcome::Collapsed(_) => 1,
                     Outcome::Undecided { .. } => 2,
-                    Outcome::Refused { .. } => 3,
+                    Outcome::Refused { .. } | Outcome::Halted(_) => 3,
                 }] += 1;
                 if !story.findings.complaints.is_empty() {
                     failures.push((seed, story.findings.complaints.join("; ")));

@@ -5,4 +5,5 @@ mod common;
 
 mod agreement;
 mod body_matrix;
+mod settings;
 mod solvers;

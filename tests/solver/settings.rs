@@ -1,9 +1,7 @@
 //! The settings of the solvers steer how a solution is found, not what it is.
 //!
-//! `cargo test --release --test solver_settings -- --ignored --nocapture` prints the table of
+//! `cargo test --release --test solver settings -- --ignored --nocapture` prints the table of
 //! `docs/decisions/001-solver-settings.md`.
-
-mod common;
 
 use std::fmt::Debug;
 use std::sync::{Arc, Mutex};
@@ -18,8 +16,8 @@ use clastic::run::{Simulation, Step};
 use clastic::scene;
 use clastic::systems::solve_program::Solver;
 
-use common::programs::{KINDS, programs};
-use common::settings::{Field, of_condensed, of_coulomb};
+use crate::common::programs::{KINDS, programs};
+use crate::common::settings::{Field, of_condensed, of_coulomb};
 
 /// Maximum residual of an increment where a program does not state another tolerance.
 const RESIDUAL: f64 = 1e-8;

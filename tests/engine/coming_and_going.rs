@@ -1,0 +1,166 @@
+//! Bodies and bonds that come and go while a run is under way.
+
+use bevy_app::App;
+use bevy_ecs::prelude::*;
+use clastic::components::contact::{Bodies, ContactHistory, KeptRows};
+use clastic::output::{OutputPlugin, RunOptions, RunWriter};
+use clastic::prelude::*;
+use clastic::run::WorldState;
+use clastic::scene::{self, LoadedScene};
+use glam::DVec2;
+
+/// Three disks on each other in a box, with friction and elastic contacts.
+fn box_of_disks() -> LoadedScene {
+    let text = r#"(
+        version: 1, title: "box",
+        analysis: Dynamic(dt: 1.0e-3, theta: 1.0),
+        gravity: (0.0, -9.81),
+        materials: { "stone": (density: 2650.0,
+            contact: (normal_stiffness: 1.0e6, tangential_stiffness: 5.0e5, friction: 0.4)) },
+        specimen: Particles([
+            (position: (0.00, 0.05), radius: 0.05),
+            (position: (0.02, 0.15), radius: 0.05),
+            (position: (-0.01, 0.25), radius: 0.05),
+        ]),
+        walls: [
+            (name: "floor", start: (-0.1, 0.0), end: (0.1, 0.0),
+                contact: (normal_stiffness: 1.0e6, tangential_stiffness: 5.0e5, friction: 0.4)),
+            (name: "left", start: (-0.1, 1.0), end: (-0.1, 0.0), contact: (normal_stiffness: 1.0e6)),
+            (name: "right", start: (0.1, 0.0), end: (0.1, 1.0), contact: (normal_stiffness: 1.0e6)),
+        ],
+        stages: [
+            Load(name: "fall", increments: 300),
+            Load(name: "open", increments: 100, remove_walls: ["left"]),
+        ],
+    )"#;
+    scene::from_str(text, "box.ron".as_ref(), "".as_ref(), &[]).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn bytes(state: &WorldState) -> Vec<u8> {
+    postcard::to_stdvec(state).unwrap()
+}
+
+fn steps(simulation: &mut Simulation, count: usize) {
+    for _ in 0..count {
+        assert_eq!(simulation.step(), Step::Increment);
+        let record = simulation.world().resource::<Observation>();
+        assert_eq!(record.status.name(), "solved", "increment {}", record.increment);
+    }
+}
+
+fn particle(simulation: &mut Simulation, id: u32) -> Entity {
+    let mut particles =
+        simulation.world_mut().query_filtered::<(Entity, &BodyId), With<Particle>>();
+    let found = particles.iter(simulation.world()).find(|(_, found)| found.0 == id);
+    found.map(|(entity, _)| entity).unwrap_or_else(|| panic!("no particle {id}"))
+}
+
+#[test]
+fn a_run_into_which_disks_are_poured_and_from_which_one_goes_resumes_to_the_same_bytes() {
+    let loaded = box_of_disks();
+    let mut simulation = Simulation::new(&loaded.scene, None);
+    steps(&mut simulation, 150);
+    // Walls have the identities 3, 4, 5: the new disk has 6, and its row is before theirs.
+    let disk = Particle::disk(0.04, 2650.0, 1.0);
+    let place = body::Position(DVec2::new(0.0, 0.6));
+    let poured = simulation.world_mut().spawn((disk, place)).id();
+    assert_eq!(simulation.world().get::<BodyId>(poured), Some(&BodyId(6)));
+    steps(&mut simulation, 100);
+    let ids: Vec<u32> = simulation.world().resource::<Bodies>().ids.iter().map(|id| id.0).collect();
+    assert_eq!(ids, [0, 1, 2, 6, 3, 4, 5]);
+
+    let bottom = particle(&mut simulation, 0);
+    simulation.world_mut().despawn(bottom);
+    // In the middle of the gap that it leaves: the tables have the rows of before.
+    let state = simulation.state().unwrap();
+    let mut resumed = Simulation::resume(&loaded.scene, &state).unwrap();
+    for run in [&mut simulation, &mut resumed] {
+        // Beyond the end of the stage, in which a wall goes.
+        steps(run, 100);
+        let ids: Vec<u32> = run.world().resource::<KeptRows>().ids.iter().map(|id| id.0).collect();
+        assert_eq!(ids, [1, 2, 6, 3, 5]);
+    }
+    assert!(bytes(&simulation.state().unwrap()) == bytes(&resumed.state().unwrap()));
+}
+
+#[test]
+fn a_disk_far_away_that_comes_or_goes_changes_no_force() {
+    let loaded = box_of_disks();
+    let mut quiet = Simulation::new(&loaded.scene, None);
+    let mut busy = Simulation::new(&loaded.scene, None);
+    let shear = |run: &Simulation| {
+        let history = &run.world().resource::<ContactHistory>().0;
+        history.iter().map(|m| (m.p, m.q)).collect::<Vec<_>>()
+    };
+    for round in 0..10 {
+        steps(&mut quiet, 20);
+        steps(&mut busy, 20);
+        let (expected, found) = (shear(&quiet), shear(&busy));
+        assert_eq!(expected.len(), found.len(), "round {round}");
+        for ((p, q), (r, s)) in expected.into_iter().zip(found) {
+            assert!((p - r).abs() < 1e-6 && (q - s).abs() < 1e-6, "round {round}: {p} {q} {r} {s}");
+        }
+        // It falls freely beside the box, and is taken away every other round.
+        if round % 2 == 0 {
+            let disk = Particle::disk(0.01, 2650.0, 1.0);
+            busy.world_mut().spawn((disk, body::Position(DVec2::new(0.0, 50.0))));
+        } else {
+            let id = busy.world().resource::<Bodies>().ids[3].0;
+            let far = particle(&mut busy, id);
+            busy.world_mut().despawn(far);
+        }
+    }
+}
+
+#[test]
+#[should_panic(expected = "body 1 is entity")]
+fn a_second_body_of_an_identity_is_refused() {
+    let mut simulation = Simulation::new(&box_of_disks().scene, None);
+    let disk = Particle::disk(0.04, 2650.0, 1.0);
+    simulation.world_mut().spawn((BodyId(1), disk, body::Position(DVec2::new(0.0, 0.6))));
+}
+
+#[test]
+#[should_panic(expected = "two walls do not bond")]
+fn a_bond_between_two_walls_is_refused() {
+    let mut app = App::new();
+    app.add_plugins(ClasticPlugins::default());
+    let wall = Wall { tangent: DVec2::X, half_length: 1.0 };
+    let [a, b] =
+        [0.0, 1.0].map(|y| app.world_mut().spawn((wall, body::Position(DVec2::new(0.0, y)))).id());
+    app.world_mut().spawn(Bond::between(a, b, BondLaw::default()));
+}
+
+#[test]
+fn a_run_ends_in_the_same_state_without_output() {
+    let loaded = box_of_disks();
+    let mut silent = Simulation::new(&loaded.scene, None);
+    let mut written = Simulation::new(&loaded.scene, None);
+    let parent = tempfile::tempdir().unwrap();
+    let options = RunOptions { directory: parent.path().join("run"), ..Default::default() };
+    let writer = RunWriter::create(options, &loaded, written.world_mut()).unwrap();
+    written.app_mut().add_plugins(OutputPlugin).insert_resource(writer);
+    assert_eq!(silent.run(), written.run());
+    assert!(bytes(&silent.state().unwrap()) == bytes(&written.state().unwrap()));
+    let history = std::fs::read_to_string(parent.path().join("run/history.csv")).unwrap();
+    assert_eq!(history.lines().count(), 401);
+}
+
+#[test]
+fn a_disk_that_cannot_be_written_halts_the_run_and_panics_not() {
+    let loaded = box_of_disks();
+    let mut simulation = Simulation::new(&loaded.scene, None);
+    let parent = tempfile::tempdir().unwrap();
+    let directory = parent.path().join("run");
+    let options = RunOptions { directory: directory.clone(), ..Default::default() };
+    let writer = RunWriter::create(options, &loaded, simulation.world_mut()).unwrap();
+    simulation.app_mut().add_plugins(OutputPlugin).insert_resource(writer);
+    simulation.step();
+    std::fs::remove_file(directory.join("history.csv")).unwrap();
+    let Step::Finished(Outcome::Halted(halted)) = simulation.step() else { panic!("it went on") };
+    assert!(halted.contains("history.csv"), "{halted}");
+    // Nothing goes on from there.
+    let increment = simulation.world().resource::<Progress>().increment;
+    assert_eq!(simulation.run(), Outcome::Halted(halted));
+    assert_eq!(simulation.world().resource::<Progress>().increment, increment);
+}
