@@ -4,11 +4,23 @@ use clastic::scene::Finding;
 use clastic::scene::format::{Scene, Stage, WallControl};
 use clastic::scene::spans::join;
 
-/// The walls that a scene leaves to a system of an embedding program. No system of this program moves
-/// them: they would stand still without a word.
+/// The walls and stages that a scene leaves to an embedding program. No system of this program moves
+/// such walls: they would stand still without a word. No plugin of it provides such stages.
 pub fn own_findings(scene: &Scene) -> Vec<Finding> {
     let mut findings = Vec::new();
     for (i, stage) in scene.stages.iter().enumerate() {
+        if let Stage::Custom(stage) = stage {
+            findings.push(Finding::new(
+                format!("stages[{i}].kind"),
+                format!(
+                    "`{}` is a kind of stage that a plugin of an embedding program provides, and the \
+                     `clastic` program has none",
+                    stage.kind
+                ),
+                "give a `Load`, `Compact` or `Cement`, or run the scene in a program of your own \
+                 (ARCHITECTURE.md, Extending)",
+            ));
+        }
         let Stage::Load(stage) = stage else { continue };
         let custom = stage.walls.iter().filter(|(_, control)| **control == WallControl::Custom);
         findings.extend(custom.map(|(name, _)| {

@@ -189,3 +189,21 @@ fn a_stall_for_want_of_digits_says_so() {
     let said = stderr(&stalled.code(4));
     assert!(said.contains("try: a greater `acceptance.residual`"), "{said}");
 }
+
+#[test]
+fn exit_3_a_stage_of_a_kind_that_no_plugin_provides() {
+    let directory = tempfile::tempdir().unwrap();
+    let scene = directory.path().join("tilt.ron");
+    let stage =
+        r#"stages: [Custom(name: "tilt", kind: "Tilt", increments: 2, values: { "angle": 0.1 }),"#;
+    let text = SQUEEZED.replace("stages: [", stage);
+    assert_ne!(text, SQUEEZED);
+    fs::write(&scene, text).unwrap();
+    let path = scene.to_str().unwrap();
+    let out = directory.path().join("out");
+    for arguments in [vec!["check", path], vec!["run", path, "--out", out.to_str().unwrap()]] {
+        let said = stderr(&clastic(&arguments).code(3));
+        assert!(said.contains("stages[0].kind: `Tilt` is a kind of stage"), "{said}");
+    }
+    assert!(!out.exists());
+}
