@@ -42,7 +42,8 @@ macro_rules! fields {
     ($settings:ty: $($($field:ident).+),* $(,)?) => {
         vec![$((
             stringify!($($field).+),
-            (|s: &mut $settings, factor: f64| s.$($field).+.scale(factor)) as fn(&mut $settings, f64),
+            (|s: &mut $settings, factor: f64| s.$($field).+.scale(factor))
+                as fn(&mut $settings, f64),
         )),*]
     };
 }

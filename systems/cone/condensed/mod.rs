@@ -23,7 +23,7 @@ pub mod matrix;
 mod newton;
 mod parallel;
 mod reduced;
-mod rest;
+pub mod rest;
 #[cfg(test)]
 mod samples;
 pub mod scaled;
