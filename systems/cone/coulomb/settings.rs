@@ -119,7 +119,7 @@ pub struct CoulombInteriorSettings {
     pub centring_step: f64,
     /// Minimum target after such a step, over the mean product; at most 1.
     ///
-    /// 0.8: found by trial; no measurement is on record.
+    /// 0.8: no measurement is on record.
     pub min_centring: f64,
     /// Minimum and maximum part of the way to the boundary that a step takes. Between them it is 1
     /// less the mean product.
@@ -150,44 +150,44 @@ impl Default for CoulombInteriorSettings {
 pub struct ArcSettings {
     /// Compliance that regularises the matrix, over the usual compliance of the interaction.
     ///
-    /// 1e-10: found by trial; no measurement is on record.
+    /// 1e-10: no measurement is on record.
     pub regularisation: f64,
     /// Relative change of slacks and multipliers by a correction below which the point is on the
     /// path.
     ///
-    /// 0.3: found by trial; no measurement is on record.
+    /// 0.3: no measurement is on record.
     pub close: f64,
     /// Part of the way to the boundary that a step takes.
     ///
-    /// 0.9: found by trial; no measurement is on record.
+    /// 0.9: no measurement is on record.
     pub reach: f64,
     /// Maximum relative growth of a slack, a multiplier or tau in a predictor.
     ///
-    /// 3: found by trial; no measurement is on record.
+    /// 3: no measurement is on record.
     pub growth: f64,
     /// Factor that shortens a predictor whose corrections do not lead to the path.
     ///
-    /// 0.3: found by trial; no measurement is on record.
+    /// 0.3: no measurement is on record.
     pub shortening: f64,
     /// Factor by which the next predictors grow again after a quick correction.
     ///
-    /// 1.6: found by trial; no measurement is on record.
+    /// 1.6: no measurement is on record.
     pub recovery: f64,
     /// Maximum number of corrections of one predictor.
     ///
-    /// 4: found by trial; no measurement is on record.
+    /// 4: no measurement is on record.
     pub max_corrections: u32,
     /// Ratio of the lengths of two corrections above which they diverge.
     ///
-    /// 2: found by trial; no measurement is on record.
+    /// 2: no measurement is on record.
     pub divergence: f64,
     /// Maximum tau, 1 at the start. Beyond, the path leads away from the solutions.
     ///
-    /// 30: found by trial; no measurement is on record.
+    /// 30: no measurement is on record.
     pub max_tau: f64,
     /// Minimum length of a predictor, over tau.
     ///
-    /// 1e-9: found by trial; no measurement is on record.
+    /// 1e-9: no measurement is on record.
     pub min_length: f64,
 }
 
