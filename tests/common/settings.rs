@@ -42,7 +42,8 @@ macro_rules! fields {
     ($settings:ty: $($($field:ident).+),* $(,)?) => {
         vec![$((
             stringify!($($field).+),
-            (|s: &mut $settings, factor: f64| s.$($field).+.scale(factor)) as fn(&mut $settings, f64),
+            (|s: &mut $settings, factor: f64| s.$($field).+.scale(factor))
+                as fn(&mut $settings, f64),
         )),*]
     };
 }
@@ -96,10 +97,16 @@ pub fn of_coulomb() -> Vec<Field<CoulombSettings>> {
         product, max_iterations, arc_products, max_arc, end_product, max_sharpening,
         max_start_map, sharp, progress, min_force, max_refinements, refined,
         interior.regularisation, interior.short_step, interior.max_short_steps,
-        interior.patience, interior.progress, interior.centring_step, interior.min_centring,
-        arc.regularisation, arc.close, arc.reach, arc.growth, arc.shortening, arc.recovery,
+        interior.patience, interior.progress, interior.centring_step,
+        arc.regularisation, arc.close, arc.growth, arc.shortening, arc.recovery,
         arc.max_corrections, arc.divergence, arc.max_tau, arc.min_length,
     ];
     fields.push(("interior.step", |s, factor| scale_rest(&mut s.interior.step, factor)));
+    fields.push(("interior.min_centring", |s, factor| {
+        scale_rest(std::slice::from_mut(&mut s.interior.min_centring), factor);
+    }));
+    fields.push(("arc.reach", |s, factor| {
+        scale_rest(std::slice::from_mut(&mut s.arc.reach), factor);
+    }));
     fields
 }

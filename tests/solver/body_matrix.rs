@@ -1,5 +1,5 @@
-//! The factorisation of the condensed matrix, against faer's dense Cholesky factorisation of the same
-//! matrix, set up apart, and against the definition of a solution.
+//! The factorisation of the condensed matrix, against faer's dense Cholesky factorisation of the
+//! same matrix, set up apart, and against the definition of a solution.
 
 use clastic::cone::condensed::matrix::BodyMatrix;
 use faer::linalg::solvers::Solve;
@@ -124,8 +124,8 @@ fn samples() -> impl Strategy<Value = Sample> {
     )
 }
 
-/// Higham's gamma_k = k u/(1 - k u), with u the unit round-off: the relative error of a number that `k`
-/// operations have rounded.
+/// Higham's gamma_k = k u/(1 - k u), with u the unit round-off: the relative error of a number that
+/// `k` operations have rounded.
 fn gamma(k: usize) -> f64 {
     let rounded = k as f64 * 0.5 * f64::EPSILON;
     rounded / (1.0 - rounded)
@@ -134,10 +134,11 @@ fn gamma(k: usize) -> f64 {
 /// A bound of the defect of every row of a computed solution x, of n numbers. It has three parts:
 ///
 /// - factorisation and solves: a Cholesky factorisation solves `(A + E) x = b` exactly, with
-///   `|E_ij| <= gamma_(3n+1)/(1 - gamma_(n+1)) sqrt(a_ii a_jj)` (Higham 2002, theorems 10.3 to 10.5);
-/// - assembly: an entry is a sum of terms `r d r`, four for every interaction, and a weight. With m the
-///   maximum number of interactions of a body, no term is rounded more than 4 m + 5 times, here and in
-///   the dense matrix: `2 gamma_(4m+5)` times the sum of the magnitudes of the terms;
+///   `|E_ij| <= gamma_(3n+1)/(1 - gamma_(n+1)) sqrt(a_ii a_jj)` (Higham 2002, theorems 10.3
+///   to 10.5);
+/// - assembly: an entry is a sum of terms `r d r`, four for every interaction, and a weight. With m
+///   the maximum number of interactions of a body, no term is rounded more than 4 m + 5 times, here
+///   and in the dense matrix: `2 gamma_(4m+5)` times the sum of the magnitudes of the terms;
 /// - the product `A x` that the defect is computed with: `gamma_(n+1) |A| |x|`.
 fn defect_bound(sample: &Sample, dense: &Mat<f64>, x: &Mat<f64>) -> Vec<f64> {
     let n = x.nrows();
@@ -182,8 +183,9 @@ proptest! {
         let mut x = right_side(n);
         prop_assert!(factorise_and_solve(&mut matrix, &mut x));
         prop_assert!(relative_defect(&sample, &dense, &x) <= 1.0);
-        // Both solutions have a defect within its bound, and the eigenvalues of the matrix are at least
-        // its minimum weight: their difference is the inverse times the difference of the defects.
+        // Both solutions have a defect within its bound, and the eigenvalues of the matrix are at
+        // least its minimum weight: their difference is the inverse times the difference of the
+        // defects.
         let solution = Mat::from_fn(3 * n, 1, |k, _| x[k / 3][k % 3]);
         let norm = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
         let defects = norm(&defect_bound(&sample, &dense, &solution))
@@ -213,8 +215,8 @@ proptest! {
         prop_assert!(factorise_and_solve(&mut matrix, &mut x));
         let mut dense = sample.dense();
         dense[(3 * (which % n) + which % 3, 3 * (which % n) + which % 3)] += 1e7;
-        // The two shifts here and the one in the dense matrix are three more roundings of a diagonal of
-        // 1e7, beside the 3 n + 1 >= 10 that the bound has for it.
+        // The two shifts here and the one in the dense matrix are three more roundings of a
+        // diagonal of 1e7, beside the 3 n + 1 >= 10 that the bound has for it.
         prop_assert!(relative_defect(&sample, &dense, &x) <= 1.3);
 
         matrix.assembly().add_diagonal(place, which % 3, f64::NAN);
@@ -224,8 +226,8 @@ proptest! {
     }
 }
 
-/// Stiffnesses that differ by 1e16, as those of active and inactive contacts do in the interior-point
-/// method.
+/// Stiffnesses that differ by 1e16, as those of active and inactive contacts do in the
+/// interior-point method.
 #[test]
 fn contrast_of_stiffness_does_not_cost_backward_stability() {
     let bodies: usize = 400;
@@ -252,8 +254,9 @@ fn contrast_of_stiffness_does_not_cost_backward_stability() {
     assert!(error > 1.0, "{error:e}");
 }
 
-/// Two crowds in which everything touches everything share half of their bodies: a front of rows enough
-/// to be copied into chunks, with a parent that is as large, and with children, which hang on it.
+/// Two crowds in which everything touches everything share half of their bodies: a front of rows
+/// enough to be copied into chunks, with a parent that is as large, and with children, which hang
+/// on it.
 #[test]
 fn a_large_front() {
     let spring = |k: u32| {
@@ -283,8 +286,8 @@ fn a_large_front() {
     }
 }
 
-/// A graph large enough for branches: no pair joins two of them, and the solution is that of all its rows
-/// on any number of threads, byte for byte.
+/// A graph large enough for branches: no pair joins two of them, and the solution is that of all
+/// its rows on any number of threads, byte for byte.
 #[test]
 fn branches_and_trunk() {
     // A square of 36 x 36 bodies, a body that touches one side of it, and a few that touch nothing.

@@ -56,7 +56,8 @@ impl ConeSolver for Recorder {
     }
 }
 
-/// Programs of a scene of `scenes/`: of those `wanted`, after `skip`, one of `every`, up to `count`.
+/// Programs of a scene of `scenes/`: of those `wanted`, after `skip`, one of `every`, up to
+/// `count`.
 fn recorded(
     name: &str,
     sets: &[&str],
@@ -244,8 +245,8 @@ fn every_field_is_listed() {
     check(&of_coulomb(), 0);
 }
 
-/// With half and with double of any field, what counts as solved is a solution, and what is unique in
-/// it is the solution with the defaults to a multiple of the tolerance.
+/// With half and with double of any field, what counts as solved is a solution, and what is unique
+/// in it is the solution with the defaults to a multiple of the tolerance.
 #[test]
 fn settings_steer_the_way_and_not_the_solution() {
     let set = random(1..2);
@@ -267,10 +268,35 @@ fn settings_steer_the_way_and_not_the_solution() {
     }
 }
 
-/// Prints what half and double of every field do.
+/// Prints the outcome with half and with double of every field.
+fn print_table<S: Copy + Default>(
+    set: &[Posed],
+    fields: &[Field<S>],
+    solve: impl Fn(S) -> Vec<ConeSolution>,
+) {
+    let defaults = solve(S::default());
+    let base = outcome(set, &defaults, &defaults);
+    println!("{} programs, {base:?}", set.len());
+    for (name, scale) in fields {
+        for (factor, word) in [(0.5, "half"), (2.0, "double")] {
+            let mut settings = S::default();
+            scale(&mut settings, factor);
+            let out = outcome(set, &solve(settings), &defaults);
+            println!(
+                "| `{name}` | {word} | {:+} | {:+} | {:+} | {} | {:.0e} |",
+                i64::from(out.failures) - i64::from(base.failures),
+                i64::from(out.iterations) - i64::from(base.iterations),
+                i64::from(out.fallbacks) - i64::from(base.fallbacks),
+                out.changed,
+                out.difference
+            );
+        }
+    }
+}
+
 #[test]
-#[ignore = "takes minutes, and prints a table"]
-fn half_and_double() {
+#[ignore = "takes a quarter of an hour, and prints a table"]
+fn half_and_double_of_condensed() {
     let elastic = |program: &ConeProgram| {
         program.interactions.len() > 15_000
             && program.interactions.iter().any(|c| c.limits.has_strength())
@@ -295,38 +321,15 @@ fn half_and_double() {
         println!("{name} {}: {} programs", sets.join(" "), programs.len());
         set.extend(programs);
     }
-    let write = |name: &str, out: Outcome, base: Outcome| {
-        println!(
-            "| `{name}` | {:+} | {:+} | {:+} | {} | {:.0e} |",
-            i64::from(out.failures) - i64::from(base.failures),
-            i64::from(out.iterations) - i64::from(base.iterations),
-            i64::from(out.fallbacks) - i64::from(base.fallbacks),
-            out.changed,
-            out.difference
-        );
-    };
-    let defaults = solve_all(&set, CondensedSettings::default());
-    let base = outcome(&set, &defaults, &defaults);
-    println!("{} programs, {base:?}", set.len());
-    for (name, scale) in of_condensed() {
-        for (factor, word) in [(0.5, "half"), (2.0, "double")] {
-            let mut settings = CondensedSettings::default();
-            scale(&mut settings, factor);
-            let out = outcome(&set, &solve_all(&set, settings), &defaults);
-            write(&format!("{name}` {word} `"), out, base);
-        }
-    }
-    set.retain(|posed| posed.program.interactions.len() < 5000);
+    print_table(&set, &of_condensed(), |settings| solve_all(&set, settings));
+}
+
+#[test]
+#[ignore = "takes minutes, and prints a table"]
+fn half_and_double_of_coulomb() {
+    let moving = |program: &ConeProgram| program.is_dynamic() && !program.last_forces.is_empty();
+    let mut set = random(1..2);
+    set.extend(recorded("column_collapse_small", &[], moving, [60, 50, 4]));
     let (set, starts) = without_dilation(&set);
-    let defaults = slide_all(&set, &starts, CoulombSettings::default());
-    let base = outcome(&set, &defaults, &defaults);
-    println!("Coulomb: {} programs, {base:?}", set.len());
-    for (name, scale) in of_coulomb() {
-        for (factor, word) in [(0.5, "half"), (2.0, "double")] {
-            let mut settings = CoulombSettings::default();
-            scale(&mut settings, factor);
-            let out = outcome(&set, &slide_all(&set, &starts, settings), &defaults);
-            write(&format!("{name}` {word} `"), out, base);
-        }
-    }
+    print_table(&set, &of_coulomb(), |settings| slide_all(&set, &starts, settings));
 }

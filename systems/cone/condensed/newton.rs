@@ -279,8 +279,8 @@ mod tests {
         (iterate(&scaled, &mut matrix, &start, &settings, GOAL, &mut Nothing), place)
     }
 
-    /// A column is a chain of springs: contact k carries the weight of all bodies above it, and a body
-    /// sinks by the sum of the contacts below it. At the start all contacts just touch.
+    /// A column is a chain of springs: contact k carries the weight of all bodies above it, and a
+    /// body sinks by the sum of the contacts below it. At the start all contacts just touch.
     #[test]
     fn a_column_of_three() {
         let (result, place) = solve(&column(3, 0.1));
@@ -310,8 +310,8 @@ mod tests {
         }
     }
 
-    /// A disk that is pulled up from the floor below it and down by nothing: no force holds it, and the
-    /// iteration ends without a solution, at a cap.
+    /// A disk that is pulled up from the floor below it and down by nothing: no force holds it, and
+    /// the iteration ends without a solution, at a cap.
     #[test]
     fn what_nothing_holds_ends_at_a_cap() {
         let program = ConeProgram {

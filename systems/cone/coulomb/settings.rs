@@ -2,7 +2,8 @@
 //!
 //! Forces are in units of the maximum force of the start, displacements in units of the program's
 //! displacement scale, and a complementarity product is a force times a displacement.
-//! `docs/decisions/001-solver-settings.md` has the effect of half and double of every field.
+//! `docs/decisions/001-solver-settings.md` has the effect of half and double of the fields,
+//! but for those of the arc.
 
 /// Settings of the solver of Coulomb's law.
 #[non_exhaustive]
@@ -116,9 +117,9 @@ pub struct CoulombInteriorSettings {
     ///
     /// 0.2: decision 001.
     pub centring_step: f64,
-    /// Minimum target after such a step, over the mean product.
+    /// Minimum target after such a step, over the mean product; at most 1.
     ///
-    /// 0.8: decision 001.
+    /// 0.8: no measurement is on record.
     pub min_centring: f64,
     /// Minimum and maximum part of the way to the boundary that a step takes. Between them it is 1
     /// less the mean product.
@@ -149,44 +150,44 @@ impl Default for CoulombInteriorSettings {
 pub struct ArcSettings {
     /// Compliance that regularises the matrix, over the usual compliance of the interaction.
     ///
-    /// 1e-10: decision 001.
+    /// 1e-10: no measurement is on record.
     pub regularisation: f64,
     /// Relative change of slacks and multipliers by a correction below which the point is on the
     /// path.
     ///
-    /// 0.3: decision 001.
+    /// 0.3: no measurement is on record.
     pub close: f64,
     /// Part of the way to the boundary that a step takes.
     ///
-    /// 0.9: decision 001.
+    /// 0.9: no measurement is on record.
     pub reach: f64,
     /// Maximum relative growth of a slack, a multiplier or tau in a predictor.
     ///
-    /// 3: decision 001.
+    /// 3: no measurement is on record.
     pub growth: f64,
     /// Factor that shortens a predictor whose corrections do not lead to the path.
     ///
-    /// 0.3: decision 001.
+    /// 0.3: no measurement is on record.
     pub shortening: f64,
     /// Factor by which the next predictors grow again after a quick correction.
     ///
-    /// 1.6: decision 001.
+    /// 1.6: no measurement is on record.
     pub recovery: f64,
     /// Maximum number of corrections of one predictor.
     ///
-    /// 4: decision 001.
+    /// 4: no measurement is on record.
     pub max_corrections: u32,
     /// Ratio of the lengths of two corrections above which they diverge.
     ///
-    /// 2: decision 001.
+    /// 2: no measurement is on record.
     pub divergence: f64,
     /// Maximum tau, 1 at the start. Beyond, the path leads away from the solutions.
     ///
-    /// 30: decision 001.
+    /// 30: no measurement is on record.
     pub max_tau: f64,
     /// Minimum length of a predictor, over tau.
     ///
-    /// 1e-9: decision 001.
+    /// 1e-9: no measurement is on record.
     pub min_length: f64,
 }
 

@@ -194,10 +194,10 @@ mod tests {
         assert!(point.u[place[1]].iter().all(|u| u.abs() < 1e-6), "{:?}", point.u);
     }
 
-    /// With inertia 1 and the load f = (1, -1) beyond the friction cone the force is the projection of
-    /// f onto the cone: p = (f.d)/|d|^2 = 1.2 with d = (mu, -1), q = mu p, and what is left of f moves
-    /// the disk, u = (0.4, 0.2): it slides, and the associated law opens the contact by mu times the
-    /// slip.
+    /// With inertia 1 and the load f = (1, -1) beyond the friction cone the force is the projection
+    /// of f onto the cone: p = (f.d)/|d|^2 = 1.2 with d = (mu, -1), q = mu p, and what is left of f
+    /// moves the disk, u = (0.4, 0.2): it slides, and the associated law opens the contact by mu
+    /// times the slip.
     #[test]
     fn a_disk_that_slides() {
         let (point, place) = solved(&on_a_floor(1.0, -1.0, 1.0));

@@ -124,8 +124,8 @@ mod tests {
     use super::super::samples::{column, posed};
     use super::*;
 
-    /// With local elimination a column comes to the forces of a chain of springs, also from a start in
-    /// which its upper half hangs in the air.
+    /// With local elimination a column comes to the forces of a chain of springs, also from a start
+    /// in which its upper half hangs in the air.
     #[test]
     fn a_column_from_a_start_with_open_contacts() {
         let program = column(6, 0.1);

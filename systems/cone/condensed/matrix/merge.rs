@@ -91,8 +91,8 @@ mod tests {
     use super::super::ordering::minimum_degree;
     use super::*;
 
-    /// Order, columns and groups of random graphs: the order is a permutation, the columns have the fill
-    /// that elimination on a dense pattern leaves, and every column is in one group.
+    /// Order, columns and groups of random graphs: the order is a permutation, the columns have the
+    /// fill that elimination on a dense pattern leaves, and every column is in one group.
     #[test]
     fn columns_have_the_fill_of_an_elimination() {
         let mut random = ChaCha8Rng::seed_from_u64(1);

@@ -129,8 +129,8 @@ mod tests {
         }
     }
 
-    /// The factor times its transpose is the matrix: every entry within gamma_(n+1) of what it is a sum
-    /// of (Higham 2002, theorem 10.3).
+    /// The factor times its transpose is the matrix: every entry within gamma_(n+1) of what it is a
+    /// sum of (Higham 2002, theorem 10.3).
     #[test]
     fn the_factor_of_a_trapezoid() {
         for (pivots, bodies) in [(1, 1), (1, 4), (2, 3), (5, 5), (4, 11)] {
@@ -145,7 +145,8 @@ mod tests {
                     });
                     let size: f64 = terms.clone().map(f64::abs).sum();
                     let sum: f64 = terms.sum();
-                    // A few roundings more than the theorem: inverses of the diagonal, and this sum.
+                    // A few roundings more than the theorem: inverses of the diagonal, and this
+                    // sum.
                     let bound = (2 * j + 8) as f64 * 0.5 * f64::EPSILON * size;
                     assert!(
                         (sum - matrix[j * height + i]).abs() <= bound,
@@ -163,7 +164,8 @@ mod tests {
         assert!(!dense::factorise(&mut panel, height, &mut [[0.0; 6]; 3]));
     }
 
-    /// Factor and update of a front that is copied into chunks are the same bytes as without the copy.
+    /// Factor and update of a front that is copied into chunks are the same bytes as without the
+    /// copy.
     #[test]
     fn a_copy_in_chunks_changes_no_byte() {
         for (pivots, rows) in [(8, 75), (9, 80), (21, 90)] {

@@ -35,11 +35,12 @@ pub struct InteriorSettings {
     pub min_proximal: f64,
     /// Maximum number of refinements of a linear solve.
     ///
-    /// 3: decision 001.
+    /// 3: a cap. Inert in decision 001, where two always suffice.
     pub max_refinements: usize,
     /// Defect of a linear solve, over its right side, that needs no refinement.
     ///
-    /// 1e-4: decision 001.
+    /// 1e-4: small beside the part that a step leaves of the way. No defect of decision 001 is
+    /// within a factor of two of it.
     pub refined: f64,
     /// Weight of the maximum product in the residual.
     ///
@@ -71,7 +72,7 @@ pub struct InteriorSettings {
     /// Number of iterations without a better point that end the method once the best point is at
     /// the goal.
     ///
-    /// 3: decision 001.
+    /// 3: a cap on iterations that gain nothing. Inert in decision 001.
     pub max_idle_at_goal: usize,
     /// Number of iterations without a better point that end the method.
     ///

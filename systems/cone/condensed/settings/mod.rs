@@ -63,7 +63,7 @@ pub struct CondensedSettings {
     pub large: usize,
     /// Maximum residual of an interior point that is worth a polish.
     ///
-    /// 1e-3: decision 001.
+    /// 1e-3: a guess of the active limits needs a point near the solution. Inert in decision 001.
     pub max_polished_residual: f64,
     /// Maximum displacement of a starting point. A body beyond starts from zero: a start far away
     /// (a grain that settled, another increment) is worse than none.
@@ -148,7 +148,7 @@ pub struct WarmSettings {
     pub product: f64,
     /// Maximum number of times that contacts which were left out and have closed are taken back.
     ///
-    /// 2: decision 001.
+    /// 2: a cap on work that is thrown away if contacts keep closing. Inert in decision 001.
     pub max_returns: usize,
 }
 
