@@ -46,13 +46,13 @@ pub fn main() {
     app.add_plugins(ClasticPlugins::default().build().disable::<RuptureBondsPlugin>());
     app.add_systems(Increment, break_old_bonds.in_set(IncrementSystems::Rupture));
     let bond = BondLaw { normal_compliance: 1.0e-7, tensile_strength: 1.0e6, ..Default::default() };
-    let mut commands = app.world_mut().commands();
+    let world = app.world_mut();
     let [a, b] = [(0.0, 0.0), (2.0, 1.0e-6)].map(|(x, pull)| {
         let place = body::Position(DVec2::new(x, 0.0));
         let drives = Drives::imposed([pull, 0.0, 0.0]);
-        commands.spawn((Particle::disk(1.0, 2650.0, 1.0), place, drives)).id()
+        world.spawn((Particle::disk(1.0, 2650.0, 1.0), place, drives)).id()
     });
-    commands.spawn(Bond::between(a, b, bond));
+    world.spawn(Bond::between(a, b, bond));
 
     for increment in 1..=12 {
         app.update();

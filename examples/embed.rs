@@ -14,13 +14,13 @@ pub fn main() {
     let bond =
         BondLaw { normal_compliance: 1.0 / 8.0e6, tensile_strength: 1.0e4, ..Default::default() };
 
-    let mut commands = app.world_mut().commands();
+    let world = app.world_mut();
     let mut disk = |x, pull| {
         let place = body::Position(DVec2::new(x, 0.0));
-        commands.spawn((Particle::disk(6.0e-3, 2650.0, 1.0), place, Drives::imposed(pull))).id()
+        world.spawn((Particle::disk(6.0e-3, 2650.0, 1.0), place, Drives::imposed(pull))).id()
     };
     let (held, pulled) = (disk(0.0, [0.0; 3]), disk(12.0e-3, [1.0e-6, 0.0, 0.0]));
-    commands.spawn(Bond::between(held, pulled, bond));
+    world.spawn(Bond::between(held, pulled, bond));
 
     for expected in [8.0, 16.0] {
         app.update();

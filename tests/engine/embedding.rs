@@ -25,15 +25,15 @@ fn pulled_pair() -> (App, Entity) {
         material::Material { name: "sand".into(), density: 2650.0, contact, bond: Some(bond) };
     app.insert_resource(material::Materials(vec![sand]));
 
-    let mut commands = app.world_mut().commands();
+    let world = app.world_mut();
     let mut disk = |x, motion| {
         let held = Drive::Imposed(0.0);
         let drives = Drives([Drive::Imposed(motion), held, held]);
         let disk = Particle::disk(6.0e-3, 2650.0, 1.0);
-        commands.spawn((disk, body::Position(DVec2::new(x, 0.0)), drives)).id()
+        world.spawn((disk, body::Position(DVec2::new(x, 0.0)), drives)).id()
     };
     let (held, pulled) = (disk(0.0, 0.0), disk(12.0e-3, 1.25e-6));
-    commands.spawn(Bond::between(held, pulled, bond));
+    world.spawn(Bond::between(held, pulled, bond));
     (app, pulled)
 }
 // [/sample]

@@ -142,6 +142,8 @@ fn the_wall_is_in_its_place_after_a_halved_increment() {
 #[test]
 fn extra_rows_hold_a_disk_on_springs() {
     let mut app = app();
+    // A load goes to its target over the increments of a stage.
+    app.insert_resource(Progress { total: 24.0, ..Default::default() });
     let load = LoadControl([(0.0, 0.0), (0.0, -24.0), (0.0, 0.0)]);
     let world = app.world_mut();
     let disk = world.spawn((disk(0.0), Foundation(1.0e6), load)).id();
