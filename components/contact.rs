@@ -59,12 +59,12 @@ pub struct Bodies {
 }
 
 impl Bodies {
-    /// What messages call the body of a row: its kind and its number in the scene.
+    /// What messages call the body of a row: its kind and its identity.
     #[must_use]
     pub fn name(&self, row: usize) -> String {
         match row.checked_sub(self.particles) {
             None => format!("particle {}", self.ids[row].0),
-            Some(wall) => format!("wall {wall}"),
+            Some(_) => format!("wall (body {})", self.ids[row].0),
         }
     }
 
@@ -100,18 +100,16 @@ impl Bodies {
         }
     }
 
-    /// Takes the bonds of these pairs, given in ascending order, out of the intact ones.
-    pub fn break_bonds(&mut self, pairs: impl Iterator<Item = (u32, u32)>) {
-        let mut pairs = pairs.peekable();
-        if pairs.peek().is_none() {
+    /// Takes these bonds out of the intact ones.
+    pub fn break_bonds(&mut self, broken: &[BondId]) {
+        if broken.is_empty() {
             return;
         }
-        let broken = &mut self.broken;
+        let taken = &mut self.broken;
         self.bonds.retain(|bond| {
-            while pairs.next_if(|pair| *pair < (bond.a, bond.b)).is_some() {}
-            let breaks = pairs.peek() == Some(&(bond.a, bond.b));
+            let breaks = broken.contains(&bond.id);
             if breaks {
-                broken.push(*bond);
+                taken.push(*bond);
             }
             !breaks
         });

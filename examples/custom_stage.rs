@@ -1,4 +1,4 @@
-//! A kind of stage of one's own: `Shake` turns gravity by an angle, so that a disk slides down.
+//! A kind of stage of one's own: `Tilt` turns gravity by an angle, so that a disk slides down.
 //!
 //! A plugin provides the kind and has a system that begins it; a scene names the kind and the values.
 

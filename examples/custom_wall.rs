@@ -26,8 +26,10 @@ impl Sine {
 
 fn follow(progress: Res<Progress>, mut lids: Query<(&Sine, &body::Position, &mut WallDrive)>) {
     for (sine, place, mut drive) in &mut lids {
-        // Measured from where the lid is, so that no error adds up.
-        let motion = sine.height(progress.done + 1.0) - place.0.y;
+        // A drive is for a whole increment. If one was halved, only `left` of it is to come.
+        // Measured from where the lid is, no error adds up.
+        let left = 1.0 - progress.done.fract();
+        let motion = (sine.height(progress.done + left) - place.0.y) / left;
         *drive = WallDrive::Imposed(DVec2::new(0.0, motion));
     }
 }

@@ -7,8 +7,8 @@
 //!
 //! - A researcher writes a [`scene`] in RON and runs it with the `clastic` program.
 //! - A simulation programmer adds systems to the public sets of [`systems::schedule`].
-//! - A Bevy developer adds [`ClasticPlugins`] to an app and runs the
-//!   [`Increment`](systems::schedule::Increment) schedule.
+//! - A Bevy developer adds [`ClasticPlugins`] to an app, which then makes one increment in every
+//!   `Update`.
 
 pub use clastic_components as components;
 pub use clastic_cone as cone;

@@ -13,6 +13,7 @@ use crate::schedule::{
     ControlSystems, ControlWalls, Increment, IncrementSystems, lap, start_clock,
 };
 use crate::state::RegisterState;
+use crate::stepping::Halted;
 use crate::wall_states::{ControlStates, WALL_CONTROL};
 
 /// Adds [`control_walls`] and runs it in every increment.
@@ -41,6 +42,7 @@ pub fn control_walls(
     analysis: Res<Analysis>,
     geometry: Query<(&Wall, &Position)>,
     mut walls: Query<(Entity, &WallControl, &mut WallDrive)>,
+    mut commands: Commands,
 ) {
     for (entity, control, mut drive) in &mut walls {
         let next = match *control {
@@ -51,6 +53,16 @@ pub fn control_walls(
                 AnalysisKind::Static | AnalysisKind::LeastMotion { .. } => WallDrive::default(),
             },
             WallControl::Force { from, to } => WallDrive::Loaded(progress.ramp(from, to)),
+            WallControl::Stress { length: LoadedLength::Between(a, b), .. }
+                if !(geometry.contains(a) && geometry.contains(b)) =>
+            {
+                // The wall would be unloaded without a word.
+                commands.insert_resource(Halted(format!(
+                    "the stress on wall {entity} acts on the distance of walls {a} and {b}, of which one \
+                     is gone; give it another control before the wall goes"
+                )));
+                continue;
+            }
             WallControl::Stress { from, to, length } => {
                 let length = loaded_length(entity, length, &geometry);
                 WallDrive::Loaded(progress.ramp(from, to).times(length * analysis.thickness))

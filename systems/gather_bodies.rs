@@ -221,7 +221,7 @@ pub fn gather_bodies(
         },
     ));
     bodies.bonds = rows;
-    bodies.bonds.sort_unstable_by_key(|b| (b.a, b.b));
+    bodies.bonds.sort_unstable_by_key(|b| (b.a, b.b, b.id));
 }
 
 /// Takes down which rows tables that are kept have from now on.

@@ -194,8 +194,8 @@ pub fn axial_stress_error(
     let distance = |a: Entity, b: Entity| wall_distance(a, b, &geometry);
     let (sum, area) = match measures.axial_stress.as_ref()? {
         StressMeasure::Walls { walls, length } => {
-            let walls: Vec<u32> =
-                walls.iter().filter_map(|wall| Some(ids.get(*wall).ok()?.0)).collect();
+            let row = |wall: &Entity| bodies.row(*ids.get(*wall).ok()?).map(|row| row as u32);
+            let walls: Vec<u32> = walls.iter().filter_map(row).collect();
             let at_walls = errors.filter(|(contact, _)| walls.contains(&contact.b));
             let length = match *length {
                 MeasureLength::Fixed(length) => length,
@@ -226,7 +226,11 @@ pub fn strain_distance(
     particles: &Query<&Position, With<Particle>>,
 ) -> Option<f64> {
     let distance = match *measure {
-        StrainMeasure::Walls(a, b) => wall_distance(a, b, walls),
+        // Between walls of which one is gone there is no distance.
+        StrainMeasure::Walls(a, b) if walls.contains(a) && walls.contains(b) => {
+            wall_distance(a, b, walls)
+        }
+        StrainMeasure::Walls(..) => return None,
         StrainMeasure::Particles(a, b) => {
             particles.get(a).ok()?.0.distance(particles.get(b).ok()?.0)
         }

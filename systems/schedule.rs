@@ -17,7 +17,9 @@ use std::time::Instant;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
-use bevy_ecs::schedule::{LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor};
+use bevy_ecs::schedule::{
+    InternedScheduleLabel, LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor,
+};
 
 use clastic_components::attempt::{Attempt, IncrementStatus};
 use clastic_components::contact::KeptRows;
@@ -147,38 +149,45 @@ impl Plugin for SchedulePlugin {
             hierarchy_detection: LogLevel::Error,
             ..Default::default()
         };
-        let mut increment = Schedule::new(Increment);
-        increment.configure_sets(
-            (
-                IncrementSystems::Controls,
-                IncrementSystems::Gather,
-                IncrementSystems::Renumber.run_if(rows_changed),
-                IncrementSystems::Draft,
-                IncrementSystems::Attempts,
-                IncrementSystems::Update.run_if(committed),
-                IncrementSystems::Rupture.run_if(ruptured),
-                IncrementSystems::Record,
-            )
-                .chain(),
-        );
-        let mut attempt = Schedule::new(AttemptIncrement);
-        attempt.configure_sets(
-            (
-                AttemptSystems::Detect,
-                AttemptSystems::Assemble,
-                AttemptSystems::AssembleExtra,
-                AttemptSystems::Solve,
-                AttemptSystems::Judge,
-            )
-                .chain(),
-        );
-        let mut control = Schedule::new(ControlWalls);
-        control.configure_sets((ControlSystems::BuiltIn, ControlSystems::Custom).chain());
-        for mut schedule in [increment, attempt, control, Schedule::new(Loads)] {
-            schedule.set_build_settings(settings.clone());
-            // The parts of an increment depend on each other in a chain: threads would only wait.
-            schedule.set_executor(SingleThreadedExecutor::new());
-            app.add_schedule(schedule);
-        }
+        // Edited and not added: a plugin that was added before this one may have systems in them.
+        let mut edit = |label: InternedScheduleLabel, configure: fn(&mut Schedule)| {
+            app.edit_schedule(label, |schedule| {
+                schedule.set_build_settings(settings.clone());
+                // The parts of an increment form a chain: threads would only wait.
+                schedule.set_executor(SingleThreadedExecutor::new());
+                configure(schedule);
+            });
+        };
+        edit(Increment.intern(), |schedule| {
+            schedule.configure_sets(
+                (
+                    IncrementSystems::Controls,
+                    IncrementSystems::Gather,
+                    IncrementSystems::Renumber.run_if(rows_changed),
+                    IncrementSystems::Draft,
+                    IncrementSystems::Attempts,
+                    IncrementSystems::Update.run_if(committed),
+                    IncrementSystems::Rupture.run_if(ruptured),
+                    IncrementSystems::Record,
+                )
+                    .chain(),
+            );
+        });
+        edit(AttemptIncrement.intern(), |schedule| {
+            schedule.configure_sets(
+                (
+                    AttemptSystems::Detect,
+                    AttemptSystems::Assemble,
+                    AttemptSystems::AssembleExtra,
+                    AttemptSystems::Solve,
+                    AttemptSystems::Judge,
+                )
+                    .chain(),
+            );
+        });
+        edit(ControlWalls.intern(), |schedule| {
+            schedule.configure_sets((ControlSystems::BuiltIn, ControlSystems::Custom).chain());
+        });
+        edit(Loads.intern(), |_| {});
     }
 }

@@ -63,11 +63,14 @@ type Restore = fn(&mut World, &[u8]) -> Result<(), postcard::Error>;
 
 struct Entry {
     name: &'static str,
+    /// Whether it is of components: these come first, so that all bodies and bonds are there when
+    /// other state names them.
+    is_component: bool,
     capture: Capture,
     restore: Restore,
 }
 
-/// What is registered, in the order of registration.
+/// What is registered: components, then the rest, each in the order of registration.
 #[derive(Resource, Default)]
 pub struct StateRegistry {
     entries: Vec<Entry>,
@@ -132,6 +135,7 @@ impl RegisterState for App {
         register(
             self,
             name,
+            false,
             |world| world.get_resource::<T>().map(postcard::to_stdvec).transpose(),
             |world, bytes| {
                 world.insert_resource(postcard::from_bytes::<T>(bytes)?);
@@ -144,13 +148,14 @@ impl RegisterState for App {
         &mut self,
         name: &'static str,
     ) -> &mut Self {
-        register(self, name, capture_component::<I, T>, restore_component::<I, T>)
+        register(self, name, true, capture_component::<I, T>, restore_component::<I, T>)
     }
 
     fn register_state<S: StateOf>(&mut self, name: &'static str) -> &mut Self {
         register(
             self,
             name,
+            false,
             |world| S::take(world).as_ref().map(postcard::to_stdvec).transpose(),
             |world, bytes| {
                 postcard::from_bytes::<S>(bytes)?.put(world);
@@ -163,6 +168,7 @@ impl RegisterState for App {
 fn register<'a>(
     app: &'a mut App,
     name: &'static str,
+    is_component: bool,
     capture: Capture,
     restore: Restore,
 ) -> &'a mut App {
@@ -170,7 +176,9 @@ fn register<'a>(
     let mut registry = app.world_mut().resource_mut::<StateRegistry>();
     let is_new = registry.entries.iter().all(|entry| entry.name != name);
     assert!(is_new, "state `{name}` is registered twice: give each a name of its own");
-    registry.entries.push(Entry { name, capture, restore });
+    registry.entries.push(Entry { name, is_component, capture, restore });
+    // A stable sort: entries of one kind stay in the order of registration.
+    registry.entries.sort_by_key(|entry| !entry.is_component);
     app
 }
 
@@ -232,7 +240,7 @@ impl WorldState {
                 return Err(StateError::Unknown(name.clone()));
             }
         }
-        // In the order of registration, whatever that was where the state was captured.
+        // In the order of this registry, whatever that of the captured world was.
         for (name, _, restore) in registered {
             if let Some(bytes) = self.bytes(name) {
                 restore(world, bytes).map_err(|error| encoding(name, &error))?;

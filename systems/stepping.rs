@@ -14,6 +14,7 @@ use bevy_ecs::schedule::{
     InternedScheduleLabel, LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor,
 };
 
+use clastic_components::increment::Progress;
 use clastic_components::particle::Particle;
 
 use crate::schedule::Increment;
@@ -45,7 +46,8 @@ impl Default for Due {
     }
 }
 
-/// Whether the app goes on by itself when the schedule of its plugins runs.
+/// Whether the app goes on by itself when the schedule of its plugins runs. A world without particles
+/// makes no increment.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Running {
     /// One increment every time.
@@ -58,18 +60,23 @@ pub enum Running {
 }
 
 impl Running {
-    /// Takes one increment off; says whether it is to be made.
-    fn take_one(&mut self) -> bool {
-        match *self {
-            Self::Always => true,
-            Self::Times(0) | Self::Paused => false,
-            Self::Times(n) => {
-                *self = if n == 1 { Self::Paused } else { Self::Times(n - 1) };
-                true
-            }
+    /// Whether the app may go on.
+    fn may_go_on(self) -> bool {
+        !matches!(self, Self::Times(0) | Self::Paused)
+    }
+
+    /// Takes one increment off.
+    fn made_one(&mut self) {
+        if let Self::Times(n) = *self {
+            *self = if n <= 1 { Self::Paused } else { Self::Times(n - 1) };
         }
     }
 }
+
+/// The set of the system that makes increments, in the schedule of the app: order your own systems
+/// before or after it.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Stepping;
 
 /// Why nothing goes on any more: no increment is made while this resource is in the world.
 #[derive(Resource, Clone, Debug, PartialEq, Eq)]
@@ -92,33 +99,34 @@ impl Default for SteppingPlugin {
 
 impl Plugin for SteppingPlugin {
     fn build(&self, app: &mut App) {
-        let mut advance = Schedule::new(Advance);
-        advance.set_build_settings(ScheduleBuildSettings {
-            ambiguity_detection: LogLevel::Error,
-            hierarchy_detection: LogLevel::Error,
-            ..Default::default()
+        // Edited and not added: a plugin that was added before this one may have systems in it.
+        app.edit_schedule(Advance, |advance| {
+            advance.set_build_settings(ScheduleBuildSettings {
+                ambiguity_detection: LogLevel::Error,
+                hierarchy_detection: LogLevel::Error,
+                ..Default::default()
+            });
+            advance.set_executor(SingleThreadedExecutor::new());
+            advance.configure_sets(
+                (
+                    AdvanceSystems::Begin.run_if(not(resource_exists::<Halted>)),
+                    AdvanceSystems::Increment.run_if(is_due),
+                    AdvanceSystems::End.run_if(is_due),
+                    AdvanceSystems::Output.run_if(is_due),
+                )
+                    .chain(),
+            );
+            advance.add_systems(increment.in_set(AdvanceSystems::Increment));
         });
-        advance.set_executor(SingleThreadedExecutor::new());
-        advance.configure_sets(
-            (
-                AdvanceSystems::Begin,
-                AdvanceSystems::Increment.run_if(is_due),
-                AdvanceSystems::End.run_if(is_due),
-                AdvanceSystems::Output.run_if(is_due),
-            )
-                .chain()
-                .run_if(not(resource_exists::<Halted>)),
-        );
-        advance.add_systems(increment.in_set(AdvanceSystems::Increment));
         app.init_resource::<Due>()
             .init_resource::<Running>()
-            .add_schedule(advance)
-            .add_systems(self.schedule, step);
+            .add_systems(self.schedule, step.in_set(Stepping));
     }
 }
 
-fn is_due(due: Res<Due>) -> bool {
-    due.0
+/// Run condition: [`Advance`] is to make an increment, and nothing has halted it.
+pub fn is_due(due: Res<Due>, halted: Option<Res<Halted>>) -> bool {
+    due.0 && halted.is_none()
 }
 
 /// Exclusive, because it runs a schedule.
@@ -129,9 +137,13 @@ fn increment(world: &mut World) {
 /// Makes an increment if the app is [`Running`] and has particles. Exclusive, because it runs a
 /// schedule.
 fn step(world: &mut World, particles: &mut QueryState<(), With<Particle>>) {
-    if !particles.is_empty(world, world.last_change_tick(), world.read_change_tick())
-        && world.resource_mut::<Running>().take_one()
-    {
-        world.run_schedule(Advance);
+    let is_empty = particles.is_empty(world, world.last_change_tick(), world.read_change_tick());
+    if is_empty || !world.resource::<Running>().may_go_on() {
+        return;
+    }
+    let before = world.resource::<Progress>().increment;
+    world.run_schedule(Advance);
+    if world.resource::<Progress>().increment != before {
+        world.resource_mut::<Running>().made_one();
     }
 }

@@ -24,7 +24,7 @@ pub fn write_frame(path: &Path, snapshot: &Snapshot) -> Result<(), OutputError> 
     let mut text = COLUMNS.join(",") + "\n";
     for (i, x) in snapshot.positions.iter().enumerate() {
         let row = Row::default()
-            .count(i as u64)
+            .count(u64::from(snapshot.ids[i]))
             .numbers(x.to_array())
             .numbers([snapshot.radii[i], snapshot.rotations[i]])
             .numbers(snapshot.displacements[i].to_array());

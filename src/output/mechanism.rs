@@ -64,13 +64,18 @@ impl Mechanism {
         let certificate = world.resource::<ConeSolution>().certificate.as_ref();
         let certificate =
             certificate.filter(|c| collapsed && c.mechanism.len() == program.bodies.len())?;
-        // A wall that was taken away leaves an unused entry.
         let walls = bodies.walls.iter().map(|wall| wall.body as usize);
         let row = |body: usize| {
             let local = certificate.mechanism.get(body)?;
             let [x, y, rotation] = program.bodies[body].to_global(*local);
             let displacement = DVec2::new(x, y);
-            Some(MechanismRow { body, position: bodies.positions[body], displacement, rotation })
+            let id = bodies.ids[body].0 as usize;
+            Some(MechanismRow {
+                body: id,
+                position: bodies.positions[body],
+                displacement,
+                rotation,
+            })
         };
         Some(Self {
             record: MechanismRecord {

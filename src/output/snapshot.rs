@@ -12,6 +12,8 @@ use clastic_components::wall::Wall;
 /// A moment of a run. Tables by particle are in identity order.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Snapshot {
+    /// Identities.
+    pub ids: Vec<u32>,
     /// Centres, m.
     pub positions: Vec<DVec2>,
     /// Radii, m.
@@ -57,6 +59,7 @@ impl Snapshot {
             Some([middle - half, middle + half])
         };
         Self {
+            ids: bodies.ids[..n].iter().map(|id| id.0).collect(),
             positions: bodies.positions[..n].to_vec(),
             radii: bodies.radii.clone(),
             rotations: particles()

@@ -2,6 +2,8 @@
 
 use bevy_ecs::prelude::*;
 
+use clastic_components::body::BodyId;
+use clastic_components::contact::KeptRows;
 use clastic_components::increment::Progress;
 use clastic_components::observation::Observation;
 use clastic_systems::solve_program::Solver;
@@ -16,6 +18,8 @@ pub struct Before {
     pub observation: Observation,
     /// Memory of the solver.
     pub solver: Vec<[f64; 3]>,
+    /// The bodies of its rows.
+    pub rows: Vec<BodyId>,
 }
 
 /// Takes it down.
@@ -23,10 +27,12 @@ pub fn take_down(
     progress: Res<Progress>,
     observation: Res<Observation>,
     solver: Option<Res<Solver>>,
+    kept: Res<KeptRows>,
     mut before: ResMut<Before>,
 ) {
     before.progress.clone_from(&progress);
     before.observation.clone_from(&observation);
+    before.rows.clone_from(&kept.ids);
     // Tables of the size of the last increment's: nothing is allocated.
     before.solver.clear();
     if let Some(solver) = solver {

@@ -18,7 +18,7 @@ pub mod stages;
 pub mod state;
 mod stop;
 
-use bevy_app::App;
+use bevy_app::{App, Plugin, Plugins};
 use bevy_ecs::prelude::*;
 
 use clastic_systems::stepping::{Advance, Due, Halted};
@@ -41,7 +41,17 @@ impl Simulation {
     /// `stored` is the content of the specimen file, where the scene names one.
     #[must_use]
     pub fn new(scene: &Scene, stored: Option<&StoredSpecimen>) -> Self {
-        let mut app = app();
+        Self::with_plugins(scene, stored, NoPlugins)
+    }
+
+    /// The same with plugins of your own, which may provide stages and state.
+    #[must_use]
+    pub fn with_plugins<M>(
+        scene: &Scene,
+        stored: Option<&StoredSpecimen>,
+        plugins: impl Plugins<M>,
+    ) -> Self {
+        let mut app = app(plugins);
         spawn::spawn_scene(app.world_mut(), scene, stored);
         Self { app }
     }
@@ -52,7 +62,19 @@ impl Simulation {
     /// # Errors
     /// If the state has an entry that no plugin registers, or that cannot be decoded.
     pub fn resume(scene: &Scene, state: &WorldState) -> Result<Self, StateError> {
-        let mut app = app();
+        Self::resume_with(scene, state, NoPlugins)
+    }
+
+    /// The same with plugins of your own: those with which the state was made.
+    ///
+    /// # Errors
+    /// If the state has an entry that no plugin registers, or that cannot be decoded.
+    pub fn resume_with<M>(
+        scene: &Scene,
+        state: &WorldState,
+        plugins: impl Plugins<M>,
+    ) -> Result<Self, StateError> {
+        let mut app = app(plugins);
         state::restore(app.world_mut(), scene, state)?;
         Ok(Self { app })
     }
@@ -110,8 +132,15 @@ pub fn advance(world: &mut World) -> Step {
     }
 }
 
-fn app() -> App {
+/// No plugin.
+struct NoPlugins;
+
+impl Plugin for NoPlugins {
+    fn build(&self, _: &mut App) {}
+}
+
+fn app<M>(plugins: impl Plugins<M>) -> App {
     let mut app = App::new();
-    app.add_plugins((ClasticPlugins::default(), ScenePlugin));
+    app.add_plugins((ClasticPlugins::default(), ScenePlugin)).add_plugins(plugins);
     app
 }

@@ -9,7 +9,7 @@ use bevy_ecs::schedule::{LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleT
 use clastic_components::body::{BodyId, Group};
 use clastic_components::wall::WallName;
 use clastic_systems::state::RegisterState;
-use clastic_systems::stepping::{Advance, AdvanceSystems};
+use clastic_systems::stepping::{Advance, AdvanceSystems, is_due};
 
 use super::before::{Before, take_down};
 use super::script::Script;
@@ -84,15 +84,15 @@ pub struct ScenePlugin;
 impl Plugin for ScenePlugin {
     fn build(&self, app: &mut App) {
         for label in [BeginStage.intern(), EndStage.intern()] {
-            let mut schedule = Schedule::new(label);
-            schedule.set_build_settings(ScheduleBuildSettings {
-                ambiguity_detection: LogLevel::Error,
-                hierarchy_detection: LogLevel::Error,
-                ..Default::default()
+            app.edit_schedule(label, |schedule| {
+                schedule.set_build_settings(ScheduleBuildSettings {
+                    ambiguity_detection: LogLevel::Error,
+                    hierarchy_detection: LogLevel::Error,
+                    ..Default::default()
+                });
+                schedule.set_executor(SingleThreadedExecutor::new());
+                schedule.configure_sets((StageSystems::BuiltIn, StageSystems::Custom).chain());
             });
-            schedule.set_executor(SingleThreadedExecutor::new());
-            schedule.configure_sets((StageSystems::BuiltIn, StageSystems::Custom).chain());
-            app.add_schedule(schedule);
         }
         let runs_scene = resource_exists::<Script>;
         app.register_component::<BodyId, Group>("group")
@@ -108,7 +108,7 @@ impl Plugin for ScenePlugin {
             .add_systems(
                 Advance,
                 (
-                    (change_stages, take_down)
+                    (change_stages, take_down.run_if(is_due))
                         .chain()
                         .in_set(AdvanceSystems::Begin)
                         .run_if(runs_scene),

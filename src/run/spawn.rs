@@ -7,6 +7,7 @@ use glam::DVec2;
 
 use clastic_components::body::{AngularVelocity, BodyId, Group, Origin, Position, Probe, Velocity};
 use clastic_components::energy::EnergyLedger;
+use clastic_components::identity::{Identities, NextIdentities};
 use clastic_components::increment as inc;
 use clastic_components::material::{BondLaw, ContactLaw, Material, Materials};
 use clastic_components::observation::{Measures, Observation};
@@ -139,6 +140,9 @@ pub fn spawn_scene(world: &mut World, scene: &scene::Scene, stored: Option<&Stor
     for wall in scene.walls.iter().filter(|w| w.present) {
         spawn_wall(world, &wall.name);
     }
+    // Walls that come later have the identities after the particles too.
+    let body = (seeds.len() + scene.walls.len()) as u32;
+    world.get_resource_or_init::<Identities>().skip_to(NextIdentities { body, bond: 0 });
     bond_pairs(world, scene.bonds.iter().map(|bond| (bond.a, bond.b)));
     if scene.output.energy {
         world.insert_resource(EnergyLedger::default());

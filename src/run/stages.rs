@@ -33,6 +33,14 @@ pub fn change_stages(world: &mut World) {
             world.resource_mut::<Script>().outcome = Some(outcome);
             break false;
         };
+        if let Stage::Custom(custom) = &stage
+            && let Some(message) = world.resource::<StageKinds>().refusal(custom)
+        {
+            // Also in the middle of the stage: a resumed run may lack the plugin.
+            let stage = custom.name.clone();
+            world.resource_mut::<Script>().outcome = Some(Outcome::Refused { stage, message });
+            break false;
+        }
         if !script.begun {
             // Before anything of the stage is done: who resumes with another stage begins it afresh.
             if let Some(message) = refusal(world, &stage) {
@@ -55,8 +63,7 @@ pub fn change_stages(world: &mut World) {
 fn refusal(world: &mut World, stage: &Stage) -> Option<String> {
     match stage {
         Stage::Load(load) => load::selects_nothing(world, load),
-        Stage::Custom(stage) => world.resource::<StageKinds>().refusal(stage),
-        Stage::Compact(_) | Stage::Cement(_) => None,
+        Stage::Custom(_) | Stage::Compact(_) | Stage::Cement(_) => None,
     }
 }
 
@@ -76,6 +83,7 @@ fn begin(world: &mut World, stage: Stage) {
     script.ends.push(end);
     script.peak = 0.0;
     script.speed = None;
+    script.stop = false;
     let is_reference = index == script.reference_stage();
     if is_reference {
         world.resource_mut::<Measures>().reference_stage = index;

@@ -4,6 +4,7 @@ use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use clastic_components::body::{BodyId, LoadControl, Origin};
+use clastic_components::contact::{Bodies, KeptRows};
 use clastic_components::increment::Progress;
 use clastic_components::material::Materials;
 use clastic_components::particle::{MaterialIndex, Particle};
@@ -119,7 +120,15 @@ pub fn capture(world: &mut World) -> Result<WorldState, StateError> {
     {
         state.set(PROGRESS, &before.progress)?;
         state.set(OBSERVATION, &before.observation)?;
-        state.set(SOLVER_MEMORY, &before.solver)?;
+        // The increment that failed has renumbered what is kept by row.
+        let mut rows = KeptRows::of(before.rows.clone());
+        let bodies = world.resource::<Bodies>();
+        rows.follow(bodies);
+        if rows.is_needed() && !before.solver.is_empty() {
+            state.set(SOLVER_MEMORY, &rows.table(&before.solver, bodies.ids.len()))?;
+        } else {
+            state.set(SOLVER_MEMORY, &before.solver)?;
+        }
     }
     Ok(state)
 }

@@ -51,8 +51,9 @@ pub fn end_increment(world: &mut World) {
             if world.resource::<Progress>().relaxing {
                 held = None;
             }
-            let mut script = world.resource_mut::<Script>();
-            let custom = std::mem::take(&mut script.stop);
+            let waits = world.resource::<Progress>().relaxing
+                || world.resource::<Observation>().in_avalanche;
+            let custom = world.resource::<Script>().stop && !waits;
             (held.is_some() || custom).then_some(EndedBy::Stop)
         }
         IncrementStatus::Collapsed => {

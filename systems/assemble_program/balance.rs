@@ -95,7 +95,7 @@ fn particle_dof(
         AnalysisKind::Static => FreeDof { load: applied, ..FreeDof::default() },
         AnalysisKind::LeastMotion { agitation, seed, .. } => {
             let mean = if k < 2 { affine.displacement(bodies.positions[i])[k] } else { 0.0 };
-            let u = mean + agitation * shake(seed, increment, i, k);
+            let u = mean + agitation * shake(seed, increment, bodies.ids[i].0 as usize, k);
             FreeDof { load: u, inertia: 1.0, ..FreeDof::default() }
         }
         AnalysisKind::Dynamic { dt, theta } => {

@@ -49,7 +49,7 @@ pub fn judge(
         SolveStatus::Solved => match runaway(&program, solution) {
             None => Verdict::Sound,
             Some(body) => {
-                let reason = format!("body {body} leaves without end: nothing holds it");
+                let reason = format!("{} leaves without end: nothing holds it", bodies.name(body));
                 let verdict = unconverged(solution, reason);
                 impossible_or(&program, solution, verdict)
             }

@@ -291,7 +291,7 @@ fn move_tables(world: &mut World) {
     }
     let mut bodies = world.resource_mut::<Bodies>();
     bodies.move_by(moved.into_iter());
-    bodies.break_bonds(broken.iter().map(|r| (r.a.0, r.b.0)));
+    bodies.break_bonds(&broken.iter().map(|rupture| rupture.bond).collect::<Vec<_>>());
     world.resource_mut::<DraftHistory>().0 = history;
     let mut ruptures = world.resource_mut::<Ruptures>();
     ruptures.list.extend(broken);

@@ -87,8 +87,8 @@ pub fn thrown(
     (!(far <= acceptance.throw)).then(|| {
         let at = bodies.positions[i];
         format!(
-            "particle {i} at ({:.4e}, {:.4e}) m was thrown by {far:.2} radii about the mean motion; accepted {}",
-            at.x, at.y, acceptance.throw
+            "{} at ({:.4e}, {:.4e}) m was thrown by {far:.2} radii about the mean motion; accepted {}",
+            bodies.name(i), at.x, at.y, acceptance.throw
         )
     })
 }

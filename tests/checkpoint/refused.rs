@@ -11,6 +11,7 @@ use clastic::run::state::{capture, restore};
 use clastic::run::{ScenePlugin, Simulation, StateError, Step};
 use clastic::scene::format::Scene;
 use clastic::systems::state::RegisterState;
+use clastic::systems::stepping::{Advance, AdvanceSystems};
 use serde::{Deserialize, Serialize};
 
 use crate::resumed::{COULOMB, bytes, copy_first, parse};
@@ -114,22 +115,18 @@ fn a_directory_that_lost_rows_or_is_in_use_is_refused() {
 #[derive(Resource, Serialize, Deserialize, PartialEq, Debug)]
 struct Temperature(f64);
 
-/// A run of which a plugin of its own keeps a temperature and a mark on a particle.
-fn heated(scene: &Scene) -> Simulation {
-    let mut simulation = Simulation::new(scene, None);
-    heat(simulation.app_mut());
-    simulation.world_mut().insert_resource(Temperature(300.0));
-    simulation
-}
-
+/// A plugin that keeps a temperature, and warms the specimen in every increment.
 fn heat(app: &mut App) {
     app.register_resource::<Temperature>("heat.temperature");
+    let warm = |mut temperature: ResMut<Temperature>| temperature.0 += 1.0;
+    app.add_systems(Advance, warm.in_set(AdvanceSystems::End).before(StageSystems::Stop));
 }
 
 #[test]
 fn state_of_a_plugin_resumes_with_it_and_is_refused_by_name_without() {
     let scene = parse(COULOMB).scene;
-    let mut simulation = heated(&scene);
+    let mut simulation = Simulation::with_plugins(&scene, None, heat);
+    simulation.world_mut().insert_resource(Temperature(297.0));
     for _ in 0..3 {
         assert_eq!(simulation.step(), Step::Increment);
     }
@@ -138,9 +135,9 @@ fn state_of_a_plugin_resumes_with_it_and_is_refused_by_name_without() {
     assert_eq!(error, StateError::Unknown("heat.temperature".to_owned()));
     assert!(error.to_string().contains("`heat.temperature`"), "{error}");
 
-    let mut app = App::new();
-    app.add_plugins((ClasticPlugins::default(), ScenePlugin, heat));
-    restore(app.world_mut(), &scene, &state).unwrap();
-    assert_eq!(app.world().resource::<Temperature>(), &Temperature(300.0));
-    assert!(bytes(&capture(app.world_mut()).unwrap()) == bytes(&state));
+    let mut resumed = Simulation::resume_with(&scene, &state, heat).unwrap();
+    assert_eq!(resumed.world().resource::<Temperature>(), &Temperature(300.0));
+    assert!(bytes(&resumed.state().unwrap()) == bytes(&state));
+    assert_eq!(simulation.run(), resumed.run());
+    assert!(bytes(&simulation.state().unwrap()) == bytes(&resumed.state().unwrap()));
 }

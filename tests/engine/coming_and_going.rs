@@ -6,6 +6,7 @@ use clastic::components::contact::{Bodies, ContactHistory, KeptRows};
 use clastic::output::{OutputPlugin, RunOptions, RunWriter};
 use clastic::prelude::*;
 use clastic::run::WorldState;
+use clastic::scene::format::Stage;
 use clastic::scene::{self, LoadedScene};
 use glam::DVec2;
 
@@ -163,4 +164,65 @@ fn a_disk_that_cannot_be_written_halts_the_run_and_panics_not() {
     let increment = simulation.world().resource::<Progress>().increment;
     assert_eq!(simulation.run(), Outcome::Halted(halted));
     assert_eq!(simulation.world().resource::<Progress>().increment, increment);
+}
+
+#[test]
+fn a_wall_that_comes_after_a_disk_was_poured_has_an_identity_of_its_own() {
+    let loaded = box_of_disks();
+    let mut scene = loaded.scene;
+    let lid = scene.walls.iter_mut().find(|wall| wall.name == "right").unwrap();
+    lid.present = false;
+    let Stage::Load(stage) = &mut scene.stages[1] else { panic!() };
+    stage.add_walls.push("right".to_owned());
+    let mut simulation = Simulation::new(&scene, None);
+    steps(&mut simulation, 20);
+    let disk = Particle::disk(0.04, 2650.0, 1.0);
+    simulation.world_mut().spawn((disk, body::Position(DVec2::new(0.0, 0.6))));
+    assert_eq!(simulation.run(), Outcome::Completed);
+    let ids: Vec<u32> = simulation.world().resource::<Bodies>().ids.iter().map(|id| id.0).collect();
+    assert_eq!(ids, [0, 1, 2, 6, 3, 5]);
+}
+
+#[test]
+fn tables_lose_the_bonds_that_broke_whatever_their_rows() {
+    // Identities 1, 2, 3 in rows 0, 1, 2.
+    let mut app = App::new();
+    app.add_plugins(ClasticPlugins::default());
+    let world = app.world_mut();
+    let disks = [0.0, 2.0, 4.0, 6.0].map(|x| {
+        let place = body::Position(DVec2::new(x, 0.0));
+        world.spawn((Particle::disk(1.0, 2650.0, 1.0), place, Drives::imposed([0.0; 3]))).id()
+    });
+    let law = BondLaw { normal_compliance: 1.0e-6, tensile_strength: 1.0, ..Default::default() };
+    let bonds = [1, 2].map(|k| world.spawn(Bond::between(disks[k], disks[k + 1], law)).id());
+    world.despawn(disks[0]);
+    app.update();
+    let first = *app.world().get::<BondId>(bonds[0]).unwrap();
+    let mut bodies = app.world_mut().resource_mut::<Bodies>();
+    bodies.break_bonds(&[first]);
+    let left: Vec<_> = bodies.bonds.iter().map(|bond| (bond.a, bond.b)).collect();
+    assert_eq!(left, [(1, 2)]);
+    assert_eq!(bodies.broken[0].id, first);
+}
+
+#[test]
+fn a_wall_under_a_stress_whose_length_is_gone_halts_the_run() {
+    let mut app = App::new();
+    app.add_plugins(ClasticPlugins::default());
+    let world = app.world_mut();
+    let mut wall = |tangent, x, y| {
+        let place = body::Position(DVec2::new(x, y));
+        world.spawn((Wall { tangent, half_length: 1.0 }, place)).id()
+    };
+    let (left, right) = (wall(DVec2::NEG_Y, -1.0, 0.0), wall(DVec2::Y, 1.0, 0.0));
+    let lid = wall(DVec2::NEG_X, 0.0, 1.0);
+    wall(DVec2::X, 0.0, -1.0);
+    let length = LoadedLength::Between(left, right);
+    world.entity_mut(lid).insert(WallControl::Stress { from: 1.0, to: 1.0, length });
+    world.spawn((Particle::disk(1.0, 2650.0, 1.0), body::Position::default()));
+    app.update();
+    assert!(!app.world().contains_resource::<Halted>());
+    app.world_mut().despawn(right);
+    app.update();
+    assert!(app.world().resource::<Halted>().0.contains("one is gone"));
 }

@@ -86,6 +86,7 @@ mod tests {
         let cell = |k: usize| DVec2::new((k % columns) as f64, (k / columns) as f64) * 1e-3;
         let n = columns * rows;
         Snapshot {
+            ids: (0..n as u32).collect(),
             positions: (0..n).map(cell).collect(),
             radii: vec![0.5e-3; n],
             rotations: (0..n).map(|k| k as f64 * 1e-5).collect(),
