@@ -5,11 +5,8 @@ use std::path::Path;
 
 use bevy_app::App;
 use bevy_ecs::prelude::*;
-use clastic::ClasticPlugins;
-use clastic::output::{Checkpoint, ResumeError, RunOptions, RunWriter, directory};
-use clastic::run::state::{capture, restore};
-use clastic::run::{ScenePlugin, Simulation, StateError, Step};
-use clastic::scene::format::Scene;
+use clastic::run::plugin::StageSystems;
+use clastic::run::{Simulation, StateError, Step};
 use clastic::systems::state::RegisterState;
 use clastic::systems::stepping::{Advance, AdvanceSystems};
 use serde::{Deserialize, Serialize};
