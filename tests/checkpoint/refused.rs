@@ -5,6 +5,7 @@ use std::path::Path;
 
 use bevy_app::App;
 use bevy_ecs::prelude::*;
+use clastic::output::{Checkpoint, ResumeError, RunOptions, RunWriter, directory};
 use clastic::run::plugin::StageSystems;
 use clastic::run::{Simulation, StateError, Step};
 use clastic::systems::state::RegisterState;
