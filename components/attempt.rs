@@ -54,7 +54,7 @@ pub enum Verdict {
         reason: String,
         /// Whether the solution moves bodies so far that they lack support. Otherwise other scales
         /// may help.
-        flung: bool,
+        unsupported: bool,
     },
     /// Rigid bodies have no feasible motion.
     Locked,

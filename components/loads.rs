@@ -10,8 +10,8 @@ use crate::contact::Bodies;
 pub struct AddedLoad {
     /// Force (N) or moment (N m).
     pub force: f64,
-    /// Stiffness k >= 0 of a spring to the ground, N/m or N m/rad. The spring adds the force `-k
-    /// u`.
+    /// Stiffness k >= 0 of a spring to the ground, N/m or N m/rad. The spring adds the force
+    /// `-k u`.
     pub stiffness: f64,
 }
 
