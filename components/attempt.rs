@@ -1,23 +1,23 @@
-//! The attempts at one increment: what is sought, what came of it, how the increment ended.
+//! The attempts at one increment: what they seek, their verdicts, and the status of the increment.
 
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::motion::Motion;
 
-/// How hard an attempt at an equilibrium tries, in the order in which efforts follow each other.
+/// Method of an attempt at an equilibrium, in the order in which the methods are tried.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub enum Effort {
-    /// Expected magnitudes are the scales; what nothing holds is regularised.
+    /// Scales are the expected magnitudes. Loose bodies are regularised.
     #[default]
     Usual,
-    /// Magnitudes of the last solution are the scales.
+    /// Scales are the magnitudes of the last solution.
     Rescaled,
-    /// Every body is regularised, about a centre that follows the solution.
+    /// All bodies are regularised, and the centre of the regularisation follows the solution.
     Regularised,
 }
 
-/// What the attempts of an increment seek. The transitions are in `systems/attempt/next.rs`.
+/// Aim of the attempts at an increment. The transitions are in `systems/attempt/next.rs`.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Mode {
     /// The forces and displacements at the end of the increment.
@@ -34,55 +34,56 @@ impl Default for Mode {
     }
 }
 
-/// What the judges say of an attempt. The first judge that objects decides.
+/// Verdict of the judges on an attempt. The first judge that objects decides.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub enum Verdict {
-    /// The solution stands.
+    /// The solution is accepted.
     #[default]
     Sound,
     /// A mechanism proves that no forces within the limits balance the loads.
     Impossible,
-    /// A judge has added something to the program: solve it again.
+    /// A judge has added something to the program, which must be solved again.
     Again,
-    /// A bond is above its limit: the event before it is sought at another fraction.
+    /// A bond is above its limit. The preceding event is sought at another fraction.
     Overloaded,
-    /// Bonds have just broken, and the scene wants the motion followed by which the specimen comes to rest after them.
+    /// Bonds have just broken, and the scene asks for the motion that follows.
     Released,
     /// The solution did not converge.
     Unconverged {
-        /// The residuals, and what the solver said.
+        /// The residuals and the message of the solver.
         reason: String,
-        /// Whether bodies went so far that a hold is missing, and not other scales.
-        flung: bool,
+        /// Whether the solution moves bodies so far that they lack support. Otherwise other scales
+        /// may help.
+        unsupported: bool,
     },
     /// Rigid bodies have no feasible motion.
     Locked,
-    /// The solution lies too far away for normals that stay as they are.
+    /// The solution moves so far that its constant normals are no longer valid.
     TooFar(
-        /// Which grain goes how far, or how much the specimen strains.
+        /// The grain and its motion, or the strain of the specimen.
         String,
     ),
-    /// A step of a motion stands, and the motion goes on.
+    /// A step of a motion is accepted, and the motion goes on.
     Moving,
-    /// A step of a motion stands, and after it nothing moves any more.
+    /// A step of a motion is accepted, and the motion has come to rest.
     AtRest {
-        /// Whether the motion has gone anywhere.
+        /// Whether the motion has displaced the bodies.
         moved: bool,
     },
-    /// A step of a motion stands, and with it the specimen has strained further than one that finds rest.
+    /// A step of a motion is accepted, and the specimen has strained too far to come to rest.
     GivesWay(
-        /// How far it has strained.
+        /// Strain of the specimen.
         String,
     ),
 }
 
-/// How an increment ended. The names are those of the history file.
+/// Status at the end of an increment. The history file uses these names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum IncrementStatus {
     /// Converged.
     #[default]
     Solved,
-    /// No equilibrium exists, or the motion found no rest.
+    /// No equilibrium exists, or the motion did not come to rest.
     Collapsed,
     /// Neither an equilibrium nor a collapse was found; nothing was committed.
     Undecided,
@@ -103,39 +104,40 @@ impl IncrementStatus {
     }
 }
 
-/// State of the attempts at the increment under way: tentative, made anew when an increment begins.
+/// State of the attempts at the current increment, reset when an increment begins.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Attempt {
-    /// What is sought.
+    /// Aim of the current attempt.
     pub mode: Mode,
-    /// What the judges said of the last attempt.
+    /// Verdict on the last attempt.
     pub verdict: Verdict,
-    /// Solves so far in this increment.
+    /// Number of solves so far in this increment.
     pub solves: u32,
-    /// Solver iterations so far in this increment.
+    /// Number of solver iterations so far in this increment.
     pub iterations: u32,
-    /// Motions that were followed so far in this increment.
+    /// Number of motions followed so far in this increment.
     pub motions: u32,
-    /// Steps of these motions, rejected ones included.
+    /// Number of steps of these motions, rejected ones included.
     pub motion_steps: u32,
-    /// Of these, the steps of motions that ruptures released.
+    /// Number of these steps that belong to motions released by ruptures.
     pub released_steps: u32,
-    /// Strain of the mean field that these motions add up to; what was put back does not count.
+    /// Sum of the strains of the mean field in these motions. Motions that were undone do not
+    /// count.
     pub motion_strain: f64,
-    /// Whether loads act on a specimen that carried something before the increment: then it may not
-    /// strain without bound.
+    /// Whether loads act on a specimen that carried forces before the increment. Its strain is then
+    /// bounded.
     pub bounded: bool,
-    /// Maximum displacement (m) and force (N) of the last solution that was not accepted: the scales of
-    /// the next attempt.
+    /// Maximum displacement (m) and force (N) of the last rejected solution, which are the scales
+    /// of the next attempt.
     pub magnitudes: Option<(f64, f64)>,
     /// Status under which the increment ended.
     pub status: IncrementStatus,
-    /// Why it ended so, if it was not solved.
+    /// Why the increment ended with this status; empty if it was solved.
     pub complaint: String,
 }
 
 impl Attempt {
-    /// The motion that is followed, if one is.
+    /// The motion that is being followed, if any.
     #[must_use]
     pub fn motion(&self) -> Option<&Motion> {
         match &self.mode {
@@ -144,7 +146,7 @@ impl Attempt {
         }
     }
 
-    /// How hard an attempt at an equilibrium tries; none where something else is sought.
+    /// Effort of an attempt at an equilibrium; `None` in a motion or a proof.
     #[must_use]
     pub fn effort(&self) -> Option<Effort> {
         match self.mode {

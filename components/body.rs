@@ -1,4 +1,4 @@
-//! What particles and walls have in common: an identity, a place, a motion, loads.
+//! Components that particles and walls share: identity, position, motion and loads.
 
 use bevy_ecs::prelude::*;
 use glam::DVec2;
@@ -6,12 +6,12 @@ use serde::{Deserialize, Serialize};
 
 use crate::identity::{body_gone, body_named};
 
-/// Identity of a body. A particle or wall that is inserted without one gets the next; none is used
-/// again.
+/// Identity of a body. A particle or wall that is inserted without an identity gets the next one.
+/// No identity is used twice.
 ///
-/// Everything that needs an order uses this one: particles by identity, then walls by identity.
-/// `Entity` values and query order depend on the history of the world and order nothing. Identities
-/// may have gaps; [`Bodies`](crate::contact::Bodies) has one dense row per body.
+/// All ordered tables use the order of identities: first particles, then walls, each ascending.
+/// `Entity` values and query order depend on the history of the world, so nothing is ordered by
+/// them. Identities may have gaps; [`Bodies`](crate::contact::Bodies) has one dense row per body.
 #[derive(
     Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
 )]
@@ -22,7 +22,7 @@ pub struct BodyId(pub u32);
 #[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Position(pub DVec2);
 
-/// Position at the start of the stage list, m; displacements in the record count from here.
+/// Position at the start of the stage list, m. Recorded displacements are relative to it.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Origin(pub DVec2);
 
@@ -30,7 +30,7 @@ pub struct Origin(pub DVec2);
 #[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Rotation(pub f64);
 
-/// Velocity, m/s. Static analysis leaves it alone.
+/// Velocity, m/s. Static analysis does not change it.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Velocity(pub DVec2);
 
@@ -42,13 +42,13 @@ pub struct AngularVelocity(pub f64);
 #[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct LastMotion(pub [f64; 3]);
 
-/// What the outside world does to one degree of freedom of a body during a whole increment.
+/// Boundary condition of one degree of freedom of a body during a whole increment.
 #[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub enum Drive {
-    /// Nothing: the motion is an unknown.
+    /// Free: the motion is an unknown.
     #[default]
     Free,
-    /// The displacement (m) or rotation (rad) over the whole increment is imposed; 0 holds it.
+    /// Imposed displacement (m) or rotation (rad) over the whole increment; 0 holds the body.
     Imposed(f64),
 }
 
@@ -57,14 +57,15 @@ pub enum Drive {
 pub struct Drives(pub [Drive; 3]);
 
 impl Drives {
-    /// Imposes all three displacements of an increment: x, y (m) and rotation (rad); 0 holds.
+    /// Imposes the displacements x, y (m) and the rotation (rad) over an increment; 0 holds the
+    /// body.
     #[must_use]
     pub fn imposed(displacements: [f64; 3]) -> Self {
         Self(displacements.map(Drive::Imposed))
     }
 }
 
-/// A load that goes linearly from its value at the start of an increment to that at its end.
+/// A load that varies linearly over an increment.
 #[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Ramp {
     /// Value at the start of the increment.
@@ -74,32 +75,32 @@ pub struct Ramp {
 }
 
 impl Ramp {
-    /// The ramp times a factor.
+    /// The ramp multiplied by a factor.
     #[must_use]
     pub fn times(self, factor: f64) -> Self {
         Self { from: self.from * factor, to: self.to * factor }
     }
 
-    /// The value after the given fraction of the increment.
+    /// Value after the given fraction of the increment.
     #[must_use]
     pub fn at(self, fraction: f64) -> f64 {
-        // The end is returned as it is, so that a full increment carries the exact target.
+        // The end is returned unchanged, so that a full increment carries the exact target.
         if fraction >= 1.0 { self.to } else { self.from + fraction * (self.to - self.from) }
     }
 }
 
-/// Force (x, y; N) and moment (N m) that the outside world applies to a particle, gravity apart.
+/// Force (x, y; N) and moment (N m) that the outside world applies to a particle, without gravity.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct AppliedLoad(pub [Ramp; 3]);
 
-/// Loads of a particle over the stage: (value at its start, value at its end) of force x, force y
-/// (N) and moment (N m). [`AppliedLoad`] follows from it.
+/// Loads of a particle over the stage: (value at the start, value at the end) of force x, force y
+/// (N) and moment (N m). [`AppliedLoad`] follows from them.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct LoadControl(pub [(f64, f64); 3]);
 
-/// Force (x, y; N) and moment (N m) that the outside world exerted on the body in the last
-/// committed increment: applied loads, reactions of imposed motion, and for walls whatever
-/// holds or moves them. Gravity is not in it.
+/// Force (x, y; N) and moment (N m) of the outside world on the body in the last committed
+/// increment: applied loads, reactions to imposed motion, and the forces that hold or move walls.
+/// Gravity is excluded.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct ExternalForce(pub [f64; 3]);
 

@@ -10,15 +10,16 @@ use crate::material::BondLaw;
 use crate::particle::Particle;
 use crate::wall::Wall;
 
-/// Identity of a bond. A bond that is inserted without one gets the next; none is used again.
+/// Identity of a bond. A bond that is inserted without an identity gets the next one. No identity
+/// is used twice.
 #[derive(
     Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
 )]
 #[component(immutable, on_insert = bond_named, on_discard = bond_gone)]
 pub struct BondId(pub u32);
 
-/// A bond between two bodies. The endpoints are plain fields, not relationships: adding or
-/// removing relationships reorders archetypes.
+/// A bond between two bodies. The bodies are plain fields and not Bevy relationships, because
+/// adding or removing relationships reorders archetypes.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[component(on_add = bond_added)]
 #[require(BondState)]
@@ -27,16 +28,16 @@ pub struct Bond {
     pub a: BodyId,
     /// Second body, a particle or a wall.
     pub b: BodyId,
-    /// Gap at creation, `g_b0`, m: the bond is free of stress there.
+    /// Gap at creation, `g_b0`, m. The bond is free of stress at this gap.
     pub initial_gap: f64,
-    /// Its law.
+    /// Law of the bond.
     pub law: BondLaw,
 }
 
 impl Bond {
-    /// A bond between two entities, of which one may be a wall, free of stress as they lie. It turns
-    /// into a `Bond` when it is inserted; the bodies must have been inserted before, in the same
-    /// batch of commands or earlier.
+    /// A bond between two particles, or between a particle and a wall, that is free of stress at
+    /// their current positions. Inserting it turns it into a `Bond`. The two bodies must be
+    /// inserted before, in the same batch of commands or earlier.
     #[must_use]
     pub fn between(a: Entity, b: Entity, law: BondLaw) -> Joint {
         Joint { a, b, law }
@@ -95,7 +96,7 @@ pub enum BondState {
     Broken(RuptureMode),
 }
 
-/// The limit on which a bond broke.
+/// The limit at which a bond broke.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum RuptureMode {
@@ -119,18 +120,18 @@ impl RuptureMode {
     }
 }
 
-/// One rupture: which bond, on which limit, where, and the forces that it carried then.
+/// One rupture: the bond, the limit, the place, and the forces that the bond carried.
 #[derive(Message, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Rupture {
     /// Increment of the rupture.
     pub increment: u64,
     /// The bond.
     pub bond: BondId,
-    /// Its first body.
+    /// First body of the bond.
     pub a: BodyId,
-    /// Its second body.
+    /// Second body of the bond.
     pub b: BodyId,
-    /// The limit that was reached.
+    /// The limit that the bond reached.
     pub mode: RuptureMode,
     /// Contact point at the start of the increment, m.
     pub position: DVec2,

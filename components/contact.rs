@@ -1,4 +1,4 @@
-//! The table of bodies and potential contacts of one attempt.
+//! Tables of bodies and potential contacts, and the memory of contacts between increments.
 
 use bevy_ecs::prelude::*;
 use glam::DVec2;
@@ -9,11 +9,11 @@ use crate::bond::BondId;
 use crate::material::{BondLaw, ContactLaw};
 use crate::wall::{WallControl, WallDrive};
 
-/// Bodies, intact bonds and controls in identity order, so that nothing downstream depends on the order of
-/// a query. Tables by body have `particles + walls` entries.
+/// Bodies, intact bonds and controls in the order of identities, so that results do not depend on
+/// the order of a query. Tables by body have `particles + walls` entries.
 ///
-/// The table is gathered once per increment. The trials of the increment read it, and a motion that is
-/// followed moves it; entities keep the last committed state until an accepted trial is committed.
+/// The table is gathered once per increment. The trials of the increment read it. Each step of a
+/// followed motion changes it. Entities keep the last committed state until a trial is committed.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Bodies {
     /// Number of particles; the rows of walls begin here.
@@ -44,17 +44,18 @@ pub struct Bodies {
     pub drives: Vec<[Drive; 3]>,
     /// Applied loads of the particles.
     pub loads: Vec<[Ramp; 3]>,
-    /// Particles that swing about their bonds.
+    /// Particles that swing about their taut bonds.
     pub swinging: Vec<bool>,
-    /// The walls that are there, in identity order.
+    /// The walls of the world, in the order of identities.
     pub walls: Vec<WallRow>,
     /// The intact bonds, by (a, b).
     pub bonds: Vec<BondRow>,
     /// The bonds that a motion has broken in this increment, in the order in which they broke.
     pub broken: Vec<BondRow>,
-    /// Mean radius of the particles, m (1 where there are none).
+    /// Mean radius of the particles, m; 1 without particles.
     pub mean_radius: f64,
-    /// Whether imposed motions rest: a motion is followed, with loads at their values at the end of the trial.
+    /// Whether imposed motions stand still because a motion is followed. Loads then have their
+    /// values at the end of the trial.
     pub resting: bool,
 }
 
@@ -71,7 +72,7 @@ impl Bodies {
     /// The row of a body; `None` if it is not in the table.
     #[must_use]
     pub fn row(&self, id: BodyId) -> Option<usize> {
-        // Identities without a gap are rows.
+        // If identities have no gap, the identity is the row.
         let row = id.0 as usize;
         if self.ids.get(row) == Some(&id) {
             return Some(row);
@@ -81,8 +82,8 @@ impl Bodies {
         particles.binary_search(&id).ok().or_else(wall)
     }
 
-    /// What the trial does to degree of freedom `k` of particle `i`; displacements are those of a whole
-    /// increment.
+    /// Drive of degree of freedom `k` of particle `i` in the trial. Imposed displacements are those
+    /// of a whole increment.
     #[must_use]
     pub fn drive(&self, i: usize, k: usize) -> Drive {
         match self.drives[i][k] {
@@ -91,7 +92,7 @@ impl Bodies {
         }
     }
 
-    /// What the trial does to a wall; displacements are those of a whole increment.
+    /// Drive of a wall in the trial. Imposed displacements are those of a whole increment.
     #[must_use]
     pub fn wall_drive(&self, wall: &WallRow) -> WallDrive {
         match wall.drive {
@@ -115,7 +116,7 @@ impl Bodies {
         });
     }
 
-    /// Moves the bodies by displacements (m, m, rad), body by body.
+    /// Moves the bodies by displacements (m, m, rad), one entry per body.
     pub fn move_by(&mut self, displacements: impl Iterator<Item = [f64; 3]>) {
         for (i, u) in displacements.enumerate() {
             self.positions[i] += DVec2::new(u[0], u[1]);
@@ -127,9 +128,9 @@ impl Bodies {
     }
 }
 
-/// The identities by which tables are kept from one increment to the next, and where their rows went
-/// when bodies came or went between two increments. Whoever keeps such a table follows in
-/// `IncrementSystems::Renumber`.
+/// The identities behind the rows of tables that persist between increments, and the new row of
+/// each former row after bodies were added or removed. A system that owns such a table updates it
+/// in `IncrementSystems::Renumber`.
 #[derive(Resource, Clone, Debug, Default, PartialEq)]
 pub struct KeptRows {
     /// Identity of the body of every row.
@@ -138,16 +139,16 @@ pub struct KeptRows {
 }
 
 impl KeptRows {
-    /// The rows of the bodies of a run that goes on.
+    /// Rows of the bodies of a run that is resumed.
     #[must_use]
     pub fn of(ids: Vec<BodyId>) -> Self {
         Self { ids, now: Vec::new() }
     }
 
-    /// Takes the rows of `bodies`, and takes down where those of before went.
+    /// Takes over the rows of `bodies` and records the new row of each former one.
     pub fn follow(&mut self, bodies: &Bodies) {
         self.now.clear();
-        // Bodies that come after all others change no row.
+        // Bodies that are appended after all others change no row.
         if !bodies.ids.starts_with(&self.ids) {
             self.now.extend(self.ids.iter().map(|id| bodies.row(*id).map(|row| row as u32)));
         }
@@ -160,13 +161,13 @@ impl KeptRows {
         !self.now.is_empty()
     }
 
-    /// The row now of what was in `row` before; `None` for a body that is gone.
+    /// New row of the body that was in `row` before; `None` if the body was removed.
     #[must_use]
     pub fn now(&self, row: u32) -> Option<u32> {
         self.now.get(row as usize).copied().flatten()
     }
 
-    /// A table by row of before, as one of `rows` rows now; new bodies get the default.
+    /// Converts a table by former rows to one of `rows` new rows. New bodies get the default.
     #[must_use]
     pub fn table<T: Copy + Default>(&self, before: &[T], rows: usize) -> Vec<T> {
         let mut table = vec![T::default(); rows];
@@ -188,11 +189,11 @@ pub struct WallRow {
     pub inward: DVec2,
     /// Half the length of the drawn segment, m.
     pub half_length: f64,
-    /// Law of its contacts.
+    /// Law of the wall's contacts.
     pub law: ContactLaw,
-    /// What the stage asks of it.
+    /// Control of the wall in the stage.
     pub control: WallControl,
-    /// What it does in this increment.
+    /// Drive of the wall in the increment.
     pub drive: WallDrive,
 }
 
@@ -201,7 +202,7 @@ pub struct WallRow {
 pub struct BondRow {
     /// Identity of the bond.
     pub id: BondId,
-    /// Its entity.
+    /// Entity of the bond.
     pub entity: Entity,
     /// Row of the first body, a particle.
     pub a: u32,
@@ -209,11 +210,11 @@ pub struct BondRow {
     pub b: u32,
     /// Gap at creation, m.
     pub initial_gap: f64,
-    /// Its law.
+    /// Law of the bond.
     pub law: BondLaw,
 }
 
-/// A pair that carries force or may come to carry it within the increment.
+/// A pair of bodies that carries force or may carry force within the increment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
     /// Row of the first body, always a particle.
@@ -224,7 +225,7 @@ pub struct Contact {
     pub normal: DVec2,
     /// Gap `g_0` at the start of the increment, m; negative is overlap.
     pub gap: f64,
-    /// Index into [`Bodies::bonds`] of the intact bond that joins the two.
+    /// Index into [`Bodies::bonds`] of the intact bond that joins the two bodies.
     pub bond: Option<u32>,
 }
 
@@ -236,7 +237,8 @@ impl Contact {
         bodies.positions[a] + self.normal * (bodies.radii[a] + 0.5 * self.gap)
     }
 
-    /// The common radius r^I, m: the smaller of the two, or the particle's own at a wall.
+    /// Common radius r^I, m: the smaller radius of two particles, or the radius of the particle at
+    /// a wall.
     #[must_use]
     pub fn common_radius(&self, bodies: &Bodies) -> f64 {
         let ra = bodies.radii[self.a as usize];
@@ -244,11 +246,11 @@ impl Contact {
     }
 }
 
-/// The contacts of this attempt, sorted by (a, b).
+/// Potential contacts of the attempt, sorted by (a, b).
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Contacts(pub Vec<Contact>);
 
-/// What a contact remembers from one increment to the next.
+/// Forces of a contact at the end of the last increment.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ContactMemory {
     /// Row of the first body.
@@ -257,24 +259,25 @@ pub struct ContactMemory {
     pub b: u32,
     /// Normal force at the end of the last increment, N.
     pub p: f64,
-    /// Shear force at the end of the last increment, N, in the contact's own frame: it turns
-    /// with the contact.
+    /// Shear force at the end of the last increment, N, in the frame of the contact, which turns
+    /// with the pair.
     pub q: f64,
     /// Rolling moment at the end of the last increment, N m.
     pub tau: f64,
 }
 
-/// Memory of the contacts at the start of the trial: that of the last committed
-/// increment, or what a motion that is followed has left.
+/// Memory of the contacts at the start of the trial: that of the last committed increment, or that
+/// after the last step of a followed motion.
 #[derive(Resource, Clone, Debug, Default, PartialEq)]
 pub struct DraftHistory(pub ContactHistory);
 
-/// Memory of the contacts that carried force, sorted by (a, b), which are rows of [`KeptRows`].
+/// Memory of the contacts that carried force, sorted by (a, b). The indices are rows of
+/// [`KeptRows`].
 #[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ContactHistory(pub Vec<ContactMemory>);
 
 impl ContactHistory {
-    /// Follows bodies to other rows; contacts of bodies that are gone are dropped.
+    /// Updates the rows of bodies. Contacts of removed bodies are dropped.
     pub fn renumber(&mut self, rows: &KeptRows) {
         self.0.retain_mut(|m| match (rows.now(m.a), rows.now(m.b)) {
             (Some(a), Some(b)) => {
@@ -285,13 +288,14 @@ impl ContactHistory {
         });
     }
 
-    /// The memory of the pair (a, b), if it has any.
+    /// Memory of the pair (a, b); `None` if the pair carried nothing.
     #[must_use]
     pub fn get(&self, a: u32, b: u32) -> Option<&ContactMemory> {
         self.0.binary_search_by_key(&(a, b), |m| (m.a, m.b)).ok().map(|k| &self.0[k])
     }
 
-    /// The memories of pairs (a, b) that are asked for in ascending order: quicker than one by one.
+    /// Look-up of memories for pairs (a, b) in ascending order. It is faster than
+    /// [`get`](Self::get) for each pair.
     pub fn ascending<'a>(&'a self) -> impl FnMut(u32, u32) -> Option<&'a ContactMemory> {
         let mut rest = self.0.iter().peekable();
         move |a, b| {

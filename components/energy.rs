@@ -3,14 +3,14 @@
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// Where the energy of an increment, or of many, came from and went to, J.
+/// Energy balance of an increment, or of several, J.
 ///
 /// ```text
 /// external + gravity = kinetic + elastic + friction + rolling + dilation + collision + rupture + motion + turning
 ///                      + numerical
 /// ```
 ///
-/// up to [`error`](Self::error), which is what the solver's residuals leave.
+/// up to [`error`](Self::error), which comes from the residuals of the solver.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Energies {
     /// Work of walls, imposed motion and applied loads.
@@ -25,26 +25,29 @@ pub struct Energies {
     pub friction: f64,
     /// Work of rolling: moment times relative rotation.
     pub rolling: f64,
-    /// Work of the gaps that associated friction opens, less what it takes to close them again: negative where they
-    /// give back. 0 under Coulomb's law, and for rigid contacts in dynamics.
+    /// Work of opening gaps by the dilation of the associated law, minus the work of closing them
+    /// again. It is negative where gaps close. 0 under Coulomb's law, and for rigid contacts in
+    /// dynamics.
     pub dilation: f64,
-    /// Taken by normal impulses: impulse times the mean of the closing velocities before and after.
+    /// Energy dissipated by normal impulses: impulse times the mean of the closing velocities
+    /// before and after.
     pub collision: f64,
-    /// Taken by bonds: at their tension limit, and what was stored when they broke.
+    /// Energy dissipated by bonds: work at the tension limit, and the stored energy that rupture
+    /// releases.
     pub rupture: f64,
-    /// Kinetic energy that static analysis takes out: of motions that were followed, and of the jumps to the
-    /// equilibrium that a rupture or a sudden load calls for.
+    /// Kinetic energy that static analysis removes: that of followed motions, and that of the jump
+    /// to equilibrium after a rupture or a sudden load.
     pub motion: f64,
-    /// Work of forces on normals that turn within an increment, in which they are frozen. It vanishes with the
-    /// increment.
+    /// Work of contact forces because normals turn, while each increment holds them constant. It
+    /// tends to zero with the size of the increment.
     pub turning: f64,
-    /// Taken by the scheme: damping of theta > 1/2, contacts that open, close or begin to slide within an increment,
-    /// cementing.
+    /// Energy dissipated by the time integration: damping with theta > 1/2, contacts that open,
+    /// close or begin to slide within an increment, and cementing.
     pub numerical: f64,
 }
 
 impl Energies {
-    /// What does not add up.
+    /// Error of the balance: supplied energy minus all the terms that receive it.
     #[must_use]
     pub fn error(&self) -> f64 {
         self.external + self.gravity
@@ -60,7 +63,7 @@ impl Energies {
                 + self.numerical)
     }
 
-    /// The sum of the absolute values, by which errors are measured.
+    /// Sum of the absolute values of all terms, to which the error is compared.
     #[must_use]
     pub fn throughput(&self) -> f64 {
         self.all().iter().map(|e| e.abs()).sum()
@@ -101,35 +104,35 @@ impl std::ops::AddAssign for Energies {
     }
 }
 
-/// The ledger. It is kept where this resource is in the world, and costs nothing elsewhere.
+/// The ledger. Energies are computed only in a world that has this resource.
 #[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct EnergyLedger {
-    /// Of the last increment.
+    /// Energies of the last increment.
     pub increment: Energies,
-    /// Since the start, or since the last compaction, which has no energies.
+    /// Energies since the start, or since the last compaction. A compaction has no energies.
     pub total: Energies,
     /// Elastic energy now, J; `None` before the first increment.
     pub stored: Option<f64>,
-    /// Forces that ended with the bonds which the last increment broke, sorted by pair.
+    /// Forces that the ruptures of the last increment removed, sorted by pair.
     pub released: Vec<Released>,
 }
 
-/// The force that a contact lost when its bond broke.
+/// The force that a pair lost when its bond broke.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Released {
     /// Row of the first body.
     pub a: u32,
     /// Row of the second body.
     pub b: u32,
-    /// (p, q, tau) of the bond less those of the contact that is left, N, N, N m.
+    /// (p, q, tau) of the bond minus those of the remaining contact, N, N, N m.
     pub forces: [f64; 3],
 }
 
-/// Energies of the motions that were followed in the increment under way. They join the ledger when it is
-/// committed.
+/// Energies of the motions that were followed in the current increment. The ledger takes them over
+/// when the increment is committed.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct MotionEnergies {
-    /// Sum over the steps.
+    /// Sum over the steps of the motions.
     pub energies: Energies,
     /// Elastic energy after the last step, J; `None` before the first.
     pub stored: Option<f64>,

@@ -1,5 +1,5 @@
-//! What the judges of an increment have found so far: judges write these tables, assembly reads them. All are dropped
-//! when the next increment begins.
+//! What the judges have found in the current increment. Judges write these tables, and assembly
+//! reads them. All are cleared when the next increment begins.
 
 use bevy_ecs::prelude::*;
 use glam::DVec2;
@@ -7,25 +7,26 @@ use glam::DVec2;
 use crate::bond::Rupture;
 use clastic_cone::program::Residuals;
 
-/// Pairs that the pruning of detection left out and that a solution closed, sorted.
+/// Sorted pairs that pruned detection left out and that a solution closed.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct AddedPairs(pub Vec<(u32, u32)>);
 
 /// Bonds that the increment breaks.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Ruptures {
-    /// In the order found; broken in the world when the increment is committed.
+    /// Ruptures in the order found. The world breaks these bonds when the increment is committed.
     pub list: Vec<Rupture>,
-    /// How many of these, the first ones, a motion left behind: an attempt that fails does not undo them.
+    /// Number of ruptures, from the first on, that followed motions caused. A failed attempt does
+    /// not undo them.
     pub on_the_way: usize,
-    /// Rounds of the cascade so far.
+    /// Number of rounds of the cascade so far.
     pub rounds: u32,
-    /// Whether the cap on these rounds was hit.
+    /// Whether the cascade reached its maximum number of rounds.
     pub capped: bool,
 }
 
 impl Ruptures {
-    /// Drops what the last attempt found.
+    /// Removes the ruptures that the last attempt found.
     pub fn forget_attempt(&mut self) {
         self.list.truncate(self.on_the_way);
         (self.rounds, self.capped) = (0, false);
@@ -37,84 +38,89 @@ impl Ruptures {
 pub struct EventTrial {
     /// Fraction of a whole increment.
     pub fraction: f64,
-    /// Overload R of every bond, in the order of [`Bodies::bonds`](crate::contact::Bodies::bonds); at most 1 where it
-    /// is within its limits.
+    /// Overload R of every bond, in the order of [`Bodies::bonds`](crate::contact::Bodies::bonds).
+    /// R is at most 1 for a bond within its limits.
     pub overloads: Vec<f64>,
     /// Change of the contact forces since the start of the increment, `sum|f - f_0| / sum|f|`.
     pub change: f64,
-    /// Whether they are of a solution; those of the start of an increment follow from the forces that it begins with.
+    /// Whether the overloads come from a solution. Those at the start of an increment come from the
+    /// initial forces.
     pub is_solved: bool,
 }
 
 /// The search for the fraction of an increment at which the next bond reaches its limit.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct EventSearch {
-    /// Whether bonds break from event to event in this increment: then the trials are solved with bonds of
-    /// unlimited strength.
+    /// Whether bonds break from event to event in this increment. Trials are then solved with bonds
+    /// of unlimited strength.
     pub active: bool,
-    /// The last trial whose maximum overload is below 1 - tolerance; at first the start of the increment.
+    /// The last trial whose maximum overload is below 1 - tolerance. Initially it is the start of
+    /// the increment.
     pub below: Option<EventTrial>,
-    /// The last trial beyond the state that is sought.
+    /// The last trial beyond the event.
     pub above: Option<EventTrial>,
     /// The fraction to try next.
     pub target: f64,
-    /// Trials so far.
+    /// Number of trials so far.
     pub trials: u32,
-    /// Of these, how many have replaced `below` in a row, and how many `above`; one of the two is 0.
+    /// Number of consecutive last trials that replaced `below`, and that replaced `above`. One of
+    /// the two is 0.
     pub in_a_row: [u32; 2],
-    /// Bonds at their limit in the last trial: they break once it is committed.
+    /// Bonds at their limits in the last trial. They break when the trial is committed.
     pub broken: Vec<Rupture>,
-    /// Whether bodies have moved in this increment before the trial: its motion was followed.
+    /// Whether a followed motion has moved bodies in this increment before the trial.
     pub moved: bool,
     /// Maximum overload of the last trial.
     pub overload: f64,
-    /// Whether the last trial is a state within an avalanche: bonds are above their limits in it.
+    /// Whether the last trial is a state within an avalanche, in which bonds are above their
+    /// limits.
     pub in_avalanche: bool,
 }
 
-/// How Coulomb's law is fulfilled by the last solution.
+/// How well the last solution satisfies Coulomb's law.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sliding {
     /// Maximum of the natural map of the contacts, without dimension; 0 with the associated law.
     pub natural_map: f64,
     /// Whether the residual of the solution is above the tolerance and at most [`BOUND`](Self::BOUND).
     pub capped: bool,
-    /// Whether the residual of the solution is above the bound: the solution is rejected.
+    /// Whether the residual of the solution is above the bound, so that the solution is rejected.
     pub lost: bool,
-    /// Solves of this increment that did not converge.
+    /// Number of solves in this increment that did not converge.
     pub failures: u32,
 }
 
 impl Sliding {
-    /// Maximum residual of a solution under Coulomb's law that is committed.
+    /// Maximum residual at which a solution under Coulomb's law is committed.
     pub const BOUND: f64 = 1e-4;
 }
 
-/// What [`Corrector`](crate::increment::Corrector) makes of a pair of particles.
+/// Correction of the geometry of a pair of particles by [`Corrector`](crate::increment::Corrector).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Correction {
     /// The pair.
     pub pair: (u32, u32),
     /// Normal from a to b.
     pub normal: DVec2,
-    /// Gap where the normal is taken, m: the arms end in its middle.
+    /// Gap in the geometry of the normal, m. The arms end in the middle of this gap.
     pub gap: f64,
-    /// Takes the place of the gap at the start, m: less the closing it is the gap at the end.
+    /// Offset that replaces the initial gap, m. The offset minus the closing is the gap at the end.
     pub offset: f64,
-    /// What slip is more than its linear expression, m.
+    /// Slip minus its linear expression, m.
     pub slip: f64,
 }
 
-/// Normals, gaps and slips at the place that the last pass of the corrector led to.
+/// Normals, gaps and slips in the geometry that the last pass of the corrector found.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Corrections {
     /// Sorted by pair.
     pub list: Vec<Correction>,
-    /// Passes so far.
+    /// Number of passes so far.
     pub passes: u32,
-    /// What gaps and slips were off by in the last pass over the maximum displacement, or normals.
+    /// Error of the last pass: the maximum error of gaps and slips over the maximum displacement,
+    /// or the maximum error of normals if that is larger.
     pub residual: f64,
-    /// Whether the cap on passes was hit.
+    /// Whether the corrector reached its maximum number of passes.
     pub capped: bool,
 }
 
@@ -125,8 +131,8 @@ impl Corrections {
         self.list.binary_search_by_key(&pair, |c| c.pair).ok().map(|k| &self.list[k])
     }
 
-    /// What the corrector adds to the shear force that an interaction of the given tangential
-    /// compliance (that of the program, m/N) starts from, N.
+    /// Force that the corrector adds to the initial shear force of an interaction, N. `compliance`
+    /// is the tangential compliance in the program, m/N.
     #[must_use]
     pub fn shear_shift(&self, pair: (u32, u32), compliance: f64) -> f64 {
         match self.of(pair) {
@@ -136,12 +142,12 @@ impl Corrections {
     }
 }
 
-/// Displacements that push rigid overlaps apart, by body in its own axes. They move the bodies and give no
-/// velocity. None until overlaps were found.
+/// Displacements that separate rigid overlaps, by body in the axes of the body. They move the
+/// bodies and give no velocity. `None` before overlaps are found.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Pushed(pub Option<Vec<[f64; 3]>>);
 
-/// An impact of two bodies that touch nothing else, where contacts have restitution.
+/// An impact of two bodies that touch no other body, for contacts with restitution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Impact {
     /// Index of the interaction in the program.
@@ -150,61 +156,63 @@ pub struct Impact {
     pub time: f64,
 }
 
-/// The impacts of the program that was assembled last.
+/// Impacts of the last assembled program.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Impacts {
-    /// Of bodies that touch nothing else, in ascending order of the interactions.
+    /// Impacts of bodies that touch no other body, in ascending order of the interactions.
     pub single: Vec<Impact>,
-    /// Share of the velocity at the end in the displacement of bodies that carry contact forces: `1/(1 + e)`
-    /// where bodies are hit that touch others, with the minimum e of these contacts, else 1.
+    /// Weight of the end velocity in the displacement of bodies that carry contact forces. It is
+    /// `1/(1 + e)`, with e the minimum of the contacts in question, if a body is hit that touches
+    /// others, else 1.
     pub end_share: f64,
 }
 
-/// Whether a body that a rejected solution moved far carried load there.
+/// Whether a body that a rejected solution moved far carried load.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Bearing {
-    /// It was not moved far.
+    /// No rejected solution moved the body far.
     #[default]
     Unknown,
-    /// It carried nothing: of all its motions its motion is to be the minimum.
+    /// The body carried nothing. The regularisation gives it the smallest possible motion.
     Nothing,
-    /// It carried nothing at first, but once its motion was the minimum it was pushed: the load must
-    /// find its support without that help.
+    /// The body carried nothing at first, but was pushed once it was regularised. The load must
+    /// find its support without regularisation.
     Load,
 }
 
-/// What keeps grains from being thrown.
+/// Measures that keep grains from being thrown.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Restraints {
-    /// What rejected solutions say of the load of bodies; empty before one was rejected.
+    /// Load of bodies in rejected solutions. Empty before the first rejection.
     pub bearing: Vec<Bearing>,
-    /// Bodies that went far in a rejected solution: their taut bonds pull them back; empty before one was
-    /// rejected.
+    /// Bodies that moved far in a rejected solution and that their taut bonds pull back. Empty
+    /// before the first rejection.
     pub swinging: Vec<bool>,
-    /// Attempts in a row that were made because of what was found here.
+    /// Number of consecutive attempts that these findings caused.
     pub replies: u32,
 }
 
-/// Centre of the regularisation where it follows the solution.
+/// Centre of the regularisation if it follows the solution.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Centre {
-    /// Displacements that the regularisation pulls to, by body in its own axes; empty: none.
+    /// Displacements towards which the regularisation pulls, by body in the axes of the body. Empty
+    /// means zero.
     pub place: Vec<[f64; 3]>,
-    /// Moves of the centre in this attempt.
+    /// Number of moves of the centre in this attempt.
     pub moves: u32,
 }
 
 /// A solution that did not converge.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Unconverged {
-    /// Its residuals.
+    /// Residuals of the solution.
     pub residuals: Residuals,
-    /// Where the maximum residual is: which bodies, at which place.
+    /// Bodies and place of the maximum residual.
     pub place: String,
-    /// What the solver said of it.
+    /// Message of the solver.
     pub message: String,
 }
 
-/// Of all solutions of the increment that did not converge, the one that came closest.
+/// The solution with the smallest residual of all that did not converge in the increment.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Closest(pub Option<Unconverged>);

@@ -1,4 +1,5 @@
-//! Who is who: identities are given on insertion, belong to one entity, and are never used again.
+//! Identities of bodies and bonds. Each is assigned on insertion, belongs to one entity, and is
+//! never used twice.
 
 use std::collections::HashMap;
 
@@ -13,9 +14,9 @@ use crate::contact::{ContactHistory, KeptRows};
 use crate::particle::Particle;
 use crate::wall::Wall;
 
-/// The identities in use, and those that come next.
+/// The identities in use, and the next free ones.
 ///
-/// Component hooks keep it up to date. A world makes it when the first body is inserted.
+/// Component hooks update this resource. It is created when the first body is inserted.
 #[derive(Resource, Debug, Default)]
 pub struct Identities {
     bodies: Register,
@@ -24,7 +25,7 @@ pub struct Identities {
 
 #[derive(Debug, Default)]
 struct Register {
-    // Only looked up, never iterated: its order is not that of any result.
+    // This map is only looked up and never iterated, so that its order has no effect.
     owners: HashMap<u32, Entity>,
     next: u32,
 }
@@ -34,7 +35,7 @@ impl Register {
         self.next
     }
 
-    /// Books an identity; the error is the entity that has it already.
+    /// Assigns an identity to an entity. The error is the entity that has the identity already.
     fn take(&mut self, id: u32, entity: Entity) -> Result<(), Entity> {
         match self.owners.get(&id) {
             Some(owner) if *owner != entity => Err(*owner),
@@ -56,20 +57,21 @@ impl Register {
 /// The next identities of bodies and bonds, as a checkpoint stores them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct NextIdentities {
-    /// Of a body.
+    /// Next identity of a body.
     pub body: u32,
-    /// Of a bond: the number of bonds ever made, where nobody gave a bond an identity of his own.
+    /// Next identity of a bond. It equals the number of bonds ever made unless a caller set
+    /// identities.
     pub bond: u32,
 }
 
 impl Identities {
-    /// The entity of a body; `None` if there is no such body.
+    /// Entity of a body; `None` if the identity is not in use.
     #[must_use]
     pub fn body(&self, id: BodyId) -> Option<Entity> {
         self.bodies.owners.get(&id.0).copied()
     }
 
-    /// The entity of a bond; `None` if there is no such bond.
+    /// Entity of a bond; `None` if the identity is not in use.
     #[must_use]
     pub fn bond(&self, id: BondId) -> Option<Entity> {
         self.bonds.owners.get(&id.0).copied()
@@ -81,7 +83,7 @@ impl Identities {
         NextIdentities { body: self.bodies.next, bond: self.bonds.next }
     }
 
-    /// Leaves out all identities below these: those of a run that goes on from a checkpoint.
+    /// Skips all identities below these, which a resumed run has used before its checkpoint.
     pub fn skip_to(&mut self, next: NextIdentities) {
         self.bodies.next = self.bodies.next.max(next.body);
         self.bonds.next = self.bonds.next.max(next.bond);
@@ -89,7 +91,7 @@ impl Identities {
 }
 
 /// Why an identity, a body or a bond is refused. The error goes to Bevy's error handler, which
-/// panics unless the app sets another one; what was refused is taken out of the world.
+/// panics unless the app sets another one. The refused component or bond is removed from the world.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum IdentityError {
     /// Two bodies have one identity.
@@ -118,19 +120,19 @@ pub enum IdentityError {
         /// The entity that was refused.
         newcomer: Entity,
     },
-    /// A bond is to join what cannot be joined.
+    /// A bond joins entities that cannot be joined.
     #[error("Bond::between({a}, {b}) joins no two bodies: {what}")]
     Joint {
         /// First entity.
         a: Entity,
         /// Second entity.
         b: Entity,
-        /// What is wrong, and what would be right.
+        /// The mistake and its remedy.
         what: &'static str,
     },
 }
 
-/// Hook of [`Particle`] and [`Wall`]: an identity and an origin, where none is given.
+/// Hook of [`Particle`] and [`Wall`]: adds an identity and an origin if they are missing.
 pub(crate) fn body_added(mut world: DeferredWorld, context: HookContext) {
     let entity = context.entity;
     world.commands().queue(move |world: &mut World| {
@@ -147,7 +149,7 @@ pub(crate) fn body_added(mut world: DeferredWorld, context: HookContext) {
     });
 }
 
-/// Hook of [`BodyId`].
+/// Hook of [`BodyId`]: registers the identity.
 pub(crate) fn body_named(mut world: DeferredWorld, context: HookContext) {
     let newcomer = context.entity;
     world.commands().queue(move |world: &mut World| -> Result<(), IdentityError> {
@@ -160,8 +162,8 @@ pub(crate) fn body_named(mut world: DeferredWorld, context: HookContext) {
     });
 }
 
-/// Hook of [`BodyId`]: the intact bonds of the body end with it, and so does the memory of its
-/// contacts. Bonds that broke before stay in the record.
+/// Hook of [`BodyId`]: removes the intact bonds of the body and the memory of its contacts. Bonds
+/// that broke before stay in the record.
 pub(crate) fn body_gone(mut world: DeferredWorld, context: HookContext) {
     let entity = context.entity;
     let Some(id) = world.get::<BodyId>(entity).copied() else { return };
@@ -188,7 +190,7 @@ pub(crate) fn body_gone(mut world: DeferredWorld, context: HookContext) {
     });
 }
 
-/// Hook of [`Bond`]: an identity, where none is given.
+/// Hook of [`Bond`]: adds an identity if it is missing.
 pub(crate) fn bond_added(mut world: DeferredWorld, context: HookContext) {
     let entity = context.entity;
     world.commands().queue(move |world: &mut World| {
@@ -199,7 +201,7 @@ pub(crate) fn bond_added(mut world: DeferredWorld, context: HookContext) {
     });
 }
 
-/// Hook of [`BondId`].
+/// Hook of [`BondId`]: registers the identity.
 pub(crate) fn bond_named(mut world: DeferredWorld, context: HookContext) {
     let newcomer = context.entity;
     world.commands().queue(move |world: &mut World| -> Result<(), IdentityError> {
@@ -212,7 +214,7 @@ pub(crate) fn bond_named(mut world: DeferredWorld, context: HookContext) {
     });
 }
 
-/// Hook of [`BondId`].
+/// Hook of [`BondId`]: releases the identity.
 pub(crate) fn bond_gone(mut world: DeferredWorld, context: HookContext) {
     let entity = context.entity;
     let Some(BondId(id)) = world.get::<BondId>(entity).copied() else { return };
@@ -221,7 +223,8 @@ pub(crate) fn bond_gone(mut world: DeferredWorld, context: HookContext) {
     });
 }
 
-/// Hook of [`Joint`]: replaces it by a [`Bond`] that is free of stress as its bodies lie.
+/// Hook of [`Joint`]: replaces it by a [`Bond`] that is free of stress at the positions of its
+/// bodies.
 pub(crate) fn joined(mut world: DeferredWorld, context: HookContext) {
     let entity = context.entity;
     world.commands().queue(move |world: &mut World| -> Result<(), IdentityError> {
@@ -273,7 +276,7 @@ mod tests {
         assert!((found.initial_gap - 0.5).abs() < 1e-15);
         assert_eq!(world.get::<BondId>(bond), Some(&BondId(0)));
         assert!(world.get::<Joint>(bond).is_none());
-        // The bond ends with its body.
+        // Removing the body removes the bond.
         world.despawn(a);
         assert!(world.get_entity(bond).is_err());
     }

@@ -1,4 +1,8 @@
-//! Components and plain data of the clastic engine: no behaviour beyond accessors.
+//! Components and plain data of the clastic engine.
+//!
+//! Behaviour is limited to arithmetic on one value or table (laws of mixed contacts, load ramps,
+//! relabelling of rows, sums of loads) and to the component hooks that assign identities. Systems
+//! are in `clastic_systems`.
 //!
 //! Conventions that hold everywhere: SI units and `f64`; a plane problem of stated thickness;
 //! anticlockwise rotation and compressive force positive.

@@ -5,51 +5,53 @@ use bevy_ecs::prelude::*;
 use crate::body::BodyId;
 use crate::contact::Bodies;
 
-/// What is added to one degree of freedom: a force, and a stiffness that resists the displacement.
+/// Load added to one degree of freedom: a force, and a stiffness that resists the displacement.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct AddedLoad {
     /// Force (N) or moment (N m).
     pub force: f64,
-    /// Stiffness k >= 0 of a spring to the ground, N/m or N m/rad: it adds the force `-k u`.
+    /// Stiffness k >= 0 of a spring to the ground, N/m or N m/rad. The spring adds the force
+    /// `-k u`.
     pub stiffness: f64,
 }
 
-/// Loads of the trial, filled by the systems of the `Loads` schedule: the outside world acts with
-/// `force - stiffness u` on a degree of freedom that moves by u. Contributions add up, and their sum does not
-/// depend on the order in which they were added.
+/// Loads of the trial, which the systems of the `Loads` schedule add. The outside world acts with
+/// `force - stiffness u` on a degree of freedom with displacement u. Contributions add up. Their
+/// sum does not depend on the order in which they were added.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct TrialLoads {
     added: Vec<(BodyId, usize, AddedLoad)>,
 }
 
 impl TrialLoads {
-    /// Adds a force (x, y; N) and a moment (N m) on a body. A wall under `WallDrive::Loaded` takes the part
-    /// along its inward normal, any other wall takes none.
+    /// Adds a force (x, y; N) and a moment (N m) on a body. A wall under `WallDrive::Loaded` takes
+    /// the component along its inward normal. Any other wall takes none.
     pub fn add(&mut self, body: BodyId, force: [f64; 3]) {
         for (k, force) in force.into_iter().enumerate() {
             self.added.push((body, k, AddedLoad { force, stiffness: 0.0 }));
         }
     }
 
-    /// Adds a spring on degree of freedom `k` (x, y, rotation) of a particle: it acts with `force` where the
-    /// particle is and with `force - stiffness u` after a displacement u (N, N/m; N m, N m/rad).
+    /// Adds a spring on degree of freedom `k` (x, y, rotation) of a particle. It acts with `force`
+    /// at displacement 0 and with `force - stiffness u` at displacement u (N, N/m; N m, N m/rad).
     pub fn add_spring(&mut self, body: BodyId, k: usize, force: f64, stiffness: f64) {
         self.added.push((body, k, AddedLoad { force, stiffness }));
     }
 
-    /// Drops all loads.
+    /// Removes all loads.
     pub fn clear(&mut self) {
         self.added.clear();
     }
 
-    /// Whether nothing was added.
+    /// Whether no load was added.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.added.is_empty()
     }
 
-    /// Sums by row of `bodies` and degree of freedom. Loads of bodies that are not there count for nothing. Contributions are sorted before they are
-    /// summed: a sum of floating-point numbers depends on its order.
+    /// Sums by row of `bodies` and degree of freedom. Loads on bodies that are not in the table are
+    /// ignored. Contributions are sorted before they are summed, because a sum of floating-point
+    /// numbers depends on its order.
     #[must_use]
     pub fn sums(&self, bodies: &Bodies) -> Vec<[AddedLoad; 3]> {
         let mut sorted = self.added.clone();

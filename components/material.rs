@@ -15,16 +15,16 @@ pub struct ContactLaw {
     pub tangential_compliance: f64,
     /// Coefficient of friction mu.
     pub friction: f64,
-    /// Coefficient of rolling friction mu_r. With 0 the contact has no rolling moment.
+    /// Coefficient of rolling friction mu_r. 0 means that the contact has no rolling moment.
     pub rolling_friction: f64,
-    /// Coefficient of restitution e, 0 to 1, of a rigid contact in dynamics: relative normal speed after an
-    /// impact over that before it. 0 in an elastic contact.
+    /// Coefficient of restitution e, 0 to 1, of a rigid contact in dynamics: normal separation
+    /// speed after an impact over closing speed before it. 0 in an elastic contact.
     pub restitution: f64,
 }
 
 impl ContactLaw {
-    /// The law between two different materials when the scene names none: springs in series,
-    /// the smaller friction and the smaller restitution.
+    /// Law between two different materials if the scene names none: springs in series, the smaller
+    /// friction and the smaller restitution.
     #[must_use]
     pub fn between(self, other: Self) -> Self {
         Self {
@@ -36,7 +36,7 @@ impl ContactLaw {
         }
     }
 
-    /// The same law without compliance, friction, rolling resistance and restitution.
+    /// Law without compliance, friction, rolling resistance and restitution.
     #[must_use]
     pub fn rigid_frictionless() -> Self {
         Self::default()
@@ -53,7 +53,8 @@ pub struct BondLaw {
     pub tangential_compliance: f64,
     /// Internal friction coefficient mu_b.
     pub friction: f64,
-    /// Coefficient of rolling friction mu_r. With 0 the bond has no rolling moment and never breaks in rolling.
+    /// Coefficient of rolling friction mu_r. 0 means that the bond has no rolling moment and never
+    /// breaks by rolling.
     pub rolling_friction: f64,
     /// Cohesion c, Pa.
     pub cohesion: f64,
@@ -62,7 +63,8 @@ pub struct BondLaw {
 }
 
 impl BondLaw {
-    /// The bond between two different materials: springs in series, the smaller of each strength.
+    /// Law of a bond between two different materials: springs in series, the smaller value of each
+    /// strength.
     #[must_use]
     pub fn between(self, other: Self) -> Self {
         Self {
@@ -76,7 +78,7 @@ impl BondLaw {
     }
 }
 
-/// A particle material. The default is rigid and frictionless, and does not cement.
+/// Material of particles. The default is rigid and frictionless, and forms no bonds.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Material {
     /// Name in the scene.
@@ -85,17 +87,17 @@ pub struct Material {
     pub density: f64,
     /// Law of contacts between two particles of this material.
     pub contact: ContactLaw,
-    /// Law of bonds between two particles of this material, where it cements.
+    /// Law of bonds between two particles of this material; `None` if it forms no bonds.
     pub bond: Option<BondLaw>,
 }
 
-/// All particle materials, in scene order. Without any, contacts of particles are rigid and
-/// frictionless.
+/// All particle materials, in scene order. If the list is empty, contacts between particles are
+/// rigid and frictionless.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Materials(pub Vec<Material>);
 
 impl Materials {
-    /// The contact law of two particles with the given material indices.
+    /// Contact law of two particles with the given material indices.
     ///
     /// # Panics
     /// If a particle has an index beyond the last material.

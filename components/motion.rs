@@ -1,45 +1,47 @@
-//! A motion that is followed where a static increment has no equilibrium near by.
+//! A motion that is followed if a static increment has no equilibrium near its start.
 //!
-//! The static program gets inertia: with W the weight of a step, k_0 a stiffness, m_i the relative mass of
-//! body i and v_i its velocity, the balance rows read
+//! The static program gets inertia. With W the weight of a step, k_0 a stiffness, m_i the relative
+//! mass of body i and v_i its velocity, the balance rows are
 //!
 //! ```text
 //! W k_0 m_i (u_i - v_i dt) + G s = f,      dt = 1/sqrt(W),      v_i <- u_i/dt
 //! ```
 //!
-//! Time and mass have no physical meaning: the loads are constant, and what is sought is where the motion
-//! comes to rest. Velocities are set to zero when the kinetic energy falls (kinetic damping: Cundall 1982).
+//! Time and mass have no physical meaning: the loads are constant, and only the state at rest
+//! matters. Velocities are set to zero when the kinetic energy falls (kinetic damping: Cundall
+//! 1982).
 
-/// State of a motion between two of its steps.
+/// State of a motion between two steps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Motion {
-    /// Whether ruptures released it, at an equilibrium; otherwise it begins where equilibrium was lost.
+    /// Whether ruptures released the motion at an equilibrium. Otherwise it begins where
+    /// equilibrium was lost.
     pub released: bool,
-    /// Length that its steps resolve, in radii of the furthest grain.
+    /// Travel of the furthest grain that a step may have, in its radii.
     pub length: f64,
     /// Weight W of the step, without dimension. A small weight is a long step.
     pub weight: f64,
     /// Stiffness k_0, N/m: the force scale over the displacement scale of the increment.
     pub stiffness: f64,
-    /// Relative masses by body: of the translations, and of the rotation in m^2.
+    /// Relative masses by body: of the translations (1), and of the rotation (m^2).
     pub masses: Vec<[f64; 2]>,
-    /// Displacements (m, m, rad) of the last step over its dt, by body in its own axes.
+    /// Displacements (m, m, rad) of the last step over its dt, by body in the axes of the body.
     pub velocities: Vec<[f64; 3]>,
     /// Kinetic energy after the last step, N m.
     pub kinetic: f64,
-    /// Travel of the furthest grain that a step aims at, in its radii.
+    /// Intended travel of the furthest grain in a step, in its radii.
     pub goal: f64,
-    /// Whether the motion is repeated because it found no rest.
+    /// Whether the motion is repeated because the first one did not come to rest.
     pub repeated: bool,
     /// Sum of the travels of the furthest grain in each step, in its radii.
     pub travelled: f64,
-    /// Travel of the furthest grain in the last step over its dt; 0 where the motion starts from rest.
+    /// Travel of the furthest grain in the last step over its dt; 0 if the motion starts from rest.
     pub speed: f64,
-    /// Steps that were taken.
+    /// Number of steps so far.
     pub steps: u32,
-    /// Rejected steps in a row.
+    /// Number of consecutive rejected steps.
     pub failures: u32,
-    /// Steps that were made with the smallest weight.
+    /// Number of steps with the minimum weight.
     pub free_steps: u32,
 }
 
@@ -65,7 +67,7 @@ impl Default for Motion {
 }
 
 impl Motion {
-    /// Time of a step, in units in which the relative mass times k_0 is a mass.
+    /// Duration of a step, in units in which the relative mass times k_0 is a mass.
     #[must_use]
     pub fn dt(&self) -> f64 {
         self.weight.sqrt().recip()

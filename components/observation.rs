@@ -1,5 +1,4 @@
-//! What is observed of an increment: plain data between the systems that measure and those that
-//! write.
+//! Observations of an increment: plain data between the systems that measure and those that write.
 
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -8,21 +7,21 @@ use crate::attempt::IncrementStatus;
 use crate::bond::Rupture;
 use clastic_cone::program::Residuals;
 
-/// What a strain measure compares: closing is positive.
+/// Distance that a strain measure compares. Strain is positive if the distance decreases.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StrainMeasure {
-    /// Engineering strain of the distance of two walls along the first one's normal.
+    /// Engineering strain of the distance between two walls along the normal of the first wall.
     Walls(Entity, Entity),
-    /// Engineering strain of the distance of two particles' centres.
+    /// Engineering strain of the distance between the centres of two particles.
     Particles(Entity, Entity),
 }
 
-/// What a stress measure is taken from: compression is positive.
+/// Source of a stress measure. Compression is positive.
 #[derive(Clone, Debug, PartialEq)]
 pub enum StressMeasure {
-    /// Mean normal force on the named walls over a length times the thickness.
+    /// Mean normal force on the named walls divided by length times thickness.
     Walls {
-        /// The walls; the mean of their forces counts.
+        /// The walls whose forces are averaged.
         walls: Vec<Entity>,
         /// The length.
         length: MeasureLength,
@@ -31,17 +30,17 @@ pub enum StressMeasure {
     Average {
         /// Component.
         component: StressComponent,
-        /// Area that it is averaged over, m^2.
+        /// Area of the average, m^2.
         area: MeasureArea,
     },
 }
 
-/// Length under a wall stress.
+/// Length in a wall stress.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MeasureLength {
     /// A fixed length, m.
     Fixed(f64),
-    /// Current distance of two walls.
+    /// Current distance between two walls.
     Between(Entity, Entity),
 }
 
@@ -82,7 +81,7 @@ pub struct Measures {
     pub reference: Option<[f64; 2]>,
 }
 
-/// A recorded body.
+/// Reading of a recorded body.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ProbeReading {
     /// Name of the probe.
@@ -93,15 +92,16 @@ pub struct ProbeReading {
     pub force: [f64; 3],
 }
 
-/// The record of the last committed increment. Numbers that the scene does not define are
-/// `None` and stay empty in the history.
+/// Record of the last committed increment. Quantities that the scene does not define are `None`,
+/// and empty in the history.
 #[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Observation {
-    /// Increment, from 1.
+    /// Number of the increment, from 1.
     pub increment: u64,
     /// Name of the stage.
     pub stage: String,
-    /// Fraction of the increment; below 1 where it was halved or ended with an event, 0 after an avalanche.
+    /// Fraction of the increment: below 1 if it was halved or ended with an event, 0 after an
+    /// avalanche.
     pub fraction: f64,
     /// Time, s.
     pub time: f64,
@@ -115,49 +115,53 @@ pub struct Observation {
     pub axial_stress: Option<f64>,
     /// Lateral stress, Pa, positive in compression.
     pub lateral_stress: Option<f64>,
-    /// Contacts (bonded or not) that carry force.
+    /// Number of contacts (bonded or not) that carry force.
     pub contacts: usize,
-    /// Potential contacts in the program.
+    /// Number of potential contacts in the program.
     pub potential_contacts: usize,
-    /// Intact bonds between bodies that are there.
+    /// Number of intact bonds.
     pub bonds: usize,
-    /// Bonds broken so far in tension, shear and rolling.
+    /// Number of bonds broken so far in tension, shear and rolling.
     pub broken: [usize; 3],
     /// Kinetic energy, J.
     pub kinetic_energy: f64,
-    /// Solves of the increment.
+    /// Number of solves in the increment.
     pub solves: u32,
-    /// Steps of motions that were followed before the equilibrium of the increment was found.
+    /// Number of steps of followed motions before the equilibrium of the increment was found.
     pub motion_steps: u32,
-    /// Strain of the mean field that these motions made.
+    /// Strain of the mean field during these motions.
     pub motion_strain: f64,
-    /// Solver iterations of the increment.
+    /// Number of solver iterations in the increment.
     pub iterations: u32,
     /// KKT residuals.
     pub residuals: Residuals,
-    /// Whether bonds are above their limits at constant load: a state within an avalanche, no equilibrium.
+    /// Whether the state lies within an avalanche: bonds are above their limits, so it is no
+    /// equilibrium.
     pub in_avalanche: bool,
-    /// How late bonds broke in this increment: relative change of the contact forces over it, `sum|f - f_0| / sum|f|`.
-    /// Where they break from event to event: the maximum overload less 1, or the tolerance of the search if that is
-    /// more. 0 where none broke.
+    /// Delay with which bonds broke in this increment: the relative change of the contact forces
+    /// over the increment, `sum|f - f_0| / sum|f|`. If bonds break from event to event it is the
+    /// maximum overload minus 1, or the tolerance of the search if that is larger. 0 without
+    /// ruptures.
     pub rupture_lag: f64,
-    /// Loops that ended at their caps: `cascade`, `corrector`, `coulomb`, joined by `+`.
+    /// Loops that reached their maximum number of passes: `cascade`, `corrector`, `coulomb`, joined
+    /// by `+`.
     pub caps: String,
-    /// Coulomb's law: maximum of the natural map of the contacts, without dimension; 0 with the associated law.
+    /// Maximum of the natural map of the contacts under Coulomb's law, without dimension; 0 with
+    /// the associated law.
     pub coulomb_residual: f64,
-    /// How it ended.
+    /// Status of the increment.
     pub status: IncrementStatus,
-    /// Probes: bodies with a probe name, by identity.
+    /// Readings of bodies with a probe name, in the order of identities.
     pub probes: Vec<ProbeReading>,
-    /// Bonds that broke in this increment, by identity.
+    /// Bonds that broke in this increment, in the order of identities.
     pub ruptures: Vec<Rupture>,
 }
 
-/// Bonds broken so far in tension, shear and rolling.
+/// Number of bonds broken so far in tension, shear and rolling.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RuptureCount(pub [usize; 3]);
 
-/// Wall-clock seconds that the parts of the last increment took. Results never depend on it.
+/// Wall-clock seconds for each part of the last increment. Results never depend on them.
 #[derive(Resource, Clone, Copy, Debug, Default)]
 pub struct Timings {
     /// Contact detection.

@@ -46,7 +46,7 @@ impl Particle {
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct MaterialIndex(pub u32);
 
-/// A particle that a rejected solution moved far: it is on a mechanism, and its taut bonds are to pull
-/// it back in the increments that follow too.
+/// Marks a particle that a rejected solution moved far: it is part of a mechanism. The geometric
+/// stiffness of its taut bonds stays in the program in later increments.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Swinging;

@@ -46,22 +46,22 @@ pub enum WallControl {
     Displacement(DVec2),
     /// It moves with this velocity (m/s); dynamic analysis only.
     Velocity(DVec2),
-    /// A force (N) along the inward normal, positive into the specimen. It goes linearly from
-    /// `from`, its value at the start of the stage, to `to` over the stage's increments.
+    /// A force (N) along the inward normal, positive into the specimen. It varies linearly over the
+    /// stage from `from` to `to`.
     Force {
         /// Value at the start of the stage, N.
         from: f64,
         /// Value at the end of the stage, N.
         to: f64,
     },
-    /// A stress (Pa, compression positive) times the current loaded length times the thickness,
-    /// along the inward normal, ramped over the stage like a force.
+    /// A stress (Pa, compression positive) along the inward normal. The force is stress times
+    /// current loaded length times thickness. It varies linearly over the stage.
     Stress {
         /// Value at the start of the stage, Pa.
         from: f64,
         /// Value at the end of the stage, Pa.
         to: f64,
-        /// What the stress acts on.
+        /// Length that the stress acts on.
         length: LoadedLength,
     },
     /// Another system writes the wall's [`WallDrive`].
@@ -69,9 +69,9 @@ pub enum WallControl {
 }
 
 impl WallControl {
-    /// The same load on its way to another value at the end of the stage. It goes on from what it has reached:
-    /// with `s = done/total` the ramp starts at `(reached - to s)/(1 - s)`, so that its line passes through the
-    /// value reached. Controls that are no load stay as they are.
+    /// Changes the value at the end of the stage and keeps the current value. With `s = done/total`
+    /// the ramp starts at `(current - to s)/(1 - s)`, so that its line passes through the current
+    /// value. Controls without a load do not change.
     #[must_use]
     pub fn retarget(self, progress: &Progress, target: f64) -> Self {
         let aim = |from: f64, to: f64| {
@@ -89,17 +89,17 @@ impl WallControl {
     }
 }
 
-/// The length that a stress-controlled wall is loaded over.
+/// Length that the stress of a stress-controlled wall acts on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LoadedLength {
-    /// The length of its drawn segment.
+    /// Length of the drawn segment of the wall.
     Segment,
-    /// The current distance between two other walls, measured along this wall. Opposite walls
-    /// that name the same two share one length, so that their forces balance exactly.
+    /// Current distance between two other walls, measured along this wall. Opposite walls that name
+    /// one pair share one length, so that their forces balance exactly.
     Between(Entity, Entity),
 }
 
-/// What a wall does during a whole increment: the result of its control.
+/// Motion or load of a wall during a whole increment, which follows from its control.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum WallDrive {
     /// Displacement over the increment, m.

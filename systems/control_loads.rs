@@ -1,4 +1,4 @@
-//! Turns the loads of particles over a stage into their loads over the next increment.
+//! Computes the loads of particles over the next increment from their loads over the stage.
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;

@@ -1,5 +1,5 @@
-//! Turns the control of walls into their drives for the increment that begins. Forces and stresses go
-//! into the program as the wall's own balance row: exact, and without a servo.
+//! Computes the drives of walls for the next increment from their controls. A force or a stress is
+//! imposed exactly, through the wall's own balance row in the program.
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
@@ -73,8 +73,8 @@ pub fn control_walls(
     }
 }
 
-/// Renews the drives of walls under stress in the table: the stress acts on the length that the walls leave
-/// where a motion that is followed has taken them.
+/// Updates the drives of stress-controlled walls in the table. The stress acts on the current
+/// length between the walls, which a followed motion may have changed.
 pub fn renew_stresses(bodies: &mut Bodies, progress: &Progress, analysis: &Analysis) {
     for k in 0..bodies.walls.len() {
         let WallControl::Stress { from, to, length } = bodies.walls[k].control else { continue };
@@ -104,8 +104,8 @@ pub fn loaded_length(
 ) -> f64 {
     match length {
         LoadedLength::Segment => geometry.get(wall).map_or(0.0, |(w, _)| 2.0 * w.half_length),
-        // Measured along the normal of the first of the two, so that opposite walls, which name
-        // the same two, get the same bits.
+        // The distance is measured along the normal of `first`. Opposite walls that name one pair
+        // then get equal bits.
         LoadedLength::Between(first, second) => wall_distance(first, second, geometry),
     }
 }

@@ -1,46 +1,52 @@
-//! Search for the state at which the next bonds break: pure decisions on trials ([`decide`], [`at_constant_load`]).
+//! Search for the state at which the next bonds break: pure functions of trials ([`decide`],
+//! [`at_constant_load`]).
 //!
-//! A trial is the solution at a fraction s of the increment with bonds of unlimited strength, and the overload R_i of
-//! each bond in it. Between two trials R_i is taken as linear, which it is where no contact changes in between. The
-//! crossing c_i of a bond is the fraction at which R_i = 1.
+//! A trial is the solution at a fraction s of the increment with bonds of unlimited strength,
+//! together with the overload R_i of each bond. R_i is interpolated linearly between two trials,
+//! which is exact if no contact changes in between. The crossing c_i of a bond is the fraction at
+//! which R_i = 1.
 //!
-//! Bonds break in groups. A group starts with the first crossing c_1 and goes on to the last c_i with
+//! Bonds break in groups. A group starts with the first crossing c_1 and ends with the last c_i
+//! that satisfies
 //!
 //! ```text
 //! (c_i - c_1) d/ds sum|f - f_0| <= group sum|f|,     sum_group |f_i| <= group sum|f|
 //! ```
 //!
-//! (f: contact forces, f_0: at the start of the increment): neither the loading across the group nor its ruptures
-//! change the forces by more than the fraction `group`. The first bond is always in it. The group breaks in the middle
-//! of its span: half of its bonds break somewhat late, the others somewhat early, and the error of first order
-//! cancels. With `group` = 0 bonds break one by one, each at `1 - tolerance <= R <= 1`.
+//! with f the contact forces and f_0 those at the start of the increment. Neither the loading
+//! across the group nor its ruptures then change the forces by more than the fraction `group`. The
+//! first bond always belongs to the group. The group breaks at the middle of its span: half of its
+//! bonds break somewhat late and the others somewhat early, so that the first-order error cancels.
+//! With `group` = 0 bonds break one by one, each at `1 - tolerance <= R <= 1`.
 
 use clastic_components::findings::EventTrial;
 
-/// Trials of one search. Each contact that changes between two trials bends the response and costs a trial or two.
+/// Maximum number of trials of a search. Each contact that changes between two trials makes the
+/// response nonlinear and costs one or two trials.
 const MAX_TRIALS: u32 = 12;
-/// From this trial on every second one halves the interval, so that a response that jumps is closed in.
+/// From this trial on, every second trial bisects the interval, so that it also shrinks if the
+/// response jumps.
 const BISECT_FROM: u32 = 6;
 
-/// Where a group is expected within this fraction of the interval, the start is solved first.
+/// The start is solved first if a group is expected within this fraction of the interval.
 const NEAR_START: f64 = 0.05;
 
-/// By how much the first interpolation aims below the limit.
+/// Distance below the limit at which the first interpolation aims.
 const EXACT: f64 = 1e-7;
 
-/// What bonds break together.
+/// Rules that decide which bonds break together.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GroupRules {
     /// A bond is at its limit when `1 - tolerance <= R <= 1`.
     pub tolerance: f64,
     /// Relative change of the contact forces across a group.
     pub group: f64,
-    /// Share of the contact forces that the bonds carry that break together at constant load; infinite: all that are
-    /// above their limits.
+    /// Maximum share of the contact forces in the bonds that break together at constant load. With
+    /// infinity, all bonds above their limits break.
     pub share: f64,
 }
 
-/// A trial and the forces in it.
+/// A trial and its forces.
 #[derive(Clone, Copy, Debug)]
 pub struct Now<'a> {
     /// The trial.
@@ -49,18 +55,19 @@ pub struct Now<'a> {
     pub shares: &'a [f64],
 }
 
-/// What follows from a trial.
+/// The consequence of a trial.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Decision {
-    /// The trial is committed; these bonds break, by their place, none if none is at its limit.
+    /// The trial is committed, and the bonds with these indices break. The list may be empty.
     Stands(Vec<usize>),
-    /// The trial lies before the group. Solve at this fraction.
+    /// The trial lies before the group. Solve at this larger fraction.
     Later(f64),
-    /// The trial lies beyond the group. Solve at this fraction.
+    /// The trial lies beyond the group. Solve at this smaller fraction.
     Earlier(f64),
 }
 
-/// The bonds that break at constant load, the most overloaded first, as many as `share` allows.
+/// The bonds that break at constant load, by decreasing overload, up to the share `share` of the
+/// forces.
 #[must_use]
 pub fn at_constant_load(now: Now, rules: GroupRules) -> Vec<usize> {
     let r = &now.trial.overloads;
@@ -71,9 +78,10 @@ pub fn at_constant_load(now: Now, rules: GroupRules) -> Vec<usize> {
     overloaded
 }
 
-/// The decision on trial number `trials` of a search, counted from 0, between the last trial `below` the group, which
-/// is the start of the increment at first, and the last one `above` it. `in_a_row` trials before this one have replaced
-/// the lower end of the interval, or the upper one.
+/// The decision on trial number `trials` of a search, counted from 0. `below` is the last trial
+/// before the group, or the start of the increment. `above` is the last trial beyond the group.
+/// `in_a_row` counts the consecutive trials that replaced the lower end of the interval, and the
+/// upper end.
 #[must_use]
 pub fn decide(
     below: &EventTrial,
@@ -91,7 +99,7 @@ pub fn decide(
     if reached && trial.fraction == 0.0 {
         return Decision::Stands(at_constant_load(now, rules));
     }
-    // The two trials that enclose the first crossing.
+    // The two trials on either side of the first crossing.
     let ends = match above {
         Some(above) if !reached => [trial, above],
         _ => [below, trial],
@@ -112,7 +120,7 @@ pub fn decide(
     let last = crossings[members - 1].0;
     let holds = maximum(trial) <= 1.0;
     if reached && (holds || trial.fraction <= last && members > 1) || trials >= MAX_TRIALS {
-        // As far beyond this state as the first crossing lies before it.
+        // The end lies as far beyond this state as the first crossing lies before it.
         let end = (2.0 * trial.fraction - first).max(trial.fraction);
         let is_due =
             |c: &&(f64, usize)| c.0 <= end || trial.overloads[c.1] >= 1.0 - rules.tolerance;
@@ -131,13 +139,14 @@ pub fn decide(
     let target = if members > 1 {
         0.5 * (first + last)
     } else {
-        // With a linear response the first interpolation is exact. Later ones aim at the middle of the accepted range.
+        // The first interpolation is exact if the response is linear. Later ones aim at the middle
+        // of the tolerance.
         let below_limit = 0.5 * rules.tolerance;
         let below_limit = if trials == 0 { below_limit.min(EXACT) } else { below_limit };
         let again = in_a_row[usize::from(reached)];
         illinois(ends, leader, 1.0 - below_limit, again, reached)
     };
-    // The forces that the increment begins with say too little of what happens soon after its start.
+    // The initial forces do not predict well what happens soon after the start.
     if reached && !below.is_solved && (trials > 0 || target < NEAR_START * high) {
         return Decision::Earlier(0.0);
     }
@@ -153,7 +162,8 @@ pub fn maximum(trial: &EventTrial) -> f64 {
     trial.overloads.iter().copied().fold(0.0, f64::max)
 }
 
-/// The fraction at which the overload of a bond is `value`, linear through two trials; infinite where it falls.
+/// Fraction at which the overload of a bond is `value`, interpolated through two trials; infinite
+/// if it decreases.
 fn crossing([left, right]: [&EventTrial; 2], bond: usize, value: f64) -> f64 {
     let (l, r) = (left.overloads[bond], right.overloads[bond]);
     if l >= value {
@@ -165,8 +175,8 @@ fn crossing([left, right]: [&EventTrial; 2], bond: usize, value: f64) -> f64 {
     }
 }
 
-/// The next fraction by the Illinois rule: an end of the interval that stays counts half each time, so that a bent
-/// response does not draw the trials to one side.
+/// The next fraction by the Illinois rule. The weight of an end of the interval that stays is
+/// halved each time, so that the trials of a nonlinear response do not accumulate on one side.
 fn illinois(
     ends: [&EventTrial; 2],
     bond: usize,
@@ -181,7 +191,8 @@ fn illinois(
     ends[0].fraction + share * (ends[1].fraction - ends[0].fraction)
 }
 
-/// How many of these bonds, from the first on, carry no more than the share `group` of all forces; at least one.
+/// Number of bonds, from the first on, whose forces sum to at most the share `group` of all forces;
+/// at least one.
 fn affordable(order: &[usize], shares: &[f64], group: f64) -> usize {
     let mut sum = 0.0;
     let fit = order.iter().take_while(|&&i| {
@@ -248,7 +259,7 @@ mod tests {
 
     #[test]
     fn a_bent_response_is_followed_to_the_limit() {
-        // A contact closes at 0.3: the bond carries more from there on.
+        // A contact closes at 0.3, and the bond then carries more.
         let response = |s: f64| vec![0.4 * s + 3.0 * (s - 0.3_f64).max(0.0)];
         let (fraction, broken, trials) = search(response, RULES);
         let reached = response(fraction)[0];
@@ -266,7 +277,7 @@ mod tests {
 
     #[test]
     fn a_group_breaks_in_the_middle_of_its_span() {
-        // Crossings 0.10, 0.11, ... 0.19; a group of 0.045 takes those up to 0.14.
+        // Crossings are 0.10, 0.11, ... 0.19. A group of 0.045 contains those up to 0.14.
         let response = |s: f64| (0..10).map(|i| s / (0.1 + 0.01 * f64::from(i))).collect();
         let (fraction, broken, _) = search(response, rules(1e-3, 0.0451));
         assert!((fraction - 0.115).abs() < 0.012, "{fraction}");
@@ -281,7 +292,7 @@ mod tests {
         assert_eq!(broken(0.0), [1]);
         assert_eq!(broken(0.045), [1, 3]);
         assert_eq!(broken(1.0), [1, 3, 0]);
-        // All that are above their limits, however much they carry.
+        // All bonds above their limits break, whatever their share of the forces.
         let together = GroupRules { share: f64::INFINITY, ..RULES };
         let broken = at_constant_load(now(&r, &[9.0; 4]), together);
         assert_eq!(broken, [1, 3, 0]);

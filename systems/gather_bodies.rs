@@ -43,8 +43,8 @@ impl Plugin for GatherBodiesPlugin {
     }
 }
 
-/// Registers what bodies and bonds keep from one increment to the next. Identities come first:
-/// entities are made of them.
+/// Registers the persistent state of bodies and bonds. Identities come first, because the entities
+/// are created from them.
 fn register_bodies(app: &mut App) {
     app.register_state::<NextIdentities>("identities.next")
         .register_component::<BodyId, Particle>("particle")
@@ -77,7 +77,7 @@ impl StateOf for NextIdentities {
     }
 }
 
-/// The identities by which tables are kept by row.
+/// The identities behind the rows of persistent tables.
 #[derive(Serialize, Deserialize)]
 struct RowIds(Vec<BodyId>);
 
@@ -125,9 +125,9 @@ type WallQuery<'w, 's> = Query<
     ),
 >;
 
-/// Fills [`Bodies`]: a row per body, particles by identity, then walls by identity.
+/// Fills [`Bodies`] with one row per body: particles by identity, then walls by identity.
 ///
-/// A bond of which an end is not there holds nothing and has no row.
+/// A bond with a missing body has no row.
 pub fn gather_bodies(
     mut bodies: ResMut<Bodies>,
     particles: ParticleQuery,
@@ -193,7 +193,7 @@ pub fn gather_bodies(
         let Some(i) = bodies.row(*id) else { continue };
         bodies.entities[i] = entity;
         bodies.positions[i] = position.0;
-        // What is no particle has no velocity in the tables.
+        // Only particles have a velocity in the tables.
         bodies.velocities[i] = DVec2::ZERO;
         bodies.angular_velocities[i] = 0.0;
         bodies.last_motion[i] = motion.0;
@@ -224,7 +224,7 @@ pub fn gather_bodies(
     bodies.bonds.sort_unstable_by_key(|b| (b.a, b.b, b.id));
 }
 
-/// Takes down which rows tables that are kept have from now on.
+/// Records the new rows of persistent tables.
 pub fn follow_rows(bodies: Res<Bodies>, mut kept: ResMut<KeptRows>) {
     if kept.ids != bodies.ids || kept.is_needed() {
         kept.follow(&bodies);
@@ -235,7 +235,7 @@ fn renumber_contacts(rows: Res<KeptRows>, mut history: ResMut<ContactHistory>) {
     history.renumber(&rows);
 }
 
-/// Starts the draft of the contact memory from what the last increment left.
+/// Sets the draft of the contact memory to the memory after the last increment.
 pub fn draft_history(history: Res<ContactHistory>, mut draft: ResMut<DraftHistory>) {
     draft.0.clone_from(&history);
 }

@@ -1,6 +1,7 @@
-//! Scheduled systems of the clastic engine, one per file, in the order of an increment:
-//! gather, detect contacts, assemble the cone program, solve it, judge the attempt, update the
-//! state, break bonds, control walls, record.
+//! Scheduled systems of the clastic engine, one per file, in the order of an increment: control
+//! walls and loads, gather bodies, make attempts, update the state, break bonds, record. An attempt
+//! detects contacts, assembles the cone program, solves it, and judges the solution. See
+//! [`schedule`].
 
 pub mod assemble_program;
 pub mod attempt;

@@ -1,5 +1,6 @@
-//! The motion of grains about the affine field that fits the motion of all grains best, and the strain of that
-//! field: what a solution does to the specimen as a whole, and what it does to single grains beyond that.
+//! Motion of grains relative to the affine field that fits the motion of all grains best, and
+//! strain of that field. The strain describes the motion of the specimen as a whole, the relative
+//! motion that of single grains.
 
 use glam::DVec2;
 
@@ -7,10 +8,10 @@ use clastic_components::body::Drive;
 use clastic_components::contact::Bodies;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
-/// Fewer grains than this have a mean motion, but no affine field.
+/// With fewer grains than this, the field is their mean motion instead of an affine field.
 const FEW: usize = 6;
 
-/// The grain that moves furthest about the mean field, and how far in its radii.
+/// The grain with the maximum motion relative to the mean field, and this motion in its radii.
 #[must_use]
 pub fn furthest(
     bodies: &Bodies,
@@ -23,12 +24,13 @@ pub fn furthest(
         .max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-/// How far every grain moves about the mean field, in its radii.
+/// Motion of every grain relative to the mean field, in its radii.
 #[must_use]
 pub fn far_motions(bodies: &Bodies, program: &ConeProgram, solution: &ConeSolution) -> Vec<f64> {
     let n = bodies.particles;
     let motion = motions(n, program, solution);
-    // What is driven moves as it is told to; few grains are judged about what is free.
+    // With fewer than `FEW` grains the field is fitted to the free ones only, since driven grains
+    // move as imposed.
     let driven = |i: usize| bodies.drives[i][..2].iter().any(|d| matches!(d, Drive::Imposed(_)));
     let free: Vec<usize> = (0..n).filter(|i| !driven(*i)).collect();
     let of_free = |x: &[DVec2]| -> Vec<DVec2> { free.iter().map(|i| x[*i]).collect() };
@@ -52,7 +54,7 @@ fn motions(particles: usize, program: &ConeProgram, solution: &ConeSolution) -> 
         .collect()
 }
 
-/// Size of the strain of the mean field of a solution, never negative: the Frobenius norm of its symmetric
+/// Strain of the mean field of a solution, never negative: the Frobenius norm of its symmetric
 /// gradient.
 #[must_use]
 pub fn mean_strain(bodies: &Bodies, program: &ConeProgram, solution: &ConeSolution) -> f64 {
@@ -69,7 +71,7 @@ struct MeanField {
 }
 
 impl MeanField {
-    /// Least squares over all bodies; of few or collinear bodies only the mean.
+    /// Fits by least squares over all bodies. For few or collinear bodies it takes the mean only.
     fn fit(x: &[DVec2], u: &[DVec2]) -> Self {
         let n = x.len().max(1) as f64;
         let origin = x.iter().sum::<DVec2>() / n;

@@ -1,7 +1,7 @@
-//! Where contacts have restitution: the paths of particles within a dynamic increment.
+//! Paths of particles within a dynamic increment with restitution.
 //!
-//! The program has velocities, and moves bodies by `v dt` with the velocity at the end. That is where a contact holds;
-//! elsewhere more is known:
+//! The program has velocities and moves bodies by `v dt` with the velocity v at the end. Particles
+//! without a sustained contact allow a better path:
 //!
 //! | particle | displacement in the increment |
 //! |---|---|
@@ -10,10 +10,11 @@
 //! | has springs or bonds | `dt v` |
 //! | any other | `dt (v + e v_0)/(1 + e)` where bodies are hit that touch others, else `dt v` |
 //!
-//! The second row, a the acceleration by loads, is the exact path of a single impact under constant loads, friction and
-//! rotation included. It also holds for an impact that comes after the step, t = dt, where `dt v` would overlap. In the
-//! last one an impact is at the start of the increment and loses `m (1 - e^2) w_0^2/2`, whatever the loads. Where a
-//! pair of the program would overlap by these paths both move by `dt v`.
+//! The second row, with the acceleration a by the loads, is the exact path of a single impact under
+//! constant loads, friction and rotation included. It also holds for an impact after the step,
+//! where `dt v` would overlap; then t = dt. In the last row the impact is at the start of the
+//! increment and dissipates `m (1 - e^2) w_0^2/2`, whatever the loads. If a pair of the program
+//! would overlap by these paths, both bodies move by `dt v`.
 
 use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::findings::Impacts;
@@ -25,7 +26,7 @@ use crate::assemble_program::hits::load_acceleration;
 use crate::attempt::push_out::residual_overlap;
 use clastic_cone::residuals::Carrying;
 
-/// How a particle goes through an increment.
+/// Kind of path of a particle in an increment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Path {
     Flight,
@@ -34,7 +35,7 @@ enum Path {
     End,
 }
 
-/// Displacements by body in its own axes; none where no contact has restitution.
+/// Displacements by body in the axes of the body; `None` if no contact has restitution.
 #[must_use]
 pub fn paths(
     bodies: &Bodies,
@@ -57,7 +58,7 @@ pub fn paths(
         let mut u = solution.displacements[i];
         let v_0 = [bodies.velocities[i].x, bodies.velocities[i].y, bodies.angular_velocities[i]];
         for (k, dof) in program.bodies[i].dofs.iter().enumerate() {
-            // A load that nothing else acts on has made its displacement known.
+            // The displacement of a degree of freedom without interactions is known from its load.
             let is_driven = bodies.drives[i][k] != Default::default();
             match kind {
                 _ if is_driven => {}
@@ -130,7 +131,7 @@ fn kinds(n: usize, program: &ConeProgram, solution: &ConeSolution, impacts: &Imp
     for impact in &impacts.single {
         let c = &program.interactions[impact.interaction];
         let pair = [c.a as usize, c.b as usize];
-        // What would meet after the step carries nothing.
+        // A pair that would meet after the step carries no force.
         let own = u32::from(carrying.is_carrying(impact.interaction));
         let is_alone = |i: &usize| *i >= n || !program.bodies[*i].is_free() || carried[*i] == own;
         if pair.iter().all(is_alone) {

@@ -1,5 +1,5 @@
-//! Observables of the increment. Reading them changes nothing: without this plugin every number
-//! of the simulation is the same.
+//! Measures the increment. Measuring changes nothing: all other results are equal without this
+//! plugin.
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
@@ -36,7 +36,7 @@ pub struct RecordPlugin;
 
 impl Plugin for RecordPlugin {
     fn build(&self, app: &mut App) {
-        // Whoever replaces the rule by which bonds break writes the messages that are read here.
+        // A plugin with its own rupture rule writes the messages that are read here.
         app.init_resource::<RuptureCount>().init_resource::<Messages<Rupture>>();
         app.add_systems(Increment, update_messages.before(IncrementSystems::Controls));
         app.register_component::<BodyId, Probe>("probe")
@@ -46,8 +46,9 @@ impl Plugin for RecordPlugin {
         app.init_resource::<Observation>().init_resource::<Measures>().add_systems(
             Increment,
             (
-                // Stress belongs to the geometry of the start of the increment, which `Bodies`
-                // still holds; readers of the record want that of its end.
+                // Stress refers to the geometry at the start of the increment, which `Bodies` still
+                // holds. Readers of the record need the geometry at its end, so `Bodies` is
+                // gathered again.
                 record_stress,
                 gather_bodies,
                 record_strain,
@@ -65,12 +66,13 @@ impl Plugin for RecordPlugin {
 /// Name of [`Observation`] in a state.
 pub const OBSERVATION: &str = "observation";
 
-/// Messages of ruptures live for two increments, whether or not an app runs.
+/// Removes messages of ruptures after two increments. This works without an app as well.
 fn update_messages(mut messages: ResMut<Messages<Rupture>>) {
     messages.update();
 }
 
-/// Distances that strains are measured from, m: axial and lateral. What is measured is a setting.
+/// Reference lengths of the strains, m: axial and lateral. The definitions of the strains are
+/// settings.
 #[derive(Serialize, Deserialize)]
 struct ReferenceLengths(Option<[f64; 2]>);
 
@@ -84,9 +86,10 @@ impl StateOf for ReferenceLengths {
     }
 }
 
-/// Average stress tensor `sum (p n + q t) (x) l / V` of Love and Weber, Pa, compression positive:
-/// branch l from centre to centre, at a wall from centre to the wall's line, so that the stress is
-/// that of the forces on the walls whatever the gap or overlap there; area in m^2.
+/// Average stress tensor `sum (p n + q t) (x) l / V` of Love and Weber, Pa, compression positive.
+/// The branch l goes from centre to centre, and at a wall from the centre to the line of the wall.
+/// The stress then equals that of the wall forces, whatever the gap or overlap at the walls. `area`
+/// is in m^2.
 #[must_use]
 pub fn average_stress(
     bodies: &Bodies,
@@ -112,7 +115,7 @@ pub fn average_stress(
 
 type Geometry<'w, 's> = Query<'w, 's, (&'static Wall, &'static Position)>;
 
-/// Stresses, at the geometry of the start of the increment where they are averages.
+/// Records the stresses. Average stresses refer to the geometry at the start of the increment.
 fn record_stress(
     bodies: Res<Bodies>,
     contacts: Res<Contacts>,
@@ -124,13 +127,13 @@ fn record_stress(
     forces: Query<(&Wall, &ExternalForce)>,
     mut out: ResMut<Observation>,
 ) {
-    // The forces of a compaction are those of its regularisation: no stress.
+    // The forces of a compaction come from its regularisation and give no stress.
     let carried = !matches!(analysis.kind, AnalysisKind::LeastMotion { .. })
         && matches!(attempt.status, IncrementStatus::Solved | IncrementStatus::Capped);
     let start =
         |wall: Entity| bodies.entities.iter().position(|e| *e == wall).map(|i| bodies.positions[i]);
-    // A stress-controlled wall was loaded over the length at the start of the increment: so is the
-    // stress measured.
+    // The load of a stress-controlled wall acts on the length at the start of the increment, so the
+    // stress is measured on this length.
     let distance = |first: Entity, second: Entity| {
         let (wall, _) = geometry.get(first).ok()?;
         Some((start(second)? - start(first)?).dot(wall.inward()))
@@ -169,10 +172,10 @@ fn record_stress(
 
 /// The error of the axial stress of the last increment that [`Acceptance::residual`] allows, Pa.
 ///
-/// Residuals are relative to the maximum force F and the maximum displacement U. A committed solution may
-/// be off by `residual F` in a force. It may be off by `residual U` in a gap, which an elastic contact
-/// turns into the force `residual U / C_N`. The error is the sum over the interactions that make up the
-/// stress.
+/// Residuals are relative to the maximum force F and the maximum displacement U. The error of a
+/// force is at most `residual F`. The error of a gap is at most `residual U`, which an elastic
+/// contact converts to the force `residual U / C_N`. The result is the sum over the interactions
+/// that contribute to the stress.
 pub fn axial_stress_error(
     bodies: Res<Bodies>,
     contacts: Res<Contacts>,
@@ -218,7 +221,7 @@ pub fn axial_stress_error(
     Some(sum / (area * analysis.thickness))
 }
 
-/// Current value of the distance that a strain measure compares, m.
+/// Current value of the distance of a strain measure, m.
 #[must_use]
 pub fn strain_distance(
     measure: &StrainMeasure,
@@ -238,7 +241,7 @@ pub fn strain_distance(
     Some(distance)
 }
 
-/// Sets the reference distances at the start of the reference stage; run once by the stages.
+/// Sets the reference distances at the start of the reference stage. The stages run it once.
 pub fn take_reference(
     walls: Query<(&Wall, &Position)>,
     particles: Query<&Position, With<Particle>>,
@@ -250,7 +253,7 @@ pub fn take_reference(
     measures.reference = Some([of(&measures.axial_strain), of(&measures.lateral_strain)]);
 }
 
-/// Engineering strains; before the reference stage there are none.
+/// Records the engineering strains, which exist from the reference stage on.
 fn record_strain(
     measures: Res<Measures>,
     walls: Query<(&Wall, &Position)>,
@@ -270,7 +273,7 @@ fn record_strain(
     };
 }
 
-/// Counters, residuals, energy, status.
+/// Records counters, residuals, energy and status.
 fn record_state(
     bodies: Res<Bodies>,
     contacts: Res<Contacts>,
@@ -294,7 +297,8 @@ fn record_state(
     out.potential_contacts = contacts.0.len();
     out.bonds = bodies.bonds.len();
     out.broken = count.0;
-    // Summed in identity order: a sum depends on its order, and query order on history.
+    // The sum runs in the order of identities, because it depends on the order and query order may
+    // vary.
     let mut energy: Vec<(BodyId, f64)> = moving
         .iter()
         .map(|(id, p, v, w)| (*id, 0.5 * (p.mass * v.0.length_squared() + p.inertia * w.0 * w.0)))
@@ -330,7 +334,7 @@ fn record_state(
     out.status = attempt.status;
 }
 
-/// Ruptures since the last record, and all bonds that are broken: whatever rule broke them.
+/// Records the ruptures since the last record, and all broken bonds, whatever rule broke them.
 fn record_ruptures(
     mut messages: MessageReader<Rupture>,
     bonds: Query<&BondState>,
@@ -348,7 +352,7 @@ fn record_ruptures(
     }
 }
 
-/// Probes: displacement since the start of the stage list, and the outside force.
+/// Records the probes: displacement since the start of the stage list, and the external force.
 fn record_probes(
     probes: Query<(&BodyId, &Probe, &Position, &Origin, Option<&Rotation>, &ExternalForce)>,
     mut out: ResMut<Observation>,

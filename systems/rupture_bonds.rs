@@ -1,11 +1,11 @@
-//! Rupture: bonds on one of their three limits break for good (3.4.2 of the paper).
+//! Rupture: bonds that reach one of their three limits break permanently (3.4.2 of the paper).
 //!
-//! A force is on its limit when its slack is below [`RuptureRules::slack`] of the limit. A limit
-//! with no compliance before it (rolling always, tension and shear of rigid bonds) can be met by
-//! forces that are not unique; there the bond breaks when the multiplier is active, that is when
-//! the two bodies really move against each other: by more than [`RuptureRules::multiplier`], and, in
-//! units of the greatest motion, by more than the slack is in units of the limit. At the apex of the tension limit more than one
-//! limit is active: tension is reported.
+//! A bond is at a limit if its slack is below [`RuptureRules::slack`] of the limit. A limit without
+//! compliance (rolling always, tension and shear of rigid bonds) may be reached by forces that are
+//! not unique. The bond then breaks only if the multiplier is active, that is, if the bodies move
+//! relative to each other. This relative motion must exceed [`RuptureRules::multiplier`]. Divided
+//! by the maximum motion, it must also exceed the slack divided by the limit. At the apex of the
+//! tension limit several limits are active, and tension is reported.
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
@@ -36,22 +36,23 @@ impl Plugin for RuptureBondsPlugin {
     }
 }
 
-/// There where bonds break by the rule of this file: then they do so in motions that are followed as well.
+/// Marks a world whose bonds break by the rule of this file, in followed motions as well.
 #[derive(Resource)]
 pub struct BuiltInRule;
 
-/// When a bond counts as being on a limit that a compliance precedes.
+/// Criterion for reaching a limit that has a compliance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Met {
-    /// When the slack is below [`RuptureRules::slack`] of the limit: in an exact solution.
+    /// The slack is below [`RuptureRules::slack`] of the limit. For exact solutions.
     Slack,
-    /// When the trial force, which an unlimited bond would carry at this motion of its ends, overloads the limit:
-    /// `R = 1 + multiplier/(C limit) > 1`. A step of a motion is solved to a residual of 1e-3, so that a slack
-    /// says little; of slack and overload the greater in its own unit decides, as for rigid bonds.
+    /// The trial force, which a bond of unlimited strength would carry at this motion of its ends,
+    /// exceeds the limit: `R = 1 + multiplier/(C limit) > 1`. For steps of a motion: their residual
+    /// of 1e-3 makes the slack inaccurate. The larger of slack and overload, each in its own unit,
+    /// decides, as for rigid bonds.
     Overload,
 }
 
-/// The bonds that the solution brings to a limit, in the order of the contacts.
+/// Bonds that the solution brings to a limit, in the order of the contacts.
 #[must_use]
 pub fn find_ruptures(
     rules: &RuptureRules,
@@ -63,13 +64,13 @@ pub fn find_ruptures(
     solution: &ConeSolution,
 ) -> Vec<Rupture> {
     let mut ruptures = Vec::new();
-    let greatest = displacement_scale(program, &solution.displacements);
+    let maximum = displacement_scale(program, &solution.displacements);
     for ((contact, c), f) in contacts.iter().zip(&program.interactions).zip(&solution.forces) {
         if contact.bond.is_none() {
             continue;
         }
         let e = program.kinematics(c, &solution.displacements);
-        let Some(mode) = mode(rules, met, [program.scales.length, greatest], c, &e, f) else {
+        let Some(mode) = mode(rules, met, [program.scales.length, maximum], c, &e, f) else {
             continue;
         };
         ruptures.extend(rupture(increment, bodies, contact, f, mode));
@@ -77,7 +78,7 @@ pub fn find_ruptures(
     ruptures
 }
 
-/// The rupture of the bond of a contact under these forces; `None` where there is no bond.
+/// Rupture of the bond of a contact under these forces; `None` without a bond.
 #[must_use]
 pub fn rupture(
     increment: u64,
@@ -101,12 +102,13 @@ pub fn rupture(
     })
 }
 
-/// Strengths of a trial of the search for the next event over those of the law. A power of two: divided by it the
-/// strengths are those of the law to the bit.
+/// Factor by which trials of the event search increase the strengths. As a power of two it can be
+/// divided out without round-off.
 const UNLIMITED: f64 = 8192.0;
 
-/// Gives intact bonds strengths that no trial reaches. The limit of a rolling moment, which yields, stays where it is.
-pub fn unlimit(contacts: &[Contact], interactions: &mut [Interaction]) {
+/// Increases the strengths of intact bonds so that no trial reaches them. The limit of a yielding
+/// rolling moment does not change.
+pub fn lift_strengths(contacts: &[Contact], interactions: &mut [Interaction]) {
     for (contact, c) in contacts.iter().zip(interactions) {
         if contact.bond.is_some() {
             multiply(&mut c.limits, UNLIMITED);
@@ -114,9 +116,10 @@ pub fn unlimit(contacts: &[Contact], interactions: &mut [Interaction]) {
     }
 }
 
-/// Gives bonds their own strengths back, once a trial stands: it is judged by them. An overloaded bond, which breaks in
-/// this increment or later in the same avalanche, gets as much as it needs.
-pub fn limit(found: &[Overload], interactions: &mut [Interaction]) {
+/// Restores the strengths of bonds after a trial is accepted, so that the following judges use
+/// them. An overloaded bond, which breaks in this increment or later in the avalanche, gets the
+/// strength that its forces need.
+pub fn restore_strengths(found: &[Overload], interactions: &mut [Interaction]) {
     for overload in found {
         let needed = overload.value.max(1.0);
         multiply(&mut interactions[overload.contact].limits, needed / UNLIMITED);
@@ -131,7 +134,7 @@ fn multiply(limits: &mut Limits, factor: f64) {
 /// The overload of a bond.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Overload {
-    /// Its place among the contacts.
+    /// Index of the bond's contact.
     pub contact: usize,
     /// The overload R.
     pub value: f64,
@@ -139,15 +142,14 @@ pub struct Overload {
     pub mode: RuptureMode,
 }
 
-/// The overload R of every intact bond of a program with [unlimited](unlimit) strengths: the factor by which its
-/// cohesion and its tensile strength together would have to be larger for its forces to lie on the limit,
-///
+/// The overload R of every intact bond of a program with [increased](lift_strengths) strengths. R
+/// is the factor on cohesion and tensile strength that puts the forces of the bond on its limit,
 /// ```text
 /// R = max( -p'/f_t,  (|q| - mu p)/(c A) )
 /// ```
 ///
-/// One scale serves both modes: R <= 1 where the limits hold. Where a rolling limit that yields keeps p above -f_t, p'
-/// is the normal force without it, `p - lambda_T/C_N`.
+/// R <= 1 if all limits hold, because one factor scales both. If a yielding rolling limit keeps p
+/// above -f_t, p' is the normal force without this limit, `p - lambda_T/C_N`.
 #[must_use]
 pub fn overloads(
     contacts: &[Contact],
@@ -180,8 +182,8 @@ pub fn overloads(
         .collect()
 }
 
-/// Maximum overload R of the intact bonds of a program with their own strengths: `R = 1 + multiplier/(C limit)` of one
-/// that yields, and 1 where none does.
+/// Maximum overload R of the intact bonds of a program with their own strengths:
+/// `R = 1 + multiplier/(C limit)` for a bond that yields, and 1 if none yields.
 #[must_use]
 pub fn yielding(contacts: &[Contact], program: &ConeProgram, solution: &ConeSolution) -> f64 {
     let interactions = contacts.iter().zip(&program.interactions).zip(&solution.forces);
@@ -191,7 +193,7 @@ pub fn yielding(contacts: &[Contact], program: &ConeProgram, solution: &ConeSolu
         let l = &c.limits;
         let tension = m.tension / (c.normal_compliance * l.tension);
         let shear = m.slip.abs() / (c.tangential_compliance * (l.cohesion + l.friction * f[0]));
-        // 0/0 of rigid bonds is no overload.
+        // 0/0 of rigid bonds counts as no overload.
         max.max(1.0 + tension).max(1.0 + shear)
     })
 }
@@ -200,7 +202,7 @@ pub fn yielding(contacts: &[Contact], program: &ConeProgram, solution: &ConeSolu
 fn mode(
     rules: &RuptureRules,
     how: Met,
-    [length, greatest]: [f64; 2],
+    [length, maximum]: [f64; 2],
     c: &Interaction,
     e: &Kinematics,
     f: &[f64; 3],
@@ -209,23 +211,23 @@ fn mode(
     let m = multipliers(c, e, f);
     let [p, q, tau] = *f;
     let moves = rules.multiplier * length;
-    // Without compliance a solver ends with a small product of slack and multiplier, and it is the
-    // greater of the two that counts.
+    // Without compliance a solver makes the product of slack and multiplier small, so the larger of
+    // the two decides.
     let met = |slack: f64, limit: f64, compliance: f64, multiplier: f64| {
         if compliance > 0.0 && how == Met::Slack {
             slack <= rules.slack * limit
         } else {
-            multiplier > moves && slack * greatest <= multiplier * limit
+            multiplier > moves && slack * maximum <= multiplier * limit
         }
     };
 
-    let reachable = l.tension > 0.0 && l.least_normal_force() <= -l.tension;
+    let reachable = l.tension > 0.0 && l.min_normal_force() <= -l.tension;
     if reachable && met(p + l.tension, l.tension, c.normal_compliance, m.tension) {
         return Some(RuptureMode::Tension);
     }
     let shear = l.cohesion + l.friction * p;
     let most = l.cohesion + l.friction * p.abs();
-    // Pulled apart at the apex of the shear limit, a bond opens without slip.
+    // A bond that opens at the apex of the shear limit does not slip.
     let apex = if shear <= rules.slack * most { m.tension } else { 0.0 };
     let slips = m.slip.abs().max(apex);
     if l.has_shear() && met(shear - q.abs(), most, c.tangential_compliance, slips) {
@@ -238,8 +240,8 @@ fn mode(
     rolls.then_some(RuptureMode::Rolling)
 }
 
-/// Breaks the bonds that the accepted attempt brought to a limit. Their contacts go on with what
-/// friction can hold of the shear force.
+/// Breaks the bonds that the accepted attempt brought to a limit. Their contacts keep the shear
+/// force that friction can carry.
 pub fn rupture_bonds(
     ruptures: Res<Ruptures>,
     bodies: Res<Bodies>,
@@ -260,12 +262,12 @@ pub fn rupture_bonds(
         }
         messages.write(*rupture);
     }
-    // What broke on the way of a motion has lost its shear force there.
+    // Bonds that broke in a followed motion have lost their shear force already.
     let last = ruptures.list.iter().skip(ruptures.on_the_way);
     release(last, &bodies, &contacts, &materials, &analysis, &mut history);
 }
 
-/// Leaves the contacts of broken bonds what friction can hold of their shear force.
+/// Reduces the shear force in contacts of broken bonds to what friction can carry.
 pub fn release<'a>(
     ruptures: impl Iterator<Item = &'a Rupture>,
     bodies: &Bodies,

@@ -1,17 +1,18 @@
-//! The `Increment` schedule, its sets, and the rule that their order is complete.
+//! The `Increment` schedule and its sets. The order of all systems must be stated.
 //!
 //! One run of [`Increment`] commits one increment (or the fraction of one that could be solved):
 //!
 //! ```text
-//! Increment:         Controls -> Gather -> Renumber -> Draft -> Attempts -> Update -> Rupture -> Record
+//! Increment:         Controls -> Gather -> Renumber -> Draft -> Attempts -> Update -> Rupture
+//!                    -> Record
 //!   Controls runs    ControlWalls: BuiltIn -> Custom, for the increment that begins
-//!   Attempts runs    AttemptIncrement, again and again until an attempt is accepted:
+//!   Attempts runs    AttemptIncrement, repeated until an attempt is accepted:
 //!                    Detect -> Assemble -> AssembleExtra -> Solve -> Judge
 //!                    and Loads whenever a trial begins
 //! ```
 //!
-//! Attempts read and write tables that are gathered once per increment. Bodies, walls, bonds and the contact
-//! history change only when an attempt is committed: one that fails leaves no trace.
+//! Attempts read and write tables that are gathered once per increment. Bodies, walls, bonds and
+//! the contact history change only when an attempt is committed. A failed attempt changes nothing.
 
 use std::time::Instant;
 
@@ -36,71 +37,72 @@ pub struct Increment;
 #[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct AttemptIncrement;
 
-/// Turns the control of walls and particles into what they do in the increment that begins; run by
+/// Computes the drives of walls and the loads of particles in the next increment. Run by
 /// [`IncrementSystems::Controls`].
 #[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct ControlWalls;
 
-/// Asks for loads of an embedding program; run once per trial, that is for every part of an increment that is
-/// tried and after every step of a motion that is followed. Its systems read
-/// [`Bodies`](clastic_components::contact::Bodies), which is where the trial starts (entities keep the last
-/// committed state), and [`Progress`](clastic_components::increment::Progress), whose `done + fraction` is
-/// where it ends, and add to [`TrialLoads`](clastic_components::loads::TrialLoads).
+/// Collects loads of an embedding program. It runs once per trial: for every tried fraction of an
+/// increment and after every step of a followed motion. Its systems add to
+/// [`TrialLoads`](clastic_components::loads::TrialLoads). They may read the initial state of the
+/// trial from [`Bodies`](clastic_components::contact::Bodies), while entities keep the last
+/// committed state. The trial ends at `done + fraction` of
+/// [`Progress`](clastic_components::increment::Progress).
 #[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Loads;
 
 /// Sets of [`Increment`], in order.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum IncrementSystems {
-    /// Drives walls and loads particles for the increment that begins.
+    /// Computes drives of walls and loads of particles for the next increment.
     Controls,
-    /// Bodies, bonds, controls and contact memory into tables in identity order.
+    /// Gathers bodies, bonds, controls and contact memory into tables in the order of identities.
     Gather,
-    /// Tables that are kept by row follow bodies to other rows; only if rows have changed.
+    /// Updates the rows of persistent tables. Runs only if rows have changed.
     Renumber,
-    /// The draft of the contact memory, on which attempts work.
+    /// Makes the draft of the contact memory, on which attempts work.
     Draft,
-    /// Detection, assembly and solve, until an attempt is accepted.
+    /// Detects, assembles and solves until an attempt is accepted.
     Attempts,
     /// Commits the accepted attempt to the bodies.
     Update,
     /// Breaks bonds.
     Rupture,
-    /// Measures what happened.
+    /// Measures the result of the increment.
     Record,
 }
 
 /// Sets of [`AttemptIncrement`], in order.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum AttemptSystems {
-    /// Potential contacts.
+    /// Finds potential contacts.
     Detect,
-    /// The cone program.
+    /// Assembles the cone program.
     Assemble,
-    /// Rows of an embedding program: write [`ConeProgram`](clastic_cone::program::ConeProgram).
+    /// Adds rows of an embedding program to [`ConeProgram`](clastic_cone::program::ConeProgram).
     AssembleExtra,
-    /// The solution.
+    /// Solves the program.
     Solve,
-    /// Accept, try again, or reject.
+    /// Accepts the attempt, tries again, or rejects it.
     Judge,
 }
 
 /// Sets of [`ControlWalls`], in order.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ControlSystems {
-    /// The controls that scenes can name.
+    /// Built-in controls, which scenes can name.
     BuiltIn,
-    /// Boundary conditions of an embedding program: write
+    /// Boundary conditions of an embedding program. Its systems write
     /// [`WallDrive`](clastic_components::wall::WallDrive) or
     /// [`Drives`](clastic_components::body::Drives).
     Custom,
 }
 
-/// When the part of an increment under way began.
+/// Start of the part of an increment that is being timed.
 #[derive(Resource)]
 pub struct Lap(Instant);
 
-/// A system that books the time since the last lap to one part of [`Timings`].
+/// A system that adds the time since the last lap to one part of [`Timings`].
 pub fn lap(part: fn(&mut Timings) -> &mut f64) -> impl Fn(ResMut<Lap>, ResMut<Timings>) {
     move |mut lap, mut timings| {
         *part(&mut timings) += lap.0.elapsed().as_secs_f64();
@@ -117,18 +119,18 @@ pub fn start_clock(mut lap: ResMut<Lap>, mut timings: ResMut<Timings>) {
 /// Name of [`Progress`] in a state.
 pub const PROGRESS: &str = "progress";
 
-/// Run condition: bodies have come or gone such that rows have changed.
+/// Run condition: rows have changed because bodies were added or removed.
 pub fn rows_changed(rows: Res<KeptRows>) -> bool {
     rows.is_needed()
 }
 
-/// Run condition: the attempts ended in a state that is to be committed.
+/// Run condition: the attempts ended in a state that is committed.
 pub fn committed(attempt: Res<Attempt>) -> bool {
     matches!(attempt.status, IncrementStatus::Solved | IncrementStatus::Capped)
 }
 
-/// Run condition: bonds are to break. A cascade that ends in a collapse has broken those of its
-/// earlier rounds, whatever else is not committed.
+/// Run condition: bonds break. If a cascade ends in a collapse, the bonds of its earlier rounds
+/// break although nothing else is committed.
 pub fn ruptured(attempt: Res<Attempt>) -> bool {
     attempt.status == IncrementStatus::Collapsed
         || matches!(attempt.status, IncrementStatus::Solved | IncrementStatus::Capped)
@@ -144,7 +146,7 @@ impl Plugin for SchedulePlugin {
             .init_resource::<Timings>()
             .insert_resource(Lap(Instant::now()));
         let settings = ScheduleBuildSettings {
-            // An order that nobody stated is an order that may change: refuse it.
+            // An unstated order could change with other plugins, so it is an error.
             ambiguity_detection: LogLevel::Error,
             hierarchy_detection: LogLevel::Error,
             ..Default::default()

@@ -1,9 +1,9 @@
-//! State that lives from one increment to the next, registered by the plugin that owns it.
+//! State that persists from one increment to the next. The plugin that owns it registers it.
 //!
-//! A [`WorldState`] is the sum of what is registered: plain bytes under names, so that the state of
-//! an embedding program's plugin is kept and restored like that of the engine. Entities have no
-//! place in it: bodies and bonds are named by their identities. Tables that every increment makes
-//! anew (contacts, program, solution) are not state, and neither are settings.
+//! A [`WorldState`] contains all registered state as bytes under names, so that the state of
+//! plugins of an embedding program is stored and restored as well. It contains no `Entity`: bodies
+//! and bonds appear by identity. Tables that every increment rebuilds (contacts, program, solution)
+//! are not state. Settings are not state either.
 //!
 //! ```
 //! use bevy_app::App;
@@ -38,7 +38,7 @@ use clastic_components::identity::Identities;
 /// Why a state cannot be captured or restored.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum StateError {
-    /// Nobody knows what an entry of the state is.
+    /// No plugin has registered this entry of the state.
     #[error(
         "the state has an entry `{0}`, which no plugin of this program registers; add the plugin that \
          the run was made with"
@@ -57,7 +57,7 @@ pub enum StateError {
     Missing(String),
 }
 
-/// Bytes of an entry; `None` where the world has nothing of it.
+/// Encodes an entry; `None` if the world does not have it.
 type Capture = fn(&mut World) -> Result<Option<Vec<u8>>, postcard::Error>;
 type Restore = fn(&mut World, &[u8]) -> Result<(), postcard::Error>;
 
@@ -76,12 +76,12 @@ pub struct StateRegistry {
     entries: Vec<Entry>,
 }
 
-/// State that is no resource and no component as it stands: `take` reads it from a world, `put`
-/// brings it into one.
+/// State that is not stored as a resource or component. `take` reads it from a world, and `put`
+/// restores it.
 pub trait StateOf: Serialize + DeserializeOwned {
-    /// The state in the world; `None` where the world has none.
+    /// Reads the state; `None` if the world does not have it.
     fn take(world: &mut World) -> Option<Self>;
-    /// Brings it into a world in which all bodies and bonds are.
+    /// Restores the state in a world that contains all bodies and bonds.
     fn put(self, world: &mut World);
 }
 
@@ -103,27 +103,27 @@ impl Identity for BondId {
     }
 }
 
-/// Registers state that a [`WorldState`] holds.
+/// Registers state that a [`WorldState`] contains.
 ///
-/// Names are those of the checkpoint: `plugin.what`, so that they do not meet.
+/// Checkpoints use these names. They have the form `plugin.what`, so that names of different
+/// plugins differ.
 ///
-/// # Panics
-/// If the name is registered already.
+/// # Panics If the name is registered already.
 pub trait RegisterState {
-    /// A resource.
+    /// Registers a resource.
     fn register_resource<T: Resource + Serialize + DeserializeOwned>(
         &mut self,
         name: &'static str,
     ) -> &mut Self;
 
-    /// A component of bodies ([`BodyId`]) or bonds ([`BondId`]). On restoring, an identity that is
-    /// not there yet becomes an entity.
+    /// Registers a component of bodies ([`BodyId`]) or bonds ([`BondId`]). Restoring creates
+    /// entities for identities that do not exist yet.
     fn register_component<I: Identity, T: Component + Clone + Serialize + DeserializeOwned>(
         &mut self,
         name: &'static str,
     ) -> &mut Self;
 
-    /// Anything else.
+    /// Registers any other state.
     fn register_state<S: StateOf>(&mut self, name: &'static str) -> &mut Self;
 }
 
@@ -228,11 +228,11 @@ impl WorldState {
         Ok(Self { entries })
     }
 
-    /// Brings the state into a world that has no bodies and whose plugins are those of the world
-    /// that it comes from.
+    /// Restores the state in a world without bodies. Its plugins must be those of the captured
+    /// world.
     ///
-    /// # Errors
-    /// If an entry is not registered or cannot be decoded. The world is then not to be used.
+    /// # Errors If an entry is not registered or cannot be decoded. The world must then not be
+    /// used.
     pub fn restore(&self, world: &mut World) -> Result<(), StateError> {
         let registered = names(world);
         for (name, _) in &self.entries {
@@ -250,7 +250,7 @@ impl WorldState {
         Ok(())
     }
 
-    /// Puts another value in the place of an entry.
+    /// Replaces the value of an entry.
     ///
     /// # Errors
     /// If it cannot be encoded.
@@ -263,7 +263,7 @@ impl WorldState {
         Ok(())
     }
 
-    /// An entry; resources as they are, components as `Vec<(I, T)>` by identity.
+    /// Value of an entry: a resource as it is, or components as `Vec<(I, T)>` by identity.
     ///
     /// # Errors
     /// If it is missing or is of another type.
@@ -272,7 +272,7 @@ impl WorldState {
         postcard::from_bytes(bytes).map_err(|error| encoding(name, &error))
     }
 
-    /// Components of one kind by identity; none if no entity has one.
+    /// Components of one type by identity; empty if no entity has one.
     ///
     /// # Errors
     /// If the entry is of another type.

@@ -1,11 +1,11 @@
-//! One increment after another: the `Advance` schedule, and the app that runs it by itself.
+//! Repeated increments: the `Advance` schedule, and when the app runs it.
 //!
 //! ```text
 //! Advance:   Begin -> Increment -> End -> Output
-//!   Begin    what must be done before the increment: stages end and begin
+//!   Begin    work before the increment: stages end and begin
 //!   Increment    runs the Increment schedule, if one is due
-//!   End      how the increment ended, and whether the stage goes on
-//!   Output   what is written of it
+//!   End      status of the increment, and whether the stage continues
+//!   Output   results are written
 //! ```
 
 use bevy_app::{App, Plugin, Update};
@@ -19,24 +19,24 @@ use clastic_components::particle::Particle;
 
 use crate::schedule::Increment;
 
-/// One increment with what is done before and after it.
+/// One increment with the work before and after it.
 #[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Advance;
 
 /// Sets of [`Advance`], in order.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum AdvanceSystems {
-    /// Before the increment. Sets [`Due`].
+    /// Work before the increment. Sets [`Due`].
     Begin,
     /// The increment.
     Increment,
-    /// After the increment: only if one was due.
+    /// Work after the increment. Runs only if an increment was due.
     End,
-    /// Readers of the world, which change no result: only if an increment was due.
+    /// Output, which changes no result. Runs only if an increment was due.
     Output,
 }
 
-/// Whether [`Advance`] is to make an increment.
+/// Whether [`Advance`] makes an increment.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Due(pub bool);
 
@@ -50,12 +50,12 @@ impl Default for Due {
 /// makes no increment.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Running {
-    /// One increment every time.
+    /// One increment per run of the schedule.
     #[default]
     Always,
-    /// One increment every time, as many times as this; then paused.
+    /// One increment per run of the schedule for this number of runs, then none.
     Times(u32),
-    /// None.
+    /// No increments.
     Paused,
 }
 
@@ -78,14 +78,14 @@ impl Running {
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Stepping;
 
-/// Why nothing goes on any more: no increment is made while this resource is in the world.
+/// Why the run has stopped. No increment is made while the world has this resource.
 #[derive(Resource, Clone, Debug, PartialEq, Eq)]
 pub struct Halted(
     /// What happened.
     pub String,
 );
 
-/// Adds [`Advance`] and runs it, as [`Running`] says, whenever `schedule` runs.
+/// Adds [`Advance`] and runs it whenever `schedule` runs and [`Running`] allows it.
 pub struct SteppingPlugin {
     /// The schedule of the app that makes increments.
     pub schedule: InternedScheduleLabel,

@@ -1,5 +1,5 @@
-//! Loads that an embedding program adds to a trial: the systems of the [`Loads`] schedule are asked for them
-//! once per trial, that is for every part of an increment and for every step of a motion that is followed.
+//! Loads of an embedding program. The [`Loads`] schedule collects them once per trial: for every
+//! tried fraction of an increment and after every step of a followed motion.
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
@@ -8,7 +8,8 @@ use clastic_components::loads::TrialLoads;
 
 use crate::schedule::Loads;
 
-/// Adds [`TrialLoads`]. Systems that only add to it need no stated order: its sums do not depend on one.
+/// Adds [`TrialLoads`]. Systems that only add to it may run in any order, because its sums do not
+/// depend on the order.
 pub struct TrialLoadsPlugin;
 
 impl Plugin for TrialLoadsPlugin {

@@ -1,8 +1,8 @@
-//! Commits an accepted attempt: moves bodies, updates velocities and contact history, and takes
-//! down the forces that the outside world exerted.
+//! Commits an accepted attempt: moves bodies, updates velocities and contact history, and records
+//! the external forces.
 //!
-//! With the theta-method (equations 2 and 3 of the paper) `v = (u/dt - (1 - theta) v_0)/theta`;
-//! rotations alike.
+//! With the theta-method (equations 2 and 3 of the paper) `v = (u/dt - (1 - theta) v_0)/theta`, and
+//! likewise for rotations.
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
@@ -48,8 +48,8 @@ impl Plugin for UpdateStatePlugin {
     }
 }
 
-/// Computes [`ExternalForce`]: what is needed besides contacts and gravity for the motion that
-/// happened.
+/// Computes [`ExternalForce`]: the force that the motion requires in addition to contact forces and
+/// gravity.
 pub fn external_forces(
     bodies: Res<Bodies>,
     contacts: Res<Contacts>,
@@ -62,7 +62,7 @@ pub fn external_forces(
 ) {
     let mut rows = vec![[0.0; 3]; program.bodies.len()];
     program.add_forces(&solution.forces, &mut rows);
-    // A wall's moment is about the middle of its drawn segment.
+    // The moment of a wall refers to the middle of its drawn segment.
     let mut moments = vec![0.0; program.bodies.len()];
     for ((contact, c), f) in contacts.0.iter().zip(&program.interactions).zip(&solution.forces) {
         if contact.b as usize >= bodies.particles {
@@ -98,7 +98,8 @@ pub fn external_forces(
                             bodies.angular_velocities[i]
                         };
                         let weight = if k < 2 { mass * analysis.gravity[k] } else { 0.0 };
-                        // What is driven has the velocity u/dt from then on, whatever theta.
+                        // A driven body has the velocity u/dt over the whole increment, whatever
+                        // theta.
                         mass * (u - v * dt) / (dt * dt) + rows[i][k] - weight
                     }
                     AnalysisKind::Dynamic { .. } => applied,
@@ -140,7 +141,7 @@ pub fn move_bodies(
     >,
     mut walls: Query<(&BodyId, &mut Position, &mut LastMotion), (With<Wall>, Without<Particle>)>,
 ) {
-    // What pushes rigid overlaps apart moves bodies and gives no velocity.
+    // Displacements that separate rigid overlaps move bodies and give no velocity.
     let (pushed, impacts) = findings;
     let paths = || {
         paths(&bodies, &contacts, &analysis, &acceptance, &progress, &program, &solution, &impacts)
@@ -152,14 +153,15 @@ pub fn move_bodies(
         let u = program.bodies[i].to_global(solution.displacements[i]);
         let step = DVec2::new(u[0], u[1]);
         let moved = program.bodies[i].to_global(motion[i]);
-        // A motion that was followed has moved the table, not the entity.
+        // A followed motion has moved the table but not the entity.
         x.0 = bodies.positions[i] + DVec2::new(moved[0], moved[1]);
         rotation.0 = bodies.rotations[i] + moved[2];
         last.0 = moved;
         if let AnalysisKind::Dynamic { dt, theta } = analysis.kind {
             let dt = dt * progress.fraction;
             let next = |u: f64, v: f64, imposed: bool| {
-                // Imposed motion has no inertia to speak of: its velocity is what was imposed.
+                // An imposed motion follows no equation of motion, so its velocity is the imposed
+                // one.
                 if imposed { u / dt } else { (u / dt - (1.0 - theta) * v) / theta }
             };
             let imposed = bodies.drives[i].map(|d| d != Default::default());
@@ -175,7 +177,7 @@ pub fn move_bodies(
     }
 }
 
-/// Keeps the forces of contacts that persist.
+/// Stores the forces of contacts that persist.
 pub fn remember_contacts(
     analysis: Res<Analysis>,
     corrections: Res<Corrections>,
@@ -188,8 +190,9 @@ pub fn remember_contacts(
     *history = remembered(&analysis, &corrections, &contacts, &program, &solution, &draft.0);
 }
 
-/// Forces of the contacts that persist after a solution, given those `before` it. The program's shear is an
-/// average over the increment: `q = q_0 + (q_program - q_0)/theta` at its end.
+/// Forces of the persistent contacts after a solution, given those `before` it. The shear force of
+/// the program is the average over the increment, so the force at its end is
+/// `q = q_0 + (q_program - q_0)/theta`.
 #[must_use]
 pub fn remembered(
     analysis: &Analysis,
@@ -208,8 +211,8 @@ pub fn remembered(
     let is_known = |body: u32| !program.bodies[body as usize].is_free();
     let forces = program.interactions.iter().zip(&solution.forces);
     for (k, (contact, (c, f))) in contacts.0.iter().zip(forces).enumerate() {
-        // Between rigid bodies that are both held any force will do: what a solver says of it would be a
-        // scale beside which no error shows.
+        // The force between two rigid bodies with known motion is not unique. It may be large, and
+        // as a scale it would hide the errors of other forces.
         if c.normal_compliance == 0.0 && is_known(c.a) && is_known(c.b) {
             history.0.extend(before.get(contact.a, contact.b).copied());
             continue;
@@ -230,14 +233,14 @@ pub fn remembered(
     history
 }
 
-/// Marks the particles that the attempts found to [swing](Swinging).
+/// Marks particles that the attempts found to be [`Swinging`].
 pub fn remember_swinging(bodies: Res<Bodies>, found: Res<Restraints>, mut commands: Commands) {
     for (i, _) in found.swinging.iter().enumerate().filter(|(i, s)| **s && !bodies.swinging[*i]) {
         commands.entity(bodies.entities[i]).insert(Swinging);
     }
 }
 
-/// Books the committed fraction of the increment.
+/// Adds the committed fraction of the increment to the progress.
 pub fn advance_progress(
     analysis: Res<Analysis>,
     rules: Res<RuptureRules>,
@@ -245,7 +248,7 @@ pub fn advance_progress(
     ruptures: Res<Ruptures>,
     mut progress: ResMut<Progress>,
 ) {
-    // After a motion that was followed for them the specimen is at rest without the bonds that broke in it.
+    // A released motion ends at rest without the bonds that broke in it.
     let is_settled = match rules.order {
         RuptureOrder::Events { avalanche: Avalanche::Dynamic, .. } => ruptures.on_the_way,
         _ => 0,

@@ -1,4 +1,4 @@
-//! Controls of walls as a state holds them: other walls by identity instead of by entity.
+//! Controls of walls as stored in a state, which names other walls by identity instead of entity.
 
 use bevy_ecs::prelude::*;
 use glam::DVec2;
@@ -20,7 +20,7 @@ pub struct ControlStates(pub Vec<(BodyId, ControlState)>);
 /// A [`WallControl`] that names walls by identity.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum ControlState {
-    /// It stays.
+    /// Does not move.
     Fixed,
     /// Displacement in every increment, m.
     Displacement(DVec2),
@@ -30,7 +30,7 @@ pub enum ControlState {
     Force(f64, f64),
     /// Stress from and to, Pa.
     Stress(f64, f64, LengthState),
-    /// Another system drives it.
+    /// Another system sets the drive.
     Custom,
 }
 
@@ -39,7 +39,7 @@ pub enum ControlState {
 pub enum LengthState {
     /// The wall's own segment.
     Segment,
-    /// The distance of two walls; `None` is a wall that is no longer there.
+    /// Distance between two walls. `None` means that the wall was removed.
     Between(Option<BodyId>, Option<BodyId>),
 }
 

@@ -1,7 +1,8 @@
-//! Balance rows: which degrees of freedom are unknown, their loads and their inertia.
+//! Balance rows of the program: unknown degrees of freedom, their loads and their inertia.
 //!
-//! Theta-method (equations 2 to 4 of the paper): `m/(theta dt^2) u + G f = f_ext + m/(theta dt^2) v_0 dt`.
-//! A degree of freedom that no interaction touches needs no row: its motion is known beforehand.
+//! Theta-method (equations 2 to 4 of the paper):
+//! `m/(theta dt^2) u + G f = f_ext + m/(theta dt^2) v_0 dt`. A degree of freedom without
+//! interactions needs no row, because its motion is known in advance.
 
 use glam::DVec2;
 
@@ -22,7 +23,7 @@ pub fn assemble(
     out: &mut Vec<ProgramBody>,
 ) {
     let fraction = progress.fraction;
-    // What acts on a body at all: (translation, rotation).
+    // Whether interactions act on the (translation, rotation) of a body.
     let mut touched = vec![(false, false); bodies.positions.len()];
     for c in interactions {
         let turns = c.limits.has_shear() || c.limits.has_rolling();
@@ -69,7 +70,7 @@ pub fn assemble(
                 let [x, y, _] = added(wall.body as usize).map(|load| load.force);
                 let load = force.at(fraction) + wall.inward.dot(DVec2::new(x, y));
                 let load = FreeDof { load, ..FreeDof::default() };
-                // A wall that nothing touches waits for the specimen to come to it.
+                // A loaded wall without contact stands still until the specimen touches it.
                 let waits = !touched[wall.body as usize].0 && load.load == 0.0;
                 let along = if waits { Dof::Fixed(0.0) } else { Dof::Free(load) };
                 [along, Dof::Fixed(0.0), Dof::Fixed(0.0)]
@@ -108,8 +109,8 @@ fn particle_dof(
     }
 }
 
-/// A number in [-1, 1) that depends on its arguments alone: the same in every attempt, and after a
-/// restart. Mixing function of SplitMix64 (Steele, Lea and Flood 2014).
+/// Deterministic number in [-1, 1) that depends on the arguments only. It is equal in every attempt
+/// and after a restart. Mixing function of SplitMix64 (Steele, Lea and Flood 2014).
 fn shake(seed: u64, increment: u64, body: usize, dof: usize) -> f64 {
     let mix = |mut z: u64| {
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -122,8 +123,8 @@ fn shake(seed: u64, increment: u64, body: usize, dof: usize) -> f64 {
     (bits >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
 }
 
-/// The mean motion of a compaction: nothing at the walls that stay, the wall's own motion at the
-/// one that moves, linear in between.
+/// Mean motion of a compaction: zero at the fixed walls, the motion of the wall at the moving wall,
+/// and linear in between.
 struct Affine {
     moving: Option<(DVec2, DVec2, DVec2, f64)>,
 }
@@ -139,7 +140,8 @@ impl Affine {
         });
         let moving = moving.and_then(|(wall, u)| {
             let x = bodies.positions[wall.body as usize];
-            // The wall opposite: the one that stays and faces the moving one most squarely.
+            // The opposite wall is the fixed wall whose normal is closest to the opposite
+            // direction.
             let base = bodies
                 .walls
                 .iter()

@@ -1,4 +1,4 @@
-//! Where the loads alone bring two bodies together: what restitution needs to know of an impact.
+//! Collisions of two bodies under their loads alone, as restitution needs them.
 
 use glam::DVec2;
 
@@ -10,15 +10,15 @@ use clastic_cone::program::{ConeProgram, Dof, FreeDof, Interaction};
 /// Velocity at the start (m/s) and acceleration by the loads (m/s^2) of a body.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Motion {
-    /// m/s.
+    /// Velocity, m/s.
     pub velocity: DVec2,
-    /// m/s^2.
+    /// Acceleration, m/s^2.
     pub acceleration: DVec2,
 }
 
 impl Motion {
-    /// The motion of a body in a trial of `dt` within an increment of `whole` (s). None for a wall under a load: it
-    /// has no mass, and what hits it does not rebound.
+    /// Motion of a body in a trial of `dt` within an increment of `whole` (s). `None` for a loaded
+    /// wall: it has no mass, and a body that hits it does not rebound.
     #[must_use]
     pub fn of(
         bodies: &Bodies,
@@ -29,7 +29,7 @@ impl Motion {
         if i < bodies.particles {
             let mut motion = Self { velocity: bodies.velocities[i], ..Self::default() };
             for k in 0..2 {
-                // What is driven has its velocity from the start of the increment on.
+                // A driven body has its velocity from the start of the increment on.
                 if let Drive::Imposed(u) = bodies.drive(i, k) {
                     motion.velocity[k] = u / whole;
                 } else if let Dof::Free(free) = &program.bodies[i].dofs[k] {
@@ -56,36 +56,37 @@ pub fn load_acceleration(free: &FreeDof, dt: f64) -> f64 {
     (free.load - free.momentum) / (free.inertia * dt * dt)
 }
 
-/// How two bodies approach each other along the normal of the start.
+/// Relative motion of two bodies along the normal at the start.
 #[derive(Clone, Copy, Debug)]
 pub struct Approach {
-    /// Gap at the start, m; overlaps are a touch.
+    /// Gap at the start, m. An overlap counts as 0.
     pub gap: f64,
     /// Closing speed at the start, m/s.
     pub speed: f64,
     /// Closing acceleration that the loads of the two bodies cause, m/s^2.
     pub acceleration: f64,
-    /// Part of it by which each body is loaded towards the other, m/s^2. A load that pulls a body away does not count:
-    /// another contact may carry it.
+    /// Acceleration of each body towards the other by its loads, m/s^2. A load that pulls the body
+    /// away counts as 0, because another contact may carry it.
     pub pressing: f64,
 }
 
 /// An impact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
-    /// From the start of the step, s.
+    /// Time from the start of the step, s.
     pub time: f64,
-    /// Closing speed there, m/s.
+    /// Closing speed at the impact, m/s.
     pub speed: f64,
-    /// Closing acceleration by the loads there, m/s^2.
+    /// Closing acceleration by the loads at the impact, m/s^2.
     pub acceleration: f64,
-    /// Unit normal from a to b there.
+    /// Unit normal from a to b at the impact.
     pub normal: DVec2,
 }
 
-/// Newton steps to the time of an impact. They approach it from before, since the distance is convex.
+/// Maximum number of Newton steps to the time of an impact. They converge from below, since the
+/// distance is convex.
 const MAX_STEPS: u32 = 60;
-/// Gap that is none, over the sum of the radii: some units of round-off.
+/// Gap that counts as zero, over the sum of the radii: a few units of round-off.
 const ROUND_OFF: f64 = 1e-15;
 
 impl Approach {
@@ -102,14 +103,14 @@ impl Approach {
         })
     }
 
-    /// What the velocity at the end without contact closes in a step, m.
+    /// Closing in a step with the end velocity of free motion, m.
     #[must_use]
     pub fn free_closing(&self, dt: f64) -> f64 {
         (self.speed + self.acceleration * dt) * dt
     }
 
-    /// Time and closing speed of the hit along the normal within a step, if there is one: the first root of
-    /// `g_0 = w_0 t + a t^2/2`.
+    /// Time and closing speed of the impact along the normal within a step, if any. The time is the
+    /// first root of `g_0 = w_0 t + a t^2/2`.
     #[must_use]
     pub fn hit(&self, dt: f64) -> Option<[f64; 2]> {
         let speed = (self.speed * self.speed + 2.0 * self.acceleration * self.gap).sqrt();
@@ -120,11 +121,12 @@ impl Approach {
         } else {
             return None;
         };
-        // Not a number where the bodies rest on each other, or where the loads part them before.
+        // The time is NaN if the bodies rest on each other, or if the loads separate them first.
         (time <= dt).then_some([time, speed])
     }
 
-    /// The impact of two bodies that nothing else acts on, on their paths: the parabolas of constant loads.
+    /// Impact of two bodies without other interactions, on their parabolic paths under constant
+    /// loads.
     #[must_use]
     pub fn impact(
         &self,
@@ -155,7 +157,7 @@ impl Approach {
                 return (speed > 0.0).then_some(Hit { time, speed, acceleration, normal });
             }
             time += gap / speed;
-            // They pass each other, or meet later.
+            // The bodies pass each other, or meet later.
             if !(speed > 0.0 && time <= dt) {
                 return None;
             }

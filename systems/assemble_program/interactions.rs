@@ -5,10 +5,11 @@
 //! | offset g | g_0 - g_b0 | g_0 |
 //! | compliances | 1/k of the bond | 1/k of the contact |
 //! | c A, f_t, mu, mu_r | of the bond | 0, 0, mu and mu_r of the contact |
-//! | previous shear q_0 | of the last increment (0 where C_T = 0) | the same while the contact persists |
+//! | previous shear q_0 | last increment's (0 where C_T = 0) | last increment's while in contact |
 //!
-//! In dynamics an elastic interaction enters with C/theta and g/theta, which makes the program's
-//! forces averages over the increment; a rigid one keeps g, no penetration at its end.
+//! In dynamics an elastic interaction enters with C/theta and g/theta, so that its force in the
+//! program is the average over the increment. A rigid interaction keeps g, so that it does not
+//! penetrate at the end.
 
 use clastic_components::contact::{Bodies, BondRow, Contact, ContactHistory};
 use clastic_components::findings::{Corrections, Pushed, Ruptures};
@@ -16,23 +17,24 @@ use clastic_components::increment::{Analysis, AnalysisKind};
 use clastic_components::material::{ContactLaw, Materials};
 use clastic_cone::program::{Interaction, Limits};
 
-/// Rigid overlaps below this, in mean radii, are what is left of the last increment. In a static
-/// program nothing else need move, and where nothing can they would count as forced into each other.
+/// Rigid overlaps below this, in mean radii, are round-off of the last increment. A static program
+/// need not remove them. Between bodies that cannot move they would otherwise count as an imposed
+/// overlap.
 pub(super) const ROUND_OFF: f64 = 1e-9;
 
-/// What judges have found that changes interactions.
+/// Findings of the judges that change interactions.
 #[derive(Clone, Copy)]
 pub struct Findings<'a> {
     /// Bonds that are broken already.
     pub ruptures: &'a Ruptures,
-    /// Geometry at the place that the corrector has come to.
+    /// Geometry of the last pass of the corrector.
     pub corrections: &'a Corrections,
     /// Whether rigid overlaps have been pushed apart.
     pub pushed: &'a Pushed,
 }
 
-/// Fills `out` with one interaction per contact, in the order of the contacts, and `last` with the forces
-/// that they carried.
+/// Fills `out` with one interaction per contact, in the order of the contacts, and `last` with
+/// their forces after the last increment.
 pub fn assemble(
     bodies: &Bodies,
     contacts: &[Contact],
@@ -64,7 +66,7 @@ pub fn assemble(
     }));
 }
 
-/// The law of a contact: that of the wall, or of the two materials.
+/// Law of a contact: that of the wall, or that of the two materials.
 #[must_use]
 pub fn contact_law(
     bodies: &Bodies,
@@ -86,8 +88,8 @@ pub fn contact_law(
     }
 }
 
-/// The shear force that a contact starts with when its bond has broken: what its own friction
-/// can hold of it. A bond that spanned a gap leaves nothing.
+/// Initial shear force of a contact whose bond has broken: the part that its friction can carry. It
+/// is zero if the bond spanned a gap.
 #[must_use]
 pub fn shear_after_rupture(q: f64, gap: f64, law: &ContactLaw) -> f64 {
     if law.tangential_compliance <= 0.0 || law.normal_compliance <= 0.0 {
@@ -136,7 +138,8 @@ fn unbonded(
 ) -> Interaction {
     let rolling = law.rolling_friction * contact.common_radius(bodies);
     let limits = Limits::new(0.0, law.friction, 0.0, rolling);
-    // What moves apart has been found; forces and velocities are those of a touch.
+    // The motion that separates overlaps is known. Forces and velocities are those of bodies that
+    // just touch.
     let touches = findings.pushed.0.is_some() && law.normal_compliance == 0.0;
     let gap = if touches { contact.gap.max(0.0) } else { contact.gap };
     interaction(
@@ -168,11 +171,11 @@ fn interaction(
     let pair = (contact.a, contact.b);
     let correction = findings.corrections.of(pair);
     let (direction, at) = correction.map_or((contact.normal, contact.gap), |c| (c.normal, c.gap));
-    // The contact point is the middle of the gap: the arms sum to the centre distance, and
-    // angular momentum is conserved to round-off.
+    // The contact point is the middle of the gap. The arms then add up to the centre distance, so
+    // that angular momentum is conserved to round-off.
     let half_gap = 0.5 * at;
     let arm_b = bodies.radii.get(contact.b as usize).map_or(0.0, |r| r + half_gap);
-    // What is held at the end of the increment, not what it averages, is corrected.
+    // The correction applies to the end of the increment, and the program uses averages over it.
     let corrected = correction.map_or(0.0, |c| c.offset - contact.gap);
     let (normal_compliance, tangential_compliance) = (normal / theta, tangential / theta);
     let shift = findings.corrections.shear_shift(pair, tangential_compliance);

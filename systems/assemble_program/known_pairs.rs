@@ -1,9 +1,9 @@
-//! Rigid contacts between two bodies whose motion along the normal is known.
+//! Rigid contacts between two bodies with known motion along the normal.
 //!
-//! A rigid contact allows no overlap at the end of the increment. Where both bodies are held, or are
-//! driven alike, nothing can take out an overlap that they have: the program would have no feasible
-//! motion, though nothing moves. Such a contact takes no part in the program. A contact that the known
-//! motions close stays in it: these motions are not feasible, and [`forced`] names the pair.
+//! A rigid contact allows no overlap at the end of the increment. If both bodies are held, or
+//! driven alike, no motion can remove an overlap between them, and the program would be infeasible
+//! although nothing moves. Such a contact is left out of the program. A contact that the known
+//! motions close stays in the program: these motions are infeasible, and [`forced`] names the pair.
 
 use clastic_components::contact::{Bodies, Contact};
 use clastic_cone::program::{ConeProgram, Dof, Interaction, Limits, ProgramBody};
@@ -11,10 +11,10 @@ use glam::DVec2;
 
 use super::interactions::ROUND_OFF;
 
-/// A body has no motion along a direction in which its axes have less than this.
+/// A body does not move along a direction if its axes have smaller components than this in it.
 const ACROSS: f64 = 1e-9;
 
-/// Displacement of a body along a direction, m; none where it is unknown.
+/// Displacement of a body along a direction, m; `None` if it is unknown.
 fn known_motion(body: &ProgramBody, direction: DVec2) -> Option<f64> {
     let mut sum = 0.0;
     for (dof, axis) in body.dofs.iter().zip([body.axis, body.axis.perp()]) {
@@ -28,7 +28,8 @@ fn known_motion(body: &ProgramBody, direction: DVec2) -> Option<f64> {
     Some(sum)
 }
 
-/// What the known motions of two bodies close a rigid contact by, m; none for all other interactions.
+/// Closing of a rigid contact by the known motions of its bodies, m; `None` for all other
+/// interactions.
 fn closing(bodies: &[ProgramBody], c: &Interaction) -> Option<f64> {
     if c.normal_compliance > 0.0 || c.limits.has_strength() {
         return None;
@@ -38,12 +39,13 @@ fn closing(bodies: &[ProgramBody], c: &Interaction) -> Option<f64> {
 }
 
 /// Leaves out the contacts of bodies that overlap and that no known motion closes: they become open
-/// contacts, which carry nothing. Returns whether it left out any.
+/// contacts without force. Returns whether any contact was left out.
 pub fn leave_out(bodies: &Bodies, contacts: &[Contact], program: &mut ConeProgram) -> bool {
     let round_off = ROUND_OFF * bodies.mean_radius;
     let mut found = false;
     for (contact, c) in contacts.iter().zip(&mut program.interactions) {
-        // A smaller overlap is the round-off of the last increment: `interactions` takes it for a touch.
+        // `interactions` treats a smaller overlap, which is round-off of the last increment, as a
+        // touch.
         if contact.gap < -round_off
             && closing(&program.bodies, c).is_some_and(|closing| closing <= round_off)
         {
@@ -63,12 +65,12 @@ pub struct Forced {
     pub b: u32,
     /// Gap at the start of the increment, m; negative is overlap.
     pub gap: f64,
-    /// What the motions close it by in the increment, m.
+    /// Closing by the known motions in the increment, m.
     pub closing: f64,
 }
 
-/// The contact with the maximum overlap that the known motions of its bodies force. None if no contact is
-/// forced.
+/// The contact with the maximum overlap that the known motions of its bodies impose; `None` if no
+/// contact is forced into overlap.
 #[must_use]
 pub fn forced(program: &ConeProgram) -> Option<Forced> {
     let round_off = ROUND_OFF * program.scales.length;

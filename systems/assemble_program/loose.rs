@@ -1,12 +1,13 @@
-//! Regularisation of what has no stiffness, and of nothing else.
+//! Regularisation of bodies without stiffness.
 //!
-//! A static body that too few stiff interactions hold (a rattler, a loose cluster) has no
-//! determined displacement. It gets a proximal term: of all its displacements the least. Found by
-//! counting constraints: bodies with fewer of them than degrees of freedom are peeled off, again
-//! and again; of what remains, every connected cluster must be held by the ground against
-//! translation and rotation. The weight is a fraction [`Acceptance::regularisation`] of force scale
-//! over displacement scale, so that what it adds to a body that is pushed after all stays far below
-//! the accepted residual; the residuals count it as an error of the balance.
+//! The displacement of a static body with too few stiff interactions (a rattler, a loose cluster)
+//! is not determined. It gets a proximal term, which selects the smallest displacement. Loose
+//! bodies are found by counting constraints. Bodies with fewer constraints than degrees of freedom
+//! are removed repeatedly. Every connected cluster of the remaining bodies must be held by the
+//! ground against translation and rotation. The weight is the fraction
+//! [`Acceptance::regularisation`] of force scale over displacement scale, so that its force on a
+//! body that is pushed after all stays far below the tolerance. The residuals count this force as
+//! an error of the balance.
 
 use glam::DVec2;
 
@@ -19,9 +20,9 @@ use clastic_cone::program::{ConeProgram, Dof, Interaction};
 
 use clastic_cone::adjacency::Adjacency;
 
-/// First weight in a repeated attempt, where it applies to every body and its centre follows the
-/// solution until nothing of it is left in the balance; and the factor by which it falls with every
-/// move of the centre, so that what moves on and on is seen to do so.
+/// First weight in a repeated attempt. It applies to every body, and its centre follows the
+/// solution until no force of the regularisation remains in the balance. The weight decreases by
+/// this factor with every move of the centre, so that a motion without bound becomes visible.
 const WEIGHT_OF_RETRY: f64 = 1e-6;
 const FALL: f64 = 0.1;
 
@@ -45,8 +46,8 @@ pub fn regularise(
     let retry = *mode == Mode::Equilibrium(Effort::Regularised);
     let mut loose =
         if retry { vec![true; program.bodies.len()] } else { find_loose(bodies, history, program) };
-    // Counting finds no mechanism that has constraints enough in the wrong places. What carried
-    // nothing in the last increment, or in a rejected solution of this one, may be part of one.
+    // Counting misses mechanisms whose constraints are in the wrong places. Bodies without load in
+    // the last increment, or in a rejected solution of this one, may be part of a mechanism.
     let bearing = |i: usize| restraints.bearing.get(i).copied().unwrap_or_default();
     if !history.0.is_empty() {
         let forces = history.0.iter().map(|m| (m.a, m.b, m.p.abs().max(m.q.abs())));
@@ -75,8 +76,8 @@ pub fn regularise(
     }
 }
 
-/// Sets the inertia of a step of a motion. It is no part of the balance that is committed, and takes the place
-/// of the proximal term.
+/// Sets the inertia of a step of a motion, in place of the proximal term. The balance of the
+/// committed equilibrium does not contain it.
 fn give_inertia(motion: &Motion, program: &mut ConeProgram) {
     for (i, body) in program.bodies.iter_mut().enumerate() {
         for (k, dof) in body.dofs.iter_mut().enumerate() {
@@ -87,17 +88,18 @@ fn give_inertia(motion: &Motion, program: &mut ConeProgram) {
     }
 }
 
-/// Forces below this fraction of the greatest one are no load.
-const LEAST_LOAD: f64 = 1e-6;
+/// Forces below this fraction of the maximum force count as zero.
+const MIN_LOAD: f64 = 1e-6;
 
-/// Which particles carry more than a millionth of the greatest force; forces (N) by pairs of bodies.
+/// Whether each particle carries more than `MIN_LOAD` of the maximum force. `forces` are in N, by
+/// pairs of bodies.
 pub fn find_loaded(
     particles: usize,
     forces: impl Iterator<Item = (u32, u32, f64)> + Clone,
 ) -> Vec<bool> {
-    let least = LEAST_LOAD * forces.clone().map(|f| f.2).fold(0.0, f64::max);
+    let threshold = MIN_LOAD * forces.clone().map(|f| f.2).fold(0.0, f64::max);
     let mut loaded = vec![false; particles];
-    for (a, b, _) in forces.filter(|f| f.2 > least) {
+    for (a, b, _) in forces.filter(|f| f.2 > threshold) {
         for body in [a as usize, b as usize].into_iter().filter(|b| *b < particles) {
             loaded[body] = true;
         }
@@ -105,7 +107,7 @@ pub fn find_loaded(
     loaded
 }
 
-/// Whether an interaction is stiff at the start of the increment: a bond, or closed.
+/// Whether an interaction is stiff at the start of the increment: a bond, or a closed contact.
 fn is_stiff(c: &Interaction, history: &ContactHistory) -> bool {
     c.limits.has_strength() || c.offset <= 0.0 || history.get(c.a, c.b).is_some_and(|m| m.p > 0.0)
 }
@@ -172,7 +174,7 @@ fn clusters(
         let (a, b) = (c.a as usize, c.b as usize);
         if takes_part(a) && takes_part(b) {
             let (a, b) = (root(&mut parent, a), root(&mut parent, b));
-            // The smaller index leads, so that clusters come in the order of their first body.
+            // The smaller index becomes the root, so that clusters are ordered by their first body.
             parent[a.max(b)] = a.min(b);
         }
     }
@@ -184,8 +186,8 @@ fn clusters(
     members
 }
 
-/// Flags what a cluster needs to be held: nothing where the ground holds it; its loaded walls
-/// where that is enough; else all of it.
+/// Flags the bodies of a cluster that need regularisation: none if the ground holds the cluster,
+/// its loaded walls if they suffice, else all.
 fn hold_cluster(
     bodies: &Bodies,
     program: &ConeProgram,
@@ -212,7 +214,7 @@ fn hold_cluster(
     };
     for &i in cluster.iter().filter(|i| **i < bodies.particles) {
         let arm = (bodies.positions[i] - centre) / extent;
-        // Rigid motion of the cluster along d at body i.
+        // Rigid motion of the cluster along d, at body i.
         let along = |d: DVec2| [d.x, d.y, arm.x * d.y - arm.y * d.x];
         for (k, dof) in program.bodies[i].dofs.iter().enumerate() {
             let mut row = vec![0.0; unknowns];
@@ -221,7 +223,7 @@ fn hold_cluster(
                 Dof::Fixed(_) if k < 2 => {
                     row[..3].copy_from_slice(&along(if k == 0 { DVec2::X } else { DVec2::Y }));
                 }
-                // A disk without a rotation row turns freely; it does not hold the cluster.
+                // A disk without a rotation row turns freely and does not hold the cluster.
                 Dof::Fixed(_) => continue,
             }
             add(&row);
@@ -272,14 +274,15 @@ fn hold_cluster(
 /// Whether a Gram matrix has full rank, by elimination with diagonal pivots.
 fn full_rank(mut gram: Vec<Vec<f64>>) -> bool {
     let n = gram.len();
-    let greatest = (0..n).map(|i| gram[i][i]).fold(0.0, f64::max);
+    let maximum = (0..n).map(|i| gram[i][i]).fold(0.0, f64::max);
     let mut left: Vec<usize> = (0..n).collect();
     while let Some(k) =
         (0..left.len()).max_by(|a, b| gram[left[*a]][left[*a]].total_cmp(&gram[left[*b]][left[*b]]))
     {
         let pivot = left.swap_remove(k);
-        // Relative to the number of constraints that were summed up; a mechanism leaves round-off.
-        if gram[pivot][pivot] <= 1e-10 * greatest {
+        // The pivot is relative to the number of constraints in the sum. A mechanism leaves only
+        // round-off.
+        if gram[pivot][pivot] <= 1e-10 * maximum {
             return false;
         }
         for &i in &left {
@@ -290,5 +293,5 @@ fn full_rank(mut gram: Vec<Vec<f64>>) -> bool {
             }
         }
     }
-    greatest > 0.0
+    maximum > 0.0
 }

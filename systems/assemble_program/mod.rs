@@ -24,7 +24,7 @@ use clastic_cone::program::ConeProgram;
 
 use self::interactions::Findings;
 use self::rebounds::{assemble_rebounds, has_restitution};
-use crate::rupture_bonds::unlimit;
+use crate::rupture_bonds::lift_strengths;
 use crate::schedule::{AttemptIncrement, AttemptSystems, lap};
 
 /// Adds [`assemble_program`].
@@ -47,11 +47,12 @@ impl Plugin for AssembleProgramPlugin {
     }
 }
 
-/// Residual that is good enough for a step of a motion: what is committed is the equilibrium after it.
+/// Residual at which the solver may stop in a step of a motion. Only the equilibrium after the
+/// motion is committed.
 const RESIDUAL_OF_MOTION: f64 = 1e-3;
 
-/// Residual that is good enough where it is more than usual. What loads a bond up to its limit breaks it:
-/// in that nothing is good enough but what is nearly exact.
+/// Residual at which the solver may stop; 0 means its own default. Loading of bonds to their limits
+/// requires the default, because errors could change which bond breaks.
 fn tolerance(
     analysis: &Analysis,
     acceptance: &Acceptance,
@@ -59,7 +60,7 @@ fn tolerance(
     bodies: &Bodies,
 ) -> f64 {
     let is_dynamic = matches!(analysis.kind, AnalysisKind::Dynamic { .. });
-    // Solvers aim at that by themselves.
+    // Solvers aim at this residual by default.
     let usual = Acceptance::default().residual;
     if attempt.motion().is_some() {
         RESIDUAL_OF_MOTION
@@ -103,7 +104,7 @@ pub fn assemble_program(
     );
     taut::assemble(&bodies, &contacts.0, &analysis, &restraints, &mut program.interactions);
     if search.active && attempt.effort().is_some() {
-        unlimit(&contacts.0, &mut program.interactions);
+        lift_strengths(&contacts.0, &mut program.interactions);
     }
     let balance = |program: &mut ConeProgram| {
         balance::assemble(
@@ -117,7 +118,8 @@ pub fn assemble_program(
     };
     balance(program);
     if known_pairs::leave_out(&bodies, &contacts.0, program) {
-        // What these contacts touched may have no other: then its motion is known as well.
+        // The bodies of these contacts may have no other interaction, and then their motion is
+        // known.
         balance(program);
     }
     let count = contacts.0.len();

@@ -1,9 +1,10 @@
-//! Rebounds: what a rigid contact with restitution is hit with, and the offset that makes it rebound.
+//! Rebounds: impacts of rigid contacts with restitution, and the offsets that make them rebound.
 //!
-//! Where a scene has restitution, velocities are those of theta = 1: the displacement of the program is
-//! `u = v dt`, v the velocity at the end, and an offset g bounds the closing speed at the end, `w <= g/dt`.
-//! Newton's law of restitution at the velocity level (Moreau 1988) is then an offset. With e of the contact,
-//! w_0 the closing speed at the start, and a the closing acceleration that the loads of the two bodies cause:
+//! With restitution, velocities are those of theta = 1. The displacement of the program is
+//! `u = v dt`, with v the velocity at the end, and an offset g bounds the closing speed w at the
+//! end, `w <= g/dt`. Newton's law of restitution at the velocity level (Moreau 1988) is therefore
+//! an offset. With the restitution e of the contact, the closing speed w_0 at the start, and the
+//! closing acceleration a by the loads of the two bodies:
 //!
 //! | contact | bound of the closing speed w at the end |
 //! |---|---|
@@ -13,14 +14,14 @@
 //! | separating at the start | `max(g_0/dt, e \|w_0\|)` |
 //! | any other | `g_0/dt` |
 //!
-//! The third and fourth row hold where `e |w_0| > a_p dt`, a_p the part of a by which each
-//! body is loaded towards the other. What the loads turn round before the
-//! step ends is no rebound: the contact stays closed. So a grain comes to rest under gravity, and no speed has to be
-//! called small. The same holds for the first row, whose bracket must be positive.
+//! The third and fourth row hold if `e |w_0| > a_p dt`, with a_p the part of a by which each body
+//! is loaded towards the other. If the loads reverse the separation before the step ends, the
+//! contact stays closed instead. A grain thus comes to rest under gravity without a threshold on
+//! its speed. The first row likewise holds only if its bracket is positive.
 //!
-//! Contacts that separate may approach as fast as Newton's law lets them, so that bodies between walls always
-//! have a solution, `v = -e v_0`. With the displacement `dt (v + e v_0)/(1 + e)` neither they nor those that are hit
-//! overlap; see [`paths`](crate::paths).
+//! Contacts that separate may approach as fast as Newton's law allows, so that bodies between walls
+//! always have the solution `v = -e v_0`. With the displacement `dt (v + e v_0)/(1 + e)` neither
+//! these contacts nor those with an impact overlap; see [`paths`](crate::paths).
 
 use bevy_ecs::prelude::*;
 
@@ -39,7 +40,7 @@ pub fn has_restitution(analysis: Res<Analysis>) -> bool {
     analysis.path_theta.is_some() && matches!(analysis.kind, AnalysisKind::Dynamic { .. })
 }
 
-/// Sets offset and geometry of contacts that are hit, and fills [`Impacts`].
+/// Sets offset and geometry of contacts with an impact, and fills [`Impacts`].
 pub fn assemble_rebounds(
     bodies: Res<Bodies>,
     contacts: Res<Contacts>,
@@ -56,7 +57,7 @@ pub fn assemble_rebounds(
     let AnalysisKind::Dynamic { dt: whole, .. } = analysis.kind else { return };
     let dt = whole * progress.fraction;
     if pushed.0.is_none() && overlaps(&acceptance, &bodies, &contacts, &program) {
-        // This solution takes out overlaps. The next one has the velocities.
+        // This solution removes overlaps. The next one determines the velocities.
         impacts.end_share = 1.0;
         return;
     }
@@ -65,7 +66,7 @@ pub fn assemble_rebounds(
     let pairs = || contacts.0.iter().zip(&program.interactions);
     let approaches: Vec<_> =
         pairs().map(|(contact, c)| Approach::of(&motions, contact, c)).collect();
-    // How many others each body touches or would close to.
+    // Number of other bodies that each body touches or would close to.
     let touch = residual_overlap(&acceptance, &bodies);
     let near: Vec<_> = pairs()
         .zip(&approaches)
@@ -101,7 +102,8 @@ pub fn assemble_rebounds(
                 impacts.single.push(Impact { interaction: k, time: hit.time });
             }
         } else if alone && free_closing > c.offset && (contact.gap > touch || x.speed < 0.0) {
-            // They miss each other, or meet after the step, where `v dt` would have them meet within it.
+            // The bodies miss each other, or meet after the step, while `v dt` would have them meet
+            // within it.
             c.offset = free_closing;
             impacts.single.push(Impact { interaction: k, time: dt });
         } else if e * x.speed.abs() > x.pressing * dt {

@@ -1,5 +1,6 @@
-//! Expected magnitudes of displacement and force. Conic solvers have partly absolute tolerances
-//! and stall on raw rock stiffness: inside a solver everything is of the order of one.
+//! Expected magnitudes of displacement and force. The tolerances of conic solvers are partly
+//! absolute, and with the stiffness of rock in SI units they stall. The solvers therefore scale the
+//! program to the order of one.
 
 use glam::DVec2;
 
@@ -9,7 +10,7 @@ use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::wall::WallDrive;
 use clastic_cone::program::{ConeProgram, Dof, FreeDof, Interaction, Scales};
 
-/// Estimates the scales of the program; a rejected attempt's own magnitudes come first.
+/// Estimates the scales of the program. The magnitudes of a rejected attempt take precedence.
 pub fn estimate(
     bodies: &Bodies,
     history: &ContactHistory,
@@ -20,38 +21,41 @@ pub fn estimate(
     program: &ConeProgram,
 ) -> Scales {
     let length = bodies.mean_radius;
-    // Companions of taut bonds come after those of contacts, and are as soft as their tension is small.
+    // Ties follow the contacts. Their stiffness is proportional to the tension and may be small, so
+    // they are excluded.
     let interactions = &program.interactions[..contacts.min(program.interactions.len())];
     let known = displacement(bodies, analysis, progress).max(rigid_overlap(interactions));
-    // Loaded from rest: what the loads do to one contact.
+    // Loading from zero: displacement of one contact under the loads.
     let displacement =
-        if known > 0.0 { known } else { greatest_load(program) * softest(interactions) };
+        if known > 0.0 { known } else { maximum_load(program) * softest(interactions) };
     let displacement = displacement.max(1e-9 * length);
     let force = force(history, program, interactions, displacement);
     match magnitudes {
-        // What a failed attempt found, as long as it found something: noise is no scale, and what a
-        // solver diverged to neither, beside which no error would show.
+        // The magnitudes of a failed attempt are used unless they are round-off, or so large that
+        // they would hide all errors because the solver diverged.
         Some((u, f)) => {
-            Scales { length, displacement: u, force: f.clamp(LEAST * force, MOST * force) }
+            Scales { length, displacement: u, force: f.clamp(MIN_SCALE * force, MAX_RATIO * force) }
         }
         None => Scales { length, displacement, force },
     }
 }
 
-/// The least force scale, as a fraction of what the displacement would cost in one contact or of
-/// the strength. Forces that are far smaller are what is left of zero.
-const LEAST: f64 = 1e-3;
+/// Minimum force scale, as a fraction of the force of the displacement in one contact, or of the
+/// strength. Smaller forces are remainders of zero.
+const MIN_SCALE: f64 = 1e-3;
 
-/// Minimum fraction that the displacement scale counts with in an increment that ends with an event.
-const LEAST_FRACTION: f64 = 0.05;
+/// Minimum fraction of the imposed displacement in the scale of an increment that ends with an
+/// event.
+const MIN_FRACTION: f64 = 0.05;
 
-/// The greatest force scale that a failed attempt sets, over what is expected without it.
-const MOST: f64 = 1e2;
+/// Maximum force scale from a failed attempt, relative to the expected scale.
+const MAX_RATIO: f64 = 1e2;
 
 fn displacement(bodies: &Bodies, analysis: &Analysis, progress: &Progress) -> f64 {
-    // Up to an event an increment may take next to nothing of what is imposed, but bonds have broken before it.
+    // An increment up to an event may have a small fraction of the imposed motion, but ruptures
+    // precede it.
     let is_cut = progress.fraction < progress.tried;
-    let f = if is_cut { progress.fraction.max(LEAST_FRACTION) } else { progress.fraction };
+    let f = if is_cut { progress.fraction.max(MIN_FRACTION) } else { progress.fraction };
     let drives = (0..bodies.particles).flat_map(|i| [bodies.drive(i, 0), bodies.drive(i, 1)]);
     let imposed = drives.map(|d| match d {
         Drive::Imposed(u) => f * u.abs(),
@@ -62,17 +66,17 @@ fn displacement(bodies: &Bodies, analysis: &Analysis, progress: &Progress) -> f6
         WallDrive::Loaded(_) => 0.0,
     });
     let moved = bodies.last_motion.iter().map(|u| f * DVec2::new(u[0], u[1]).length());
-    let greatest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
+    let maximum = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
     match analysis.kind {
         AnalysisKind::Dynamic { dt, .. } => {
             let dt = dt * f;
-            let v = greatest(&mut bodies.velocities.iter().map(|v| v.length()));
-            greatest(&mut imposed.chain(walls)).max(v * dt).max(analysis.gravity.length() * dt * dt)
+            let v = maximum(&mut bodies.velocities.iter().map(|v| v.length()));
+            maximum(&mut imposed.chain(walls)).max(v * dt).max(analysis.gravity.length() * dt * dt)
         }
         AnalysisKind::Static | AnalysisKind::LeastMotion { .. } => {
-            let driven = greatest(&mut imposed.chain(walls));
-            // A grain that jumped in the last increment must not set the scale of this one.
-            let last = greatest(&mut moved.into_iter()).min(0.1 * bodies.mean_radius);
+            let driven = maximum(&mut imposed.chain(walls));
+            // The jump of a grain in the last increment must not set the scale.
+            let last = maximum(&mut moved.into_iter()).min(0.1 * bodies.mean_radius);
             driven.max(last)
         }
     }
@@ -85,17 +89,17 @@ fn free_translations(program: &ConeProgram) -> impl Iterator<Item = &FreeDof> {
     })
 }
 
-fn greatest_load(program: &ConeProgram) -> f64 {
+fn maximum_load(program: &ConeProgram) -> f64 {
     free_translations(program).map(|f| f.load.abs()).fold(0.0, f64::max)
 }
 
-/// The greatest overlap that rigid interactions have to take out, m.
+/// Maximum overlap of rigid interactions, m.
 fn rigid_overlap(interactions: &[Interaction]) -> f64 {
     let rigid = interactions.iter().filter(|c| c.normal_compliance == 0.0);
     rigid.map(|c| -c.offset).fold(0.0, f64::max)
 }
 
-/// The greatest normal compliance, m/N.
+/// Maximum normal compliance, m/N.
 fn softest(interactions: &[Interaction]) -> f64 {
     interactions.iter().map(|c| c.normal_compliance).fold(0.0, f64::max)
 }
@@ -107,11 +111,11 @@ fn force(
     displacement: f64,
 ) -> f64 {
     let remembered = history.0.iter().map(|m| m.p.abs().max(m.q.abs())).fold(0.0, f64::max);
-    let loads = greatest_load(program);
+    let loads = maximum_load(program);
     let inertial = free_translations(program).map(|f| f.inertia * displacement).fold(0.0, f64::max);
     let expected = remembered.max(0.1 * loads).max(0.1 * inertial);
-    // Driven from rest: a tenth of what the displacement would cost in one contact, or, where all
-    // is rigid, the strength.
+    // Driving from zero force: a tenth of the force of the displacement in one contact, or the
+    // strength if all contacts are rigid.
     let mut elastic = f64::INFINITY;
     let mut strength = 0.0_f64;
     for c in interactions {
@@ -122,7 +126,7 @@ fn force(
     }
     let driven = elastic.min(if strength > 0.0 { strength } else { f64::INFINITY });
     match (expected > 0.0, driven.is_finite()) {
-        (true, true) => expected.max(LEAST * driven),
+        (true, true) => expected.max(MIN_SCALE * driven),
         (true, false) => expected,
         (false, true) => driven,
         (false, false) => 1.0,

@@ -1,22 +1,22 @@
-//! Geometric stiffness of taut bonds, where grains would swing about them.
+//! Geometric stiffness of taut bonds about which grains would swing.
 //!
-//! A bond that carries tension T over a length L pulls back a grain that swings about the other end,
-//! with T/L per displacement, as a string does. The program's normals are those of the start of the
-//! increment: it does not see this, and where nothing else holds a grain it swings far past its place
-//! of rest, and back again in the next increment. Beside an elastic bond the term is nothing (1e-3 of
-//! its stiffness at the strength of rock), so that it is left out until a grain is thrown. Then the
-//! taut bonds of that grain and of those that move with it get a companion: a tie along the tangent,
-//! of compliance L/T, which cannot pull harder than the bond does. It is the force of the bond itself,
-//! turned by the motion, and no error of the balance. The same term of a compressed pair is negative,
-//! drives a grain out, and cannot be part of a convex program: that is left to the motion that is followed.
+//! A bond with tension T and length L pulls back a grain that swings about the other end, with the
+//! stiffness T/L, like a string. The program holds normals constant and lacks this stiffness. A
+//! grain that nothing else holds then swings far past its position of rest, and back again in the
+//! next increment. Compared with the stiffness of an elastic bond the term is small (1e-3 at the
+//! strength of rock), so it is left out until a grain is thrown. The taut bonds of that grain, and
+//! of grains that move with it, then get a tie along the tangent. Its compliance is L/T, and its
+//! force is at most that of the bond. It represents the force of the bond itself, turned by the
+//! motion, and is no error of the balance. The term of a compressed pair is negative, destabilises
+//! a grain, and cannot be part of a convex program. Followed motions cover this case.
 
 use clastic_components::contact::{Bodies, Contact};
 use clastic_components::findings::Restraints;
 use clastic_components::increment::{Analysis, AnalysisKind};
 use clastic_cone::program::{Interaction, Limits};
 
-/// Bonds below this fraction of their strength count as slack: they hold nothing.
-const LEAST_TENSION: f64 = 1e-6;
+/// Bonds below this fraction of their strength count as slack and carry nothing.
+const MIN_TENSION: f64 = 1e-6;
 
 /// Whether a bond is taut at the start of the increment.
 #[must_use]
@@ -24,16 +24,17 @@ pub fn is_taut(bond: &Interaction) -> bool {
     tension(bond) > 0.0
 }
 
-/// The tension of an elastic bond at the start of the increment, N; a rigid one does not know its own.
+/// Tension of an elastic bond at the start of the increment, N. The tension of a rigid bond is not
+/// known.
 fn tension(bond: &Interaction) -> f64 {
     if bond.normal_compliance <= 0.0 {
         return 0.0;
     }
     let tension = (bond.offset / bond.normal_compliance).min(bond.limits.tension);
-    if tension > LEAST_TENSION * bond.limits.tension { tension } else { 0.0 }
+    if tension > MIN_TENSION * bond.limits.tension { tension } else { 0.0 }
 }
 
-/// Appends the companions of taut bonds at bodies that swing.
+/// Appends the ties of taut bonds at swinging bodies.
 pub fn assemble(
     bodies: &Bodies,
     contacts: &[Contact],
@@ -48,7 +49,7 @@ pub fn assemble(
     for k in 0..contacts.len() {
         let (contact, bond) = (&contacts[k], interactions[k]);
         let ends = [contact.a as usize, contact.b as usize];
-        // A wall has no centre to swing about.
+        // A wall has no centre about which a grain could swing.
         let pair = ends[1] < bodies.particles;
         if !pair || !ends.into_iter().any(swings) {
             continue;

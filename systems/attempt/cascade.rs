@@ -1,5 +1,5 @@
-//! Judge: bonds that reached a limit break, and with `AllAtOnce` the increment is solved again without them until no
-//! more break.
+//! Judge: breaks the bonds that reached a limit. With `AllAtOnce` the increment is solved again
+//! without them until no other bond breaks.
 
 use bevy_ecs::prelude::*;
 
@@ -11,7 +11,7 @@ use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use crate::rupture_bonds::{Met, find_ruptures};
 
-/// Collects the ruptures of a converged attempt and asks for another one if there are new ones.
+/// Collects the ruptures of a converged attempt and requests another one if any are new.
 pub fn judge(
     rules: Res<RuptureRules>,
     progress: Res<Progress>,
@@ -40,7 +40,7 @@ pub fn judge(
     ruptures.list.extend(found);
     let RuptureOrder::AllAtOnce { rounds } = rules.order else { return };
     if ruptures.rounds >= rounds {
-        // What reached its limit in the last round breaks without another solve.
+        // Bonds that reach their limits in the last round break without another solve.
         ruptures.capped = true;
     } else {
         ruptures.rounds += 1;

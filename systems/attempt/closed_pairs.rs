@@ -1,5 +1,5 @@
-//! Judge: did a pair that was not in the program close? Then solve again with it, so that no
-//! contact is ever missed and none is carried for nothing.
+//! Judge: has a pair outside the program closed? The program is then solved again with this pair,
+//! so that no contact is missed although detection prunes pairs.
 
 use bevy_ecs::prelude::*;
 use glam::DVec2;
@@ -13,14 +13,14 @@ use clastic_cone::program::{ConeProgram, ConeSolution};
 use crate::detect_contacts::Candidates;
 use crate::detect_contacts::grid::pairs_within;
 
-/// When pairs are added at all, those come along that are this many mean radii short of closing, or
-/// this fraction of their relative motion: they would be next.
+/// Pairs that are about to close are added together with those that close. They are this many mean
+/// radii apart, or this fraction of their relative motion.
 const COMPANY: f64 = 0.01;
 const COMPANY_OF_MOTION: f64 = 0.5;
-/// But none further than this, in mean radii.
+/// Maximum gap of pairs that are added in this way, in mean radii.
 const FURTHEST: f64 = 0.5;
 
-/// Checks all pairs, not just those of the program, at the positions after the solution.
+/// Checks all pairs, not only those of the program, at the positions after the solution.
 pub fn judge(
     bodies: Res<Bodies>,
     candidates: Res<Candidates>,
@@ -78,8 +78,8 @@ pub(super) fn gap(bodies: &Bodies, positions: &[DVec2], a: u32, b: u32) -> f64 {
     }
 }
 
-/// All pairs that are not in the program and whose gap at the given positions is at most `reach`:
-/// searched for only where bodies have left the neighbourhood of the candidates.
+/// All pairs outside the program whose gap at the given positions is at most `reach`. The search
+/// for new candidates runs only if bodies have left the neighbourhood of the present ones.
 pub(super) fn unlisted_pairs(
     bodies: &Bodies,
     Candidates(candidates): &Candidates,
@@ -95,7 +95,7 @@ pub(super) fn unlisted_pairs(
         pairs_within(disks, radii, reach, &mut found);
         found
     };
-    // Both are in order.
+    // Both lists are sorted.
     let mut listed = contacts.0.iter().map(|c| (c.a, c.b)).peekable();
     pairs.retain(|pair| {
         while listed.next_if(|listed| listed < pair).is_some() {}

@@ -1,6 +1,6 @@
-//! Judge: would the mechanism of a collapse close pairs that were not in the program? Then it is
-//! no collapse yet: solve again with them. A specimen that is loaded before its grains touch, or one
-//! that finds new support, must not count as collapsed because its contacts were pruned.
+//! Judge: does the mechanism of a collapse close pairs outside the program? The program is then
+//! solved again with these pairs. Otherwise a specimen that is loaded before its grains touch, or
+//! that finds new support, would count as collapsed because detection had pruned its contacts.
 
 use bevy_ecs::prelude::*;
 use glam::DVec2;
@@ -14,12 +14,12 @@ use clastic_cone::program::{ConeProgram, ConeSolution};
 use super::closed_pairs::{add, gap, is_listed, unlisted_pairs};
 use crate::detect_contacts::Candidates;
 
-/// A pair closes if it does so faster than this fraction of the greatest motion.
+/// A pair closes if its closing exceeds this fraction of the maximum motion.
 const CLOSES: f64 = 1e-6;
 
-/// Checks the pairs that an acceptable motion can close against the mechanism: those that two grains
-/// thrown at each other would. Beyond that frozen normals say nothing, and a specimen that is crushed
-/// would find support without end. A loaded wall that nothing touches yet comes from any distance.
+/// Checks the mechanism against the pairs within reach: those that two grains can close with the
+/// maximum accepted motion. Constant normals are not valid beyond that, and a crushed specimen
+/// would find new support endlessly. A loaded wall without contact may come from any distance.
 pub fn judge(
     bodies: Res<Bodies>,
     candidates: Res<Candidates>,
@@ -41,17 +41,17 @@ pub fn judge(
             DVec2::new(u[0], u[1])
         })
         .collect();
-    let greatest = motion.iter().map(|u| u.length()).fold(0.0, f64::max);
-    if !(greatest > 0.0) {
+    let maximum = motion.iter().map(|u| u.length()).fold(0.0, f64::max);
+    if !(maximum > 0.0) {
         return;
     }
-    // So small a motion that the gaps change in proportion to it.
-    let scale = 1e-6 * bodies.mean_radius / greatest;
+    // The motion is so small that gaps change in proportion to it.
+    let scale = 1e-6 * bodies.mean_radius / maximum;
     let moved: Vec<DVec2> =
         bodies.positions.iter().zip(&motion).map(|(x, u)| *x + scale * *u).collect();
     let closes = |(a, b): &(u32, u32)| {
         let closing = gap(&bodies, &bodies.positions, *a, *b) - gap(&bodies, &moved, *a, *b);
-        closing > CLOSES * scale * greatest
+        closing > CLOSES * scale * maximum
     };
     let reach = 2.0 * acceptance.throw * bodies.mean_radius;
     let near = unlisted_pairs(&bodies, &candidates, &contacts, &bodies.positions, reach);
@@ -62,7 +62,8 @@ pub fn judge(
     let walls = walls.filter(|pair| !is_listed(&contacts, *pair));
     let closing: Vec<(u32, u32)> = near.into_iter().chain(walls).filter(closes).collect();
     if !closing.is_empty() {
-        // The next solution moves as far as the nearest of them, not as the last one did.
+        // The next solution moves by about the smallest of these gaps, and not by as much as the
+        // last one.
         let gaps = closing.iter().map(|(a, b)| gap(&bodies, &bodies.positions, *a, *b));
         let nearest = gaps.fold(f64::INFINITY, f64::min).max(1e-3 * bodies.mean_radius);
         attempt.magnitudes = Some((nearest.max(program.scales.displacement), program.scales.force));

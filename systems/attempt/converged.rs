@@ -1,4 +1,4 @@
-//! Judge: did the solve end in a state that its residuals or its certificate support?
+//! Judge: do the residuals or the certificate confirm the result of the solver?
 
 use bevy_ecs::prelude::*;
 
@@ -14,14 +14,15 @@ use crate::mean_field::furthest;
 use clastic_cone::certificate::{certificate, proves};
 use clastic_cone::residuals::{displacement_scale, regularised_residuals, worst_bodies};
 
-/// Moves of the centre of the regularisation in one attempt.
+/// Maximum number of moves of the centre of the regularisation in one attempt.
 const MAX_CENTRES: u32 = 6;
 
-/// A grain that an unconverged solution moves further than this, in its radii, has nothing to hold it.
-const FLUNG: f64 = 10.0;
+/// A grain that an unconverged solution moves further than this, in its radii, has no support.
+const UNSUPPORTED: f64 = 10.0;
 
-/// Accepts solved and impossible programs, moves the centre of the regularisation until its bias is
-/// gone, rejects the rest. A bias because grains move far is a throw.
+/// Accepts solved programs and proven collapses, moves the centre of the regularisation until its
+/// bias vanishes, and rejects all else. A bias together with a far motion of grains is treated as a
+/// throw.
 pub fn judge(
     program: Res<ConeProgram>,
     mut solution: ResMut<ConeSolution>,
@@ -43,7 +44,8 @@ pub fn judge(
     }
     let unconverged = |solution: &ConeSolution, reason: String| Verdict::Unconverged {
         reason,
-        flung: analysis.kind == AnalysisKind::Static && is_flung(&bodies, &program, solution),
+        unsupported: analysis.kind == AnalysisKind::Static
+            && is_unsupported(&bodies, &program, solution),
     };
     attempt.verdict = match solution.status {
         SolveStatus::Solved => match runaway(&program, solution) {
@@ -54,7 +56,7 @@ pub fn judge(
                 impossible_or(&program, solution, verdict)
             }
         },
-        // The solver's word does not count.
+        // The status of the solver alone is not sufficient.
         SolveStatus::Collapsed => match recheck(&program, solution) {
             Some(mechanism) => {
                 solution.certificate = Some(mechanism);
@@ -67,7 +69,7 @@ pub fn judge(
         SolveStatus::Locked => Verdict::Locked,
         SolveStatus::Stalled if seeks_equilibrium && is_biased(&program, solution, &acceptance) => {
             if let Some(reason) = thrown(&bodies, &program, solution, &acceptance) {
-                // A grain that finds no support must not have been kept from it by pruning.
+                // Pruning must not be the reason why a grain finds no support.
                 let verdict = reply(
                     &bodies,
                     &candidates,
@@ -102,24 +104,25 @@ pub fn judge(
     }
 }
 
-/// A motion beyond so many mean radii is none: a load that nothing takes up, in a solution that only
-/// the solver's own damping keeps finite.
+/// A motion beyond this number of mean radii is unbounded: a load without support, in a solution
+/// that only the damping of the solver keeps finite.
 const NO_MOTION: f64 = 1e6;
 
-/// The first body that a solution moves without end.
+/// The first body with an unbounded motion.
 fn runaway(program: &ConeProgram, solution: &ConeSolution) -> Option<usize> {
     let most = NO_MOTION * program.scales.length;
     solution.displacements.iter().position(|u| !(u[0].hypot(u[1]) <= most))
 }
 
-/// Whether a solution that did not converge moves a grain very far: what it lacks is a hold, not other scales.
-fn is_flung(bodies: &Bodies, program: &ConeProgram, solution: &ConeSolution) -> bool {
+/// Whether a solution that did not converge moves a grain very far. The grain then lacks support,
+/// and other scales do not help.
+fn is_unsupported(bodies: &Bodies, program: &ConeProgram, solution: &ConeSolution) -> bool {
     solution.displacements.len() == bodies.positions.len()
-        && furthest(bodies, program, solution).is_some_and(|(_, far)| far > FLUNG)
+        && furthest(bodies, program, solution).is_some_and(|(_, far)| far > UNSUPPORTED)
 }
 
-/// What a regularised solution moves far may be the mechanism of a collapse: loads that nothing
-/// balances move without end.
+/// Tests whether a far motion in a regularised solution is the mechanism of a collapse: unbalanced
+/// loads move bodies without bound.
 fn impossible_or(
     program: &ConeProgram,
     solution: &mut ConeSolution,
@@ -135,13 +138,13 @@ fn impossible_or(
     }
 }
 
-/// The certificate of a collapse by our own count, if it proves it.
+/// Recomputes the certificate of a collapse; `None` if it proves nothing.
 fn recheck(program: &ConeProgram, solution: &ConeSolution) -> Option<Certificate> {
     let claimed = solution.certificate.as_ref()?;
     certificate(program, &claimed.mechanism).filter(proves)
 }
 
-/// Whether a solution would have converged but for what the regularisation adds to the balance.
+/// Whether a solution converged except for the force of the regularisation in the balance.
 fn is_biased(program: &ConeProgram, solution: &ConeSolution, acceptance: &Acceptance) -> bool {
     let sound = solution.forces.len() == program.interactions.len()
         && solution.displacements.len() == program.bodies.len();
@@ -150,8 +153,8 @@ fn is_biased(program: &ConeProgram, solution: &ConeSolution, acceptance: &Accept
             <= acceptance.residual
 }
 
-/// Keeps the residuals of the solution that came closest in this increment. What is regularised has
-/// its bias in them, so that later attempts may be further off than the first.
+/// Keeps the residuals of the solution with the smallest error in the increment. Regularised
+/// attempts contain a bias, so later attempts may have larger residuals than the first.
 fn keep_closest(
     bodies: &Bodies,
     program: &ConeProgram,
@@ -168,7 +171,7 @@ fn keep_closest(
     }
 }
 
-/// Where the maximum residual of a solution is, in words; empty where it has none.
+/// Place of the maximum residual of a solution in words; empty if it has none.
 fn place(bodies: &Bodies, program: &ConeProgram, solution: &ConeSolution) -> String {
     let Some([a, b]) = worst_bodies(program, solution) else { return String::new() };
     let partner = if a == b { String::new() } else { format!(" and {}", bodies.name(b)) };
@@ -183,7 +186,7 @@ fn magnitudes(program: &ConeProgram, solution: &ConeSolution) -> Option<(f64, f6
     }
     let moves = solution.displacements.iter().any(|u| u[0] != 0.0 || u[1] != 0.0);
     let f = solution.forces.iter().map(|f| f[0].abs().max(f[1].abs())).fold(0.0, f64::max);
-    // A grain thrown far must not set the scale, nor what hardly moves.
+    // Neither a thrown grain nor an almost fixed body may set the scale.
     let u = displacement_scale(program, &solution.displacements).min(0.1 * program.scales.length);
     (moves && u.is_finite() && f.is_finite() && f > 0.0).then_some((u, f))
 }

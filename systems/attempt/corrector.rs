@@ -1,18 +1,18 @@
-//! Judge: with a [`Corrector`], the increment is solved again with the normals and gaps of the place
-//! that it leads to, until the geometry stands still.
+//! Judge: with a [`Corrector`], the increment is solved again with the normals and gaps of the
+//! resulting geometry, until the geometry no longer changes.
 //!
-//! Normals, arms and gaps of the start are good for small turns: a bond of length L that turns by
-//! alpha is stretched by `L alpha^2/2`. From the last solution u follow, for every pair of particles,
-//! the gap and the slip that really come of it,
+//! Normals, arms and gaps of the start are accurate for small rotations: a bond of length L that
+//! turns by alpha is elongated by `L alpha^2/2`. The last solution u gives the exact gap and slip
+//! of every pair of particles,
 //!
 //! ```text
 //! g_1 = |x_b + u_b - x_a - u_a| - r_a - r_b      slip = l_a alpha_a + l_b alpha_b - L phi
 //! ```
 //!
-//! phi the turn of the line of centres. They are linearised about u with the normal at
-//! `x + (1 - theta) u`: in static analysis (as theta = 0) the end of the increment, where forces are
-//! in balance; in dynamics the place about which impulses along the normal keep the angular
-//! momentum, `x_1 x v_1 - x_0 x v_0 = (x_0 + (1 - theta) u) x (v_1 - v_0)`.
+//! with phi the rotation of the line of centres. They are linearised about u with the normal at
+//! `x + (1 - theta) u`. In static analysis (theta = 0) this is the end of the increment, where
+//! forces are in equilibrium. In dynamics it is the position about which normal impulses conserve
+//! the angular momentum, `x_1 x v_1 - x_0 x v_0 = (x_0 + (1 - theta) u) x (v_1 - v_0)`.
 
 use bevy_ecs::prelude::*;
 
@@ -25,7 +25,7 @@ use clastic_cone::program::{ConeProgram, ConeSolution};
 use super::closed_pairs::moved_positions;
 use clastic_cone::residuals::{Carrying, displacement_scale};
 
-/// Asks for another pass until gap, slip and normal of what carries force are those of the solution.
+/// Requests another pass until gap, slip and normal of loaded contacts agree with the solution.
 pub fn judge(
     corrector: Res<Corrector>,
     analysis: Res<Analysis>,
@@ -51,7 +51,7 @@ pub fn judge(
     let mut change = 0.0_f64;
     for (k, (contact, c)) in contacts.0.iter().zip(&program.interactions).enumerate() {
         let (a, b) = (contact.a as usize, contact.b as usize);
-        // The normal of a wall stands still.
+        // The normal of a wall is constant.
         if b >= bodies.particles {
             continue;
         }

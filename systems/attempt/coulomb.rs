@@ -1,4 +1,4 @@
-//! Judge: does the solution obey Coulomb's law?
+//! Judge: does the solution satisfy Coulomb's law?
 
 use bevy_ecs::prelude::*;
 
@@ -6,8 +6,8 @@ use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::findings::Sliding;
 use clastic_cone::program::ConeSolution;
 
-/// Rejects a solution whose residual under Coulomb's law is above the [bound](Sliding::BOUND): in statics the
-/// motion is followed, in dynamics the time step is halved.
+/// Rejects a solution whose residual under Coulomb's law is above the [bound](Sliding::BOUND). In
+/// statics the motion is then followed, and in dynamics the time step is halved.
 pub fn judge(sliding: Res<Sliding>, solution: Res<ConeSolution>, mut attempt: ResMut<Attempt>) {
     if sliding.lost {
         attempt.verdict = Verdict::TooFar(format!(

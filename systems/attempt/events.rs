@@ -1,12 +1,13 @@
-//! Judge: from event to event. Between two ruptures the response is piecewise linear, so that the fraction of an
-//! increment at which the next bonds reach their limit follows from a few trials with bonds of unlimited strength
-//! ([`event_search`](crate::event_search)).
+//! Judge: finds the next event. Between two ruptures the response is piecewise linear, so a few
+//! trials with bonds of unlimited strength give the fraction at which the next bonds reach their
+//! limits ([`event_search`](crate::event_search)).
 //!
-//! That state is committed, before its ruptures; bonds that hold are judged by their own limits. The increment that
-//! follows has the fraction 0: its equilibrium at constant load tells whether other bonds break after them (an
-//! avalanche). What breaks then is a choice of the scene ([`Avalanche`]): the most overloaded bond or all that are
-//! above their limits, and so on until all hold; or the motion to the next state at rest is followed, from the
-//! equilibrium before the rupture.
+//! That state is committed before its ruptures. Bonds that hold are judged by their own limits. The
+//! next increment has the fraction 0: its equilibrium at constant load shows whether other bonds
+//! break as a consequence (an avalanche). The scene chooses what breaks then ([`Avalanche`]).
+//! Either the most overloaded bond or all bonds above their limits break, repeatedly until all
+//! bonds hold. Or the motion to the next state at rest is followed, from the equilibrium before the
+//! rupture.
 
 use bevy_ecs::prelude::*;
 
@@ -19,7 +20,7 @@ use clastic_components::increment::{
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use crate::event_search::{Decision, GroupRules, Now, at_constant_load, decide, maximum};
-use crate::rupture_bonds::{BuiltInRule, Overload, limit, overloads, rupture};
+use crate::rupture_bonds::{BuiltInRule, Overload, overloads, restore_strengths, rupture};
 use clastic_cone::residuals::residuals;
 
 /// Run condition: bonds break from event to event.
@@ -27,11 +28,11 @@ pub fn searches(search: Res<EventSearch>) -> bool {
     search.active
 }
 
-/// Begins the search of an increment, where bonds break from event to event.
+/// Begins the search of an increment if bonds break from event to event.
 pub fn begin(world: &mut World) {
     let bodies = world.resource::<Bodies>();
     let rules = world.resource::<RuptureRules>();
-    // A rolling moment has no compliance: at a limit that breaks it jumps.
+    // A rolling moment has no compliance, so it jumps at a limit that breaks.
     let is_elastic = |bond: &BondRow| {
         let law = &bond.law;
         law.normal_compliance > 0.0
@@ -48,14 +49,14 @@ pub fn begin(world: &mut World) {
     *world.resource_mut::<EventSearch>() = EventSearch { active, ..EventSearch::default() };
 }
 
-/// Whether the motion is still to be followed that the last ruptures released.
+/// Whether the motion that the last ruptures released must still be followed.
 #[must_use]
 pub fn is_released(rules: &RuptureRules, progress: &Progress, search: &EventSearch) -> bool {
     let follows = matches!(rules.order, RuptureOrder::Events { avalanche: Avalanche::Dynamic, .. });
     follows && search.active && progress.relaxing && !search.moved
 }
 
-/// Takes the trial, with the bonds that break in it, or asks for another fraction.
+/// Accepts the trial, with the bonds that break in it, or requests another fraction.
 pub fn judge(
     rules: Res<RuptureRules>,
     mut progress: ResMut<Progress>,
@@ -92,14 +93,14 @@ pub fn judge(
     };
     let trial = of_bonds(&found, progress.fraction);
     search.overload = maximum(&trial);
-    // The corrector goes on from the state that was chosen, with its bonds.
+    // The corrector continues from the chosen state with its bonds.
     if corrections.passes > 0 {
-        limit(&found, &mut program.interactions);
+        restore_strengths(&found, &mut program.interactions);
         solution.residuals = residuals(&program, &solution.forces, &solution.displacements);
         return;
     }
     let now = Now { trial: &trial, shares: &shares };
-    // After a motion under the loads of this trial there is no other fraction to go to.
+    // After a motion under the loads of this trial the fraction can no longer change.
     let decision = if search.moved {
         Decision::Stands(at_constant_load(now, group))
     } else {
@@ -122,15 +123,15 @@ pub fn judge(
                 rupture(progress.increment, &bodies, contact, forces, o.mode)
             });
             search.broken = at.collect();
-            // A group breaks a little late, and all of it at once.
+            // All bonds of a group break at one state, some of them a little late.
             let is_left = |o: &Overload| o.value > 1.0 && !broken.contains(&bond(o));
             search.in_avalanche = !broken.is_empty()
                 && (progress.fraction == 0.0 || search.moved || found.iter().any(is_left));
             if !search.broken.is_empty() && progress.fraction > 0.0 {
-                // The next event is expected about as far away as the last ones were.
+                // The distance to the next event is estimated from the last distances.
                 progress.tried = 0.5 * (REACH * progress.fraction).max(FORGET * progress.tried);
             }
-            limit(&found, &mut program.interactions);
+            restore_strengths(&found, &mut program.interactions);
             solution.residuals = residuals(&program, &solution.forces, &solution.displacements);
         }
         Decision::Later(fraction) | Decision::Earlier(fraction) => {
@@ -148,10 +149,10 @@ pub fn judge(
     }
 }
 
-/// After an event the first trial goes at least this many times as far as the event was away. Fractions double from one
-/// increment to the next, so that half of it is stored.
+/// Minimum distance of the first trial after an event, over the distance to that event. Fractions
+/// double from one increment to the next, so half of it is stored.
 const REACH: f64 = 4.0;
-/// It goes at least this many times as far as the first trial before the event.
+/// Minimum distance of the first trial after an event, over the first trial before that event.
 const FORGET: f64 = 0.5;
 
 /// Sum of normal and shear forces.

@@ -1,14 +1,14 @@
 //! The attempts at one increment, and the judges that accept, extend or reject them.
 //!
-//! Judges run in this order, each only while none before it objects: [`converged`], [`coulomb`], [`closing_mechanism`],
-//! [`restraints`], [`events`], [`thrown_grains`], [`closed_pairs`], [`snaps`], [`push_out`], [`corrector`],
-//! [`cascade`]; of a step of a motion only [`converged`], [`coulomb`], [`motion::judge_length`], [`closed_pairs`] and
-//! [`motion::judge_rest`]. What they find is kept in the tables of
-//! [`findings`](clastic_components::findings) until the increment is committed. [`mod@next`] says what follows
-//! from their verdict.
+//! Judges run in this order, each only if no judge before it objects: [`converged`], [`coulomb`],
+//! [`closing_mechanism`], [`restraints`], [`events`], [`thrown_grains`], [`closed_pairs`],
+//! [`snaps`], [`push_out`], [`corrector`], [`cascade`]. For a step of a motion only [`converged`],
+//! [`coulomb`], [`motion::judge_length`], [`closed_pairs`] and [`motion::judge_rest`] run. The
+//! tables of [`findings`](clastic_components::findings) keep their findings until the increment is
+//! committed. [`mod@next`] maps the verdict to the next action.
 //!
-//! Attempts work on the tables that were gathered when the increment began. Entities are written when it is
-//! committed: an attempt that fails leaves no trace.
+//! Attempts work on the tables that were gathered when the increment began. Entities are written
+//! when it is committed, so a failed attempt changes nothing.
 
 pub mod cascade;
 pub mod closed_pairs;
@@ -108,18 +108,18 @@ fn in_motion(attempt: Res<Attempt>) -> bool {
     attempt.verdict == Verdict::Sound && attempt.motion().is_some()
 }
 
-/// Run condition: the program of an equilibrium, or of a proof, has no solution.
+/// Run condition: the program of an equilibrium, or of a proof, is infeasible.
 fn impossible(attempt: Res<Attempt>) -> bool {
     attempt.verdict == Verdict::Impossible && attempt.motion().is_none()
 }
 
-/// More solves than this in one increment mean that the attempts go round in circles.
+/// Maximum number of solves in an increment. With more, the attempts are in a cycle.
 const MAX_SOLVES: u32 = 2000;
 
 /// Runs [`AttemptIncrement`] until the increment has ended.
 pub fn run_attempts(world: &mut World) {
     begin_increment(world);
-    // The tables before the first motion: what is put back.
+    // The tables before the first motion, for restoring them.
     let mut start = None;
     loop {
         world.run_schedule(AttemptIncrement);
@@ -190,7 +190,7 @@ pub fn run_attempts(world: &mut World) {
                 if next == Next::Halve {
                     progress.fraction *= 0.5;
                     progress.tried = progress.fraction;
-                    // What has come to one round stays with it.
+                    // An increment that fell back to one round stays in this mode.
                     let mut search = world.resource_mut::<EventSearch>();
                     *search = EventSearch { active: search.active, ..EventSearch::default() };
                 } else {
@@ -206,7 +206,7 @@ pub fn run_attempts(world: &mut World) {
                 let mut attempt = world.resource_mut::<Attempt>();
                 attempt.mode = Mode::Proof;
                 attempt.magnitudes = None;
-                // What a throw over many radii closed is out of the reach of a mechanism.
+                // Pairs that a throw over many radii closed lie outside the reach of a mechanism.
                 world.resource_mut::<AddedPairs>().0.clear();
                 open_trial(world);
             }
@@ -215,7 +215,7 @@ pub fn run_attempts(world: &mut World) {
     }
 }
 
-/// The tables that a motion moves.
+/// The tables that a motion changes.
 struct Start {
     bodies: Bodies,
     draft: DraftHistory,
@@ -234,7 +234,7 @@ impl Start {
     }
 }
 
-/// Puts the tables back to where they were before the first motion.
+/// Restores the tables to the state before the first motion.
 fn put_back(world: &mut World, start: Option<&Start>) {
     motion::end(world);
     if let Some(start) = start {
@@ -256,7 +256,7 @@ fn begin_increment(world: &mut World) {
     motion::forget_passes(world);
     let mut progress = world.resource_mut::<Progress>();
     progress.increment += 1;
-    // Fractions end where whole increments do; what was halved may grow again.
+    // Fractions end where whole increments end. A halved fraction may grow again.
     let left = 1.0 - progress.done.fract();
     if !progress.relaxing {
         progress.tried = (2.0 * progress.tried).clamp(f64::MIN_POSITIVE, left);
@@ -268,14 +268,14 @@ fn begin_increment(world: &mut World) {
     world.resource_mut::<Attempt>().bounded = bounded;
 }
 
-/// What the increment may still spend.
+/// Options that the increment still has.
 fn budget(world: &World) -> Budget {
     let attempt = world.resource::<Attempt>();
     let failures = attempt.motion().map_or(0, |motion| motion.failures);
     let is_released = attempt.motion().is_some_and(|motion| motion.released);
     let released = attempt.released_steps;
-    // Of a whole increment, not of what the last one could take: else a specimen that is stuck would creep on
-    // in ever smaller steps.
+    // The limit refers to a whole increment and not to the last fraction. Otherwise a specimen
+    // without equilibrium would continue in ever smaller steps.
     let finest = 0.5_f64.powf(f64::from(world.resource::<Acceptance>().halvings));
     Budget {
         follows: world.resource::<Analysis>().kind == AnalysisKind::Static,
@@ -286,14 +286,14 @@ fn budget(world: &World) -> Budget {
             } else {
                 attempt.motion_steps - released < motion::max_steps(world.resource())
             },
-        // A released motion has many steps, and each makes progress.
+        // A released motion has many steps, and each makes progress, so they are not counted.
         solve: attempt.solves.saturating_sub(released) < MAX_SOLVES,
         half: 0.5 * world.resource::<Progress>().fraction >= finest,
         searches: world.resource::<EventSearch>().active,
     }
 }
 
-/// A new trial begins: another part of the increment, or other places of the bodies.
+/// Begins a trial: another fraction of the increment, or other positions of the bodies.
 fn open_trial(world: &mut World) {
     if world.resource::<Bodies>().resting {
         world.resource_scope(|world, mut bodies: Mut<Bodies>| {
@@ -303,7 +303,7 @@ fn open_trial(world: &mut World) {
     ask_for_loads(world);
 }
 
-/// Seeks the equilibrium from where the bodies are.
+/// Seeks the equilibrium from the current positions.
 fn seek_equilibrium(world: &mut World) {
     motion::end(world);
     motion::forget_passes(world);
@@ -331,7 +331,7 @@ fn end_increment(
         status => status,
     };
     if matches!(status, IncrementStatus::Collapsed) {
-        // A collapse commits no motion.
+        // A collapse does not commit the motion.
         put_back(world, start);
         let proved = *verdict == Verdict::Impossible;
         let mut solution = world.resource_mut::<ConeSolution>();
@@ -345,14 +345,14 @@ fn end_increment(
     world.resource_mut::<Attempt>().status = status;
 }
 
-/// Whether any load on a wall or particle is so.
+/// Whether any load on a wall or particle satisfies a condition.
 fn any_load(bodies: &Bodies, is_so: impl Fn(&Ramp) -> bool) -> bool {
     bodies.walls.iter().any(|w| matches!(&w.drive, WallDrive::Loaded(ramp) if is_so(ramp)))
         || bodies.loads.iter().flatten().any(is_so)
 }
 
-/// Whether anything but walls that move as they are told to acts on a specimen that carries something
-/// already. One that does not may come to its first support over any distance.
+/// Whether loads, and not only imposed motions of walls, act on a specimen that carries forces
+/// already. A specimen without forces may reach its first support over any distance.
 fn carries_loads(world: &World) -> bool {
     let acts = |ramp: &Ramp| ramp.from != 0.0 || ramp.to != 0.0;
     world.resource::<DraftHistory>().0.0.iter().any(|m| m.p != 0.0)

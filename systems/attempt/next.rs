@@ -1,56 +1,55 @@
-//! What follows from the verdict on an attempt: a pure function of what is sought, what the judges say and
-//! what the increment may still spend.
+//! Next action after a verdict: a pure function of mode, verdict and remaining options.
 
 use clastic_components::attempt::{Effort, IncrementStatus, Mode, Verdict};
 use clastic_components::motion::Motion;
 
-/// What an increment may still spend.
+/// Options that an increment still has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Budget {
-    /// Whether a motion can be followed at all: the analysis is static.
+    /// Whether motions can be followed, which requires static analysis.
     pub follows: bool,
     /// Whether another motion may begin.
     pub motion: bool,
-    /// Whether another step of a motion may be made.
+    /// Whether another step of a motion is allowed.
     pub step: bool,
-    /// Whether another solve may be made.
+    /// Whether another solve is allowed.
     pub solve: bool,
     /// Whether the increment may be halved once more.
     pub half: bool,
-    /// Whether the fraction is sought at which the next bonds break.
+    /// Whether the increment searches for the next event.
     pub searches: bool,
 }
 
-/// The next step of the attempts.
+/// The next action.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Next {
-    /// Solve the program again, with what was added to it.
+    /// Solve the program again with the additions of the judges.
     Solve,
     /// Try again with this effort.
     Try(Effort),
-    /// Solve at the fraction at which the next bond is expected to reach its limit.
+    /// Solve at the fraction where the next event is expected.
     Approach,
-    /// Follow the motion from where the bodies are.
+    /// Follow the motion from the current positions.
     Follow,
-    /// Take the step of the motion and make another one.
+    /// Accept the step of the motion and make another one.
     Move,
-    /// Repeat the step of the motion with a greater weight.
+    /// Repeat the step of the motion with a larger weight.
     Shorten,
-    /// Take the step of the motion and seek the equilibrium from there.
+    /// Accept the step of the motion and seek the equilibrium from there.
     Rest,
-    /// Put everything back and follow the motion in steps half as long.
+    /// Restore the tables and follow the motion in steps of half the length.
     Repeat,
-    /// Put everything back and halve the increment.
+    /// Restore the tables and halve the increment.
     Halve,
-    /// Put everything back and let bonds of this increment break in one round, at its end.
+    /// Restore the tables and let the bonds of this increment break in one round at its end.
     OneRound,
-    /// Put everything back and look for a mechanism that proves the collapse.
+    /// Restore the tables and seek a mechanism that proves the collapse.
     Prove,
     /// End the increment.
     End(IncrementStatus),
 }
 
-/// The next step after a verdict.
+/// The next action after a verdict.
 #[must_use]
 pub fn next(mode: &Mode, verdict: &Verdict, budget: Budget) -> Next {
     match mode {
@@ -58,7 +57,8 @@ pub fn next(mode: &Mode, verdict: &Verdict, budget: Budget) -> Next {
         Mode::Motion(motion) => after_motion(motion, verdict, budget),
         Mode::Proof => match verdict {
             Verdict::Again if budget.solve => Next::Solve,
-            // With a mechanism or without: the motion has shown twice that the specimen finds no rest.
+            // The motion has failed twice to come to rest, which shows a collapse even without a
+            // mechanism.
             _ => Next::End(IncrementStatus::Collapsed),
         },
     }
@@ -75,17 +75,17 @@ fn after_equilibrium(effort: Effort, verdict: &Verdict, budget: Budget) -> Next 
     match verdict {
         Verdict::Sound => Next::End(IncrementStatus::Solved),
         Verdict::Overloaded if budget.solve => Next::Approach,
-        // Bonds may break before the load that nothing can balance.
+        // Bonds may break before the load that no equilibrium can carry.
         Verdict::Impossible if budget.searches && budget.half => Next::Halve,
         Verdict::Impossible => Next::End(IncrementStatus::Collapsed),
         Verdict::Again if budget.solve => Next::Solve,
-        Verdict::Unconverged { flung, .. } if budget.solve => match effort {
-            Effort::Usual if !flung => Next::Try(Effort::Rescaled),
+        Verdict::Unconverged { unsupported, .. } if budget.solve => match effort {
+            Effort::Usual if !unsupported => Next::Try(Effort::Rescaled),
             Effort::Usual | Effort::Rescaled => Next::Try(Effort::Regularised),
             Effort::Regularised => lost(),
         },
         Verdict::TooFar(_) | Verdict::Released => lost(),
-        // Rigid bodies that have no motion have none with other scales either: `Locked` is not tried again.
+        // `Locked` is not tried again: other scales do not make rigid bodies movable.
         _ => smaller(budget),
     }
 }
@@ -93,7 +93,7 @@ fn after_equilibrium(effort: Effort, verdict: &Verdict, budget: Budget) -> Next 
 fn after_motion(motion: &Motion, verdict: &Verdict, budget: Budget) -> Next {
     match verdict {
         Verdict::Again if budget.solve => Next::Solve,
-        // A specimen that nothing drives after a rupture is at rest where it is.
+        // A specimen that does not move after a rupture is at rest where it is.
         Verdict::AtRest { moved } if *moved || motion.released => Next::Rest,
         Verdict::GivesWay(_) if motion.repeated => Next::Prove,
         Verdict::GivesWay(_) => Next::Repeat,
@@ -149,8 +149,8 @@ mod tests {
             Verdict::Again,
             Verdict::Overloaded,
             Verdict::Released,
-            Verdict::Unconverged { reason: reason.clone(), flung: false },
-            Verdict::Unconverged { reason: reason.clone(), flung: true },
+            Verdict::Unconverged { reason: reason.clone(), unsupported: false },
+            Verdict::Unconverged { reason: reason.clone(), unsupported: true },
             Verdict::Locked,
             Verdict::TooFar(reason.clone()),
             Verdict::Moving,
@@ -263,7 +263,7 @@ mod tests {
         let all = Budget { follows: false, motion: false, step: false, half: false, ..ALL };
         let mut effort = Effort::Usual;
         let mut seen = vec![effort];
-        let verdict = Verdict::Unconverged { reason: String::new(), flung: false };
+        let verdict = Verdict::Unconverged { reason: String::new(), unsupported: false };
         while let Next::Try(harder) = next(&Mode::Equilibrium(effort), &verdict, all) {
             assert!(harder > effort);
             effort = harder;
@@ -275,7 +275,7 @@ mod tests {
     #[test]
     fn what_lacks_a_hold_is_regularised_at_once() {
         let all = Budget { searches: false, ..ALL };
-        let verdict = Verdict::Unconverged { reason: String::new(), flung: true };
+        let verdict = Verdict::Unconverged { reason: String::new(), unsupported: true };
         let next = next(&Mode::Equilibrium(Effort::Usual), &verdict, all);
         assert_eq!(next, Next::Try(Effort::Regularised));
     }

@@ -1,10 +1,10 @@
-//! Judge: rigid bodies that overlap at the start of a dynamic increment are pushed apart within it,
-//! by motion that gives them no velocity.
+//! Judge: separates rigid bodies that overlap at the start of a dynamic increment by displacements
+//! that give no velocity.
 //!
-//! `u = g < 0` in one increment would be a velocity of `g/dt`: the smaller the increment, the
-//! greater the explosion. So the increment is solved twice. The first solution, with the overlaps
-//! as they are, moves the bodies; the second one, for which an overlap is a contact that just
-//! touches, has the forces and the velocities. Both keep the momentum.
+//! A displacement `u = g < 0` in one increment would mean a velocity `g/dt`, which grows without
+//! bound as the increment decreases. The increment is therefore solved twice. The first solution
+//! includes the overlaps and moves the bodies. The second solution treats an overlap as a contact
+//! that just touches, and gives forces and velocities. Both conserve momentum.
 
 use bevy_ecs::prelude::*;
 
@@ -14,8 +14,9 @@ use clastic_components::findings::Pushed;
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
-/// Maximum overlap that counts as a residual of the last increment, over the accepted residual times the mean radius:
-/// the residual of a gap is relative to the displacements, but to one mean radius at most.
+/// Maximum overlap that counts as a residual of the last increment, over the tolerance times the
+/// mean radius. The residual of a gap is relative to the displacements, which are at most one mean
+/// radius here.
 const MARGIN: f64 = 10.0;
 
 /// Maximum overlap that counts as a residual, m.
@@ -23,7 +24,7 @@ pub(crate) fn residual_overlap(acceptance: &Acceptance, bodies: &Bodies) -> f64 
     MARGIN * acceptance.residual * bodies.mean_radius
 }
 
-/// Keeps the motion of the first solution and asks for the second one.
+/// Keeps the motion of the first solution and requests the second one.
 pub fn judge(
     analysis: Res<Analysis>,
     acceptance: Res<Acceptance>,

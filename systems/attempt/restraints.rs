@@ -1,5 +1,5 @@
-//! What keeps grains from being thrown, found in solutions that throw them: grains without load are
-//! to move least, and taut bonds [pull back](taut) what swings about them.
+//! Restraints that keep grains from being thrown, found in solutions that throw them. Grains
+//! without load are regularised, and taut bonds [pull back](taut) grains that swing about them.
 
 use bevy_ecs::prelude::*;
 
@@ -13,12 +13,12 @@ use crate::assemble_program::loose::find_loaded;
 use crate::assemble_program::taut;
 use crate::mean_field::far_motions;
 
-/// Bodies that move further than this fraction of the accepted throw, or of the greatest motion of a
+/// Bodies that move further than this fraction of the accepted throw, or of the maximum motion of a
 /// mechanism, take part in it.
 const TAKES_PART: f64 = 0.1;
 
-/// Judge: is a collapse the mechanism of grains that hang on taut bonds? Their stiffness is geometric
-/// and not yet in the program: solve again with it.
+/// Judge: is a collapse the mechanism of grains that hang on taut bonds? The program lacks their
+/// geometric stiffness and is solved again with it.
 pub fn judge(
     bodies: Res<Bodies>,
     program: Res<ConeProgram>,
@@ -28,13 +28,13 @@ pub fn judge(
 ) {
     let Some(certificate) = &solution.certificate else { return };
     let motion = |i: usize| certificate.mechanism[i][0].hypot(certificate.mechanism[i][1]);
-    let greatest = (0..bodies.particles).map(motion).fold(0.0, f64::max);
-    if pull_back(&bodies, &program, &mut restraints, |i| motion(i) > TAKES_PART * greatest) {
+    let maximum = (0..bodies.particles).map(motion).fold(0.0, f64::max);
+    if pull_back(&bodies, &program, &mut restraints, |i| motion(i) > TAKES_PART * maximum) {
         attempt.verdict = Verdict::Again;
     }
 }
 
-/// Notes down what a solution that throws grains shows of this kind. Returns whether any of it is
+/// Adds the restraints that a solution with thrown grains shows. Returns whether any of them is
 /// new.
 pub fn restrain(
     bodies: &Bodies,
@@ -50,8 +50,8 @@ pub fn restrain(
     unloaded || swinging
 }
 
-/// Grains that carry no load: nothing determines where they go. What is pushed after all was part of
-/// what carries.
+/// Finds grains without load, whose motion is not determined. A grain that is pushed after all was
+/// part of the load-bearing structure.
 fn hold_unloaded(
     bodies: &Bodies,
     program: &ConeProgram,
@@ -63,19 +63,19 @@ fn hold_unloaded(
     let forces = forces.map(|(c, f)| (c.a, c.b, f[0].abs().max(f[1].abs())));
     let loaded = find_loaded(bodies.particles, forces);
     restraints.bearing.resize(program.bodies.len(), Bearing::Unknown);
-    let mut news = false;
+    let mut found_new = false;
     for i in (0..bodies.particles).filter(|i| far(*i)) {
         let next = match (restraints.bearing[i], loaded[i]) {
             (Bearing::Unknown, false) => Bearing::Nothing,
             (Bearing::Nothing, true) => Bearing::Load,
             (known, _) => known,
         };
-        news |= std::mem::replace(&mut restraints.bearing[i], next) != next;
+        found_new |= std::mem::replace(&mut restraints.bearing[i], next) != next;
     }
-    news
+    found_new
 }
 
-/// Grains that swing; new are those with a taut bond.
+/// Finds grains that swing. Only grains with a taut bond count as new.
 fn pull_back(
     bodies: &Bodies,
     program: &ConeProgram,
@@ -83,11 +83,11 @@ fn pull_back(
     far: impl Fn(usize) -> bool,
 ) -> bool {
     restraints.swinging.resize(bodies.particles, false);
-    let mut news = vec![false; program.bodies.len()];
+    let mut found_new = vec![false; program.bodies.len()];
     for i in (0..bodies.particles).filter(|i| far(*i)) {
-        news[i] = !std::mem::replace(&mut restraints.swinging[i], true) && !bodies.swinging[i];
+        found_new[i] = !std::mem::replace(&mut restraints.swinging[i], true) && !bodies.swinging[i];
     }
     let joins_particles = |c: &Interaction| (c.b as usize) < bodies.particles;
     let mut taut = program.interactions.iter().filter(|c| joins_particles(c) && taut::is_taut(c));
-    taut.any(|c| news[c.a as usize] || news[c.b as usize])
+    taut.any(|c| found_new[c.a as usize] || found_new[c.b as usize])
 }

@@ -1,5 +1,5 @@
-//! Judge: does the specimen as a whole strain much further than it is made to? The bound on the motion
-//! of single grains says nothing about a motion that all of them share.
+//! Judge: does the specimen strain much more than is imposed? The bound on the motion of single
+//! grains does not cover a motion that all grains share.
 
 use bevy_ecs::prelude::*;
 use glam::DVec2;
@@ -13,8 +13,8 @@ use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use crate::mean_field::mean_strain;
 
-/// Rejects a static solution that strains a loaded specimen by more than [`Acceptance::snap`] beyond
-/// what is imposed.
+/// Rejects a static solution in which a loaded specimen strains by more than [`Acceptance::snap`]
+/// beyond the imposed strain.
 pub fn judge(
     bodies: Res<Bodies>,
     program: Res<ConeProgram>,
@@ -32,7 +32,7 @@ pub fn judge(
     }
 }
 
-/// Complaint about a specimen that strains much further than it is made to.
+/// Complaint about a specimen that strains much more than is imposed.
 fn snapped(
     bodies: &Bodies,
     program: &ConeProgram,
@@ -54,7 +54,7 @@ fn snapped(
     let (low, high) = bodies.positions[..n]
         .iter()
         .fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)));
-    // Twice: a specimen that is compressed one way may yield as much the other way.
+    // Factor 2: a specimen that is compressed along one axis may extend as much along the other.
     let imposed = 2.0 * imposed / (high - low).min_element().max(bodies.mean_radius);
     (strain > acceptance.snap + imposed).then(|| {
         format!(

@@ -1,6 +1,7 @@
-//! Judge: was a grain thrown? A barely supported grain may be moved by many radii in one static
-//! increment whose residuals are perfect; it lands on others, and the increments that follow lose
-//! load for no physical reason. Motion is judged about the affine field that fits all grains best.
+//! Judge: was a grain thrown? A static solution may move a barely supported grain by many radii
+//! although its residuals are small. The grain lands on others, and later increments lose load
+//! without a physical reason. The motion is measured relative to the affine field that fits all
+//! grains best.
 
 use bevy_ecs::prelude::*;
 
@@ -15,7 +16,7 @@ use super::restraints::restrain;
 use crate::detect_contacts::Candidates;
 use crate::mean_field::furthest;
 
-/// Attempts in a row that are made with what a throw has shown, before the motion is followed.
+/// Maximum number of consecutive attempts with new restraints before the motion is followed.
 const MAX_REPLIES: u32 = 3;
 
 /// Rejects a static solution in which a grain moves further than [`Acceptance::throw`] radii
@@ -50,9 +51,9 @@ pub fn judge(
     }
 }
 
-/// What to do about a throw. It shows pairs that were not in the program, or
-/// [restraints](super::restraints): the next attempt has them. Where it shows nothing, or where that has not
-/// helped, the solution lies too far away.
+/// Reply to a throw. It may show pairs outside the program or [restraints](super::restraints),
+/// which the next attempt then includes. If it shows neither, or if they have not helped, the
+/// solution is too far away.
 pub(super) fn reply(
     bodies: &Bodies,
     candidates: &Candidates,
@@ -64,7 +65,7 @@ pub(super) fn reply(
     restraints: &mut Restraints,
     reason: String,
 ) -> Verdict {
-    // What stops a grain must not be mistaken for what holds it back.
+    // A pair that stops a grain must not be mistaken for a restraint.
     let learnt = add_closed(bodies, candidates, contacts, program, solution, acceptance, pairs)
         || restrain(bodies, program, solution, acceptance, restraints);
     if learnt && restraints.replies < MAX_REPLIES {
@@ -75,7 +76,7 @@ pub(super) fn reply(
     }
 }
 
-/// Complaint about the grain that a solution throws furthest, if it throws any too far.
+/// Complaint about the grain with the largest throw, if any is too large.
 #[must_use]
 pub fn thrown(
     bodies: &Bodies,

@@ -60,7 +60,7 @@ pub fn certificate(program: &ConeProgram, mechanism: &[[f64; 3]]) -> Option<Cert
         let opening = -e[0] - l.friction * slip - l.rolling * roll;
         defect = defect.max(-opening);
         dissipation +=
-            l.cohesion * slip + l.moment * roll - l.least_normal_force() * opening.max(0.0);
+            l.cohesion * slip + l.moment * roll - l.min_normal_force() * opening.max(0.0);
     }
     (work > 0.0).then(|| Certificate { mechanism: u, margin: (work - dissipation) / work, defect })
 }

@@ -104,7 +104,7 @@ impl Limits {
     /// The minimum normal force that the limits allow, N: `-f_t`, or the apex of the shear limit or
     /// of the rolling limit if that is larger.
     #[must_use]
-    pub fn least_normal_force(&self) -> f64 {
+    pub fn min_normal_force(&self) -> f64 {
         let apex = |at_zero: f64, slope: f64| {
             if slope > 0.0 { at_zero / slope } else { f64::INFINITY }
         };

@@ -326,7 +326,7 @@ impl Units {
                 );
             }
         };
-        product(m.tension.max(0.0), p - l.least_normal_force(), 1.0);
+        product(m.tension.max(0.0), p - l.min_normal_force(), 1.0);
         product(m.slip, shear - q * m.slip.signum(), 1.0);
         product(m.rotation, roll - tau * m.rotation.signum(), length);
     }

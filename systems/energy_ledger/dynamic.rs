@@ -1,4 +1,5 @@
-//! What interactions take of a time step: impulses times the mean of the velocities before and after.
+//! Dissipation of interactions in a time step: impulses times the mean of the velocities before and
+//! after.
 
 use glam::DVec2;
 
@@ -8,7 +9,7 @@ use clastic_cone::program::ConeProgram;
 
 use super::interactions::{Part, Tables};
 
-/// A body as the step leaves it.
+/// A body after the step.
 type Row<'a> = (
     &'a BodyId,
     &'a Position,
@@ -17,8 +18,9 @@ type Row<'a> = (
     Option<&'a AngularVelocity>,
 );
 
-/// Books the work of loads and the kinetic energy of a time step of `dt` (s), and returns the displacements by body at
-/// the mean of the velocities before and after, in the bodies' own axes, m, m, rad.
+/// Adds the work of loads and the kinetic energy of a time step of `dt` (s). Returns the
+/// displacements by body at the mean of the velocities before and after, in the axes of the body,
+/// m, m, rad.
 pub fn book_bodies(
     e: &mut Energies,
     tables: &Tables,
@@ -35,7 +37,7 @@ pub fn book_bodies(
         let (Some(v), Some(spin)) = (velocity, spin) else { continue };
         e.gravity += bodies.masses[i] * analysis.gravity.dot(DVec2::new(u[0], u[1]));
         if analysis.path_theta.is_some() {
-            // The balance is that of the program; the work of the loads is that on the path.
+            // The balance is that of the program, but the loads do their work along the path.
             let aside = tables.end[i] - bodies.positions[i] - DVec2::new(u[0], u[1]);
             let by_gravity = bodies.masses[i] * analysis.gravity.dot(aside);
             let by_loads = force.0[0] * aside.x + force.0[1] * aside.y;
@@ -55,8 +57,8 @@ pub fn book_bodies(
                 let weight = if k < 2 { mass * analysis.gravity[k] } else { 0.0 };
                 e.numerical += (force.0[k] + weight) * (theta - 0.5) * dt * change;
             } else {
-                // An imposed velocity holds from the start: what changes it is a blow, which does its work at the
-                // mean velocity.
+                // An imposed velocity holds from the start of the step. Its change is an impulse,
+                // which does its work at the mean velocity.
                 e.external -= 0.5 * mass * change * change;
             }
         }
@@ -64,8 +66,8 @@ pub fn book_bodies(
     mean
 }
 
-/// Books the work of an interaction of a time step. `mean` are the displacements by body at the mean of the
-/// velocities before and after, in the bodies' own axes, m, m, rad.
+/// Adds the work of an interaction in a time step. `mean` are the displacements by body at the mean
+/// of the velocities before and after, in the axes of the body, m, m, rad.
 pub fn book(e: &mut Energies, program: &ConeProgram, mean: &[[f64; 3]], part: &Part) {
     let [p, q, tau] = part.forces;
     let moved = program.kinematics(part.law, mean);

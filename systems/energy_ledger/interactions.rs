@@ -13,7 +13,7 @@ use clastic_cone::program::{ConeProgram, ConeSolution, Interaction, Kinematics};
 use crate::assemble_program::interactions::{contact_law, shear_after_rupture};
 use clastic_cone::residuals::{Multipliers, multipliers};
 
-/// Tables at the start of what is booked, and what came of it.
+/// Tables of the increment or step: initial and final state.
 pub struct Tables<'a> {
     pub bodies: &'a Bodies,
     pub contacts: &'a Contacts,
@@ -21,7 +21,7 @@ pub struct Tables<'a> {
     pub history: &'a ContactHistory,
     pub materials: &'a Materials,
     pub analysis: &'a Analysis,
-    /// Of a whole increment.
+    /// Fraction of a whole increment.
     pub fraction: f64,
     pub program: &'a ConeProgram,
     pub solution: &'a ConeSolution,
@@ -30,9 +30,9 @@ pub struct Tables<'a> {
     pub end: &'a [DVec2],
 }
 
-/// An interaction of the program with what it stores.
+/// An interaction of the program with its stored energy.
 pub struct Part<'a> {
-    /// Its place among the interactions.
+    /// Index among the interactions.
     pub index: usize,
     pub contact: &'a Contact,
     pub law: &'a Interaction,
@@ -40,44 +40,46 @@ pub struct Part<'a> {
     pub forces: [f64; 3],
     pub kinematics: Kinematics,
     pub multipliers: Multipliers,
-    /// Whether it is a bond in the program.
+    /// Whether the interaction is a bond in the program.
     pub is_bond: bool,
-    /// Whether it is no bond any more at the end.
+    /// Whether the bond is broken at the end.
     pub breaks: bool,
-    /// Normal gap to the stress-free state, m: at the start, and at the end with the normal of the program.
+    /// Normal gap relative to the stress-free state, m: at the start, and at the end with the
+    /// normal of the program.
     pub gaps: [f64; 2],
-    /// Elastic energy of the normal force at the start, at the end with the normal of the program, and at the
-    /// end, J.
+    /// Elastic energy of the normal force, J: at the start, at the end with the normal of the
+    /// program, and at the end.
     pub normal: [f64; 3],
     /// Elastic energy of the shear force at the start and at the end, J.
     pub shear: [f64; 2],
 }
 
 impl Part<'_> {
-    /// The change of the elastic energy with the normal of the program, J: of the normal and of the shear force.
+    /// Change of the elastic energy with the normal of the program, J: of normal and shear force.
     pub fn change(&self) -> [f64; 2] {
         [self.normal[1] - self.normal[0], self.shear[1] - self.shear[0]]
     }
 
-    /// By how much sliding and rolling have opened it in the law, m.
+    /// Gap that sliding and rolling have opened by dilation, m.
     pub fn opened(&self) -> f64 {
         let (l, m) = (&self.law.limits, &self.multipliers);
         self.law.dilation * (l.friction * m.slip.abs() + l.rolling * m.rotation.abs())
     }
 
-    /// Whether sliding or rolling can open it.
+    /// Whether sliding or rolling can open the gap.
     pub fn dilates(&self) -> bool {
         self.law.dilation * (self.law.limits.friction + self.law.limits.rolling) > 0.0
     }
 
-    /// Work of opening at the limit, J: what a bond takes that breaks.
+    /// Work of opening at the limit of a breaking bond, J.
     pub fn opening(&self) -> f64 {
         if self.is_bond && self.breaks { -self.forces[0] * self.multipliers.tension } else { 0.0 }
     }
 }
 
-/// Books the change of the elastic energy and what broken bonds take, given the elastic energy `before` and which
-/// bonds broke, hands every contact and bond to `work`, and returns the elastic energy at the end, J.
+/// Adds the change of the elastic energy and the dissipation of broken bonds. `before` is the
+/// elastic energy at the start, if known. Every contact and bond is passed to `work`. Returns the
+/// elastic energy at the end, J.
 pub fn book(
     e: &mut Energies,
     tables: &Tables,
@@ -86,8 +88,8 @@ pub fn book(
     mut work: impl FnMut(&mut Energies, &Part),
 ) -> f64 {
     let Tables { bodies, contacts, program, solution, .. } = tables;
-    // Elastic energy: of the state at the start, by the law of the program at start and end, and
-    // of the state at the end. They differ where bonds break.
+    // Three elastic energies: at the start and at the end by the law of the program, and at the end
+    // by the law of the state. They differ if bonds break.
     let (mut starts, mut ends, mut state) = (0.0, 0.0, 0.0);
     let mut broke_before = false;
     let interactions = program.interactions.iter().zip(&solution.forces);
@@ -112,7 +114,8 @@ pub fn book(
             finish
         };
     }
-    // Bonds that break before the last solve, or cement between two increments.
+    // `before` and `starts` differ if bonds broke before the last solve, or were cemented between
+    // two increments.
     let before = before.unwrap_or(starts);
     *(if broke_before { &mut e.rupture } else { &mut e.numerical }) += before - starts;
     e.rupture += ends - state;
@@ -139,12 +142,13 @@ fn part<'a>(
     let born =
         contact.bond.filter(|_| is_bond).map_or(0.0, |k| bodies.bonds[k as usize].initial_gap);
     let start = contact.gap - born;
-    // The offset of an elastic interaction is over theta; what it is more is that of the corrector.
+    // The offset of an elastic interaction is divided by theta. The remainder comes from the
+    // corrector.
     let corrected = c.offset - start / theta;
     let gaps = [start, start + corrected - kinematics[0]];
     let compliance = theta * c.normal_compliance;
     let normal = if is_bond && breaks {
-        // It stores what its force says: what it opened further at its limit is taken.
+        // The stored energy follows from the force. Opening beyond it at the limit is dissipated.
         let at_limit = 0.5 * compliance * p * p;
         [pressed(compliance, start, true), at_limit, at_limit]
     } else {
@@ -179,18 +183,19 @@ pub fn gap_at(bodies: &Bodies, positions: &[DVec2], contact: &Contact) -> f64 {
     let (a, b) = (contact.a as usize, contact.b as usize);
     match bodies.radii.get(b) {
         Some(radius) => positions[a].distance(positions[b]) - bodies.radii[a] - radius,
-        // The normal of a wall points from the particle to the wall.
+        // The normal of a wall contact points from the particle to the wall.
         None => (positions[b] - positions[a]).dot(contact.normal) - bodies.radii[a],
     }
 }
 
-/// Elastic energy of the normal force at a gap to the stress-free state, J. A contact only presses.
+/// Elastic energy of the normal force at a gap relative to the stress-free state, J. A contact
+/// carries compression only.
 fn pressed(compliance: f64, gap: f64, pulls: bool) -> f64 {
     let overlap = if pulls { -gap } else { (-gap).max(0.0) };
     if compliance > 0.0 { 0.5 * overlap * overlap / compliance } else { 0.0 }
 }
 
-/// The forces that a contact goes on with when its bond has broken at this gap, of those of the bond.
+/// Forces of the contact after its bond has broken at this gap, from the forces of the bond.
 pub fn after_rupture(
     tables: &Tables,
     contact: &Contact,

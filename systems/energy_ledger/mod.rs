@@ -1,34 +1,37 @@
-//! The energy ledger: where the work of an increment went.
+//! The energy ledger: balance of supplied, stored and dissipated energy in an increment.
 //!
-//! **Time steps.** With the theta-method, `m (v_1 - v_0)/dt = f - G s`. Times the mean velocity
-//! `v = (v_0 + v_1)/2` that is, row by row and exactly,
+//! **Time steps.** With the theta-method, `m (v_1 - v_0)/dt = f - G s`. Multiplied by the mean
+//! velocity `v = (v_0 + v_1)/2`, each row gives exactly
 //!
 //! ```text
 //! dt f . v - dt s . G'v = 1/2 m v_1^2 - 1/2 m v_0^2
 //! ```
 //!
-//! so every interaction takes its impulse times the mean of its relative velocities: the normal impulse of a rigid
-//! contact is `collision`, whatever its restitution, the tangential one `friction`, the rolling one `rolling`.
-//! Bodies move by `u = dt (theta v_1 + (1 - theta) v_0)`: the loads' work `f . u` exceeds `dt f . v` by
-//! `(theta - 1/2) dt f . (v_1 - v_0)`, which is `numerical`. Of loads that are constant it is the change of a function
-//! of the velocities and does not add up. An elastic force keeps what its spring stores; the rest is
-//! `numerical` as long as the contact is closed (damping by theta > 1/2) and `collision` where it closes or opens.
+//! Every interaction therefore takes its impulse times the mean of its relative velocities. The
+//! normal impulse of a rigid contact is booked as `collision`, whatever its restitution, the
+//! tangential one as `friction`, and the rolling one as `rolling`. Bodies move by
+//! `u = dt (theta v_1 + (1 - theta) v_0)`. The work `f . u` of the loads exceeds `dt f . v` by
+//! `(theta - 1/2) dt f . (v_1 - v_0)`, which is `numerical`. For constant loads this is the change
+//! of a function of the velocities and does not accumulate. An elastic force stores the energy of
+//! its spring. The rest is `numerical` while the contact is closed (damping by theta > 1/2), and
+//! `collision` when it closes or opens.
 //!
-//! **Static increments.** Forces go from those of the start to those of the end, and so do the loads
-//! (`quasi_static`). Stationarity gives, with g and C those of the program,
+//! **Static increments.** Forces and loads go from their values at the start to those at the end
+//! (`quasi_static`). Stationarity gives, with g and C of the program,
 //!
 //! ```text
 //! d_n = g + C_N p - a (mu |s_t| + mu_r r |s_r|) - lambda_T
 //! d_t = C_T (q - q_0) + s_t
 //! ```
 //!
-//! Sliding takes q s_t. The gap that associated friction opens is there when the next increment begins, beside the
-//! force of the contact, which knows nothing of it: closing it takes what opening it gave, as far as the force is
-//! the same. `dilation` has both, so that it stays near zero where sliding is steady.
+//! Sliding dissipates q s_t. The gap that associated friction opens persists in the next increment,
+//! but the force of the contact does not contain it. Closing this gap takes the energy that opening
+//! it gave, as long as the force is constant. `dilation` contains both, so that it stays near zero
+//! in steady sliding.
 //!
-//! A motion that is followed within a static increment ([`motion`](crate::attempt::motion)) is booked step by
-//! step. What friction, rolling and rupture leave of the work of the loads is the kinetic energy that was taken
-//! out of the motion.
+//! A followed motion within a static increment ([`motion`](crate::attempt::motion)) is booked step
+//! by step. The work of the loads minus friction, rolling and rupture is the kinetic energy that
+//! was removed from the motion.
 
 mod dynamic;
 mod interactions;
@@ -56,7 +59,7 @@ use crate::state::RegisterState;
 
 pub(crate) use self::steps::book_step;
 
-/// Adds [`book_energies`]; it runs only where there is an [`EnergyLedger`].
+/// Adds [`book_energies`]. It runs only in a world with an [`EnergyLedger`].
 pub struct EnergyLedgerPlugin;
 
 impl Plugin for EnergyLedgerPlugin {
@@ -76,7 +79,7 @@ impl Plugin for EnergyLedgerPlugin {
     }
 }
 
-/// Follows bodies to other rows.
+/// Updates the rows of bodies.
 fn renumber_released(rows: Res<KeptRows>, mut ledger: ResMut<EnergyLedger>) {
     ledger.released.retain_mut(|released| match (rows.now(released.a), rows.now(released.b)) {
         (Some(a), Some(b)) => {
@@ -87,7 +90,7 @@ fn renumber_released(rows: Res<KeptRows>, mut ledger: ResMut<EnergyLedger>) {
     });
 }
 
-/// A body as the increment leaves it.
+/// A body after the increment.
 type MovedBody = (
     &'static BodyId,
     &'static Position,
@@ -97,7 +100,7 @@ type MovedBody = (
 );
 type Moved<'w, 's> = Query<'w, 's, MovedBody>;
 
-/// What an increment was solved from and with.
+/// Initial state and program of the increment.
 #[derive(SystemParam)]
 pub struct Solved<'w> {
     bodies: Res<'w, Bodies>,
@@ -109,7 +112,7 @@ pub struct Solved<'w> {
     solution: Res<'w, ConeSolution>,
     corrections: Res<'w, Corrections>,
     ruptures: Res<'w, Ruptures>,
-    /// Memory of the contacts at the start, after a motion that was followed.
+    /// Memory of the contacts at the start, after a followed motion.
     draft: Res<'w, DraftHistory>,
     /// Memory of the contacts at the end.
     history: Res<'w, ContactHistory>,
@@ -120,7 +123,7 @@ pub struct Solved<'w> {
 pub fn book_energies(solved: Solved, moved: Moved, mut ledger: ResMut<EnergyLedger>) {
     let Solved { bodies, analysis, program, solution, ruptures, motion, .. } = &solved;
     if matches!(analysis.kind, AnalysisKind::LeastMotion { .. }) {
-        // Its forces are those of a regularisation.
+        // The forces of a compaction come from its regularisation.
         *ledger = EnergyLedger::default();
         return;
     }
@@ -146,7 +149,7 @@ pub fn book_energies(solved: Solved, moved: Moved, mut ledger: ResMut<EnergyLedg
     };
     let mut e = Energies::default();
     let is_broken = |bond| ruptures.list.iter().any(|r| r.bond == bond);
-    // What moved before the increment was booked step by step.
+    // Motions before the equilibrium were booked step by step.
     let before = motion.stored.or(ledger.stored);
     let mut released = Vec::new();
     let mut release = |part: &Part| {
@@ -167,7 +170,7 @@ pub fn book_energies(solved: Solved, moved: Moved, mut ledger: ResMut<EnergyLedg
             dynamic::book(e, program, mean, part);
         })
     } else {
-        // What a motion has followed is none of the start.
+        // Forces that ended before a followed motion were booked in that motion.
         let ended = if motion.stored.is_some() { &[][..] } else { &ledger.released };
         let mut starts = Starts::new(&solved.draft.0, ended, program, solution);
         let stored = book(&mut e, &tables, before, is_broken, |e, part| {
@@ -177,7 +180,7 @@ pub fn book_energies(solved: Solved, moved: Moved, mut ledger: ResMut<EnergyLedg
         unbalanced::book(&mut e, &tables, &starts, before.is_none());
         stored
     };
-    // Interactions that an embedding program added: outside of the specimen.
+    // Interactions of an embedding program lie outside the specimen.
     let extra = program.interactions.iter().zip(&solution.forces).skip(solved.contacts.0.len());
     for (c, f) in extra {
         let d = program.kinematics(c, &solution.displacements);

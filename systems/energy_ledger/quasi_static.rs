@@ -1,13 +1,14 @@
-//! What interactions take of a static increment, in which forces go from those of its start to those of its end.
+//! Dissipation of interactions in a static increment, whose forces go from initial to final values.
 //!
-//! With `s_0` the forces at the start, `s_1` those at the end, which balance the loads `f_1`, and `f_0` the loads
-//! at the start, `G'u = e` gives
+//! With the forces `s_0` at the start, the forces `s_1` at the end, which balance the loads `f_1`,
+//! and the loads `f_0` at the start, `G'u = e` gives
 //!
 //! ```text
 //! 1/2 (f_0 + f_1) . u = sum_c 1/2 (s_0 + s_1) . e + 1/2 (f_0 - G s_0) . u
 //! ```
 //!
-//! The last term is the work of what does not balance at the start: normals have turned, bonds have broken.
+//! The last term is the work of the out-of-balance force at the start: normals have turned, bonds
+//! have broken.
 
 use clastic_components::contact::{ContactHistory, ContactMemory};
 use clastic_components::energy::{Energies, Released};
@@ -19,16 +20,17 @@ use super::interactions::{Part, Tables, after_rupture};
 pub struct Starts<'a> {
     /// Memory of the contacts at the start.
     pub memory: &'a ContactHistory,
-    /// What ended with the bonds that broke at the end of the last increment.
+    /// Forces that ended with the bonds that broke at the end of the last increment.
     pub released: &'a [Released],
-    /// Whether no interaction is elastic. Nothing of its forces is stored then, and they hold from the start.
+    /// Whether no interaction is elastic. The forces then store no energy and hold from the start.
     pub is_rigid: bool,
-    /// Forces by interaction, N, N, N m, before bonds broke: those of the loads at the start.
+    /// Forces by interaction before bonds broke, N, N, N m. They balance the loads at the start.
     pub forces: Vec<[f64; 3]>,
 }
 
 impl<'a> Starts<'a> {
-    /// Before any interaction was booked: those that no contact belongs to keep the forces of the end.
+    /// Before any interaction is booked, all have their final forces. Interactions without a
+    /// contact keep them.
     pub fn new(
         memory: &'a ContactHistory,
         released: &'a [Released],
@@ -43,7 +45,7 @@ impl<'a> Starts<'a> {
         Self { memory, released, is_rigid, forces: solution.forces.clone() }
     }
 
-    /// Books the work of an interaction.
+    /// Adds the work of an interaction.
     pub fn book(&mut self, e: &mut Energies, tables: &Tables, part: &Part) {
         let memory = self.memory.get(part.contact.a, part.contact.b);
         let start = if self.is_rigid { part.forces } else { self.start(e, tables, part, memory) };
@@ -55,14 +57,14 @@ impl<'a> Starts<'a> {
         e.friction += slid;
         e.rolling += rolled;
         e.numerical += q * d[1] - slid - shear + tau * d[2] - rolled;
-        // What the normal force does beside its elastic energy.
+        // Work of the normal force that is not stored as elastic energy.
         let rest = p * d[0] - normal - part.opening();
         let ends = tables.history.get(part.contact.a, part.contact.b).is_some();
         let stays = part.is_bond || (memory.is_some() && ends);
         if stays && !part.breaks {
             *(if part.dilates() { &mut e.dilation } else { &mut e.turning }) += rest;
         } else {
-            // A bond opens at its limit, under the force of the end.
+            // A bond opens at its limit under the final force.
             let under = if part.is_bond { part.forces[0] } else { p };
             let opened = if part.is_bond || ends { -under * part.opened() } else { 0.0 };
             e.dilation += opened;
@@ -82,7 +84,7 @@ impl<'a> Starts<'a> {
         let gap = part.gaps[0];
         let by_law = if c.normal_compliance > 0.0 { -gap / c.normal_compliance } else { 0.0 };
         let by_law = if part.is_bond { by_law } else { by_law.max(0.0) };
-        // A bond that was just made carries nothing yet, whatever its contact carried.
+        // A new bond carries nothing yet, whatever its contact carried before.
         let mut before = match memory {
             Some(m) if !(part.is_bond && gap == 0.0) => [m.p, m.q, m.tau],
             Some(m) => [0.0, m.q, m.tau],
@@ -91,7 +93,7 @@ impl<'a> Starts<'a> {
         let key = (part.contact.a, part.contact.b);
         let released = self.released.binary_search_by_key(&key, |r| (r.a, r.b)).ok();
         let after = if let Some(k) = released {
-            // The memory has the shear force that is left.
+            // The memory contains the remaining shear force.
             let lost = self.released[k].forces;
             before[1] += lost[1];
             [0, 1, 2].map(|k| before[k] - lost[k])

@@ -1,4 +1,4 @@
-//! The steps of a motion that is followed within a static increment.
+//! The steps of a followed motion within a static increment.
 
 use bevy_ecs::prelude::*;
 use glam::DVec2;
@@ -12,8 +12,8 @@ use clastic_cone::program::{ConeProgram, ConeSolution, Dof};
 
 use super::interactions::{Tables, book};
 
-/// Books a step that is about to be taken: with the memory of contacts at its end, the displacements of the
-/// bodies (m, m, rad) and the bonds that it breaks.
+/// Adds a step before it is applied: with the memory of contacts at its end, the displacements of
+/// the bodies (m, m, rad), and the bonds that break in it.
 pub(crate) fn book_step(
     world: &mut World,
     history: &ContactHistory,
@@ -33,7 +33,7 @@ pub(crate) fn book_step(
     for (mass, u) in bodies.masses.iter().zip(moved) {
         e.gravity += mass * analysis.gravity.dot(DVec2::new(u[0], u[1]));
     }
-    // Loads of the program contain the weight.
+    // The loads of the program contain the weight.
     e.external -= e.gravity;
     let end: Vec<DVec2> =
         bodies.positions.iter().zip(moved).map(|(x, u)| *x + DVec2::new(u[0], u[1])).collect();
@@ -57,12 +57,13 @@ pub(crate) fn book_step(
         e.friction += part.forces[1] * part.multipliers.slip;
         e.rolling += part.forces[2] * part.multipliers.rotation;
     });
-    // What is left has been taken out of the motion: by its implicit steps, by contacts that close (their impact is
-    // plastic), and by the residual of the step.
+    // The remaining energy was removed from the motion: by its implicit steps, by contacts that
+    // close (with plastic impact), and by the residual of the step.
     e.numerical = 0.0;
     let mut energies = world.resource_mut::<MotionEnergies>();
     energies.energies += e;
-    // Of the sums: steps that swing to and fro would leave the round-off of each.
+    // The remainder is taken from the sums. Steps that oscillate would accumulate the round-off of
+    // each step.
     let left = energies.energies.error();
     energies.energies.motion += left;
     energies.stored = Some(stored);

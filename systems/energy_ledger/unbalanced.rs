@@ -1,4 +1,4 @@
-//! The work of the loads of a static increment, and of what does not balance when it begins.
+//! Work of the loads of a static increment, and of the out-of-balance force at its start.
 
 use glam::DVec2;
 
@@ -9,16 +9,16 @@ use clastic_cone::program::{ConeProgram, Dof, Interaction, Limits};
 use super::interactions::Tables;
 use super::quasi_static::Starts;
 
-/// Books the work of loads that go from their values at the start to those at the end. What the forces at the start do
-/// not balance of the loads at the start does work on the way to equilibrium: it is `motion` where something was
-/// changed at once (`is_first`, or a wall taken away), and `turning` elsewhere.
+/// Adds the work of loads that vary linearly from start to end. The out-of-balance force at the
+/// start does work on the way to equilibrium. This is `motion` after a sudden change (`is_first`,
+/// or a removed wall), and `turning` otherwise.
 pub fn book(e: &mut Energies, tables: &Tables, starts: &Starts, is_first: bool) {
     let Tables { bodies, analysis, program, solution, contacts, .. } = tables;
     let zero = vec![[0.0; 3]; program.bodies.len()];
     let (mut before, mut after) = (zero.clone(), zero);
     program.add_forces(&starts.forces, &mut before);
     program.add_forces(&solution.forces, &mut after);
-    // Bonds that broke and left no pair that could touch.
+    // Bonds that broke and whose bodies are no longer a potential contact.
     for released in starts.released {
         let key = (released.a, released.b);
         if contacts.0.binary_search_by_key(&key, |c| (c.a, c.b)).is_err() {
@@ -41,7 +41,7 @@ pub fn book(e: &mut Energies, tables: &Tables, starts: &Starts, is_first: bool) 
                 Dof::Fixed(u) => e.external += 0.5 * (before[i][k] + after[i][k]) * u,
                 Dof::Free(free) => {
                     let end = free.load - free.inertia * u[k];
-                    // What is added to the loads of the scene is taken as constant.
+                    // Loads of an embedding program count as constant.
                     let grown = match wall.map(|wall| bodies.wall_drive(wall)) {
                         None => bodies.loads[i][k],
                         Some(WallDrive::Loaded(force)) => force,
@@ -63,7 +63,7 @@ pub fn book(e: &mut Energies, tables: &Tables, starts: &Starts, is_first: bool) 
     *(if is_jump { &mut e.motion } else { &mut e.turning }) += unbalanced;
 }
 
-/// The bond that broke at the end of the last increment, where it is now.
+/// The bond that broke at the end of the last increment, in the current geometry.
 fn bond_of(tables: &Tables, released: &Released) -> Interaction {
     let Tables { bodies, .. } = tables;
     let (a, b) = (released.a as usize, released.b as usize);
@@ -87,7 +87,7 @@ fn bond_of(tables: &Tables, released: &Released) -> Interaction {
     }
 }
 
-/// Adds the forces of an interaction to what bodies resist.
+/// Adds the forces of an interaction to the resistance of its bodies.
 fn add(program: &ConeProgram, c: &Interaction, f: &[f64; 3], rows: &mut [[f64; 3]]) {
     for (body, first) in [(c.a as usize, true), (c.b as usize, false)] {
         let g = c.rows(program.bodies[body].axis, first);

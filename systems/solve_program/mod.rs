@@ -1,4 +1,4 @@
-//! Solving the cone program: runs the solver of this world and judges what came back.
+//! Solves the cone program with the solver of the world and computes the residuals.
 
 pub mod sliding;
 
@@ -20,7 +20,7 @@ use self::sliding::{SlidingSolver, solve_sliding};
 use crate::schedule::{AttemptIncrement, AttemptSystems, Increment, IncrementSystems, lap};
 use crate::state::{RegisterState, StateOf};
 
-/// The solver of this world; [`Condensed`](condensed::Condensed) unless something else is said.
+/// The solver of the world; [`Condensed`](condensed::Condensed) by default.
 #[derive(Resource)]
 pub struct Solver(pub Box<dyn ConeSolver>);
 
@@ -53,7 +53,7 @@ impl Plugin for SolveProgramPlugin {
 /// Name of the memory of the solver in a state.
 pub const SOLVER_MEMORY: &str = "solver.memory";
 
-/// Where the solver's warm start begins, by row. Which solver it is follows from the settings.
+/// Warm start of the solver by row. The settings determine the solver.
 #[derive(Serialize, Deserialize)]
 struct SolverMemory(Vec<[f64; 3]>);
 
@@ -69,7 +69,7 @@ impl StateOf for SolverMemory {
     }
 }
 
-/// Follows bodies to other rows: new ones have no motion to start from.
+/// Updates the rows of bodies. New bodies have no warm start.
 fn renumber_memory(rows: Res<KeptRows>, bodies: Res<Bodies>, mut solver: ResMut<Solver>) {
     if solver.0.memory().is_empty() {
         return;
@@ -78,7 +78,7 @@ fn renumber_memory(rows: Res<KeptRows>, bodies: Res<Bodies>, mut solver: ResMut<
     solver.0.remember(&memory);
 }
 
-/// Solves the program and computes the residuals of what came back.
+/// Solves the program and computes the residuals of the solution.
 pub fn solve_program(
     program: Res<ConeProgram>,
     acceptance: Res<Acceptance>,
@@ -111,7 +111,8 @@ pub fn solve_program(
             program.displacements_from_forces(&mut solution);
         }
         solution.residuals = evaluate(&program, &solution.forces, &solution.displacements);
-        // The solver's word does not count, in either direction. NaN compares false.
+        // The status follows from the residuals and not from the solver, in either direction. NaN
+        // compares false.
         let enough = acceptance.residual.max(program.tolerance);
         let converged = solution.residuals.worst() <= enough;
         solution.status = if converged { SolveStatus::Solved } else { SolveStatus::Stalled };

@@ -1,4 +1,4 @@
-//! Sliding under Coulomb's law: takes the dilation of the associated law out of the solution.
+//! Sliding under Coulomb's law: removes the dilation of the associated law from the solution.
 
 use bevy_ecs::prelude::*;
 
@@ -12,24 +12,25 @@ use clastic_cone::residuals;
 
 use crate::mean_field::furthest;
 
-/// Number of solves without success after which the other solves of the increment are quick.
+/// Number of failed solves after which the other solves of the increment are quick.
 const MAX_FAILURES: u32 = 4;
-/// Factorisations of a quick solve at most.
+/// Maximum number of factorisations of a quick solve.
 const QUICK: u32 = 40;
 
-/// Safety factor: the solver aims at 0.9 times the accepted residual.
+/// Safety factor: the solver aims at 0.9 times the tolerance.
 const MARGIN: f64 = 0.9;
 
-/// The solver of this world, with what it keeps between increments.
+/// The solver of the world, with its memory between increments.
 #[derive(Resource, Default)]
 pub struct SlidingSolver(Coulomb);
 
-/// Solves the program of an equilibrium, or of a time step, again without the dilation of contacts that slide or
-/// roll. Contacts with strength keep it: their law is that of the bond. So do the steps of a followed motion, of
-/// which only the place where it comes to rest matters, and the proof of a collapse, which holds for both laws.
+/// Solves the program of an equilibrium, or of a time step, again without the dilation of contacts
+/// that slide or roll. Interactions with strength keep the dilation: their law is that of the bond.
+/// Steps of a followed motion keep it, because only the position at rest matters. The proof of a
+/// collapse keeps it, because it holds for both laws.
 ///
-/// What does not converge is kept with its residual; [`coulomb::judge`](crate::attempt::coulomb::judge) says
-/// what becomes of it.
+/// A solution that did not converge is kept with its residual.
+/// [`coulomb::judge`](crate::attempt::coulomb::judge) decides on it.
 pub fn solve_sliding(
     law: Res<FrictionLaw>,
     acceptance: Res<Acceptance>,
@@ -55,8 +56,8 @@ pub fn solve_sliding(
         c.dilation = f64::from(u8::from(c.limits.has_strength()));
     }
     let enough = acceptance.residual.max(program.tolerance);
-    // The solver counts the regularisation as a part of the program, the residual below counts it as an error:
-    // a margin keeps a solution that just passes from failing.
+    // The solver treats the regularisation as part of the program, but the residual below counts it
+    // as an error. The margin keeps a solution that just converges from failing.
     let patient = finding.failures < MAX_FAILURES;
     let max = if patient { law.factorisations } else { law.factorisations.min(QUICK) };
     let found = solver.0.solve(&program, &solution, MARGIN * enough, max);
@@ -66,7 +67,7 @@ pub fn solve_sliding(
     solution.displacements = found.displacements;
     solution.residuals = residuals::residuals(&program, &solution.forces, &solution.displacements);
     let worst = solution.residuals.worst();
-    // The status stays: how the solve ended is said by the finding.
+    // The status is not changed. The finding contains the result of this solve.
     finding.natural_map =
         residuals::natural_map(&program, &solution.forces, &solution.displacements);
     finding.lost = !(worst <= enough.max(Sliding::BOUND));
