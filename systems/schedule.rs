@@ -47,7 +47,7 @@ pub struct ControlWalls;
 /// [`TrialLoads`](clastic_components::loads::TrialLoads). They may read the initial state of the
 /// trial from [`Bodies`](clastic_components::contact::Bodies), while entities keep the last
 /// committed state. The trial ends at `done + fraction` of
-/// [`Progress`](clastic_components::increment::Progress).
+/// [`Progress`].
 #[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Loads;
 

@@ -11,7 +11,7 @@ use crate::scene::shown::label;
 pub struct Script {
     /// The scene.
     pub scene: Scene,
-    /// Whether the stage at [`Progress::stage`] has begun.
+    /// Whether the stage at [`Progress::stage`](clastic_components::increment::Progress::stage) has begun.
     pub begun: bool,
     /// Maximum speed of a particle after the last increment of the stage, m/s.
     pub speed: Option<f64>,
@@ -130,7 +130,7 @@ impl Script {
 /// What one run of [`Advance`](clastic_systems::stepping::Advance) did.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Step {
-    /// An increment ended; [`Observation`] holds its record.
+    /// An increment ended; [`Observation`](clastic_components::observation::Observation) holds its record.
     Increment,
     /// There is nothing left to do.
     Finished(Outcome),
