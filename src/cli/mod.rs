@@ -1,4 +1,4 @@
-//! The command line: what can be typed, and which file does it.
+//! The command line: arguments, and the file that handles each command.
 
 mod check;
 mod compare;
@@ -69,7 +69,7 @@ enum Command {
     },
 }
 
-/// Which scene.
+/// Arguments that name a scene and its settings.
 #[derive(Args)]
 struct SceneArgs {
     /// A scene file, or the name of a scene in ./scenes or of one that clastic ships
@@ -101,7 +101,7 @@ struct RunArgs {
 /// An increment whose program is dumped.
 #[derive(Clone, Debug)]
 struct DumpAt {
-    /// The stage whose increments are counted; those of the run without one.
+    /// Stage whose increments are counted; `None` counts those of the run.
     stage: Option<String>,
     /// The increment, from 1.
     increment: u64,
@@ -132,7 +132,7 @@ struct ResumeArgs {
     output: OutputArgs,
 }
 
-/// How a run goes about it.
+/// Options of the output and of the threads.
 #[derive(Args)]
 struct OutputArgs {
     /// Write a checkpoint after every N increments, for `clastic resume` [default of resume: as before]

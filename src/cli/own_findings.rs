@@ -1,11 +1,11 @@
-//! What a sound scene may ask for and this program cannot do.
+//! Mistakes that only this program finds in a valid scene.
 
 use clastic::scene::Finding;
 use clastic::scene::format::{Scene, Stage, WallControl};
 use clastic::scene::spans::join;
 
-/// The walls that a scene leaves to a system of an embedding program. No system of this program moves
-/// them: they would stand still without a word.
+/// Finds walls that a scene leaves to a system of an embedding program. This program has no such
+/// system, so these walls would stand still without a message.
 pub fn own_findings(scene: &Scene) -> Vec<Finding> {
     let mut findings = Vec::new();
     for (i, stage) in scene.stages.iter().enumerate() {

@@ -44,7 +44,8 @@ pub fn judge(
     }
     let unconverged = |solution: &ConeSolution, reason: String| Verdict::Unconverged {
         reason,
-        unsupported: analysis.kind == AnalysisKind::Static && is_unsupported(&bodies, &program, solution),
+        unsupported: analysis.kind == AnalysisKind::Static
+            && is_unsupported(&bodies, &program, solution),
     };
     attempt.verdict = match solution.status {
         SolveStatus::Solved => match runaway(&program, solution) {
