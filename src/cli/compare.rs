@@ -1,4 +1,4 @@
-//! `clastic compare`: the curves of several runs in one picture, and their key results in one table.
+//! `clastic compare`: the curves of several runs in one picture, and their key results in a table.
 
 use std::fs;
 use std::path::{Path, PathBuf};

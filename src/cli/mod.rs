@@ -90,8 +90,8 @@ struct RunArgs {
     #[arg(long)]
     force: bool,
     /// Write the cone program and solution of an increment as JSON; may be repeated. N counts the
-    /// increments of the run, as the column `increment` of the history does; STAGE:N those of a stage,
-    /// as `record.frames` does
+    /// increments of the run, as the column `increment` of the history does; STAGE:N those of a
+    /// stage, as `record.frames` does
     #[arg(long = "dump-program", value_name = "[STAGE:]N", value_parser = DumpAt::read)]
     dump_programs: Vec<DumpAt>,
     #[command(flatten)]
@@ -135,7 +135,8 @@ struct ResumeArgs {
 /// Options of the output and of the threads.
 #[derive(Args)]
 struct OutputArgs {
-    /// Write a checkpoint after every N increments, for `clastic resume` [default of resume: as before]
+    /// Write a checkpoint after every N increments, for `clastic resume` [default of resume: as
+    /// before]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     checkpoint_every: Option<u32>,
     /// Threads to use at most; results do not depend on it [default: as many as there are cores]

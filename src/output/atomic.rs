@@ -12,7 +12,8 @@ pub const PART: &str = ".part";
 
 /// Lets `write` fill a temporary file beside `path` and renames it to `path` when it is complete.
 ///
-/// # Errors If the file cannot be written. A file that was at `path` before is unchanged.
+/// # Errors
+/// If the file cannot be written. A file that was at `path` before is unchanged.
 pub fn atomically(
     path: &Path,
     write: impl FnOnce(&Path) -> io::Result<()>,
@@ -39,7 +40,8 @@ pub fn write_atomic(path: &Path, content: impl AsRef<[u8]>) -> Result<(), Output
 /// Writes a whole file so that it survives a crash of the machine. Without this, the name may reach
 /// the disk before the content, which leaves an empty file. It takes some milliseconds.
 ///
-/// # Errors If the file cannot be written.
+/// # Errors
+/// If the file cannot be written.
 pub fn write_durable(path: &Path, content: impl AsRef<[u8]>) -> Result<(), OutputError> {
     atomically(path, |temporary| {
         fs::write(temporary, content)?;

@@ -32,7 +32,8 @@ impl CsvFile {
 
     /// Starts an open and locked file anew. Its former content is dropped.
     ///
-    /// # Errors If the file cannot be written.
+    /// # Errors
+    /// If the file cannot be written.
     pub fn begin(
         path: PathBuf,
         file: File,
@@ -56,7 +57,8 @@ impl CsvFile {
     /// Opens a file whose first `length` bytes are kept. The file does not change before
     /// [`cut`](Self::cut).
     ///
-    /// # Errors If the file cannot be opened, is shorter, or has no end of a row at this position.
+    /// # Errors
+    /// If the file cannot be opened, is shorter, or has no end of a row at this position.
     pub fn open(path: PathBuf, length: u64) -> Result<Self, ResumeError> {
         let cut = |what: String| ResumeError::Cut { path: path.clone(), what };
         let at = || OutputError::at(&path);
@@ -98,7 +100,8 @@ impl CsvFile {
 
     /// Flushes the rows to the disk.
     ///
-    /// # Errors If the system reports an error.
+    /// # Errors
+    /// If the system reports an error.
     pub fn sync(&self) -> Result<(), OutputError> {
         self.file.sync_data().map_err(OutputError::at(&self.path))
     }
@@ -106,7 +109,8 @@ impl CsvFile {
     /// Verifies that the file still exists under its name. The rows written to a file whose
     /// directory was removed would be lost.
     ///
-    /// # Errors If the file does not exist.
+    /// # Errors
+    /// If the file does not exist.
     pub fn is_there(&self) -> Result<(), OutputError> {
         let gone = |error: io::Error| match error.kind() {
             io::ErrorKind::NotFound => {

@@ -52,7 +52,8 @@ pub fn program(directory: &Path, increment: u64) -> PathBuf {
 /// removes the files of an earlier run and nothing else. Returns the history, open and locked.
 /// While it is open, no other run can claim the directory.
 ///
-/// # Errors [`OutputError::InUse`] if another run is writing there, whose files are then unchanged.
+/// # Errors
+/// [`OutputError::InUse`] if another run is writing there, whose files are then unchanged.
 /// [`OutputError::Exists`] if the directory is not empty and `force` is not given.
 pub fn claim(directory: &Path, force: bool) -> Result<File, OutputError> {
     fs::create_dir_all(directory).map_err(OutputError::at(directory))?;
@@ -92,7 +93,8 @@ pub fn lock(file: &File) -> bool {
 /// the mechanism of a collapse, unless they are among the files `there`, which existed at that
 /// increment.
 ///
-/// # Errors If a file cannot be removed.
+/// # Errors
+/// If a file cannot be removed.
 pub fn rewind(directory: &Path, increment: u64, there: &[&str]) -> Result<(), OutputError> {
     for name in entries(directory)? {
         let of_the_end = !there.contains(&&*name)
@@ -138,7 +140,8 @@ fn remove(path: &Path) -> Result<(), OutputError> {
 
 /// Content of the `run.json` of a directory.
 ///
-/// # Errors If the file does not exist or cannot be read.
+/// # Errors
+/// If the file does not exist or cannot be read.
 pub fn record(directory: &Path) -> Result<serde_json::Value, OutputError> {
     let path = directory.join(RUN);
     let text = match fs::read_to_string(&path) {
@@ -152,7 +155,8 @@ pub fn record(directory: &Path) -> Result<serde_json::Value, OutputError> {
 
 /// Removes a file if it exists.
 ///
-/// # Errors If the file exists and cannot be removed.
+/// # Errors
+/// If the file exists and cannot be removed.
 pub fn remove_if_there(path: &Path) -> Result<(), OutputError> {
     match fs::remove_file(path) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => Err(OutputError::at(path)(error)),

@@ -14,7 +14,7 @@ use super::atomic::write_atomic;
 /// Writes the program and the solution of the last increment.
 ///
 /// # Errors
-/// Where the file cannot be written.
+/// If the file cannot be written.
 pub fn write_program(path: &Path, world: &World) -> Result<(), OutputError> {
     let observation = world.resource::<Observation>();
     let text = to_json(

@@ -19,7 +19,7 @@ pub const COLUMNS: [&str; 7] = ["id", "x_m", "y_m", "radius_m", "rotation_rad", 
 /// Writes a frame.
 ///
 /// # Errors
-/// Where the file cannot be written.
+/// If the file cannot be written.
 pub fn write_frame(path: &Path, snapshot: &Snapshot) -> Result<(), OutputError> {
     let mut text = COLUMNS.join(",") + "\n";
     for (i, x) in snapshot.positions.iter().enumerate() {
@@ -52,7 +52,7 @@ pub fn specimen_rows(world: &World) -> Vec<StoredParticle> {
 /// Writes a stored specimen.
 ///
 /// # Errors
-/// Where the file cannot be written.
+/// If the file cannot be written.
 pub fn write_specimen(path: &Path, rows: &[StoredParticle]) -> Result<(), OutputError> {
     atomically(path, |temporary| specimen_file::write(temporary, rows))
 }

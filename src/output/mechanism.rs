@@ -86,7 +86,7 @@ impl Mechanism {
     /// Writes it as CSV.
     ///
     /// # Errors
-    /// Where the file cannot be written.
+    /// If the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), OutputError> {
         let mut text = COLUMNS.join(",") + "\n";
         for row in &self.rows {

@@ -8,14 +8,14 @@
 //! | `events.csv` | one row per rupture |
 //! | `avalanches.csv` | one row per avalanche |
 //! | `timings.csv` | wall-clock times; all other files have equal bytes in every run |
-//! | `specimen.csv` | the particles of the prepared specimen, in the format of stored specimens; see below |
+//! | `specimen.csv` | the prepared specimen, in the format of stored specimens; see below |
 //! | `frames/frame_000123.csv` | all particles after increment 123, if the scene requests frames |
 //! | `frames/frame_000123.svg` | picture of the frame |
 //! | `final_particles.csv` | all particles at the end, in the format of stored specimens |
 //! | `program_000123.json` | cone program and solution of increment 123, if requested |
 //! | `mechanism.csv` | the mechanism of the first collapse |
 //! | `*.svg` | pictures, drawn at the end; that of the mechanism at the collapse |
-//! | `checkpoint.bin` | state between two increments, if requested or if a run stops before its end |
+//! | `checkpoint.bin` | state between two increments, if requested or if a run stops early |
 //!
 //! `specimen.csv` is written at the end of a compaction, and again when the reference stage begins.
 //! It then holds the particles before the first increment of that stage. If particles fall into

@@ -133,7 +133,7 @@ impl RunWriter {
     /// Begins the output of a scene. `world` is the state before the first stage.
     ///
     /// # Errors
-    /// Where the directory is in use, or cannot be written.
+    /// If the directory is in use, or cannot be written.
     pub fn create(
         options: RunOptions,
         loaded: &LoadedScene,
@@ -201,7 +201,8 @@ impl RunWriter {
     /// dropped. `loaded` is the scene with `settings` applied. `every` replaces the distance
     /// between checkpoints.
     ///
-    /// # Errors If the directory is in use, has changed, or cannot be written.
+    /// # Errors
+    /// If the directory is in use, has changed, or cannot be written.
     pub fn resume(
         directory: &Path,
         checkpoint: Checkpoint,
@@ -432,7 +433,7 @@ impl RunWriter {
     /// Ends the output: final particles, outcome, key results, pictures.
     ///
     /// # Errors
-    /// Where something cannot be written.
+    /// If something cannot be written.
     pub fn finish(&mut self, world: &mut World, ending: &Ending) -> Result<Results, OutputError> {
         let dir = self.directory.clone();
         let goes_on = world.resource::<Script>().outcome.is_none();

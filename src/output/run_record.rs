@@ -226,7 +226,7 @@ impl RunRecord {
     /// Writes the record. A reader sees the old or the new one, and never an incomplete one.
     ///
     /// # Errors
-    /// Where the file cannot be written.
+    /// If the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), OutputError> {
         let mut text = serde_json::to_string_pretty(self).map_err(OutputError::at(path))?;
         text.push('\n');

@@ -51,8 +51,8 @@ fn worked(title: &str, history: &History) -> Option<Chart> {
         .filter(|line| late(&line.points) > 1e-6 * most)
         .collect();
     let turning = axis.2 == "rotation";
-    let greatest = lines.iter().flat_map(|l| &l.points).map(|p| p.0.abs()).fold(0.0, f64::max);
-    let (unit, metres) = match greatest {
+    let maximum = lines.iter().flat_map(|l| &l.points).map(|p| p.0.abs()).fold(0.0, f64::max);
+    let (unit, metres) = match maximum {
         _ if turning => ("rad", 1.0),
         u if u >= 0.1 => ("m", 1.0),
         u if u >= 1e-4 => ("mm", 1e-3),

@@ -31,10 +31,10 @@ pub fn svg(mechanism: &Mechanism, now: &Snapshot, title: &str, caption: &str) ->
 
     let mean_radius = now.radii.iter().sum::<f64>() / now.radii.len() as f64;
     let longest = (LONGEST * mean_radius).clamp(LIMITS[0] / sheet.scale, LIMITS[1] / sheet.scale);
-    let greatest = rows.iter().map(|row| row.displacement.length()).fold(0.0, f64::max);
+    let maximum = rows.iter().map(|row| row.displacement.length()).fold(0.0, f64::max);
     let arrows: Vec<_> = rows
         .iter()
-        .map(|row| (row.position, row.displacement * (longest / greatest)))
+        .map(|row| (row.position, row.displacement * (longest / maximum)))
         // The scale is NaN if all bodies only rotate.
         .filter(|(_, shaft)| shaft.length() * sheet.scale >= SHORTEST)
         .flat_map(|(from, shaft)| arrow(from, shaft))

@@ -47,7 +47,7 @@ pub fn as_drawn(scene: &Scene) -> Scene {
 /// Draws the curves that the history defines. Probes are drawn only if no stress is defined.
 ///
 /// # Errors
-/// Where a picture cannot be written.
+/// If a picture cannot be written.
 pub fn curves(directory: &Path, title: &str, history: &History) -> Result<(), OutputError> {
     let stress = stress_strain::stress(title, history);
     let probes = if stress.is_none() { force_displacement::probes(title, history) } else { None };
@@ -64,7 +64,7 @@ pub fn curves(directory: &Path, title: &str, history: &History) -> Result<(), Ou
 /// Draws specimens, each with its caption. Rotations are relative to `start`.
 ///
 /// # Errors
-/// Where a picture cannot be written.
+/// If a picture cannot be written.
 pub fn specimens<const N: usize>(
     directory: &Path,
     title: &str,

@@ -9,7 +9,7 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use super::Chart;
 
 /// Maximum number of points of a line. Closer points cannot be distinguished.
-const MOST_POINTS: usize = 2000;
+const MAX_POINTS: usize = 2000;
 
 const SIZE: (u32, u32) = (760, 520);
 /// Plotters draws on whole pixels, which shows as steps in a straight line, so the drawing is
@@ -175,7 +175,7 @@ fn range(values: impl Iterator<Item = f64>) -> std::ops::Range<f64> {
 
 /// Every n-th point, and the last one.
 fn thin(points: &[(f64, f64)]) -> impl Iterator<Item = (f64, f64)> {
-    let step = points.len().div_ceil(MOST_POINTS).max(1);
+    let step = points.len().div_ceil(MAX_POINTS).max(1);
     let last = if points.len() % step == 1 || step == 1 { None } else { points.last() };
     points.iter().step_by(step).chain(last).copied()
 }
@@ -207,7 +207,7 @@ mod tests {
         for n in [1, 2, 2000, 2001, 4001, 12_345] {
             let points: Vec<_> = (0..n).map(|k| (f64::from(k), 0.0)).collect();
             let thinned: Vec<_> = thin(&points).collect();
-            assert!(thinned.len() <= MOST_POINTS + 1);
+            assert!(thinned.len() <= MAX_POINTS + 1);
             assert_eq!((thinned.first(), thinned.last()), (points.first(), points.last()));
             assert!(thinned.windows(2).all(|w| w[0].0 < w[1].0));
         }
