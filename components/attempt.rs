@@ -87,7 +87,8 @@ pub enum IncrementStatus {
     Collapsed,
     /// Neither an equilibrium nor a collapse was found; nothing was committed.
     Undecided,
-    /// Committed under Coulomb's law with a residual above the tolerance and within the bound of `Sliding`.
+    /// Committed under Coulomb's law with a residual above the tolerance and within the bound of
+    /// `Sliding`.
     Capped,
 }
 

@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 /// Energy balance of an increment, or of several, J.
 ///
 /// ```text
-/// external + gravity = kinetic + elastic + friction + rolling + dilation + collision + rupture + motion + turning
-///                      + numerical
+/// external + gravity = kinetic + elastic + friction + rolling + dilation + collision + rupture
+///                      + motion + turning + numerical
 /// ```
 ///
 /// up to [`error`](Self::error), which comes from the residuals of the solver.

@@ -82,7 +82,8 @@ pub struct EventSearch {
 pub struct Sliding {
     /// Maximum of the natural map of the contacts, without dimension; 0 with the associated law.
     pub natural_map: f64,
-    /// Whether the residual of the solution is above the tolerance and at most [`BOUND`](Self::BOUND).
+    /// Whether the residual of the solution is above the tolerance and at most
+    /// [`BOUND`](Self::BOUND).
     pub capped: bool,
     /// Whether the residual of the solution is above the bound, so that the solution is rejected.
     pub lost: bool,

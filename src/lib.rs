@@ -36,12 +36,12 @@ use clastic_systems::stepping::SteppingPlugin;
 use clastic_systems::trial_loads::TrialLoadsPlugin;
 use clastic_systems::update_state::UpdateStatePlugin;
 
-/// Everything that an increment needs. The program uses the same group as an embedder.
+/// All plugins that an increment needs. The `clastic` program uses the same group as an embedding
+/// program.
 ///
-/// The app makes one increment whenever `Update` runs, or the schedule given to
-/// [`new`](Self::new); [`Running`](systems::stepping::Running) pauses it. In `FixedUpdate` an
-/// increment that takes longer than the time step calls for more of them: use it only where
-/// increments are short.
+/// The app makes one increment whenever `Update`, or the schedule given to [`new`](Self::new),
+/// runs. [`Running`](systems::stepping::Running) pauses it. In `FixedUpdate` an increment that
+/// takes longer than the time step triggers further ones. Use it only if increments are short.
 pub struct ClasticPlugins {
     schedule: InternedScheduleLabel,
 }
@@ -80,10 +80,11 @@ impl PluginGroup for ClasticPlugins {
     }
 }
 
-/// What most programs that embed clastic need.
+/// Types that most embedding programs need.
 ///
-/// Types whose names Bevy or other physics engines use too come with their module: `body::Position`,
-/// `body::Rotation`, `body::Origin`, `body::Group`, `body::Probe`, `material::Material`.
+/// Types whose names Bevy or other physics engines also use come with their module:
+/// `body::Position`, `body::Rotation`, `body::Origin`, `body::Group`, `body::Probe`,
+/// `material::Material`.
 pub mod prelude {
     pub use crate::ClasticPlugins;
     pub use crate::components::body::{

@@ -1,4 +1,4 @@
-//! Gathers bodies, intact bonds, controls and the memory of contacts from the world into tables by identity.
+//! Gathers bodies, intact bonds, controls and the memory of contacts into tables by identity.
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;

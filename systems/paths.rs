@@ -6,7 +6,7 @@
 //! | particle | displacement in the increment |
 //! |---|---|
 //! | carries no contact force | `dt (theta v + (1 - theta) v_0)`, theta of the scene |
-//! | has one impact, at t, and carries nothing else | `t v_0 + (dt - t) v + a (t^2 - (dt - t)^2)/2` |
+//! | has one impact, at t, no other contact | `t v_0 + (dt - t) v + a (t^2 - (dt - t)^2)/2` |
 //! | has springs or bonds | `dt v` |
 //! | any other | `dt (v + e v_0)/(1 + e)` where bodies are hit that touch others, else `dt v` |
 //!

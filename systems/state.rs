@@ -108,7 +108,8 @@ impl Identity for BondId {
 /// Checkpoints use these names. They have the form `plugin.what`, so that names of different
 /// plugins differ.
 ///
-/// # Panics If the name is registered already.
+/// # Panics
+/// If the name is registered already.
 pub trait RegisterState {
     /// Registers a resource.
     fn register_resource<T: Resource + Serialize + DeserializeOwned>(
@@ -231,8 +232,8 @@ impl WorldState {
     /// Restores the state in a world without bodies. Its plugins must be those of the captured
     /// world.
     ///
-    /// # Errors If an entry is not registered or cannot be decoded. The world must then not be
-    /// used.
+    /// # Errors
+    /// If an entry is not registered or cannot be decoded. The world must then not be used.
     pub fn restore(&self, world: &mut World) -> Result<(), StateError> {
         let registered = names(world);
         for (name, _) in &self.entries {

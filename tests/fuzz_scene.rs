@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 
 use clastic::run::{Simulation, Step};
 use clastic::scene::memory::Need;
-use clastic::scene::validate::{MOST_MEMORY, MOST_PARTICLES};
+use clastic::scene::validate::{MAX_MEMORY, MAX_PARTICLES};
 use clastic::scene::{LoadError, from_str};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
@@ -136,7 +136,7 @@ fn try_text(text: &str) -> bool {
         Err(other) => panic!("{other}"),
         Ok(loaded) => {
             let need = Need::of(&loaded.scene, loaded.specimen.as_ref());
-            assert!(need.particles <= MOST_PARTICLES && need.bytes <= MOST_MEMORY, "{need:?}");
+            assert!(need.particles <= MAX_PARTICLES && need.bytes <= MAX_MEMORY, "{need:?}");
             if need.particles <= FEW {
                 let mut simulation = Simulation::new(&loaded.scene, loaded.specimen.as_ref());
                 for _ in 0..2 {

@@ -1,4 +1,4 @@
-//! `clastic check`: reads a scene and says whether it is sound.
+//! `clastic check`: reads a scene and reports its mistakes.
 
 use clastic::run::particles::particles;
 use clastic::scene::load_with;

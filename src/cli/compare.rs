@@ -1,4 +1,4 @@
-//! `clastic compare`: the curves of several runs in one picture, and their key results in one table.
+//! `clastic compare`: the curves of several runs in one picture, and their key results in a table.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -13,9 +13,9 @@ use serde_json::Value;
 
 use super::exit::{Exit, Failure, say};
 
-/// A run as the table and the legends show it.
+/// A run in the table and the legends.
 struct Run {
-    /// The end of its path, as long as it takes to tell it from the others.
+    /// End of the path, long enough to distinguish it from the other paths.
     name: String,
     /// Content of its `run.json`.
     record: Value,
@@ -26,7 +26,7 @@ impl Run {
         self.record["outcome"]["status"].as_str().unwrap_or("not ended")
     }
 
-    /// Its name, with a mark where its curve is not all there is to come.
+    /// Name of the run, with a mark if the run has not ended.
     fn label(&self) -> String {
         match self.status() {
             "completed" | "collapsed" => self.name.clone(),
@@ -57,7 +57,7 @@ pub fn compare(directories: &[PathBuf], out: &Path) -> Result<Exit, Failure> {
     for (file, chart) in charts {
         let path = out.join(file);
         let Some(chart) = chart else {
-            // Of other runs, compared before.
+            // The picture may come from an earlier comparison of other runs.
             directory::remove_if_there(&path)?;
             continue;
         };
@@ -71,10 +71,10 @@ pub fn compare(directories: &[PathBuf], out: &Path) -> Result<Exit, Failure> {
     Ok(Exit::Ok)
 }
 
-/// The ends of paths, each as long as it takes to tell it from the others; a path that is given
-/// twice is numbered.
+/// Ends of paths, each long enough to distinguish it from the others. A path that is given twice is
+/// numbered.
 fn names(paths: &[PathBuf]) -> Vec<String> {
-    // `..` and `.` name no directory.
+    // `..` and `.` are not names of directories.
     let whole = |path: &PathBuf| fs::canonicalize(path).unwrap_or_else(|_| path.clone());
     let paths: Vec<PathBuf> = paths.iter().map(whole).collect();
     let end = |path: &Path, parts: usize| -> String {

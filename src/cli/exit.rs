@@ -1,4 +1,4 @@
-//! Exit codes, and what is said on the way out.
+//! Exit codes and the last messages.
 
 use std::fmt::Display;
 use std::io::{self, Write};
@@ -31,12 +31,12 @@ impl From<Exit> for ExitCode {
     }
 }
 
-/// Why a command could not do what it was asked for.
+/// Why a command failed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Failure {
-    /// How to end.
+    /// Exit code.
     pub exit: Exit,
-    /// What to say.
+    /// Message.
     pub message: String,
 }
 
@@ -63,8 +63,8 @@ impl From<ResumeError> for Failure {
     }
 }
 
-/// Says something on standard output. Who closes it does not want to read it: no error. A full disk
-/// is one. Control characters, which a scene may hold, do not reach the terminal.
+/// Prints to standard output. A closed pipe is no error, because the reader needs no more. A full
+/// disk is an error. Control characters, which a scene may contain, are escaped.
 pub fn say(what: impl Display) -> Result<(), Failure> {
     match writeln!(io::stdout(), "{}", escaped(&what.to_string())) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
@@ -74,7 +74,7 @@ pub fn say(what: impl Display) -> Result<(), Failure> {
     }
 }
 
-/// Says something on standard error, control characters escaped.
+/// Prints to standard error with control characters escaped.
 pub fn complain(what: impl Display) {
     let _ = writeln!(io::stderr(), "{}", escaped(&what.to_string()));
 }

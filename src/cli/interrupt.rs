@@ -1,8 +1,8 @@
 //! Ctrl-C, SIGTERM and SIGHUP ask the run to stop after its increment; a second Ctrl-C kills it.
 //!
-//! Batch queues and machines that shut down send SIGTERM, a terminal that closes sends SIGHUP. Both
-//! may come twice (`timeout` and shells send them to the process and to its group), so only Ctrl-C
-//! counts: whoever presses it after any of them wants the run to stop at once.
+//! Batch queues and machines that shut down send SIGTERM, and a terminal that closes sends SIGHUP.
+//! Both may arrive twice (`timeout` and shells send them to the process and to its group), so only
+//! Ctrl-C counts as the second request. Ctrl-C after any of them stops the run at once.
 
 use std::process;
 use std::sync::Arc;
@@ -10,13 +10,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::exit::{Exit, complain};
 
-/// Whether somebody wants the run to stop.
+/// Whether the user or the system has asked the run to stop.
 #[derive(Clone, Debug, Default)]
 pub struct Interrupt(Arc<AtomicBool>);
 
 impl Interrupt {
-    /// Listens to Ctrl-C and the signals from now on. Where that is impossible, they kill at once, as
-    /// ever.
+    /// Listens to Ctrl-C and the signals from now on. If that is impossible, they keep their
+    /// default effect and end the process.
     pub fn listen() -> Self {
         let interrupt = Self::default();
         let ours = interrupt.clone();
@@ -35,7 +35,7 @@ impl Interrupt {
         interrupt
     }
 
-    /// Asks the run to stop, because of `what`. Returns whether somebody had asked before.
+    /// Asks the run to stop because of `what`. Returns whether an earlier request exists.
     fn ask(&self, what: &str) -> bool {
         let again = self.0.swap(true, Ordering::Relaxed);
         if !again {
@@ -47,13 +47,13 @@ impl Interrupt {
         again
     }
 
-    /// Whether somebody asked the run to stop.
+    /// Whether a stop was requested.
     pub fn requested(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
 }
 
-/// The signals that end a process and are no Ctrl-C.
+/// The signals other than Ctrl-C that end a process.
 #[cfg(unix)]
 mod signals {
     use std::fs;
@@ -68,8 +68,8 @@ mod signals {
     /// Passes the signals on to `interrupt` from now on.
     pub fn listen(interrupt: Interrupt) -> io::Result<()> {
         let mut signals = Signals::new([SIGTERM])?;
-        // Who started the run with `nohup` wants it to outlive the terminal. Where that cannot be
-        // told, SIGHUP is left as it is.
+        // With `nohup` the run must survive its terminal. If the system does not tell whether
+        // SIGHUP is ignored, its handling does not change.
         if hangup_is_ignored() == Some(false) {
             signals.add_signal(SIGHUP)?;
         }
@@ -81,7 +81,7 @@ mod signals {
         Ok(())
     }
 
-    /// Whether this process was started with SIGHUP ignored; none where the system does not say.
+    /// Whether this process was started with SIGHUP ignored; `None` if the system does not tell.
     fn hangup_is_ignored() -> Option<bool> {
         ignores(&fs::read_to_string("/proc/self/status").ok()?, SIGHUP)
     }

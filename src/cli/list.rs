@@ -1,4 +1,4 @@
-//! `clastic list`: the scenes that can be called by name.
+//! `clastic list`: scenes that can be run by name.
 
 use clastic::scene::load;
 use clastic::scene::shown::label;

@@ -6,7 +6,7 @@ use sysinfo::{MemoryRefreshKind, System};
 
 use super::exit::{Exit, Failure};
 
-/// Refuses a scene that would exhaust the memory that is free.
+/// Refuses a scene that needs more than the free memory.
 pub fn fits(loaded: &LoadedScene) -> Result<(), Failure> {
     let need = Need::of(&loaded.scene, loaded.specimen.as_ref());
     match free() {
@@ -26,7 +26,7 @@ pub fn fits(loaded: &LoadedScene) -> Result<(), Failure> {
     }
 }
 
-/// Memory that this process can still take, bytes; none where the system does not say.
+/// Memory that this process can still allocate, bytes; `None` if the system does not tell.
 fn free() -> Option<f64> {
     let mut system = System::new();
     system.refresh_memory_specifics(MemoryRefreshKind::nothing().with_ram());

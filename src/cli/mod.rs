@@ -1,4 +1,4 @@
-//! The command line: what can be typed, and which file does it.
+//! The command line: arguments, and the file that handles each command.
 
 mod check;
 mod compare;
@@ -69,7 +69,7 @@ enum Command {
     },
 }
 
-/// Which scene.
+/// Arguments that name a scene and its settings.
 #[derive(Args)]
 struct SceneArgs {
     /// A scene file, or the name of a scene in ./scenes or of one that clastic ships
@@ -90,8 +90,8 @@ struct RunArgs {
     #[arg(long)]
     force: bool,
     /// Write the cone program and solution of an increment as JSON; may be repeated. N counts the
-    /// increments of the run, as the column `increment` of the history does; STAGE:N those of a stage,
-    /// as `record.frames` does
+    /// increments of the run, as the column `increment` of the history does; STAGE:N those of a
+    /// stage, as `record.frames` does
     #[arg(long = "dump-program", value_name = "[STAGE:]N", value_parser = DumpAt::read)]
     dump_programs: Vec<DumpAt>,
     #[command(flatten)]
@@ -101,7 +101,7 @@ struct RunArgs {
 /// An increment whose program is dumped.
 #[derive(Clone, Debug)]
 struct DumpAt {
-    /// The stage whose increments are counted; those of the run without one.
+    /// Stage whose increments are counted; `None` counts those of the run.
     stage: Option<String>,
     /// The increment, from 1.
     increment: u64,
@@ -132,10 +132,11 @@ struct ResumeArgs {
     output: OutputArgs,
 }
 
-/// How a run goes about it.
+/// Options of the output and of the threads.
 #[derive(Args)]
 struct OutputArgs {
-    /// Write a checkpoint after every N increments, for `clastic resume` [default of resume: as before]
+    /// Write a checkpoint after every N increments, for `clastic resume` [default of resume: as
+    /// before]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     checkpoint_every: Option<u32>,
     /// Threads to use at most; results do not depend on it [default: as many as there are cores]

@@ -1,11 +1,11 @@
-//! What a sound scene may ask for and this program cannot do.
+//! Mistakes that only this program finds in a valid scene.
 
 use clastic::scene::Finding;
 use clastic::scene::format::{Scene, Stage, WallControl};
 use clastic::scene::spans::join;
 
-/// The walls and stages that a scene leaves to an embedding program. No system of this program moves
-/// such walls: they would stand still without a word. No plugin of it provides such stages.
+/// Finds walls and stages that a scene leaves to an embedding program. This program has no system for
+/// such walls, which would stand still without a message, and no plugin for such stages.
 pub fn own_findings(scene: &Scene) -> Vec<Finding> {
     let mut findings = Vec::new();
     for (i, stage) in scene.stages.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! How far the run is: a bar on a terminal, plain lines elsewhere.
+//! Progress of the run: a bar on a terminal, and plain lines otherwise.
 
 use std::io::{self, IsTerminal};
 use std::time::{Duration, Instant};
@@ -11,18 +11,18 @@ use indicatif::{ProgressBar, ProgressStyle};
 use super::exit::complain;
 use super::summary::stress;
 
-/// Plain lines are at least this far apart, except at the start of a stage.
+/// Minimum time between plain lines, except at the start of a stage.
 const PAUSE: Duration = Duration::from_secs(1);
 
-/// What the user sees during a run.
+/// Output during a run.
 pub enum Progress {
-    /// Nothing.
+    /// No output.
     Quiet,
-    /// A bar for the stage under way.
+    /// A bar for the current stage.
     Bar {
         /// The bar.
         bar: ProgressBar,
-        /// Its stage.
+        /// Stage of the bar.
         stage: Option<usize>,
         /// Number of stages.
         stages: usize,
@@ -37,7 +37,7 @@ pub enum Progress {
 }
 
 impl Progress {
-    /// Begins; `stages` is their number.
+    /// Starts the output for a run with this number of stages.
     pub fn new(quiet: bool, stages: usize) -> Self {
         if quiet {
             return Self::Quiet;
@@ -54,7 +54,7 @@ impl Progress {
         Self::Bar { bar, stage: None, stages }
     }
 
-    /// Shows an increment.
+    /// Shows the progress after an increment.
     pub fn show(&mut self, place: &Place, o: &Observation) {
         let name = label(&place.stage_name);
         let title = |stages| format!("stage {}/{stages} {name}", place.stage + 1);
@@ -66,7 +66,7 @@ impl Progress {
                     bar.reset();
                     bar.set_prefix(title(*stages));
                 }
-                // Increments may come in fractions: the bar counts whole ones.
+                // Increments may be fractions, and the bar counts whole ones.
                 bar.set_length(place.total.ceil() as u64);
                 bar.set_position(place.done as u64);
                 bar.set_message(state(o));
@@ -91,7 +91,7 @@ impl Progress {
     }
 }
 
-/// Strain, stress and broken bonds of an increment, as far as they are defined.
+/// Strain, stress and broken bonds of an increment, if they are defined.
 fn state(o: &Observation) -> String {
     let mut parts = vec![format!("increment {}", o.increment)];
     parts.extend(o.axial_strain.map(|e| format!("strain {:.3} %", 100.0 * e)));

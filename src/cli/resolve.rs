@@ -1,4 +1,4 @@
-//! Which file a scene argument means.
+//! File of a scene argument.
 
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
@@ -10,11 +10,11 @@ use clastic::scene::shipped;
 
 use super::exit::{Exit, Failure};
 
-/// Directory of the scenes that can be called by name.
+/// Directory of scenes that can be run by name.
 pub const SCENES: &str = "scenes";
 
-/// A file, with or without its `.ron`, or the bare name of a scene in [`SCENES`] or of a shipped one.
-/// A directory that happens to have the name of a scene is no scene.
+/// Path of a scene: a file, with or without its `.ron`, or the name of a scene in [`SCENES`] or of
+/// a shipped scene. A directory is never taken for a scene.
 pub fn resolve(scene: &Path) -> Result<PathBuf, Failure> {
     if scene.exists() && !scene.is_dir() {
         return Ok(scene.to_owned());
@@ -45,7 +45,7 @@ pub fn resolve(scene: &Path) -> Result<PathBuf, Failure> {
     ))
 }
 
-/// The scenes that can be called by name: those in [`SCENES`], and the shipped ones that are not there.
+/// Scenes that can be run by name: those in [`SCENES`], and the shipped scenes with other names.
 pub fn scenes() -> io::Result<BTreeMap<String, PathBuf>> {
     let shipped = shipped::names().filter_map(|name| Some((name.to_owned(), shipped::path(name)?)));
     let mut scenes: BTreeMap<_, _> = shipped.collect();
@@ -64,7 +64,7 @@ pub fn scenes() -> io::Result<BTreeMap<String, PathBuf>> {
     Ok(scenes)
 }
 
-/// The scene whose name is nearest to a misspelt one.
+/// The scene name that is nearest to a misspelt one.
 fn nearest(name: &str) -> Option<String> {
     let names = scenes().ok()?.into_keys();
     names

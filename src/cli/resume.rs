@@ -1,4 +1,4 @@
-//! `clastic resume`: takes a run on from its checkpoint.
+//! `clastic resume`: continues a run from its checkpoint.
 
 use std::path::Path;
 
@@ -36,7 +36,7 @@ pub fn resume(args: &ResumeArgs) -> Result<Exit, Failure> {
     let read = |sets: &[String], particles| from_str_with(&checkpoint.scene, name, particles, sets);
     let before = read(&[], view.specimen.clone())?.scene;
     let loaded = read(&args.sets, view.specimen.clone())?;
-    // The run began without any: a setting has put it there, and its path says which.
+    // The run began without such walls, so a setting has added them. Its path is in the message.
     let foreign = own_findings(&loaded.scene);
     if let Some(finding) = foreign.first() {
         return Err(Failure { exit: Exit::Scene, message: finding.to_string() });
@@ -65,13 +65,13 @@ pub fn resume(args: &ResumeArgs) -> Result<Exit, Failure> {
     to_the_end(simulation, writer, directory, args.output.quiet)
 }
 
-/// A state that this program cannot go on from.
+/// Failure for a state that this program cannot restore.
 fn damaged(error: StateError) -> Failure {
     Failure { exit: Exit::Usage, message: format!("the checkpoint cannot be resumed: {error}") }
 }
 
-/// Settings for a run that is at its end. Its checkpoint is gone, and with it all that an increment
-/// starts from (forces, velocities, broken bonds): the files of the results do not hold it.
+/// Failure for settings of a run that has ended. Its checkpoint is gone, and the result files do
+/// not contain the state (forces, velocities, broken bonds) from which an increment starts.
 fn too_late(directory: &Path, sets: &[String]) -> Failure {
     let sets: Vec<_> = sets.iter().map(|set| format!("--set {set:?}")).collect();
     let message = format!(
@@ -85,7 +85,7 @@ fn too_late(directory: &Path, sets: &[String]) -> Failure {
     Failure { exit: Exit::Usage, message }
 }
 
-/// Whether the run of a directory came to its end.
+/// Whether the run in a directory has ended.
 fn ended(directory: &Path) -> Result<bool, Failure> {
     let record = directory::record(directory)?;
     Ok(["completed", "collapsed"].map(Some).contains(&record["outcome"]["status"].as_str()))

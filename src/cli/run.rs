@@ -1,4 +1,4 @@
-//! `clastic run`: runs a scene to its end, or until somebody stops it.
+//! `clastic run`: runs a scene to its end, or until it is interrupted.
 
 use std::path::Path;
 
@@ -57,7 +57,7 @@ pub fn run(args: &RunArgs) -> Result<Exit, Failure> {
     to_the_end(simulation, writer, &directory, args.output.quiet)
 }
 
-/// Takes a run from where it is to its end and writes what it leaves.
+/// Runs a simulation to its end and writes the results.
 pub fn to_the_end(
     mut simulation: Simulation,
     writer: RunWriter,
@@ -118,7 +118,7 @@ pub fn to_the_end(
         text += &format!("\nporosity of the packing {porosity:.4}");
     }
     let said = say(text);
-    // A terminal that was closed takes no summary: that is no failure of an interrupted run.
+    // A closed terminal cannot print the summary. That is no failure of an interrupted run.
     if ending != Ending::Interrupted {
         said?;
     }
@@ -139,7 +139,7 @@ pub fn to_the_end(
     }
 }
 
-/// What to say when output fails in the middle of a run.
+/// Message for output that fails during a run.
 fn stopped(error: OutputError, writer: &RunWriter, directory: &Path) -> Failure {
     let mut failure = Failure::from(error);
     if let Some(increment) = writer.saved() {

@@ -8,23 +8,23 @@ use clastic::run::stages::Script;
 use clastic::run::{Collapse, Outcome, StageEnd};
 use clastic::scene::shown::label;
 
-/// What the summary is about.
+/// Data of the summary.
 pub struct Summary<'a> {
     /// How the run ended.
     pub ending: &'a Ending,
-    /// Its last increment.
+    /// Last increment of the run.
     pub increment: u64,
-    /// Its scene and stages.
+    /// Scene and stages of the run.
     pub script: &'a Script,
-    /// Its key results.
+    /// Key results of the run.
     pub results: &'a Results,
-    /// Of which moment `specimen.csv` is, where it is there.
+    /// Moment of `specimen.csv`, if the file exists.
     pub specimen: Option<&'a str>,
-    /// Where the results are.
+    /// Directory of the results.
     pub directory: &'a Path,
 }
 
-/// How the run ended, what came out, where it is.
+/// Text of the summary: how the run ended, key results, directory.
 pub fn summary(of: &Summary) -> String {
     let Summary { ending, increment, script, results, specimen, directory } = *of;
     let outcome = match ending {
@@ -98,7 +98,7 @@ pub fn summary(of: &Summary) -> String {
     lines.join("\n")
 }
 
-/// What must be said where increments are capped.
+/// Warnings about capped increments.
 fn warnings(stages: &[StageEnd]) -> Vec<String> {
     let mut lines: Vec<_> = stages
         .iter()
@@ -116,10 +116,10 @@ fn warnings(stages: &[StageEnd]) -> Vec<String> {
     lines
 }
 
-/// Estimated error of the peak above which the summary warns.
+/// The summary warns about an estimated error of the peak above this.
 const PEAK_ERROR: f64 = 0.02;
 
-/// What must be said where the peak depends on the increment.
+/// Warning about a peak that depends on the size of the increments.
 fn peak_error(results: &Results) -> Option<String> {
     let estimate = results.peak_error_estimate.filter(|e| *e > PEAK_ERROR)?;
     results.peak_stress_pa?;
@@ -131,7 +131,7 @@ fn peak_error(results: &Results) -> Option<String> {
     ))
 }
 
-/// What a rig that measures strain and stress should have given, and why it has not.
+/// Key results that the measured strain and stress should define but do not, with reasons.
 fn not_defined(script: &Script, ending: &Ending, results: &Results) -> Vec<String> {
     let measures = &script.scene.measures;
     if measures.axial_strain.is_none() || measures.axial_stress.is_none() {
@@ -147,7 +147,7 @@ fn not_defined(script: &Script, ending: &Ending, results: &Results) -> Vec<Strin
         )];
     }
     let mut lines = Vec::new();
-    // Nothing is wrong with a rigid specimen: it has a limit load, and no modulus.
+    // A rigid specimen has a limit load and no modulus, so this is no warning.
     if reason("youngs_modulus_pa").is_some_and(|reason| reason != RIGID) {
         lines.extend(
             reason("youngs_modulus_pa").map(|reason| format!("E is not defined: {reason}")),
@@ -162,7 +162,7 @@ fn not_defined(script: &Script, ending: &Ending, results: &Results) -> Vec<Strin
     lines
 }
 
-/// What ended a stage before its last increment; nothing of one that ran to its end.
+/// What ended a stage before its last increment; `None` for a stage that ran to its end.
 fn stage(end: &StageEnd) -> Option<String> {
     let StageEnd { stage, increments, .. } = end;
     let n = if *increments == 1 { "increment" } else { "increments" };
@@ -171,7 +171,7 @@ fn stage(end: &StageEnd) -> Option<String> {
     stop.map(|stop| format!("stage {stage}: stopped by {stop} after {increments} {n}"))
 }
 
-/// A stress in the unit that suits it.
+/// A stress in a suitable unit.
 pub fn stress(pascals: f64) -> String {
     let (unit, size) = match pascals.abs() {
         s if s >= 1e9 => ("GPa", 1e9),
@@ -179,7 +179,7 @@ pub fn stress(pascals: f64) -> String {
         s if s >= 1e3 => ("kPa", 1e3),
         _ => ("Pa", 1.0),
     };
-    // Adding zero turns -0 into 0.
+    // Adding zero changes -0 to 0.
     format!("{:.4} {unit}", pascals / size + 0.0)
 }
 
@@ -203,7 +203,7 @@ mod tests {
         stages: [Load(name: "confine", increments: 1), Load(name: "shear", increments: 1)],
         measures: (axial_strain: Particles(0, 1), axial_stress: Average(component: Yy, area: Fixed(1.0))))"#;
 
-    /// The summary of a run of two stages, each with its number of increments and of capped ones.
+    /// Summary of a run of two stages, each with its number of increments and of capped increments.
     fn said(stages: [(u64, u64); 2], measured: bool, results: &Results) -> String {
         let mut scene = from_str(SCENE, Path::new("t.ron"), Path::new(""), &[]).unwrap().scene;
         if !measured {

@@ -1,4 +1,4 @@
-//! The threads that a command works on.
+//! Threads of a command.
 
 use std::num::NonZero;
 use std::thread::available_parallelism;
@@ -7,11 +7,11 @@ use rayon::ThreadPoolBuilder;
 
 use super::exit::{Exit, Failure};
 
-/// Of a main thread; less is usual for others.
+/// Stack size of the thread, bytes: that of a main thread. The default of other threads is smaller.
 const STACK: usize = 8 << 20;
 
-/// Runs a command on so many threads, and on no more than there are cores. It is one thread that runs
-/// it: where the solver has work for several, the others help.
+/// Runs a command with this number of threads, and with no more than the number of cores. One
+/// thread runs the command. The others help with parallel parts of the solver.
 pub fn on_threads(
     threads: Option<u32>,
     command: impl FnOnce() -> Result<Exit, Failure> + Send,

@@ -1,4 +1,4 @@
-//! Files that are there whole or not at all.
+//! Files that are either complete or absent.
 
 use std::ffi::OsString;
 use std::fs::{self, OpenOptions};
@@ -7,13 +7,13 @@ use std::path::Path;
 
 use super::OutputError;
 
-/// What the name of a file that is not complete ends with.
+/// Suffix of an incomplete file.
 pub const PART: &str = ".part";
 
-/// Lets `write` fill a temporary file beside `path` and renames it to `path` once it is complete.
+/// Lets `write` fill a temporary file beside `path` and renames it to `path` when it is complete.
 ///
 /// # Errors
-/// Where the file cannot be written; what was at `path` before is then still there.
+/// If the file cannot be written. A file that was at `path` before is unchanged.
 pub fn atomically(
     path: &Path,
     write: impl FnOnce(&Path) -> io::Result<()>,
@@ -23,7 +23,7 @@ pub fn atomically(
     let temporary = path.with_file_name(name);
     let done = write(&temporary).and_then(|()| fs::rename(&temporary, path));
     if done.is_err() {
-        // It may not even be there; the error that counts is the one above.
+        // The temporary file may not exist, and only the error above matters.
         let _ = fs::remove_file(&temporary);
     }
     done.map_err(OutputError::at(path))
@@ -32,16 +32,16 @@ pub fn atomically(
 /// Writes a whole file, see [`atomically`].
 ///
 /// # Errors
-/// Where the file cannot be written.
+/// If the file cannot be written.
 pub fn write_atomic(path: &Path, content: impl AsRef<[u8]>) -> Result<(), OutputError> {
     atomically(path, |temporary| fs::write(temporary, content))
 }
 
-/// Writes a whole file so that it survives a crash of the machine as well: a name that reaches the
-/// disk before its content would be an empty file. It takes some milliseconds.
+/// Writes a whole file so that it survives a crash of the machine. Without this, the name may reach
+/// the disk before the content, which leaves an empty file. It takes some milliseconds.
 ///
 /// # Errors
-/// Where the file cannot be written.
+/// If the file cannot be written.
 pub fn write_durable(path: &Path, content: impl AsRef<[u8]>) -> Result<(), OutputError> {
     atomically(path, |temporary| {
         fs::write(temporary, content)?;
@@ -52,7 +52,7 @@ pub fn write_durable(path: &Path, content: impl AsRef<[u8]>) -> Result<(), Outpu
 /// Forces the content of a file to the disk.
 ///
 /// # Errors
-/// Where the system says so.
+/// If the system reports an error.
 pub fn sync(path: &Path) -> io::Result<()> {
     OpenOptions::new().write(true).open(path)?.sync_all()
 }

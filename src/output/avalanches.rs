@@ -1,8 +1,9 @@
-//! `avalanches.csv`: one row an avalanche, where bonds break from event to event.
+//! `avalanches.csv`: one row per avalanche, if bonds break from event to event.
 //!
-//! An avalanche is one event, of a single bond or of many. It begins with the increment that ends at the limit of its
-//! first bond. Others may break after it at constant load; it ends with the equilibrium in which all bonds hold. What stands after it is empty where the run ended
-//! before, or where loading went on with one round of ruptures.
+//! An avalanche is one event of one or more bonds. It begins with the increment that ends at the
+//! limit of its first bond. Other bonds may break after it at constant load. It ends with the
+//! equilibrium in which all bonds hold. The columns of the state after it are empty if the run
+//! ended before, or if loading continued with one round of ruptures.
 
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -32,24 +33,24 @@ pub const COLUMNS: [&str; 12] = [
     "elastic_energy_after_j",
 ];
 
-/// An avalanche under way.
+/// An avalanche that has not ended.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Avalanche {
     increment: u64,
     stage: String,
     strain: Option<f64>,
     first_bond: u32,
-    /// Increments in which bonds broke.
+    /// Number of increments in which bonds broke.
     rounds: u32,
-    /// In tension, shear and rolling.
+    /// Number of bonds broken in tension, shear and rolling.
     broken: [u32; 3],
     stress: Option<f64>,
     energy: f64,
 }
 
 impl Avalanche {
-    /// Takes up what the last increment says of avalanches: begins one, adds to the one under way, or ends it. Returns
-    /// the row of one that has ended and the number of its bonds.
+    /// Processes the last increment: begins an avalanche, extends the current one, or ends it.
+    /// Returns the row of an ended avalanche and the number of its bonds.
     pub fn follow(open: &mut Option<Self>, world: &World) -> Option<(Row, usize)> {
         let observation = world.resource::<Observation>();
         if !matches!(observation.status, IncrementStatus::Solved | IncrementStatus::Capped) {
@@ -61,7 +62,7 @@ impl Avalanche {
         let mut ended = if observation.ruptures.is_empty() {
             open.take().map(|avalanche| avalanche.ended(after))
         } else if is_loaded {
-            // Loading went on with one round of ruptures.
+            // Loading continued with one round of ruptures.
             open.take().map(|avalanche| avalanche.ended(None))
         } else {
             None
@@ -80,7 +81,7 @@ impl Avalanche {
                 avalanche.broken[mode] += 1;
             }
         }
-        // The motion that was followed has come to rest without the bonds that broke in it.
+        // The followed motion has come to rest without the bonds that broke in it.
         let is_settled = is_active && !is_loaded && !world.resource::<Progress>().relaxing;
         if is_settled && let Some(avalanche) = open.take() {
             ended = Some(avalanche.ended(after));
@@ -103,8 +104,8 @@ impl Avalanche {
         })
     }
 
-    /// The row, and the number of bonds. `after` is the axial stress and the elastic energy after the avalanche, where
-    /// it ended with an equilibrium.
+    /// Row of the avalanche, and number of its bonds. `after` is the axial stress and the elastic
+    /// energy after it, if it ended with an equilibrium.
     pub fn ended(self, after: Option<(Option<f64>, f64)>) -> (Row, usize) {
         let bonds = self.broken.iter().sum::<u32>() as usize;
         let mut row = Row::default()

@@ -1,9 +1,10 @@
-//! `checkpoint.bin`: a run between two increments, whole, so that it can go on from there.
+//! `checkpoint.bin`: the complete state of a run between two increments, from which the run can
+//! continue.
 //!
 //! One line of text, `clastic checkpoint, format N, sha256 <hash of what follows>`, then a
-//! [`Checkpoint`] in postcard's encoding: documented, compact, and f64 by its bits, those that are not
-//! finite too. The file is written under another name, forced to the disk and renamed: at every
-//! moment there is a whole checkpoint, the new one or the one before.
+//! [`Checkpoint`] in postcard's encoding, which is documented, compact, and keeps the bits of every
+//! f64, non-finite ones included. The file is written under another name, flushed to the disk and
+//! renamed. A complete checkpoint, old or new, therefore exists at every moment.
 
 use std::fs;
 use std::io;
@@ -18,49 +19,49 @@ use super::run_directory::WriterState;
 use super::run_record::{RunFacts, sha256};
 use crate::run::WorldState;
 
-/// Version of the format. It goes up with every change of what is stored: types that derive their
-/// encoding, in this file and where plugins register state, are the format.
+/// Version of the format. It increases with every change of the stored types, which are the types
+/// that derive their encoding in this file and where plugins register state.
 pub const VERSION: u32 = 8;
 
 const MAGIC: &str = "clastic checkpoint, format ";
 
-/// What a checkpoint holds.
+/// Content of a checkpoint.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Checkpoint {
     /// Version of the program that wrote it.
     pub clastic_version: String,
-    /// The last increment that is committed.
+    /// The last committed increment.
     pub increment: u64,
     /// The scene as run.
     pub scene: String,
-    /// The scene before its settings were changed, where that happened with this very checkpoint:
-    /// who is killed between two files has the old `scene.ron` yet.
+    /// The scene before its settings were changed, if this checkpoint changed them. A process that
+    /// is killed between writing the two files leaves the old `scene.ron`.
     pub scene_before: Option<String>,
-    /// What `run.json` says besides settings and results.
+    /// Content of `run.json` apart from settings and results.
     pub facts: RunFacts,
-    /// A checkpoint is written after so many increments; 0 writes none.
+    /// Number of increments between checkpoints; 0 writes none.
     pub every: u32,
     /// Increments of the run whose cone program is dumped.
     pub dump_programs: Vec<u64>,
     /// Increments of stages, by name, whose cone program is dumped.
     pub dump_in_stages: Vec<(String, u64)>,
-    /// What the output remembers.
+    /// State of the output.
     pub output: WriterState,
-    /// What the simulation remembers.
+    /// State of the simulation.
     pub world: WorldState,
 }
 
 /// Why a run cannot be resumed.
 #[derive(Debug, thiserror::Error)]
 pub enum ResumeError {
-    /// There is no checkpoint.
+    /// The checkpoint does not exist.
     #[error(
         "{}: no checkpoint is here; a run writes one with --checkpoint-every N, when Ctrl-C, SIGTERM or \
          SIGHUP interrupts it, when an increment stalls and when a stage cannot begin. Run the scene again, \
          with --force", .0.display()
     )]
     NoCheckpoint(PathBuf),
-    /// It is of another version of the format.
+    /// The checkpoint has another version of the format.
     #[error(
         "{}: a checkpoint of format {found}, and this clastic reads format {VERSION}; resume it with the \
          clastic that wrote it, or run the scene again, with --force", path.display()
@@ -68,10 +69,10 @@ pub enum ResumeError {
     Version {
         /// The checkpoint.
         path: PathBuf,
-        /// Its version.
+        /// Version of the checkpoint.
         found: String,
     },
-    /// It is not what was written.
+    /// The content of the checkpoint is damaged.
     #[error("{}: damaged ({what}); run the scene again, with --force", path.display())]
     Damaged {
         /// The checkpoint.
@@ -79,7 +80,7 @@ pub enum ResumeError {
         /// What is wrong.
         what: String,
     },
-    /// It does not belong to the scene beside it.
+    /// The checkpoint does not belong to the scene beside it.
     #[error(
         "{}: a checkpoint of another scene than {} beside it; put back the one that was run (sha256 {expected}), \
          and change settings with --set", path.display(), directory::SCENE
@@ -87,10 +88,10 @@ pub enum ResumeError {
     OtherScene {
         /// The checkpoint.
         path: PathBuf,
-        /// Hash of its scene.
+        /// Hash of the scene of the checkpoint.
         expected: String,
     },
-    /// A file that goes on is not what it was.
+    /// A file to be continued has changed.
     #[error("{}: {what}; run the scene again, with --force", path.display())]
     Cut {
         /// The file.
@@ -98,7 +99,7 @@ pub enum ResumeError {
         /// What is wrong with it.
         what: String,
     },
-    /// Something cannot be read or written.
+    /// A file cannot be read or written.
     #[error(transparent)]
     Output(#[from] OutputError),
 }
@@ -107,7 +108,7 @@ impl Checkpoint {
     /// Writes the checkpoint of a run directory.
     ///
     /// # Errors
-    /// Where it cannot be written; the one before is then still there.
+    /// If the file cannot be written. The previous checkpoint is then unchanged.
     pub fn write(&self, directory: &Path) -> Result<(), OutputError> {
         let path = directory.join(directory::CHECKPOINT);
         write_durable(&path, self.bytes().map_err(OutputError::at(&path))?)
@@ -120,8 +121,8 @@ impl Checkpoint {
         Ok(bytes)
     }
 
-    /// Reads the checkpoint of a run directory, and makes sure that it is whole and that its scene is
-    /// the one of the directory.
+    /// Reads the checkpoint of a run directory and verifies that it is complete and belongs to the
+    /// scene of the directory.
     ///
     /// # Errors
     /// See [`ResumeError`].

@@ -1,4 +1,4 @@
-//! CSV files that grow row by row.
+//! CSV files that are written row by row.
 
 use std::fmt::{Display, Write as _};
 use std::fs::{self, File, OpenOptions};
@@ -9,7 +9,7 @@ use super::OutputError;
 use super::checkpoint::ResumeError;
 use super::directory::lock;
 
-/// A CSV file of which every row is written whole.
+/// A CSV file that contains complete rows only.
 #[derive(Debug)]
 pub struct CsvFile {
     path: PathBuf,
@@ -21,7 +21,7 @@ impl CsvFile {
     /// Creates the file with its header.
     ///
     /// # Errors
-    /// Where the file cannot be written.
+    /// If the file cannot be written.
     pub fn create(
         path: PathBuf,
         header: impl IntoIterator<Item = impl AsRef<str>>,
@@ -30,10 +30,10 @@ impl CsvFile {
         Self::with_header(path, file, header)
     }
 
-    /// Begins a file that is open already, and locked: what it held is dropped.
+    /// Starts an open and locked file anew. Its former content is dropped.
     ///
     /// # Errors
-    /// Where the file cannot be written.
+    /// If the file cannot be written.
     pub fn begin(
         path: PathBuf,
         file: File,
@@ -54,11 +54,11 @@ impl CsvFile {
         Ok(csv)
     }
 
-    /// Opens a file of which the first `length` bytes are to stay: nothing changes before
+    /// Opens a file whose first `length` bytes are kept. The file does not change before
     /// [`cut`](Self::cut).
     ///
     /// # Errors
-    /// Where the file cannot be opened, is shorter, or has no end of a row there.
+    /// If the file cannot be opened, is shorter, or has no end of a row at this position.
     pub fn open(path: PathBuf, length: u64) -> Result<Self, ResumeError> {
         let cut = |what: String| ResumeError::Cut { path: path.clone(), what };
         let at = || OutputError::at(&path);
@@ -79,38 +79,38 @@ impl CsvFile {
     /// Drops the rows that were written after the checkpoint.
     ///
     /// # Errors
-    /// Where the file cannot be written.
+    /// If the file cannot be written.
     pub fn cut(&mut self) -> Result<(), OutputError> {
         let end = SeekFrom::Start(self.length);
         let done = self.file.set_len(self.length).and_then(|()| self.file.seek(end).map(|_| ()));
         done.map_err(OutputError::at(&self.path))
     }
 
-    /// Marks the file as being written for as long as it is open; whether it was free.
+    /// Locks the file while it is open. Returns whether it was unlocked.
     #[must_use]
     pub fn lock(&self) -> bool {
         lock(&self.file)
     }
 
-    /// Size of the whole rows, bytes.
+    /// Size of the complete rows, bytes.
     #[must_use]
     pub fn length(&self) -> u64 {
         self.length
     }
 
-    /// Forces the rows to the disk.
+    /// Flushes the rows to the disk.
     ///
     /// # Errors
-    /// Where the system says so.
+    /// If the system reports an error.
     pub fn sync(&self) -> Result<(), OutputError> {
         self.file.sync_data().map_err(OutputError::at(&self.path))
     }
 
-    /// Makes sure that the file still stands under its name: an open file can be written long after
-    /// its directory is gone, and nobody would ever see it.
+    /// Verifies that the file still exists under its name. The rows written to a file whose
+    /// directory was removed would be lost.
     ///
     /// # Errors
-    /// Where it does not.
+    /// If the file does not exist.
     pub fn is_there(&self) -> Result<(), OutputError> {
         let gone = |error: io::Error| match error.kind() {
             io::ErrorKind::NotFound => {
@@ -124,11 +124,11 @@ impl CsvFile {
     /// Appends a row, in one write.
     ///
     /// # Errors
-    /// Where the row cannot be written; the file then ends with the row before.
+    /// If the row cannot be written. The file then ends with the previous row.
     pub fn push(&mut self, row: Row) -> Result<(), OutputError> {
         let line = row.line();
         if let Err(error) = self.file.write_all(line.as_bytes()).and_then(|()| self.file.flush()) {
-            // Half a row would make the file unreadable to whoever wants the rest of it.
+            // An incomplete row would make the file unreadable.
             let _ = self.file.set_len(self.length);
             return Err(OutputError::at(&self.path)(error));
         }
@@ -142,7 +142,7 @@ impl CsvFile {
 pub struct Row(String);
 
 impl Row {
-    /// Adds a text, quoted where it has to be.
+    /// Adds a text, quoted if necessary.
     #[must_use]
     pub fn text(mut self, text: &str) -> Self {
         if text.contains([',', '"', '\n', '\r']) {
@@ -160,10 +160,10 @@ impl Row {
         self
     }
 
-    /// Adds a number with the fewest digits that read back as the same number.
+    /// Adds a number with the fewest digits that give the number back on reading.
     #[must_use]
     pub fn number(mut self, number: f64) -> Self {
-        // Adding zero turns -0 into 0: its sign says nothing, but would show.
+        // Adding zero changes -0 to 0, whose sign has no meaning.
         self.field(format_args!("{:?}", number + 0.0));
         self
     }
@@ -174,13 +174,13 @@ impl Row {
         numbers.into_iter().fold(self, Self::number)
     }
 
-    /// Adds several numbers, or empty fields where they are not defined.
+    /// Adds several numbers, or empty fields for those that are not defined.
     #[must_use]
     pub fn optionals(self, numbers: impl IntoIterator<Item = Option<f64>>) -> Self {
         numbers.into_iter().fold(self, Self::optional)
     }
 
-    /// Adds a number, or an empty field where it is not defined.
+    /// Adds a number, or an empty field if it is not defined.
     #[must_use]
     pub fn optional(mut self, number: Option<f64>) -> Self {
         match number {
@@ -195,14 +195,14 @@ impl Row {
     /// The row as a line of text.
     #[must_use]
     pub fn line(mut self) -> String {
-        // Every field ends with a comma; the last one's becomes the end of the line.
+        // Every field ends with a comma, and the last comma becomes the end of the line.
         self.0.pop();
         self.0.push('\n');
         self.0
     }
 
     fn field(&mut self, value: impl Display) {
-        // Writing to a string does not fail.
+        // Writing to a string cannot fail.
         let _ = write!(self.0, "{value},");
     }
 }

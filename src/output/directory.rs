@@ -1,4 +1,4 @@
-//! The directory itself: where it is, whether it is free, names of files in it.
+//! The run directory: its path, whether it is free, and the names of its files.
 
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io;
@@ -11,13 +11,13 @@ use super::atomic::PART;
 pub const RUN: &str = "run.json";
 /// The scene as run.
 pub const SCENE: &str = "scene.ron";
-/// One row an increment.
+/// One row per increment.
 pub const HISTORY: &str = "history.csv";
-/// One row a rupture.
+/// One row per rupture.
 pub const EVENTS: &str = "events.csv";
-/// One row an avalanche.
+/// One row per avalanche.
 pub const AVALANCHES: &str = "avalanches.csv";
-/// Wall clock.
+/// Wall-clock times.
 pub const TIMINGS: &str = "timings.csv";
 /// The prepared specimen.
 pub const SPECIMEN: &str = "specimen.csv";
@@ -25,12 +25,12 @@ pub const SPECIMEN: &str = "specimen.csv";
 pub const FINAL_PARTICLES: &str = "final_particles.csv";
 /// The mechanism of the first collapse.
 pub const MECHANISM: &str = "mechanism.csv";
-/// The run between two increments, to go on from.
+/// The state between two increments, from which the run can continue.
 pub const CHECKPOINT: &str = "checkpoint.bin";
 /// Directory of the frames.
 pub const FRAMES: &str = "frames";
 
-/// Where the results of a scene go by default: `runs/<name of the scene>`.
+/// Default directory for the results of a scene: `runs/<name of the scene>`.
 #[must_use]
 pub fn default_directory(scene: &Path) -> PathBuf {
     Path::new("runs").join(scene.file_stem().unwrap_or("scene".as_ref()))
@@ -48,13 +48,13 @@ pub fn program(directory: &Path, increment: u64) -> PathBuf {
     directory.join(format!("program_{increment:06}.json"))
 }
 
-/// Makes `directory` ready for a run: it must be empty or not be there, unless `force`, which
-/// removes what an earlier run wrote and nothing else. Returns the history, open and locked: as long
-/// as it is open no other run can claim the directory.
+/// Prepares `directory` for a run. It must be empty or absent unless `force` is given. `force`
+/// removes the files of an earlier run and nothing else. Returns the history, open and locked.
+/// While it is open, no other run can claim the directory.
 ///
 /// # Errors
-/// [`OutputError::InUse`] where another run is writing; nothing of it was touched.
-/// [`OutputError::Exists`] where there is something and `force` is not given.
+/// [`OutputError::InUse`] if another run is writing there, whose files are then unchanged.
+/// [`OutputError::Exists`] if the directory is not empty and `force` is not given.
 pub fn claim(directory: &Path, force: bool) -> Result<File, OutputError> {
     fs::create_dir_all(directory).map_err(OutputError::at(directory))?;
     let names = entries(directory)?;
@@ -64,15 +64,16 @@ pub fn claim(directory: &Path, force: bool) -> Result<File, OutputError> {
         let error = if used { OutputError::InUse } else { OutputError::Exists };
         return Err(error(directory.to_owned()));
     }
-    // The file that a run holds its lock on is neither removed nor replaced: two runs that begin at
-    // the same time must meet at the same file.
+    // The file that carries the lock is neither removed nor replaced, because two runs that begin
+    // simultaneously must lock one file.
     let mut open = OpenOptions::new();
     let open = open.read(true).write(true).create(true).truncate(false);
     let history = open.open(&path).map_err(OutputError::at(&path))?;
     if !lock(&history) {
         return Err(OutputError::InUse(directory.to_owned()));
     }
-    // A directory that was given by mistake may hold anything: only known names are removed.
+    // A directory that was given by mistake may contain other files, so only known names are
+    // removed.
     for name in names.iter().filter(|name| is_ours(name) && *name != HISTORY) {
         remove(&directory.join(name))?;
     }
@@ -80,19 +81,20 @@ pub fn claim(directory: &Path, force: bool) -> Result<File, OutputError> {
     Ok(history)
 }
 
-/// Marks a file as being written for as long as it is open; whether it was free.
+/// Locks a file while it is open. Returns whether it was unlocked.
 #[must_use]
 pub fn lock(file: &File) -> bool {
-    // A file system without locks has none that others could hold.
+    // On a file system without locks no other run can hold one.
     !matches!(file.try_lock(), Err(TryLockError::WouldBlock))
 }
 
-/// Removes what a run wrote after `increment` and does not go on with: the files of its end, later
-/// frames and programs, files that were never complete; the prepared specimen and the mechanism of a
-/// collapse, unless they are among the files that were `there` already.
+/// Removes the files that a run wrote after `increment` and does not continue: the files of its
+/// end, later frames and programs, and incomplete files. It also removes the prepared specimen and
+/// the mechanism of a collapse, unless they are among the files `there`, which existed at that
+/// increment.
 ///
 /// # Errors
-/// Where a file cannot be removed.
+/// If a file cannot be removed.
 pub fn rewind(directory: &Path, increment: u64, there: &[&str]) -> Result<(), OutputError> {
     for name in entries(directory)? {
         let of_the_end = !there.contains(&&*name)
@@ -107,7 +109,7 @@ pub fn rewind(directory: &Path, increment: u64, there: &[&str]) -> Result<(), Ou
     remove_frames(directory, |number| number > increment)
 }
 
-/// Removes frames by number, and those that were never complete.
+/// Removes frames by number, and incomplete frames.
 fn remove_frames(directory: &Path, which: impl Fn(u64) -> bool) -> Result<(), OutputError> {
     let frames = directory.join(FRAMES);
     if frames.is_dir() {
@@ -136,10 +138,10 @@ fn remove(path: &Path) -> Result<(), OutputError> {
     fs::remove_file(path).map_err(OutputError::at(path))
 }
 
-/// What the `run.json` of a directory says.
+/// Content of the `run.json` of a directory.
 ///
 /// # Errors
-/// Where there is none, or it cannot be read.
+/// If the file does not exist or cannot be read.
 pub fn record(directory: &Path) -> Result<serde_json::Value, OutputError> {
     let path = directory.join(RUN);
     let text = match fs::read_to_string(&path) {
@@ -151,10 +153,10 @@ pub fn record(directory: &Path) -> Result<serde_json::Value, OutputError> {
     serde_json::from_str(&text).map_err(OutputError::at(&path))
 }
 
-/// Removes a file that may not be there.
+/// Removes a file if it exists.
 ///
 /// # Errors
-/// Where it is there and cannot be removed.
+/// If the file exists and cannot be removed.
 pub fn remove_if_there(path: &Path) -> Result<(), OutputError> {
     match fs::remove_file(path) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => Err(OutputError::at(path)(error)),
@@ -211,7 +213,8 @@ mod tests {
         assert_eq!(left, [FRAMES, HISTORY, "notes.txt"]);
         assert!(entries(&dir.join(FRAMES))?.is_empty());
 
-        // Now it is in use: nobody else gets it, with or without force, and nothing is touched.
+        // Now the directory is in use: other runs cannot claim it, with or without force, and
+        // change nothing.
         fs::write(dir.join(RUN), "of the first")?;
         for force in [false, true] {
             assert!(claim(&dir, force).is_err_and(|e| e.to_string().contains("still writing")));

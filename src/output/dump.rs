@@ -14,7 +14,7 @@ use super::atomic::write_atomic;
 /// Writes the program and the solution of the last increment.
 ///
 /// # Errors
-/// Where the file cannot be written.
+/// If the file cannot be written.
 pub fn write_program(path: &Path, world: &World) -> Result<(), OutputError> {
     let observation = world.resource::<Observation>();
     let text = to_json(
@@ -30,7 +30,7 @@ pub fn write_program(path: &Path, world: &World) -> Result<(), OutputError> {
 /// Reads what [`write_program`] wrote.
 ///
 /// # Errors
-/// Where the file cannot be read, is no dump of this version, or has a number that is not finite.
+/// If the file cannot be read, is no dump of this version, or contains a non-finite number.
 pub fn read_program(path: &Path) -> Result<Dump, OutputError> {
     let text = std::fs::read_to_string(path).map_err(OutputError::at(path))?;
     from_json(&text).map_err(|error| OutputError::at(path)(std::io::Error::other(error)))

@@ -1,17 +1,17 @@
-//! What can go wrong with output.
+//! Errors of the output.
 
 use std::io;
 use std::path::{Path, PathBuf};
 
 use super::directory;
 
-/// Why something could not be written.
+/// Why a file could not be read or written.
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
-    /// The directory holds something already.
+    /// The directory is not empty.
     #[error("{}: not empty; choose another directory with --out, or write over it with --force", .0.display())]
     Exists(PathBuf),
-    /// Another run is under way there.
+    /// Another run is writing to the directory.
     #[error("{}: a run is still writing here; wait for it or stop it, or choose another directory with --out", .0.display())]
     InUse(PathBuf),
     /// The directory holds no run.
@@ -22,13 +22,13 @@ pub enum OutputError {
     Io {
         /// The file or directory.
         path: PathBuf,
-        /// What the system says.
+        /// Error of the system.
         source: io::Error,
     },
 }
 
 impl OutputError {
-    /// Names the file to which an error belongs; for use in `map_err`.
+    /// Adds the name of the file to an error; for use in `map_err`.
     pub fn at<E: Into<io::Error>>(path: &Path) -> impl FnOnce(E) -> Self {
         |source| Self::Io { path: path.to_owned(), source: source.into() }
     }

@@ -1,7 +1,7 @@
-//! `events.csv`: one row a rupture, by increment and bond.
+//! `events.csv`: one row per rupture, by increment and bond.
 //!
-//! Place, normal (from a to b) and forces are those of the increment in which the bond reached
-//! its limit; p is positive in compression.
+//! Position, normal (from a to b) and forces are those of the increment in which the bond reached
+//! its limit. p is positive in compression.
 
 use clastic_components::bond::Rupture;
 

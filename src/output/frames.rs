@@ -1,4 +1,4 @@
-//! All particles at one moment as CSV, and the prepared specimen as scenes read it.
+//! All particles at one moment as CSV, and the prepared specimen in the format of stored specimens.
 
 use std::path::Path;
 
@@ -13,13 +13,13 @@ use super::csv_file::Row;
 use super::snapshot::Snapshot;
 use crate::scene::specimen_file::{self, StoredParticle};
 
-/// Columns of a frame; displacements count from the start of the stage list.
+/// Columns of a frame. Displacements are relative to the start of the stage list.
 pub const COLUMNS: [&str; 7] = ["id", "x_m", "y_m", "radius_m", "rotation_rad", "ux_m", "uy_m"];
 
 /// Writes a frame.
 ///
 /// # Errors
-/// Where the file cannot be written.
+/// If the file cannot be written.
 pub fn write_frame(path: &Path, snapshot: &Snapshot) -> Result<(), OutputError> {
     let mut text = COLUMNS.join(",") + "\n";
     for (i, x) in snapshot.positions.iter().enumerate() {
@@ -33,8 +33,8 @@ pub fn write_frame(path: &Path, snapshot: &Snapshot) -> Result<(), OutputError> 
     write_atomic(path, text)
 }
 
-/// The particles as a stored specimen. Materials are named only where there are several: a scene
-/// that reads the file can then call its only material as it likes.
+/// The particles as a stored specimen. Materials are named only if there are several. A scene that
+/// reads the file can then give its only material any name.
 #[must_use]
 pub fn specimen_rows(world: &World) -> Vec<StoredParticle> {
     let (bodies, materials) = (world.resource::<Bodies>(), world.resource::<Materials>());
@@ -52,7 +52,7 @@ pub fn specimen_rows(world: &World) -> Vec<StoredParticle> {
 /// Writes a stored specimen.
 ///
 /// # Errors
-/// Where the file cannot be written.
+/// If the file cannot be written.
 pub fn write_specimen(path: &Path, rows: &[StoredParticle]) -> Result<(), OutputError> {
     atomically(path, |temporary| specimen_file::write(temporary, rows))
 }

@@ -1,8 +1,7 @@
-//! `history.csv`: one row an increment.
+//! `history.csv`: one row per increment.
 //!
-//! Strains and stresses are positive in contraction and compression. Empty fields are values
-//! that the scene does not define, or that do not exist yet: strains count from the start of the
-//! reference stage.
+//! Strains and stresses are positive in contraction and compression. A field is empty if the scene
+//! does not define the value, or if it does not exist yet: strains begin with the reference stage.
 
 use std::collections::BTreeMap;
 
@@ -44,13 +43,13 @@ pub const COLUMNS: [&str; 27] = [
     "caps",
 ];
 
-/// Columns of each probe, after its name: displacement since the start of the stage list, and
-/// what the outside world exerts on the body.
+/// Columns of each probe, after its name: displacement since the start of the stage list, and force
+/// and moment of the outside world on the body.
 pub const PROBE_COLUMNS: [&str; 6] =
     [".x_m", ".y_m", ".rotation_rad", ".force_x_n", ".force_y_n", ".moment_nm"];
 
-/// Columns after those of the probes where the scene asks for the energy ledger: sums since the
-/// start, but the elastic energy, which is that of now.
+/// Columns after those of the probes, if the scene requests the energy ledger. All are sums since
+/// the start except the elastic energy, which is the current value.
 pub const ENERGY_COLUMNS: [&str; 13] = [
     "energy_external_j",
     "energy_gravity_j",
@@ -116,7 +115,7 @@ pub fn header(probes: &[String]) -> Vec<String> {
 #[must_use]
 pub fn row(o: &Observation, probes: &[String]) -> Row {
     let r = &o.residuals;
-    // A collapse has no solution that residuals could be taken of.
+    // A collapse has no solution and therefore no residuals.
     let solved = o.status != IncrementStatus::Collapsed;
     let mut row = Row::default()
         .count(o.increment)
@@ -144,7 +143,7 @@ pub fn row(o: &Observation, probes: &[String]) -> Row {
         .numbers([o.kinetic_energy, o.coulomb_residual, o.motion_strain])
         .text(&o.caps);
     for name in probes {
-        // A wall that a stage took away leaves its columns empty.
+        // A removed wall leaves its columns empty.
         let reading = o.probes.iter().find(|reading| reading.name == *name);
         for k in 0..3 {
             row = row.optional(reading.map(|reading| reading.motion[k]));

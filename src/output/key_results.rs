@@ -1,7 +1,7 @@
-//! What a run comes down to: moduli, peak, limit load, cracks, worst residuals.
+//! Key results of a run: moduli, peak, limit load, cracks, maximum residuals.
 //!
-//! They come from increments with the status `solved` alone. Where one is not defined, the reason stands
-//! beside it.
+//! They come only from increments with the status `solved`. If a result is not defined,
+//! `not_defined` gives the reason.
 
 use std::collections::BTreeMap;
 
@@ -15,59 +15,62 @@ use super::mechanism::MechanismRecord;
 /// Part of a run to which an increment belongs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
-    /// Compaction: its forces mean nothing.
+    /// Compaction, whose forces have no physical meaning.
     Preparation,
-    /// Loading before the reference stage, such as confinement.
+    /// Loading before the reference stage, for example confinement.
     Loading,
-    /// The reference stage and what follows: strains exist.
+    /// The reference stage and later stages, in which strains exist.
     Reference,
 }
 
-/// The key results, as `run.json` has them; none where a run does not define them.
+/// Key results as in `run.json`; `None` for those that the run does not define.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Results {
-    /// Tangent of the first increment of the reference stage that gains at least a thousandth of
-    /// the peak: before that a platen may still be on its way. None for a rigid specimen.
+    /// Tangent modulus of the first increment of the reference stage that gains at least a
+    /// thousandth of the peak. In earlier increments a platen may not have touched the specimen.
+    /// `None` for a rigid specimen.
     pub youngs_modulus_pa: Option<f64>,
-    /// Secant from the start of the reference stage to half the peak.
+    /// Secant modulus from the start of the reference stage to half the peak.
     pub youngs_modulus_secant_half_peak_pa: Option<f64>,
-    /// Axial stress that is farthest from that at the start of the reference stage.
+    /// Axial stress with the maximum difference from that at the start of the reference stage.
     pub peak_stress_pa: Option<f64>,
-    /// Axial strain there.
+    /// Axial strain at the peak.
     pub strain_at_peak: Option<f64>,
-    /// Estimate of the relative error of the peak that the increment makes: how late bonds broke in the last increment
-    /// up to the peak in which any did, as a relative change of force. None where none had broken. It does not tell
-    /// what one round less or more in another order would change, nor what the state after a drop hides (`AllAtOnce`).
+    /// Estimate of the relative error of the peak due to the size of the increments. It is the
+    /// delay of ruptures, as a relative change of force, in the last increment up to the peak with
+    /// ruptures. `None` without ruptures. It does not include the effect of another order or number
+    /// of rounds, nor that of the state after a drop (`AllAtOnce`).
     pub peak_error_estimate: Option<f64>,
-    /// Avalanches: ruptures at one load, from the first to an equilibrium in which all bonds hold. 0 unless bonds break
-    /// from event to event.
+    /// Number of avalanches: ruptures at constant load, from the first to an equilibrium in which
+    /// all bonds hold. 0 unless bonds break from event to event.
     pub avalanches: usize,
-    /// Bonds that broke in the largest avalanche.
+    /// Number of bonds broken in the largest avalanche.
     pub largest_avalanche: usize,
-    /// Limit load: axial stress of the last increment before the first collapse; for a rigid
-    /// specimen, which is at its limit as soon as it carries load, the peak.
+    /// Limit load: axial stress of the last increment before the first collapse. For a rigid
+    /// specimen, which is at its limit whenever it carries load, it is the peak.
     pub limit_load_pa: Option<f64>,
-    /// The mechanism of the first collapse that has one: its increment, margin and defect.
+    /// Mechanism of the first collapse that has one: its increment, margin and defect.
     pub mechanism: Option<MechanismRecord>,
     /// Porosity at the start of the reference stage.
     pub porosity: Option<f64>,
     /// Axial stress of the increment in which the first bond broke.
     pub first_crack_stress_pa: Option<f64>,
-    /// Bonds ever created. Those that are neither intact nor broken ended with a wall that was taken away.
+    /// Number of bonds ever created. Bonds that are neither intact nor broken were removed together
+    /// with a wall.
     pub bonds_created: usize,
-    /// Bonds that hold.
+    /// Number of intact bonds.
     pub bonds_intact: usize,
-    /// Bonds that broke.
+    /// Number of broken bonds.
     pub bonds_broken: BrokenBonds,
-    /// Greatest residuals of the run.
+    /// Maximum residuals of the run.
     pub worst_residuals: WorstResiduals,
-    /// Solver iterations of all increments.
+    /// Solver iterations in all increments.
     pub solver_iterations: u64,
-    /// Why key results are null, by their names.
+    /// Reasons for undefined key results, by their names.
     pub not_defined: BTreeMap<String, String>,
 }
 
-/// Broken bonds by mode.
+/// Number of broken bonds by mode.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct BrokenBonds {
     /// In tension.
@@ -78,25 +81,25 @@ pub struct BrokenBonds {
     pub rolling: usize,
 }
 
-/// Greatest residuals over all increments, those without a solution (collapsed, locked) left out.
+/// Maximum residuals over all increments that have a solution (not collapsed or locked).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct WorstResiduals {
-    /// Of the balance.
+    /// Residual of the balance.
     pub balance: Worst,
-    /// Of the kinematics.
+    /// Residual of the kinematics.
     pub kinematics: Worst,
-    /// Of the limits.
+    /// Residual of the limits.
     pub cone: Worst,
-    /// Of the complementarity.
+    /// Residual of the complementarity.
     pub complementarity: Worst,
 }
 
-/// A greatest value and its increment (0 where there is none).
+/// A maximum and its increment (0 if none).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Worst {
-    /// The value; not a number is the worst of all and becomes null in JSON.
+    /// The value. NaN counts as larger than all numbers and is null in JSON.
     pub value: f64,
-    /// The first increment that has it.
+    /// The first increment with this value.
     pub increment: u64,
 }
 
@@ -109,23 +112,23 @@ impl Worst {
     }
 }
 
-/// Gathers the key results, one increment after the other.
+/// Collects the key results increment by increment.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct KeyResults {
     rigid: bool,
-    /// Stress that the stiffest contact has at a strain of 1, Pa.
+    /// Stress that the stiffest contact would have at a strain of 1, Pa.
     stiffness: f64,
-    /// How late bonds broke in the last increment in which any did.
+    /// Delay of ruptures in the last increment with ruptures.
     lag: Option<f64>,
     /// Start of the reference stage.
     start: Point,
-    /// The last increment that carried load.
+    /// The last increment with load.
     last: Option<Point>,
-    /// Increments of the reference stage on that have both a strain and a stress.
+    /// Increments from the reference stage on that have both a strain and a stress.
     curve: Vec<Point>,
-    /// Whether the specimen collapsed, and the increment before that.
+    /// Whether the specimen collapsed, and the increment before the collapse.
     collapse: Option<Option<Point>>,
-    /// Whether a bond broke, and the stress of the first increment in which one did, with whether the
+    /// Whether a bond broke, the stress of the first increment with a rupture, and whether that
     /// increment is solved.
     crack: Option<(Option<f64>, bool)>,
     results: Results,
@@ -138,28 +141,28 @@ struct Point {
     strain: f64,
     /// Axial stress, Pa.
     stress: f64,
-    /// Whether its status is `solved`: it is not where a cap was hit.
+    /// Whether the status is `solved`; false if a maximum number of passes was reached.
     solved: bool,
 }
 
-/// A start that is free of stress.
+/// A start without stress.
 const FREE: Point = Point { strain: 0.0, stress: 0.0, solved: true };
 
-/// Changes of stress below this part of the maximum stress are round-off.
+/// Changes of stress below this fraction of the maximum stress count as round-off.
 const RESOLVED: f64 = 1e-6;
 
-/// So are stresses below this part of what a specimen of rigid grains with the given stiffness would have
-/// at the same strain: loose packings have a thousandth of it.
+/// Stresses below this fraction of the stress that the stiffness of the grains alone would give at
+/// this strain count as round-off. Loose packings have a thousandth of that stress.
 const SOFTEST: f64 = 1e-9;
 
 const NO_CURVE: &str = "no increment from the start of the reference stage on has both an axial strain and \
                         an axial stress";
-/// Why a rigid specimen has no modulus.
+/// Reason why a rigid specimen has no modulus.
 pub const RIGID: &str = "nothing is elastic";
 const CAPPED_BEFORE: &str = "an increment that it would come from is capped";
 
 impl KeyResults {
-    /// Results of a run that has not begun. `rigid`: nothing in the specimen is elastic.
+    /// Results before the run. `rigid` means that nothing in the specimen is elastic.
     #[must_use]
     pub fn new(rigid: bool) -> Self {
         Self {
@@ -175,8 +178,8 @@ impl KeyResults {
         }
     }
 
-    /// Sets the stiffness of the stiffest contact over the thickness, Pa: stresses that are nothing
-    /// beside it are round-off.
+    /// Sets the stiffness of the stiffest contact over the thickness, Pa. Stresses that are small
+    /// relative to it count as round-off.
     #[must_use]
     pub fn with_stiffness(self, stiffness: f64) -> Self {
         Self { stiffness, ..self }
@@ -187,26 +190,26 @@ impl KeyResults {
         self.results.porosity = porosity;
     }
 
-    /// Takes the mechanism of a collapse into account. Says whether it is the first one.
+    /// Records the mechanism of a collapse. Returns whether it is the first one.
     pub fn see_mechanism(&mut self, mechanism: MechanismRecord) -> bool {
         let first = self.results.mechanism.is_none();
         self.results.mechanism.get_or_insert(mechanism);
         first
     }
 
-    /// Whether there was a mechanism.
+    /// Whether a mechanism was recorded.
     #[must_use]
     pub fn has_mechanism(&self) -> bool {
         self.results.mechanism.is_some()
     }
 
-    /// Takes into account how many bonds there have been so far.
+    /// Records the number of bonds created so far.
     pub fn see_bonds(&mut self, created: usize) {
-        // Bonds to a wall that was taken away have ended: those that are left tell too little.
+        // Bonds to a removed wall no longer exist, so the number of existing bonds may decrease.
         self.results.bonds_created = self.results.bonds_created.max(created);
     }
 
-    /// Takes an increment into account. Says whether it is the peak so far.
+    /// Records an increment. Returns whether it is the peak so far.
     pub fn observe(&mut self, o: &Observation, phase: Phase) -> bool {
         let results = &mut self.results;
         let [tension, shear, rolling] = o.broken;
@@ -263,7 +266,7 @@ impl KeyResults {
         peak
     }
 
-    /// Counts an avalanche in which this number of bonds broke.
+    /// Records an avalanche in which this number of bonds broke.
     pub fn see_avalanche(&mut self, bonds: usize) {
         self.results.avalanches += 1;
         self.results.largest_avalanche = self.results.largest_avalanche.max(bonds);
@@ -392,7 +395,7 @@ impl KeyResults {
     }
 }
 
-/// A modulus, which is one only where the stress rises with the strain.
+/// A modulus, which must be positive: the stress rises with the strain.
 fn positive(modulus: f64) -> Result<f64, &'static str> {
     if modulus > 0.0 && modulus.is_finite() {
         Ok(modulus)
@@ -449,7 +452,8 @@ mod tests {
         assert_eq!(results.limit_load_pa, None);
     }
 
-    /// A run of the reference stage whose rows are strain, stress and whether the increment is capped.
+    /// Results of a reference stage with rows of strain, stress, and whether the increment is
+    /// capped.
     fn partly_capped(rows: &[(f64, f64, bool)]) -> Results {
         let mut key = KeyResults::new(false).with_stiffness(1e6);
         for (k, (strain, stress, capped)) in rows.iter().enumerate() {
@@ -475,8 +479,8 @@ mod tests {
             assert_eq!(value, None, "{name}");
             assert!(all.not_defined[name].contains("capped"), "{name}: {:?}", all.not_defined);
         }
-        // The peak of those that are solved; what lies between a solved increment and a capped one is
-        // no modulus.
+        // The peak comes from solved increments. The slope between a solved and a capped increment
+        // is no modulus.
         let some = partly_capped(&[(0.01, 90.0, true), (0.02, 150.0, false), (0.03, 200.0, false)]);
         assert_eq!((some.peak_stress_pa, some.strain_at_peak), (Some(200.0), Some(0.03)));
         assert_eq!((some.youngs_modulus_pa, some.limit_load_pa), (None, Some(200.0)));
@@ -490,13 +494,13 @@ mod tests {
 
     #[test]
     fn round_off_is_no_modulus_and_no_peak() {
-        // What a platen that touches nothing finds, with either sign, and one that finds nothing at all.
+        // Stresses under a platen without contact: round-off of either sign, and zero.
         for stress in [-1e-11, 1e-11, 0.0] {
             let results = partly_capped(&[(0.01, stress, false), (0.02, 3.0 * stress, false)]);
             assert_eq!((results.youngs_modulus_pa, results.peak_stress_pa), (None, None));
             assert!(results.not_defined["youngs_modulus_pa"].contains("round-off"));
         }
-        // Under a confining stress too.
+        // A case with confining stress.
         use Phase::{Loading, Reference};
         let rows = [
             (Loading, None, Some(2e5)),
@@ -504,7 +508,7 @@ mod tests {
             (Reference, Some(0.02), Some(2e5 + 1e-3)),
         ];
         assert_eq!(run(false, &rows).results().youngs_modulus_pa, None);
-        // A stress that falls is not round-off, and no modulus either.
+        // A decreasing stress is neither round-off nor a modulus.
         let falls = partly_capped(&[(0.01, -128.0, false)]);
         assert_eq!((falls.youngs_modulus_pa, falls.peak_stress_pa), (None, Some(-128.0)));
         assert!(falls.not_defined["youngs_modulus_pa"].contains("does not rise"));

@@ -1,4 +1,4 @@
-//! `mechanism.csv`: the mechanism by which the specimen collapsed, as the certificate has it.
+//! `mechanism.csv`: the mechanism by which the specimen collapsed, from the certificate.
 
 use std::path::Path;
 
@@ -15,47 +15,48 @@ use super::OutputError;
 use super::atomic::write_atomic;
 use super::csv_file::Row;
 
-/// Columns. Displacements are over the greatest motion, and so without dimension; rotations are
-/// over the same motion, in rad/m.
+/// Columns. Displacements are divided by the maximum motion and therefore dimensionless. Rotations
+/// are divided by it as well and are in rad/m.
 pub const COLUMNS: [&str; 6] = ["body", "x_m", "y_m", "u_x", "u_y", "rotation"];
 
-/// How good a mechanism is, as `run.json` has it.
+/// Quality of a mechanism, as in `run.json`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MechanismRecord {
     /// Increment of the collapse.
     pub increment: u64,
-    /// Work of the loads less greatest dissipation, over the work of the loads: positive proves the
-    /// collapse.
+    /// Work of the loads minus maximum dissipation, over the work of the loads. A positive margin
+    /// proves the collapse.
     pub margin: f64,
-    /// Greatest violation of the mechanism's kinematic conditions over its greatest motion.
+    /// Maximum violation of the kinematic conditions of the mechanism over its maximum motion.
     pub defect: f64,
 }
 
 /// A body of a mechanism.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MechanismRow {
-    /// Its identity.
+    /// Identity of the body.
     pub body: usize,
-    /// Its place, m.
+    /// Position of the body, m.
     pub position: DVec2,
-    /// Its displacement; the greatest component of all is 1, rotations counted by the mean radius.
+    /// Displacement of the body. The largest component of all bodies is 1, with rotations times the
+    /// mean radius.
     pub displacement: DVec2,
-    /// Its rotation, 1/m.
+    /// Rotation of the body, 1/m.
     pub rotation: f64,
 }
 
 /// The mechanism of a collapse.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mechanism {
-    /// How good it is.
+    /// Quality of the mechanism.
     pub record: MechanismRecord,
-    /// Particles, then the walls that are there.
+    /// Particles, then existing walls.
     pub rows: Vec<MechanismRow>,
 }
 
 impl Mechanism {
-    /// The mechanism of the last increment; none where it did not collapse, or where the collapse
-    /// has no certificate.
+    /// Mechanism of the last increment; `None` if it did not collapse, or if the collapse has no
+    /// certificate.
     #[must_use]
     pub fn of(world: &World) -> Option<Self> {
         let observation = world.resource::<Observation>();
@@ -90,7 +91,7 @@ impl Mechanism {
     /// Writes it as CSV.
     ///
     /// # Errors
-    /// Where the file cannot be written.
+    /// If the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), OutputError> {
         let mut text = COLUMNS.join(",") + "\n";
         for row in &self.rows {

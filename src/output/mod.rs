@@ -1,26 +1,30 @@
-//! The run directory: what a run leaves behind.
+//! The run directory: the results of a run.
 //!
 //! | file | content |
 //! |---|---|
 //! | `run.json` | version, scene and its hash, settings, outcome, key results, conventions |
 //! | `scene.ron` | the scene as run, overrides applied |
-//! | `history.csv` | one row an increment |
-//! | `events.csv` | one row a rupture |
-//! | `avalanches.csv` | one row an avalanche |
-//! | `timings.csv` | wall clock; it lives here alone, all other files are the same bytes on every run |
-//! | `specimen.csv` | the particles at the end of a compaction, then at the start of the reference stage, before its first increment (of a scene that pours its particles there, before they fell): scenes can read it |
-//! | `frames/frame_000123.csv` | all particles after increment 123, where the scene asks for frames |
-//! | `frames/frame_000123.svg` | its picture |
-//! | `final_particles.csv` | all particles at the end: scenes can read it |
-//! | `program_000123.json` | cone program and solution of increment 123, where asked for |
+//! | `history.csv` | one row per increment |
+//! | `events.csv` | one row per rupture |
+//! | `avalanches.csv` | one row per avalanche |
+//! | `timings.csv` | wall-clock times; all other files have equal bytes in every run |
+//! | `specimen.csv` | the prepared specimen, in the format of stored specimens; see below |
+//! | `frames/frame_000123.csv` | all particles after increment 123, if the scene requests frames |
+//! | `frames/frame_000123.svg` | picture of the frame |
+//! | `final_particles.csv` | all particles at the end, in the format of stored specimens |
+//! | `program_000123.json` | cone program and solution of increment 123, if requested |
 //! | `mechanism.csv` | the mechanism of the first collapse |
-//! | `*.svg` | pictures, drawn at the end; that of the mechanism when the specimen collapses |
-//! | `checkpoint.bin` | the run between two increments, where asked for and where a run stops before its end |
+//! | `*.svg` | pictures, drawn at the end; that of the mechanism at the collapse |
+//! | `checkpoint.bin` | state between two increments, if requested or if a run stops early |
 //!
-//! Compression and contraction are positive, rotation is positive anticlockwise, units stand in the
-//! names of columns, and a value that the scene does not define is an empty field. Numbers read
-//! back as they were. Rows are written whole, one write each; whole files appear under their name
-//! only when they are complete. Output reads the world and changes no number of the simulation.
+//! `specimen.csv` is written at the end of a compaction, and again when the reference stage begins.
+//! It then holds the particles before the first increment of that stage. If particles fall into
+//! place during that stage, these are the positions before the fall.
+//!
+//! Compression, contraction and anticlockwise rotation are positive. Units are part of the names of
+//! columns. A value that the scene does not define is an empty field. Numbers are written so that
+//! reading gives them back exactly. Each row is written at once, and a whole file gets its name
+//! when it is complete. Output reads the world and changes no number of the simulation.
 
 pub mod atomic;
 pub mod avalanches;

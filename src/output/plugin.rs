@@ -8,9 +8,9 @@ use clastic_systems::stepping::{Advance, AdvanceSystems, Halted};
 use super::OutputError;
 use super::run_directory::RunWriter;
 
-/// Writes what every increment leaves, after the stop conditions, so that the last row of a stage
-/// that was stopped is written too. The run directory is the resource [`RunWriter`]; without it
-/// nothing is written. The results of a run are the same with and without this plugin.
+/// Writes the results of every increment. It runs after the stop conditions, so that the last row
+/// of a stopped stage is written too. The run directory is the resource [`RunWriter`]; nothing is
+/// written without it. This plugin does not change the results of a run.
 ///
 /// An increment that cannot be written halts the run: [`Halted`] has the message, and
 /// [`OutputFailure`] the error.
@@ -27,7 +27,7 @@ impl Plugin for OutputPlugin {
     }
 }
 
-/// Exclusive, because a checkpoint reads whatever plugins have registered.
+/// Exclusive, because a checkpoint reads everything that plugins have registered.
 fn write_increment(world: &mut World) {
     let written = world.resource_scope(|world, mut writer: Mut<RunWriter>| writer.record(world));
     if let Err(error) = written {

@@ -10,9 +10,10 @@ use clastic_components::wall::Wall;
 
 use super::snapshot::Snapshot;
 
-/// Porosity at the start of the reference stage: one less the area of the disks over that of the
-/// specimen. An extent is the distance of the two walls that a strain measure names; where it
-/// names none, that of the box around the disks in the other direction. None without disks.
+/// Porosity at the start of the reference stage: one minus the area of the disks over that of the
+/// specimen. An extent of the specimen is the distance between the two walls of a strain measure.
+/// Without such walls it is the extent of the box around the disks in the other direction. `None`
+/// without disks.
 #[must_use]
 pub fn porosity(world: &World, start: &Snapshot) -> Option<f64> {
     let measures = world.resource::<Measures>();
@@ -29,7 +30,7 @@ pub fn porosity(world: &World, start: &Snapshot) -> Option<f64> {
     Some(1.0 - disks / (height * width)).filter(|p| p.is_finite())
 }
 
-/// Porosity within the box around the disks, along the axes. None without disks.
+/// Porosity within the axis-aligned box around the disks; `None` without disks.
 #[must_use]
 pub fn in_box(disks: &Snapshot) -> Option<f64> {
     let area: f64 = disks.radii.iter().map(|r| PI * r * r).sum();

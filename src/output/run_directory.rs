@@ -31,34 +31,33 @@ use crate::run::{Outcome, StageEnd};
 use crate::scene::format::{Bond, Contact, Record, Scene, Stage};
 use crate::scene::{LoadedScene, StoredParticle};
 
-/// Where and what to write.
+/// Options of the output.
 #[derive(Clone, Debug, Default)]
 pub struct RunOptions {
     /// The run directory.
     pub directory: PathBuf,
-    /// Whether an earlier run there may be written over.
+    /// Whether an earlier run in the directory may be overwritten.
     pub force: bool,
-    /// Settings that were applied to the scene, for the record.
+    /// Settings that were applied to the scene, for `run.json`.
     pub overrides: Vec<String>,
     /// Increments of the run whose cone program is dumped.
     pub dump_programs: Vec<u64>,
     /// Increments of stages, by name, whose cone program is dumped.
     pub dump_in_stages: Vec<(String, u64)>,
-    /// A checkpoint is written after so many increments; 0 writes one only where the run stops
-    /// before its end.
+    /// Number of increments between checkpoints. 0 writes one only if the run stops before its end.
     pub checkpoint_every: u32,
 }
 
 /// How a run ended.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Ending {
-    /// As the engine says.
+    /// The outcome that the engine reports.
     Finished(Outcome),
-    /// Somebody stopped it after a whole increment.
+    /// The user or the system stopped the run after a whole increment.
     Interrupted,
 }
 
-/// The run directory of a run under way.
+/// Writer of a run directory during the run.
 #[derive(Resource, Debug)]
 pub struct RunWriter {
     directory: PathBuf,
@@ -76,34 +75,34 @@ pub struct RunWriter {
     avalanches: CsvFile,
     timings: CsvFile,
     state: WriterState,
-    /// Whole files that the next checkpoint counts on.
+    /// Whole files that must be on the disk before the next checkpoint.
     fresh: Vec<PathBuf>,
     /// Increment of the last checkpoint.
     saved: Option<u64>,
-    /// Seconds of checkpoints since the last row of the timings, which they came after.
+    /// Seconds spent on checkpoints since the last row of the timings.
     saving: f64,
 }
 
-/// What the output remembers from one increment to the next.
+/// State of the output between two increments.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct WriterState {
-    /// Bytes of the history, the events, the avalanches and the timings.
+    /// Lengths of the history, the events, the avalanches and the timings, bytes.
     lengths: [u64; 4],
     results: KeyResults,
-    /// The avalanche under way.
+    /// The current avalanche.
     avalanche: Option<Avalanche>,
     /// The state after the last increment, until the reference stage begins.
     prepared: Option<Prepared>,
-    /// Of which moment the prepared specimen is, where it has been written.
+    /// Moment of the prepared specimen, if it has been written.
     specimen: Option<String>,
-    /// Start of the reference stage.
+    /// State at the start of the reference stage.
     start: Snapshot,
-    /// At the peak so far: with its caption.
+    /// State at the peak so far, with its caption.
     peak: Option<(Snapshot, String)>,
 }
 
 impl WriterState {
-    /// The files that are there once and for all, and that the end of a run makes no others of.
+    /// Existing files that are written once and not rewritten at the end of the run.
     fn files(&self) -> Vec<&'static str> {
         let mut files = Vec::new();
         if self.specimen.is_some() {
@@ -116,8 +115,8 @@ impl WriterState {
     }
 }
 
-/// A specimen that waits for the reference stage: only when that has made its first increment do
-/// its reference lengths exist, and then the particles have moved.
+/// A specimen that waits for the reference stage. Its reference lengths exist only after the first
+/// increment of that stage, which moves the particles.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Prepared {
     rows: Vec<StoredParticle>,
@@ -131,17 +130,17 @@ impl Prepared {
 }
 
 impl RunWriter {
-    /// Begins the output of a scene whose `world` is before its first stage.
+    /// Begins the output of a scene. `world` is the state before the first stage.
     ///
     /// # Errors
-    /// Where the directory is in use, or cannot be written.
+    /// If the directory is in use, or cannot be written.
     pub fn create(
         options: RunOptions,
         loaded: &LoadedScene,
         world: &mut World,
     ) -> Result<Self, OutputError> {
         let reference_stage = Script::new(&loaded.scene).reference_stage();
-        // Before anything is removed: the stored specimen may lie in this very directory.
+        // This precedes all removals, because the stored specimen may lie in this directory.
         let facts = RunFacts::new(loaded, &options.overrides)?;
         let record = RunRecord::new(loaded, &facts, reference_stage);
         let dir = options.directory.as_path();
@@ -158,7 +157,7 @@ impl RunWriter {
         let events = CsvFile::create(dir.join(directory::EVENTS), events::COLUMNS)?;
         let avalanches = CsvFile::create(dir.join(directory::AVALANCHES), avalanches::COLUMNS)?;
         let timings = CsvFile::create(dir.join(directory::TIMINGS), timings::COLUMNS)?;
-        // Nothing has been gathered in a world without increments; it changes nothing of the run.
+        // A world without increments has no tables yet. Gathering them does not change the run.
         let _ = world.run_system_cached(gather_bodies);
         let prepared = Prepared::of(world);
         let state = WriterState {
@@ -198,12 +197,12 @@ impl RunWriter {
         Ok(writer)
     }
 
-    /// Goes on with the output of a run whose checkpoint was read: what was written after it is
-    /// dropped. `loaded` is its scene with `settings` applied; `every` replaces its distance of
-    /// checkpoints.
+    /// Continues the output of a run from its checkpoint. All output after the checkpoint is
+    /// dropped. `loaded` is the scene with `settings` applied. `every` replaces the distance
+    /// between checkpoints.
     ///
     /// # Errors
-    /// Where the directory is in use, is not as it was, or cannot be written.
+    /// If the directory is in use, has changed, or cannot be written.
     pub fn resume(
         directory: &Path,
         checkpoint: Checkpoint,
@@ -222,7 +221,8 @@ impl RunWriter {
         let mut avalanches = open(directory::AVALANCHES, avalanches)?;
         let mut timings = open(directory::TIMINGS, timings)?;
 
-        // From here on every step can be repeated: who is killed between two of them resumes again.
+        // Every step from here on can be repeated, so a process that is killed between two of them
+        // can resume again.
         let scene_file = directory.join(directory::SCENE);
         write_durable(&scene_file, &checkpoint.scene)?;
         let mut next = checkpoint;
@@ -269,10 +269,10 @@ impl RunWriter {
         })
     }
 
-    /// Writes what there is to say about the increment that has just ended.
+    /// Writes the results of the increment that has just ended.
     ///
     /// # Errors
-    /// Where something cannot be written; everything written before stays whole.
+    /// If a file cannot be written. Everything written before stays complete.
     pub fn record(&mut self, world: &mut World) -> Result<(), OutputError> {
         let clock = Instant::now();
         let observation = world.resource::<Observation>().clone();
@@ -281,7 +281,8 @@ impl RunWriter {
         self.history.is_there()?;
         let undecided = matches!(observation.status, IncrementStatus::Undecided);
         if undecided {
-            // Without the row of the failure: who resumes with other settings tries it again.
+            // The checkpoint precedes the failed row, so that a resumed run with other settings
+            // repeats the increment.
             self.save(world)?;
         }
         for rupture in &observation.ruptures {
@@ -312,7 +313,7 @@ impl RunWriter {
             let moment = format!("at the end of the compaction `{}`", observation.stage);
             self.write_specimen(&packing, moment)?;
             if progress.stage >= self.reference_stage {
-                // Nothing is loaded: what the scene is for is the packing.
+                // The scene has no loading stage, so its result is the packing.
                 self.state.results.set_porosity(porosity::in_box(&packing.snapshot));
             }
         }
@@ -351,7 +352,7 @@ impl RunWriter {
         Ok(())
     }
 
-    /// Writes a frame, with its picture.
+    /// Writes a frame and its picture.
     fn write_frame(&mut self, now: &Snapshot, at: &Observation) -> Result<(), OutputError> {
         let path = directory::frame(&self.directory, at.increment);
         frames::write_frame(&path, now)?;
@@ -369,7 +370,7 @@ impl RunWriter {
 
     /// Writes a checkpoint.
     fn save(&mut self, world: &mut World) -> Result<(), OutputError> {
-        // A checkpoint must not reach the disk before the rows and files that it counts on.
+        // The rows and files on which a checkpoint depends must reach the disk before it.
         for path in self.fresh.drain(..) {
             sync(&path).map_err(OutputError::at(&path))?;
         }
@@ -416,28 +417,29 @@ impl RunWriter {
         &self.dump_in_stages
     }
 
-    /// Of which moment `specimen.csv` is; none where the file does not exist.
+    /// Moment of `specimen.csv`; `None` if the file does not exist.
     #[must_use]
     pub fn specimen(&self) -> Option<&str> {
         self.state.specimen.as_deref()
     }
 
-    /// Increment of the last checkpoint, if there is one: a resumed run goes on after it.
+    /// Increment of the last checkpoint, from which a resumed run continues; `None` without a
+    /// checkpoint.
     #[must_use]
     pub fn saved(&self) -> Option<u64> {
         self.saved
     }
 
-    /// Ends the output: last particles, outcome, key results, pictures.
+    /// Ends the output: final particles, outcome, key results, pictures.
     ///
     /// # Errors
-    /// Where something cannot be written.
+    /// If something cannot be written.
     pub fn finish(&mut self, world: &mut World, ending: &Ending) -> Result<Results, OutputError> {
         let dir = self.directory.clone();
         let goes_on = world.resource::<Script>().outcome.is_none();
         let interrupted =
             goes_on && *ending == Ending::Interrupted && self.saved != Some(self.record.increments);
-        // A stage that was refused is no part of its checkpoint: with other settings it begins.
+        // The checkpoint precedes a refused stage, which can begin after its settings are changed.
         let refused = matches!(ending, Ending::Finished(Outcome::Refused { .. }));
         if interrupted || refused {
             self.save(world)?;
@@ -451,7 +453,7 @@ impl RunWriter {
             Ending::Finished(outcome) => Some(outcome),
             Ending::Interrupted => None,
         };
-        // Of one that is interrupted the rest is still to come.
+        // The avalanche of an interrupted run continues after it is resumed.
         if let (Some(_), Some(avalanche)) = (outcome, self.state.avalanche.take()) {
             let (row, bonds) = avalanche.ended(None);
             self.avalanches.push(row)?;
@@ -468,7 +470,7 @@ impl RunWriter {
             self.record.outcome.message = Some(warnings.join("; ")).filter(|m| !m.is_empty());
         }
         self.record.results = results.clone();
-        // The pictures come last: should they fail, the numbers are complete.
+        // The pictures come last, so that the numbers are complete if a picture fails.
         self.record.write(&dir.join(directory::RUN))?;
         if self.scene.output.plots {
             let history = plots::history::History::read(&dir.join(directory::HISTORY))?;
@@ -484,13 +486,13 @@ impl RunWriter {
             )?;
         }
         if let Ending::Finished(Outcome::Completed | Outcome::Collapsed(_)) = ending {
-            // Last of all: as long as it is there, the run is not at its end.
+            // The checkpoint is removed last, because a run with a checkpoint counts as not ended.
             directory::remove_if_there(&dir.join(directory::CHECKPOINT))?;
         }
         Ok(results)
     }
 
-    /// Once, after the first increment of the reference stage.
+    /// Writes the prepared specimen once, after the first increment of the reference stage.
     fn begin_reference(&mut self, world: &World) -> Result<(), OutputError> {
         let Some(prepared) = self.state.prepared.take() else { return Ok(()) };
         let stage = self.scene.stages.get(self.reference_stage).map_or("", |s| s.name());
@@ -510,7 +512,7 @@ impl RunWriter {
         Ok(())
     }
 
-    /// Where the increment was the first collapse.
+    /// Writes the mechanism if the increment was the first collapse.
     fn write_mechanism(&mut self, world: &mut World) -> Result<(), OutputError> {
         let Some(mechanism) = Mechanism::of(world) else { return Ok(()) };
         if !self.state.results.see_mechanism(mechanism.record) {
@@ -552,7 +554,7 @@ fn make_frames(directory: &Path, scene: &Scene) -> Result<(), OutputError> {
     Ok(())
 }
 
-/// What is written about the increment that has just ended.
+/// Output that is due after the increment that has just ended.
 struct Due {
     row: bool,
     frame: bool,
@@ -567,7 +569,7 @@ impl Due {
         let over = progress.is_over() || end.is_some_and(|end| end.ended_by.is_some());
         let record = scene.stages.get(progress.stage).and_then(Stage::record);
         let record = record.cloned().unwrap_or_default();
-        // What did not go as it should is never left out.
+        // Increments that are not solved are always written.
         let plain = observation.status == IncrementStatus::Solved;
         let every = |count, every: u32| every > 0 && u64::is_multiple_of(count, every.into());
         let regular = match record.frames_every {
@@ -588,7 +590,7 @@ fn caption(o: &Observation) -> String {
     format!("increment {} of stage {}{}", o.increment, o.stage, strain.unwrap_or_default())
 }
 
-/// Stiffness of the stiffest contact or bond of a scene along its normal, N/m; 0 where none is elastic.
+/// Maximum normal stiffness of the contacts and bonds of a scene, N/m; 0 if none is elastic.
 fn maximum_stiffness(scene: &Scene) -> f64 {
     let of_walls = scene.walls.iter().map(|wall| (&wall.contact, wall.bond.as_ref()));
     let of_materials = scene.materials.values().map(|m| (&m.contact, m.bond.as_ref()));
@@ -663,7 +665,7 @@ mod tests {
         Ok(writer.finish(simulation.world_mut(), &Ending::Interrupted)?)
     }
 
-    /// Names and contents of all files but the timings.
+    /// Names and contents of all files except the timings.
     fn files(directory: &Path) -> Result<Vec<(String, String)>, Box<dyn Error>> {
         let mut all = Vec::new();
         for directory in [directory.to_owned(), directory.join(directory::FRAMES)] {
@@ -754,7 +756,7 @@ mod tests {
         let expected =
             ["frame_000001.csv", "frame_000001.svg", "frame_000004.csv", "frame_000004.svg"];
         assert_eq!(frames, expected);
-        // The bond that breaks in between is in the record all the same.
+        // The record contains the rupture in between all the same.
         let record: serde_json::Value = serde_json::from_str(&written(directory::RUN)?)?;
         assert_eq!(record["increments"], 4);
         assert_eq!(record["results"]["bonds_broken"]["tension"], 1);

@@ -1,4 +1,4 @@
-//! `run.json`: what was run, how it ended, what came out.
+//! `run.json`: the scene and settings, the outcome, and the key results.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -32,41 +32,42 @@ pub struct RunRecord {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     resumed: Vec<Resumed>,
     settings: Settings,
-    /// By what they are for: the specimen, or `stage NAME` of a compaction.
+    /// Seeds by purpose: the specimen, or `stage NAME` of a compaction.
     seeds: BTreeMap<String, u64>,
     /// How the run ended.
     pub outcome: OutcomeRecord,
-    /// How its stages ended; none while the run is under way.
+    /// How the stages ended. The list is incomplete during the run.
     pub stages: Vec<StageEnd>,
-    /// Increments; rows of the history where every one has its row.
+    /// Number of increments. It equals the number of rows of the history unless stages record fewer
+    /// rows.
     pub increments: u64,
-    /// Those of them with the status `capped`: no converged state.
+    /// Number of increments with the status `capped`, which did not converge.
     pub capped_increments: u64,
-    /// Of which moment `specimen.csv` is; none where the file does not exist.
+    /// Moment of `specimen.csv`; `None` if the file does not exist.
     pub specimen_csv: Option<String>,
     /// Key results.
     pub results: Results,
     conventions: Conventions,
 }
 
-/// What the scene does not say of a run.
+/// Facts about a run that are not part of the scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RunFacts {
     /// Name of the scene's file.
     pub scene_file: String,
-    /// Hash of the stored specimen, where the scene names one.
+    /// Hash of the stored specimen, if the scene names one.
     pub specimen_sha256: Option<String>,
     /// Settings that were applied to the scene before the run.
     pub overrides: Vec<String>,
-    /// Where it went on otherwise than it began.
+    /// Points at which the run was resumed with changes.
     pub resumed: Vec<Resumed>,
 }
 
 impl RunFacts {
-    /// The facts of a run that begins.
+    /// Facts of a run that begins.
     ///
     /// # Errors
-    /// Where the stored specimen can no longer be read.
+    /// If the stored specimen can no longer be read.
     pub fn new(loaded: &LoadedScene, overrides: &[String]) -> Result<Self, OutputError> {
         let specimen = match &loaded.scene.specimen {
             Specimen::File { path, .. } => {
@@ -85,12 +86,12 @@ impl RunFacts {
     }
 }
 
-/// A run that went on with other settings or another version of the program.
+/// A resumption with other settings or another version of the program.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Resumed {
-    /// Its last increment before that.
+    /// Last increment before the resumption.
     pub after_increment: u64,
-    /// Version of the program from there on.
+    /// Version of the program after the resumption.
     pub clastic_version: String,
     /// Settings that were applied to the scene.
     pub settings: Vec<String>,
@@ -114,22 +115,22 @@ struct Settings {
 pub struct OutcomeRecord {
     /// `running`, `completed`, `collapsed`, `interrupted`, `undecided` or `refused`.
     pub status: &'static str,
-    /// Stage of the ending; of the first collapse where there was one.
+    /// Last stage, or the stage of the first collapse if any.
     pub stage: Option<String>,
-    /// Its increment.
+    /// Increment of the outcome.
     pub increment: Option<u64>,
-    /// What tells of a collapse: `proof` or `motion`.
+    /// Evidence of a collapse: `proof` or `motion`.
     pub collapsed_by: Option<CollapsedBy>,
-    /// What a reader should know.
+    /// Explanation of the outcome.
     pub message: Option<String>,
 }
 
 impl OutcomeRecord {
-    /// Of a run under way, or of one that was killed.
+    /// Outcome of a run that has not ended, or that was killed.
     pub const RUNNING: Self =
         Self { status: "running", stage: None, increment: None, collapsed_by: None, message: None };
 
-    /// How a run ended whose last increment is given.
+    /// Outcome of a run whose last increment is given.
     #[must_use]
     pub fn new(outcome: Option<&Outcome>, stage: String, increment: u64) -> Self {
         let at = |status, stage, increment, message: Option<String>| Self {
@@ -181,7 +182,7 @@ const CONVENTIONS: Conventions = Conventions {
 };
 
 impl RunRecord {
-    /// The record of a run under way.
+    /// Record of a run that has not ended.
     #[must_use]
     pub fn new(loaded: &LoadedScene, facts: &RunFacts, reference_stage: usize) -> Self {
         let scene = &loaded.scene;
@@ -225,10 +226,10 @@ impl RunRecord {
         }
     }
 
-    /// Writes the record; a reader sees the old one or the new one, never half of it.
+    /// Writes the record. A reader sees the old or the new one, and never an incomplete one.
     ///
     /// # Errors
-    /// Where the file cannot be written.
+    /// If the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), OutputError> {
         let mut text = serde_json::to_string_pretty(self).map_err(OutputError::at(path))?;
         text.push('\n');
@@ -236,7 +237,7 @@ impl RunRecord {
     }
 }
 
-/// The hash of some bytes, in hexadecimal digits.
+/// SHA-256 hash of some bytes, in hexadecimal digits.
 #[must_use]
 pub fn sha256(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()

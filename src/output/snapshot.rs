@@ -9,7 +9,7 @@ use clastic_components::bond::{Bond, BondId, BondState};
 use clastic_components::contact::Bodies;
 use clastic_components::wall::Wall;
 
-/// A moment of a run. Tables by particle are in identity order.
+/// State of a run at one moment. Tables by particle are in the order of identities.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Snapshot {
     /// Identities.
@@ -22,15 +22,15 @@ pub struct Snapshot {
     pub rotations: Vec<f64>,
     /// Displacements since the start of the stage list, m.
     pub displacements: Vec<DVec2>,
-    /// Ends of the walls' drawn segments, m.
+    /// Ends of the drawn segments of the walls, m.
     pub walls: Vec<[DVec2; 2]>,
-    /// Broken bonds, from centre to centre, or to the foot on the wall, m.
+    /// Broken bonds as segments from centre to centre, or to the foot of the perpendicular on the
+    /// wall, m.
     pub cracks: Vec<[DVec2; 2]>,
 }
 
 impl Snapshot {
-    /// Takes a snapshot of a world whose [`Bodies`] are up to date, as they are after an
-    /// increment.
+    /// Takes a snapshot of a world whose [`Bodies`] are up to date, as they are after an increment.
     pub fn take(world: &mut World) -> Self {
         let mut broken = world.query::<(&BondId, &Bond, &BondState)>();
         let mut broken: Vec<_> = broken
@@ -48,7 +48,7 @@ impl Snapshot {
             Some(wall) => from - wall.inward * (from - bodies.positions[i]).dot(wall.inward),
             None => bodies.positions[i],
         };
-        // A body that was taken away has no place.
+        // A removed body has no position.
         let crack = |a: BodyId, b: BodyId| {
             let from = bodies.positions[bodies.row(a)?];
             Some([from, place(bodies.row(b)?, from)])

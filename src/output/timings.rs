@@ -1,4 +1,4 @@
-//! `timings.csv`: wall-clock seconds of the parts of every increment.
+//! `timings.csv`: wall-clock seconds for the parts of every increment.
 
 use clastic_components::observation::Timings;
 
@@ -17,8 +17,8 @@ pub const COLUMNS: [&str; 9] = [
     "output_s",
 ];
 
-/// The row of an increment; `output` is the time that its other files took, and that of a checkpoint
-/// since the row before.
+/// Row of an increment. `output` is the time for its other files and for a checkpoint since the
+/// previous row.
 #[must_use]
 pub fn row(increment: u64, t: &Timings, output: f64) -> Row {
     let parts = [t.detect, t.assemble, t.solve, t.update, t.rupture, t.walls, t.record];

@@ -1,4 +1,4 @@
-//! What to say about an increment that could not be solved, and what to try.
+//! Advice about an increment that could not be solved.
 
 use bevy_ecs::prelude::*;
 
@@ -12,10 +12,10 @@ use super::compact;
 use crate::scene::format::Stage;
 use crate::scene::shown::label;
 
-/// A solution whose greatest residual is below this is a good one, if not as good as was asked for.
+/// A solution whose maximum residual is below this is usable, although it misses the tolerance.
 const GOOD: f64 = 1e-6;
 
-/// The complaint about an undecided increment, with its place and a remedy.
+/// The complaint about an undecided increment, with its place and advice.
 pub fn with_advice(world: &mut World, stage: &Stage, complaint: &str) -> String {
     let increment = world.resource::<Progress>().increment;
     let name = label(stage.name());
@@ -63,7 +63,7 @@ fn driven_together(world: &World, pair: Forced) -> String {
             None => bodies.name(row as usize),
         }
     };
-    // The last attempt may have been at a part of the increment, or at none of it.
+    // The last attempt may have been at a fraction of the increment, or at the fraction 0.
     let fraction = world.resource::<Progress>().fraction;
     let closing = if fraction > 0.0 { pair.closing / fraction } else { pair.closing };
     let overlap = closing - pair.gap;
@@ -74,8 +74,8 @@ fn driven_together(world: &World, pair: Forced) -> String {
     )
 }
 
-/// Greatest residual of the best solution of the increment, if it is a good one that
-/// `acceptance.residual` alone keeps from being accepted.
+/// Maximum residual of the best solution of the increment, if this solution is usable and only
+/// `acceptance.residual` rejects it.
 fn nearly(world: &World) -> Option<f64> {
     let worst = world.resource::<ConeSolution>().residuals.worst();
     let accepted = world.resource::<Acceptance>().residual;

@@ -1,4 +1,4 @@
-//! What an increment changes even where it is undecided.
+//! State that even an undecided increment changes.
 
 use bevy_ecs::prelude::*;
 
@@ -8,13 +8,13 @@ use clastic_components::increment::Progress;
 use clastic_components::observation::Observation;
 use clastic_systems::solve_program::Solver;
 
-/// What an increment changes even where it is undecided, as it was before: the state of an
-/// undecided run is the one before that increment.
+/// Copy of the state that even an undecided increment changes, taken before the increment. The
+/// state of an undecided run is that before the increment.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Before {
-    /// How far the run had come.
+    /// Progress of the run.
     pub progress: Progress,
-    /// The record of the increment before.
+    /// Record of the previous increment.
     pub observation: Observation,
     /// Memory of the solver.
     pub solver: Vec<[f64; 3]>,
@@ -22,7 +22,7 @@ pub struct Before {
     pub rows: Vec<BodyId>,
 }
 
-/// Takes it down.
+/// Copies the state.
 pub fn take_down(
     progress: Res<Progress>,
     observation: Res<Observation>,
@@ -33,7 +33,7 @@ pub fn take_down(
     before.progress.clone_from(&progress);
     before.observation.clone_from(&observation);
     before.rows.clone_from(&kept.ids);
-    // Tables of the size of the last increment's: nothing is allocated.
+    // The buffer keeps its size between increments, so nothing is allocated.
     before.solver.clear();
     if let Some(solver) = solver {
         before.solver.extend_from_slice(solver.0.memory());

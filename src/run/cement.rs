@@ -13,8 +13,8 @@ use clastic_systems::gather_bodies::gather_bodies;
 use super::spawn::{WallCatalogue, bond_law};
 use crate::scene::format::Cement;
 
-/// Bonds every pair with `g_0 < length` whose materials cement and that has no intact bond. A wall with
-/// a bond law of its own cements whatever is near it.
+/// Bonds every pair with `g_0 < length` whose materials form bonds and that has no intact bond. A
+/// wall with a bond law of its own bonds to every particle within the length.
 pub fn cement(world: &mut World, stage: &Cement) {
     gather(world);
     let bodies = world.resource::<Bodies>().clone();
@@ -35,7 +35,7 @@ pub fn cement(world: &mut World, stage: &Cement) {
     }
 }
 
-/// Bonds pairs of particles as they lie.
+/// Bonds pairs of particles free of stress at their current positions.
 pub fn bond_pairs(world: &mut World, pairs: impl Iterator<Item = (u32, u32)>) {
     gather(world);
     let bodies = world.resource::<Bodies>().clone();
@@ -46,7 +46,7 @@ pub fn bond_pairs(world: &mut World, pairs: impl Iterator<Item = (u32, u32)>) {
 }
 
 fn gather(world: &mut World) {
-    // The system is registered once and cached; running it by itself keeps one way to gather.
+    // The system is registered once and cached, so that only one function gathers the tables.
     let _ = world.run_system_cached(gather_bodies);
 }
 
@@ -68,9 +68,9 @@ fn add(world: &mut World, bodies: &Bodies, contact: &Contact) {
     world.spawn(Bond { a, b, initial_gap: contact.gap, law });
 }
 
-/// The bond law that the scene gives a wall.
+/// Bond law that the scene gives a wall.
 fn law_of_wall(world: &World, wall: BodyId) -> Option<BondLaw> {
-    // A world that no scene was spawned in has no catalogue.
+    // A world without a scene has no catalogue.
     let catalogue = world.get_resource::<WallCatalogue>()?;
     let index = wall.0.checked_sub(catalogue.first)?;
     catalogue.walls.get(index as usize)?.bond.as_ref().map(bond_law)

@@ -1,9 +1,9 @@
-//! What may change in the scene of a run that is resumed.
+//! Permitted changes in the scene of a run that is resumed.
 //!
-//! How the next increments are solved, what is written of them and stages that have not begun are
-//! free. Of the stage under way, its stop conditions, the motion of its walls and, where no load is
-//! on its way to a target, the number of its increments. All else is in the state already: bodies,
-//! bonds, laws, what strains are measured from.
+//! Settings of the solution of later increments, of their output, and of stages that have not begun
+//! may change. In the current stage the stop conditions and the motion of walls may change. The
+//! number of its increments may change if no load is on its way to a target. All else is fixed by
+//! the state: bodies, bonds, laws, references of strains.
 
 use bevy_ecs::prelude::*;
 use glam::DVec2;
@@ -16,7 +16,8 @@ use super::stages::Script;
 use super::state::StateView;
 use crate::scene::format::{Load, Scene, Stage, WallControl as Wanted};
 
-/// What of `new` cannot be, given that the run has come to `state` under `old`: each with a reason.
+/// Changes in `new` that are not permitted when a run under `old` has reached `state`, each with a
+/// reason.
 #[must_use]
 pub fn refused(old: &Scene, new: &Scene, state: &StateView) -> Vec<String> {
     let mut refused = Vec::new();
@@ -64,7 +65,7 @@ pub fn refused(old: &Scene, new: &Scene, state: &StateView) -> Vec<String> {
     refused
 }
 
-/// Why a stage cannot go on as another one.
+/// Why the current stage cannot continue as the new one; `None` if it can.
 fn stage_under_way(old: &Load, new: &Load, state: &StateView) -> Option<&'static str> {
     let mut allowed = new.clone();
     allowed.increments = old.increments;
@@ -90,7 +91,7 @@ fn stage_under_way(old: &Load, new: &Load, state: &StateView) -> Option<&'static
     )
 }
 
-/// The control of a wall that is moved.
+/// Control of a wall with imposed motion; `None` for other controls.
 fn motion(control: &Wanted) -> Option<WallControl> {
     match *control {
         Wanted::Displacement(x, y) => Some(WallControl::Displacement(DVec2::new(x, y))),
@@ -99,8 +100,8 @@ fn motion(control: &Wanted) -> Option<WallControl> {
     }
 }
 
-/// Applies to a world restored from `state` what `new` changes of the stage under way; nothing of it
-/// was [`refused`].
+/// Applies the changes of the current stage in `new` to a world that was restored from `state`.
+/// [`refused`] must have found none of them.
 pub fn apply(world: &mut World, old: &Scene, new: &Scene, state: &StateView) {
     let index = state.progress.stage;
     let (Some(Stage::Load(old)), Some(Stage::Load(new))) =

@@ -1,8 +1,8 @@
-//! Compaction (4.4.1 of the paper): rigid, frictionless, static, and of all feasible motions the
-//! least.
+//! Compaction (4.4.1 of the paper): rigid, frictionless and static, by the smallest feasible
+//! motion.
 //!
-//! The linearised non-penetration condition is on the safe side (`|x| >= n.x`), so that no
-//! increment, however large, makes listed disks overlap.
+//! The linearised non-penetration condition is safe (`|x| >= n.x`): potential contacts do not
+//! overlap after an increment of any size.
 
 use bevy_ecs::prelude::*;
 use glam::DVec2;
@@ -18,7 +18,7 @@ use clastic_components::wall::{Wall, WallControl};
 use super::spawn::find_wall;
 use crate::scene::format::{Compact, CompactRest, CompactTarget};
 
-/// Sets the walls in motion towards the target, in equal steps.
+/// Moves the wall towards the target in equal steps.
 pub fn begin(world: &mut World, stage: &Compact) {
     let (area, mean_radius) = disks(world);
     world.resource_mut::<Analysis>().kind = AnalysisKind::LeastMotion {
@@ -49,7 +49,8 @@ pub fn begin(world: &mut World, stage: &Compact) {
     world.entity_mut(wall).insert(WallControl::Displacement(-inward * (distance / steps)));
 }
 
-/// Height (m) and porosity of the packing between the walls of the stage, as its target counts them.
+/// Height (m) and porosity of the packing between the walls of the stage, as its target defines
+/// them.
 pub fn reached(world: &mut World, stage: &Compact) -> Option<(f64, f64)> {
     let (wall, base) = (find_wall(world, &stage.wall)?, find_wall(world, &stage.base)?);
     let (height, length) = extent(world, wall, base);
@@ -57,7 +58,7 @@ pub fn reached(world: &mut World, stage: &Compact) -> Option<(f64, f64)> {
     Some((height, 1.0 - area / (height * length)))
 }
 
-/// Distance of the wall from the base, and length of the base, m.
+/// Distance between the wall and the base, and length of the base, m.
 fn extent(world: &World, wall: Entity, base: Entity) -> (f64, f64) {
     let place = |wall| world.get::<Position>(wall).map(|x| x.0).unwrap_or_default();
     let (inward, length) = world
@@ -66,7 +67,7 @@ fn extent(world: &World, wall: Entity, base: Entity) -> (f64, f64) {
     ((place(wall) - place(base)).dot(inward), length)
 }
 
-/// Total area and mean radius of the particles, summed in identity order.
+/// Total area and mean radius of the particles, summed in the order of identities.
 fn disks(world: &mut World) -> (f64, f64) {
     let mut particles = world.query::<(&BodyId, &Particle)>();
     let mut radii: Vec<_> = particles.iter(world).map(|(id, p)| (*id, p.radius)).collect();
@@ -76,8 +77,8 @@ fn disks(world: &mut World) -> (f64, f64) {
     (area, mean)
 }
 
-/// The packing is at rest and free of stress: forces of the compaction are those of its
-/// regularisation and mean nothing.
+/// Sets the packing to rest without stress. The forces of the compaction come from its
+/// regularisation and have no physical meaning.
 pub fn end(world: &mut World) {
     world.resource_mut::<ContactHistory>().0.clear();
     let mut bodies = world.query::<(
@@ -88,7 +89,7 @@ pub fn end(world: &mut World) {
     )>();
     for (mut motion, mut force, velocity, spin) in bodies.iter_mut(world) {
         *motion = LastMotion::default();
-        // A wall that is to be loaded next starts from what it carries: from nothing.
+        // A later load on a wall starts from the force that the wall carries, which is zero.
         *force = ExternalForce::default();
         if let Some(mut velocity) = velocity {
             *velocity = Velocity::default();

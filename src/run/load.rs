@@ -1,5 +1,5 @@
-//! Beginning of a loading stage: walls that go and come, their control, what is done to
-//! particles, and what strain and stress are measured on.
+//! Start of a loading stage: removed and added walls, controls of walls and particles, and the
+//! lengths of strains and stresses.
 
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::RunSystemOnce;
@@ -38,7 +38,8 @@ pub fn begin(world: &mut World, stage: &scene::Load) {
     control_particles(world, stage, &analysis);
 }
 
-/// Sets up a stage of a kind of a plugin as far as the scene says: its systems do the rest.
+/// Sets up the part of a plugin's stage that the scene defines. The systems of the plugin do the
+/// rest.
 pub fn begin_custom(world: &mut World, stage: &scene::CustomStage) {
     set_up(world, stage.analysis, stage.gravity, stage.increments);
 }
@@ -102,8 +103,8 @@ fn control_walls(world: &mut World, stage: &scene::Load) {
     }
 }
 
-/// Ends the stage under way before its loads are where they were to go: what they have reached is what
-/// the next stage starts from, and keeps where it says nothing else.
+/// Ends the current stage before its loads reach their targets. The next stage starts from the
+/// current loads, and keeps those that it does not change.
 pub fn end_early(world: &mut World) {
     let progress = world.resource::<Progress>().clone();
     let reached = |from: f64, to: f64| progress.ramp(from, to).from;
@@ -124,7 +125,7 @@ pub fn end_early(world: &mut World) {
     }
 }
 
-/// What a stress control acts on, and its current size in m times the thickness.
+/// Length that a stress control acts on, in m, times the thickness.
 fn stress_length(
     world: &mut World,
     wall: Entity,
@@ -141,8 +142,8 @@ fn stress_length(
     (length, metres * world.resource::<Analysis>().thickness)
 }
 
-/// Force that the wall exerts on the specimen along its inward normal, N: a wall that was held
-/// and is to be loaded starts from there.
+/// Force of the wall on the specimen along its inward normal, N. The load of a wall that was held
+/// starts from this value.
 fn reaction(world: &World, wall: Entity) -> f64 {
     match (world.get::<Wall>(wall), world.get::<ExternalForce>(wall)) {
         (Some(wall), Some(force)) => DVec2::new(force.0[0], force.0[1]).dot(wall.inward()),
@@ -199,8 +200,8 @@ fn control_particles(world: &mut World, stage: &scene::Load, analysis: &Analysis
     }
 }
 
-/// What keeps a loading stage from beginning as the scene says: an entry of `particles` that selects no
-/// particle. What it asks for would be done to none, and the results would be those of another scene.
+/// An entry of `particles` that selects no particle. The stage is refused, because without this
+/// entry the results would be those of another scene.
 pub fn selects_nothing(world: &mut World, stage: &scene::Load) -> Option<String> {
     let mut particles = world
         .query_filtered::<(&BodyId, &Position, Option<&Group>, Option<&Probe>), With<Particle>>();
@@ -251,7 +252,7 @@ fn selects(
     }
 }
 
-/// Resolves the names in the scene's measures; what is not there (yet) measures nothing.
+/// Resolves the names in the scene's measures. A measure with a missing body or wall is left out.
 pub fn resolve_measures(world: &mut World) {
     let script = world.resource::<Script>();
     let wanted = script.scene.measures.clone();

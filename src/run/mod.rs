@@ -1,8 +1,8 @@
-//! Running a scene: from its text to a world, and from stage to stage.
+//! Runs scenes: from the text to a world, and from stage to stage.
 //!
-//! All state lives in the world; [`Simulation`] only holds the app. An embedding program does the
-//! same with its own app: it adds [`ClasticPlugins`] and [`ScenePlugin`], and
-//! [`spawn::spawn_scene`] fills its world.
+//! The world contains all state; [`Simulation`] only holds the app. An embedding program uses its
+//! own app: it adds [`ClasticPlugins`] and [`ScenePlugin`], and [`spawn::spawn_scene`] fills its
+//! world.
 
 mod advice;
 mod before;
@@ -31,14 +31,14 @@ use crate::ClasticPlugins;
 use crate::scene::format::Scene;
 use crate::scene::specimen_file::StoredSpecimen;
 
-/// A scene that runs.
+/// A running scene.
 pub struct Simulation {
     app: App,
 }
 
 impl Simulation {
-    /// A world with the scene's particles, walls and explicit bonds, before its first stage.
-    /// `stored` is the content of the specimen file, where the scene names one.
+    /// A world with the particles, walls and explicit bonds of the scene, before its first stage.
+    /// `stored` is the content of the specimen file, if the scene names one.
     #[must_use]
     pub fn new(scene: &Scene, stored: Option<&StoredSpecimen>) -> Self {
         Self::with_plugins(scene, stored, NoPlugins)
@@ -56,8 +56,8 @@ impl Simulation {
         Self { app }
     }
 
-    /// A world that goes on from a state under the settings of `scene`: with those of the scene
-    /// that the state comes from it goes on as if nothing had happened, to the last bit.
+    /// A world that continues from a state under the settings of `scene`. With the scene of the
+    /// state, all further results are equal to those of an uninterrupted run, bit by bit.
     ///
     /// # Errors
     /// If the state has an entry that no plugin registers, or that cannot be decoded.
@@ -88,8 +88,8 @@ impl Simulation {
         state::capture(self.world_mut())
     }
 
-    /// Runs the next increment, and what lies before it: ends and beginnings of stages, stages
-    /// without increments.
+    /// Runs the next increment. Ends and beginnings of stages, and stages without increments, come
+    /// before it.
     pub fn step(&mut self) -> Step {
         advance(self.app.world_mut())
     }
@@ -109,18 +109,18 @@ impl Simulation {
         self.app.world()
     }
 
-    /// The world, to change it.
+    /// The world, for changes.
     pub fn world_mut(&mut self) -> &mut World {
         self.app.world_mut()
     }
 
-    /// The app, to add plugins and systems to it.
+    /// The app, for plugins and systems.
     pub fn app_mut(&mut self) -> &mut App {
         &mut self.app
     }
 }
 
-/// Takes a world with a scene on to the end of the next increment: runs [`Advance`] once.
+/// Advances a world with a scene to the end of the next increment: runs [`Advance`] once.
 pub fn advance(world: &mut World) -> Step {
     world.run_schedule(Advance);
     if let Some(Halted(message)) = world.get_resource::<Halted>() {

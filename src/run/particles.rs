@@ -17,15 +17,15 @@ pub struct ParticleSeed {
     pub position: DVec2,
     /// Radius, m.
     pub radius: f64,
-    /// Material; none is the scene's only one.
+    /// Name of the material; `None` means the only material of the scene.
     pub material: Option<String>,
     /// Initial velocity, m/s.
     pub velocity: DVec2,
     /// Initial angular velocity, rad/s.
     pub angular_velocity: f64,
-    /// Group.
+    /// Name of the group.
     pub group: Option<String>,
-    /// Probe.
+    /// Name of the probe.
     pub probe: Option<String>,
 }
 
@@ -43,7 +43,7 @@ impl ParticleSeed {
     }
 }
 
-/// The particles of a specimen in identity order.
+/// Particles of a specimen in the order of identities.
 #[must_use]
 pub fn particles(specimen: &Specimen, stored: Option<&StoredSpecimen>) -> Vec<ParticleSeed> {
     match specimen {
@@ -67,8 +67,9 @@ pub fn particles(specimen: &Specimen, stored: Option<&StoredSpecimen>) -> Vec<Pa
                     let cell =
                         DVec2::new(f64::from(k % columns) + 0.5, f64::from(k / columns) + 0.5);
                     let radius = random.radius(sizes);
-                    // Anywhere in its cell, so that cells never overlap: disks on a regular grid
-                    // would form straight columns, which rigid frictionless walls cannot buckle.
+                    // The position is random within the cell, so that cells never overlap. A
+                    // regular grid would consist of straight columns, which rigid frictionless
+                    // walls cannot buckle.
                     let room = 0.5 * spacing - radius;
                     let jitter =
                         DVec2::new(random.between(-room, room), random.between(-room, room));
@@ -114,7 +115,7 @@ fn lattice(
     out
 }
 
-/// Random numbers of a specimen: the same for a seed on every machine.
+/// Random numbers of a specimen, which depend on the seed only and not on the machine.
 struct Random(ChaCha8Rng);
 
 impl Random {
@@ -136,8 +137,9 @@ impl Random {
             Sizes::Equal { radius } => radius,
             Sizes::Uniform { radius: (low, high) } => self.between(low, high),
             Sizes::LogNormal { radius, deviation, limits: (low, high) } => {
-                // Box and Muller's transform; values beyond the limits are drawn again, and after
-                // many misses (limits far from the median) put on them.
+                // Box-Muller transform. Values outside the limits are drawn again. After many
+                // rejections, when the limits are far from the median, the value is set to the
+                // nearest limit.
                 for _ in 0..1000 {
                     let (u, v) = (1.0 - self.unit(), self.unit());
                     let normal = (-2.0 * u.ln()).sqrt() * (std::f64::consts::TAU * v).cos();

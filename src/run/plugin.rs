@@ -1,4 +1,4 @@
-//! `ScenePlugin`: the stages of a scene as systems around the increment.
+//! `ScenePlugin`: systems for the stages of a scene, around the increment.
 
 use std::collections::BTreeSet;
 
@@ -19,7 +19,7 @@ use super::stop::end_increment;
 use crate::scene::format::{CustomStage, Stage};
 
 /// Begins the [`CurrentStage`]: sets controls and `Progress::total`, which is 0 for a stage without
-/// increments. Built-in kinds come first.
+/// increments.
 #[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct BeginStage;
 
@@ -30,16 +30,15 @@ pub struct EndStage;
 /// Sets of [`BeginStage`] and [`EndStage`], and of the end of an increment, in order.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum StageSystems {
-    /// What the engine does: in [`BeginStage`] and [`EndStage`].
+    /// Systems of the engine: in [`BeginStage`] and [`EndStage`].
     BuiltIn,
-    /// What a plugin does for its own kind of stage: in [`BeginStage`] and [`EndStage`].
+    /// Systems of a plugin for its kinds of stages: in [`BeginStage`] and [`EndStage`].
     Custom,
-    /// Stop conditions of a plugin: in [`Advance`], after the increment. They set
-    /// [`Script::stop`].
+    /// Stop conditions of a plugin: in [`Advance`], after the increment. They set [`Script::stop`].
     Stop,
 }
 
-/// The kinds of `Custom` stages that plugins provide. A scene that names another one is refused.
+/// The kinds of `Custom` stages that plugins provide. Stages of other kinds are refused.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct StageKinds(BTreeSet<&'static str>);
 
@@ -59,9 +58,10 @@ impl StageKinds {
     }
 }
 
-/// Says that a plugin provides a kind of stage.
+/// Registers the kinds of stages that a plugin provides.
 pub trait ProvideStage {
-    /// The plugin has systems in [`StageSystems::Custom`] that begin and end stages of this kind.
+    /// Registers a kind of stage. The plugin has systems in [`StageSystems::Custom`] that begin and
+    /// end such stages.
     fn provide_stage(&mut self, kind: &'static str) -> &mut Self;
 }
 
@@ -72,13 +72,14 @@ impl ProvideStage for App {
     }
 }
 
-/// Run condition: the [`CurrentStage`] is a `Custom` one of this kind.
+/// Run condition: the [`CurrentStage`] is a `Custom` stage of this kind.
 pub fn stage_is(kind: &'static str) -> impl FnMut(Option<Res<CurrentStage>>) -> bool + Clone {
     move |stage| matches!(stage.as_deref(), Some(CurrentStage(Stage::Custom(s))) if s.kind == kind)
 }
 
-/// Adds the stages of a scene to [`ClasticPlugins`](crate::ClasticPlugins). The scene itself comes
-/// with [`spawn_scene`](super::spawn::spawn_scene); without one, nothing of this does anything.
+/// Adds the stages of a scene to [`ClasticPlugins`](crate::ClasticPlugins).
+/// [`spawn_scene`](super::spawn::spawn_scene) adds the scene. Without a scene this plugin does
+/// nothing.
 pub struct ScenePlugin;
 
 impl Plugin for ScenePlugin {

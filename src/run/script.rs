@@ -1,4 +1,4 @@
-//! The script of a run: its stages, where the run stands among them, and how each ended.
+//! Script of a run: its stages, the current stage, and how earlier stages ended.
 
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::scene::format::{Scene, Stage, Stop};
 use crate::scene::shown::label;
 
-/// The scene's stages and where the run stands among them.
+/// Stages of the scene and state of the run among them.
 #[derive(Resource, Clone, Debug)]
 pub struct Script {
     /// The scene.
@@ -15,59 +15,59 @@ pub struct Script {
     pub begun: bool,
     /// Maximum speed of a particle after the last increment of the stage, m/s.
     pub speed: Option<f64>,
-    /// Axial stress of the maximum magnitude in the stage so far, Pa.
+    /// Axial stress with the maximum magnitude in the stage so far, Pa.
     pub peak: f64,
     /// The first collapse.
     pub collapse: Option<Collapse>,
-    /// How the run ended, once it has.
+    /// Outcome of the run, after it has ended.
     pub outcome: Option<Outcome>,
-    /// The stages so far and how they ended; that under way is the last.
+    /// Stages so far with their ends. The last one is the current stage.
     pub ends: Vec<StageEnd>,
-    /// Whether the stage is to end with this increment: set by systems in
-    /// [`StageSystems::Stop`](super::plugin::StageSystems::Stop).
+    /// Whether the stage ends with this increment. Systems in
+    /// [`StageSystems::Stop`](super::plugin::StageSystems::Stop) set it.
     pub stop: bool,
 }
 
-/// What tells that a specimen has collapsed.
+/// Evidence of a collapse.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CollapsedBy {
     /// A mechanism proves that no forces within the limits balance the loads.
     Proof,
-    /// The motion found no rest under constant loads, nor did it in steps half as long.
+    /// The motion did not come to rest under constant loads, also not in steps of half the length.
     Motion,
 }
 
 /// How a specimen collapsed.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Collapse {
-    /// The stage.
+    /// Name of the stage.
     pub stage: String,
-    /// Its last increment, of which nothing was committed.
+    /// Increment of the collapse, of which nothing was committed.
     pub increment: u64,
-    /// What tells.
+    /// Evidence of the collapse.
     pub by: CollapsedBy,
-    /// The same in words, with how far the motion went.
+    /// The evidence in words, with the extent of the motion.
     pub reason: String,
 }
 
 /// A stage of a run and how it ended.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StageEnd {
-    /// Its name.
+    /// Name of the stage.
     pub stage: String,
-    /// Increments that it took, those with parts of a whole increment counted one by one.
+    /// Number of increments. Fractions of whole increments count one each.
     pub increments: u64,
-    /// Those of them with the status `capped`.
+    /// Number of increments with the status `capped`.
     pub capped: u64,
-    /// What ended it; none while it is under way.
+    /// What ended the stage; `None` for the current stage.
     pub ended_by: Option<EndedBy>,
-    /// The condition, as the scene writes it; only with [`EndedBy::Stop`].
+    /// The stop condition as the scene writes it; only with [`EndedBy::Stop`].
     pub stop: Option<Stop>,
 }
 
 impl StageEnd {
-    /// What must be said of it where increments are capped.
+    /// Warning about capped increments; `None` if the stage has none.
     #[must_use]
     pub fn warning(&self) -> Option<String> {
         let Self { increments, capped, .. } = self;
@@ -86,9 +86,10 @@ impl StageEnd {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum EndedBy {
-    /// All its increments were made, the target of a compaction is reached, or it has none.
+    /// All increments were made, the target of a compaction was reached, or the stage has no
+    /// increments.
     AllIncrements,
-    /// One of its stop conditions held.
+    /// A stop condition was met.
     Stop,
     /// The specimen collapsed.
     Collapse,
@@ -97,7 +98,7 @@ pub enum EndedBy {
 }
 
 impl Script {
-    /// The script of a scene, before its first stage.
+    /// Script of a scene before its first stage.
     #[must_use]
     pub fn new(scene: &Scene) -> Self {
         Self {
@@ -127,12 +128,12 @@ impl Script {
     }
 }
 
-/// What one run of [`Advance`](clastic_systems::stepping::Advance) did.
+/// Result of one run of [`Advance`](clastic_systems::stepping::Advance).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Step {
     /// An increment ended; [`Observation`](clastic_components::observation::Observation) holds its record.
     Increment,
-    /// There is nothing left to do.
+    /// The run has ended.
     Finished(Outcome),
 }
 
@@ -141,29 +142,29 @@ pub enum Step {
 pub enum Outcome {
     /// All stages ran to their end.
     Completed,
-    /// All stages ran, and in one of them the specimen collapsed: a result.
+    /// All stages ended, and in at least one of them the specimen collapsed. This is a result.
     Collapsed(
-        /// The first of them.
+        /// The first collapse.
         Collapse,
     ),
-    /// An increment could not be solved; nothing of it was committed.
+    /// An increment could not be solved, and nothing of it was committed.
     Undecided {
         /// The increment.
         increment: u64,
-        /// Which residual, and what to try.
+        /// The residual, and advice.
         message: String,
     },
-    /// Nothing goes on any more, for a reason that is not the specimen's: an increment could not be
-    /// written, or a plugin has inserted [`Halted`](clastic_systems::stepping::Halted).
+    /// The run has stopped for another reason than the specimen: an increment could not be written, or
+    /// a plugin has inserted [`Halted`](clastic_systems::stepping::Halted).
     Halted(
         /// What happened.
         String,
     ),
-    /// A stage could not begin as the scene says. All increments before it are committed.
+    /// A stage could not begin as the scene defines it. All previous increments are committed.
     Refused {
         /// The stage.
         stage: String,
-        /// What is wrong with it, and what would be right.
+        /// The mistake and its remedy.
         message: String,
     },
 }

@@ -1,4 +1,4 @@
-//! From stage to stage: what begins and what ends.
+//! Changes of stages: ends and beginnings.
 
 use bevy_ecs::prelude::*;
 
@@ -12,12 +12,12 @@ pub use super::script::{Collapse, CollapsedBy, EndedBy, Outcome, Script, StageEn
 use super::{cement, compact, load};
 use crate::scene::format::Stage;
 
-/// The stage that begins, is under way or ends.
+/// The stage that begins, runs or ends.
 #[derive(Resource, Clone, Debug)]
 pub struct CurrentStage(pub Stage);
 
-/// Ends stages that are over and begins the next ones, up to a stage with an increment to make or
-/// to the end of the run. Exclusive, because it runs schedules.
+/// Ends finished stages and begins the next ones, up to a stage that needs an increment or to the
+/// end of the run. Exclusive, because it runs schedules.
 pub fn change_stages(world: &mut World) {
     let due = loop {
         let script = world.resource::<Script>();
@@ -42,7 +42,8 @@ pub fn change_stages(world: &mut World) {
             break false;
         }
         if !script.begun {
-            // Before anything of the stage is done: who resumes with another stage begins it afresh.
+            // A stage is refused before it changes anything, so that a resumed run with a corrected
+            // stage begins it anew.
             if let Some(message) = refusal(world, &stage) {
                 let stage = stage.name().to_owned();
                 world.resource_mut::<Script>().outcome = Some(Outcome::Refused { stage, message });
@@ -107,7 +108,7 @@ fn end(world: &mut World, stage: Stage) {
     }
 }
 
-/// Begins a stage of a built-in kind. Exclusive, because walls and bonds come and go.
+/// Begins a stage of a built-in kind. Exclusive, because it adds and removes walls and bonds.
 pub(super) fn begin_built_in(world: &mut World) {
     match world.resource::<CurrentStage>().0.clone() {
         Stage::Compact(stage) => compact::begin(world, &stage),
@@ -117,7 +118,7 @@ pub(super) fn begin_built_in(world: &mut World) {
     }
 }
 
-/// Ends a compaction. Exclusive, because it reaches every body.
+/// Ends a compaction. Exclusive, because it changes every body.
 pub(super) fn end_built_in(world: &mut World) {
     if let Stage::Compact(_) = world.resource::<CurrentStage>().0 {
         compact::end(world);

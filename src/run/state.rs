@@ -1,4 +1,4 @@
-//! What a scene adds to the state of a world: where the run stands among its stages.
+//! State of a scene in the state of a world: the progress of the run in its stages.
 
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -30,18 +30,18 @@ pub const MATERIALS: &str = "materials.names";
 /// Name of [`FirstWall`] in a state.
 pub const FIRST_WALL: &str = "walls.first";
 
-/// What a [`Script`] remembers besides its scene.
+/// State of a [`Script`] apart from its scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ScriptState {
     /// Whether the stage has begun.
     pub begun: bool,
     /// Maximum speed after the last increment of the stage, m/s.
     pub speed: Option<f64>,
-    /// Axial stress of the maximum magnitude in the stage so far, Pa.
+    /// Axial stress with the maximum magnitude in the stage so far, Pa.
     pub peak: f64,
     /// The first collapse.
     pub collapse: Option<Collapse>,
-    /// The stages so far and how they ended.
+    /// Stages so far with their ends.
     pub ends: Vec<StageEnd>,
 }
 
@@ -49,7 +49,7 @@ impl StateOf for ScriptState {
     fn take(world: &mut World) -> Option<Self> {
         let script = world.get_resource::<Script>()?;
         let mut ends = script.ends.clone();
-        // Nothing of an undecided increment was committed: who resumes tries it again.
+        // Nothing of an undecided increment was committed, so a resumed run tries it again.
         if let Some(end) = ends.last_mut().filter(|_| undecided(script)) {
             end.increments -= 1;
             end.ended_by = None;
@@ -76,8 +76,8 @@ impl StateOf for ScriptState {
     }
 }
 
-/// Names of the materials that particles have an index of. They follow from the scene: the state
-/// holds them for those who read it without a world.
+/// Names of the materials, by the index that particles have. They follow from the scene. The state
+/// contains them for readers without a world.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MaterialNames(pub Vec<String>);
 
@@ -108,8 +108,8 @@ fn undecided(script: &Script) -> bool {
     matches!(script.outcome, Some(Outcome::Undecided { .. }))
 }
 
-/// The state of a world that runs a scene, between two increments. If the last increment was
-/// undecided, it is the state before that increment: nothing of it was committed.
+/// State of a world that runs a scene, between two increments. After an undecided increment, of
+/// which nothing was committed, it is the state before that increment.
 ///
 /// # Errors
 /// If a part of it cannot be encoded.
@@ -133,8 +133,8 @@ pub fn capture(world: &mut World) -> Result<WorldState, StateError> {
     Ok(state)
 }
 
-/// Fills `world` so that it goes on from `state` under the settings of `scene`. The world must have
-/// the plugins that the state comes from and no bodies.
+/// Restores a world that continues from `state` under the settings of `scene`. The world must have
+/// the plugins of the captured world and no bodies.
 ///
 /// # Errors
 /// If the state has an entry that no plugin registers, or that cannot be decoded.
@@ -143,26 +143,26 @@ pub fn restore(world: &mut World, scene: &Scene, state: &WorldState) -> Result<(
     insert_settings(world, scene, first);
     world.insert_resource(Script::new(scene));
     state.restore(world)?;
-    // Who looks at the world before the next increment looks here.
+    // Readers of the world before the next increment need the tables.
     let _ = world.run_system_cached(gather_bodies);
     Ok(())
 }
 
-/// What those who take a run on need to know of its state before they have a world.
+/// The part of a state that is needed to resume a run, before a world exists.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StateView {
-    /// How far the run has come.
+    /// Progress of the run.
     pub progress: Progress,
     /// Whether the stage at [`Progress::stage`] has begun.
     pub begun: bool,
     /// Whether any load is on its way to a target.
     pub ramps: bool,
-    /// The particles as they were before the first stage.
+    /// Particles before the first stage.
     pub specimen: StoredSpecimen,
 }
 
 impl StateView {
-    /// Reads it from a state.
+    /// Extracts the view from a state.
     ///
     /// # Errors
     /// If the state is not that of a run of a scene.
@@ -188,7 +188,7 @@ impl StateView {
         })
     }
 
-    /// Whether the stage under way has begun and is not at its end.
+    /// Whether the current stage has begun and has not reached its end.
     #[must_use]
     pub fn is_within_stage(&self) -> bool {
         self.begun && !self.progress.is_over()

@@ -1,4 +1,4 @@
-//! How an increment ended, and whether its stage goes on.
+//! End of an increment: its status, and whether its stage continues.
 
 use bevy_ecs::prelude::*;
 
@@ -30,8 +30,8 @@ impl Collapse {
     }
 }
 
-/// Looks at how the increment ended and at the stop conditions of the stage. Exclusive, because
-/// what a collapse or a stop means reaches every wall and particle.
+/// Evaluates the status of the increment and the stop conditions of the stage. Exclusive, because a
+/// collapse or a stop affects all walls and particles.
 pub fn end_increment(world: &mut World) {
     let index = world.resource::<Progress>().stage;
     let Some(stage) = world.resource::<Script>().stage(index).cloned() else { return };
@@ -47,7 +47,7 @@ pub fn end_increment(world: &mut World) {
             if !world.resource::<Observation>().in_avalanche {
                 held = stopped(world, stage);
             }
-            // A stage does not end before its last avalanche has.
+            // A stage ends only after its last avalanche.
             if world.resource::<Progress>().relaxing {
                 held = None;
             }
@@ -93,25 +93,25 @@ fn stopped(world: &mut World, stage: &Stage) -> Option<Stop> {
     let (strain, stress) = (observation.axial_strain, observation.axial_stress);
     let time = world.resource::<Progress>().time;
     let mut velocities = world.query::<&Velocity>();
-    let greatest = velocities.iter(world).map(|v| v.0.length()).fold(0.0, f64::max);
+    let maximum = velocities.iter(world).map(|v| v.0.length()).fold(0.0, f64::max);
     let mut script = world.resource_mut::<Script>();
-    let last = script.speed.replace(greatest);
+    let last = script.speed.replace(maximum);
     if let Some(stress) = stress.filter(|s| s.abs() > script.peak.abs()) {
         script.peak = stress;
     }
-    // In a tension test the peak is negative.
+    // The peak is negative in a tension test.
     let (peak, sign) = (script.peak.abs(), script.peak.signum());
     load.stop.iter().copied().find(|stop| match *stop {
-        // Strains are sums of increments: the last bits must not cost one more of them.
+        // Strains are sums over increments. Round-off must not cause one more increment.
         Stop::AxialStrain(limit) => strain
             .is_some_and(|e| if limit < 0.0 { e <= limit + 1e-12 } else { e >= limit - 1e-12 }),
-        // A drop that is no more than the error of the stress may be round-off.
+        // A drop below the error of the stress may be caused by this error.
         Stop::StressDrop(fraction) => {
             stress.is_some_and(|s| peak > 0.0 && sign * s < fraction * peak)
                 && (1.0 - fraction) * peak > error_of_stress(world)
         }
         Stop::Time(limit) => time >= limit * (1.0 - 1e-12),
-        // What begins to fall is slow too: at rest nothing gets faster.
-        Stop::Rest(speed) => greatest < speed && last.is_some_and(|last| greatest <= last),
+        // A body that starts to fall is slow as well. At rest the speed does not increase.
+        Stop::Rest(speed) => maximum < speed && last.is_some_and(|last| maximum <= last),
     })
 }

@@ -1,32 +1,33 @@
-//! The second reading of a scene that `ron` refuses: every mistake in one go.
+//! Second reading of a scene that `ron` refuses, which finds all mistakes at once.
 //!
-//! It [reads](super::tree_reader) the tree of the [scanner](super::scan), so it knows the path and
-//! the place of all it touches, notes each mistake and goes on with what was probably meant or with
-//! a [stand-in](super::stand_in). What it accepts is not decided here but by `ron` before.
+//! It [reads](super::tree_reader) the tree of the [scanner](super::scan), which has the path and
+//! the place of every value. It records each mistake and continues with the probable meaning or
+//! with a [stand-in](super::stand_in). It does not accept scenes: only the first reading with `ron`
+//! does.
 
 use std::cell::RefCell;
 use std::fmt;
 
 use serde::{Deserialize, de};
 
-use super::diagnostic::{Finding, MOST, Placed};
+use super::diagnostic::{Finding, MAX_SHOWN, Placed};
 use super::format::{Scene, VERSION};
 use super::scan::{Node, Shape, scan};
 use super::spans::join;
 use super::tree_reader::Reader;
 
-/// With more mistakes than this nothing is gained by asking what the scene means.
+/// With more mistakes than this the meaning of the scene is not examined.
 const ENOUGH: usize = 1000;
 
-/// What the second reading found.
+/// Result of the second reading.
 pub(super) struct Diagnosis {
-    /// The scene as it was probably meant, if that can be told.
+    /// The probable meaning of the scene, if it can be determined.
     pub scene: Option<Scene>,
     /// The mistakes.
     pub placed: Vec<Placed>,
-    /// Paths of values that were made up: what follows from them is no news.
+    /// Paths of values that were made up. Findings about them are not reported.
     pub made_up: Vec<String>,
-    /// Misspelt fields: the path as it was meant and as it is written.
+    /// Misspelt fields: the correct path and the path as written.
     pub renamed: Vec<(String, String)>,
 }
 
@@ -40,7 +41,7 @@ pub(super) fn diagnose(text: &str) -> Diagnosis {
     let Some(root) = root else {
         return Diagnosis { scene: None, placed: faults, made_up: Vec::new(), renamed: Vec::new() };
     };
-    // A missing field stops serde, so it is noted, made up and the reading is repeated.
+    // A missing field stops serde. It is recorded and made up, and the text is read again.
     let mut missing: Vec<Placed> = Vec::new();
     let mut absent: Vec<String> = Vec::new();
     loop {
@@ -50,7 +51,7 @@ pub(super) fn diagnose(text: &str) -> Diagnosis {
         let notes = cx.notes.into_inner();
         let failure = result.as_ref().err().map(Failure::placed);
         match failure {
-            Some(Some((path, placed))) if missing.len() <= MOST => {
+            Some(Some((path, placed))) if missing.len() <= MAX_SHOWN => {
                 missing.push(placed);
                 absent.push(path);
             }
@@ -65,11 +66,11 @@ pub(super) fn diagnose(text: &str) -> Diagnosis {
     }
 }
 
-/// What all of a reading shares.
+/// Data that all readers of a text share.
 pub(super) struct Context<'a> {
     /// The text.
     pub text: &'a str,
-    /// Paths of missing fields that are to be made up.
+    /// Paths of missing fields that the reading makes up.
     pub absent: &'a [String],
     notes: RefCell<Notes>,
 }
@@ -82,18 +83,18 @@ struct Notes {
 }
 
 impl Context<'_> {
-    /// Notes a mistake.
+    /// Records a mistake.
     pub fn note(&self, at: usize, path: &str, message: String, help: impl Into<String>) {
         let finding = Finding::new(path, message, help);
         self.notes.borrow_mut().placed.push(Placed { at, finding });
     }
 
-    /// Notes that the value at a path is not the scene's own.
+    /// Records that the value at a path was made up.
     pub fn made_up(&self, path: String) {
         self.notes.borrow_mut().made_up.push(path);
     }
 
-    /// Notes a misspelt field: its path as it was meant and as it is written.
+    /// Records a misspelt field: its correct path and its path as written.
     pub fn renamed(&self, meant: String, written: String) {
         self.notes.borrow_mut().renamed.push((meant, written));
     }
@@ -103,7 +104,7 @@ impl Context<'_> {
         self.text.get(node.span.clone()).unwrap_or_default()
     }
 
-    /// A value in a message.
+    /// Description of a value for messages.
     pub fn found(&self, node: &Node) -> String {
         const LONGEST: usize = 40;
         let literal = self.literal(node);
@@ -123,7 +124,7 @@ impl Context<'_> {
     }
 }
 
-/// Why serde stopped: in practice a missing field.
+/// Why serde stopped: usually a missing field.
 #[derive(Debug)]
 pub(super) struct Failure {
     field: Option<&'static str>,
@@ -132,7 +133,7 @@ pub(super) struct Failure {
 }
 
 impl Failure {
-    /// Ties the failure to the struct that it arose in.
+    /// Adds the path and place of the surrounding struct.
     pub fn inside(mut self, path: &str, at: usize) -> Self {
         self.place.get_or_insert_with(|| (path.to_owned(), at));
         self
@@ -153,12 +154,12 @@ impl Failure {
     }
 }
 
-/// Units of the fields that cannot be left out.
+/// Units of the mandatory fields.
 fn unit(field: &str) -> Option<&'static str> {
     Some(match field {
         "radius" | "spacing" | "length" | "step" => "in m",
         "position" | "start" | "end" | "min" | "max" => "as (x, y) in m",
-        "limits" => "as (smallest, greatest) in m",
+        "limits" => "as (minimum, maximum) in m",
         "dt" => "in s",
         "cohesion" | "tensile_strength" | "stress" => "in Pa",
         "increments" | "columns" | "rows" | "count" => "a number from 1",

@@ -1,4 +1,4 @@
-//! What is wrong with a scene, and where.
+//! Mistakes of a scene and their places.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -7,19 +7,19 @@ use super::edited::EditedText;
 use super::shown::brief;
 use super::spans::Spans;
 
-/// Most diagnostics that are shown at once.
-pub const MOST: usize = 20;
+/// Maximum number of diagnostics that are shown.
+pub const MAX_SHOWN: usize = 20;
 
-/// A field of a scene that cannot be right, not yet tied to a place in a text.
+/// A field of a scene with an invalid value, not yet assigned to a place in a text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Finding {
     /// Path of the field; see [`spans`](super::spans).
     pub path: String,
-    /// What is wrong, with the offending value.
+    /// The mistake, with the offending value.
     pub message: String,
-    /// What would be right.
+    /// The remedy.
     pub help: Option<String>,
-    /// Whether the key of the field is meant rather than its value.
+    /// Whether the finding concerns the key of the field instead of its value.
     pub at_key: bool,
 }
 
@@ -42,22 +42,23 @@ impl fmt::Display for Finding {
     }
 }
 
-/// A finding and its place.
+/// A finding with its place.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Diagnostic {
-    /// File: the scene, or a stored specimen that it names.
+    /// File: the scene, or the stored specimen that it names.
     pub file: PathBuf,
-    /// Line of the file, from 1; where a setting is to blame, of the place that it changes.
+    /// Line of the file, from 1. For a mistake in a setting it is the line that the setting
+    /// changes.
     pub line: usize,
     /// Column in characters, from 1.
     pub column: usize,
-    /// The setting, `path=value`, that put the text there; none where the file has it.
+    /// The setting, `path=value`, that inserted the text; `None` for text of the file.
     pub set: Option<String>,
     /// Path of the field, or name of the column of a stored specimen.
     pub path: String,
-    /// What is wrong, with the offending value.
+    /// The mistake, with the offending value.
     pub message: String,
-    /// What would be right.
+    /// The remedy.
     pub help: Option<String>,
 }
 
@@ -79,14 +80,14 @@ fn say(f: &mut fmt::Formatter<'_>, path: &str, message: &str, help: Option<&str>
     help.map_or(Ok(()), |help| write!(f, "; {}", brief(help)))
 }
 
-/// Everything that is wrong with a scene, in the order of the text.
+/// All mistakes of a scene, in the order of the text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SceneErrors {
     /// The scene file.
     pub file: PathBuf,
-    /// The diagnostics, at most [`MOST`] of them.
+    /// The diagnostics, at most [`MAX_SHOWN`] of them.
     pub list: Vec<Diagnostic>,
-    /// Number of further ones, as far as they were looked for.
+    /// Number of further mistakes that were found.
     pub omitted: usize,
 }
 
@@ -112,8 +113,8 @@ pub(super) struct Placed {
     pub finding: Finding,
 }
 
-/// Gives findings their places in a text. `renamed` are misspelt fields of the text: the path as
-/// it was meant and as it is written, outer ones first.
+/// Assigns findings to places in a text. `renamed` contains the misspelt fields of the text: the
+/// correct path and the path as written, outer fields first.
 pub(super) fn place(
     text: &str,
     findings: Vec<Finding>,
@@ -138,7 +139,7 @@ pub(super) fn place(
         .collect()
 }
 
-/// Whether a path is another one or a part of it.
+/// Whether a path equals another path or is a part of it.
 pub(super) fn within(path: &str, whole: &str) -> bool {
     let rest = path.strip_prefix(whole);
     rest.is_some_and(|rest| whole.is_empty() || rest.is_empty() || rest.starts_with(['.', '[']))
@@ -148,8 +149,8 @@ impl SceneErrors {
     /// Sorts findings by their place, and counts lines and columns for those that are shown.
     pub(super) fn new(file: &Path, text: &EditedText, mut placed: Vec<Placed>) -> Self {
         placed.sort_by_key(|placed| placed.at);
-        let omitted = placed.len().saturating_sub(MOST);
-        placed.truncate(MOST);
+        let omitted = placed.len().saturating_sub(MAX_SHOWN);
+        placed.truncate(MAX_SHOWN);
         let list = placed
             .into_iter()
             .map(|Placed { at, finding: Finding { path, message, help, .. } }| {

@@ -1,22 +1,22 @@
-//! A scene's text with settings applied, and where each part of it comes from.
+//! Text of a scene with settings applied, and the source of each part.
 
 use super::spans::Span;
 
-/// A text of which parts were replaced by settings.
+/// A text in which settings have replaced parts.
 #[derive(Clone, Debug)]
 pub struct EditedText {
-    /// The text as it is read.
+    /// The text with settings applied.
     pub text: String,
     file: String,
     pieces: Vec<Piece>,
 }
 
-/// Where a byte comes from.
+/// Source of a byte.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Source<'a> {
-    /// The byte of the file; where a setting put it in, the byte at which it did.
+    /// Byte of the file, or the byte at which a setting inserted its text.
     pub at: usize,
-    /// The setting, `path=value`; none for the file's own text.
+    /// The setting, `path=value`; `None` for text of the file.
     pub set: Option<&'a str>,
 }
 
@@ -24,13 +24,13 @@ pub struct Source<'a> {
 #[derive(Clone, Debug)]
 struct Piece {
     length: usize,
-    /// Byte of the file where it begins, or where a setting put it in.
+    /// Byte of the file where the piece begins, or where a setting inserted it.
     at: usize,
     set: Option<String>,
 }
 
 impl Piece {
-    /// Takes it apart; either part may be empty.
+    /// Splits the piece. Either part may be empty.
     fn split(self, length: usize) -> [Self; 2] {
         let at = self.at + if self.set.is_none() { length } else { 0 };
         let rest = Self { length: self.length - length, at, set: self.set.clone() };
@@ -52,7 +52,7 @@ impl EditedText {
         &self.file
     }
 
-    /// Replaces a stretch of the text by what a setting puts there.
+    /// Replaces a span of the text by the text of a setting.
     pub(super) fn replace(&mut self, span: Span, new: &str, set: &str) {
         let at = self.source(span.start).at;
         self.text.replace_range(span.clone(), new);
@@ -77,7 +77,7 @@ impl EditedText {
         self.pieces = pieces;
     }
 
-    /// Where a byte of the text comes from.
+    /// Source of a byte of the text.
     #[must_use]
     pub fn source(&self, at: usize) -> Source<'_> {
         let mut start = 0;
@@ -101,7 +101,7 @@ mod tests {
         let mut edited = EditedText::of("(a: 1, b: 2, c: 3)");
         edited.replace(10..11, "20000", "b=20000");
         edited.replace(4..5, "x", "a=x");
-        // Inside of what a setting put in.
+        // This span lies within the text of a setting.
         edited.replace(11..12, "-", "b=2-000");
         assert_eq!(edited.text, "(a: x, b: 2-000, c: 3)");
         let source = |at| edited.source(at);

@@ -1,4 +1,4 @@
-//! Reading the files of a scene: its text, and the stored specimen that it names.
+//! Reads the files of a scene: its text, and the stored specimen that it names.
 
 use std::fs::{self, FileType};
 use std::io::{self, Read};
@@ -6,11 +6,12 @@ use std::path::Path;
 
 use super::shipped;
 
-/// Reads a regular file; nothing if it is larger than `most` bytes, of which no more than that is
-/// read.
+/// Reads a regular file. Returns `None` if it is larger than `most` bytes, and reads at most one
+/// byte more than that.
 ///
 /// # Errors
-/// Where the file cannot be read, or is none: a named pipe would be waited for without end.
+/// If the file cannot be read or is not a regular file. A named pipe, for example, could block
+/// forever.
 pub(crate) fn read_at_most(path: &Path, most: u64) -> io::Result<Option<Vec<u8>>> {
     if let Some(text) = shipped::content(path) {
         return Ok(Some(text.as_bytes().to_vec()));
@@ -25,7 +26,7 @@ pub(crate) fn read_at_most(path: &Path, most: u64) -> io::Result<Option<Vec<u8>>
     Ok(Some(bytes).filter(|bytes| bytes.len() as u64 <= most))
 }
 
-/// What something is that is no regular file.
+/// Name of the kind of a file that is not regular.
 #[cfg(unix)]
 fn name(kind: FileType) -> &'static str {
     use std::os::unix::fs::FileTypeExt;
@@ -38,7 +39,7 @@ fn name(kind: FileType) -> &'static str {
     }
 }
 
-/// What something is that is no regular file.
+/// Name of the kind of a file that is not regular.
 #[cfg(not(unix))]
 fn name(kind: FileType) -> &'static str {
     if kind.is_dir() { "a directory" } else { "a device" }

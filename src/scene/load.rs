@@ -18,27 +18,27 @@ use super::validate::findings;
 /// A scene that was read and checked.
 #[derive(Clone, Debug)]
 pub struct LoadedScene {
-    /// What it says.
+    /// Content of the scene.
     pub scene: Scene,
-    /// Its text, with settings applied.
+    /// Text with settings applied.
     pub text: String,
-    /// Its file.
+    /// Path of the file.
     pub path: PathBuf,
-    /// The stored specimen that it names.
+    /// The stored specimen that the scene names.
     pub specimen: Option<StoredSpecimen>,
 }
 
-/// Why there is no scene.
+/// Why a scene cannot be loaded.
 #[derive(Debug)]
 pub enum LoadError {
     /// The scene file cannot be read.
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// Error of the system.
         source: io::Error,
     },
-    /// A setting leads nowhere or does not fit.
+    /// The path of a setting does not exist, or its value does not fit.
     Set(SetError),
     /// The scene, or the stored specimen that it names, is wrong.
     Scene(SceneErrors),
@@ -65,7 +65,7 @@ impl std::error::Error for LoadError {
     }
 }
 
-/// The dialect of RON that scenes are written in.
+/// The dialect of RON in which scenes are written.
 pub(super) fn ron_options() -> ron::Options {
     let extensions = Extensions::IMPLICIT_SOME
         | Extensions::UNWRAP_NEWTYPES
@@ -73,7 +73,7 @@ pub(super) fn ron_options() -> ron::Options {
     ron::Options::default().with_default_extension(extensions)
 }
 
-/// Reads and checks a scene file, after settings of the form `path=value`; see
+/// Reads and checks a scene file with settings of the form `path=value`; see
 /// [`overrides`](super::overrides).
 ///
 /// # Errors
@@ -82,7 +82,7 @@ pub fn load(path: &Path, sets: &[String]) -> Result<LoadedScene, LoadError> {
     load_with(path, sets, |_| Vec::new())
 }
 
-/// Like [`load`], with further findings of the program that is to run the scene.
+/// Like [`load`], with further findings of the program that runs the scene.
 ///
 /// # Errors
 /// See [`LoadError`].
@@ -92,14 +92,14 @@ pub fn load_with(
     further: impl FnOnce(&Scene) -> Vec<Finding>,
 ) -> Result<LoadedScene, LoadError> {
     let read_error = |source| LoadError::Read { path: path.to_owned(), source };
-    let bytes = read_at_most(path, MOST_BYTES).map_err(read_error)?;
+    let bytes = read_at_most(path, MAX_BYTES).map_err(read_error)?;
     let refuse = |text: &str, at, message: String, help| {
         let finding = Finding::new("", message, help);
         let text = EditedText::of(text);
         LoadError::Scene(SceneErrors::new(path, &text, vec![Placed { at, finding }]))
     };
     let Some(bytes) = bytes else {
-        let message = format!("more than {} MB of text", MOST_BYTES / 1_000_000);
+        let message = format!("more than {} MB of text", MAX_BYTES / 1_000_000);
         let help = "keep many particles in a stored specimen, `File(path: ...)`";
         return Err(refuse("", 0, message, help));
     };
@@ -114,11 +114,11 @@ pub fn load_with(
     from_text(&text, path, sets, |specimen| read(&base.join(specimen)), further)
 }
 
-/// Largest scene file, bytes. Reading one takes some twenty times as much memory.
-const MOST_BYTES: u64 = 100_000_000;
+/// Maximum size of a scene file, bytes. Reading it takes about twenty times as much memory.
+const MAX_BYTES: u64 = 100_000_000;
 
-/// Reads and checks a scene from a text. `name` stands for its file in messages; a stored
-/// specimen is looked for in `base`.
+/// Reads and checks a scene from a text. `name` stands for the file in messages. The stored
+/// specimen is read from the directory `base`.
 ///
 /// # Errors
 /// See [`LoadError`].
@@ -131,8 +131,8 @@ pub fn from_str(
     from_text(text, name, sets, |path| read(&base.join(path)), |_| Vec::new())
 }
 
-/// Reads and checks a scene whose particles exist already: `stored` stands for the specimen file, if
-/// it names one.
+/// Reads and checks a scene whose particles exist already. `stored` replaces the specimen file, if
+/// the scene names one.
 ///
 /// # Errors
 /// See [`LoadError`].
@@ -192,7 +192,7 @@ fn from_text(
     }
 }
 
-/// Reads the text, the second time with the patience to find every mistake.
+/// Reads the text. If `ron` refuses it, a second reading finds every mistake.
 fn parse(text: &str) -> Diagnosis {
     let error = match ron_options().from_str::<Scene>(text) {
         Ok(scene) => {
@@ -203,7 +203,8 @@ fn parse(text: &str) -> Diagnosis {
     };
     let mut diagnosis = diagnose(text);
     if diagnosis.placed.is_empty() {
-        // The second reading knows the format, not every rule of RON: then `ron` has the word.
+        // The second reading does not know every rule of RON. If it finds no mistake, the message
+        // of `ron` is used.
         let lines = error.span.start.line.saturating_sub(1);
         let line: usize = text.split_inclusive('\n').take(lines).map(str::len).sum();
         let rest = text.get(line..).unwrap_or_default();
@@ -215,7 +216,8 @@ fn parse(text: &str) -> Diagnosis {
     diagnosis
 }
 
-/// The first setting whose path names what does not exist: a wrong key that it put in itself.
+/// The first setting whose path names a key that does not exist and that the setting itself
+/// inserted.
 fn addressed_nothing(text: &EditedText, placed: &[Placed]) -> Option<SetError> {
     placed.iter().filter(|placed| placed.finding.at_key).find_map(|Placed { at, finding }| {
         let set = text.source(*at).set?.to_owned();

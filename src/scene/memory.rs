@@ -1,8 +1,8 @@
-//! How much memory a scene takes to run, before anything is built.
+//! Estimate of the memory that a scene needs, before anything is built.
 //!
-//! The estimate counts particles and the pairs among them: tables of bodies, bonds and contacts and
-//! the factor of the solver. Measured on bonded lattices of 10^4 and 9 10^4 disks, 9.0 and 9.9 kB
-//! a disk; the estimate gives 10 kB.
+//! The estimate counts particles and pairs of particles, for the tables of bodies, bonds and
+//! contacts and for the factor of the solver. Bonded lattices of 10^4 and 9 10^4 disks took 9.0 and
+//! 9.9 kB per disk in measurements; the estimate gives 10 kB.
 
 use std::f64::consts::PI;
 
@@ -12,36 +12,36 @@ use glam::DVec2;
 use super::format::{Scene, Sizes, Specimen, Stage};
 use super::specimen_file::StoredSpecimen;
 
-/// Memory of a particle by itself, bytes.
+/// Memory per particle, bytes.
 const PARTICLE: f64 = 1000.0;
-/// Memory of a pair that touches or is bonded, bytes.
+/// Memory per pair that touches or is bonded, bytes.
 const PAIR: f64 = 3000.0;
-/// Pairs of a particle in a dense packing of disks of about one size.
+/// Pairs per particle in a dense packing of disks of similar size.
 const TOUCHING: f64 = 3.0;
-/// Densest part of the area that equal disks cover.
+/// Maximum fraction of the area that equal disks can cover.
 const DENSEST: f64 = 0.907;
-/// More pairs than this are not counted one by one.
+/// A scene with more pairs than this is not counted pair by pair.
 const COUNTED: usize = 100_000_000;
 
-/// What a scene takes to run.
+/// Requirements of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Need {
     /// Number of particles.
     pub particles: u64,
-    /// Greatest number of pairs that touch or are bonded at one time, estimated.
+    /// Estimated maximum number of pairs that touch or are bonded at one time.
     pub pairs: f64,
-    /// Memory, bytes, estimated.
+    /// Estimated memory, bytes.
     pub bytes: f64,
 }
 
 impl Need {
-    /// Of a scene with the stored specimen that it names.
+    /// Requirements of a scene with the stored specimen that it names.
     #[must_use]
     pub fn of(scene: &Scene, stored: Option<&StoredSpecimen>) -> Self {
         let n = particles(&scene.specimen, stored);
         let count = n as f64;
         let mean = mean_radius(&scene.specimen, stored);
-        // A stage that cements meets the packing that those before it have made: take a dense one.
+        // The packing that a cementing stage finds is unknown, so the estimate takes a dense one.
         let bonded = scene.stages.iter().filter_map(|stage| match stage {
             Stage::Cement(cement) => Some(cement.length),
             _ => None,
@@ -51,7 +51,7 @@ impl Need {
         let neighbours = if neighbours.is_finite() { neighbours } else { count };
         let each = (0.5 * neighbours).max(TOUCHING).min(0.5 * (count - 1.0).max(0.0));
         let mut pairs = (count * each).max(scene.bonds.len() as f64);
-        // Particles that are given one by one may lie on top of each other.
+        // Particles that are listed one by one may overlap in any number.
         let disks = disks(&scene.specimen, stored);
         if !disks.0.is_empty() {
             pairs = pairs.max(count_within(&disks.0, &disks.1, 0.0, COUNTED) as f64);
@@ -60,7 +60,7 @@ impl Need {
     }
 }
 
-/// Bytes in a unit that suits them.
+/// Bytes in a suitable unit.
 #[must_use]
 pub fn size(bytes: f64) -> String {
     let (unit, size) = match bytes {
@@ -105,7 +105,7 @@ fn mean_radius(specimen: &Specimen, stored: Option<&StoredSpecimen>) -> f64 {
     }
 }
 
-/// The disks that a scene gives one by one.
+/// The disks that a scene lists one by one.
 fn disks(specimen: &Specimen, stored: Option<&StoredSpecimen>) -> (Vec<DVec2>, Vec<f64>) {
     match specimen {
         Specimen::Particles(list) => {

@@ -1,4 +1,4 @@
-//! Scenes: the text format, how it is read and what is checked before anything runs.
+//! Scenes: the text format, its reader, and the checks before a run.
 //!
 //! A scene goes from text to [`LoadedScene`] in four steps, one file each: [`overrides`] edits the
 //! text, `ron` reads it into the types of [`format`](mod@format), [`specimen_file`] reads a stored

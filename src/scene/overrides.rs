@@ -1,8 +1,8 @@
 //! `--set path=value`: edits of the scene's text before it is read.
 //!
-//! The text is edited, not the values, so that comments survive and every later message still
-//! points at a place. A value is RON; a bare word is taken for a text where only a text fits. A
-//! field that is left out is inserted, together with the structs around it.
+//! The text is edited instead of the values, so that comments survive and later messages still
+//! refer to places. A value is RON. A bare word counts as a string if only a string fits. A missing
+//! field is inserted together with the structs around it.
 
 use std::fmt;
 
@@ -20,9 +20,9 @@ use super::suggest;
 pub struct SetError {
     /// The setting, `path=value`.
     pub set: String,
-    /// What is wrong with it.
+    /// The mistake.
     pub message: String,
-    /// What would be right.
+    /// The remedy.
     pub help: Option<String>,
 }
 
@@ -35,12 +35,12 @@ impl fmt::Display for SetError {
 
 impl std::error::Error for SetError {}
 
-/// Applies settings in order and returns the new text, of which every part knows its source.
+/// Applies settings in order. Returns the new text with the source of every part.
 ///
-/// A text whose brackets do not match is returned as it is: reading it says what is wrong.
+/// A text with unbalanced brackets is returned unchanged, and reading it reports the mistake.
 ///
 /// # Errors
-/// Where a path leads nowhere or a value does not fit there.
+/// If a path does not exist or a value does not fit.
 pub fn apply(text: &str, sets: &[impl AsRef<str>]) -> Result<EditedText, SetError> {
     sets.iter().try_fold(EditedText::of(text), |text, set| apply_one(text, set.as_ref()))
 }
@@ -78,14 +78,14 @@ fn apply_one(mut edited: EditedText, set: &str) -> Result<EditedText, SetError> 
     Err(SetError { set: set.to_owned(), message, help })
 }
 
-/// Whether a text is one whole value, so that it cannot spill into what follows it.
+/// Whether a text is exactly one value, so that it cannot affect the text after it.
 fn is_one_value(value: &str) -> bool {
     let (node, faults) = scan(value);
     let whole = |node: Node| node.span == (0..value.len()) && node.shape != Shape::Nothing;
     faults.is_empty() && node.is_some_and(whole)
 }
 
-/// Where a value goes: `span` is replaced by `before`, the value and `after`.
+/// Place of a value: `before`, the value and `after` replace `span`.
 struct Place {
     span: Span,
     before: String,
@@ -93,7 +93,7 @@ struct Place {
 }
 
 impl Place {
-    /// The place of a field, or help about the fields that there are.
+    /// Place of a field, or help that names the existing fields.
     fn find(root: &Node, text: &str, steps: &[Step]) -> Result<Self, String> {
         let found = descend(root, text, steps);
         let Some(next) = steps.get(found.depth) else {
@@ -105,7 +105,8 @@ impl Place {
         let names: Option<Vec<&str>> = absent.iter().map(name_of).collect();
         let no_field = || nearest_paths(parent, text, &steps[..found.depth], next);
         let names = names.ok_or_else(no_field)?;
-        // A new entry of a map must be complete, or a misspelt name would start a second one.
+        // A new entry of a map must be complete. Otherwise a misspelt name would create a second
+        // entry.
         let fits = match parent.shape {
             Shape::Struct => true,
             Shape::Tuple => parent.entries.is_empty(),
@@ -127,12 +128,12 @@ impl Place {
         Ok(Self { span: at..at, before: format!("{comma}{before}"), after })
     }
 
-    /// What stands there with this value.
+    /// Text at the place with this value.
     fn with(&self, value: &str) -> String {
         format!("{}{value}{}", self.before, self.after)
     }
 
-    /// The first mistake that a new stretch brings in. Mistakes elsewhere are the scene's own.
+    /// The first mistake in the new text. Mistakes elsewhere belong to the scene.
     fn refusal(&self, text: &str, new: &str) -> Option<(String, Option<String>)> {
         let mut edited = text.to_owned();
         edited.replace_range(self.span.clone(), new);
@@ -154,7 +155,7 @@ fn name_of(step: &Step) -> Option<&str> {
     }
 }
 
-/// Help that names the existing paths next to one that does not exist.
+/// Help that names the existing paths that are nearest to a missing one.
 fn nearest_paths(parent: &Node, text: &str, path: &[Step], next: &Step) -> String {
     let path = write_path(path);
     if !is_group(parent) || parent.entries.is_empty() {

@@ -1,31 +1,34 @@
-//! A tolerant scanner of RON text: shape and place of everything, meaning of nothing.
+//! A tolerant scanner of RON text, which finds the shape and place of all values but not their
+//! meaning.
 //!
-//! It knows no types, so it reads texts that `ron` refuses, and it keeps what `ron` forgets: where
-//! each value stands. Small slips (a missing comma, `=` for `:`) are noted and passed over.
+//! It knows no types and therefore reads texts that `ron` refuses. It also keeps the place of each
+//! value, which `ron` does not. Small mistakes (a missing comma, `=` instead of `:`) are recorded,
+//! and the scan continues.
 
 use std::ops::Range;
 
-/// Bytes of the text.
+/// Range of bytes in the text.
 pub type Span = Range<usize>;
 
-/// Nesting beyond this is refused, as `ron` does, to keep the recursion off the end of the stack.
+/// Maximum nesting. Deeper nesting is refused, as in `ron`, because recursion could overflow the
+/// stack.
 const DEEPEST: usize = 128;
 
-/// A slip of syntax.
+/// A mistake of syntax.
 #[derive(Clone, Debug)]
 pub(super) struct Fault {
-    /// Byte at which it shows.
+    /// Byte at which the mistake appears.
     pub at: usize,
-    /// What is wrong.
+    /// The mistake.
     pub message: String,
-    /// What would be right.
+    /// The remedy.
     pub help: &'static str,
 }
 
 /// Shape of a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shape {
-    /// No value where one is due.
+    /// A missing value.
     Nothing,
     /// An identifier: a variant without payload, `true`, `None`.
     Word,
@@ -48,20 +51,20 @@ pub enum Shape {
 /// A value of the text.
 #[derive(Clone, Debug)]
 pub struct Node {
-    /// All of it, with the name in front of its brackets.
+    /// Span of the whole value, with the name before its brackets.
     pub span: Span,
-    /// Name in front of the brackets: a struct or a variant with payload.
+    /// Name before the brackets: a struct or a variant with payload.
     pub name: Option<Span>,
     /// Shape.
     pub shape: Shape,
-    /// What is inside its brackets.
+    /// Entries inside the brackets.
     pub entries: Vec<Entry>,
 }
 
 /// A value inside brackets.
 #[derive(Clone, Debug)]
 pub struct Entry {
-    /// Its key, in structs and maps.
+    /// Key of the entry, in structs and maps.
     pub key: Option<Key>,
     /// The value.
     pub value: Node,
@@ -70,15 +73,15 @@ pub struct Entry {
 /// A field name or a map key.
 #[derive(Clone, Debug)]
 pub struct Key {
-    /// Where it stands.
+    /// Span of the key.
     pub span: Span,
-    /// What it says, without quotes.
+    /// Text of the key without quotes.
     pub text: String,
-    /// Whether it stands in quotes.
+    /// Whether the key is in quotes.
     pub quoted: bool,
 }
 
-/// Scans a text: its value, unless a fault left nothing to go on from, and all faults.
+/// Scans a text. Returns all faults, and the value unless a fault prevents it.
 pub(super) fn scan(text: &str) -> (Option<Node>, Vec<Fault>) {
     let mut scanner = Scanner { text, at: 0, depth: 0, faults: Vec::new() };
     let root = scanner.document();
@@ -87,7 +90,7 @@ pub(super) fn scan(text: &str) -> (Option<Node>, Vec<Fault>) {
     (root, faults)
 }
 
-/// What a string literal says.
+/// Content of a string literal.
 pub(super) fn unquote(literal: &str) -> Option<String> {
     ron::from_str(literal).ok()
 }
@@ -127,7 +130,7 @@ impl<'t> Scanner<'t> {
         self.rest().chars().next()
     }
 
-    /// Takes characters as long as they satisfy a condition.
+    /// Takes characters that satisfy a condition.
     fn take(&mut self, accept: impl Fn(char) -> bool) -> Span {
         let start = self.at;
         self.at += self.rest().find(|c| !accept(c)).unwrap_or(self.rest().len());
@@ -138,7 +141,7 @@ impl<'t> Scanner<'t> {
         Fault { at, message: message.into(), help }
     }
 
-    /// Passes over white space and comments.
+    /// Skips white space and comments.
     fn blank(&mut self) -> Result<(), Fault> {
         loop {
             self.take(char::is_whitespace);
@@ -212,8 +215,8 @@ impl<'t> Scanner<'t> {
         }
     }
 
-    /// Takes a unit behind a number on the same line, so that it is one mistake and not several.
-    /// A word that goes on as a field does is none.
+    /// Takes a unit after a number on the same line, so that it counts as one mistake instead of
+    /// several. A word that could be the key of the next field is not a unit.
     fn unit(&mut self) {
         let rest = self.rest();
         let line = &rest[..rest.find('\n').unwrap_or(rest.len())];
@@ -319,7 +322,8 @@ impl<'t> Scanner<'t> {
                 Some(_) => {}
             }
             let entry = self.entry(open)?;
-            // A leftover of the slip that was noted already would only confuse what follows.
+            // The rest of a mistake that was recorded already would only confuse the following
+            // messages.
             let leftover = missing_comma
                 && entry.key.is_none() != entries.last().is_none_or(|last| last.key.is_none());
             if !leftover {
@@ -336,7 +340,8 @@ impl<'t> Scanner<'t> {
                         return Err(self.fault(self.at, message, "a comma was due here"));
                     }
                     missing_comma = true;
-                    // A text that runs on over lines up to here has most likely lost its quote.
+                    // A string that extends over several lines up to here has probably lost its
+                    // quote.
                     let last = entries.last().map(|entry| &entry.value).filter(|_| !leftover);
                     let lost = last.filter(|node| self.is_multiline_text(node));
                     if let Some(start) = lost.map(|node| node.span.start) {
@@ -392,7 +397,7 @@ impl<'t> Scanner<'t> {
     }
 }
 
-/// Number of `#` before the quote, where a raw string begins here.
+/// Number of `#` before the quote; `None` if no raw string begins here.
 fn raw_string_hashes(rest: &str) -> Option<usize> {
     let body = rest.trim_start_matches('#');
     body.starts_with('"').then(|| rest.len() - body.len())

@@ -1,9 +1,9 @@
-//! The scenes that are part of the program, with the specimens that they name: an installed `clastic`
-//! finds them wherever it is called.
+//! Scenes that are part of the program, with the specimens that they name. An installed `clastic`
+//! finds them from any directory.
 
 use std::path::{Path, PathBuf};
 
-/// Directory under which they are read; no file system has it. Messages show it.
+/// Directory of the shipped scenes in messages. It exists in no file system.
 const DIRECTORY: &str = "<clastic>/scenes";
 
 macro_rules! files {
@@ -12,7 +12,7 @@ macro_rules! files {
     };
 }
 
-/// Every file of `scenes/` by its path in there.
+/// Every file of `scenes/` by its path in that directory.
 static FILES: &[(&str, &str)] = &files! {
     "biaxial_0kPa.ron"
     "biaxial_100kPa.ron"
@@ -59,7 +59,7 @@ pub fn path(name: &str) -> Option<PathBuf> {
     names().any(|known| known == name).then(|| Path::new(DIRECTORY).join(format!("{name}.ron")))
 }
 
-/// What a shipped file says.
+/// Content of a shipped file.
 pub(super) fn content(path: &Path) -> Option<&'static str> {
     let inside = path.strip_prefix(DIRECTORY).ok()?;
     FILES.iter().find(|(name, _)| inside == Path::new(name)).map(|(_, content)| *content)

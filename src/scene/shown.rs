@@ -1,28 +1,28 @@
-//! Text of a scene as a person is shown it: a scene may come from anywhere, and what it says must not
-//! steer a terminal or fill it.
+//! Text of a scene for display. A scene may come from an unknown source, so its text must neither
+//! control a terminal nor flood it.
 
 use std::fmt::Write;
 
-/// Longer tokens are shortened, characters.
+/// Maximum length of a token that is not shortened, characters.
 const LONGEST: usize = 200;
 
-/// Begin of a shortened token that is kept, characters.
+/// Number of characters kept of a shortened token.
 const KEPT: usize = 80;
 
-/// Text with its control characters escaped, lines kept.
+/// Text with control characters escaped and line breaks kept.
 #[must_use]
 pub fn escaped(text: &str) -> String {
     escape(text, |c| c == '\n')
 }
 
-/// A title or a name: on one line, control characters escaped, shortened where it is very long.
+/// A title or a name on one line, with control characters escaped, shortened if it is very long.
 #[must_use]
 pub fn label(text: &str) -> String {
     escape(&shortened(text), |_| false)
 }
 
-/// A message that quotes a scene: on one line, control characters escaped, and very long tokens
-/// shortened. A token is what stands in backquotes, or has no blank in it.
+/// A message that quotes a scene, on one line, with control characters escaped and very long tokens
+/// shortened. A token is a text in backquotes or a text without blanks.
 pub(super) fn brief(message: &str) -> String {
     let mut text = String::with_capacity(message.len().min(1000));
     for (k, part) in message.split('`').enumerate() {
@@ -43,7 +43,7 @@ pub(super) fn brief(message: &str) -> String {
     escape(&text, |_| false)
 }
 
-/// The begin of a very long text, and how long it is.
+/// The beginning of a very long text, and its length.
 fn shortened(text: &str) -> String {
     match text.char_indices().nth(KEPT) {
         Some((kept, _)) if text.chars().nth(LONGEST).is_some() => {
@@ -57,7 +57,7 @@ fn escape(text: &str, keep: impl Fn(char) -> bool) -> String {
     let mut shown = String::with_capacity(text.len());
     for c in text.chars() {
         if !keep(c) && (c.is_control() || turns(c)) {
-            // Writing to a string does not fail.
+            // Writing to a string cannot fail.
             let _ = write!(shown, "{}", c.escape_unicode());
         } else {
             shown.push(c);
@@ -66,7 +66,7 @@ fn escape(text: &str, keep: impl Fn(char) -> bool) -> String {
     shown
 }
 
-/// Whether a character breaks a line or turns the direction of what follows it.
+/// Whether a character breaks a line or changes the direction of the text after it.
 fn turns(c: char) -> bool {
     matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }

@@ -1,13 +1,13 @@
-//! Where each field of a scene stands in its text.
+//! Place of each field of a scene in its text.
 //!
 //! A path names a field: `materials.grain.contact.friction`, `stages[3].increments`.
 //!
-//! - Names of structs and variants do not show: `analysis.dt`, `specimen.sizes.radius`.
+//! - Names of structs and variants are left out: `analysis.dt`, `specimen.sizes.radius`.
 //! - An item of a list, a tuple or a positional payload is `[0]`, `[1]`: `walls.top[0]` is the
-//!   number in `Force(2.0)`. Where a payload is itself a list or a struct it is the payload that is
-//!   indexed: in `Particles([...])`, `specimen[3].radius` is a particle's.
-//! - An item of a list that has a `name` answers to it as well: `stages.shear.increments`.
-//! - A name that is no plain word stands in quotes: `materials["fine sand"].density`.
+//!   number in `Force(2.0)`. If the payload is a list or a struct, the index or name refers to its
+//!   content: in `Particles([...])`, `specimen[3].radius` is that of a particle.
+//! - An item of a list that has a `name` is also found by it: `stages.shear.increments`.
+//! - A name that is not a plain word is in quotes: `materials["fine sand"].density`.
 
 use std::fmt::Write;
 
@@ -40,8 +40,8 @@ impl Spans {
         Some(self.find(path)?.1?.span.clone())
     }
 
-    /// Byte at which a field stands: its value or its key, or the innermost value around it if it
-    /// is left out.
+    /// Byte of a field: that of its value or its key. For a missing field it is that of the
+    /// innermost value around it.
     #[must_use]
     pub fn nearest(&self, path: &str, at_key: bool) -> usize {
         let (Some(root), Some(steps)) = (&self.root, parse_path(path)) else { return 0 };
@@ -64,11 +64,11 @@ impl Spans {
 pub enum Step {
     /// A field, a map key or the name of a list item.
     Name(String),
-    /// A place in a list or a tuple.
+    /// An index of a list or a tuple.
     Index(usize),
 }
 
-/// Takes a path apart; nothing if it is malformed. The empty path is the scene itself.
+/// Parses a path; `None` if it is malformed. The empty path is the scene itself.
 #[must_use]
 pub fn parse_path(path: &str) -> Option<Vec<Step>> {
     let mut steps = Vec::new();
@@ -99,7 +99,7 @@ pub fn parse_path(path: &str) -> Option<Vec<Step>> {
     Some(steps)
 }
 
-/// The path of a named part of `path`.
+/// Path of a named part of the value at `path`.
 #[must_use]
 pub fn join(path: &str, name: &str) -> String {
     let plain = |c: char| c.is_alphanumeric() || matches!(c, '_' | '-');
@@ -112,7 +112,7 @@ pub fn join(path: &str, name: &str) -> String {
     }
 }
 
-/// Writes a path; the opposite of [`parse_path`].
+/// Writes a path; the inverse of [`parse_path`].
 #[must_use]
 pub fn write_path(steps: &[Step]) -> String {
     steps.iter().fold(String::new(), |mut path, step| match step {
@@ -125,17 +125,17 @@ pub fn write_path(steps: &[Step]) -> String {
     })
 }
 
-/// How far a path could be followed.
+/// Result of following a path.
 pub(super) struct Found<'n> {
-    /// The last value on the way.
+    /// The last value that was found.
     pub node: &'n Node,
-    /// Its key.
+    /// Key of this value.
     pub key: Option<&'n Key>,
-    /// Number of steps that were taken.
+    /// Number of steps that were followed.
     pub depth: usize,
 }
 
-/// Follows a path as far as it goes.
+/// Follows a path as far as it exists.
 pub(super) fn descend<'n>(root: &'n Node, text: &str, steps: &[Step]) -> Found<'n> {
     let mut found = Found { node: root, key: None, depth: 0 };
     for step in steps {
@@ -145,8 +145,8 @@ pub(super) fn descend<'n>(root: &'n Node, text: &str, steps: &[Step]) -> Found<'
     found
 }
 
-/// The value whose parts a path addresses: the payload of a variant that wraps one value in
-/// brackets, else the value itself.
+/// The value whose parts a path addresses: the payload of a variant with one value in brackets,
+/// else the value itself.
 pub(super) fn unwrapped(node: &Node) -> &Node {
     match (node.shape, node.entries.as_slice()) {
         (Shape::Tuple, [only]) if is_group(&only.value) => unwrapped(&only.value),

@@ -1,7 +1,7 @@
-//! Stored specimens: CSV with the columns `x_m`, `y_m`, `radius_m` and optionally `material`, in any
-//! order. The other columns of `final_particles.csv` and of frames may be there; they are not read.
+//! Stored specimens: CSV with the columns `x_m`, `y_m`, `radius_m` and optionally `material`, in
+//! any order. Other columns of `final_particles.csv` and of frames are permitted and ignored.
 //!
-//! Lines that begin with `#` are comments. Names of materials hold no commas or quotes.
+//! Lines that begin with `#` are comments. Names of materials contain no commas or quotes.
 
 use std::fs;
 use std::io::{self, BufWriter, Write};
@@ -9,17 +9,17 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::diagnostic::{Finding, MOST, Placed, SceneErrors};
+use super::diagnostic::{Finding, MAX_SHOWN, Placed, SceneErrors};
 use super::edited::EditedText;
 use super::files::read_at_most;
-use super::validate::{GREATEST, MOST_PARTICLES, SMALLEST, coincident};
+use super::validate::{MAX_NUMBER, MAX_PARTICLES, MIN_NUMBER, coincident};
 
-/// Largest file, bytes: what the most particles take with all their digits.
-const MOST_BYTES: u64 = 500_000_000;
+/// Maximum size of the file, bytes: that of `MAX_PARTICLES` rows with all digits.
+const MAX_BYTES: u64 = 500_000_000;
 
 const COLUMNS: [&str; 4] = ["x_m", "y_m", "radius_m", "material"];
 
-/// Columns of the engine's own files that a specimen has no use for: it begins at rest, free of
+/// Columns of the engine's own files that are ignored. A specimen begins at rest and free of
 /// stress, with particles numbered row by row.
 const NOT_READ: [&str; 4] = ["id", "rotation_rad", "ux_m", "uy_m"];
 
@@ -39,17 +39,17 @@ pub struct StoredParticle {
     pub y: f64,
     /// Radius, m.
     pub r: f64,
-    /// Material; without one, that of the scene's specimen.
+    /// Material; `None` means the material of the scene's specimen.
     pub material: Option<String>,
 }
 
-/// Why there is no stored specimen.
+/// Why a stored specimen cannot be read.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum ReadError {
     /// The file cannot be read.
     #[error("{0}")]
     File(String),
-    /// Something in it is wrong.
+    /// Rows of the file are wrong.
     #[error(transparent)]
     Rows(SceneErrors),
 }
@@ -57,12 +57,12 @@ pub enum ReadError {
 /// Reads a stored specimen.
 ///
 /// # Errors
-/// Where the file cannot be read, and for each row that makes no particle.
+/// If the file cannot be read or is not a valid specimen. Every invalid row is reported.
 pub fn read(path: &Path) -> Result<StoredSpecimen, ReadError> {
     let refuse = |why: &str| ReadError::File(format!("cannot read `{}`: {why}", path.display()));
-    let bytes = read_at_most(path, MOST_BYTES).map_err(|error| refuse(&error.to_string()))?;
+    let bytes = read_at_most(path, MAX_BYTES).map_err(|error| refuse(&error.to_string()))?;
     let Some(bytes) = bytes else {
-        return Err(refuse(&format!("it has more than {} MB", MOST_BYTES / 1_000_000)));
+        return Err(refuse(&format!("it has more than {} MB", MAX_BYTES / 1_000_000)));
     };
     let mut reading = Reading::default();
     let text = String::from_utf8(bytes).unwrap_or_else(|error| {
@@ -75,7 +75,7 @@ pub fn read(path: &Path) -> Result<StoredSpecimen, ReadError> {
     if reading.placed.is_empty() {
         reading.text(&text);
         let disks: Vec<_> = reading.rows.iter().map(|row| (row.x, row.y, row.r)).collect();
-        for (earlier, later) in coincident(&disks, MOST) {
+        for (earlier, later) in coincident(&disks, MAX_SHOWN) {
             let (line, _) = super::diagnostic::line_and_column(&text, reading.starts[earlier]);
             let message = format!("the same place as the particle of line {line}");
             reading.note(reading.starts[later], "x_m", &message, "leave one of them out");
@@ -88,10 +88,10 @@ pub fn read(path: &Path) -> Result<StoredSpecimen, ReadError> {
     }
 }
 
-/// Writes a stored specimen. Numbers read back as they are.
+/// Writes a stored specimen. Numbers are written so that reading gives them back exactly.
 ///
 /// # Errors
-/// Where the file cannot be written or the name of a material does not fit the format.
+/// If the file cannot be written or the name of a material does not fit the format.
 pub fn write(path: &Path, rows: &[StoredParticle]) -> io::Result<()> {
     let names = || rows.iter().filter_map(|row| row.material.as_deref());
     let unfit = |name: &&str| name.contains([',', '"', '\n', '\r']) || name.trim() != *name;
@@ -112,18 +112,18 @@ pub fn write(path: &Path, rows: &[StoredParticle]) -> io::Result<()> {
     file.flush()
 }
 
-/// Where in a row a file has what a particle needs.
+/// Columns of a file that describe a particle.
 #[derive(Clone, Copy)]
 struct Columns {
-    /// Of the file.
+    /// Number of columns of the file.
     number: usize,
-    /// Places of `x_m`, `y_m` and `radius_m`.
+    /// Indices of `x_m`, `y_m` and `radius_m`.
     numbers: [usize; 3],
     material: Option<usize>,
 }
 
 impl Columns {
-    /// The columns of a header, or what is wrong with it.
+    /// Columns of a header, or its mistake.
     fn of(header: &[&str]) -> Result<Self, &'static str> {
         let known = |name: &&str| COLUMNS.contains(name) || NOT_READ.contains(name);
         if !header.iter().all(known) {
@@ -177,8 +177,8 @@ impl Reading {
                 }
                 continue;
             };
-            if self.rows.len() as u64 == MOST_PARTICLES {
-                let message = format!("more than {MOST_PARTICLES} particles");
+            if self.rows.len() as u64 == MAX_PARTICLES {
+                let message = format!("more than {MAX_PARTICLES} particles");
                 return self.note(start, "", &message, "take a smaller specimen");
             }
             if fields.len() == columns.number {
@@ -202,7 +202,7 @@ impl Reading {
         let mut numbers = [0.0; 3];
         for (i, number) in numbers.iter_mut().enumerate() {
             let Some(field) = fields.get(columns.numbers[i]) else { return };
-            // Each field is looked for behind the comma before it, so that equal ones keep their places.
+            // Each field is found by the comma before it, so that equal fields keep their places.
             let commas = line.match_indices(',').map(|(comma, _)| comma + 1);
             let at = std::iter::once(0).chain(commas).nth(columns.numbers[i]).unwrap_or_default();
             let column = at + line.get(at..).and_then(|rest| rest.find(field)).unwrap_or_default();
@@ -212,9 +212,10 @@ impl Reading {
                     self.note(start + column, COLUMNS[i], &message, "give a number in m");
                 }
                 Ok(value)
-                    if value.abs() > GREATEST || (i == 2 && value > 0.0 && value < SMALLEST) =>
+                    if value.abs() > MAX_NUMBER
+                        || (i == 2 && value > 0.0 && value < MIN_NUMBER) =>
                 {
-                    let problem = if value.abs() > GREATEST { "large" } else { "small" };
+                    let problem = if value.abs() > MAX_NUMBER { "large" } else { "small" };
                     let message = format!("too {problem} ({value:?})");
                     self.note(start + column, COLUMNS[i], &message, "give a number in m");
                 }

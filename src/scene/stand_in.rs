@@ -1,7 +1,7 @@
-//! A value of whatever type is asked for, where the text has none that fits.
+//! A value of any required type, in place of a value that does not fit.
 //!
-//! It lets the second reading go on behind a mistake. It makes up 1, empty lists, `None` and first
-//! variants, and is never read by anything but that second reading.
+//! It lets the second reading continue after a mistake. It consists of 1, empty lists, `None` and
+//! first variants. Only the second reading uses it.
 
 use serde::de::value::{MapDeserializer, SeqDeserializer};
 use serde::de::{self, DeserializeSeed, IntoDeserializer, Visitor};

@@ -1,12 +1,12 @@
-//! Names that were probably meant.
+//! Suggestions for misspelt names.
 
-/// Below this likeness (1 is equal) a name is another name, not a misspelt one.
+/// Names with less similarity than this (1 is equal) do not count as misspellings of each other.
 const ALIKE: f64 = 0.6;
 
-/// Longest list of names in a message.
-const MOST_NAMES: usize = 12;
+/// Maximum number of names in a message.
+const MAX_NAMES: usize = 12;
 
-/// The candidate that is most like a word, if any is.
+/// The candidate that is most similar to a word, if any is similar enough.
 pub(super) fn nearest<'a>(
     word: &str,
     candidates: impl IntoIterator<Item = &'a str>,
@@ -22,15 +22,15 @@ pub(super) fn nearest<'a>(
 
 /// A list of names for a message: `a`, `b`, `c`.
 pub(super) fn list(names: &[&str]) -> String {
-    let shown: Vec<_> = names.iter().take(MOST_NAMES).map(|name| format!("`{name}`")).collect();
-    let more = if names.len() > MOST_NAMES { ", ..." } else { "" };
+    let shown: Vec<_> = names.iter().take(MAX_NAMES).map(|name| format!("`{name}`")).collect();
+    let more = if names.len() > MAX_NAMES { ", ..." } else { "" };
     format!("{}{more}", shown.join(", "))
 }
 
-/// "did you mean `x`? `label` are ...", as far as there is something to say.
+/// Help text: "did you mean `x`? `label` are ...". It is empty without names.
 pub(super) fn help(word: &str, names: &[&str], label: &str) -> String {
     let mut names = names.to_vec();
-    // A name that is given twice is a mistake of its own.
+    // A name that is given twice is reported separately.
     let mut seen = std::collections::BTreeSet::new();
     names.retain(|name| seen.insert(*name));
     let meant = nearest(word, names.iter().copied())

@@ -1,6 +1,6 @@
 //! A serde deserializer over the tree of the [scanner](super::scan).
 //!
-//! A mistake is noted in the [`Context`] with its path and place, and the reading goes on.
+//! A mistake is recorded in the [`Context`] with its path and place, and the reading continues.
 
 use serde::de::value::StrDeserializer;
 use serde::de::{self, DeserializeOwned, DeserializeSeed, IntoDeserializer, Visitor};
@@ -17,9 +17,9 @@ pub(super) struct Reader<'a> {
     cx: &'a Context<'a>,
     node: &'a Node,
     path: String,
-    /// Whether the name before the brackets is already dealt with: a variant that wraps a struct.
+    /// Whether the name before the brackets has been read: a variant that contains a struct.
     inside: bool,
-    /// Unit of the numbers in here; see [`units::unit_of`].
+    /// Unit of the numbers inside; see [`units::unit_of`].
     unit: Option<&'static str>,
 }
 
@@ -28,13 +28,13 @@ impl<'a> Reader<'a> {
         Self { cx, node, path, inside: false, unit: None }
     }
 
-    /// The numbers inside are those of a field or a variant.
+    /// Sets the field or variant to which the numbers inside belong.
     fn named_for(self, name: &str) -> Self {
         let unit = units::unit_of(name, self.unit);
         Self { unit, ..self }
     }
 
-    /// Notes that something else was expected here, and makes it up.
+    /// Records that another kind of value was expected, and makes up a value.
     fn expected(&self, what: &str) -> StandIn {
         self.expected_with(what, self.meant(what))
     }
@@ -46,7 +46,7 @@ impl<'a> Reader<'a> {
         StandIn
     }
 
-    /// What would be right, where that can be told from what is there.
+    /// The remedy, if it can be derived from the value.
     fn meant(&self, what: &str) -> String {
         let literal = self.cx.literal(self.node);
         let number = what.ends_with("number") || what.contains("whole number");
@@ -187,7 +187,7 @@ impl<'de> de::Deserializer<'de> for Reader<'de> {
         let keys = || self.node.entries.iter().filter_map(|entry| entry.key.as_ref());
         match self.node.shape {
             Shape::Map => visitor.visit_map(Pairs { reader: &self, next: 0 }),
-            // Meant as a map, if its names are those of one.
+            // The struct was meant as a map if its names are those of a map.
             Shape::Struct if self.node.name.is_none() && keys().all(|key| key.quoted) => {
                 let message = format!("expected {MAP}, found {}", self.cx.found(self.node));
                 let help = "write `{` and `}` for `(` and `)`";
@@ -338,18 +338,18 @@ impl<'a> de::MapAccess<'a> for Pairs<'_, 'a> {
     }
 }
 
-/// Fields of a struct, with unknown and repeated ones sorted out.
+/// Fields of a struct without unknown and repeated fields, which are recorded.
 struct Fields<'r, 'a> {
     reader: &'r Reader<'a>,
     allowed: &'static [&'static str],
     given: Vec<&'static str>,
     next: usize,
-    /// Value of the field whose name was handed out last; none is made up.
+    /// Value of the last returned field; `None` means a value to be made up.
     value: Option<(&'a Node, &'static str)>,
 }
 
 impl<'a> Fields<'_, 'a> {
-    /// The field that a key means.
+    /// The field that a key stands for.
     fn meant(&self, key: &Key) -> Option<&'static str> {
         let Reader { cx, node, path, .. } = self.reader;
         let at = key.span.start;

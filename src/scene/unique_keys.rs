@@ -1,4 +1,4 @@
-//! Maps of a scene whose keys may be given once only: serde itself keeps the last of two.
+//! Maps of a scene whose keys must be unique. Serde alone keeps the last of two equal keys.
 
 use std::collections::BTreeMap;
 use std::fmt;

@@ -1,8 +1,8 @@
-//! Numbers that were written with a unit: scenes take plain numbers in SI units.
+//! Numbers with a unit, which scenes do not accept: all numbers are in SI units.
 
 use std::f64::consts::PI;
 
-/// Units that people write, the SI unit of the same dimension, and its value in that.
+/// Units that appear in scenes, the SI unit of equal dimension, and the value in it.
 const WRITTEN: [(&str, &str, f64); 53] = [
     ("Pa", "Pa", 1.0),
     ("hPa", "Pa", 1e2),
@@ -59,9 +59,9 @@ const WRITTEN: [(&str, &str, f64); 53] = [
     ("%", "", 1e-2),
 ];
 
-/// SI unit of a number that stands in a field or in a variant of that name, inside of something
-/// with the unit `around`; the empty text is a number without dimension, none what is no such
-/// number or not known here.
+/// SI unit of a number in a field or variant with this name, inside a value with the unit `around`.
+/// The empty text means a number without dimension. `None` means that the name is unknown or not
+/// that of a number.
 pub(super) fn unit_of(name: &str, around: Option<&'static str>) -> Option<&'static str> {
     Some(match name {
         "position" | "radius" | "limits" | "spacing" | "origin" | "start" | "end" | "min"
@@ -83,13 +83,13 @@ pub(super) fn unit_of(name: &str, around: Option<&'static str>) -> Option<&'stat
         "theta" | "friction" | "rolling_friction" | "restitution" | "tolerance" | "residual"
         | "throw" | "deviation" | "agitation" | "affine" | "Porosity" | "AxialStrain"
         | "StressDrop" => "",
-        // Lengths and areas have the same variants.
+        // Lengths and areas share this name of a variant.
         "Fixed" => return around,
         _ => return None,
     })
 }
 
-/// Takes a number and what is written behind it apart: `1.5 MPa`.
+/// Splits a number and the unit after it: `1.5 MPa`.
 pub(super) fn split(literal: &str) -> Option<(f64, &str)> {
     let plain = |text: &str| text.replace('_', "").parse::<f64>().ok();
     if plain(literal).is_some() {
@@ -102,7 +102,7 @@ pub(super) fn split(literal: &str) -> Option<(f64, &str)> {
     Some((number, unit)).filter(|(_, unit)| !unit.is_empty())
 }
 
-/// What would be right where a number with a unit stands and one in `wanted` is due.
+/// The remedy for a number with a unit, if `wanted` is the unit of the field.
 pub(super) fn help(number: f64, unit: &str, wanted: Option<&str>) -> String {
     let unit = unit.replace('²', "2").replace('³', "3").replace("**", "").replace('^', "");
     let alike = |(written, si, _): &&(&str, &str, f64)| {
@@ -120,7 +120,7 @@ pub(super) fn help(number: f64, unit: &str, wanted: Option<&str>) -> String {
     }
 }
 
-/// A number as one would write it, without the digits of round-off.
+/// A number with few digits, without those of round-off.
 fn short_number(value: f64) -> String {
     let rounded: f64 = format!("{value:.12e}").parse().unwrap_or(value);
     format!("{rounded:?}")

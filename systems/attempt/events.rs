@@ -160,7 +160,8 @@ fn sum(forces: &[[f64; 3]]) -> f64 {
     forces.iter().map(|f| f[0].hypot(f[1])).sum()
 }
 
-/// Relative change of the normal and shear forces since the start of the increment, `sum|f - f_0| / sum|f|`.
+/// Relative change of the normal and shear forces since the start of the increment,
+/// `sum|f - f_0| / sum|f|`.
 #[must_use]
 pub fn change(program: &ConeProgram, solution: &ConeSolution) -> f64 {
     let changes = solution.forces.iter().zip(&program.last_forces);

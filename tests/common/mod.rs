@@ -1,5 +1,5 @@
-//! What the tests share: scenes by name or text, runs that record every increment, states of
-//! particles.
+//! Shared parts of the tests: scenes by name or text, runs that record every increment, and states
+//! of particles.
 #![allow(dead_code, reason = "every test program uses its own part of this")]
 
 pub mod programs;
@@ -32,13 +32,13 @@ pub fn load(name: &str) -> Scene {
     scene::load(Path::new(&path), &[]).unwrap_or_else(|e| panic!("{e}")).scene
 }
 
-/// A scene of `scenes/` by name, with the specimen file that it reads.
+/// A scene of `scenes/` by name, with its specimen file.
 pub fn load_with_specimen(name: &str) -> scene::LoadedScene {
     let path = format!("{}/scenes/{name}.ron", env!("CARGO_MANIFEST_DIR"));
     scene::load(Path::new(&path), &[]).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// The loading stage with the given name, to change it.
+/// The loading stage with the given name, for changes.
 pub fn stage<'a>(scene: &'a mut Scene, name: &str) -> &'a mut Load {
     scene
         .stages
@@ -50,17 +50,15 @@ pub fn stage<'a>(scene: &'a mut Scene, name: &str) -> &'a mut Load {
         .unwrap()
 }
 
-/// Runs one increment and returns its record, whatever its status, or nothing at the end.
+/// Runs one increment and returns its record, whatever its status; `None` at the end of the run.
 pub fn step(simulation: &mut Simulation) -> Option<Observation> {
     let Step::Increment = simulation.step() else { return None };
     Some(simulation.world().resource::<Observation>().clone())
 }
 
-/// Runs one increment and returns its record, or nothing at the end.
+/// Runs one increment and returns its record; `None` at the end of the run.
 ///
-/// # Panics
-/// Where an increment is neither solved nor a collapse, or leaves a residual above 1e-8: no test
-/// that uses this accepts one.
+/// # Panics If an increment is neither solved nor collapsed, or has a residual above 1e-8.
 pub fn next(simulation: &mut Simulation) -> Option<Observation> {
     let record = step(simulation)?;
     let n = record.increment;
@@ -72,7 +70,7 @@ pub fn next(simulation: &mut Simulation) -> Option<Observation> {
     Some(record)
 }
 
-/// Runs a scene to its end: the record of every increment, and the outcome.
+/// Runs a scene to its end. Returns the record of every increment, and the outcome.
 pub fn run(scene: &Scene) -> (Vec<Observation>, Outcome) {
     let mut simulation = Simulation::new(scene, None);
     let records = std::iter::from_fn(|| next(&mut simulation)).collect();
@@ -96,7 +94,7 @@ pub struct State {
     pub inertia: f64,
 }
 
-/// States of all particles by identity.
+/// States of all particles in the order of identities.
 pub fn states(simulation: &mut Simulation) -> Vec<State> {
     let world = simulation.world_mut();
     let mut query =
@@ -120,13 +118,13 @@ pub fn states(simulation: &mut Simulation) -> Vec<State> {
     rows.into_iter().map(|(_, state)| state).collect()
 }
 
-/// Asserts that two numbers agree to a fraction of the expected one.
+/// Asserts that two numbers agree within a fraction of the expected one.
 #[track_caller]
 pub fn assert_relative(actual: f64, expected: f64, tolerance: f64) {
     assert_within(actual, expected, tolerance * expected.abs());
 }
 
-/// Asserts that two numbers agree to an absolute tolerance.
+/// Asserts that two numbers agree within an absolute tolerance.
 #[track_caller]
 pub fn assert_within(actual: f64, expected: f64, tolerance: f64) {
     let error = (actual - expected).abs();
@@ -136,8 +134,8 @@ pub fn assert_within(actual: f64, expected: f64, tolerance: f64) {
     );
 }
 
-/// A cemented specimen of 60 disks in a biaxial cell, prepared, confined and loaded within a
-/// second. `wall` and `grain` are what stands in the contact law of walls and of grains.
+/// A cemented specimen of 60 disks in a biaxial cell, which is prepared, confined and loaded within
+/// a second. `wall` and `grain` are inserted into the contact laws of walls and of grains.
 pub fn small_cell(wall: &str, grain: &str) -> Scene {
     parse(&format!(
         "(
@@ -182,11 +180,11 @@ pub fn small_cell(wall: &str, grain: &str) -> Scene {
     ))
 }
 
-/// Elastic contacts of the small cell without friction, and with it.
+/// Contact laws of the small cell: elastic without friction, and with friction.
 pub const SMOOTH: &str = "normal_stiffness: 60.0e6, tangential_stiffness: 30.0e6";
 pub const ROUGH: &str = "normal_stiffness: 60.0e6, tangential_stiffness: 30.0e6, friction: 0.3";
 
-/// Nineteen disks of three sizes on a jittered hexagonal grid fly into each other, turning.
+/// Nineteen rotating disks of three sizes on a jittered hexagonal grid fly into each other.
 pub fn swarm(law: &str, contact: &str, dt: f64, theta: f64, increments: u32) -> Scene {
     let mut disks = String::new();
     let mut k = 0;
@@ -194,7 +192,7 @@ pub fn swarm(law: &str, contact: &str, dt: f64, theta: f64, increments: u32) -> 
         for column in 0..(5 - row.abs()) {
             let x = 0.021 * (f64::from(column) - 0.5 * f64::from(4 - row.abs()));
             let y = 0.021 * 0.75_f64.sqrt() * f64::from(row);
-            // Any deterministic disorder will do.
+            // Any deterministic disorder is suitable.
             let wiggle = |p: f64| 4e-4 * (p * f64::from(k + 1)).sin();
             let (x, y) = (x + wiggle(12.9), y + wiggle(78.2));
             let radius = 0.01 - 4e-4 * f64::from(k % 3);
@@ -224,7 +222,8 @@ pub const RIGID: &str = "friction: 0.4, rolling_friction: 0.05";
 pub const ELASTIC: &str =
     "normal_stiffness: 1.0e7, tangential_stiffness: 5.0e6, friction: 0.4, rolling_friction: 0.05";
 
-/// Seven bonded disks that turn about their centre: a smooth motion, so that an order can be seen.
+/// Seven bonded disks that rotate about their centre. The motion is smooth, so an order of
+/// convergence is visible.
 pub fn wheel(dt: f64, theta: f64, increments: u32) -> Scene {
     let spin = 10.0;
     let (mut disks, mut bonds) = (String::new(), String::new());
@@ -257,7 +256,7 @@ pub fn wheel(dt: f64, theta: f64, increments: u32) -> Scene {
     ))
 }
 
-/// All files below a directory but the timings.
+/// All files below a directory except the timings.
 pub fn files(directory: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut found = BTreeMap::new();
     let mut left = vec![directory.to_owned()];
@@ -283,7 +282,7 @@ pub fn momentum(states: &[State]) -> (DVec2, f64) {
     )
 }
 
-/// What they are measured by: the sums of the absolute values.
+/// Scales of momentum and angular momentum: sums of absolute values.
 pub fn momentum_scales(states: &[State]) -> (f64, f64) {
     (
         states.iter().map(|s| s.mass * s.velocity.length()).sum(),
@@ -294,12 +293,13 @@ pub fn momentum_scales(states: &[State]) -> (f64, f64) {
     )
 }
 
-/// A disk is pulled from another, 12 mm both, that two smaller ones hold. All springs have
-/// 10 MN/m; only the middle disk moves freely, and only along x.
+/// A disk is pulled away from another one. Both have 12 mm, and two smaller disks hold them
+/// together. All springs have 10 MN/m. Only the middle disk moves freely, and only along x.
 ///
-/// With both small disks the middle one goes a third of the way U of the pulled one, with one of
-/// them half of it, and a bond at 30 degrees carries k u cos 30: that of the 3 mm disk (12 N)
-/// breaks at U = 4.16 um and leaves more to that of the 3.6 mm disk than its 14.4 N.
+/// With both small disks the middle disk moves by a third of the displacement U of the pulled disk,
+/// and with one of them by half of it. A bond at 30 degrees carries k u cos 30. The bond of the 3
+/// mm disk (12 N) breaks at U = 4.16 um. The bond of the 3.6 mm disk then carries more than its
+/// strength of 14.4 N.
 pub fn fork_scene(rules: &str, increments: u32, pull: &str) -> Scene {
     let (cosine, sine) = (0.75_f64.sqrt(), 0.5);
     let small = |r: f64, sign: f64| {

@@ -1,4 +1,4 @@
-//! Cone programs of small random specimens, and solvers whose word is checked.
+//! Cone programs of small random specimens, and solvers whose results are checked.
 
 use clastic::components::attempt::{Attempt, IncrementStatus};
 use clastic::cone::certificate::proves;
@@ -7,12 +7,12 @@ use clastic::cone::residuals::regularised_residuals;
 use clastic::cone::solver::ConeSolver;
 use clastic::run::{Simulation, Step};
 
-/// Greatest residual of a solution that counts.
+/// Maximum residual of a valid solution.
 pub const RESIDUAL: f64 = 1e-8;
 
 /// A kind of scene: law of contacts, law of bonds, analysis, stages after the compaction.
 pub struct Kind {
-    /// What it is called.
+    /// Name of the kind.
     pub name: &'static str,
     contact: &'static str,
     bond: &'static str,
@@ -28,7 +28,7 @@ const CEMENT_AND_CRUSH: &str = r#"Cement(name: "cement", length: 2.0e-3),
     Load(name: "load", increments: 6, remove_walls: ["left", "right"],
         walls: { "top": Displacement(0.0, -2.0e-5) })"#;
 
-/// What the solvers are compared on.
+/// Kinds of scenes on which the solvers are compared.
 pub const KINDS: &[Kind] = &[
     Kind { name: "frictionless", contact: ELASTIC, bond: "", scene: "", stages: PRESS },
     Kind {
@@ -123,7 +123,8 @@ pub const KINDS: &[Kind] = &[
     },
 ];
 
-/// Contacts that roll but do not slide against any resistance: degenerate, since nothing but p is elastic.
+/// Contacts that roll and that slide without friction. The program is degenerate, since only p is
+/// elastic.
 pub const WHEELS: Kind = Kind {
     name: "rolling without friction",
     contact: "normal_stiffness: 6.0e7, rolling_friction: 0.1",
@@ -132,7 +133,7 @@ pub const WHEELS: Kind = Kind {
     stages: PRESS,
 };
 
-/// The cone programs of a small random specimen, loaded as its kind says: the last one of every
+/// Cone programs of a small random specimen with the loading of its kind: the last program of every
 /// increment, compaction included.
 pub fn programs(kind: &Kind, seed: u32) -> Vec<ConeProgram> {
     let Kind { contact, scene, stages, .. } = kind;
@@ -165,7 +166,8 @@ pub fn programs(kind: &Kind, seed: u32) -> Vec<ConeProgram> {
     let mut simulation = Simulation::new(&scene, None);
     let mut programs = Vec::new();
     while let Step::Increment = simulation.step() {
-        // An undecided increment leaves the last of many tries, not a program of the scene, unless it is locked.
+        // An undecided increment leaves the last of many attempts. It is no program of the scene
+        // unless it is locked.
         let world = simulation.world();
         let undecided = world.resource::<Attempt>().status == IncrementStatus::Undecided;
         let locked = world.resource::<ConeSolution>().status == SolveStatus::Locked;
@@ -176,7 +178,8 @@ pub fn programs(kind: &Kind, seed: u32) -> Vec<ConeProgram> {
     programs
 }
 
-/// Solves; the status is what residuals and certificate say, whatever the solver does.
+/// Solves a program. The status follows from residuals and certificate, whatever the solver
+/// reports.
 pub fn solve(solver: &mut dyn ConeSolver, program: &ConeProgram) -> ConeSolution {
     let mut solution = solver.solve(program).unwrap_or_else(|e| panic!("{e}"));
     match solution.status {

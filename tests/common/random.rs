@@ -1,4 +1,4 @@
-//! Random numbers that depend on the seed alone, for scenes that a failure can name by it.
+//! Random numbers that depend only on a seed, by which a failed test can name its scene.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
@@ -11,7 +11,7 @@ impl Random {
         Self(ChaCha8Rng::seed_from_u64(seed))
     }
 
-    /// In [0, 1).
+    /// A number in [0, 1).
     pub fn unit(&mut self) -> f64 {
         (self.0.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
     }
@@ -20,12 +20,12 @@ impl Random {
         low + (high - low) * self.unit()
     }
 
-    /// Uniform in the logarithm.
+    /// A number with uniform distribution of its logarithm.
     pub fn decades(&mut self, low: f64, high: f64) -> f64 {
         (self.between(low.ln(), high.ln())).exp()
     }
 
-    /// Below `n`.
+    /// An integer below `n`.
     pub fn below(&mut self, n: u32) -> u32 {
         (self.unit() * f64::from(n)) as u32
     }
@@ -43,7 +43,7 @@ impl Random {
     }
 }
 
-/// How many cases to run: `CLASTIC_CASES` where it is set.
+/// Number of cases: `CLASTIC_CASES` if it is set.
 pub fn cases(default: u64) -> u64 {
     match std::env::var("CLASTIC_CASES") {
         Ok(text) => text.parse().expect("CLASTIC_CASES is a number of cases"),
@@ -51,7 +51,7 @@ pub fn cases(default: u64) -> u64 {
     }
 }
 
-/// The seeds to run: the one that `CLASTIC_SEED` names, or as many as there are cases.
+/// Seeds of the cases: the one in `CLASTIC_SEED` if it is set, else one per case.
 pub fn seeds(default: u64) -> std::ops::Range<u64> {
     match std::env::var("CLASTIC_SEED") {
         Ok(text) => {
@@ -62,7 +62,7 @@ pub fn seeds(default: u64) -> std::ops::Range<u64> {
     }
 }
 
-/// A number for every run of the tests, and another one where `CLASTIC_FULL` is set.
+/// A number for every run of the tests, or a larger one if `CLASTIC_FULL` is set.
 pub fn full(short: u32, long: u32) -> u32 {
     if std::env::var_os("CLASTIC_FULL").is_some() { long } else { short }
 }

@@ -1,11 +1,11 @@
-//! Every field of the settings of the solvers by its name, to be scaled.
+//! Fields of the settings of the solvers by name, for scaling.
 
 use clastic::cone::condensed::CondensedSettings;
 use clastic::cone::coulomb::CoulombSettings;
 
-/// A number, or numbers, that a factor makes larger or smaller.
+/// A number, or several, that a factor can scale.
 pub trait Scaled {
-    /// Multiplies by `factor`; whole numbers are rounded to the nearest, and stay above zero.
+    /// Multiplies by `factor`. Integers are rounded to the nearest and stay above zero.
     fn scale(&mut self, factor: f64);
 }
 
@@ -35,7 +35,7 @@ impl<const N: usize> Scaled for [f64; N] {
     }
 }
 
-/// A field: its path, and what scales it.
+/// A field: its path, and the function that scales it.
 pub type Field<S> = (&'static str, fn(&mut S, f64));
 
 macro_rules! fields {
@@ -48,7 +48,7 @@ macro_rules! fields {
     };
 }
 
-/// Scales what a part leaves of the whole: twice the part itself may be no part.
+/// Scales the remainder of a part, because twice the part itself may exceed the whole.
 fn scale_rest(parts: &mut [f64], factor: f64) {
     for part in parts {
         *part = 1.0 - factor * (1.0 - *part);

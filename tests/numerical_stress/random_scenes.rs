@@ -22,7 +22,7 @@ use crate::random::{Random, seeds};
 /// No small scene may take longer, on a machine that does other things as well.
 const LONGEST: Duration = Duration::from_secs(120);
 /// Bounds of the attempts at one increment: solves, and the last round that began below the bound.
-const MOST_SOLVES: u32 = 1300;
+const MAX_SOLVES: u32 = 1300;
 
 /// A random scene; `greatest` bounds the number of bodies.
 pub fn random_scene(seed: u64, greatest: u32) -> Scene {
@@ -358,7 +358,7 @@ pub fn run_checked(scene: &Scene) -> Story {
             }
             Step::Increment => {
                 let record = simulation.world().resource::<Observation>().clone();
-                assert!(record.solves <= MOST_SOLVES, "{} solves", record.solves);
+                assert!(record.solves <= MAX_SOLVES, "{} solves", record.solves);
                 story.increments += 1;
                 assert!(story.increments < 5000, "{} increments", story.increments);
                 story.statuses[match record.status {

@@ -1,13 +1,13 @@
-//! The curves of several runs over one pair of axes.
+//! Curves of several runs in one chart.
 
 use super::chart::{Chart, Line};
 use super::history::History;
 use super::stress_strain::{SIGNS, STRAIN, stress_unit};
 
-/// Runs with the names that the legend gives them.
+/// Runs with their names in the legend.
 pub type Runs = [(String, History)];
 
-/// Axial stress against axial strain; none where no run defines them.
+/// Axial stress against axial strain; `None` if no run defines them.
 #[must_use]
 pub fn stress(runs: &Runs) -> Option<Chart> {
     let lines = lines(runs, "axial_stress_pa");
@@ -15,7 +15,7 @@ pub fn stress(runs: &Runs) -> Option<Chart> {
     chart("Axial stress", format!("axial stress, {unit}"), scaled(lines, pascals.recip()))
 }
 
-/// Volumetric against axial strain; none where no run defines them.
+/// Volumetric against axial strain; `None` if no run defines them.
 #[must_use]
 pub fn volumetric(runs: &Runs) -> Option<Chart> {
     let lines = scaled(lines(runs, "volumetric_strain"), 100.0);
@@ -27,11 +27,12 @@ fn lines(runs: &Runs, column: &str) -> Vec<Line> {
         name: name.clone(),
         points: history.points("axial_strain", column),
     };
-    // Runs without the column keep their place, so that colours are the same in all pictures.
+    // Runs without the column keep an empty line, so that the colour of a run is equal in all
+    // pictures.
     runs.iter().map(line).collect()
 }
 
-/// Strain in per cent, the other axis times a factor.
+/// Converts strain to per cent and multiplies the other axis by a factor.
 fn scaled(mut lines: Vec<Line>, factor: f64) -> Vec<Line> {
     for point in lines.iter_mut().flat_map(|line| &mut line.points) {
         *point = (100.0 * point.0, factor * point.1);

@@ -1,21 +1,21 @@
-//! Probes, for rigs that define no stress: force against displacement where the outside world
-//! does work on them, otherwise motion against time.
+//! Charts of probes, for rigs that define no stress: force against displacement if the outside
+//! world does work on the probes, and motion against time otherwise.
 
 use super::chart::{Chart, Line};
 use super::history::History;
 
-/// Columns of motion, their force and what the axes call them.
+/// Columns of motion and of force, and the label of the axes.
 const AXES: [(&str, &str, &str); 3] = [
     (".x_m", ".force_x_n", "x"),
     (".y_m", ".force_y_n", "y"),
     (".rotation_rad", ".moment_nm", "rotation"),
 ];
 
-/// The chart of the probes, if there is anything to show.
+/// The chart of the probes; `None` if no probe moved or carried force.
 #[must_use]
 pub fn probes(title: &str, history: &History) -> Option<Chart> {
     let mut chart = worked(title, history).or_else(|| moved(title, history))?;
-    // One line alone has no legend.
+    // A single line has no legend.
     if let [line] = chart.lines.as_slice() {
         chart.caption = format!("{}: {}", line.name, chart.caption);
     }
@@ -27,16 +27,17 @@ fn work(points: &[(f64, f64)]) -> f64 {
     points.windows(2).map(|w| 0.5 * (w[0].1 + w[1].1) * (w[1].0 - w[0].0)).sum::<f64>().abs()
 }
 
-/// Force against displacement along the one axis on which the most work is done in the last stage:
-/// in the rigs that this is for, the one that is driven after everything else is in place.
+/// Force against displacement along the axis with the maximum work in the last stage. In such rigs
+/// this is the axis that is driven after the specimen is in place.
 fn worked(title: &str, history: &History) -> Option<Chart> {
     let probes = history.probes();
     let along = |(motion, force, _): (&str, &str, &str), probe: &str| {
         let points = history.points(&format!("{probe}{motion}"), &format!("{probe}{force}"));
-        // Displacements count from the start: so does the curve.
+        // Displacements are relative to the start, so the curve starts at zero.
         std::iter::once((0.0, 0.0)).chain(points).collect::<Vec<_>>()
     };
-    // Row k of the history is point k + 1: this starts with the last one before the stage.
+    // Row k of the history is point k + 1, so this range starts with the last point before the
+    // stage.
     let late = |points: &[_]| work(points.get(history.last_stage()..).unwrap_or_default());
     let total = |axis| probes.iter().map(|probe| late(&along(axis, probe))).fold(0.0, f64::max);
     let axis = AXES.into_iter().max_by(|a, b| total(*a).total_cmp(&total(*b)))?;
@@ -50,8 +51,8 @@ fn worked(title: &str, history: &History) -> Option<Chart> {
         .filter(|line| late(&line.points) > 1e-6 * most)
         .collect();
     let turning = axis.2 == "rotation";
-    let greatest = lines.iter().flat_map(|l| &l.points).map(|p| p.0.abs()).fold(0.0, f64::max);
-    let (unit, metres) = match greatest {
+    let maximum = lines.iter().flat_map(|l| &l.points).map(|p| p.0.abs()).fold(0.0, f64::max);
+    let (unit, metres) = match maximum {
         _ if turning => ("rad", 1.0),
         u if u >= 0.1 => ("m", 1.0),
         u if u >= 1e-4 => ("mm", 1e-3),
@@ -77,7 +78,7 @@ fn worked(title: &str, history: &History) -> Option<Chart> {
     })
 }
 
-/// Displacements against time; where there is none, against the number of the increment.
+/// Displacements against time, or against the number of the increment if time does not pass.
 fn moved(title: &str, history: &History) -> Option<Chart> {
     let mut lines = Vec::new();
     let timeless = history.column("time_s").iter().all(|t| *t == Some(0.0));

@@ -1,16 +1,16 @@
-//! Reading `history.csv` back.
+//! Reads `history.csv`.
 
 use std::path::Path;
 
 use crate::output::OutputError;
 use crate::output::history::PROBE_COLUMNS;
 
-/// The numbers of a history, by column; texts and empty fields are none.
+/// Numbers of a history by column. Texts and empty fields are `None`.
 #[derive(Clone, Debug, Default)]
 pub struct History {
     names: Vec<String>,
     rows: Vec<Vec<Option<f64>>>,
-    /// Row that the last stage starts with.
+    /// First row of the last stage.
     last_stage: usize,
 }
 
@@ -18,7 +18,7 @@ impl History {
     /// Reads a history.
     ///
     /// # Errors
-    /// Where it cannot be read or is not CSV.
+    /// If the file cannot be read or is not CSV.
     pub fn read(path: &Path) -> Result<Self, OutputError> {
         let mut reader = csv::Reader::from_path(path).map_err(OutputError::at(path))?;
         let names = reader.headers().map_err(OutputError::at(path))?;
@@ -38,21 +38,21 @@ impl History {
         Ok(Self { names, rows, last_stage: last_stage.1 })
     }
 
-    /// A column; empty where there is none of that name.
+    /// A column; empty if the history does not have it.
     #[must_use]
     pub fn column(&self, name: &str) -> Vec<Option<f64>> {
         let Some(k) = self.names.iter().position(|n| n == name) else { return Vec::new() };
         self.rows.iter().map(|row| row.get(k).copied().flatten()).collect()
     }
 
-    /// The points of one column against another, where both are defined.
+    /// Points of one column against another, where both values are defined.
     #[must_use]
     pub fn points(&self, x: &str, y: &str) -> Vec<(f64, f64)> {
         let pairs = self.column(x).into_iter().zip(self.column(y));
         pairs.filter_map(|(x, y)| Some((x?, y?))).collect()
     }
 
-    /// Row that the last stage starts with.
+    /// First row of the last stage.
     #[must_use]
     pub fn last_stage(&self) -> usize {
         self.last_stage

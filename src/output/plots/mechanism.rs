@@ -1,4 +1,4 @@
-//! The mechanism of a collapse: an arrow at every body that moves, disks coloured by their rotation.
+//! The mechanism of a collapse: an arrow at every moving body, and disks coloured by rotation.
 
 use glam::DVec2;
 
@@ -7,15 +7,15 @@ use crate::output::mechanism::Mechanism;
 use crate::output::snapshot::Snapshot;
 
 const COLOR: &str = "#e00000";
-/// Length of the longest arrow, in mean radii and within limits in px: it must be seen, and must not
-/// leave the picture where it begins near its edge.
+/// Length of the longest arrow in mean radii. Its length in px has bounds, so that it is visible
+/// and stays in the picture even near the edge.
 const LONGEST: f64 = 3.0;
 const LIMITS: [f64; 2] = [14.0, 38.0];
-/// Shorter arrows are left out, px.
+/// Minimum length of arrows that are drawn, px.
 const SHORTEST: f64 = 0.5;
-/// Length of the barbs of an arrow, over its own.
+/// Length of the barbs over that of the arrow.
 const BARB: f64 = 0.3;
-/// Their angle with the shaft, rad.
+/// Angle between barbs and shaft, rad.
 const SPREAD: f64 = 0.45;
 
 /// Draws a mechanism of the specimen `now`; none without disks.
@@ -31,11 +31,11 @@ pub fn svg(mechanism: &Mechanism, now: &Snapshot, title: &str, caption: &str) ->
 
     let mean_radius = now.radii.iter().sum::<f64>() / now.radii.len() as f64;
     let longest = (LONGEST * mean_radius).clamp(LIMITS[0] / sheet.scale, LIMITS[1] / sheet.scale);
-    let greatest = rows.iter().map(|row| row.displacement.length()).fold(0.0, f64::max);
+    let maximum = rows.iter().map(|row| row.displacement.length()).fold(0.0, f64::max);
     let arrows: Vec<_> = rows
         .iter()
-        .map(|row| (row.position, row.displacement * (longest / greatest)))
-        // Not a number where nothing but rotations is left.
+        .map(|row| (row.position, row.displacement * (longest / maximum)))
+        // The scale is NaN if all bodies only rotate.
         .filter(|(_, shaft)| shaft.length() * sheet.scale >= SHORTEST)
         .flat_map(|(from, shaft)| arrow(from, shaft))
         .collect();

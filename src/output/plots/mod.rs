@@ -1,5 +1,5 @@
-//! Pictures of a run, drawn at its end. Curves are read back from `history.csv`, so that a
-//! picture shows what the file says. Only a build with the feature `plots` draws pictures.
+//! Pictures of a run, drawn at its end. Curves are read from `history.csv`, so that a picture shows
+//! the content of the file. Only a build with the feature `plots` draws pictures.
 
 pub mod chart;
 pub mod compare;
@@ -36,7 +36,7 @@ pub const FILES: [&str; 6] = [CURVES, VOLUMETRIC, PROBES, SPECIMEN, SPECIMEN_PEA
 /// Whether this build draws pictures.
 pub const DRAWN: bool = cfg!(feature = "plots");
 
-/// The scene as its output is written: without pictures in a build that draws none.
+/// The scene with the output of this build: without pictures if the build draws none.
 #[must_use]
 pub fn as_drawn(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
@@ -44,10 +44,10 @@ pub fn as_drawn(scene: &Scene) -> Scene {
     scene
 }
 
-/// Draws the curves that the history defines; of the probes only where no stress is defined.
+/// Draws the curves that the history defines. Probes are drawn only if no stress is defined.
 ///
 /// # Errors
-/// Where a picture cannot be written.
+/// If a picture cannot be written.
 pub fn curves(directory: &Path, title: &str, history: &History) -> Result<(), OutputError> {
     let stress = stress_strain::stress(title, history);
     let probes = if stress.is_none() { force_displacement::probes(title, history) } else { None };
@@ -61,10 +61,10 @@ pub fn curves(directory: &Path, title: &str, history: &History) -> Result<(), Ou
     Ok(())
 }
 
-/// Draws specimens, each with its caption; `start` is the state that rotations count from.
+/// Draws specimens, each with its caption. Rotations are relative to `start`.
 ///
 /// # Errors
-/// Where a picture cannot be written.
+/// If a picture cannot be written.
 pub fn specimens<const N: usize>(
     directory: &Path,
     title: &str,

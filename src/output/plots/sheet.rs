@@ -1,5 +1,5 @@
-//! A picture of a specimen to scale: its frame and what is drawn into it. Written by hand, with few
-//! digits, so that thousands of disks stay small.
+//! A picture of a specimen to scale. The SVG is written directly with few digits, so that files
+//! with thousands of disks stay small.
 
 use std::fmt::Write as _;
 
@@ -7,21 +7,21 @@ use glam::DVec2;
 
 use crate::output::snapshot::Snapshot;
 
-/// Colours of the classes, from the smallest to the greatest value.
+/// Colours of the classes, by increasing value.
 pub(super) const COLORS: [&str; 8] =
     ["#f2f0eb", "#dde3e6", "#c3d0da", "#a5bacd", "#84a1bf", "#6286af", "#426a9b", "#274e83"];
-/// The box into which a specimen is fitted, px.
+/// Maximum size of the drawn specimen, px.
 const FIT: DVec2 = DVec2::new(900.0, 820.0);
 pub(super) const MARGIN: f64 = 24.0;
 const HEAD: f64 = 60.0;
 const FOOT: f64 = 64.0;
 const NARROWEST: f64 = 620.0;
-/// A disk touches a wall where its centre is nearer than this, in radii.
+/// A disk counts as touching a wall if the distance of its centre is below this, in radii.
 const TOUCHING: f64 = 1.05;
 
-/// A picture under way.
+/// A picture that is being drawn.
 pub(super) struct Sheet {
-    /// What is written so far.
+    /// SVG written so far.
     pub svg: String,
     /// px per m.
     pub scale: f64,
@@ -33,7 +33,7 @@ pub(super) struct Sheet {
 }
 
 impl Sheet {
-    /// Begins the picture of a specimen; none without disks.
+    /// Begins the picture of a specimen; `None` without disks.
     pub fn new(now: &Snapshot, title: &str, caption: &str) -> Option<Self> {
         let (low, high) = now.bounds()?;
         let size = high - low;
@@ -42,7 +42,7 @@ impl Sheet {
         let height = HEAD + size.y * scale + 2.0 * MARGIN + FOOT;
         let corner = DVec2::new(0.5 * (width - size.x * scale), HEAD + MARGIN);
         let mut svg = String::new();
-        // Writing to a string does not fail.
+        // Writing to a string cannot fail.
         let _ = writeln!(
             svg,
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width:.0}\" height=\"{height:.0}\" \
@@ -65,12 +65,12 @@ impl Sheet {
         Some(Self { svg, scale, foot: height - FOOT, corner, origin })
     }
 
-    /// Where a point is on the sheet, px.
+    /// Position of a point on the sheet, px.
     pub fn place(&self, x: DVec2) -> DVec2 {
         self.corner + DVec2::new(x.x - self.origin.x, self.origin.y - x.y) * self.scale
     }
 
-    /// Draws all disks in the colours of their classes: one group a class.
+    /// Draws all disks in the colours of their classes, with one SVG group per class.
     pub fn disks(&mut self, now: &Snapshot, class_of: impl Fn(usize) -> usize) {
         for (class, color) in COLORS.iter().enumerate() {
             let mut members = (0..now.positions.len()).filter(|i| class_of(*i) == class).peekable();
@@ -90,7 +90,7 @@ impl Sheet {
         }
     }
 
-    /// Draws the walls, each as long as what touches it.
+    /// Draws the walls, extended to all disks that touch them.
     pub fn walls(&mut self, now: &Snapshot) {
         let walls: Vec<_> = now.walls.iter().map(|wall| enclosing(*wall, now)).collect();
         self.segments(&walls, "#222", 2.0);
@@ -113,7 +113,7 @@ impl Sheet {
         let _ = writeln!(self.svg, "\"/>");
     }
 
-    /// Draws the colours of the classes, up to `top`, with what they say.
+    /// Draws the colours of the classes, up to `top`, with an explanation.
     pub fn legend(&mut self, top: &str, text: &str) {
         let swatch = 40.0;
         for (class, color) in COLORS.iter().enumerate() {
@@ -142,7 +142,7 @@ impl Sheet {
     }
 }
 
-/// The class of a value between 0 and `top`; the last one also holds what lies beyond.
+/// Class of a value between 0 and `top`. The last class also contains larger values.
 pub(super) fn class(value: f64, top: f64) -> usize {
     let last = COLORS.len() - 1;
     if value > 0.0 && top > 0.0 {
@@ -152,8 +152,8 @@ pub(super) fn class(value: f64, top: f64) -> usize {
     }
 }
 
-/// A wall as long as what touches it: for contact it is an infinite line, and disks may rest on it
-/// beyond the ends of its drawn segment.
+/// A wall segment extended to all disks that touch the wall. For contact a wall is an infinite
+/// line, and disks may rest on it beyond the ends of its drawn segment.
 fn enclosing([start, end]: [DVec2; 2], now: &Snapshot) -> [DVec2; 2] {
     let length = start.distance(end);
     let along = (end - start) / length;
@@ -176,7 +176,8 @@ mod tests {
 
     #[test]
     fn walls_are_as_long_as_what_touches_them() {
-        // Three disks on a floor that is drawn under the middle one alone; one in the air.
+        // Three disks on a floor whose drawn segment lies under the middle disk only, and one disk
+        // in the air.
         let now = Snapshot {
             positions: [(-3.0, 1.0), (0.0, 1.0), (4.0, 1.0), (9.0, 3.0)].map(DVec2::from).to_vec(),
             radii: vec![1.0; 4],

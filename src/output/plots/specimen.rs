@@ -1,9 +1,10 @@
-//! A specimen to scale: disks coloured by what they did, walls, broken bonds in red.
+//! A specimen to scale: disks coloured by rotation or displacement, walls, broken bonds in red.
 
 use super::sheet::{Sheet, class};
 use crate::output::snapshot::Snapshot;
 
-/// Draws the specimen `now`; none without disks. Rotations and displacements count from `start`.
+/// Draws the specimen `now`; `None` without disks. Rotations and displacements are relative to
+/// `start`.
 #[must_use]
 pub fn svg(now: &Snapshot, start: &Snapshot, title: &str, caption: &str) -> Option<String> {
     let mut sheet = Sheet::new(now, title, caption)?;
@@ -23,7 +24,7 @@ pub fn svg(now: &Snapshot, start: &Snapshot, title: &str, caption: &str) -> Opti
     Some(sheet.end())
 }
 
-/// A number with three digits in the unit with the prefix that suits it.
+/// A number with three digits in the unit with a suitable prefix.
 fn with_prefix(value: f64, unit: &str) -> String {
     let (prefix, size) = match value.abs() {
         0.0 => ("", 1.0),
@@ -38,17 +39,17 @@ fn with_prefix(value: f64, unit: &str) -> String {
     format!("{value:.digits$} {prefix}{unit}")
 }
 
-/// What the colours say.
+/// Meaning and scale of the colours.
 struct Colouring {
     name: &'static str,
     unit: &'static str,
-    /// Upper end of the scale; the last class also holds what lies beyond.
+    /// Upper end of the scale. The last class also contains larger values.
     top: f64,
     values: Vec<f64>,
 }
 
 impl Colouring {
-    /// Rotations, which show bands best; displacements where nothing turned.
+    /// Rotations, which show shear bands best, or displacements if no disk has rotated.
     fn of(now: &Snapshot, start: &Snapshot) -> Self {
         let before = |i: usize| start.rotations.get(i).copied().unwrap_or(0.0);
         let rotations: Vec<_> =
@@ -66,7 +67,7 @@ impl Colouring {
         };
         let mut sorted: Vec<f64> = values.clone();
         sorted.sort_unstable_by(f64::total_cmp);
-        // A few loose grains that spin must not paint all others in one colour.
+        // The quantile keeps a few spinning rattlers from determining the scale.
         let top = sorted.get(sorted.len() * 49 / 50).or(sorted.last()).copied().unwrap_or(0.0);
         Self { name, unit, top, values }
     }

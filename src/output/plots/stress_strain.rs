@@ -6,7 +6,7 @@ use super::history::History;
 pub(super) const SIGNS: &str = "compression and contraction positive";
 pub(super) const STRAIN: &str = "axial strain, %";
 
-/// Stress and broken bonds against axial strain, where both are defined.
+/// Stress and broken bonds against axial strain, if stress and strain are defined.
 #[must_use]
 pub fn stress(title: &str, history: &History) -> Option<Chart> {
     let axial = history.points("axial_strain", "axial_stress_pa");
@@ -32,7 +32,7 @@ pub fn stress(title: &str, history: &History) -> Option<Chart> {
     })
 }
 
-/// Unit in which stresses of this size are short numbers, and its value in Pa.
+/// Unit in which stresses of this magnitude have few digits, and its value in Pa.
 pub(super) fn stress_unit(stresses: impl Iterator<Item = f64>) -> (&'static str, f64) {
     match stresses.map(f64::abs).fold(0.0, f64::max) {
         s if s >= 1e6 => ("MPa", 1e6),
@@ -41,7 +41,7 @@ pub(super) fn stress_unit(stresses: impl Iterator<Item = f64>) -> (&'static str,
     }
 }
 
-/// Broken bonds against axial strain; none where none broke.
+/// Broken bonds against axial strain; `None` if no bond has broken.
 fn broken(history: &History) -> Option<Line> {
     let strain = history.column("axial_strain");
     let modes =

@@ -1,4 +1,4 @@
-//! Kind of analysis, friction law, rules of rupture.
+//! Kind of analysis, friction law, rupture rules.
 
 use serde::{Deserialize, Serialize};
 
@@ -30,13 +30,13 @@ pub enum FrictionLaw {
     ByAnalysis,
     /// Coulomb's law: sliding does not open a contact.
     Coulomb {
-        /// Factorisations of one solve at most.
+        /// Maximum number of factorisations in a solve.
         #[serde(default = "coulomb_factorisations")]
         factorisations: u32,
         /// Read for scenes of earlier builds, and without effect.
         #[serde(default, skip_serializing)]
         tolerance: f64,
-        /// The same.
+        /// Read for scenes of earlier builds, and without effect.
         #[serde(default, skip_serializing)]
         max_passes: u32,
     },
@@ -65,9 +65,10 @@ pub struct Rupture {
     pub order: RuptureOrder,
     /// With `Events`: a bond breaks at an overload between 1 - tolerance and 1.
     pub tolerance: f64,
-    /// With `Events`: bonds break together that reach their limit while the forces change by this fraction.
+    /// With `Events`: bonds break together if the forces change by at most this fraction between
+    /// their limits.
     pub group: f64,
-    /// With `AllAtOnce`: cap on the rounds.
+    /// With `AllAtOnce`: maximum number of rounds.
     pub rounds: u32,
     /// With `Events`: what happens after the first bond of an avalanche.
     #[serde(skip_serializing_if = "Avalanche::is_default")]
@@ -90,17 +91,17 @@ impl Default for Rupture {
 /// How the specimen comes to rest at constant load after a bond has broken.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 pub enum Avalanche {
-    /// The most overloaded bond breaks, equilibrium by equilibrium.
+    /// The most overloaded bond breaks, then equilibrium is sought, and so on.
     #[default]
     MostOverloaded,
-    /// All bonds above their limits break, equilibrium by equilibrium.
+    /// All bonds above their limits break, then equilibrium is sought, and so on.
     Together,
     /// The motion is followed, and bonds break in it as they reach their limits.
     Dynamic,
 }
 
 impl Avalanche {
-    /// Whether it is what a scene has that does not say: records of such scenes do not say either.
+    /// Whether this is the default, which records of scenes leave out.
     fn is_default(&self) -> bool {
         *self == Self::default()
     }
@@ -109,21 +110,21 @@ impl Avalanche {
 /// The order in which bonds break.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 pub enum RuptureOrder {
-    /// One after the other, each at the load at which it reaches its limit.
+    /// Bonds break one after the other, each at the load at which it reaches its limit.
     #[default]
     Events,
-    /// All that are on a limit at the end of an increment, once.
+    /// All bonds at a limit at the end of an increment break, in one round.
     OneRound,
-    /// All that are on a limit, and those that follow, within the increment.
+    /// All bonds at a limit break, and those that follow, within the increment.
     AllAtOnce,
 }
 
-/// What a bond does at its rolling limit.
+/// Behaviour of a bond at its rolling limit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 pub enum RollingLimit {
-    /// It breaks.
+    /// The bond breaks.
     #[default]
     Breaks,
-    /// Its moment stays on the limit.
+    /// The moment stays at the limit.
     Yields,
 }

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Material {
-    /// Density, kg/m^3; needed where there is gravity or dynamics.
+    /// Density, kg/m^3; required with gravity or dynamics.
     #[serde(default = "rock_density")]
     pub density: f64,
     /// Contacts between particles of this material.
@@ -21,36 +21,37 @@ fn rock_density() -> f64 {
     2650.0
 }
 
-/// Law of a contact. Without a stiffness it is rigid, without friction frictionless.
+/// Law of a contact. It is rigid without stiffness, and frictionless without friction.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Contact {
-    /// Normal stiffness k_N, N/m; none is rigid.
+    /// Normal stiffness k_N, N/m; rigid if left out.
     pub normal_stiffness: Option<f64>,
-    /// Tangential stiffness k_T, N/m; none is rigid.
+    /// Tangential stiffness k_T, N/m; rigid if left out.
     pub tangential_stiffness: Option<f64>,
     /// Coefficient of friction.
     pub friction: f64,
-    /// Coefficient of rolling friction. With 0 the contact has no rolling moment.
+    /// Coefficient of rolling friction. 0 means that the contact has no rolling moment.
     pub rolling_friction: f64,
     /// Coefficient of restitution, 0 to 1, of a rigid contact in dynamic stages.
     pub restitution: f64,
 }
 
-/// Law of a bond. Without a stiffness it is rigid.
+/// Law of a bond, which is rigid without stiffness.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Bond {
-    /// Normal stiffness k_N, N/m; none is rigid.
+    /// Normal stiffness k_N, N/m; rigid if left out.
     #[serde(default)]
     pub normal_stiffness: Option<f64>,
-    /// Tangential stiffness k_T, N/m; none is rigid.
+    /// Tangential stiffness k_T, N/m; rigid if left out.
     #[serde(default)]
     pub tangential_stiffness: Option<f64>,
     /// Internal friction coefficient.
     #[serde(default)]
     pub friction: f64,
-    /// Coefficient of rolling friction. With 0 the bond has no rolling moment and never breaks in rolling.
+    /// Coefficient of rolling friction. 0 means that the bond has no rolling moment and never
+    /// breaks by rolling.
     #[serde(default)]
     pub rolling_friction: f64,
     /// Cohesion c, Pa.

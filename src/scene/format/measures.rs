@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Measures {
-    /// Stage at whose start strains are zero; the last stage where it is left out.
+    /// Stage at whose start strains are zero; the last stage if left out.
     pub reference_stage: Option<String>,
     /// Axial strain.
     pub axial_strain: Option<Strain>,
@@ -18,12 +18,12 @@ pub struct Measures {
     pub lateral_stress: Option<Stress>,
 }
 
-/// A strain: closing over the distance at the start of the reference stage.
+/// A strain: decrease of a distance over its value at the start of the reference stage.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub enum Strain {
-    /// Of the distance of two walls.
+    /// Distance between two walls.
     Walls(String, String),
-    /// Of the distance of the centres of two particles, by index.
+    /// Distance between the centres of two particles, by index.
     Particles(u32, u32),
 }
 
@@ -31,7 +31,7 @@ pub enum Strain {
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub enum Stress {
-    /// Mean of the normal forces on walls over a length times the thickness.
+    /// Mean of the normal forces on walls divided by length times thickness.
     Walls {
         /// The walls.
         walls: Vec<String>,
@@ -47,21 +47,21 @@ pub enum Stress {
     },
 }
 
-/// A length under a wall stress.
+/// Length of a wall stress.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub enum Length {
     /// Fixed, m.
     Fixed(f64),
-    /// Current distance of two walls.
+    /// Current distance between two walls.
     Between(String, String),
 }
 
-/// An area under an average stress.
+/// Area of an average stress.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub enum Area {
     /// Fixed, m^2.
     Fixed(f64),
-    /// Between two pairs of walls.
+    /// Area between two pairs of walls.
     Box((String, String), (String, String)),
 }
 

@@ -1,4 +1,4 @@
-//! The scene format, version 1: what a RON scene may say.
+//! The scene format, version 1: types of a RON scene.
 //!
 //! Units are SI throughout: m, s, kg, N, Pa, rad. Compression, contraction and anticlockwise
 //! rotation are positive. `some(x)` may be written as plain `x`; newtype variants need no second
@@ -33,7 +33,7 @@ pub use walls::{Wall, WallControl};
 /// Version of the format that this build reads.
 pub const VERSION: u32 = 1;
 
-/// A scene: materials, a specimen, walls, and the stages that happen to them.
+/// A scene: materials, a specimen, walls, and stages.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scene {
@@ -47,7 +47,7 @@ pub struct Scene {
     /// Acceleration of gravity (x, y), m/s^2.
     #[serde(default)]
     pub gravity: (f64, f64),
-    /// Static or dynamic; a stage may say otherwise for itself.
+    /// Static or dynamic; stages may differ.
     #[serde(default)]
     pub analysis: Analysis,
     /// Friction law of unbonded contacts.
@@ -62,7 +62,7 @@ pub struct Scene {
     /// The solver.
     #[serde(default)]
     pub solver: Solver,
-    /// What an increment must satisfy to be committed.
+    /// Criteria for committing an increment.
     #[serde(default)]
     pub acceptance: Acceptance,
     /// Particle materials by name.
@@ -70,22 +70,22 @@ pub struct Scene {
     pub materials: BTreeMap<String, Material>,
     /// The particles.
     pub specimen: Specimen,
-    /// Bonds that are there from the start, free of stress; cementing stages add more.
+    /// Bonds at the start, free of stress. Cementing stages add more.
     #[serde(default)]
     pub bonds: Vec<ExplicitBond>,
-    /// Names under which the history records particles, by index: for those that are not listed one
-    /// by one.
+    /// Names under which the history records particles, by index, for specimens that do not list
+    /// particles one by one.
     #[serde(default, deserialize_with = "unique_keys::deserialize")]
     pub probes: BTreeMap<String, u32>,
     /// Straight walls.
     #[serde(default)]
     pub walls: Vec<Wall>,
-    /// What happens, in order.
+    /// Stages, in order.
     pub stages: Vec<Stage>,
-    /// How this rig defines strain and stress.
+    /// Definitions of strain and stress.
     #[serde(default)]
     pub measures: Measures,
-    /// What is written.
+    /// Output.
     #[serde(default)]
     pub output: Output,
 }
@@ -95,7 +95,8 @@ fn one() -> f64 {
 }
 
 impl Scene {
-    /// Whether a contact law of the scene has restitution: then velocities of dynamic stages are those of theta 1.
+    /// Whether a contact law of the scene has restitution. Velocities of dynamic stages are then
+    /// those of theta = 1.
     #[must_use]
     pub fn has_restitution(&self) -> bool {
         let materials = self.materials.values().map(|material| material.contact);

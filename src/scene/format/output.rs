@@ -1,16 +1,16 @@
-//! What is written and recorded.
+//! Output and recording.
 
 use serde::{Deserialize, Serialize};
 
-/// What is written beside the history.
+/// Output in addition to the history.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Output {
-    /// A frame (CSV of all particles) every so many increments; 0 writes only the last.
+    /// Number of increments between frames (CSV of all particles); 0 writes only the last one.
     pub frames_every: u32,
     /// Pictures (SVG) of curves and specimen.
     pub plots: bool,
-    /// The energy ledger in the history.
+    /// Whether the history contains the energy ledger.
     pub energy: bool,
 }
 
@@ -20,15 +20,16 @@ impl Default for Output {
     }
 }
 
-/// What a stage leaves in the results. Ruptures and key results see every increment in any case.
+/// Recording of a stage. Ruptures and key results use every increment in any case.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Record {
-    /// A row of the history every so many increments of the stage, and at its end.
+    /// Number of increments between rows of the history. The last increment of the stage always has
+    /// a row.
     pub every: u32,
-    /// A frame every so many increments of the stage, 0 for none; left out, as `output` says.
+    /// Number of increments between frames; 0 for none; the value of `output` if left out.
     pub frames_every: Option<u32>,
-    /// Frames after these increments of the stage, from 1.
+    /// Numbers of increments of the stage, from 1, after which frames are written.
     pub frames: Vec<u32>,
 }
 

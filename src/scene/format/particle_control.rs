@@ -1,30 +1,30 @@
-//! What a stage does to particles.
+//! Controls of particles in a stage.
 
 use serde::{Deserialize, Serialize};
 
-/// What a stage does to the particles that it selects.
+/// Control of the selected particles in a stage.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct ParticleControl {
-    /// Which particles.
+    /// The selected particles.
     pub select: Select,
-    /// Along x.
+    /// Motion along x.
     #[serde(default)]
     pub x: Motion,
-    /// Along y.
+    /// Motion along y.
     #[serde(default)]
     pub y: Motion,
     /// Rotation.
     #[serde(default)]
     pub rotation: Motion,
-    /// Displacement gradient ((ux_x, ux_y), (uy_x, uy_y)) in every increment, about the origin,
-    /// of positions at the start of the stage: imposes x and y.
+    /// Displacement gradient ((ux_x, ux_y), (uy_x, uy_y)) in every increment, about the origin, of
+    /// positions at the start of the stage. It imposes the motion along x and y.
     #[serde(default)]
     pub affine: Option<((f64, f64), (f64, f64))>,
-    /// Force (x, y) at the end of the stage, N; it goes there linearly from what it was.
+    /// Force (x, y) at the end of the stage, N. It varies linearly from its value at the start.
     #[serde(default)]
     pub force: Option<(f64, f64)>,
-    /// Moment at the end of the stage, N m, likewise.
+    /// Moment at the end of the stage, N m. It varies linearly from its value at the start.
     #[serde(default)]
     pub moment: Option<f64>,
 }
@@ -39,9 +39,9 @@ pub enum Select {
     Index(Vec<u32>),
     /// By group.
     Group(String),
-    /// By the name of its probe.
+    /// By the name of the probe.
     Probe(String),
-    /// Centres in a box at the start of the stage.
+    /// Particles with centres in a box at the start of the stage.
     Box {
         /// Lower left corner, m.
         min: (f64, f64),
@@ -54,7 +54,7 @@ pub enum Select {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub enum Motion {
-    /// An unknown.
+    /// Free: the motion is an unknown.
     #[default]
     Free,
     /// Held.

@@ -1,16 +1,16 @@
-//! Specimens: where the particles come from.
+//! Specimens: sources of the particles.
 
 use serde::{Deserialize, Serialize};
 
-/// Where the particles come from.
+/// Source of the particles.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub enum Specimen {
-    /// One by one.
+    /// List of particles.
     Particles(Vec<Particle>),
     /// A triangular lattice of equal, touching disks; the outermost ring is the group `boundary`.
     Lattice {
-        /// Disks in a row; every other row has one less.
+        /// Disks in a row. Every second row has one less.
         columns: u32,
         /// Rows.
         rows: u32,
@@ -19,27 +19,27 @@ pub enum Specimen {
         /// Centre of the lower left disk, m.
         #[serde(default)]
         origin: (f64, f64),
-        /// Material; may be left out where the scene has only one.
+        /// Material; optional if the scene has only one.
         #[serde(default)]
         material: Option<String>,
     },
-    /// Random disks on a loose square grid, one in each cell and at a random place in it; a
-    /// `Compact` stage makes a packing of them.
+    /// Random disks on a loose square grid, one at a random position in each cell. A `Compact`
+    /// stage makes a packing of them.
     Packing {
         /// Number of disks.
         count: u32,
         /// Columns of the grid.
         columns: u32,
-        /// Spacing of the grid, m; at least the greatest diameter.
+        /// Spacing of the grid, m; at least the maximum diameter.
         spacing: f64,
         /// Lower left corner of the grid, m.
         #[serde(default)]
         origin: (f64, f64),
         /// Size distribution.
         sizes: Sizes,
-        /// Seed of sizes and places.
+        /// Seed of sizes and positions.
         seed: u64,
-        /// Material; may be left out where the scene has only one.
+        /// Material; optional if the scene has only one.
         #[serde(default)]
         material: Option<String>,
     },
@@ -57,23 +57,23 @@ pub enum Specimen {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub enum Sizes {
-    /// All alike.
+    /// Equal radii.
     Equal {
         /// Radius, m.
         radius: f64,
     },
-    /// Uniform by number between two radii.
+    /// Uniform distribution by number between two radii.
     Uniform {
-        /// Smallest and greatest radius, m.
+        /// Minimum and maximum radius, m.
         radius: (f64, f64),
     },
-    /// Log-normal by number, cut off.
+    /// Log-normal distribution by number between limits.
     LogNormal {
         /// Median radius, m.
         radius: f64,
         /// Standard deviation of the logarithm.
         deviation: f64,
-        /// Smallest and greatest radius, m.
+        /// Minimum and maximum radius, m.
         limits: (f64, f64),
     },
 }
@@ -86,7 +86,7 @@ pub struct Particle {
     pub position: (f64, f64),
     /// Radius, m.
     pub radius: f64,
-    /// Material; may be left out where the scene has only one.
+    /// Material; optional if the scene has only one.
     #[serde(default)]
     pub material: Option<String>,
     /// Initial velocity, m/s.
@@ -98,7 +98,7 @@ pub struct Particle {
     /// Group for selection by stages.
     #[serde(default)]
     pub group: Option<String>,
-    /// Name under which the history records it.
+    /// Name under which the history records the particle.
     #[serde(default)]
     pub probe: Option<String>,
 }

@@ -1,4 +1,4 @@
-//! Stages: what happens to a specimen, in order.
+//! Stages of a run, in order.
 
 use std::collections::BTreeMap;
 
@@ -11,14 +11,15 @@ use crate::scene::unique_keys;
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub enum Stage {
-    /// Moves a wall against the particles, rigid and frictionless and with the least motion,
-    /// until the packing is as dense or as high as wanted. All other walls stay.
+    /// Moves a wall against the particles until the packing has the wanted density or height.
+    /// Bodies are rigid and frictionless and take the smallest feasible motion. All other walls
+    /// stay.
     Compact(Compact),
-    /// Bonds every pair closer than a length, free of stress. Takes no increment.
+    /// Bonds every pair with a gap below a length, free of stress. It has no increments.
     Cement(Cement),
-    /// Increments under controlled walls and particles.
+    /// Increments with controlled walls and particles.
     Load(Load),
-    /// A stage of a kind that a plugin of the program provides.
+    /// A stage of a kind that a plugin provides.
     Custom(CustomStage),
 }
 
@@ -34,7 +35,7 @@ impl Stage {
         }
     }
 
-    /// What it records; none where it takes no increments.
+    /// Recording of the stage; `None` for a stage without increments.
     #[must_use]
     pub fn record(&self) -> Option<&Record> {
         match self {
@@ -52,21 +53,21 @@ impl Stage {
 pub struct CustomStage {
     /// Name.
     pub name: String,
-    /// What it is; a plugin of the program provides the kind.
+    /// Kind of the stage, which a plugin provides.
     pub kind: String,
     /// Number of increments; 0 for a stage that only changes the specimen.
     #[serde(default)]
     pub increments: u32,
-    /// Analysis; that of the scene if it is left out.
+    /// Analysis; that of the scene if left out.
     #[serde(default)]
     pub analysis: Option<Analysis>,
-    /// Gravity, m/s^2; that of the scene if it is left out.
+    /// Gravity, m/s^2; that of the scene if left out.
     #[serde(default)]
     pub gravity: Option<(f64, f64)>,
-    /// Numbers that the plugin asks for, by name.
+    /// Parameters of the plugin, by name.
     #[serde(default, deserialize_with = "unique_keys::deserialize")]
     pub values: BTreeMap<String, f64>,
-    /// What is recorded.
+    /// Recording.
     #[serde(default)]
     pub record: Record,
 }
@@ -79,31 +80,31 @@ pub struct Compact {
     pub name: String,
     /// The wall that moves, along its inward normal.
     pub wall: String,
-    /// The fixed wall opposite, from which the height counts.
+    /// The fixed wall opposite, which is the reference of the height.
     pub base: String,
-    /// When it is done.
+    /// Target that ends the compaction.
     pub target: CompactTarget,
-    /// Greatest motion of the wall in an increment, m.
+    /// Maximum motion of the wall in an increment, m.
     pub step: f64,
-    /// What the particles do where nothing pushes them.
+    /// Reference motion of particles that nothing pushes.
     #[serde(default)]
     pub rest: CompactRest,
-    /// Shaking: greatest random part of the motion that particles tend to in an increment, in mean
-    /// radii. Without it a random packing jams before it is dense.
+    /// Shaking: maximum random part of the reference motion in an increment, in mean radii. Without
+    /// it a random packing jams before it is dense.
     #[serde(default)]
     pub agitation: f64,
     /// Seed of the shaking.
     #[serde(default)]
     pub seed: u64,
-    /// What is recorded.
+    /// Recording.
     #[serde(default)]
     pub record: Record,
 }
 
-/// When a compaction is done.
+/// Target of a compaction.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub enum CompactTarget {
-    /// Distance of the two walls, m.
+    /// Distance between the two walls, m.
     Height(f64),
     /// Porosity between the two walls over the length of the base.
     Porosity(f64),
@@ -112,10 +113,10 @@ pub enum CompactTarget {
 /// Reference motion of a compaction.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 pub enum CompactRest {
-    /// Particles follow the wall in proportion to their height: an even packing.
+    /// Particles move with the wall in proportion to their height, which gives a uniform packing.
     #[default]
     Affine,
-    /// Particles stay until they are pushed: the packing fills from the moving wall.
+    /// Particles stay until they are pushed, so that the packing grows from the moving wall.
     Still,
 }
 
@@ -127,7 +128,7 @@ pub struct Cement {
     pub name: String,
     /// Bond length g_int, m: pairs with a smaller gap are bonded (3.4.1 of the paper).
     pub length: f64,
-    /// Whether particles are bonded to walls as well.
+    /// Whether particles are also bonded to walls.
     #[serde(default)]
     pub walls: bool,
 }
@@ -140,29 +141,29 @@ pub struct Load {
     pub name: String,
     /// Number of increments.
     pub increments: u32,
-    /// Analysis of this stage, where it differs from the scene's.
+    /// Analysis of this stage; that of the scene if left out.
     #[serde(default)]
     pub analysis: Option<Analysis>,
-    /// Gravity of this stage, where it differs from the scene's.
+    /// Gravity of this stage, m/s^2; that of the scene if left out.
     #[serde(default)]
     pub gravity: Option<(f64, f64)>,
-    /// Control of walls by name. A wall that is not named keeps its load if it is loaded, else
-    /// stays where it is.
+    /// Control of walls by name. A wall without an entry keeps its load if it is loaded, and
+    /// otherwise stays where it is.
     #[serde(default, deserialize_with = "unique_keys::deserialize")]
     pub walls: BTreeMap<String, WallControl>,
-    /// Walls that are taken away at the start.
+    /// Walls that are removed at the start.
     #[serde(default)]
     pub remove_walls: Vec<String>,
-    /// Walls that are brought in at the start.
+    /// Walls that are added at the start.
     #[serde(default)]
     pub add_walls: Vec<String>,
-    /// What is done to particles. Particles that are not selected are free.
+    /// Controls of particles. Particles that no control selects are free.
     #[serde(default)]
     pub particles: Vec<ParticleControl>,
     /// Conditions that end the stage early.
     #[serde(default)]
     pub stop: Vec<Stop>,
-    /// What is recorded.
+    /// Recording.
     #[serde(default)]
     pub record: Record,
 }
@@ -173,11 +174,11 @@ pub struct Load {
 pub enum Stop {
     /// Axial strain reaches this value.
     AxialStrain(f64),
-    /// After its peak, the axial stress falls below this fraction of the peak. The drop must be more than
+    /// After its peak, the axial stress falls below this fraction of the peak. The drop must exceed
     /// the error of the stress that `acceptance.residual` allows.
     StressDrop(f64),
     /// Time reaches this value, s.
     Time(f64),
-    /// The greatest speed of a particle falls below this value, m/s (after the first increment).
+    /// The maximum speed of a particle falls below this value, m/s (after the first increment).
     Rest(f64),
 }

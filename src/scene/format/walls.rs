@@ -1,10 +1,10 @@
-//! Walls and what drives them.
+//! Walls and their controls.
 
 use serde::{Deserialize, Serialize};
 
 use super::{Bond, Contact};
 
-/// A straight wall. Material lies on the left of the way from start to end.
+/// A straight wall. Material is on the left of the direction from start to end.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Wall {
@@ -14,16 +14,16 @@ pub struct Wall {
     pub start: (f64, f64),
     /// End of the drawn segment, m.
     pub end: (f64, f64),
-    /// Law of its contacts with particles; without it rigid and frictionless.
+    /// Law of contacts with particles; rigid and frictionless if left out.
     #[serde(default)]
     pub contact: Contact,
-    /// Bonds of particles to it; without it they have the law of the particle's material.
+    /// Law of bonds with particles; that of the particle's material if left out.
     #[serde(default)]
     pub bond: Option<Bond>,
-    /// Whether it is there from the start; a stage can bring it in.
+    /// Whether the wall exists from the start. A stage can add it.
     #[serde(default = "yes")]
     pub present: bool,
-    /// Name under which the history records it.
+    /// Name under which the history records the wall.
     #[serde(default)]
     pub probe: Option<String>,
 }
@@ -36,7 +36,7 @@ fn yes() -> bool {
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub enum WallControl {
-    /// It stays where it is.
+    /// The wall stays where it is.
     Fixed,
     /// Displacement (x, y) in every increment, m.
     Displacement(f64, f64),
@@ -48,11 +48,11 @@ pub enum WallControl {
     Stress {
         /// Stress, Pa, compression positive.
         stress: f64,
-        /// The two walls whose current distance is the loaded length; without them the length
-        /// of the drawn segment.
+        /// The two walls whose current distance is the loaded length; if left out, the length of
+        /// the drawn segment.
         #[serde(default)]
         between: Option<(String, String)>,
     },
-    /// A system of an embedding program drives it. The `clastic` program refuses it.
+    /// A system of an embedding program drives the wall. The `clastic` program refuses it.
     Custom,
 }

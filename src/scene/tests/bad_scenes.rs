@@ -1,4 +1,4 @@
-//! Scenes with mistakes, and all that is said about each.
+//! Scenes with mistakes, and all messages about each.
 
 use super::read;
 use super::samples::SMALL;
@@ -20,7 +20,7 @@ const SPECIMEN: &str = "Particles([
         (position: (2.0, 1.0), radius: 1.0),
     ])";
 
-/// An edit of [`SMALL`]: what is replaced, by what, and all that is then reported.
+/// An edit of [`SMALL`]: the replaced text, the new text, and all messages.
 type Case<'a> = (&'a str, &'a str, &'a str);
 
 #[track_caller]
@@ -329,9 +329,9 @@ fn recipes() {
          "10:30: specimen.count: zero (0); give a number of 1 or more
 10:42: specimen.columns: zero (0); give a number of 1 or more"),
         (SPECIMEN, "Packing(count: 4, columns: 2, spacing: 1.0, sizes: Uniform(radius: (0.3, 0.6)), seed: 1)",
-         "10:54: specimen.spacing: smaller than the greatest diameter (1.0); give a spacing in m of 1.2 or more"),
+         "10:54: specimen.spacing: smaller than the maximum diameter (1.0); give a spacing in m of 1.2 or more"),
         (SPECIMEN, "Packing(count: 4, columns: 2, spacing: 2.0, sizes: Uniform(radius: (0.6, 0.3)), seed: -1)",
-         "10:82: specimen.sizes.radius: smallest above greatest (0.6 > 0.3); give (smallest, greatest)
+         "10:82: specimen.sizes.radius: minimum above maximum (0.6 > 0.3); give (minimum, maximum)
 10:101: specimen.seed: expected a whole number from 0, found `-1`"),
         (SPECIMEN, "Packing(count: 4, columns: 2, spacing: 0.5, sizes: LogNormal(radius: 0.5, deviation: -1.0, limits: (0.1, 0.2)), seed: 1, origin: (0.0, 1.7))",
          "10:15: specimen: the specimen reaches behind wall `top`; move its origin or the wall; a wall has its inside on the left of start to end

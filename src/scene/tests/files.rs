@@ -15,7 +15,7 @@ fn stored_scene() -> String {
     format!("{head}{STORED},{tail}")
 }
 
-/// What loading a scene with this stored specimen says.
+/// Messages about a scene with this stored specimen.
 fn complaint(csv: impl AsRef<[u8]>) -> String {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("scene.ron"), stored_scene()).unwrap();
@@ -107,7 +107,7 @@ fn the_engines_own_final_particles_are_a_specimen() {
     .unwrap();
     let disks: Vec<_> = read(&path).unwrap().rows.into_iter().map(|d| (d.x, d.y, d.r)).collect();
     assert_eq!(disks, [(0.5, 1.0, 1.0), (2.5, 1.0, 1.0)]);
-    // Places of what is wrong are those of the file, whatever its columns.
+    // Places of mistakes are those in the file, whatever its columns.
     assert_eq!(
         complaint(format!("{columns}\n0,1,1,1,1,1,1\n0,7,1,-1,1,1,1\n")),
         "stored.csv:3:7: radius_m: not greater than 0 (-1.0); give a radius in m"

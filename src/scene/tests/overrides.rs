@@ -135,7 +135,7 @@ fn places_are_those_of_the_file_and_not_of_the_edited_text() {
         error.to_string(),
         "s.ron:21:25: stages[0].increments: zero (0); give a number of 1 or more"
     );
-    // What a setting breaks elsewhere is reported where it stands in the file.
+    // A mistake elsewhere that a setting causes is reported at its place in the file.
     let error = read(SMALL, &["walls.top.name=lid"]).unwrap_err();
     assert_eq!(
         error.to_string(),

@@ -1,5 +1,5 @@
-//! Walls that pass through each other: a displacement is given for every increment, and who takes it
-//! for that of the stage asks for a specimen of no height.
+//! Walls that pass through each other. A displacement applies to every increment. If it is mistaken
+//! for that of the stage, the walls meet.
 
 use super::findings::Findings;
 use super::walls::length;
@@ -7,9 +7,9 @@ use super::{ASKEW, Context};
 use crate::scene::format::{Load, Stage, Wall, WallControl};
 use crate::scene::spans::join;
 
-/// Checks the imposed motions of walls: no two parallel walls that face each other may meet in a stage
-/// that nothing stops before. What moved them apart in stages before counts. Where a wall is not there,
-/// or follows a load, a velocity or another system, nothing is known of the two from then on.
+/// Checks the imposed motions of walls: two parallel walls that face each other must not meet in a
+/// stage without stop conditions. Motions in earlier stages are included. If a wall is absent, or
+/// follows a load, a velocity or another system, the distance of its pairs is unknown from then on.
 pub(super) fn check(context: &Context, findings: &mut Findings) {
     if !["walls", "stages"].iter().all(|part| findings.is_sure_of(part)) {
         return;
@@ -50,8 +50,8 @@ fn pair(context: &Context, (a, b): (&Wall, &Wall), drawn: f64, findings: &mut Fi
     }
 }
 
-/// What a stage moves a wall inwards in every increment, m; none where that does not follow from the
-/// scene.
+/// Inward displacement of a wall in every increment of a stage, m; `None` if the scene does not
+/// determine it.
 fn closing(stage: &Load, wall: &Wall) -> Option<f64> {
     if stage.remove_walls.contains(&wall.name) {
         return None;
@@ -66,13 +66,13 @@ fn closing(stage: &Load, wall: &Wall) -> Option<f64> {
     }
 }
 
-/// Unit normal on the left of the way from start to end.
+/// Unit normal on the left of the direction from start to end.
 fn inward(wall: &Wall) -> (f64, f64) {
     let length = length(wall);
     ((wall.start.1 - wall.end.1) / length, (wall.end.0 - wall.start.0) / length)
 }
 
-/// Distance of two parallel walls whose insides face each other, m.
+/// Distance between two parallel walls that face each other, m; `None` for other pairs.
 fn facing(a: &Wall, b: &Wall) -> Option<f64> {
     if !(length(a) > 0.0 && length(b) > 0.0) {
         return None;

@@ -1,4 +1,4 @@
-//! The list of findings and the checks that all topics share.
+//! The list of findings, and checks that all topics share.
 
 use std::collections::BTreeMap;
 use std::fmt::Arguments;
@@ -6,12 +6,12 @@ use std::fmt::Arguments;
 use crate::scene::diagnostic::{Finding, within};
 use crate::scene::suggest;
 
-/// Numbers beyond this have products that are no numbers, whatever their units.
-pub(in crate::scene) const GREATEST: f64 = 1e30;
-/// Likewise where zero makes no sense.
-pub(in crate::scene) const SMALLEST: f64 = 1e-30;
+/// Maximum magnitude of a number. Products of larger numbers could overflow.
+pub(in crate::scene) const MAX_NUMBER: f64 = 1e30;
+/// Minimum magnitude of a number that must not be zero.
+pub(in crate::scene) const MIN_NUMBER: f64 = 1e-30;
 
-/// Collects findings. Paths are given unformatted, since most checks find nothing.
+/// Collects findings. Paths are formatted only for findings, since most checks find nothing.
 pub(super) struct Findings<'a> {
     list: Vec<Finding>,
     made_up: &'a [String],
@@ -26,17 +26,18 @@ impl<'a> Findings<'a> {
         self.list
     }
 
-    /// Whether all of a part of the scene is its own: else nothing may be concluded from it.
+    /// Whether a part of the scene contains no made-up value. Otherwise no conclusions may be drawn
+    /// from it.
     pub(super) fn is_sure_of(&self, path: &str) -> bool {
         !self.made_up.iter().any(|made_up| within(made_up, path))
     }
 
-    /// The same for a path that is not written out unless it has to be.
+    /// Like [`is_sure_of`](Self::is_sure_of), for a path that is formatted only if necessary.
     pub(super) fn is_sure_of_part(&self, path: Arguments) -> bool {
         self.made_up.is_empty() || self.is_sure_of(&path.to_string())
     }
 
-    /// Whether a part of the scene is its own and nothing is wrong with it so far.
+    /// Whether a part of the scene contains no made-up value and has no mistake so far.
     pub(super) fn is_sound(&self, path: &str) -> bool {
         self.is_sure_of(path) && !self.list.iter().any(|finding| within(&finding.path, path))
     }
@@ -51,8 +52,8 @@ impl<'a> Findings<'a> {
         self.list.push(Finding { at_key: true, ..finding });
     }
 
-    /// Checks a number; `what` completes "give ...". Where zero is not allowed, next to zero is not
-    /// either.
+    /// Checks a number; `what` completes "give ...". If zero is not allowed, numbers below
+    /// `MIN_NUMBER` are not either.
     pub(super) fn number(
         &mut self,
         path: Arguments,
@@ -60,16 +61,16 @@ impl<'a> Findings<'a> {
         allowed: impl Fn(f64) -> bool,
         what: &str,
     ) -> bool {
-        let tiny = value != 0.0 && value.abs() < SMALLEST && !allowed(0.0);
-        let huge = value.is_finite() && value.abs() > GREATEST;
+        let tiny = value != 0.0 && value.abs() < MIN_NUMBER && !allowed(0.0);
+        let huge = value.is_finite() && value.abs() > MAX_NUMBER;
         let fine = value.is_finite() && allowed(value) && !tiny && !huge;
         if !fine {
             let (problem, limit) = match value {
                 _ if !value.is_finite() => ("not finite", String::new()),
                 _ if !allowed(value) && value < 0.0 => ("negative", String::new()),
                 _ if value == 0.0 => ("zero", String::new()),
-                _ if tiny => ("too small", format!(", and not below {SMALLEST:e}")),
-                _ if huge => ("too large", format!(", within {GREATEST:e}")),
+                _ if tiny => ("too small", format!(", and not below {MIN_NUMBER:e}")),
+                _ if huge => ("too large", format!(", within {MAX_NUMBER:e}")),
                 _ => ("out of range", String::new()),
             };
             self.add(path, format!("{problem} ({value:?})"), &format!("give {what}{limit}"));
@@ -94,25 +95,26 @@ impl<'a> Findings<'a> {
             & self.finite(format_args!("{path}[1]"), y, what)
     }
 
-    /// Two numbers in order, the first greater than 0.
+    /// Checks two positive numbers in ascending order.
     pub(super) fn range(&mut self, path: Arguments, (min, max): (f64, f64), what: &str) -> bool {
         let fine = self.positive(format_args!("{path}[0]"), min, what)
             & self.positive(format_args!("{path}[1]"), max, what);
         if fine && min > max {
-            let message = format!("smallest above greatest ({min:?} > {max:?})");
-            self.add(path, message, "give (smallest, greatest)");
+            let message = format!("minimum above maximum ({min:?} > {max:?})");
+            self.add(path, message, "give (minimum, maximum)");
         }
         fine && min <= max
     }
 
-    /// A whole number of at least 1.
+    /// Checks an integer of at least 1.
     pub(super) fn at_least_one(&mut self, path: Arguments, value: u32, what: &str) {
         if value == 0 {
             self.add(path, "zero (0)", &format!("give {what} of 1 or more"));
         }
     }
 
-    /// A reference to a named part of the scene; `topic` is where such parts are defined.
+    /// Checks a reference to a named part of the scene. `topic` is the field that defines such
+    /// parts.
     pub(super) fn reference(
         &mut self,
         path: Arguments,
@@ -128,14 +130,14 @@ impl<'a> Findings<'a> {
         known
     }
 
-    /// Two references to parts that must differ.
+    /// Checks two references to different parts.
     pub(super) fn pair<T: PartialEq>(&mut self, path: Arguments, (a, b): (T, T), kind: &str) {
         if a == b {
             self.add(path, format!("twice the same {kind}"), &format!("name two {kind}s"));
         }
     }
 
-    /// Names that are given, and given once.
+    /// Checks that names are not empty and are unique.
     pub(super) fn unique<'n>(
         &mut self,
         kind: &str,

@@ -24,7 +24,7 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
     }
 }
 
-/// A bond law, of a material or of a wall, where there is one.
+/// Checks the optional bond law of a material or a wall.
 pub(super) fn bond(path: Arguments, bond: Option<Bond>, findings: &mut Findings) {
     let Some(bond) = bond else { return };
     stiffnesses(path, (bond.normal_stiffness, bond.tangential_stiffness), findings);
@@ -37,7 +37,7 @@ pub(super) fn bond(path: Arguments, bond: Option<Bond>, findings: &mut Findings)
     );
 }
 
-/// A contact law, of a material or of a wall.
+/// Checks the contact law of a material or a wall.
 pub(super) fn contact(path: Arguments, contact: Contact, findings: &mut Findings) {
     stiffnesses(path, (contact.normal_stiffness, contact.tangential_stiffness), findings);
     frictions(path, (contact.friction, contact.rolling_friction), findings);

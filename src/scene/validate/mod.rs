@@ -1,4 +1,4 @@
-//! What a scene may mean: checks of values and references, by topic.
+//! Checks of values and references in a scene, by topic.
 //!
 //! Every check adds a [`Finding`] and goes on, so that one run reports everything.
 
@@ -19,23 +19,23 @@ use super::format::{Scene, Specimen, Stage};
 use super::memory;
 use super::specimen_file::StoredSpecimen;
 use findings::Findings;
-pub(super) use findings::{GREATEST, SMALLEST};
+pub(super) use findings::{MAX_NUMBER, MIN_NUMBER};
 pub(super) use places::coincident;
 
-/// Most particles of a specimen. The identities of bodies and the time that a run takes allow no
-/// more; what fits into the memory of a machine is a matter of [`memory`].
-pub const MOST_PARTICLES: u64 = 5_000_000;
+/// Maximum number of particles in a specimen. Identities and run time set this limit; [`memory`]
+/// checks the memory of the machine.
+pub const MAX_PARTICLES: u64 = 5_000_000;
 
-/// Most memory of a scene, bytes, on whatever machine: 5 million bonded disks take 50 GB.
-pub const MOST_MEMORY: f64 = 100e9;
+/// Maximum memory of a scene on any machine, bytes: 5 million bonded disks take 50 GB.
+pub const MAX_MEMORY: f64 = 100e9;
 
-/// Checks a scene, with the stored specimen that it names, that need not come from a text.
+/// Checks a scene, with the stored specimen that it names. The scene need not come from a text.
 #[must_use]
 pub fn validate(scene: &Scene, specimen: Option<&StoredSpecimen>) -> Vec<Finding> {
     findings(scene, specimen, &[])
 }
 
-/// Checks a scene some values of which, at the paths `made_up`, are not its own.
+/// Checks a scene with made-up values at the paths `made_up`.
 pub(super) fn findings(
     scene: &Scene,
     specimen: Option<&StoredSpecimen>,
@@ -55,7 +55,7 @@ pub(super) fn findings(
     findings.into_list()
 }
 
-/// Normals of opposite walls may deviate from each other by this much (1 - cos).
+/// Maximum deviation of the normals of opposite walls (1 - cos).
 const ASKEW: f64 = 1e-9;
 
 /// The scene and the names in it.
@@ -65,7 +65,7 @@ struct Context<'a> {
     materials: Vec<&'a str>,
     walls: Vec<&'a str>,
     stages: Vec<&'a str>,
-    /// Number of particles, if it is known.
+    /// Number of particles, if known.
     particles: Option<u64>,
 }
 

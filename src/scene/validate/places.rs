@@ -1,18 +1,18 @@
-//! Particles that are where something else is.
+//! Particles at the position of another particle, or behind a wall.
 
 use std::collections::HashMap;
 
 use crate::scene::format::Wall;
 
-/// Centres closer than this fraction of the smaller radius are one place.
+/// Centres closer than this fraction of the smaller radius count as one position.
 const ONE_PLACE: f64 = 1e-9;
 
-/// How far behind a wall a centre may be, in radii: rounding in a generated scene.
+/// Permitted distance of a centre behind a wall, in radii, for rounding in a generated scene.
 const BEHIND: f64 = 1e-6;
 
-/// The first pairs of disks (x, y, r) at one place: for each later disk the earlier one.
+/// The first pairs of disks (x, y, r) at one position: the earlier disk for each later one.
 ///
-/// Larger overlaps are legitimate: an elastic specimen may start compressed.
+/// Larger overlaps are permitted, because an elastic specimen may start compressed.
 pub(in crate::scene) fn coincident(disks: &[(f64, f64, f64)], most: usize) -> Vec<(usize, usize)> {
     let usable = |(x, y, r): (f64, f64, f64)| x.is_finite() && y.is_finite() && r.is_finite();
     let largest = disks.iter().filter(|disk| usable(**disk)).fold(0.0, |r, disk| disk.2.max(r));
@@ -20,7 +20,7 @@ pub(in crate::scene) fn coincident(disks: &[(f64, f64, f64)], most: usize) -> Ve
     if reach <= 0.0 {
         return Vec::new();
     }
-    // Cells somewhat larger than the reach: mostly a disk meets its own cell only.
+    // The cells are larger than the reach, so that most disks are compared within one cell only.
     let cell = |x: f64| (x / (8.0 * reach)).floor() as i64;
     let mut cells: HashMap<(i64, i64), Vec<usize>> = HashMap::with_capacity(disks.len());
     let mut pairs = Vec::new();
@@ -45,13 +45,13 @@ pub(in crate::scene) fn coincident(disks: &[(f64, f64, f64)], most: usize) -> Ve
     pairs
 }
 
-/// Distance of neighbouring numbers at a place, m.
+/// Spacing of floating-point numbers at a position, m.
 pub(super) fn finest((x, y): (f64, f64)) -> f64 {
     f64::EPSILON * x.abs().max(y.abs())
 }
 
-/// Whether a disk's centre lies on the outer side of a wall. For contact a wall is an infinite line:
-/// beyond the ends of its drawn segment as well.
+/// Whether the centre of a disk is on the outer side of a wall. For contact a wall is an infinite
+/// line, also beyond the ends of its drawn segment.
 pub(super) fn is_behind(wall: &Wall, (x, y): (f64, f64), radius: f64) -> bool {
     let along = (wall.end.0 - wall.start.0, wall.end.1 - wall.start.1);
     let from = (x - wall.start.0, y - wall.start.1);

@@ -1,4 +1,4 @@
-//! Restitution: which laws may have it, and beside which analysis.
+//! Restitution: laws and analyses that permit it.
 
 use std::fmt::Arguments;
 
@@ -7,7 +7,7 @@ use crate::scene::format::{Analysis, Contact, Scene, Stage};
 use super::Context;
 use super::findings::Findings;
 
-/// The restitution of a contact law, of a material or of a wall.
+/// Checks the restitution of a contact law of a material or a wall.
 pub(super) fn law(path: Arguments, contact: Contact, findings: &mut Findings) {
     let allowed = |value: f64| (0.0..=1.0).contains(&value);
     let of = contact.restitution;
@@ -22,7 +22,8 @@ pub(super) fn law(path: Arguments, contact: Contact, findings: &mut Findings) {
     }
 }
 
-/// Checks the theta of dynamic stages: with restitution velocities have theta 1, and springs may have no other.
+/// Checks theta of dynamic stages. With restitution velocities have theta = 1, and springs require
+/// theta = 1 as well.
 pub(super) fn check(context: &Context, findings: &mut Findings) {
     let scene = context.scene;
     let parts = ["materials", "walls", "analysis", "stages"];

@@ -1,7 +1,8 @@
-//! Boxes that select no particle: what is asked of the particles in them would be done to none.
+//! Boxes that select no particle, so that a control of particles would have no effect.
 //!
-//! Where the particles are is known as long as no stage has moved them: in the first stage that loads
-//! the specimen, if nothing but cementing comes before it. Of later stages the run tells, as they begin.
+//! Positions are known until a stage moves the particles. The check therefore covers the first
+//! loading stage, if only cementing precedes it. For later stages the run makes this check when
+//! they begin.
 
 use super::Context;
 use super::findings::Findings;
@@ -16,7 +17,7 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
     if !is_read || boxes(stage).next().is_none() {
         return;
     }
-    // A recipe that is wrong in itself makes no particles.
+    // An invalid recipe makes no particles.
     if !findings.is_sound("specimen") || !findings.is_sound(&format!("stages[{i}].particles")) {
         return;
     }
@@ -34,7 +35,8 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
     }
 }
 
-/// The boxes that a stage selects particles by: number of the entry, lower left and upper right corner.
+/// Boxes with which a stage selects particles: number of the entry, lower left and upper right
+/// corner.
 fn boxes(stage: &Load) -> impl Iterator<Item = (usize, (f64, f64), (f64, f64))> {
     stage.particles.iter().enumerate().filter_map(|(k, control)| match control.select {
         Select::Box { min, max } => Some((k, min, max)),
@@ -42,7 +44,7 @@ fn boxes(stage: &Load) -> impl Iterator<Item = (usize, (f64, f64), (f64, f64))> 
     })
 }
 
-/// Where the centres are.
+/// Range of the centres in words.
 fn bounds(centres: &[(f64, f64)]) -> String {
     let Some(first) = centres.first() else { return "the specimen has no particles".to_owned() };
     let (mut low, mut high) = (*first, *first);

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Arguments;
 
-use crate::scene::diagnostic::MOST;
+use crate::scene::diagnostic::MAX_SHOWN;
 use crate::scene::format::{Particle, Sizes, Specimen, Wall};
 use crate::scene::memory::{self, Need};
 use crate::scene::spans::join;
@@ -12,9 +12,9 @@ use crate::scene::suggest;
 
 use super::findings::Findings;
 use super::places::{coincident, finest, is_behind};
-use super::{Context, MOST_MEMORY, MOST_PARTICLES};
+use super::{Context, MAX_MEMORY, MAX_PARTICLES};
 
-/// Coarsest numbers in which a disk can be placed, in radii.
+/// Maximum spacing of floating-point numbers at a disk, in radii.
 const COARSEST: f64 = 1e-4;
 
 pub(super) fn check(context: &Context, findings: &mut Findings) {
@@ -46,7 +46,7 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
     bonds(context, findings);
 }
 
-/// Checks that a specimen is not too large, whatever the machine.
+/// Checks that a specimen is not too large for any machine.
 fn size(context: &Context, findings: &mut Findings) {
     if !findings.is_sure_of("specimen") || !findings.is_sure_of("stages") {
         return;
@@ -54,10 +54,10 @@ fn size(context: &Context, findings: &mut Findings) {
     let need = Need::of(context.scene, context.specimen);
     let bytes = memory::size(need.bytes);
     let path = format_args!("specimen");
-    if need.particles > MOST_PARTICLES {
+    if need.particles > MAX_PARTICLES {
         let message = format!("{} particles, which take about {bytes} of memory", need.particles);
-        findings.add(path, message, &format!("give at most {MOST_PARTICLES}"));
-    } else if need.bytes > MOST_MEMORY {
+        findings.add(path, message, &format!("give at most {MAX_PARTICLES}"));
+    } else if need.bytes > MAX_MEMORY {
         let message = format!(
             "{} particles with about {:.1e} contacts and bonds, which take about {bytes} of memory",
             need.particles, need.pairs,
@@ -93,7 +93,7 @@ fn particles(context: &Context, list: &[Particle], findings: &mut Findings) {
     if findings.is_sure_of("specimen") {
         let disk = |p: &Particle| (p.position.0, p.position.1, p.radius);
         let disks: Vec<_> = list.iter().map(disk).collect();
-        for (earlier, later) in coincident(&disks, MOST) {
+        for (earlier, later) in coincident(&disks, MAX_SHOWN) {
             let message =
                 format!("the same place as particle {earlier} {:?}", list[later].position);
             let path = format_args!("specimen[{later}].position");
@@ -135,21 +135,22 @@ fn packing(context: &Context, findings: &mut Findings) {
             ranged.then_some(limits)
         }
     };
-    let Some((smallest, greatest)) = limits.filter(|_| fine) else { return };
-    if *spacing < 2.0 * greatest {
-        let message = format!("smaller than the greatest diameter ({spacing:?})");
-        let help = format!("give a spacing in m of {:?} or more", 2.0 * greatest);
+    let Some((minimum, maximum)) = limits.filter(|_| fine) else { return };
+    if *spacing < 2.0 * maximum {
+        let message = format!("smaller than the maximum diameter ({spacing:?})");
+        let help = format!("give a spacing in m of {:?} or more", 2.0 * maximum);
         findings.add(format_args!("specimen.spacing"), message, &help);
     }
     if *count > 0 && *columns > 0 {
-        // Every disk stays in its cell, so the outermost centres are a radius inside the grid.
+        // Every disk stays in its cell, so the outermost centres are at least a radius inside the
+        // grid.
         let rows = count.div_ceil(*columns);
         let in_last = count - (rows - 1) * columns;
-        let right = |columns: u32| origin.0 + spacing * f64::from(columns) - smallest;
-        let left = origin.0 + smallest;
-        let top = origin.1 + spacing * f64::from(rows) - smallest;
+        let right = |columns: u32| origin.0 + spacing * f64::from(columns) - minimum;
+        let left = origin.0 + minimum;
+        let top = origin.1 + spacing * f64::from(rows) - minimum;
         let (low, high) = ((left, right(*count.min(columns))), (left, right(in_last)));
-        outline(context, low, high, (origin.1 + smallest, top), smallest, findings);
+        outline(context, low, high, (origin.1 + minimum, top), minimum, findings);
     }
 }
 
@@ -178,7 +179,7 @@ fn rows(
         }
         not_too_far(path, &whose, (row.x, row.y), row.r, findings);
         not_behind(context, path, &whose, (row.x, row.y), row.r, findings);
-        if shown == MOST {
+        if shown == MAX_SHOWN {
             return;
         }
     }
@@ -210,7 +211,7 @@ fn outline(
     }
 }
 
-/// Checks that numbers are fine enough where a disk is.
+/// Checks that floating-point numbers are fine enough at a disk.
 fn not_too_far(
     path: Arguments,
     what: &str,
@@ -314,7 +315,7 @@ fn bond_law(context: &Context, path: Arguments, (a, b): (u32, u32), findings: &m
         };
         named.or(only)
     };
-    // A material that is missing or unknown is reported where the particle is.
+    // A missing or unknown material is reported at the particle.
     let lawless = |name: &&str| {
         context.scene.materials.get(*name).is_some_and(|material| material.bond.is_none())
     };

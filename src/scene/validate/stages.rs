@@ -1,4 +1,4 @@
-//! Stages, in order: each meets the walls that the ones before it have left.
+//! Stages in order: each uses the walls that the earlier ones have left.
 
 use std::fmt::Arguments;
 
@@ -15,8 +15,8 @@ use super::{ASKEW, Context, walls};
 
 const WALL: (&str, &str) = ("wall", "walls");
 
-/// Nobody waits for a compaction of more increments than this.
-const MOST_STEPS: f64 = 1e8;
+/// Maximum number of increments of a compaction.
+const MAX_STEPS: f64 = 1e8;
 
 pub(super) fn check(context: &Context, findings: &mut Findings) {
     let scene = context.scene;
@@ -41,7 +41,7 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
     }
 }
 
-/// Checks a wall that a stage needs; it is returned if it is there.
+/// Checks a wall that a stage needs. Returns the wall if it exists.
 fn wall_there<'a>(
     context: &Context<'a>,
     path: Arguments,
@@ -104,11 +104,11 @@ fn compact(
     record(format_args!("{path}.record"), &stage.record, findings);
     let stepped = findings.positive(format_args!("{path}.step"), *step, "a step in m");
     if let (Some(moving), Some(fixed), true) = (moving, fixed, stepped) {
-        // The walls as they are drawn: how often they moved before does not matter here.
+        // The walls are compared as drawn, whatever their earlier motion.
         let middle = |wall: &Wall| (wall.start.0 + wall.end.0, wall.start.1 + wall.end.1);
         let (a, b) = (middle(moving), middle(fixed));
         let increments = 0.5 * (a.0 - b.0).hypot(a.1 - b.1) / step;
-        if increments > MOST_STEPS {
+        if increments > MAX_STEPS {
             let message =
                 format!("so small a step ({step:?}) takes about {increments:.0e} increments");
             findings.add(format_args!("{path}.step"), message, "give a greater step in m");
@@ -358,7 +358,7 @@ fn stops(context: &Context, path: Arguments, stop: Stop, timeless: bool, finding
     let sure = findings.is_sure_of("measures");
     match stop {
         Stop::AxialStrain(strain) => {
-            // Negative ones are fine: extension.
+            // Negative values are permitted and mean extension.
             let allowed = |size: f64| size > 0.0 && size < 1.0;
             let what = "a strain as a fraction: 0.12 is 12 %";
             findings.number(number, strain.abs(), allowed, what);
@@ -389,7 +389,7 @@ fn stops(context: &Context, path: Arguments, stop: Stop, timeless: bool, finding
     }
 }
 
-/// A stop by a measure that is not defined in its stage can never hold.
+/// Finds stop conditions on measures that are not defined in their stage, which could never be met.
 fn never(
     context: &Context,
     path: Arguments,

@@ -1,4 +1,4 @@
-//! Draws charts, with plotters.
+//! Draws charts with plotters.
 
 use std::io;
 
@@ -8,11 +8,12 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::Chart;
 
-/// Points in a chart at most; what lies closer together cannot be told apart.
-const MOST_POINTS: usize = 2000;
+/// Maximum number of points of a line. Closer points cannot be distinguished.
+const MAX_POINTS: usize = 2000;
 
 const SIZE: (u32, u32) = (760, 520);
-/// Plotters draws on whole pixels, which shows as steps in a straight line: draw larger.
+/// Plotters draws on whole pixels, which shows as steps in a straight line, so the drawing is
+/// magnified.
 const ZOOM: u32 = 8;
 const COLORS: [RGBColor; 10] = [
     RGBColor(31, 73, 125),
@@ -28,10 +29,10 @@ const COLORS: [RGBColor; 10] = [
 ];
 const SECONDARY: RGBColor = RGBColor(200, 40, 40);
 
-/// Rooms of the axes and around the chart, px.
+/// Space for the axes and around the chart, px.
 const MARGIN: u32 = 12;
 const LEFT: u32 = 64;
-/// Of an entry of the legend, px: piece of a line, and what a character takes.
+/// Space for an entry of the legend, px: the sample of the line, and each character.
 const SAMPLE: u32 = 18;
 const CHARACTER: f64 = 7.0;
 const LEGEND_ROW: u32 = 19;
@@ -45,12 +46,12 @@ impl Chart {
             let drawn = self.draw(&root.into_drawing_area());
             drawn.map_err(|error| io::Error::other(error.to_string()))?;
         }
-        // The view box keeps the large drawing; it is shown at its real size.
+        // The view box keeps the magnified drawing, which is shown at its nominal size.
         let size = |zoom| format!("width=\"{}\" height=\"{}\"", SIZE.0 * zoom, SIZE.1 * zoom);
         Ok(text.replacen(&size(ZOOM), &size(1), 1))
     }
 
-    /// Names and styles of the lines for the legend; nothing for a line that is alone.
+    /// Names and styles of the lines for the legend; empty for a single line.
     fn legend(&self) -> Vec<(&str, ShapeStyle)> {
         let lines = self.lines.iter().zip(COLORS.iter().cycle());
         let lines = lines.map(|(line, color)| (line, color.stroke_width(2 * ZOOM)));
@@ -74,7 +75,7 @@ impl Chart {
         let right = if self.second.is_some() { 60 } else { 12 };
         let legend = arranged(self.legend(), SIZE.0 - 2 * MARGIN - LEFT - right);
         let rows = legend.last().map_or(0, |entry| entry.row + 1);
-        // Above the chart: curves can reach every place inside of it.
+        // The legend is above the chart, because curves can reach every point inside it.
         let (strip, area) = area.split_vertically(rows * LEGEND_ROW * ZOOM);
         for entry in legend {
             let px = |at: u32| (at * ZOOM) as i32;
@@ -137,7 +138,7 @@ fn font(size: u32) -> TextStyle<'static> {
     ("sans-serif", size * ZOOM).into_font().into()
 }
 
-/// An entry of the legend and its place: px from the left end of the axis, and row.
+/// An entry of the legend and its position: px from the left end of the axis, and row.
 struct Entry<'a> {
     name: &'a str,
     style: ShapeStyle,
@@ -145,7 +146,7 @@ struct Entry<'a> {
     row: u32,
 }
 
-/// Puts the entries of a legend into rows of a width, px.
+/// Arranges the entries of a legend in rows of a given width, px.
 fn arranged(entries: Vec<(&str, ShapeStyle)>, width: u32) -> Vec<Entry<'_>> {
     let (mut x, mut row) = (0, 0);
     let mut arranged = Vec::with_capacity(entries.len());
@@ -160,7 +161,7 @@ fn arranged(entries: Vec<(&str, ShapeStyle)>, width: u32) -> Vec<Entry<'_>> {
     arranged
 }
 
-/// A range that holds all values with a little room, and is never empty.
+/// A range that contains all values with a margin, and is never empty.
 fn range(values: impl Iterator<Item = f64>) -> std::ops::Range<f64> {
     let (low, high) =
         values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
@@ -168,18 +169,18 @@ fn range(values: impl Iterator<Item = f64>) -> std::ops::Range<f64> {
         return 0.0..1.0;
     }
     let room = if high > low { 0.04 * (high - low) } else { low.abs().max(1.0) };
-    // Zero is where most curves begin: let the axis begin there as well.
+    // Most curves begin at zero, so the axis begins there if zero is near.
     (if (0.0..=room).contains(&low) { 0.0 } else { low - room })..(high + room)
 }
 
-/// Every so many points, and the last one.
+/// Every n-th point, and the last one.
 fn thin(points: &[(f64, f64)]) -> impl Iterator<Item = (f64, f64)> {
-    let step = points.len().div_ceil(MOST_POINTS).max(1);
+    let step = points.len().div_ceil(MAX_POINTS).max(1);
     let last = if points.len() % step == 1 || step == 1 { None } else { points.last() };
     points.iter().step_by(step).chain(last).copied()
 }
 
-/// A tick without the digits of round-off, on an axis of the given span.
+/// A label of a tick without digits of round-off, on an axis with the given span.
 fn tick(value: f64, span: f64) -> String {
     let value = if value.abs() < 1e-9 * span { 0.0 } else { value };
     let rounded = format!("{value:.6e}").parse().unwrap_or(value) + 0.0;
@@ -206,13 +207,14 @@ mod tests {
         for n in [1, 2, 2000, 2001, 4001, 12_345] {
             let points: Vec<_> = (0..n).map(|k| (f64::from(k), 0.0)).collect();
             let thinned: Vec<_> = thin(&points).collect();
-            assert!(thinned.len() <= MOST_POINTS + 1);
+            assert!(thinned.len() <= MAX_POINTS + 1);
             assert_eq!((thinned.first(), thinned.last()), (points.first(), points.last()));
             assert!(thinned.windows(2).all(|w| w[0].0 < w[1].0));
         }
     }
 
-    /// Heights (downwards) of the curves' points, and of the baselines of all texts with these names.
+    /// Vertical positions (downwards) of the points of the curves, and of the baselines of all
+    /// texts with these names.
     fn heights(svg: &str, names: &[&str]) -> (Vec<f64>, Vec<f64>) {
         let number = |text: &str| text.parse::<f64>().unwrap_or(f64::NAN);
         let attribute = |element: &str, name: &str| {
@@ -240,7 +242,8 @@ mod tests {
 
     #[test]
     fn the_legend_hides_nothing_of_the_curves() -> io::Result<()> {
-        // Curves through all corners and the middle of both sides: no place inside is free.
+        // The curves go through all corners and the middle of the sides, so no place inside is
+        // free.
         let zigzag =
             [(0.0, 0.0), (0.0, 1.0), (0.5, 0.5), (1.0, 1.0), (1.0, 0.5), (1.0, 0.0), (0.0, 0.5)];
         let line = |name: &str| Line { name: name.to_owned(), points: zigzag.to_vec() };
@@ -253,7 +256,7 @@ mod tests {
             heights(&chart.svg()?, &["axial stress", "lateral stress", "broken bonds"]);
         assert_eq!(curves.len(), 3 * zigzag.len());
         let top = curves.iter().copied().fold(f64::INFINITY, f64::min);
-        // One is the label of the second axis, which stands beside the chart.
+        // One of the texts is the label of the second axis, which is beside the chart.
         let above = texts.iter().filter(|y| **y + 4.0 * f64::from(ZOOM) < top).count();
         assert_eq!((texts.len(), above), (4, 3), "{texts:?}, {top}");
 

@@ -1,4 +1,4 @@
-//! Line charts in the style of all our curves.
+//! Line charts in a common style.
 
 #[cfg(feature = "plots")]
 mod draw;
@@ -14,12 +14,12 @@ pub struct Line {
     pub points: Vec<(f64, f64)>,
 }
 
-/// Lines over one pair of axes, and perhaps one more on a second axis.
+/// Lines in one pair of axes, and optionally one line on a second vertical axis.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Chart {
     /// Title.
     pub title: String,
-    /// Line below the title, for conventions of sign.
+    /// Line below the title, for sign conventions.
     pub caption: String,
     /// Label of the horizontal axis, with its unit.
     pub x: String,
@@ -35,7 +35,7 @@ impl Chart {
     /// The chart as SVG.
     ///
     /// # Errors
-    /// Where it cannot be drawn: in a build without the feature `plots` none can.
+    /// If the chart cannot be drawn, as in a build without the feature `plots`.
     pub fn svg(&self) -> io::Result<String> {
         #[cfg(feature = "plots")]
         return self.drawn();
