@@ -8,7 +8,7 @@ use std::fmt;
 use clastic::components::attempt::{Attempt, IncrementStatus};
 use clastic::components::body::{BodyId, Drive, Drives, ExternalForce, LastMotion, Position};
 use clastic::components::bond::{Bond, BondState};
-use clastic::components::contact::Contacts;
+use clastic::components::contact::{Bodies, Contacts};
 use clastic::components::findings::{Pushed, Sliding};
 use clastic::components::increment::{Analysis, AnalysisKind};
 use clastic::components::observation::Observation;
@@ -169,9 +169,18 @@ impl Oracle {
         let analysis = *world.resource::<Analysis>();
         let motion_steps = world.resource::<Attempt>().motion_steps;
         let is_pushed = world.resource::<Pushed>().0.is_some();
-        let program = world.resource::<ConeProgram>().clone();
+        let mut program = world.resource::<ConeProgram>().clone();
         let forces = world.resource::<ConeSolution>().forces.clone();
-        let contacts = world.resource::<Contacts>().0.clone();
+        let mut contacts = world.resource::<Contacts>().0.clone();
+        // Rows of the tables become identities.
+        let ids = world.resource::<Bodies>().ids.clone();
+        let row = |id: u32| ids.iter().position(|found| found.0 == id).unwrap();
+        for c in &mut program.interactions {
+            (c.a, c.b) = (ids[c.a as usize].0, ids[c.b as usize].0);
+        }
+        for c in &mut contacts {
+            (c.a, c.b) = (ids[c.a as usize].0, ids[c.b as usize].0);
+        }
         let fraction = world.resource::<Observation>().fraction;
         let (dynamic, dt, theta) = match analysis.kind {
             AnalysisKind::Dynamic { dt, theta } => (true, dt * fraction, theta),
@@ -233,7 +242,7 @@ impl Oracle {
             Some((drives, _)) => {
                 (0..2).any(|k| drives[k] == Drive::Free && direction[k].abs() > 1e-9)
             }
-            None => matches!(program.bodies[id as usize].dofs[0], Dof::Free(_)),
+            None => matches!(program.bodies[row(id)].dofs[0], Dof::Free(_)),
         };
         let loads = program.bodies.iter().flat_map(|b| &b.dofs[..2]).map(|dof| match dof {
             Dof::Free(free) => free.load.abs(),
@@ -345,7 +354,7 @@ impl Oracle {
             };
             // Two bodies whose motion is imposed, and that do not close: their overlap is nobody's to take out.
             let is_driven = |id: u32| {
-                let dofs = &program.bodies[id as usize].dofs[..2];
+                let dofs = &program.bodies[row(id)].dofs[..2];
                 dofs.iter().all(|dof| matches!(dof, Dof::Fixed(_)))
             };
             let apart =
