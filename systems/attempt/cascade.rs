@@ -38,8 +38,10 @@ pub fn judge(
         return;
     }
     ruptures.list.extend(found);
-    let RuptureOrder::AllAtOnce { rounds } = rules.order else { return };
-    if ruptures.rounds >= rounds {
+    if rules.order != RuptureOrder::AllAtOnce {
+        return;
+    }
+    if ruptures.rounds >= rules.rounds {
         // What reached its limit in the last round breaks without another solve.
         ruptures.capped = true;
     } else {

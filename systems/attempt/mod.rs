@@ -53,6 +53,8 @@ pub struct AttemptPlugin;
 
 impl Plugin for AttemptPlugin {
     fn build(&self, app: &mut App) {
+        // Its default is what a scene has that asks for it.
+        app.world_mut().get_resource_or_insert_with(|| Corrector::OFF);
         app.init_resource::<Attempt>()
             .init_resource::<AddedPairs>()
             .init_resource::<Ruptures>()
@@ -66,7 +68,6 @@ impl Plugin for AttemptPlugin {
             .init_resource::<Acceptance>()
             .init_resource::<Analysis>()
             .init_resource::<FrictionLaw>()
-            .init_resource::<Corrector>()
             .init_resource::<RuptureRules>()
             .init_resource::<Progress>()
             .add_systems(Increment, run_attempts.in_set(IncrementSystems::Attempts))
