@@ -40,9 +40,9 @@ pub fn insert_settings(world: &mut World, scene: &scene::Scene, particles: u32) 
     world.insert_resource(scene.rupture);
     world.insert_resource(scene.corrector.unwrap_or(inc::Corrector::OFF));
     world.insert_resource(scene.acceptance);
-    world.insert_resource(Solver(match scene.solver {
-        scene::Solver::Condensed => Box::new(Condensed::default()),
-        scene::Solver::Clarabel { tolerance, max_iterations } => {
+    world.insert_resource(Solver(match &scene.solver {
+        scene::Solver::Condensed(settings) => Box::new(Condensed::new(**settings)),
+        &scene::Solver::Clarabel { tolerance, max_iterations } => {
             Box::new(Clarabel { tolerance, max_iterations, ..Default::default() })
         }
     }));

@@ -6,6 +6,7 @@ use serde::de::value::StrDeserializer;
 use serde::de::{self, DeserializeOwned, DeserializeSeed, IntoDeserializer, Visitor};
 
 use super::diagnose::{Context, Failure};
+use super::format::WITHOUT_BRACKETS;
 use super::scan::{Entry, Key, Node, Shape};
 use super::spans::{is_group, join};
 use super::stand_in::StandIn;
@@ -468,6 +469,10 @@ impl<'a> de::VariantAccess<'a> for Variant<'a> {
                 let group = is_group(value);
                 let path = if group { reader.path } else { format!("{}[0]", reader.path) };
                 seed.deserialize(Reader { node: value, path, inside: false, ..reader })
+            }
+            // Its visitor takes the defaults.
+            _ if reader.node.shape == Shape::Word && self.name == WITHOUT_BRACKETS => {
+                Err(de::Error::custom("no brackets"))
             }
             _ if reader.node.shape == Shape::Word => {
                 let stand_in = reader.expected(&format!("`{}(...)`", self.name));

@@ -31,6 +31,7 @@ pub use measures::{Area, Component, Length, Measures, Strain, Stress};
 pub use output::{Output, Record};
 pub use particle_control::{Motion, ParticleControl, Select};
 pub use solver::Solver;
+pub(super) use solver::WITHOUT_BRACKETS;
 pub use specimen::{ExplicitBond, Particle, Sizes, Specimen};
 pub use stages::{Cement, Compact, CompactRest, CompactTarget, CustomStage, Load, Stage, Stop};
 pub use walls::{Wall, WallControl};
