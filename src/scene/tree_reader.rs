@@ -470,10 +470,6 @@ impl<'a> de::VariantAccess<'a> for Variant<'a> {
                 let path = if group { reader.path } else { format!("{}[0]", reader.path) };
                 seed.deserialize(Reader { node: value, path, inside: false, ..reader })
             }
-            // Its visitor takes the defaults.
-            _ if reader.node.shape == Shape::Word && self.name == WITHOUT_BRACKETS => {
-                Err(de::Error::custom("no brackets"))
-            }
             _ if reader.node.shape == Shape::Word => {
                 let stand_in = reader.expected(&format!("`{}(...)`", self.name));
                 seed.deserialize(stand_in)
@@ -492,6 +488,10 @@ impl<'a> de::VariantAccess<'a> for Variant<'a> {
         visitor: V,
     ) -> Result<V::Value, Failure> {
         let unnamed = |entry: &Entry| entry.key.is_none();
+        if self.reader.node.shape == Shape::Word && self.name == WITHOUT_BRACKETS {
+            // No mistake: whoever reads the variant takes the defaults.
+            return Err(de::Error::custom("no brackets"));
+        }
         if self.reader.node.shape == Shape::Word {
             let what = format!("`{}(...)`", self.name);
             let help = match fields {

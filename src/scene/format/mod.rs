@@ -30,6 +30,8 @@ pub use materials::{Bond, Contact, Material};
 pub use measures::{Area, Component, Length, Measures, Strain, Stress};
 pub use output::{Output, Record};
 pub use particle_control::{Motion, ParticleControl, Select};
+#[cfg(test)]
+pub(super) use solver::CONDENSED_FIELDS;
 pub use solver::Solver;
 pub(super) use solver::WITHOUT_BRACKETS;
 pub use specimen::{ExplicitBond, Particle, Sizes, Specimen};

@@ -5,13 +5,23 @@ use std::fmt;
 
 use clastic_cone::condensed::CondensedSettings;
 use serde::de::value::MapAccessDeserializer;
-use serde::de::{
-    Deserialize, DeserializeSeed, Deserializer, EnumAccess, MapAccess, VariantAccess, Visitor,
-};
+use serde::de::{Deserialize, Deserializer, EnumAccess, MapAccess, VariantAccess, Visitor};
 use serde::ser::{Serialize, SerializeStructVariant, Serializer};
 
 /// The variant that may be written without brackets: all its fields have defaults.
 pub(in crate::scene) const WITHOUT_BRACKETS: &str = "Condensed";
+
+/// What serde reads of [`CondensedSettings`].
+pub(in crate::scene) const CONDENSED_FIELDS: [&str; 8] = [
+    "tolerance",
+    "loose_tolerance",
+    "newton_margin",
+    "loose_newton_margin",
+    "interior_margin",
+    "large",
+    "max_polished_residual",
+    "max_start",
+];
 
 /// The solver and its settings.
 #[derive(Clone, Debug, PartialEq)]
@@ -76,7 +86,7 @@ impl<'de> Visitor<'de> for SolverVisitor {
         match access.variant()? {
             (Name::Condensed, variant) => {
                 let opened = Cell::new(false);
-                match variant.newtype_variant_seed(Inside(&opened)) {
+                match variant.struct_variant(&CONDENSED_FIELDS, CondensedVisitor(&opened)) {
                     Ok(settings) => Ok(Solver::Condensed(settings)),
                     // No bracket was found, and nothing was read.
                     Err(_) if !opened.get() => Ok(Solver::default()),
@@ -91,14 +101,18 @@ impl<'de> Visitor<'de> for SolverVisitor {
 }
 
 /// Reads settings, and tells whether it came to that.
-struct Inside<'a>(&'a Cell<bool>);
+struct CondensedVisitor<'a>(&'a Cell<bool>);
 
-impl<'de> DeserializeSeed<'de> for Inside<'_> {
+impl<'de> Visitor<'de> for CondensedVisitor<'_> {
     type Value = Box<CondensedSettings>;
 
-    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Self::Value, D::Error> {
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("settings of the condensed solver")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
         self.0.set(true);
-        Deserialize::deserialize(deserializer)
+        Deserialize::deserialize(MapAccessDeserializer::new(map))
     }
 }
 
