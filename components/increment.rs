@@ -54,6 +54,8 @@ impl Default for Analysis {
 
 /// Friction law of contacts without strength: the paper's, convex, by which sliding opens the contact by mu |slip|,
 /// or Coulomb's.
+// The scene's law is another type (`friction_law`): it names combinations of the two fields, and it reads fields of
+// earlier builds that have no effect here.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Default)]
 pub struct FrictionLaw {
     /// Coulomb's law in static increments; the paper's if there is none.
@@ -93,17 +95,30 @@ impl FrictionLaw {
     }
 }
 
-/// Whether an increment is solved again with the geometry that it leads to.
-#[derive(Resource, Clone, Copy, Debug, PartialEq, Default)]
+/// Solves an increment again with normals and gaps at the new place. The resource of a world without it is
+/// [`OFF`](Self::OFF); the default is that of a scene that asks for it.
+#[derive(Resource, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
 pub struct Corrector {
-    /// Cap on the passes of one increment; 0 keeps the geometry of its start.
+    /// Maximum number of passes of one increment; 0 keeps the geometry of its start.
     pub passes: u32,
-    /// Greatest error of a gap or slip over the greatest displacement, and of a normal.
+    /// Maximum error of a gap or slip over the maximum displacement, and of a normal.
     pub tolerance: f64,
 }
 
+impl Corrector {
+    /// No pass: an increment keeps the geometry of its start.
+    pub const OFF: Self = Self { passes: 0, tolerance: 0.0 };
+}
+
+impl Default for Corrector {
+    fn default() -> Self {
+        Self { passes: 20, tolerance: 1e-6 }
+    }
+}
+
 /// What a bond does at its rolling limit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum RollingLimit {
     /// It breaks: the letter of 3.4.2 of the paper.
     #[default]
@@ -113,7 +128,7 @@ pub enum RollingLimit {
 }
 
 /// How the specimen comes to rest at constant load after a bond has broken.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Avalanche {
     /// By equilibria: of the bonds above their limits in one of them, the most overloaded breaks, or as many of these
     /// as a group takes.
@@ -126,60 +141,73 @@ pub enum Avalanche {
     Dynamic,
 }
 
+impl Avalanche {
+    /// Whether it is what a scene has that does not say: records of such scenes do not say either.
+    fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
 /// In which order bonds break.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum RuptureOrder {
     /// From event to event: an increment is committed at the fraction at which the next bond reaches its limit, that
     /// bond breaks, and the specimen comes to equilibrium at constant load before it is loaded further. Holds for
     /// static analysis where all bonds are elastic and have strength; elsewhere as `OneRound`.
-    Events {
-        /// A bond is at its limit when its overload R lies between 1 - tolerance and 1.
-        tolerance: f64,
-        /// Bonds break together that reach their limit while the bond forces change by this fraction after the
-        /// first; 0: one by one.
-        group: f64,
-        /// What happens after the first bond of an avalanche.
-        avalanche: Avalanche,
-    },
+    #[default]
+    Events,
     /// All bonds that are on a limit at the end of an increment break, once (3.4.2 of the paper).
     OneRound,
-    /// The increment is solved again without the bonds on a limit until no more break, at most this many times.
-    AllAtOnce {
-        /// Cap on the rounds.
-        rounds: u32,
-    },
+    /// The increment is solved again without the bonds on a limit until no more break, at most
+    /// [`rounds`](RuptureRules::rounds) times.
+    AllAtOnce,
 }
 
-/// Rules of rupture.
-#[derive(Resource, Clone, Copy, Debug, PartialEq)]
+/// Rules of rupture: `rupture` of a scene, which has all fields but the last two.
+#[derive(Resource, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename = "Rupture", deny_unknown_fields, default)]
 pub struct RuptureRules {
     /// At the rolling limit.
     pub rolling: RollingLimit,
     /// The order in which bonds break.
     pub order: RuptureOrder,
+    /// With `Events`: a bond is at its limit when its overload R lies between 1 - tolerance and 1.
+    pub tolerance: f64,
+    /// With `Events`: bonds break together that reach their limit while the bond forces change by this fraction after
+    /// the first; 0: one by one.
+    pub group: f64,
+    /// With `AllAtOnce`: maximum number of rounds.
+    pub rounds: u32,
+    /// With `Events`: what happens after the first bond of an avalanche.
+    #[serde(skip_serializing_if = "Avalanche::is_default")]
+    pub avalanche: Avalanche,
     /// A bond is on a limit when its slack is below this fraction of the limit.
+    #[serde(skip)]
     pub slack: f64,
     /// Relative rotation, rad, or slip over mean radius, above which a rigid limit counts as active.
+    #[serde(skip)]
     pub multiplier: f64,
 }
 
 impl Default for RuptureRules {
     fn default() -> Self {
         Self {
-            rolling: RollingLimit::Breaks,
-            order: RuptureOrder::Events {
-                tolerance: 5e-4,
-                group: 0.0,
-                avalanche: Avalanche::MostOverloaded,
-            },
+            rolling: RollingLimit::default(),
+            order: RuptureOrder::default(),
+            tolerance: 5e-4,
+            group: 0.0,
+            rounds: 200,
+            avalanche: Avalanche::default(),
             slack: 1e-7,
             multiplier: 1e-9,
         }
     }
 }
 
-/// What an increment must satisfy before it is committed.
-#[derive(Resource, Clone, Copy, Debug, PartialEq)]
+/// What an increment must satisfy before it is committed: `acceptance` of a scene, which has `residual`, `throw`,
+/// `snap` and `halvings`.
+#[derive(Resource, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
 pub struct Acceptance {
     /// Greatest residual. Where it is more than 1e-8, dynamic and without bonds, the default solver aims at it.
     pub residual: f64,
@@ -190,13 +218,16 @@ pub struct Acceptance {
     pub snap: f64,
     /// Travel of the furthest grain about the mean field that a step of a followed motion aims at, in its radii;
     /// at most half of [`MAX_TRAVEL`](Self::MAX_TRAVEL).
+    #[serde(skip)]
     pub motion_step: f64,
     /// Greatest overlap of a pair that was not in the program, in mean radii.
+    #[serde(skip)]
     pub overlap: f64,
     /// How often an increment may be halved.
     pub halvings: u32,
     /// Weight of the proximal term on bodies that nothing holds, in units of force scale over
     /// displacement scale: small enough that results do not depend on it.
+    #[serde(skip)]
     pub regularisation: f64,
 }
 

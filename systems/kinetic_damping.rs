@@ -7,15 +7,7 @@
 use clastic_components::contact::Bodies;
 use clastic_components::motion::Motion;
 
-/// The smallest weight of a step.
-pub const MIN_WEIGHT: f64 = 1e-9;
-/// Bounds of the factor between the lengths of two steps.
-const SHRINK: f64 = 0.3;
-const GROW: f64 = 10.0;
-/// A rejected step is shortened at least by this factor.
-const MAX_SHORTENED: f64 = 0.7;
-/// Minimum share of the travel of a step that counts as caused by forces, not by momentum.
-const MIN_GAIN: f64 = 1e-3;
+use crate::motion_settings::MotionSettings;
 
 /// Masses and moments of inertia over the mean mass. A wall under a load moves with the specimen: it has the
 /// mass of all grains.
@@ -37,33 +29,39 @@ pub fn relative_masses(bodies: &Bodies) -> Vec<[f64; 2]> {
 
 /// Gives a rejected step a shorter time. `too_far` is how far its furthest grain went, in its radii, if that is why
 /// it was rejected.
-pub fn shorten(motion: &mut Motion, too_far: Option<f64>) {
+pub fn shorten(motion: &mut Motion, too_far: Option<f64>, settings: &MotionSettings) {
     motion.failures += 1;
     let ratio = match too_far {
-        Some(far) => stretch(motion, far).min(MAX_SHORTENED),
+        Some(far) => stretch(motion, far, settings).min(settings.max_shortened),
         // Nothing is known of the motion but that it is no solution.
-        None => SHRINK,
+        None => settings.min_ratio,
     };
     motion.weight /= ratio * ratio;
 }
 
 /// Factor of the time of a step that went `far` by which its furthest grain would have travelled what a step
 /// aims at: momentum takes it `v dt` far, and forces take it on in proportion to `dt^2`.
-fn stretch(motion: &Motion, far: f64) -> f64 {
+fn stretch(motion: &Motion, far: f64, settings: &MotionSettings) -> f64 {
     let momentum = (motion.speed * motion.dt()).min(far);
-    time_ratio(momentum, (far - momentum).max(MIN_GAIN * far), motion.goal)
+    let gained = (far - momentum).max(settings.min_gain * far);
+    time_ratio(momentum, gained, motion.goal, settings)
 }
 
 /// The s > 0 with `momentum s + gained s^2 = goal`, within bounds.
-fn time_ratio(momentum: f64, gained: f64, goal: f64) -> f64 {
+fn time_ratio(momentum: f64, gained: f64, goal: f64, settings: &MotionSettings) -> f64 {
     let root = (momentum * momentum + 4.0 * gained * goal).sqrt();
     // The form without cancellation.
-    (2.0 * goal / (momentum + root)).clamp(SHRINK, GROW)
+    (2.0 * goal / (momentum + root)).clamp(settings.min_ratio, settings.max_ratio)
 }
 
 /// Sets momentum and weight of the next step after one with these displacements (m, m, rad; by body in its own axes),
 /// in which the furthest grain went `far` of its radii.
-pub fn carry_on(motion: &mut Motion, displacements: &[[f64; 3]], far: f64) {
+pub fn carry_on(
+    motion: &mut Motion,
+    displacements: &[[f64; 3]],
+    far: f64,
+    settings: &MotionSettings,
+) {
     let energy: f64 = motion
         .masses
         .iter()
@@ -73,25 +71,25 @@ pub fn carry_on(motion: &mut Motion, displacements: &[[f64; 3]], far: f64) {
         * motion.weight
         * motion.stiffness;
     let dt = motion.dt();
-    let gained = (far - motion.speed * dt).max(MIN_GAIN * far);
+    let gained = (far - motion.speed * dt).max(settings.min_gain * far);
     let ratio = if energy >= motion.kinetic {
         motion.kinetic = energy;
         motion.speed = far / dt;
         for (v, u) in motion.velocities.iter_mut().zip(displacements) {
             *v = u.map(|u| u / dt);
         }
-        time_ratio(far, gained, motion.goal)
+        time_ratio(far, gained, motion.goal, settings)
     } else {
         motion.kinetic = 0.0;
         motion.speed = 0.0;
         motion.velocities.iter_mut().for_each(|v| *v = [0.0; 3]);
-        time_ratio(0.0, far, motion.goal)
+        time_ratio(0.0, far, motion.goal, settings)
     };
     motion.failures = 0;
     motion.steps += 1;
     motion.travelled += far;
-    motion.free_steps += u32::from(motion.weight <= MIN_WEIGHT);
-    motion.weight = (motion.weight / (ratio * ratio)).max(MIN_WEIGHT);
+    motion.free_steps += u32::from(motion.weight <= settings.min_weight);
+    motion.weight = (motion.weight / (ratio * ratio)).max(settings.min_weight);
 }
 
 #[cfg(test)]
@@ -114,7 +112,7 @@ mod tests {
         for _ in 0..200 {
             let (weight, reference) = motion.inertia(0, 0);
             let u = (1.0 - x + weight * reference) / (weight + 1.0);
-            carry_on(&mut motion, &[[u, 0.0, 0.0]], u.abs());
+            carry_on(&mut motion, &[[u, 0.0, 0.0]], u.abs(), &MotionSettings::default());
             x += u;
             turns += u32::from(motion.kinetic == 0.0);
         }
@@ -126,11 +124,11 @@ mod tests {
     fn a_step_that_went_too_far_is_shortened_to_what_it_aims_at() {
         // From rest the way grows with the square of the time.
         let mut motion = Motion { weight: 1.0, goal: 0.15, ..Motion::default() };
-        shorten(&mut motion, Some(0.6));
+        shorten(&mut motion, Some(0.6), &MotionSettings::default());
         assert!((motion.dt() - 0.5).abs() < 1e-12, "{}", motion.dt());
         // With momentum alone it grows with the time.
         let mut motion = Motion { weight: 1.0, goal: 0.15, speed: 0.3, ..Motion::default() };
-        shorten(&mut motion, Some(0.3));
+        shorten(&mut motion, Some(0.3), &MotionSettings::default());
         assert!((motion.dt() - 0.5).abs() < 1e-3, "{}", motion.dt());
         assert_eq!(motion.failures, 1);
     }

@@ -318,9 +318,7 @@ fn record_state(
     } else {
         let change = events::change(&program, &solution);
         match (order.0.order, order.1.active) {
-            (RuptureOrder::Events { tolerance, .. }, true) => {
-                (order.1.overload - 1.0).max(tolerance)
-            }
+            (RuptureOrder::Events, true) => (order.1.overload - 1.0).max(order.0.tolerance),
             _ => change,
         }
     };

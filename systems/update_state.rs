@@ -249,8 +249,8 @@ pub fn advance_progress(
     mut progress: ResMut<Progress>,
 ) {
     // A released motion ends at rest without the bonds that broke in it.
-    let is_settled = match rules.order {
-        RuptureOrder::Events { avalanche: Avalanche::Dynamic, .. } => ruptures.on_the_way,
+    let is_settled = match (rules.order, rules.avalanche) {
+        (RuptureOrder::Events, Avalanche::Dynamic) => ruptures.on_the_way,
         _ => 0,
     };
     progress.relaxing = search.active && ruptures.list.len() > is_settled;

@@ -209,7 +209,7 @@ impl RunRecord {
                 friction_law: scene.friction_law,
                 corrector: scene.corrector,
                 rupture: scene.rupture,
-                solver: scene.solver,
+                solver: scene.solver.clone(),
                 acceptance: scene.acceptance,
                 thickness_m: scene.thickness,
                 gravity_m_s2: scene.gravity,

@@ -37,52 +37,13 @@ pub struct WallCatalogue {
 pub fn insert_settings(world: &mut World, scene: &scene::Scene, particles: u32) {
     world.insert_resource(WallCatalogue { first: particles, walls: scene.walls.clone() });
     world.insert_resource(analysis(scene, scene.analysis, scene.gravity));
-    world.insert_resource(match scene.friction_law {
-        scene::FrictionLaw::Associated => inc::FrictionLaw::default(),
-        scene::FrictionLaw::ByAnalysis => {
-            inc::FrictionLaw { in_statics: None, in_dynamics: Some(inc::Coulomb::default()) }
-        }
-        scene::FrictionLaw::Coulomb { factorisations, .. } => {
-            let coulomb = inc::Coulomb { factorisations };
-            inc::FrictionLaw { in_statics: Some(coulomb), in_dynamics: Some(coulomb) }
-        }
-    });
-    world.insert_resource(inc::RuptureRules {
-        rolling: match scene.rupture.rolling {
-            scene::RollingLimit::Breaks => inc::RollingLimit::Breaks,
-            scene::RollingLimit::Yields => inc::RollingLimit::Yields,
-        },
-        order: match scene.rupture.order {
-            scene::RuptureOrder::Events => inc::RuptureOrder::Events {
-                tolerance: scene.rupture.tolerance,
-                group: scene.rupture.group,
-                avalanche: match scene.rupture.avalanche {
-                    scene::Avalanche::MostOverloaded => inc::Avalanche::MostOverloaded,
-                    scene::Avalanche::Together => inc::Avalanche::Together,
-                    scene::Avalanche::Dynamic => inc::Avalanche::Dynamic,
-                },
-            },
-            scene::RuptureOrder::OneRound => inc::RuptureOrder::OneRound,
-            scene::RuptureOrder::AllAtOnce => {
-                inc::RuptureOrder::AllAtOnce { rounds: scene.rupture.rounds }
-            }
-        },
-        ..Default::default()
-    });
-    world.insert_resource(scene.corrector.map_or_else(Default::default, |c| inc::Corrector {
-        passes: c.passes,
-        tolerance: c.tolerance,
-    }));
-    world.insert_resource(inc::Acceptance {
-        residual: scene.acceptance.residual,
-        throw: scene.acceptance.throw,
-        snap: scene.acceptance.snap,
-        halvings: scene.acceptance.halvings,
-        ..Default::default()
-    });
-    world.insert_resource(Solver(match scene.solver {
-        scene::Solver::Condensed => Box::new(Condensed::default()),
-        scene::Solver::Clarabel { tolerance, max_iterations } => {
+    world.insert_resource(inc::FrictionLaw::from(scene.friction_law));
+    world.insert_resource(scene.rupture);
+    world.insert_resource(scene.corrector.unwrap_or(inc::Corrector::OFF));
+    world.insert_resource(scene.acceptance);
+    world.insert_resource(Solver(match &scene.solver {
+        scene::Solver::Condensed(settings) => Box::new(Condensed::new(**settings)),
+        &scene::Solver::Clarabel { tolerance, max_iterations } => {
             Box::new(Clarabel { tolerance, max_iterations, ..Default::default() })
         }
     }));

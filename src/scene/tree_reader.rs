@@ -6,6 +6,7 @@ use serde::de::value::StrDeserializer;
 use serde::de::{self, DeserializeOwned, DeserializeSeed, IntoDeserializer, Visitor};
 
 use super::diagnose::{Context, Failure};
+use super::format::WITHOUT_BRACKETS;
 use super::scan::{Entry, Key, Node, Shape};
 use super::spans::{is_group, join};
 use super::stand_in::StandIn;
@@ -487,6 +488,10 @@ impl<'a> de::VariantAccess<'a> for Variant<'a> {
         visitor: V,
     ) -> Result<V::Value, Failure> {
         let unnamed = |entry: &Entry| entry.key.is_none();
+        if self.reader.node.shape == Shape::Word && self.name == WITHOUT_BRACKETS {
+            // No mistake: whoever reads the variant takes the defaults.
+            return Err(de::Error::custom("no brackets"));
+        }
         if self.reader.node.shape == Shape::Word {
             let what = format!("`{}(...)`", self.name);
             let help = match fields {

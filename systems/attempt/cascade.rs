@@ -38,8 +38,10 @@ pub fn judge(
         return;
     }
     ruptures.list.extend(found);
-    let RuptureOrder::AllAtOnce { rounds } = rules.order else { return };
-    if ruptures.rounds >= rounds {
+    if rules.order != RuptureOrder::AllAtOnce {
+        return;
+    }
+    if ruptures.rounds >= rules.rounds {
         // Bonds that reach their limits in the last round break without another solve.
         ruptures.capped = true;
     } else {

@@ -41,7 +41,7 @@ pub fn begin(world: &mut World) {
             && law.tensile_strength > 0.0
             && (rules.rolling == RollingLimit::Yields || law.rolling_friction == 0.0)
     };
-    let active = matches!(rules.order, RuptureOrder::Events { .. })
+    let active = rules.order == RuptureOrder::Events
         && world.resource::<Analysis>().kind == AnalysisKind::Static
         && world.contains_resource::<BuiltInRule>()
         && !bodies.bonds.is_empty()
@@ -52,7 +52,7 @@ pub fn begin(world: &mut World) {
 /// Whether the motion that the last ruptures released must still be followed.
 #[must_use]
 pub fn is_released(rules: &RuptureRules, progress: &Progress, search: &EventSearch) -> bool {
-    let follows = matches!(rules.order, RuptureOrder::Events { avalanche: Avalanche::Dynamic, .. });
+    let follows = rules.order == RuptureOrder::Events && rules.avalanche == Avalanche::Dynamic;
     follows && search.active && progress.relaxing && !search.moved
 }
 
@@ -68,7 +68,10 @@ pub fn judge(
     corrections: Res<Corrections>,
     mut attempt: ResMut<Attempt>,
 ) {
-    let RuptureOrder::Events { tolerance, group, avalanche } = rules.order else { return };
+    let RuptureRules { order, tolerance, group, avalanche, .. } = *rules;
+    if order != RuptureOrder::Events {
+        return;
+    }
     if is_released(&rules, &progress, &search) {
         attempt.verdict = Verdict::Released;
         return;

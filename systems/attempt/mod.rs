@@ -45,6 +45,7 @@ use clastic_cone::program::ConeSolution;
 use self::motion::Cause;
 use self::next::{Budget, Next, next};
 use crate::control_walls::renew_stresses;
+use crate::motion_settings::MotionSettings;
 use crate::schedule::{AttemptIncrement, AttemptSystems, Increment, IncrementSystems};
 use crate::trial_loads::ask_for_loads;
 
@@ -53,7 +54,10 @@ pub struct AttemptPlugin;
 
 impl Plugin for AttemptPlugin {
     fn build(&self, app: &mut App) {
+        // Its default is what a scene has that asks for it.
+        app.world_mut().get_resource_or_insert_with(|| Corrector::OFF);
         app.init_resource::<Attempt>()
+            .init_resource::<MotionSettings>()
             .init_resource::<AddedPairs>()
             .init_resource::<Ruptures>()
             .init_resource::<Corrections>()
@@ -66,7 +70,6 @@ impl Plugin for AttemptPlugin {
             .init_resource::<Acceptance>()
             .init_resource::<Analysis>()
             .init_resource::<FrictionLaw>()
-            .init_resource::<Corrector>()
             .init_resource::<RuptureRules>()
             .init_resource::<Progress>()
             .add_systems(Increment, run_attempts.in_set(IncrementSystems::Attempts))
@@ -271,6 +274,7 @@ fn begin_increment(world: &mut World) {
 /// Options that the increment still has.
 fn budget(world: &World) -> Budget {
     let attempt = world.resource::<Attempt>();
+    let settings = world.resource::<MotionSettings>();
     let failures = attempt.motion().map_or(0, |motion| motion.failures);
     let is_released = attempt.motion().is_some_and(|motion| motion.released);
     let released = attempt.released_steps;
@@ -279,12 +283,12 @@ fn budget(world: &World) -> Budget {
     let finest = 0.5_f64.powf(f64::from(world.resource::<Acceptance>().halvings));
     Budget {
         follows: world.resource::<Analysis>().kind == AnalysisKind::Static,
-        motion: attempt.motions < motion::MAX_MOTIONS,
-        step: failures < motion::MAX_FAILURES
+        motion: attempt.motions < settings.max_motions,
+        step: failures < settings.max_failures
             && if is_released {
-                released < motion::MAX_RELEASED_STEPS
+                released < settings.max_released_steps
             } else {
-                attempt.motion_steps - released < motion::max_steps(world.resource())
+                attempt.motion_steps - released < motion::max_steps(world.resource(), settings)
             },
         // A released motion has many steps, and each makes progress, so they are not counted.
         solve: attempt.solves.saturating_sub(released) < MAX_SOLVES,

@@ -25,40 +25,11 @@ use clastic_components::material::Materials;
 use clastic_components::motion::Motion;
 use clastic_cone::program::{ConeProgram, ConeSolution, SolveStatus};
 
-use crate::kinetic_damping::{self, MIN_WEIGHT};
+use crate::kinetic_damping;
 use crate::mean_field::{furthest, mean_strain};
+use crate::motion_settings::MotionSettings;
 use crate::rupture_bonds::{BuiltInRule, Met, find_ruptures, release, yielding};
 use crate::update_state::remembered;
-
-/// The steps of all motions of one increment, rejected ones included, may add up to this travel, in radii, if each
-/// is as long as it aims to be.
-const MAX_TRAVEL: f64 = 150.0;
-/// A motion whose steps add up to more than this travel finds no rest: the sum over the steps of how far the
-/// furthest grain goes, in its radii.
-const TRAVEL_TO_REST: f64 = 30.0;
-/// Motions of one increment.
-pub const MAX_MOTIONS: u32 = 12;
-/// Rejected steps in a row.
-pub const MAX_FAILURES: u32 = 10;
-/// Pairs closer than this, in mean radii, take part in every step.
-pub const REACH: f64 = 0.1;
-/// A motion in which the furthest grain travels less than this, in its radii, is none.
-const RESTFUL: f64 = 1e-2;
-/// A specimen that has strained by this many times [`Acceptance::snap`] under constant loads finds no rest.
-const NO_REST: f64 = 10.0;
-/// At rest a step of a weight below [`SMALL_WEIGHT`] moves no grain further than this, in its radii.
-const NEAR_REST: f64 = 0.05;
-/// In a step of a motion that a rupture released no bond goes beyond its limit by more than this part of the travel, in
-/// elongations at strength, that a step aims at.
-const OVERLOAD: f64 = 1.0 / 3.0;
-/// Weights of the first step and of one that tells whether the motion is at rest.
-const FIRST_WEIGHT: f64 = 1e-3;
-const SMALL_WEIGHT: f64 = 1e-6;
-/// Number of steps that are made with the smallest weight: what still moves then is free.
-const MAX_FREE_STEPS: u32 = 4;
-/// Steps of all motions of one increment that ruptures released, rejected ones included: a bound on the time that they
-/// take, some ten times what the longest took in packings of 400 disks.
-pub const MAX_RELEASED_STEPS: u32 = 50_000;
 
 /// Why a motion begins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -97,7 +68,7 @@ fn measure(world: &World, cause: Cause) -> Measure {
             released: cause == Cause::Rupture,
             length: 1.0,
             stiffness: scales.force / scales.displacement,
-            first_weight: FIRST_WEIGHT,
+            first_weight: world.resource::<MotionSettings>().first_weight,
         };
     }
     let mean = |of: fn(&BondRow) -> f64| bonds.iter().map(of).sum::<f64>() / bonds.len() as f64;
@@ -146,8 +117,8 @@ fn aimed(acceptance: &Acceptance) -> f64 {
 
 /// Maximum number of steps of all motions of one increment, rejected ones included.
 #[must_use]
-pub fn max_steps(acceptance: &Acceptance) -> u32 {
-    (MAX_TRAVEL / aimed(acceptance)).ceil() as u32
+pub fn max_steps(acceptance: &Acceptance, settings: &MotionSettings) -> u32 {
+    (settings.max_travel / aimed(acceptance)).ceil() as u32
 }
 
 /// Ends the motion under way.
@@ -169,6 +140,7 @@ pub fn judge_length(
     bodies: Res<Bodies>,
     contacts: Res<Contacts>,
     acceptance: Res<Acceptance>,
+    settings: Res<MotionSettings>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
     mut attempt: ResMut<Attempt>,
@@ -181,7 +153,7 @@ pub fn judge_length(
     }
     if attempt.motion().is_some_and(|motion| motion.released) {
         let overload = yielding(&contacts.0, &program, &solution);
-        if overload > 1.0 + OVERLOAD * aimed(&acceptance) {
+        if overload > 1.0 + settings.max_overload * aimed(&acceptance) {
             let message = format!("a bond went to {overload:.2} times its limit within a step");
             attempt.verdict = Verdict::TooFar(message);
         }
@@ -194,28 +166,32 @@ pub fn judge_rest(
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
     acceptance: Res<Acceptance>,
+    settings: Res<MotionSettings>,
     mut attempt: ResMut<Attempt>,
 ) {
     let far = furthest(&bodies, &program, &solution).map_or(0.0, |(_, far)| far);
     let strain = attempt.motion_strain + mean_strain(&bodies, &program, &solution);
     let Some(motion) = attempt.motion() else { return };
-    let is_free = motion.weight <= MIN_WEIGHT;
-    let at_rest = (motion.weight <= SMALL_WEIGHT && far <= motion.length * NEAR_REST)
-        || (is_free && motion.free_steps + 1 >= MAX_FREE_STEPS);
+    let is_free = motion.weight <= settings.min_weight;
+    let at_rest = (motion.weight <= settings.rest_weight
+        && far <= motion.length * settings.max_travel_at_rest)
+        || (is_free && motion.free_steps + 1 >= settings.max_free_steps);
     let travelled = motion.travelled + far;
-    let moved = travelled > motion.length * RESTFUL;
-    attempt.verdict = if attempt.bounded && strain > NO_REST * acceptance.snap {
+    let moved = travelled > motion.length * settings.min_travel;
+    attempt.verdict = if attempt.bounded && strain > settings.max_strain * acceptance.snap {
         Verdict::GivesWay(format!(
             "the motion under constant loads strains the specimen by {:.0} % and finds no rest; the threshold \
-             is {NO_REST} times `acceptance.snap`",
+             is {} times `acceptance.snap`",
             100.0 * strain,
+            settings.max_strain,
         ))
     } else if at_rest {
         Verdict::AtRest { moved }
-    } else if travelled > TRAVEL_TO_REST {
+    } else if travelled > settings.travel_to_rest {
         Verdict::GivesWay(format!(
-            "the motion under constant loads finds no rest: grains went on over {TRAVEL_TO_REST} radii in {} \
+            "the motion under constant loads finds no rest: grains went on over {} radii in {} \
              steps",
+            settings.travel_to_rest,
             motion.steps + 1
         ))
     } else {
@@ -227,12 +203,13 @@ pub fn judge_rest(
 pub fn shorten(world: &mut World) {
     let solved = world.resource::<ConeSolution>().status == SolveStatus::Solved;
     let far = furthest(world.resource(), world.resource(), world.resource());
+    let settings = *world.resource::<MotionSettings>();
     let mut attempt = world.resource_mut::<Attempt>();
     count_step(&mut attempt);
     if let Mode::Motion(motion) = &mut attempt.mode {
         let max = motion.length * Acceptance::MAX_TRAVEL;
         let too_far = far.map(|(_, far)| far).filter(|far| solved && *far > max);
-        kinetic_damping::shorten(motion, too_far);
+        kinetic_damping::shorten(motion, too_far, &settings);
     }
 }
 
@@ -249,11 +226,12 @@ pub fn take_step(world: &mut World) {
     let strain = mean_strain(bodies, program, solution);
     let displacements = solution.displacements.clone();
     move_tables(world);
+    let settings = *world.resource::<MotionSettings>();
     let mut attempt = world.resource_mut::<Attempt>();
     count_step(&mut attempt);
     attempt.motion_strain += strain;
     if let Mode::Motion(motion) = &mut attempt.mode {
-        kinetic_damping::carry_on(motion, &displacements, far);
+        kinetic_damping::carry_on(motion, &displacements, far, &settings);
     }
 }
 

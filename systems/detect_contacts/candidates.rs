@@ -5,14 +5,7 @@ use glam::DVec2;
 
 use super::delaunay;
 use super::grid::{self, ROUNDING};
-
-/// Part of the wished skin that the Delaunay bound must leave for the triangulation to be used: a
-/// thinner skin would cost more rebuilds than it saves.
-const LEAST_SKIN: f64 = 0.5;
-
-/// A list wider than wished by more mean radii than this is rebuilt although complete: after one
-/// violent increment, all quiet ones would otherwise drag its many pairs along.
-const GREATEST_EXCESS: f64 = 1.0;
+use super::settings::ListSettings;
 
 /// How a list of candidate pairs was found. The pairs do not depend on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,12 +25,8 @@ pub enum SearchMethod {
 /// an uninterrupted one.
 #[derive(Clone, Debug)]
 pub struct CandidatePairs {
-    /// Skin as a part of the mean radius. A thicker one is rebuilt less often and is longer to go
-    /// through.
-    pub skin: f64,
-    /// [`Delaunay`](SearchMethod::Delaunay) to triangulate where that is provably complete, else
-    /// search by grid; [`Grid`](SearchMethod::Grid) never to triangulate.
-    pub preferred: SearchMethod,
+    /// When the list is built, and how.
+    pub settings: ListSettings,
     pairs: Vec<(u32, u32)>,
     /// Reach (m) that the list was complete to when it was built, skin included.
     built_reach: f64,
@@ -53,8 +42,7 @@ pub struct CandidatePairs {
 impl Default for CandidatePairs {
     fn default() -> Self {
         Self {
-            skin: 0.1,
-            preferred: SearchMethod::Delaunay,
+            settings: ListSettings::default(),
             pairs: Vec::new(),
             built_reach: f64::NEG_INFINITY,
             built_positions: Vec::new(),
@@ -74,8 +62,8 @@ impl CandidatePairs {
     /// It is rebuilt where it may not be [complete](Self::is_complete), and where it has become much
     /// wider than asked for. A disk whose position or radius is not finite is in no pair for as long.
     pub fn ensure(&mut self, positions: &[DVec2], radii: &[f64], reach: f64) -> bool {
-        let excess = self.built_reach - reach - self.skin * self.mean_radius;
-        let too_wide = excess > GREATEST_EXCESS * self.mean_radius;
+        let excess = self.built_reach - reach - self.settings.skin * self.mean_radius;
+        let too_wide = excess > self.settings.max_excess * self.mean_radius;
         if !too_wide && self.is_complete(positions, radii, reach) {
             return false;
         }
@@ -123,13 +111,13 @@ impl CandidatePairs {
         // A disk without a proper radius is in no pair, and must not spoil the skin of the others.
         let usable = || radii.iter().copied().filter(|r| r.is_finite());
         self.mean_radius = usable().sum::<f64>() / usable().count().max(1) as f64;
-        let skin = self.skin * self.mean_radius;
+        let skin = self.settings.skin * self.mean_radius;
         // The list reaches farther than is claimed by what rounding may do to gaps and
         // displacements.
         let largest = usable().fold(0.0, f64::max);
         let guard = ROUNDING * (2.0 * largest + reach.abs() + skin);
 
-        let least = reach + LEAST_SKIN * skin + guard;
+        let least = reach + self.settings.min_skin * skin + guard;
         match self.triangulate(positions, radii, least) {
             Some(bound) => {
                 self.method = SearchMethod::Delaunay;
@@ -157,7 +145,7 @@ impl CandidatePairs {
     fn triangulate(&mut self, positions: &[DVec2], radii: &[f64], least: f64) -> Option<f64> {
         let complete =
             |overlap| delaunay::complete_reach(radii, overlap).filter(|bound| *bound >= least);
-        if self.preferred == SearchMethod::Grid {
+        if self.settings.preferred == SearchMethod::Grid {
             return None;
         }
         complete(self.overlap)?;
@@ -197,6 +185,10 @@ mod tests {
     use crate::detect_contacts::test_packings::*;
     use proptest::prelude::*;
 
+    fn with(settings: ListSettings) -> CandidatePairs {
+        CandidatePairs { settings, ..Default::default() }
+    }
+
     /// Brings the list up to date and checks it against all pairs.
     fn check(list: &mut CandidatePairs, positions: &[DVec2], radii: &[f64], reach: f64) -> bool {
         let rebuilt = list.ensure(positions, radii, reach);
@@ -210,7 +202,7 @@ mod tests {
     fn built_once_while_nothing_moves() {
         for skin in [0.1, 0.0] {
             let (positions, radii) = lattice(10, 1.0);
-            let mut list = CandidatePairs { skin, ..Default::default() };
+            let mut list = with(ListSettings { skin, ..Default::default() });
             assert!(check(&mut list, &positions, &radii, 0.05));
             for _ in 0..3 {
                 assert!(!check(&mut list, &positions, &radii, 0.05));
@@ -296,7 +288,7 @@ mod tests {
         check(&mut list, &(positions.iter().map(|x| 2.0 * x).collect::<Vec<_>>()), &radii, 0.1);
         assert_eq!(list.method(), SearchMethod::Delaunay, "back once they are gone");
 
-        let mut list = CandidatePairs { preferred: SearchMethod::Grid, ..Default::default() };
+        let mut list = with(ListSettings { preferred: SearchMethod::Grid, ..Default::default() });
         check(&mut list, &positions, &radii, 0.1);
         assert_eq!(list.method(), SearchMethod::Grid);
         let line: Vec<_> = (0..9).map(|i| f64::from(i) * DVec2::X).collect();
@@ -311,10 +303,10 @@ mod tests {
     fn methods_list_the_same_pairs() {
         let (positions, radii) = touching(&mut Random(11), 300, 1.5);
         let mut lists = [SearchMethod::Delaunay, SearchMethod::Grid]
-            .map(|preferred| CandidatePairs { preferred, ..Default::default() });
+            .map(|preferred| with(ListSettings { preferred, ..Default::default() }));
         for list in &mut lists {
             list.ensure(&positions, &radii, 0.01);
-            assert_eq!(list.method(), list.preferred);
+            assert_eq!(list.method(), list.settings.preferred);
         }
         assert!(lists[0].pairs().len() > 300);
         assert_eq!(lists[0].pairs(), lists[1].pairs());
@@ -330,7 +322,7 @@ mod tests {
         ) {
             let mut random = Random(seed);
             let (mut positions, radii) = touching(&mut random, 50, ratio);
-            let mut list = CandidatePairs { skin, ..Default::default() };
+            let mut list = with(ListSettings { skin, ..Default::default() });
             for _ in 0..30 {
                 check(&mut list, &positions, &radii, reach);
                 let leap = if random.unit() < 0.1 { 10.0 } else { 1.0 };

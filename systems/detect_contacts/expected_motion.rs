@@ -7,41 +7,33 @@ use clastic_components::contact::Bodies;
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::wall::WallDrive;
 
-/// In dynamics one body that hits another gives it part of its motion, and free flight of the two says
-/// nothing of it: pairs reach further by this part of the motion of the faster one,
-const HIT: f64 = 0.25;
-/// and at least so many mean radii; elsewhere this many.
-const LEAST_IN_DYNAMICS: f64 = 0.06;
-const LEAST: f64 = 0.01;
+use super::settings::ReachSettings;
 
-/// Expected displacements by body and the greatest imposed one.
+/// Expected displacements by body, and the reach that follows from them.
 pub struct ExpectedMotion {
     displacement: Vec<DVec2>,
-    imposed: f64,
+    /// Gap over the expected relative displacement.
+    motion: f64,
     /// Part of the motion of the faster body that comes on top in dynamics.
     hit: f64,
-    floor: f64,
+    /// Gap of every pair that comes on top, m.
+    margin: f64,
     ceiling: f64,
 }
 
 impl ExpectedMotion {
-    /// The gap up to which the pair (a, b) is kept: twice the expected relative motion, half the
-    /// greatest imposed motion, and a little, in dynamics part of the motion of the faster.
+    /// The gap up to which the pair (a, b) is kept ([`ReachSettings`]).
     pub fn pair_reach(&self, a: u32, b: u32) -> f64 {
         let [a, b] = [a as usize, b as usize];
         let [u, v] = [self.displacement[a], self.displacement[b]];
         let hit = self.hit * u.length().max(v.length());
-        (2.0 * (u - v).length() + hit + self.margin()).min(self.ceiling)
+        (self.motion * (u - v).length() + hit + self.margin).min(self.ceiling)
     }
 
     /// No pair of the first `n` bodies reaches further than this.
     pub fn greatest_reach(&self, n: usize) -> f64 {
         let greatest = self.displacement[..n].iter().map(|d| d.length()).fold(0.0, f64::max);
-        ((4.0 + self.hit) * greatest + self.margin()).min(self.ceiling)
-    }
-
-    fn margin(&self) -> f64 {
-        0.5 * self.imposed + self.floor
+        ((2.0 * self.motion + self.hit) * greatest + self.margin).min(self.ceiling)
     }
 }
 
@@ -51,6 +43,7 @@ pub fn expected_motion(
     bodies: &Bodies,
     analysis: &Analysis,
     progress: &Progress,
+    settings: &ReachSettings,
     least: f64,
 ) -> ExpectedMotion {
     let f = progress.fraction;
@@ -83,16 +76,14 @@ pub fn expected_motion(
         }
     }
     let (hit, floor) = match analysis.kind {
-        AnalysisKind::Dynamic { .. } => (HIT, LEAST_IN_DYNAMICS),
-        AnalysisKind::Static | AnalysisKind::LeastMotion { .. } => (0.0, LEAST),
+        AnalysisKind::Dynamic { .. } => (settings.hit, settings.min_in_dynamics),
+        AnalysisKind::Static | AnalysisKind::LeastMotion { .. } => (0.0, settings.min),
     };
-    // A few radii are always enough to begin with: what comes from further away is found by the
-    // check of the solution.
     ExpectedMotion {
         displacement,
-        imposed,
+        motion: settings.motion,
         hit,
-        floor: least.max(floor * bodies.mean_radius),
-        ceiling: 2.0 * bodies.mean_radius,
+        margin: settings.imposed * imposed + least.max(floor * bodies.mean_radius),
+        ceiling: settings.max * bodies.mean_radius,
     }
 }

@@ -10,6 +10,7 @@ pub mod candidates;
 pub mod delaunay;
 pub mod gaps;
 pub mod grid;
+pub mod settings;
 #[cfg(test)]
 mod test_packings;
 
@@ -22,9 +23,10 @@ use clastic_components::contact::{Bodies, Contact, Contacts};
 use clastic_components::findings::AddedPairs;
 use clastic_components::increment::{Analysis, Progress};
 
-use crate::attempt::motion;
 use crate::detect_contacts::candidates::CandidatePairs;
 use crate::detect_contacts::gaps::{pair_contact, wall_contact};
+use crate::detect_contacts::settings::DetectionSettings;
+use crate::motion_settings::MotionSettings;
 use crate::schedule::{AttemptIncrement, AttemptSystems, lap};
 
 mod expected_motion;
@@ -34,10 +36,14 @@ pub struct DetectContactsPlugin;
 
 impl Plugin for DetectContactsPlugin {
     fn build(&self, app: &mut App) {
-        app.init_resource::<Contacts>().init_resource::<Candidates>().add_systems(
-            AttemptIncrement,
-            (detect_contacts, lap(|t| &mut t.detect)).chain().in_set(AttemptSystems::Detect),
-        );
+        app.init_resource::<Contacts>()
+            .init_resource::<Candidates>()
+            .init_resource::<DetectionSettings>()
+            .init_resource::<MotionSettings>()
+            .add_systems(
+                AttemptIncrement,
+                (detect_contacts, lap(|t| &mut t.detect)).chain().in_set(AttemptSystems::Detect),
+            );
     }
 }
 
@@ -52,14 +58,18 @@ pub fn detect_contacts(
     progress: Res<Progress>,
     attempt: Res<Attempt>,
     added: Res<AddedPairs>,
+    settings: (Res<DetectionSettings>, Res<MotionSettings>),
     mut candidates: ResMut<Candidates>,
     mut contacts: ResMut<Contacts>,
 ) {
     // A step of a motion changes direction: pairs near by take part whatever the last one did.
-    let reach = attempt.motion().map_or(0.0, |_| motion::REACH * bodies.mean_radius);
-    let expected = expected_motion::expected_motion(&bodies, &analysis, &progress, reach);
+    let (settings, of_motion) = (*settings.0, &settings.1);
+    let least = attempt.motion().map_or(0.0, |_| of_motion.reach * bodies.mean_radius);
+    let expected =
+        expected_motion::expected_motion(&bodies, &analysis, &progress, &settings.reach, least);
     let n = bodies.particles;
     let (positions, radii) = (&bodies.positions[..n], &bodies.radii[..]);
+    candidates.0.settings = settings.list;
     candidates.0.ensure(positions, radii, expected.greatest_reach(n));
 
     let list = &mut contacts.0;
@@ -82,7 +92,7 @@ pub fn detect_contacts(
             list.push(Contact { bond, ..contact });
         }
     };
-    for (a, b) in merged_pairs(&bodies, &added.0, candidates.0.pairs()) {
+    for (a, b) in merged_pairs(&bodies, &added.0, candidates.0.pairs(), settings.reach.wall) {
         let wanted = if (b as usize) < n {
             let d = bodies.positions[b as usize] - bodies.positions[a as usize];
             d.length() - radii[a as usize] - radii[b as usize] <= expected.pair_reach(a, b)
@@ -103,6 +113,7 @@ fn merged_pairs(
     bodies: &Bodies,
     added: &[(u32, u32)],
     candidates: &[(u32, u32)],
+    wall_reach: f64,
 ) -> Vec<(u32, u32)> {
     let mut all = Vec::with_capacity(
         candidates.len() + bodies.bonds.len() + bodies.particles * bodies.walls.len(),
@@ -116,7 +127,7 @@ fn merged_pairs(
         for wall in &bodies.walls {
             // Far from the wall by many radii: not even the expected motion needs to be asked.
             let gap = (x - bodies.positions[wall.body as usize]).dot(wall.inward) - r;
-            if gap <= 4.0 * bodies.mean_radius.max(r) {
+            if gap <= wall_reach * bodies.mean_radius.max(r) {
                 all.push((a, wall.body));
             }
         }

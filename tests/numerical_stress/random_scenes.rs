@@ -68,7 +68,7 @@ pub fn random_scene(seed: u64, greatest: u32) -> Scene {
         solver: if r.chance(0.05) {
             Solver::Clarabel { tolerance: 1e-10, max_iterations: 200 }
         } else {
-            Solver::Condensed
+            Solver::default()
         },
         acceptance: Acceptance { halvings: r.pick(&[2, 6]), ..Acceptance::default() },
         materials,

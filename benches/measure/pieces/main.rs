@@ -76,7 +76,7 @@ fn detection_and_assembly(c: &mut Criterion) {
             group.bench_function(id, |b| {
                 b.iter(|| {
                     let mut list = CandidatePairs::default();
-                    list.preferred = preferred;
+                    list.settings.preferred = preferred;
                     list.ensure(positions, radii, 0.02 * bodies.mean_radius);
                     assert_eq!(list.method(), preferred);
                     list

@@ -1,5 +1,9 @@
-//! Kind of analysis, friction law, rupture rules.
+//! Kind of analysis and friction law.
+//!
+//! The rules of rupture are those of the engine
+//! ([`RuptureRules`](clastic_components::increment::RuptureRules)).
 
+use clastic_components::increment::{self, Coulomb};
 use serde::{Deserialize, Serialize};
 
 /// Kind of analysis.
@@ -20,6 +24,7 @@ pub enum Analysis {
 }
 
 /// Friction law of unbonded contacts.
+// Not the engine's type: a scene names which analyses have which law, and it may have fields of earlier builds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub enum FrictionLaw {
@@ -48,83 +53,23 @@ impl FrictionLaw {
         Self::Coulomb { factorisations: FACTORISATIONS, tolerance: 0.0, max_passes: 0 };
 }
 
+impl From<FrictionLaw> for increment::FrictionLaw {
+    fn from(law: FrictionLaw) -> Self {
+        let (in_statics, in_dynamics) = match law {
+            FrictionLaw::Associated => (None, None),
+            FrictionLaw::ByAnalysis => (None, Some(Coulomb::default())),
+            FrictionLaw::Coulomb { factorisations, .. } => {
+                let coulomb = Some(Coulomb { factorisations });
+                (coulomb, coulomb)
+            }
+        };
+        Self { in_statics, in_dynamics }
+    }
+}
+
 /// Default of [`FrictionLaw::Coulomb`].
-const FACTORISATIONS: u32 = clastic_components::increment::Coulomb::FACTORISATIONS;
+const FACTORISATIONS: u32 = Coulomb::FACTORISATIONS;
 
 fn coulomb_factorisations() -> u32 {
     FACTORISATIONS
-}
-
-/// Rules of rupture.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Rupture {
-    /// What a bond does at its rolling limit.
-    pub rolling: RollingLimit,
-    /// The order in which bonds break.
-    pub order: RuptureOrder,
-    /// With `Events`: a bond breaks at an overload between 1 - tolerance and 1.
-    pub tolerance: f64,
-    /// With `Events`: bonds break together if the forces change by at most this fraction between
-    /// their limits.
-    pub group: f64,
-    /// With `AllAtOnce`: maximum number of rounds.
-    pub rounds: u32,
-    /// With `Events`: what happens after the first bond of an avalanche.
-    #[serde(skip_serializing_if = "Avalanche::is_default")]
-    pub avalanche: Avalanche,
-}
-
-impl Default for Rupture {
-    fn default() -> Self {
-        Self {
-            rolling: RollingLimit::Breaks,
-            order: RuptureOrder::default(),
-            tolerance: 5e-4,
-            group: 0.0,
-            rounds: 200,
-            avalanche: Avalanche::default(),
-        }
-    }
-}
-
-/// How the specimen comes to rest at constant load after a bond has broken.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
-pub enum Avalanche {
-    /// The most overloaded bond breaks, then equilibrium is sought, and so on.
-    #[default]
-    MostOverloaded,
-    /// All bonds above their limits break, then equilibrium is sought, and so on.
-    Together,
-    /// The motion is followed, and bonds break in it as they reach their limits.
-    Dynamic,
-}
-
-impl Avalanche {
-    /// Whether this is the default, which records of scenes leave out.
-    fn is_default(&self) -> bool {
-        *self == Self::default()
-    }
-}
-
-/// The order in which bonds break.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
-pub enum RuptureOrder {
-    /// Bonds break one after the other, each at the load at which it reaches its limit.
-    #[default]
-    Events,
-    /// All bonds at a limit at the end of an increment break, in one round.
-    OneRound,
-    /// All bonds at a limit break, and those that follow, within the increment.
-    AllAtOnce,
-}
-
-/// Behaviour of a bond at its rolling limit.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
-pub enum RollingLimit {
-    /// The bond breaks.
-    #[default]
-    Breaks,
-    /// The moment stays at the limit.
-    Yields,
 }

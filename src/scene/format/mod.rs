@@ -18,14 +18,22 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+// The scene says these as the engine has them.
+pub use clastic_components::increment::{
+    Acceptance, Avalanche, Corrector, RollingLimit, RuptureOrder, RuptureRules as Rupture,
+};
+
 use super::unique_keys;
 
-pub use analysis::{Analysis, Avalanche, FrictionLaw, RollingLimit, Rupture, RuptureOrder};
+pub use analysis::{Analysis, FrictionLaw};
 pub use materials::{Bond, Contact, Material};
 pub use measures::{Area, Component, Length, Measures, Strain, Stress};
 pub use output::{Output, Record};
 pub use particle_control::{Motion, ParticleControl, Select};
-pub use solver::{Acceptance, Corrector, Solver};
+#[cfg(test)]
+pub(super) use solver::CONDENSED_FIELDS;
+pub use solver::Solver;
+pub(super) use solver::WITHOUT_BRACKETS;
 pub use specimen::{ExplicitBond, Particle, Sizes, Specimen};
 pub use stages::{Cement, Compact, CompactRest, CompactTarget, CustomStage, Load, Stage, Stop};
 pub use walls::{Wall, WallControl};

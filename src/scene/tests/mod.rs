@@ -5,6 +5,7 @@ mod files;
 mod mutations;
 mod overrides;
 mod samples;
+mod solver;
 mod spans;
 
 use std::path::Path;

@@ -11,6 +11,8 @@
 mod interior;
 mod newton;
 
+use serde::{Deserialize, Serialize};
+
 pub use self::interior::InteriorSettings;
 pub use self::newton::{LineSearchSettings, LocalSettings, NewtonSettings};
 use crate::clarabel::Clarabel;
@@ -20,9 +22,11 @@ use crate::program::ConeProgram;
 /// Tolerance of increments by default (`acceptance.residual` of a scene).
 const DEFAULT_RESIDUAL: f64 = 1e-8;
 
-/// Settings of the condensed solver.
+/// Settings of the condensed solver. serde reads and writes those that a scene may have: the fields
+/// that are numbers, without the safety factor.
 #[non_exhaustive]
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
 pub struct CondensedSettings {
     /// Maximum residual of a solution, without dimension. A program may allow more
     /// ([`ConeProgram::tolerance`](crate::program::ConeProgram::tolerance)).
@@ -32,6 +36,7 @@ pub struct CondensedSettings {
     /// Safety factor on the tolerance that a program states.
     ///
     /// 0.9: whoever judges the increment computes the residual again, with another round-off.
+    #[serde(skip)]
     pub safety: f64,
     /// A tolerance above this is loose: small programs are not polished, and dynamic programs end
     /// with the first point within the tolerance.
@@ -71,18 +76,25 @@ pub struct CondensedSettings {
     /// 20: decision 001.
     pub max_start: f64,
     /// Newton iteration of the whole program.
+    #[serde(skip)]
     pub newton: NewtonSettings,
     /// Local elimination between the steps of the Newton iteration.
+    #[serde(skip)]
     pub local: LocalSettings,
     /// Interior-point method.
+    #[serde(skip)]
     pub interior: InteriorSettings,
     /// Warm start of large dynamic programs.
+    #[serde(skip)]
     pub warm: WarmSettings,
     /// Bodies at rest.
+    #[serde(skip)]
     pub rest: RestSettings,
     /// Polish of what the interior point leaves of a small program.
+    #[serde(skip)]
     pub polish: PolishSettings,
     /// The solver that is called where all others fail.
+    #[serde(skip)]
     pub fallback: Clarabel,
 }
 

@@ -1,0 +1,120 @@
+//! Settings of the motion that is followed where equilibrium is lost: every number that steers
+//! [`attempt::motion`](crate::attempt::motion) and [`kinetic_damping`](crate::kinetic_damping).
+//!
+//! Travels are of the furthest grain about the mean field, in its radii. Weights are those of
+//! [`Motion::weight`](clastic_components::motion::Motion::weight), without dimension: a small weight
+//! is a long step.
+
+use bevy_ecs::prelude::*;
+
+/// Settings of a motion that is followed. A world that is to have others gets the resource before
+/// its first increment.
+#[non_exhaustive]
+#[derive(Resource, Clone, Copy, Debug, PartialEq)]
+pub struct MotionSettings {
+    /// Maximum travel of all motions of one increment, radii, rejected steps included, if each step
+    /// is as long as it aims to be. It bounds the number of steps.
+    ///
+    /// 150: five times [`travel_to_rest`](Self::travel_to_rest).
+    pub max_travel: f64,
+    /// Maximum travel of one motion, radii: the sum over its steps. A motion beyond finds no rest.
+    ///
+    /// 30: a grain that has passed fifteen others; no study.
+    pub travel_to_rest: f64,
+    /// Maximum number of motions of one increment.
+    ///
+    /// 12: a bound on the time of an increment; no study.
+    pub max_motions: u32,
+    /// Maximum number of rejected steps in a row.
+    ///
+    /// 10: ten steps of [`min_ratio`](Self::min_ratio) shorten the time to 6e-6; no study.
+    pub max_failures: u32,
+    /// Gap up to which a pair takes part in every step, mean radii.
+    ///
+    /// 0.1: a step changes direction, so that the last one does not tell which pairs close. It is
+    /// less than what one step aims at; no study.
+    pub reach: f64,
+    /// Travel below which a motion is none, radii.
+    ///
+    /// 1e-2: a fifteenth of what one step aims at; no study.
+    pub min_travel: f64,
+    /// Maximum strain under constant loads, over
+    /// [`Acceptance::snap`](clastic_components::increment::Acceptance::snap). A specimen beyond finds
+    /// no rest.
+    ///
+    /// 10: a specimen that strains ten times as far as a static solution may has collapsed.
+    pub max_strain: f64,
+    /// Maximum travel, radii, of a step at [`rest_weight`](Self::rest_weight) or below that tells
+    /// that the motion is at rest.
+    ///
+    /// 0.05: a third of what a step aims at; no study.
+    pub max_travel_at_rest: f64,
+    /// Maximum overload of a bond in a step of a motion that a rupture released: the part of the
+    /// travel that a step aims at, in elongations at strength, by which it may go beyond its limit.
+    ///
+    /// 1/3: bonds are to break close to their limits.
+    pub max_overload: f64,
+    /// Weight of the first step of a motion where equilibrium was lost.
+    ///
+    /// 1e-3: a step that is too long is repeated in a shorter time; no study.
+    pub first_weight: f64,
+    /// Weight of a step that tells whether the motion is at rest.
+    ///
+    /// 1e-6: its inertia is small beside the stiffness of a contact, which has the weight 1.
+    pub rest_weight: f64,
+    /// Number of steps at [`min_weight`](Self::min_weight) that end the motion: what still moves
+    /// then is free.
+    ///
+    /// 4: grains that nothing holds never come to rest; no study.
+    pub max_free_steps: u32,
+    /// Maximum number of steps of all motions of one increment that ruptures released, rejected ones
+    /// included.
+    ///
+    /// 50 000: a bound on the time, some ten times what the longest took in packings of 400 disks.
+    pub max_released_steps: u32,
+    /// Minimum weight of a step.
+    ///
+    /// 1e-9: a thousandth of [`rest_weight`](Self::rest_weight); no study.
+    pub min_weight: f64,
+    /// Minimum factor between the times of two steps, and that of a step without a solution.
+    ///
+    /// 0.3: nothing is known of a step without a solution but that it has none; no study.
+    pub min_ratio: f64,
+    /// Maximum factor between the times of two steps.
+    ///
+    /// 10: a hundredth of the weight; no study.
+    pub max_ratio: f64,
+    /// Maximum factor between the times of a step that went too far and of its repetition.
+    ///
+    /// 0.7: half of the travel, where forces cause it; no study.
+    pub max_shortened: f64,
+    /// Minimum share of the travel of a step that counts as caused by forces, not by momentum.
+    ///
+    /// 1e-3: it keeps the time of the next step finite where momentum is the whole travel; no study.
+    pub min_gain: f64,
+}
+
+impl Default for MotionSettings {
+    fn default() -> Self {
+        Self {
+            max_travel: 150.0,
+            travel_to_rest: 30.0,
+            max_motions: 12,
+            max_failures: 10,
+            reach: 0.1,
+            min_travel: 1e-2,
+            max_strain: 10.0,
+            max_travel_at_rest: 0.05,
+            max_overload: 1.0 / 3.0,
+            first_weight: 1e-3,
+            rest_weight: 1e-6,
+            max_free_steps: 4,
+            max_released_steps: 50_000,
+            min_weight: 1e-9,
+            min_ratio: 0.3,
+            max_ratio: 10.0,
+            max_shortened: 0.7,
+            min_gain: 1e-3,
+        }
+    }
+}
