@@ -1,6 +1,8 @@
 //! Straight rigid walls.
 
 use bevy_ecs::prelude::*;
+#[cfg(feature = "reflect")]
+use bevy_ecs::reflect::ReflectComponent;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
@@ -16,6 +18,7 @@ use crate::material::ContactLaw;
 /// centre. Material lies on the left of the way from start to end: the inward normal is the tangent
 /// turned by +90 degrees. A wall does not rotate.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 #[component(on_add = body_added)]
 #[require(Position, LastMotion, ExternalForce, ContactLaw, WallDrive, WallControl)]
 pub struct Wall {
@@ -35,11 +38,13 @@ impl Wall {
 
 /// Name of a wall in the scene.
 #[derive(Component, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 #[component(immutable)]
 pub struct WallName(pub String);
 
 /// How a wall is controlled during a stage.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Default)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 pub enum WallControl {
     /// It stays where it is.
     #[default]
@@ -74,6 +79,7 @@ pub enum WallControl {
 
 /// What a [`WallTable`] has.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum TableOf {
     /// Displacement (x, y) since the start of the stage, m.
     Displacement,
@@ -85,6 +91,7 @@ pub enum TableOf {
 
 /// Motion of a wall along its tangent while it carries a force or a stress: a shear lid.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 pub enum WallSlide {
     /// Displacement in every increment, m, positive from the start to the end of the wall.
     Displacement(f64),
@@ -96,6 +103,7 @@ pub enum WallSlide {
 /// time since the start of the stage (s) in dynamic analysis, and the part of the stage that is done
 /// (0 to 1) in static analysis. A force or a stress is x.
 #[derive(Component, Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 pub struct WallTable(pub Vec<[f64; 3]>);
 
 impl WallTable {
@@ -149,6 +157,7 @@ impl WallControl {
 
 /// Length that the stress of a stress-controlled wall acts on.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum LoadedLength {
     /// Length of the drawn segment of the wall.
     Segment,
@@ -159,6 +168,7 @@ pub enum LoadedLength {
 
 /// Motion or load of a wall during a whole increment, which follows from its control.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 pub enum WallDrive {
     /// Displacement over the increment, m.
     Imposed(DVec2),

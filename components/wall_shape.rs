@@ -6,6 +6,8 @@
 use std::f64::consts::PI;
 
 use bevy_ecs::prelude::*;
+#[cfg(feature = "reflect")]
+use bevy_ecs::reflect::ReflectComponent;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
@@ -14,6 +16,7 @@ use crate::wall::Wall;
 /// Shape of a wall for contact. Vectors are relative to the wall's
 /// [`Position`](crate::body::Position). A wall without this component is a [`Line`](Self::Line).
 #[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 pub enum WallShape {
     /// An infinite line with material on its left.
     #[default]
@@ -38,6 +41,7 @@ pub enum WallShape {
 
 /// An end of a [`Segment`](WallShape::Segment).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum WallEnd {
     /// The end of the wall: disks touch it from everywhere beyond the segment.
     Free,
