@@ -14,6 +14,7 @@ macro_rules! files {
 
 /// Every file of `scenes/` by its path in that directory.
 static FILES: &[(&str, &str)] = &files! {
+    "angle_of_repose.ron"
     "biaxial_0kPa.ron"
     "biaxial_100kPa.ron"
     "biaxial_10kPa.ron"

@@ -13,6 +13,7 @@ mod changed_stress;
 mod column_collapse;
 mod coming_and_going;
 mod conservation;
+mod curved_walls;
 mod detection;
 mod embedding;
 mod events;
