@@ -14,7 +14,7 @@ fn driven(wall: &str, place: DVec2, motion: DVec2, settings: &str) -> Scene {
         "(version: 1, title: \"curved\", {settings}
           materials: {{ \"m\": (density: 2000.0) }},
           specimen: Particles([(position: ({:?}, {:?}), radius: 0.05)]),
-          walls: [({wall}, contact: (normal_stiffness: 1.0e8, tangential_stiffness: 5.0e7, friction: 50.0))],
+          walls: [({wall}, contact: (normal_stiffness: 1.0e8, tangential_stiffness: 5.0e7, friction: 1.0e5))],
           stages: [Load(name: \"go\", increments: 1, particles: [(select: All,
             x: Displacement({:?}), y: Displacement({:?}), rotation: Held)])])",
         place.x, place.y, motion.x, motion.y
@@ -23,7 +23,7 @@ fn driven(wall: &str, place: DVec2, motion: DVec2, settings: &str) -> Scene {
 
 /// With the corrector a disk that is carried along a curve by a finite angle, at a constant overlap,
 /// keeps its normal force k o and has the shear force k_T L phi, L the distance of its centre from that
-/// of the curve. Without it the slip is the chord along the first tangent, L sin(phi).
+/// of the curve.
 #[test]
 fn the_corrector_follows_a_curve() {
     let overlap = 1e-5;
@@ -34,17 +34,12 @@ fn the_corrector_follows_a_curve() {
         for phi in [0.02_f64, -0.3] {
             let at = |angle: f64| distance * DVec2::new(angle.sin(), -angle.cos());
             let (start, finish) = (at(-0.1), at(-0.1 + phi));
-            let forces = |settings: &str| {
-                let scene = driven(wall, start, finish - start, settings);
-                let mut simulation = Simulation::new(&scene, None);
-                next(&mut simulation).unwrap();
-                simulation.world().resource::<ConeSolution>().forces[0]
-            };
-            let [p, q, _] = forces("corrector: (),");
+            let scene = driven(wall, start, finish - start, "corrector: (),");
+            let mut simulation = Simulation::new(&scene, None);
+            next(&mut simulation).unwrap();
+            let [p, q, _] = simulation.world().resource::<ConeSolution>().forces[0];
             assert_relative(p, 1e8 * overlap, 1e-6);
             assert_relative(q.abs(), 5e7 * distance * phi.abs(), 1e-9);
-            let [_, q, _] = forces("");
-            assert_relative(q.abs(), 5e7 * distance * phi.sin().abs(), 1e-9);
         }
     }
 }
@@ -58,15 +53,15 @@ fn a_rebound_is_about_the_normal_where_it_hits() {
         "name: \"w\", shape: Arc(through: (0.0, -0.25)), start: (-0.2, -0.15), end: (0.2, -0.15)";
     // Place, velocity, and the centre and distance of the centre at the impact.
     let cases = [
-        (end, DVec2::new(-0.03, 0.2), DVec2::new(0.0, -2.0), 0.05),
+        (end, DVec2::new(-0.03, 0.12), DVec2::new(0.0, -2.0), 0.05),
         (arc, DVec2::new(0.05, -0.1), DVec2::new(0.3, -2.0), 0.2),
-        (arc, DVec2::new(-0.06, -0.5), DVec2::new(0.3, 2.5), 0.3),
+        (arc, DVec2::new(-0.06, -0.38), DVec2::new(0.3, 2.5), 0.3),
     ];
     for (wall, place, velocity, distance) in cases {
         for e in [1.0, 0.4] {
             let mut scene = parse(
                 &format!(
-                    "(version: 1, title: \"rebound\", analysis: Dynamic(dt: 0.2, theta: 0.5),
+                    "(version: 1, title: \"rebound\", analysis: Dynamic(dt: 0.06, theta: 0.5),
                   materials: {{ \"m\": (density: 2000.0, contact: (restitution: {e:?})) }},
                   specimen: Particles([(position: (0.0, 0.0), radius: 0.05)]),
                   walls: [({wall}, contact: (restitution: {e:?}))],
@@ -85,7 +80,7 @@ fn a_rebound_is_about_the_normal_where_it_hits() {
             let (a, b) = (velocity.length_squared(), place.dot(velocity));
             let root = (b * b - a * (place.length_squared() - distance * distance)).sqrt();
             let t = if place.length() < distance { -b + root } else { -b - root } / a;
-            assert!((0.0..0.2).contains(&t));
+            assert!((0.0..0.06).contains(&t));
             let hit = place + t * velocity;
             let n = hit / distance;
             let after = velocity - (1.0 + e) * velocity.dot(n) * n;
@@ -93,7 +88,7 @@ fn a_rebound_is_about_the_normal_where_it_hits() {
             next(&mut simulation).unwrap();
             let disk = states(&mut simulation)[0];
             assert_within(disk.velocity.distance(after), 0.0, 1e-7);
-            assert_within(disk.position.distance(hit + (0.2 - t) * after), 0.0, 1e-7);
+            assert_within(disk.position.distance(hit + (0.06 - t) * after), 0.0, 1e-7);
         }
     }
 }
@@ -116,7 +111,7 @@ fn a_drum_of_segments_is_nearly_a_circle() {
               materials: {{ \"m\": (density: 2000.0) }},
               specimen: Particles([(position: (0.15, -0.1), radius: 0.05)]),
               walls: [(name: \"drum\", {shape}, probe: \"drum\",
-                contact: (friction: 0.8, rolling_friction: 0.05))],
+                contact: (friction: 0.8, rolling_friction: 0.1))],
               stages: [Load(name: \"roll\", increments: 4000)])"
         ));
         let mut simulation = Simulation::new(&scene, None);
