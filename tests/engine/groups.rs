@@ -11,7 +11,7 @@ use clastic::scene::format::Scene;
 fn rows(groups: &str, stages: &str) -> Scene {
     let disk = |k: usize| {
         let (x, y) = (0.02 * (k % 4) as f64 + 0.01, 0.02 * (k / 4) as f64 + 0.01);
-        let material = if k % 2 == 0 { "even" } else { "odd" };
+        let material = if k.is_multiple_of(2) { "even" } else { "odd" };
         format!(
             "(position: ({x:?}, {y:?}), radius: 0.01, material: \"{material}\", probe: \"{k}\")"
         )
