@@ -62,6 +62,7 @@ scenes! {
     incline_slips: "incline_slips", COMPLETES, &[];
     stack: "stack", COMPLETES, &[];
     shear_box: "shear_box", COMPLETES, &[];
+    #[ignore = "half a minute"]
     angle_of_repose: "angle_of_repose", COMPLETES, &[];
     #[ignore = "half a minute; a smaller one with its rate of flow is in tests/engine/hopper.rs"]
     hopper: "hopper", COMPLETES, &[];

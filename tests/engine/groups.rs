@@ -52,7 +52,7 @@ fn regions_and_sets_select_what_they_say() {
         ("Intersection([Group(\"rest\"), Material(\"odd\")])", vec![5, 7, 9, 11]),
         ("Range(9, 11)", vec![9, 10, 11]),
         ("Circle(centre: (0.03, 0.03), radius: 0.021)", vec![1, 4, 5, 6, 9]),
-        ("Layer(normal: (1.0, 1.0), from: 0.07, to: 1.0)", vec![11]),
+        ("Layer(normal: (1.0, 1.0), from: 0.08, to: 1.0)", vec![11]),
     ] {
         assert_eq!(moved_by(groups, select), expected, "{select}");
     }
