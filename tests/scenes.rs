@@ -61,6 +61,11 @@ scenes! {
     incline_rolls_with_resistance: "incline_rolls_with_resistance", COMPLETES, &[];
     incline_slips: "incline_slips", COMPLETES, &[];
     stack: "stack", COMPLETES, &[];
+    shear_box: "shear_box", COMPLETES, &[];
+    #[ignore = "half a minute"]
+    angle_of_repose: "angle_of_repose", COMPLETES, &[];
+    #[ignore = "half a minute; a smaller one with its rate of flow is in tests/engine/hopper.rs"]
+    hopper: "hopper", COMPLETES, &[];
     #[ignore = "half a minute"]
     column_collapse_small: "column_collapse_small", COMPLETES, &[];
 
