@@ -16,6 +16,7 @@ pub use clastic_systems as systems;
 
 pub mod output;
 pub mod run;
+pub mod saved;
 pub mod scene;
 pub mod tables;
 

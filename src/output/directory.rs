@@ -23,6 +23,8 @@ pub const TIMINGS: &str = "timings.csv";
 pub const SPECIMEN: &str = "specimen.csv";
 /// All particles at the end.
 pub const FINAL_PARTICLES: &str = "final_particles.csv";
+/// The state at the end.
+pub const FINAL_STATE: &str = "final_state.npz";
 /// The mechanism of the first collapse.
 pub const MECHANISM: &str = "mechanism.csv";
 /// The state between two increments, from which the run can continue.
@@ -98,7 +100,8 @@ pub fn lock(file: &File) -> bool {
 pub fn rewind(directory: &Path, increment: u64, there: &[&str]) -> Result<(), OutputError> {
     for name in entries(directory)? {
         let of_the_end = !there.contains(&&*name)
-            && ([FINAL_PARTICLES, SPECIMEN, MECHANISM].contains(&&*name)
+            && ([FINAL_PARTICLES, FINAL_STATE, SPECIMEN, MECHANISM].contains(&&*name)
+                || is_saved_state(&name)
                 || super::plots::FILES.contains(&&*name));
         let later = numbered(&name, "program_", ".json").is_some_and(|n| n > increment);
         let part = name.strip_suffix(PART).is_some_and(is_ours);
@@ -175,12 +178,19 @@ fn is_ours(name: &str) -> bool {
         TIMINGS,
         SPECIMEN,
         FINAL_PARTICLES,
+        FINAL_STATE,
         MECHANISM,
         CHECKPOINT,
     ]
     .contains(&name)
+        || is_saved_state(name)
         || super::plots::FILES.contains(&name)
         || numbered(name, "program_", ".json").is_some()
+}
+
+/// Whether a file is the state of a `Save` stage.
+fn is_saved_state(name: &str) -> bool {
+    name.starts_with("state_") && name.ends_with(".npz")
 }
 
 /// The number in a name.

@@ -24,7 +24,9 @@ use super::key_results::{KeyResults, Phase, Results};
 use super::mechanism::Mechanism;
 use super::run_record::{CLASTIC_VERSION, OutcomeRecord, Resumed, RunFacts, RunRecord};
 use super::snapshot::Snapshot;
-use super::{OutputError, directory, dump, events, frames, history, plots, porosity, timings};
+use super::{
+    OutputError, directory, dump, events, frames, history, plots, porosity, states, timings,
+};
 use crate::run::stages::Script;
 use crate::run::state::{StateError, capture};
 use crate::run::{Outcome, StageEnd};
@@ -103,7 +105,7 @@ pub struct WriterState {
 
 impl WriterState {
     /// Existing files that are written once and not rewritten at the end of the run.
-    fn files(&self) -> Vec<&'static str> {
+    fn files(&self) -> Vec<&str> {
         let mut files = Vec::new();
         if self.specimen.is_some() {
             files.push(directory::SPECIMEN);
@@ -238,7 +240,10 @@ impl RunWriter {
             next.write(directory)?;
             write_durable(&scene_file, &next.scene)?;
         }
-        directory::rewind(directory, increment, &next.output.files())?;
+        let kept = states::kept_before(&loaded.scene, &next.world);
+        let mut there = next.output.files();
+        there.extend(kept.iter().map(String::as_str));
+        directory::rewind(directory, increment, &there)?;
         make_frames(directory, &loaded.scene)?;
         let reference_stage = Script::new(&loaded.scene).reference_stage();
         let mut record = RunRecord::new(loaded, &next.facts, reference_stage);
@@ -279,6 +284,7 @@ impl RunWriter {
         let progress = world.resource::<Progress>().clone();
         let increment = observation.increment;
         self.history.is_there()?;
+        self.write_kept(world)?;
         let undecided = matches!(observation.status, IncrementStatus::Undecided);
         if undecided {
             // The checkpoint precedes the failed row, so that a resumed run with other settings
@@ -348,6 +354,14 @@ impl RunWriter {
             let clock = Instant::now();
             self.save(world)?;
             self.saving += clock.elapsed().as_secs_f64();
+        }
+        Ok(())
+    }
+
+    /// Writes the states that stages have kept since the last increment.
+    fn write_kept(&mut self, world: &mut World) -> Result<(), OutputError> {
+        for path in states::write_kept(&self.directory, world)? {
+            self.is_fresh(path);
         }
         Ok(())
     }
@@ -436,6 +450,7 @@ impl RunWriter {
     /// If something cannot be written.
     pub fn finish(&mut self, world: &mut World, ending: &Ending) -> Result<Results, OutputError> {
         let dir = self.directory.clone();
+        self.write_kept(world)?;
         let goes_on = world.resource::<Script>().outcome.is_none();
         let interrupted =
             goes_on && *ending == Ending::Interrupted && self.saved != Some(self.record.increments);
@@ -446,6 +461,7 @@ impl RunWriter {
         }
         let last = Snapshot::take(world);
         frames::write_frame(&dir.join(directory::FINAL_PARTICLES), &last)?;
+        states::write_final(&dir, world)?;
         let observation = world.resource::<Observation>();
         let (stage, increment) = (observation.stage.clone(), observation.increment);
         let caption = caption(observation);
@@ -673,7 +689,7 @@ mod tests {
                 let path = entry?.path();
                 if path.is_file() && !path.ends_with(directory::TIMINGS) {
                     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-                    all.push((name, fs::read_to_string(path)?));
+                    all.push((name, String::from_utf8_lossy(&fs::read(path)?).into_owned()));
                 }
             }
         }
@@ -695,6 +711,7 @@ mod tests {
             "avalanches.csv",
             "events.csv",
             "final_particles.csv",
+            "final_state.npz",
             "frame_000002.csv",
             "frame_000002.svg",
             "frame_000004.csv",

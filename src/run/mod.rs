@@ -12,9 +12,11 @@ pub mod compact;
 pub mod load;
 pub mod particles;
 pub mod plugin;
+pub mod save;
 pub mod script;
 pub mod spawn;
 pub mod stages;
+mod start;
 pub mod state;
 mod stop;
 
