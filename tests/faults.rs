@@ -114,8 +114,13 @@ fn assert_whole(directory: &Path, what: &str) -> u64 {
     for (name, bytes) in files(directory) {
         let name = name.to_string_lossy().into_owned();
         let text = String::from_utf8_lossy(&bytes);
-        if name.ends_with(".part") || name == "checkpoint.bin" {
+        if name.ends_with(".part") || name.ends_with(".bin") {
             continue;
+        } else if name.ends_with(".npz") {
+            // A zip begins with a file and ends with its directory.
+            let whole = bytes.starts_with(b"PK\x03\x04")
+                && bytes[bytes.len() - 22..].starts_with(b"PK\x05\x06");
+            assert!(whole, "{what}: {name} is not whole");
         } else if name.ends_with(".csv") {
             // Created and not yet written is the one state between nothing and a header.
             let mut lines = text.lines().filter(|line| !line.starts_with('#'));
@@ -347,10 +352,13 @@ fn interrupted_and_resumed() {
 }
 
 #[test]
-fn more_increments_for_a_completed_run_are_refused_with_a_way_out() {
+fn more_increments_for_a_completed_run_without_its_checkpoint_are_refused_with_a_way_out() {
     let place = Place::new();
     let plain = place.path("plain");
     let set = ["--set", "stages.compress.increments=80"];
+    let last = plain.join("final_checkpoint.bin");
+    let kept = fs::read(&last).unwrap();
+    fs::remove_file(&last).unwrap();
     let refused = resume(&plain).args(set).output().unwrap();
     assert_eq!(refused.status.code(), Some(2));
     assert!(refused.stdout.is_empty());
@@ -358,6 +366,7 @@ fn more_increments_for_a_completed_run_are_refused_with_a_way_out() {
     for what in ["at its end", "Run the scene again", "stages.compress.increments=80", "--force"] {
         assert!(message.contains(what), "no `{what}` in {message}");
     }
+    fs::write(&last, kept).unwrap();
     place.assert_as_undisturbed(&plain, "refused");
     // The way out leads there.
     let done = place.run(&plain, &["--force", "--quiet"]).args(set).output().unwrap();

@@ -29,8 +29,13 @@ pub const FINAL_STATE: &str = "final_state.npz";
 pub const MECHANISM: &str = "mechanism.csv";
 /// The state between two increments, from which the run can continue.
 pub const CHECKPOINT: &str = "checkpoint.bin";
+/// The state of a run that has ended, from which more stages or increments continue.
+pub const FINAL_CHECKPOINT: &str = "final_checkpoint.bin";
 /// Directory of the frames.
 pub const FRAMES: &str = "frames";
+
+/// Files of the end of a run besides its pictures.
+const OF_THE_END: [&str; 3] = [FINAL_PARTICLES, FINAL_STATE, FINAL_CHECKPOINT];
 
 /// Default directory for the results of a scene: `runs/<name of the scene>`.
 #[must_use]
@@ -100,7 +105,8 @@ pub fn lock(file: &File) -> bool {
 pub fn rewind(directory: &Path, increment: u64, there: &[&str]) -> Result<(), OutputError> {
     for name in entries(directory)? {
         let of_the_end = !there.contains(&&*name)
-            && ([FINAL_PARTICLES, FINAL_STATE, SPECIMEN, MECHANISM].contains(&&*name)
+            && (OF_THE_END.contains(&&*name)
+                || [SPECIMEN, MECHANISM].contains(&&*name)
                 || is_saved_state(&name)
                 || super::plots::FILES.contains(&&*name));
         let later = numbered(&name, "program_", ".json").is_some_and(|n| n > increment);
@@ -169,20 +175,9 @@ pub fn remove_if_there(path: &Path) -> Result<(), OutputError> {
 
 fn is_ours(name: &str) -> bool {
     let name = name.strip_suffix(PART).unwrap_or(name);
-    [
-        RUN,
-        SCENE,
-        HISTORY,
-        EVENTS,
-        AVALANCHES,
-        TIMINGS,
-        SPECIMEN,
-        FINAL_PARTICLES,
-        FINAL_STATE,
-        MECHANISM,
-        CHECKPOINT,
-    ]
-    .contains(&name)
+    [RUN, SCENE, HISTORY, EVENTS, AVALANCHES, TIMINGS, SPECIMEN, MECHANISM, CHECKPOINT]
+        .contains(&name)
+        || OF_THE_END.contains(&name)
         || is_saved_state(name)
         || super::plots::FILES.contains(&name)
         || numbered(name, "program_", ".json").is_some()

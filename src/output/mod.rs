@@ -17,6 +17,7 @@
 //! | `program_000123.json` | cone program and solution of increment 123, if requested |
 //! | `mechanism.csv` | the mechanism of the first collapse |
 //! | `*.svg` | pictures, drawn at the end; that of the mechanism at the collapse |
+//! | `final_checkpoint.bin` | state from which more stages or increments continue |
 //! | `checkpoint.bin` | state between two increments, if requested or if a run stops early |
 //!
 //! `specimen.csv` is written at the end of a compaction, and again when the reference stage begins.

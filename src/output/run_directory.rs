@@ -85,6 +85,9 @@ pub struct RunWriter {
     saving: f64,
 }
 
+/// Length of a file that is kept whole.
+const WHOLE: u64 = u64::MAX;
+
 /// State of the output between two increments.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct WriterState {
@@ -104,6 +107,11 @@ pub struct WriterState {
 }
 
 impl WriterState {
+    /// Keeps all timings, whose length is another in every run.
+    pub(super) fn keep_timings(&mut self) {
+        self.lengths[3] = WHOLE;
+    }
+
     /// Existing files that are written once and not rewritten at the end of the run.
     fn files(&self) -> Vec<&str> {
         let mut files = Vec::new();
@@ -214,7 +222,11 @@ impl RunWriter {
     ) -> Result<Self, ResumeError> {
         let increment = checkpoint.increment;
         let [history, events, avalanches, timings] = checkpoint.output.lengths;
-        let open = |name: &str, length| CsvFile::open(directory.join(name), length);
+        let open = |name: &str, length| {
+            let path = directory.join(name);
+            let whole = || fs::metadata(&path).map_or(0, |file| file.len());
+            CsvFile::open(path.clone(), if length == WHOLE { whole() } else { length })
+        };
         let mut history = open(directory::HISTORY, history)?;
         if !history.lock() {
             return Err(OutputError::InUse(directory.to_owned()).into());
@@ -229,7 +241,8 @@ impl RunWriter {
         write_durable(&scene_file, &checkpoint.scene)?;
         let mut next = checkpoint;
         next.every = every.unwrap_or(next.every);
-        if !settings.is_empty() || next.clastic_version != CLASTIC_VERSION {
+        let is_changed = !settings.is_empty() || next.scene != loaded.text;
+        if is_changed || next.clastic_version != CLASTIC_VERSION {
             next.clastic_version = CLASTIC_VERSION.to_owned();
             next.facts.resumed.push(Resumed {
                 after_increment: increment,
@@ -248,7 +261,7 @@ impl RunWriter {
         let reference_stage = Script::new(&loaded.scene).reference_stage();
         let mut record = RunRecord::new(loaded, &next.facts, reference_stage);
         record.write(&directory.join(directory::RUN))?;
-        record.increments = increment;
+        record.increments = states::increments(&next.world);
         for file in [&mut history, &mut events, &mut avalanches, &mut timings] {
             file.cut()?;
         }
@@ -384,6 +397,14 @@ impl RunWriter {
 
     /// Writes a checkpoint.
     fn save(&mut self, world: &mut World) -> Result<(), OutputError> {
+        let checkpoint = self.checkpoint(world)?;
+        checkpoint.write(&self.directory)?;
+        self.saved = Some(checkpoint.increment);
+        Ok(())
+    }
+
+    /// A checkpoint, after everything on which it depends is on the disk.
+    fn checkpoint(&mut self, world: &mut World) -> Result<Checkpoint, OutputError> {
         // The rows and files on which a checkpoint depends must reach the disk before it.
         for path in self.fresh.drain(..) {
             sync(&path).map_err(OutputError::at(&path))?;
@@ -402,7 +423,7 @@ impl RunWriter {
             .map_err(invalid)
             .map_err(OutputError::at(&self.directory.join(directory::CHECKPOINT)))?
             .increment;
-        let checkpoint = Checkpoint {
+        Ok(Checkpoint {
             clastic_version: CLASTIC_VERSION.to_owned(),
             increment,
             scene: self.scene_text.clone(),
@@ -413,10 +434,7 @@ impl RunWriter {
             dump_in_stages: self.dump_in_stages.clone(),
             output: self.state.clone(),
             world,
-        };
-        checkpoint.write(&self.directory)?;
-        self.saved = Some(increment);
-        Ok(())
+        })
     }
 
     /// Increments whose cone program is dumped.
@@ -451,13 +469,18 @@ impl RunWriter {
     pub fn finish(&mut self, world: &mut World, ending: &Ending) -> Result<Results, OutputError> {
         let dir = self.directory.clone();
         self.write_kept(world)?;
+        let made = world.resource::<Progress>().increment;
         let goes_on = world.resource::<Script>().outcome.is_none();
-        let interrupted =
-            goes_on && *ending == Ending::Interrupted && self.saved != Some(self.record.increments);
+        let interrupted = goes_on && *ending == Ending::Interrupted && self.saved != Some(made);
         // The checkpoint precedes a refused stage, which can begin after its settings are changed.
         let refused = matches!(ending, Ending::Finished(Outcome::Refused { .. }));
         if interrupted || refused {
             self.save(world)?;
+        }
+        let ended = matches!(ending, Ending::Finished(Outcome::Completed | Outcome::Collapsed(_)));
+        if ended {
+            // The avalanche of a specimen that collapsed in one is still open here.
+            self.checkpoint(world)?.of_the_end().write_as(&dir, directory::FINAL_CHECKPOINT)?;
         }
         let last = Snapshot::take(world);
         frames::write_frame(&dir.join(directory::FINAL_PARTICLES), &last)?;
@@ -501,7 +524,7 @@ impl RunWriter {
                 ],
             )?;
         }
-        if let Ending::Finished(Outcome::Completed | Outcome::Collapsed(_)) = ending {
+        if ended {
             // The checkpoint is removed last, because a run with a checkpoint counts as not ended.
             directory::remove_if_there(&dir.join(directory::CHECKPOINT))?;
         }
@@ -710,6 +733,7 @@ mod tests {
         let expected = [
             "avalanches.csv",
             "events.csv",
+            "final_checkpoint.bin",
             "final_particles.csv",
             "final_state.npz",
             "frame_000002.csv",

@@ -62,3 +62,11 @@ pub fn kept_before(scene: &Scene, state: &WorldState) -> Vec<String> {
         })
         .collect()
 }
+
+/// Number of increments that a run has made. A run that starts from a saved state numbers its
+/// increments from those before.
+#[must_use]
+pub fn increments(state: &WorldState) -> u64 {
+    let script = state.get::<ScriptState>(SCRIPT);
+    script.map_or(0, |script| script.ends.iter().map(|end| end.increments).sum())
+}

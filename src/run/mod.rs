@@ -9,6 +9,7 @@ mod before;
 pub mod cement;
 pub mod changes;
 pub mod compact;
+pub mod extend;
 pub mod load;
 pub mod particles;
 pub mod plugin;

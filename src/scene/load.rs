@@ -183,7 +183,13 @@ fn from_text(
         if let Some(stored) = &mut specimen {
             inherit(scene, stored);
         }
-        found.extend(findings(scene, specimen.as_ref(), &made_up));
+        let mut unsure = made_up.clone();
+        if matches!(scene.specimen, Specimen::State { .. }) && specimen.is_none() {
+            // The names of a state that cannot be read are unknown.
+            unsure.push("specimen".to_owned());
+            unsure.extend(scene.walls.is_empty().then(|| "walls".to_owned()));
+        }
+        found.extend(findings(scene, specimen.as_ref(), &unsure));
         found.extend(further(scene));
         found.retain(|finding| !made_up.iter().any(|path| within(&finding.path, path)));
         placed.extend(place(text, found, &renamed));

@@ -11,4 +11,5 @@ mod dumps;
 mod exit_codes;
 mod files;
 mod results;
+mod states;
 mod stopped;
