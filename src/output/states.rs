@@ -1,6 +1,6 @@
-//! Saved states of a run: those of its `Save` stages, and the one at its end.
+//! Systems: saved states of a run, those of its `Save` stages, and the one at its end.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use bevy_ecs::prelude::*;
 
@@ -9,37 +9,40 @@ use clastic_systems::schedule::PROGRESS;
 use clastic_systems::state::WorldState;
 
 use super::atomic::write_atomic;
-use super::{OutputError, directory};
+use super::run_directory::RunDirectory;
+use super::{OutputError, names};
 use crate::run::save::SavedStates;
 use crate::run::state::{SCRIPT, ScriptState};
 use crate::saved;
 use crate::scene::format::{Scene, Stage};
 use crate::tables::Tables;
 
-/// Writes the states that stages have kept since the last call. Returns the files.
+/// Writes the states that stages have kept since the last increment. Exclusive, because it runs at
+/// the end of the output as well.
 ///
 /// # Errors
 /// If a file cannot be written.
-pub fn write_kept(dir: &Path, world: &mut World) -> Result<Vec<PathBuf>, OutputError> {
-    let kept = world.get_resource_mut::<SavedStates>().map(|mut kept| std::mem::take(&mut kept.0));
-    let mut files = Vec::new();
-    for (name, tables) in kept.into_iter().flatten() {
-        let path = dir.join(name);
+pub fn write_kept(world: &mut World) -> Result<(), OutputError> {
+    let Some(mut kept) = world.get_resource_mut::<SavedStates>() else { return Ok(()) };
+    let kept = std::mem::take(&mut kept.0);
+    let mut run = world.resource_mut::<RunDirectory>();
+    for (name, tables) in kept {
+        let path = run.path(&name);
         write(&path, &tables)?;
-        files.push(path);
+        run.is_fresh(path);
     }
-    Ok(files)
+    Ok(())
 }
 
 /// Writes the state at the end of a run. A program without the feature `npz` writes none.
 ///
 /// # Errors
 /// If the state cannot be encoded, or the file cannot be written.
-pub fn write_final(dir: &Path, world: &mut World) -> Result<(), OutputError> {
+pub fn write_final(world: &mut World) -> Result<(), OutputError> {
     if !cfg!(feature = "npz") {
         return Ok(());
     }
-    let path = dir.join(directory::FINAL_STATE);
+    let path = world.resource::<RunDirectory>().path(names::FINAL_STATE);
     let tables = saved::save(world).map_err(std::io::Error::other);
     write(&path, &tables.map_err(OutputError::at(&path))?)
 }

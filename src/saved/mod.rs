@@ -40,12 +40,16 @@ const AS_ARRAYS: [&[&str]; 5] =
     [&particles::ENTRIES, &walls::ENTRIES, &bonds::ENTRIES, &contacts::ENTRIES, &progress::ENTRIES];
 
 /// Entries that a scene which starts from the state has of its own: its place among its stages, its
-/// settings, and what the next increment makes anew.
-const OF_THE_SCENE: [&str; 8] = [
+/// settings, its output, and what the next increment makes anew.
+const OF_THE_SCENE: [&str; 12] = [
     "analysis",
     "materials.names",
     "measures.reference",
     "observation",
+    "output.avalanche",
+    "output.key_results",
+    "output.snapshots",
+    "output.specimen",
     "rupture_count",
     "script",
     "walls.catalogue",

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use clastic::output::{Checkpoint, RunWriter, directory};
+use clastic::output::{self, Checkpoint, OutputPlugin, directory};
 use clastic::run::state::StateView;
 use clastic::run::{Simulation, changes, extend};
 use clastic::scene::{self, LoadedScene};
@@ -28,10 +28,11 @@ fn extend(directory: &Path, text: &str) -> Vec<String> {
     if !refused.is_empty() {
         return refused;
     }
-    let mut simulation = Simulation::resume(&loaded.scene, &checkpoint.world).unwrap();
+    let mut simulation =
+        Simulation::resume_with(&loaded.scene, &checkpoint.world, OutputPlugin).unwrap();
     changes::apply(simulation.world_mut(), &before, &loaded.scene, &view);
-    let mut writer = RunWriter::resume(directory, checkpoint, &loaded, &[], None).unwrap();
-    finish(&mut simulation, &mut writer, &mut |_| {});
+    output::resume(simulation.world_mut(), directory, checkpoint, &loaded, &[], None).unwrap();
+    finish(&mut simulation, &mut |_| {});
     Vec::new()
 }
 

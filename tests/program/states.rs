@@ -34,7 +34,8 @@ fn from_state(directory: &Path, materials: &str, fields: &str, state: &str) -> S
     path.to_str().unwrap().to_owned()
 }
 
-const SAND: &str = "contact: (normal_stiffness: 60.0e6, tangential_stiffness: 30.0e6, friction: 0.3)";
+const SAND: &str =
+    "contact: (normal_stiffness: 60.0e6, tangential_stiffness: 30.0e6, friction: 0.3)";
 
 #[test]
 fn another_scene_has_its_own_materials_walls_and_stages() {
@@ -44,7 +45,8 @@ fn another_scene_has_its_own_materials_walls_and_stages() {
     // Half the density, twice the thickness; and the material has another name.
     let materials = format!("\"light sand\": (density: 1325.0, {SAND})");
     let stages = r#"stages: [Load(name: "hold", increments: 1)], thickness: 2.0"#;
-    let scene = from_state(first.path(), &materials, stages, r#", materials: {"sand": "light sand"}"#);
+    let scene =
+        from_state(first.path(), &materials, stages, r#", materials: {"sand": "light sand"}"#);
     let (done, out) = run(&scene, &["--quiet"]);
     done.code(0);
     let held = tables(&out.path().join("final_state.npz"));
@@ -77,7 +79,8 @@ fn another_scene_has_its_own_materials_walls_and_stages() {
         let expected = 200.0e3 * length * thickness;
         assert!((wall(of, "top") - expected).abs() < 1e-6 * expected);
     }
-    let states = |of: &Tables| of.u8("bonds.state", &[of.rows("bonds.id").unwrap()]).unwrap().to_vec();
+    let states =
+        |of: &Tables| of.u8("bonds.state", &[of.rows("bonds.id").unwrap()]).unwrap().to_vec();
     assert_eq!(states(&held).len(), states(&kept).len());
 
     // Walls of its own: none of the state, no force on them yet.
@@ -88,7 +91,10 @@ fn another_scene_has_its_own_materials_walls_and_stages() {
     done.code(0);
     let held = tables(&out.path().join("final_state.npz"));
     assert_eq!(held.text("walls.name", &[1]).unwrap(), ["floor"]);
-    assert_eq!(held.f64("particles.position_m", &[n, 2]).unwrap(), kept.f64("particles.position_m", &[n, 2]).unwrap());
+    assert_eq!(
+        held.f64("particles.position_m", &[n, 2]).unwrap(),
+        kept.f64("particles.position_m", &[n, 2]).unwrap()
+    );
     assert_eq!(rows(out.path(), "history.csv")[0]["floor.force_y_n"], "0.0");
 }
 
@@ -116,7 +122,8 @@ fn a_state_that_is_cut_short_or_damaged_is_refused_with_its_name() {
 
 #[test]
 fn a_run_that_has_ended_is_extended_on_the_command_line() {
-    let few = ["--quiet", "--set", "stages.confine.increments=2", "--set", "stages.load.increments=3"];
+    let few =
+        ["--quiet", "--set", "stages.confine.increments=2", "--set", "stages.load.increments=3"];
     let (done, out) = run("biaxial_small", &few);
     done.code(0);
     let more = [&few[..4], &["stages.load.increments=5"]].concat();
