@@ -454,6 +454,26 @@ fn disk_full_at_a_checkpoint() {
 }
 
 #[test]
+fn disk_full_at_a_saved_state() {
+    let parent = tempfile::tempdir().unwrap();
+    let (scene, out) = (parent.path().join("saving.ron"), parent.path().join("out"));
+    let text = LATTICE.replacen("stages: [", "stages: [Save(name: \"first\"), ", 1);
+    fs::write(&scene, text).unwrap();
+    let mut run = limited(16);
+    run.arg("run").arg(&scene).args(["--quiet", "--out"]).arg(&out);
+    assert_full(&run.output().unwrap(), &out, "state_first.npz");
+    // The one at the end is the largest of what does not grow with the run.
+    let mut run = limited(36);
+    run.arg("run").arg(&scene).args(["--quiet", "--force", "--out"]).arg(&out);
+    let few = ["stages.compress.increments=2", "output.frames_every=0"];
+    run.args(few.map(|set| format!("--set={set}")));
+    let failed = run.output().unwrap();
+    assert_eq!(failed.status.code(), Some(1), "{}", said(&failed));
+    assert!(said(&failed).contains("File too large"), "{}", said(&failed));
+    assert_whole(&out, "at the end");
+}
+
+#[test]
 fn disk_full_at_a_row() {
     let parent = tempfile::tempdir().unwrap();
     let (plain, out) = (parent.path().join("plain"), parent.path().join("out"));
