@@ -64,8 +64,8 @@ pub fn resume(args: &ResumeArgs) -> Result<Exit, Failure> {
     let increment = checkpoint.increment;
     if checkpoint.clastic_version != CLASTIC_VERSION {
         complain(format_args!(
-            "the checkpoint was written by clastic {}, this is {CLASTIC_VERSION}: the results from increment {} on \
-             need not be those of one version",
+            "the checkpoint was written by clastic {}, this is {CLASTIC_VERSION}: the results from \
+             increment {} on need not be those of one version",
             checkpoint.clastic_version,
             increment + 1
         ));
@@ -94,9 +94,9 @@ fn damaged(error: StateError) -> Failure {
 fn too_late(directory: &Path, sets: &[String]) -> Failure {
     let sets: Vec<_> = sets.iter().map(|set| format!("--set {set:?}")).collect();
     let message = format!(
-        "{}: this run is at its end, and {} is not there, without which it cannot be taken further. \
-         Run the scene again with all its settings and the new ones, as in `clastic run SCENE {} --out \
-         NEW_DIRECTORY`, or with --force to write over these results",
+        "{}: this run is at its end, and {} is not there, without which it cannot be taken \
+         further. Run the scene again with all its settings and the new ones, as in `clastic run \
+         SCENE {} --out NEW_DIRECTORY`, or with --force to write over these results",
         directory.display(),
         directory::FINAL_CHECKPOINT,
         sets.join(" "),

@@ -11,6 +11,8 @@ mod columns;
 mod contacts;
 mod particles;
 mod progress;
+mod wall_controls;
+mod wall_laws;
 mod walls;
 
 use bevy_ecs::prelude::*;

@@ -1,16 +1,15 @@
 //! The walls of a saved state: those of the scene, whether they are there or not, then others.
 
-use clastic_components::body::{BodyId, ExternalForce, LastMotion, Origin, Position, Probe, Ramp};
-use clastic_components::increment::Progress;
+use clastic_components::body::{BodyId, ExternalForce, LastMotion, Origin, Position, Probe};
 use clastic_components::material::ContactLaw;
-use clastic_components::wall::{Wall, WallDrive, WallName};
-use clastic_systems::schedule::PROGRESS;
+use clastic_components::wall::{Wall, WallName};
 use clastic_systems::state::{StateError, WorldState};
-use clastic_systems::wall_states::{ControlState, ControlStates, LengthState, WALL_CONTROL};
+use clastic_systems::wall_states::WALL_CONTROL;
 use glam::DVec2;
 
-use super::SavedError;
 use super::columns::{add, bad, finite, identities, of, some};
+use super::wall_laws::{bond, bond_row, contact, contact_row, law_row};
+use super::{SavedError, wall_controls};
 use crate::run::spawn::WallCatalogue;
 use crate::scene::format as scene;
 use crate::tables::{Array, Tables};
@@ -29,9 +28,6 @@ const NUMBERS: [&str; 8] = [
     "walls.external_force",
     "walls.law",
 ];
-
-/// No wall, where the loaded length lies between two.
-const NONE: u32 = u32::MAX;
 
 /// Walls of a saved state.
 pub(super) struct Walls {
@@ -114,57 +110,11 @@ pub(super) fn write(
     let bond = |k: usize| catalogue.walls.get(k).and_then(|wall| wall.bond);
     let bonds = all().map(|k| bond(k).map_or([f64::NAN; 6], |bond| bond_row(&bond)));
     tables.put("walls.bond", Array::vectors(bonds));
-    write_controls(state, ids, tables)
+    wall_controls::write(state, ids, tables)
 }
 
 fn position(x: &Option<Position>) -> DVec2 {
     x.map_or(DVec2::ZERO, |x| x.0)
-}
-
-fn write_controls(
-    state: &WorldState,
-    ids: &[BodyId],
-    tables: &mut Tables,
-) -> Result<(), SavedError> {
-    let progress: Progress = state.get(PROGRESS)?;
-    let controls: ControlStates = state.get(WALL_CONTROL)?;
-    let control = |id: &BodyId| {
-        let found = controls.0.binary_search_by_key(id, |(id, _)| *id).ok();
-        found.map_or(ControlState::Fixed, |k| controls.0[k].1)
-    };
-    // A load stays at what it has reached.
-    let reached = |from: f64, to: f64| [from, progress.ramp(from, to).from];
-    let mut rows = Vec::new();
-    for control in ids.iter().map(control) {
-        rows.push(match control {
-            ControlState::Fixed => ("fixed", [0.0; 2], [NONE; 2]),
-            ControlState::Displacement(u) => ("displacement", u.to_array(), [NONE; 2]),
-            ControlState::Velocity(v) => ("velocity", v.to_array(), [NONE; 2]),
-            ControlState::Force(from, to) => ("force", reached(from, to), [NONE; 2]),
-            ControlState::Stress(from, to, LengthState::Segment) => {
-                ("stress", reached(from, to), [NONE; 2])
-            }
-            ControlState::Stress(from, to, LengthState::Between(a, b)) => {
-                let between = [a, b].map(|wall| wall.map_or(NONE, |id| id.0));
-                ("stress_between", reached(from, to), between)
-            }
-            ControlState::Custom => ("custom", [0.0; 2], [NONE; 2]),
-        });
-    }
-    tables.put("walls.control", Array::text(rows.iter().map(|row| row.0.to_owned())));
-    tables.put("walls.control_value", Array::vectors(rows.iter().map(|row| row.1)));
-    for (k, name) in ["walls.between_a", "walls.between_b"].into_iter().enumerate() {
-        tables.put(name, Array::u32(rows.iter().map(|row| row.2[k]).collect()));
-    }
-    let drives = of::<WallDrive>(state, "wall_drive", ids)?;
-    let drives = drives.iter().map(|drive| match drive.unwrap_or_default() {
-        WallDrive::Imposed(u) => (false, u.to_array()),
-        WallDrive::Loaded(ramp) => (true, [ramp.from, ramp.to]),
-    });
-    let (loaded, values): (Vec<_>, Vec<_>) = drives.unzip();
-    tables.put("walls.is_loaded", Array::bool(loaded));
-    tables.put("walls.drive", Array::vectors(values));
-    Ok(())
 }
 
 /// Reads the walls. `next` is the identity that follows those of all bodies.
@@ -232,7 +182,7 @@ pub(super) fn read(
     };
     add(state, "wall_name", ids, here(names).into_iter().map(|name| name.map(WallName)))?;
     add(state, "probe", ids, here(probes).into_iter().map(|probe| probe.map(Probe)))?;
-    read_controls(tables, &all, present, state)?;
+    wall_controls::read(tables, &all, present, state)?;
     let of_scene = tables.bool("walls.of_scene", &[n])?;
     let first = all.first().copied().filter(|_| of_scene.first() == Some(&true)).unwrap_or(next);
     let listed = of_scene.iter().take_while(|listed| **listed).count();
@@ -276,99 +226,4 @@ pub(super) fn now(
         wall
     });
     Ok(moved.collect())
-}
-
-fn read_controls(
-    tables: &Tables,
-    all: &[u32],
-    present: &[bool],
-    state: &mut WorldState,
-) -> Result<(), SavedError> {
-    let n = all.len();
-    let kinds = tables.text("walls.control", &[n])?;
-    let values = tables.vectors::<2>("walls.control_value", n)?;
-    let between = [tables.u32("walls.between_a", &[n])?, tables.u32("walls.between_b", &[n])?];
-    let loaded = tables.bool("walls.is_loaded", &[n])?;
-    let drives = tables.vectors::<2>("walls.drive", n)?;
-    let (mut controls, mut driven, mut ids) = (Vec::new(), Vec::new(), Vec::new());
-    for k in (0..n).filter(|k| present[*k]) {
-        let [a, b] = values[k];
-        let length = between.map(|ids| (ids[k] != NONE).then_some(BodyId(ids[k])));
-        let control = match kinds[k].as_str() {
-            "fixed" => ControlState::Fixed,
-            "displacement" => ControlState::Displacement(DVec2::new(a, b)),
-            "velocity" => ControlState::Velocity(DVec2::new(a, b)),
-            "force" => ControlState::Force(a, b),
-            "stress" => ControlState::Stress(a, b, LengthState::Segment),
-            "stress_between" => {
-                ControlState::Stress(a, b, LengthState::Between(length[0], length[1]))
-            }
-            "custom" => ControlState::Custom,
-            other => return Err(bad("walls.control", format!("`{other}` in row {k}"))),
-        };
-        controls.push((BodyId(all[k]), control));
-        ids.push(BodyId(all[k]));
-        driven.push(Some(match loaded[k] {
-            true => WallDrive::Loaded(Ramp { from: drives[k][0], to: drives[k][1] }),
-            false => WallDrive::Imposed(drives[k].into()),
-        }));
-    }
-    state.set(WALL_CONTROL, &ControlStates(controls))?;
-    add(state, "wall_drive", &ids, driven)?;
-    Ok(())
-}
-
-fn law_row(law: &ContactLaw) -> [f64; 5] {
-    let ContactLaw {
-        normal_compliance,
-        tangential_compliance,
-        friction,
-        rolling_friction,
-        restitution,
-    } = *law;
-    [normal_compliance, tangential_compliance, friction, rolling_friction, restitution]
-}
-
-/// A law of contact as the scene has it; no stiffness is infinite.
-fn contact_row(law: &scene::Contact) -> [f64; 5] {
-    let [n, t] = [law.normal_stiffness, law.tangential_stiffness].map(rigid);
-    [n, t, law.friction, law.rolling_friction, law.restitution]
-}
-
-fn contact([n, t, friction, rolling_friction, restitution]: [f64; 5]) -> scene::Contact {
-    let [normal_stiffness, tangential_stiffness] = [n, t].map(elastic);
-    scene::Contact {
-        normal_stiffness,
-        tangential_stiffness,
-        friction,
-        rolling_friction,
-        restitution,
-    }
-}
-
-fn bond_row(law: &scene::Bond) -> [f64; 6] {
-    let [n, t] = [law.normal_stiffness, law.tangential_stiffness].map(rigid);
-    [n, t, law.friction, law.rolling_friction, law.cohesion, law.tensile_strength]
-}
-
-/// A law of bonds; none if it is no number.
-fn bond([n, t, friction, rolling_friction, cohesion, tensile]: [f64; 6]) -> Option<scene::Bond> {
-    let [normal_stiffness, tangential_stiffness] = [n, t].map(elastic);
-    let law = scene::Bond {
-        normal_stiffness,
-        tangential_stiffness,
-        friction,
-        rolling_friction,
-        cohesion,
-        tensile_strength: tensile,
-    };
-    (!n.is_nan()).then_some(law)
-}
-
-fn rigid(stiffness: Option<f64>) -> f64 {
-    stiffness.unwrap_or(f64::INFINITY)
-}
-
-fn elastic(stiffness: f64) -> Option<f64> {
-    Some(stiffness).filter(|k| k.is_finite())
 }
