@@ -88,7 +88,7 @@ pub(super) fn write(
     tables.put("walls.probe", text(&probe));
     tables.put("walls.drawn_start_m", Array::vectors(all().map(|k| drawn(k)[0].to_array())));
     tables.put("walls.drawn_end_m", Array::vectors(all().map(|k| drawn(k)[1].to_array())));
-    tables.put("walls.middle_m", Array::vectors(middles.iter().map(|x| x.to_array())));
+    tables.put("walls.middle_m", Array::vectors(middles.iter().map(DVec2::to_array)));
     let origins = of::<Origin>(state, "origin", ids)?;
     let origins = origins.iter().map(|x| x.unwrap_or_default().0.to_array());
     tables.put("walls.origin_m", Array::vectors(origins));

@@ -59,8 +59,8 @@ fn another_scene_has_its_own_materials_walls_and_stages() {
         let expected = 1325.0 * std::f64::consts::PI * r * r * 2.0;
         assert!((mass - expected).abs() < 1e-14 * expected);
     }
-    // Walls, bonds and loads are those of the state: nothing moves, the walls still carry 200 kPa
-    // times their distance. The thickness doubles the force for one stress.
+    // Walls, bonds and loads are those of the state: the walls still carry 200 kPa, times the
+    // distance of the others and the thickness.
     let row = &rows(out.path(), "history.csv")[0];
     assert_eq!((row["increment"].as_str(), row["status"].as_str()), ("4", "solved"));
     let wall = |of: &Tables, name: &str| -> f64 {
