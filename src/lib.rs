@@ -42,6 +42,7 @@ pub mod output;
 pub mod run;
 pub mod saved;
 pub mod scene;
+pub mod study;
 pub mod tables;
 
 use bevy_app::{PluginGroup, PluginGroupBuilder, Update};

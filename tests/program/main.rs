@@ -13,3 +13,4 @@ mod files;
 mod results;
 mod states;
 mod stopped;
+mod sweep;
