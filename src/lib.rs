@@ -40,8 +40,10 @@ pub use clastic_systems as systems;
 
 pub mod output;
 pub mod run;
+pub mod saved;
 pub mod scene;
 pub mod study;
+pub mod tables;
 
 use bevy_app::{PluginGroup, PluginGroupBuilder, Update};
 use bevy_ecs::schedule::{InternedScheduleLabel, ScheduleLabel};

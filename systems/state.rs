@@ -256,11 +256,7 @@ impl WorldState {
     /// # Errors
     /// If it cannot be encoded.
     pub fn set<T: Serialize>(&mut self, name: &str, value: &T) -> Result<(), StateError> {
-        let bytes = postcard::to_stdvec(value).map_err(|error| encoding(name, &error))?;
-        match self.entries.iter_mut().find(|(known, _)| known == name) {
-            Some((_, old)) => *old = bytes,
-            None => self.entries.push((name.to_owned(), bytes)),
-        }
+        self.set_bytes(name, postcard::to_stdvec(value).map_err(|error| encoding(name, &error))?);
         Ok(())
     }
 
@@ -289,7 +285,22 @@ impl WorldState {
         if self.bytes(name).is_none() { Ok(Vec::new()) } else { self.get(name) }
     }
 
-    fn bytes(&self, name: &str) -> Option<&[u8]> {
+    /// Names of the entries, in the order of the registry.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.entries.iter().map(|(name, _)| name.as_str())
+    }
+
+    /// Adds an entry as it is encoded.
+    pub fn set_bytes(&mut self, name: &str, bytes: Vec<u8>) {
+        match self.entries.iter_mut().find(|(known, _)| known == name) {
+            Some((_, old)) => *old = bytes,
+            None => self.entries.push((name.to_owned(), bytes)),
+        }
+    }
+
+    /// An entry as it is encoded; `None` if it does not exist.
+    #[must_use]
+    pub fn bytes(&self, name: &str) -> Option<&[u8]> {
         self.entries.iter().find(|(known, _)| known == name).map(|(_, bytes)| bytes.as_slice())
     }
 }

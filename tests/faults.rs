@@ -114,8 +114,13 @@ fn assert_whole(directory: &Path, what: &str) -> u64 {
     for (name, bytes) in files(directory) {
         let name = name.to_string_lossy().into_owned();
         let text = String::from_utf8_lossy(&bytes);
-        if name.ends_with(".part") || name == "checkpoint.bin" {
+        if name.ends_with(".part") || name.ends_with(".bin") {
             continue;
+        } else if name.ends_with(".npz") {
+            // A zip begins with a file and ends with its directory.
+            let whole = bytes.starts_with(b"PK\x03\x04")
+                && bytes[bytes.len() - 22..].starts_with(b"PK\x05\x06");
+            assert!(whole, "{what}: {name} is not whole");
         } else if name.ends_with(".csv") {
             // Created and not yet written is the one state between nothing and a header.
             let mut lines = text.lines().filter(|line| !line.starts_with('#'));
@@ -347,10 +352,13 @@ fn interrupted_and_resumed() {
 }
 
 #[test]
-fn more_increments_for_a_completed_run_are_refused_with_a_way_out() {
+fn more_increments_for_a_completed_run_without_its_checkpoint_are_refused_with_a_way_out() {
     let place = Place::new();
     let plain = place.path("plain");
     let set = ["--set", "stages.compress.increments=80"];
+    let last = plain.join("final_checkpoint.bin");
+    let kept = fs::read(&last).unwrap();
+    fs::remove_file(&last).unwrap();
     let refused = resume(&plain).args(set).output().unwrap();
     assert_eq!(refused.status.code(), Some(2));
     assert!(refused.stdout.is_empty());
@@ -358,6 +366,7 @@ fn more_increments_for_a_completed_run_are_refused_with_a_way_out() {
     for what in ["at its end", "Run the scene again", "stages.compress.increments=80", "--force"] {
         assert!(message.contains(what), "no `{what}` in {message}");
     }
+    fs::write(&last, kept).unwrap();
     place.assert_as_undisturbed(&plain, "refused");
     // The way out leads there.
     let done = place.run(&plain, &["--force", "--quiet"]).args(set).output().unwrap();
@@ -442,6 +451,26 @@ fn disk_full_at_a_checkpoint() {
             place.resume_to_the_end(&out, "disk full");
         }
     }
+}
+
+#[test]
+fn disk_full_at_a_saved_state() {
+    let parent = tempfile::tempdir().unwrap();
+    let (scene, out) = (parent.path().join("saving.ron"), parent.path().join("out"));
+    let text = LATTICE.replacen("stages: [", "stages: [Save(name: \"first\"), ", 1);
+    fs::write(&scene, text).unwrap();
+    let mut run = limited(16);
+    run.arg("run").arg(&scene).args(["--quiet", "--out"]).arg(&out);
+    assert_full(&run.output().unwrap(), &out, "state_first.npz");
+    // The one at the end is the largest of what does not grow with the run.
+    let mut run = limited(36);
+    run.arg("run").arg(&scene).args(["--quiet", "--force", "--out"]).arg(&out);
+    let few = ["stages.compress.increments=2", "output.frames_every=0"];
+    run.args(few.map(|set| format!("--set={set}")));
+    let failed = run.output().unwrap();
+    assert_eq!(failed.status.code(), Some(1), "{}", said(&failed));
+    assert!(said(&failed).contains("File too large"), "{}", said(&failed));
+    assert_whole(&out, "at the end");
 }
 
 #[test]

@@ -14,8 +14,10 @@ use clastic::components::body::{BodyId, Position};
 use clastic::components::observation::Observation;
 use clastic::components::particle::Particle;
 use clastic::output::{self, Ending, OutputPlugin, RunOptions};
+use clastic::run::save::SavedStates;
 use clastic::run::{Simulation, Step};
 use clastic::scene;
+use clastic::tables::Tables;
 use glam::DVec2;
 use serde_json::Value;
 
@@ -119,6 +121,30 @@ scenes! {
         ("limit_load_pa", 1110318441.6502988),
     ];
     prepare_biaxial_small: "prepare_biaxial_small", COMPLETES, &[];
+    prepare_and_branch: "prepare_and_branch", COMPLETES, &[
+        ("porosity", 0.22999999999999876),
+    ];
+    prepare_and_branch_50_kpa: "prepare_and_branch_50kPa", COMPLETES, &[
+        ("porosity", 0.22099299592408694),
+        ("youngs_modulus_pa", 14927572.868245643),
+        ("youngs_modulus_secant_half_peak_pa", 8331972.238693887),
+        ("peak_stress_pa", 109199.23918638445),
+        ("strain_at_peak", 0.026755486326983175),
+    ];
+    prepare_and_branch_100_kpa: "prepare_and_branch_100kPa", COMPLETES, &[
+        ("porosity", 0.2185914331741966),
+        ("youngs_modulus_pa", 22317290.85683705),
+        ("youngs_modulus_secant_half_peak_pa", 12774943.236479063),
+        ("peak_stress_pa", 227179.70315304736),
+        ("strain_at_peak", 0.02521944600130548),
+    ];
+    prepare_and_branch_200_kpa: "prepare_and_branch_200kPa", COMPLETES, &[
+        ("porosity", 0.21414515514296728),
+        ("youngs_modulus_pa", 27220423.572159816),
+        ("youngs_modulus_secant_half_peak_pa", 18986081.76232965),
+        ("peak_stress_pa", 413133.3212682814),
+        ("strain_at_peak", 0.023709013861301517),
+    ];
     #[ignore = "compacts 6160 disks"]
     prepare_biaxial: "prepare_biaxial", COMPLETES, &[];
     #[ignore = "6160 disks, 165 increments"]
@@ -242,6 +268,27 @@ fn leaves(name: &str, stored: &str, increments: u64) {
 #[test]
 fn small_biaxial_specimen_is_the_one_that_is_stored() {
     leaves("prepare_biaxial_small", "biaxial_400.csv", 37);
+}
+
+/// The state that `prepare_and_branch` saves is the one that is stored, from which the others start.
+#[test]
+fn packing_to_branch_from_is_the_one_that_is_stored() {
+    let path = directory().join("prepare_and_branch.ron");
+    let loaded = scene::load(&path, &[]).unwrap_or_else(|e| panic!("{e}"));
+    let mut simulation = Simulation::new(&loaded.scene, None);
+    simulation.run();
+    let stored = fs::read(directory().join("specimens/branch_200.npz")).unwrap();
+    let stored = Tables::decode(&stored).unwrap();
+    let kept = simulation.world().resource::<SavedStates>();
+    let [(name, found)] = kept.0.as_slice() else { panic!("{} states", kept.0.len()) };
+    assert_eq!(name, "state_packing.npz");
+    assert!(found.iter().map(|(name, _)| name).eq(stored.iter().map(|(name, _)| name)));
+    // Compaction and friction amplify the round-off of the machine.
+    let places = |of: &Tables| of.vectors::<2>("particles.position_m", 200).unwrap();
+    for (id, (x, y)) in places(found).into_iter().zip(places(&stored)).enumerate() {
+        let difference = (DVec2::from(x) - DVec2::from(y)).length();
+        assert!(difference < 1e-8, "particle {id}: {difference:e} m");
+    }
 }
 
 /// The scene files by name, with their text.

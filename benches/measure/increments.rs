@@ -317,7 +317,7 @@ fn prepared(mut loaded: LoadedScene) -> Result<LoadedScene, BenchError> {
     }
     loaded.scene.stages.drain(..compactions);
     loaded.scene.specimen = Specimen::File { path: "packing.csv".to_owned(), material: None };
-    loaded.specimen = Some(StoredSpecimen { rows });
+    loaded.specimen = Some(StoredSpecimen::of(rows));
     Ok(loaded)
 }
 

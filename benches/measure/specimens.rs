@@ -31,7 +31,7 @@ impl Boxed {
             })
         });
         Self {
-            specimen: StoredSpecimen { rows: particles.collect() },
+            specimen: StoredSpecimen::of(particles.collect()),
             width: f64::from(columns) * self.width,
             height: f64::from(rows) * self.height,
         }
@@ -46,7 +46,7 @@ mod tests {
     fn tiles_touch_their_mirror_images() {
         let disk = |x, y| StoredParticle { x, y, r: 1.0, material: None };
         let one = Boxed {
-            specimen: StoredSpecimen { rows: vec![disk(1.0, 1.0), disk(3.0, 2.0)] },
+            specimen: StoredSpecimen::of(vec![disk(1.0, 1.0), disk(3.0, 2.0)]),
             width: 4.0,
             height: 3.0,
         };

@@ -31,6 +31,7 @@ Examples:
   clastic compare runs/a runs/b                 their curves in one picture
   clastic run uniaxial --checkpoint-every 10    lose no more than 10 increments if it is killed
   clastic resume runs/uniaxial                  go on from there
+  clastic resume runs/a --scene longer.ron      give a run that has ended more stages
   clastic sweep study.ron                       many runs, one table (docs/studies.md)
   clastic run my_rig.ron --out out --set gravity='(0.0, -9.81)'
 
@@ -55,7 +56,7 @@ enum Command {
     /// Run a scene and write its results
     #[command(after_help = EXAMPLES)]
     Run(RunArgs),
-    /// Go on with a run that was interrupted, killed or stalled, from its last checkpoint
+    /// Go on with a run that was interrupted, killed or stalled, or extend one that has ended
     Resume(ResumeArgs),
     /// Read a scene and report everything that is wrong with it
     Check(SceneArgs),
@@ -199,6 +200,9 @@ struct ResumeArgs {
     /// repeated
     #[arg(long = "set", value_name = "PATH=VALUE")]
     sets: Vec<String>,
+    /// Go on with this scene: the one of the run with other stages to come, or with more of them
+    #[arg(long, value_name = "FILE")]
+    scene: Option<PathBuf>,
     #[command(flatten)]
     output: OutputArgs,
 }

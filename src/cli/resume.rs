@@ -1,12 +1,13 @@
-//! `clastic resume`: continues a run from its checkpoint.
+//! `clastic resume`: continues a run from its checkpoint, or extends one that has ended.
 
+use std::fs;
 use std::path::Path;
 
 use clastic::output::directory;
 use clastic::output::run_record::CLASTIC_VERSION;
 use clastic::output::{self, Checkpoint, OutputPlugin, ResumeError};
 use clastic::run::state::{StateError, StateView};
-use clastic::run::{Simulation, changes};
+use clastic::run::{Simulation, changes, extend};
 use clastic::scene::from_str_with;
 
 use super::ResumeArgs;
@@ -17,30 +18,44 @@ use super::run::to_the_end;
 /// Resumes a run.
 pub fn resume(args: &ResumeArgs) -> Result<Exit, Failure> {
     let directory = args.directory.as_path();
-    let checkpoint = match Checkpoint::read(directory) {
+    let is_changed = !args.sets.is_empty() || args.scene.is_some();
+    let mut checkpoint = match Checkpoint::read(directory) {
         Err(ResumeError::NoCheckpoint(_)) if ended(directory)? => {
-            if !args.sets.is_empty() {
-                return Err(too_late(directory, &args.sets));
+            if !is_changed {
+                say(format_args!(
+                    "{}: this run is at its end; there is nothing to resume. More stages or \
+                     increments extend it: `clastic resume {0} --set stages.NAME.increments=N`, or \
+                     `--scene FILE` with more stages",
+                    directory.display()
+                ))?;
+                return Ok(Exit::Ok);
             }
-            say(format_args!(
-                "{}: this run is at its end; there is nothing to resume",
-                directory.display()
-            ))?;
-            return Ok(Exit::Ok);
+            match Checkpoint::read_as(directory, directory::FINAL_CHECKPOINT) {
+                Err(ResumeError::NoCheckpoint(_)) => return Err(too_late(directory, &args.sets)),
+                read => read?,
+            }
         }
         read => read?,
     };
     let name = Path::new(&checkpoint.facts.scene_file);
-    let state = &checkpoint.world;
-    let view = StateView::of(state).map_err(damaged)?;
-    let read = |sets: &[String], particles| from_str_with(&checkpoint.scene, name, particles, sets);
-    let before = read(&[], view.specimen.clone())?.scene;
-    let loaded = read(&args.sets, view.specimen.clone())?;
+    let particles = StateView::of(&checkpoint.world).map_err(damaged)?.specimen;
+    let read = |text: &str, sets: &[String]| from_str_with(text, name, particles.clone(), sets);
+    let before = read(&checkpoint.scene, &[])?.scene;
+    let text = match &args.scene {
+        None => checkpoint.scene.clone(),
+        Some(file) => fs::read_to_string(file).map_err(|error| Failure {
+            exit: Exit::Files,
+            message: format!("{}: cannot read the scene: {error}", file.display()),
+        })?,
+    };
+    let loaded = read(&text, &args.sets)?;
     // The run began without such walls, so a setting has added them. Its path is in the message.
     let foreign = own_findings(&loaded.scene);
     if let Some(finding) = foreign.first() {
         return Err(Failure { exit: Exit::Scene, message: finding.to_string() });
     }
+    extend::reopen(&mut checkpoint.world, &before, &loaded.scene).map_err(damaged)?;
+    let view = StateView::of(&checkpoint.world).map_err(damaged)?;
     let refused = changes::refused(&before, &loaded.scene, &view);
     if !refused.is_empty() {
         return Err(Failure { exit: Exit::Usage, message: refused.join("\n") });
@@ -49,18 +64,20 @@ pub fn resume(args: &ResumeArgs) -> Result<Exit, Failure> {
     let increment = checkpoint.increment;
     if checkpoint.clastic_version != CLASTIC_VERSION {
         complain(format_args!(
-            "the checkpoint was written by clastic {}, this is {CLASTIC_VERSION}: the results from increment {} on \
-             need not be those of one version",
+            "the checkpoint was written by clastic {}, this is {CLASTIC_VERSION}: the results from \
+             increment {} on need not be those of one version",
             checkpoint.clastic_version,
             increment + 1
         ));
     }
     let mut simulation =
-        Simulation::resume_with(&loaded.scene, state, OutputPlugin).map_err(damaged)?;
+        Simulation::resume_with(&loaded.scene, &checkpoint.world, OutputPlugin).map_err(damaged)?;
     changes::apply(simulation.world_mut(), &before, &loaded.scene, &view);
     let every = args.output.checkpoint_every;
+    let scene = args.scene.iter().map(|file| format!("--scene {}", file.display()));
+    let settings: Vec<_> = scene.chain(args.sets.iter().cloned()).collect();
     let world = simulation.world_mut();
-    output::resume(world, directory, checkpoint, &loaded, &args.sets, every)?;
+    output::resume(world, directory, checkpoint, &loaded, &settings, every)?;
     if !args.output.quiet {
         complain(format_args!("resumed after increment {increment}"));
     }
@@ -72,16 +89,16 @@ fn damaged(error: StateError) -> Failure {
     Failure { exit: Exit::Usage, message: format!("the checkpoint cannot be resumed: {error}") }
 }
 
-/// Failure for settings of a run that has ended. Its checkpoint is gone, and the result files do
-/// not contain the state (forces, velocities, broken bonds) from which an increment starts.
+/// Failure for settings of a run that has ended and has no checkpoint of its end. The result files
+/// do not contain all of the state from which an increment starts.
 fn too_late(directory: &Path, sets: &[String]) -> Failure {
     let sets: Vec<_> = sets.iter().map(|set| format!("--set {set:?}")).collect();
     let message = format!(
-        "{}: this run is at its end, and the checkpoint of a run goes away there: {} cannot take it further. \
-         Run the scene again with all its settings and the new ones, as in `clastic run SCENE {} --out \
-         NEW_DIRECTORY`, or with --force to write over these results",
+        "{}: this run is at its end, and {} is not there, without which it cannot be taken \
+         further. Run the scene again with all its settings and the new ones, as in `clastic run \
+         SCENE {} --out NEW_DIRECTORY`, or with --force to write over these results",
         directory.display(),
-        if sets.len() == 1 { "a setting" } else { "settings" },
+        directory::FINAL_CHECKPOINT,
         sets.join(" "),
     );
     Failure { exit: Exit::Usage, message }

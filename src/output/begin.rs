@@ -10,7 +10,7 @@ use clastic_systems::gather_bodies::gather_bodies;
 
 use super::atomic::{write_atomic, write_durable};
 use super::avalanches::{self, CurrentAvalanche};
-use super::checkpoint::Checkpoint;
+use super::checkpoint::{Checkpoint, WHOLE};
 use super::csv_file::CsvFile;
 use super::key_results::KeyResults;
 use super::prepared::{Prepared, PreparedSpecimen};
@@ -19,7 +19,7 @@ use super::run_record::{CLASTIC_VERSION, Resumed, RunFacts, RunRecord};
 use super::save::save;
 use super::snapshot::Moments;
 use super::wanted::Wanted;
-use super::{OutputError, ResumeError, directory, events, history, names, plots, timings};
+use super::{OutputError, ResumeError, directory, events, history, names, plots, states, timings};
 use crate::run::stages::Script;
 use crate::scene::LoadedScene;
 use crate::scene::format::{Record, Scene, Stage};
@@ -123,7 +123,11 @@ pub fn resume(
 ) -> Result<(), ResumeError> {
     let increment = checkpoint.increment;
     let [history, events, avalanches, timings] = checkpoint.lengths;
-    let open = |name: &str, length| CsvFile::open(directory.join(name), length);
+    let open = |name: &str, length| {
+        let path = directory.join(name);
+        let whole = || fs::metadata(&path).map_or(0, |file| file.len());
+        CsvFile::open(path.clone(), if length == WHOLE { whole() } else { length })
+    };
     let history = open(names::HISTORY, history)?;
     if !history.lock() {
         return Err(OutputError::InUse(directory.to_owned()).into());
@@ -141,7 +145,8 @@ pub fn resume(
     write_durable(&scene_file, &checkpoint.scene)?;
     let mut next = checkpoint;
     next.every = every.unwrap_or(next.every);
-    if !settings.is_empty() || next.clastic_version != CLASTIC_VERSION {
+    let is_changed = !settings.is_empty() || next.scene != loaded.text;
+    if is_changed || next.clastic_version != CLASTIC_VERSION {
         next.clastic_version = CLASTIC_VERSION.to_owned();
         next.facts.resumed.push(Resumed {
             after_increment: increment,
@@ -152,12 +157,15 @@ pub fn resume(
         next.write(directory)?;
         write_durable(&scene_file, &next.scene)?;
     }
-    directory::rewind(directory, increment, &whole_files(world))?;
+    let kept = states::kept_before(&loaded.scene, &next.world);
+    let mut there = whole_files(world);
+    there.extend(kept.iter().map(String::as_str));
+    directory::rewind(directory, increment, &there)?;
     make_frames(directory, &loaded.scene)?;
     let reference_stage = Script::new(&loaded.scene).reference_stage();
     let mut record = RunRecord::new(loaded, &next.facts, reference_stage);
     record.write(&directory.join(names::RUN))?;
-    record.increments = increment;
+    record.increments = states::increments(&next.world);
     tables.cut()?;
     world.resource_mut::<Moments>().are_drawn = loaded.scene.output.plots && plots::DRAWN;
     let options = RunOptions {
@@ -192,7 +200,7 @@ fn insert(world: &mut World, run: RunDirectory) {
 }
 
 /// Existing files that are written once and not rewritten at the end of the run.
-fn whole_files(world: &World) -> Vec<&'static str> {
+fn whole_files<'a>(world: &World) -> Vec<&'a str> {
     let mut files = Vec::new();
     if world.resource::<PreparedSpecimen>().written.is_some() {
         files.push(names::SPECIMEN);

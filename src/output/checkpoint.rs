@@ -22,6 +22,9 @@ use crate::run::WorldState;
 /// that derive their encoding in this file and where plugins register state.
 pub const VERSION: u32 = 10;
 
+/// Length of a table that is kept whole.
+pub(super) const WHOLE: u64 = u64::MAX;
+
 const MAGIC: &str = "clastic checkpoint, format ";
 
 /// Content of a checkpoint.
@@ -51,12 +54,29 @@ pub struct Checkpoint {
 }
 
 impl Checkpoint {
+    /// The checkpoint of a run that has ended. It has the same bytes in every run.
+    #[must_use]
+    pub fn of_the_end(mut self) -> Self {
+        self.every = 0;
+        // The length of the timings is another in every run.
+        self.lengths[3] = WHOLE;
+        self
+    }
+
     /// Writes the checkpoint of a run directory.
     ///
     /// # Errors
     /// If the file cannot be written. The previous checkpoint is then unchanged.
     pub fn write(&self, directory: &Path) -> Result<(), OutputError> {
-        let path = directory.join(directory::CHECKPOINT);
+        self.write_as(directory, directory::CHECKPOINT)
+    }
+
+    /// Writes the checkpoint to the file `name` of a run directory.
+    ///
+    /// # Errors
+    /// If the file cannot be written. The file that was there is then unchanged.
+    pub fn write_as(&self, directory: &Path, name: &str) -> Result<(), OutputError> {
+        let path = directory.join(name);
         write_durable(&path, self.bytes().map_err(OutputError::at(&path))?)
     }
 
@@ -73,7 +93,16 @@ impl Checkpoint {
     /// # Errors
     /// See [`ResumeError`].
     pub fn read(directory: &Path) -> Result<Self, ResumeError> {
-        let path = directory.join(directory::CHECKPOINT);
+        Self::read_as(directory, directory::CHECKPOINT)
+    }
+
+    /// Reads the checkpoint in the file `name` of a run directory: [`directory::CHECKPOINT`], or
+    /// [`directory::FINAL_CHECKPOINT`] of a run that has ended.
+    ///
+    /// # Errors
+    /// See [`ResumeError`].
+    pub fn read_as(directory: &Path, name: &str) -> Result<Self, ResumeError> {
+        let path = directory.join(name);
         let bytes = match fs::read(&path) {
             Ok(bytes) => bytes,
             Err(error) if error.kind() == io::ErrorKind::NotFound => {

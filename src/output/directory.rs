@@ -8,6 +8,9 @@ use super::OutputError;
 use super::atomic::PART;
 pub use super::names::*;
 
+/// Files of the end of a run besides its pictures.
+const OF_THE_END: [&str; 3] = [FINAL_PARTICLES, FINAL_STATE, FINAL_CHECKPOINT];
+
 /// Default directory for the results of a scene: `runs/<name of the scene>`.
 #[must_use]
 pub fn default_directory(scene: &Path) -> PathBuf {
@@ -76,7 +79,9 @@ pub fn lock(file: &File) -> bool {
 pub fn rewind(directory: &Path, increment: u64, there: &[&str]) -> Result<(), OutputError> {
     for name in entries(directory)? {
         let of_the_end = !there.contains(&&*name)
-            && ([FINAL_PARTICLES, SPECIMEN, MECHANISM].contains(&&*name)
+            && (OF_THE_END.contains(&&*name)
+                || [SPECIMEN, MECHANISM].contains(&&*name)
+                || is_saved_state(&name)
                 || super::plots::FILES.contains(&&*name));
         let later = numbered(&name, "program_", ".json").is_some_and(|n| n > increment);
         let part = name.strip_suffix(PART).is_some_and(is_ours);
@@ -144,21 +149,17 @@ pub fn remove_if_there(path: &Path) -> Result<(), OutputError> {
 
 fn is_ours(name: &str) -> bool {
     let name = name.strip_suffix(PART).unwrap_or(name);
-    [
-        RUN,
-        SCENE,
-        HISTORY,
-        EVENTS,
-        AVALANCHES,
-        TIMINGS,
-        SPECIMEN,
-        FINAL_PARTICLES,
-        MECHANISM,
-        CHECKPOINT,
-    ]
-    .contains(&name)
+    [RUN, SCENE, HISTORY, EVENTS, AVALANCHES, TIMINGS, SPECIMEN, MECHANISM, CHECKPOINT]
+        .contains(&name)
+        || OF_THE_END.contains(&name)
+        || is_saved_state(name)
         || super::plots::FILES.contains(&name)
         || numbered(name, "program_", ".json").is_some()
+}
+
+/// Whether a file is the state of a `Save` stage.
+fn is_saved_state(name: &str) -> bool {
+    name.starts_with("state_") && name.ends_with(".npz")
 }
 
 /// The number in a name.

@@ -2,6 +2,7 @@
 
 use bevy_ecs::prelude::*;
 
+use clastic_components::increment::Progress;
 use clastic_components::observation::Observation;
 
 use super::avalanches::CurrentAvalanche;
@@ -10,9 +11,9 @@ use super::key_results::{KeyResults, Results};
 use super::prepared::PreparedSpecimen;
 use super::run_directory::RunDirectory;
 use super::run_record::OutcomeRecord;
-use super::save::save;
+use super::save::{save, save_the_end};
 use super::snapshot::{Moments, Snapshot};
-use super::{OutputError, directory, frames, names, plots};
+use super::{OutputError, directory, frames, names, plots, states};
 use crate::run::stages::Script;
 use crate::run::{Outcome, StageEnd};
 
@@ -40,9 +41,16 @@ impl Ending {
 /// # Errors
 /// If something cannot be written.
 pub fn finish(world: &mut World, ending: &Ending) -> Result<Results, OutputError> {
+    states::write_kept(world)?;
     if needs_checkpoint(world, ending) {
         save(world)?;
     }
+    let has_ended = matches!(ending, Ending::Finished(Outcome::Completed | Outcome::Collapsed(_)));
+    if has_ended {
+        // The avalanche of a specimen that collapsed in one is still open here.
+        save_the_end(world)?;
+    }
+    states::write_final(world)?;
     let last = Snapshot::take(world);
     world.resource_scope(|world, mut run: Mut<RunDirectory>| {
         frames::write_frame(&run.path(names::FINAL_PARTICLES), &last)?;
@@ -58,7 +66,7 @@ pub fn finish(world: &mut World, ending: &Ending) -> Result<Results, OutputError
         // The pictures come last, so that the numbers are complete if a picture fails.
         write_record(&mut run, world, ending.outcome(), &results)?;
         draw(&run, world, &last)?;
-        if let Ending::Finished(Outcome::Completed | Outcome::Collapsed(_)) = ending {
+        if has_ended {
             // The checkpoint is removed last, because a run with a checkpoint counts as not ended.
             directory::remove_if_there(&run.path(names::CHECKPOINT))?;
         }
@@ -70,8 +78,8 @@ pub fn finish(world: &mut World, ending: &Ending) -> Result<Results, OutputError
 fn needs_checkpoint(world: &World, ending: &Ending) -> bool {
     let run = world.resource::<RunDirectory>();
     let goes_on = world.resource::<Script>().outcome.is_none();
-    let is_interrupted =
-        goes_on && *ending == Ending::Interrupted && run.saved != Some(run.record.increments);
+    let made = world.resource::<Progress>().increment;
+    let is_interrupted = goes_on && *ending == Ending::Interrupted && run.saved != Some(made);
     // The checkpoint precedes a refused stage, which can begin after its settings are changed.
     is_interrupted || matches!(ending, Ending::Finished(Outcome::Refused { .. }))
 }

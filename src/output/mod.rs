@@ -12,9 +12,12 @@
 //! | `frames/frame_000123.csv` | all particles after increment 123, if the scene requests frames |
 //! | `frames/frame_000123.svg` | picture of the frame |
 //! | `final_particles.csv` | all particles at the end, in the format of stored specimens |
+//! | `state_NAME.npz` | the state that stage `NAME`, a `Save`, has kept |
+//! | `final_state.npz` | the state at the end |
 //! | `program_000123.json` | cone program and solution of increment 123, if requested |
 //! | `mechanism.csv` | the mechanism of the first collapse |
 //! | `*.svg` | pictures, drawn at the end; that of the mechanism at the collapse |
+//! | `final_checkpoint.bin` | state from which more stages or increments continue |
 //! | `checkpoint.bin` | state between two increments, if requested or if a run stops early |
 //!
 //! `specimen.csv` is written at the end of a compaction, and again when the reference stage begins.
@@ -50,6 +53,7 @@ pub mod run_directory;
 pub mod run_record;
 mod save;
 pub mod snapshot;
+mod states;
 pub mod timings;
 mod wanted;
 

@@ -16,9 +16,13 @@ pub const TIMINGS: &str = "timings.csv";
 pub const SPECIMEN: &str = "specimen.csv";
 /// All particles at the end.
 pub const FINAL_PARTICLES: &str = "final_particles.csv";
+/// The state at the end.
+pub const FINAL_STATE: &str = "final_state.npz";
 /// The mechanism of the first collapse.
 pub const MECHANISM: &str = "mechanism.csv";
 /// The state between two increments, from which the run can continue.
 pub const CHECKPOINT: &str = "checkpoint.bin";
+/// The state of a run that has ended, from which more stages or increments continue.
+pub const FINAL_CHECKPOINT: &str = "final_checkpoint.bin";
 /// Directory of the frames.
 pub const FRAMES: &str = "frames";

@@ -12,7 +12,8 @@ use super::prepared::{self, PreparedSpecimen};
 use super::run_directory::RunDirectory;
 use super::save::{is_checkpoint_due, is_undecided, save};
 use super::snapshot::Moments;
-use super::{OutputError, dump, events, frames, history, mechanism, timings, wanted};
+use super::{OutputError, dump, events, frames, history, mechanism, states, timings, wanted};
+use crate::run::save::SavedStates;
 
 /// Writes the results of every increment. Its systems run after the stop conditions, so that the
 /// last row of a stopped stage is written too. [`begin`](super::begin) and
@@ -38,6 +39,7 @@ impl Plugin for OutputPlugin {
                 (
                     (timings::start_clock, wanted::decide).chain(),
                     history::is_there.pipe(halt),
+                    states::write_kept.pipe(halt).run_if(resource_exists::<SavedStates>),
                     // A resumed run with other settings repeats the increment. Its checkpoint
                     // therefore comes before anything of it is written.
                     save.pipe(halt).run_if(is_undecided),

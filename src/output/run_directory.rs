@@ -128,6 +128,17 @@ impl RunDirectory {
 
     /// Writes a checkpoint of the state after `increment`.
     pub(super) fn save(&mut self, increment: u64, world: WorldState) -> Result<(), OutputError> {
+        self.checkpoint(increment, world)?.write(self.directory())?;
+        self.saved = Some(increment);
+        Ok(())
+    }
+
+    /// A checkpoint of the state after `increment`.
+    pub(super) fn checkpoint(
+        &mut self,
+        increment: u64,
+        world: WorldState,
+    ) -> Result<Checkpoint, OutputError> {
         // The rows and files on which a checkpoint depends must reach the disk before it.
         for path in self.fresh.drain(..) {
             sync(&path).map_err(OutputError::at(&path))?;
@@ -135,7 +146,7 @@ impl RunDirectory {
         for table in self.tables.all() {
             table.sync()?;
         }
-        let checkpoint = Checkpoint {
+        Ok(Checkpoint {
             clastic_version: CLASTIC_VERSION.to_owned(),
             increment,
             scene: self.scene_text.clone(),
@@ -146,9 +157,6 @@ impl RunDirectory {
             dump_in_stages: self.options.dump_in_stages.clone(),
             lengths: self.tables.all().map(CsvFile::length),
             world,
-        };
-        checkpoint.write(self.directory())?;
-        self.saved = Some(increment);
-        Ok(())
+        })
     }
 }

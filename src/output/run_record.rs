@@ -70,7 +70,7 @@ impl RunFacts {
     /// If the stored specimen can no longer be read.
     pub fn new(loaded: &LoadedScene, overrides: &[String]) -> Result<Self, OutputError> {
         let specimen = match &loaded.scene.specimen {
-            Specimen::File { path, .. } => {
+            Specimen::File { path, .. } | Specimen::State { path, .. } => {
                 let path = loaded.path.parent().unwrap_or(Path::new("")).join(path);
                 read_at_most(&path, u64::MAX).map_err(OutputError::at(&path))?
             }

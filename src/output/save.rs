@@ -12,7 +12,7 @@ use clastic_systems::schedule::PROGRESS;
 
 use super::run_directory::RunDirectory;
 use super::{OutputError, names};
-use crate::run::state::{StateError, capture};
+use crate::run::state::{StateError, WorldState, capture};
 
 /// Run condition: the increment is undecided.
 pub fn is_undecided(observation: Res<Observation>) -> bool {
@@ -28,13 +28,26 @@ pub fn is_checkpoint_due(observation: Res<Observation>, run: Res<RunDirectory>) 
 /// Writes a checkpoint. Exclusive, because it reads everything that plugins have registered.
 pub fn save(world: &mut World) -> Result<(), OutputError> {
     let clock = Instant::now();
-    let path = world.resource::<RunDirectory>().path(names::CHECKPOINT);
-    let invalid = |error: StateError| OutputError::at(&path)(io::Error::other(error));
-    let state = capture(world).map_err(invalid)?;
-    // That of the state: an undecided increment was not committed.
-    let increment = state.get::<Progress>(PROGRESS).map_err(invalid)?.increment;
+    let (increment, state) = state(world, names::CHECKPOINT)?;
     let mut run = world.resource_mut::<RunDirectory>();
     run.save(increment, state)?;
     run.saving += clock.elapsed().as_secs_f64();
     Ok(())
+}
+
+/// Writes the checkpoint of a run that has ended, from which more stages or increments continue.
+pub fn save_the_end(world: &mut World) -> Result<(), OutputError> {
+    let (increment, state) = state(world, names::FINAL_CHECKPOINT)?;
+    let mut run = world.resource_mut::<RunDirectory>();
+    let checkpoint = run.checkpoint(increment, state)?.of_the_end();
+    checkpoint.write_as(run.directory(), names::FINAL_CHECKPOINT)
+}
+
+/// The state for the file `name`, and its increment: an undecided one was not committed.
+fn state(world: &mut World, name: &str) -> Result<(u64, WorldState), OutputError> {
+    let path = world.resource::<RunDirectory>().path(name);
+    let invalid = |error: StateError| OutputError::at(&path)(io::Error::other(error));
+    let state = capture(world).map_err(invalid)?;
+    let increment = state.get::<Progress>(PROGRESS).map_err(invalid)?.increment;
+    Ok((increment, state))
 }

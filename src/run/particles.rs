@@ -78,17 +78,19 @@ pub fn particles(specimen: &Specimen, stored: Option<&StoredSpecimen>) -> Vec<Pa
                 })
                 .collect()
         }
-        Specimen::File { material, .. } => stored.map_or_else(Vec::new, |stored| {
-            stored
-                .rows
-                .iter()
-                .map(|row| {
-                    let material = row.material.as_ref().or(material.as_ref());
-                    ParticleSeed::still(DVec2::new(row.x, row.y), row.r, material)
-                })
-                .collect()
-        }),
+        Specimen::File { material, .. } => rows(stored, material.as_ref()),
+        Specimen::State { .. } => rows(stored, None),
     }
+}
+
+/// Particles of a file.
+fn rows(stored: Option<&StoredSpecimen>, default: Option<&String>) -> Vec<ParticleSeed> {
+    let rows = stored.iter().flat_map(|stored| &stored.rows);
+    rows.map(|row| {
+        let material = row.material.as_ref().or(default);
+        ParticleSeed::still(DVec2::new(row.x, row.y), row.r, material)
+    })
+    .collect()
 }
 
 fn lattice(

@@ -14,7 +14,10 @@ use clastic_systems::stepping::{Advance, AdvanceSystems, is_due};
 use super::before::{Before, take_down};
 use super::script::Script;
 use super::stages::{CurrentStage, begin_built_in, change_stages, end_built_in};
-use super::state::{FIRST_WALL, FirstWall, MATERIALS, MaterialNames, SCRIPT, ScriptState};
+use super::state::{
+    FIRST_WALL, FirstWall, INHERITED_WALLS, InheritedWalls, MATERIALS, MaterialNames, SCRIPT,
+    ScriptState,
+};
 use super::stop::end_increment;
 use crate::scene::format::{CustomStage, Stage};
 
@@ -100,6 +103,7 @@ impl Plugin for ScenePlugin {
             .register_component::<BodyId, WallName>("wall_name")
             .register_state::<MaterialNames>(MATERIALS)
             .register_state::<FirstWall>(FIRST_WALL)
+            .register_state::<InheritedWalls>(INHERITED_WALLS)
             .register_state::<ScriptState>(SCRIPT)
             .init_resource::<StageKinds>()
             .init_resource::<Before>()

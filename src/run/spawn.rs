@@ -20,6 +20,7 @@ use clastic_systems::solve_program::Solver;
 use super::cement::bond_pairs;
 use super::particles::particles;
 use super::stages::Script;
+use super::start;
 use super::wall_pieces::{count, pieces};
 use crate::scene::format as scene;
 use crate::scene::specimen_file::StoredSpecimen;
@@ -31,6 +32,9 @@ pub struct WallCatalogue {
     pub first: u32,
     /// All walls of the scene, present or not.
     pub walls: Vec<scene::Wall>,
+    /// The same walls where the run began, if they are those of a saved state. [`walls`](Self::walls)
+    /// are as the scene of that state drew them, which is where a stage brings them in.
+    pub inherited: Option<Vec<scene::Wall>>,
 }
 
 impl WallCatalogue {
@@ -55,7 +59,11 @@ impl WallCatalogue {
 /// Inserts the settings of a scene: all resources that no increment changes, and the analysis of
 /// stages that name none.
 pub fn insert_settings(world: &mut World, scene: &scene::Scene, particles: u32) {
-    world.insert_resource(WallCatalogue { first: particles, walls: scene.walls.clone() });
+    world.insert_resource(WallCatalogue {
+        first: particles,
+        walls: scene.walls.clone(),
+        inherited: None,
+    });
     world.insert_resource(analysis(scene, scene.analysis, scene.gravity));
     world.insert_resource(inc::FrictionLaw::from(scene.friction_law));
     world.insert_resource(scene.rupture);
@@ -93,6 +101,11 @@ pub fn spawn_scene(world: &mut World, scene: &scene::Scene, stored: Option<&Stor
         bodies == 0,
         "spawn_scene: the world has {bodies} bodies already, and a world holds one scene; use a new world"
     );
+    if let Some(state) = stored.and_then(|stored| stored.state.as_ref())
+        && let Some(saved) = &state.saved
+    {
+        return start::from_saved(world, scene, state, saved);
+    }
     let seeds = particles(&scene.specimen, stored);
     insert_settings(world, scene, seeds.len() as u32);
     let names: Vec<&String> = scene.materials.keys().collect();
@@ -124,10 +137,15 @@ pub fn spawn_scene(world: &mut World, scene: &scene::Scene, stored: Option<&Stor
     // Walls that come later have the identities after the particles too.
     let body = world.resource::<WallCatalogue>().first_of(scene.walls.len());
     world.get_resource_or_init::<Identities>().skip_to(NextIdentities { body, bond: 0 });
-    bond_pairs(world, scene.bonds.iter().map(|bond| (bond.a, bond.b)));
     if scene.output.energy {
         world.insert_resource(EnergyLedger::default());
     }
+    begin_script(world, scene);
+}
+
+/// Adds the bonds that the scene lists, and its stages, to a world that has its bodies.
+pub(super) fn begin_script(world: &mut World, scene: &scene::Scene) {
+    bond_pairs(world, scene.bonds.iter().map(|bond| (bond.a, bond.b)));
     // The stages look at the record, whoever writes it.
     world.init_resource::<Observation>();
     world.init_resource::<Measures>();

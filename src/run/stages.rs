@@ -9,7 +9,7 @@ use clastic_systems::stepping::Due;
 
 use super::plugin::{BeginStage, EndStage, StageKinds};
 pub use super::script::{Collapse, CollapsedBy, EndedBy, Outcome, Script, StageEnd, Step};
-use super::{cement, compact, load};
+use super::{cement, compact, load, save};
 use crate::scene::format::Stage;
 
 /// The stage that begins, runs or ends.
@@ -66,7 +66,7 @@ fn refusal(world: &mut World, stage: &Stage) -> Option<String> {
         Stage::Load(load) => {
             load::selects_nothing(world, load).or_else(|| load::cuts_through(world, load))
         }
-        Stage::Custom(_) | Stage::Compact(_) | Stage::Cement(_) => None,
+        Stage::Custom(_) | Stage::Compact(_) | Stage::Cement(_) | Stage::Save(_) => None,
     }
 }
 
@@ -115,6 +115,7 @@ pub(super) fn begin_built_in(world: &mut World) {
     match world.resource::<CurrentStage>().0.clone() {
         Stage::Compact(stage) => compact::begin(world, &stage),
         Stage::Cement(stage) => cement::cement(world, &stage),
+        Stage::Save(stage) => save::save(world, &stage),
         Stage::Load(stage) => load::begin(world, &stage),
         Stage::Custom(stage) => load::begin_custom(world, &stage),
     }
@@ -125,6 +126,6 @@ pub(super) fn end_built_in(world: &mut World) {
     match world.resource::<CurrentStage>().0 {
         Stage::Compact(_) => compact::end(world),
         Stage::Load(_) => load::end(world),
-        Stage::Cement(_) | Stage::Custom(_) => {}
+        Stage::Cement(_) | Stage::Custom(_) | Stage::Save(_) => {}
     }
 }

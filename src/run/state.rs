@@ -19,8 +19,8 @@ use super::before::Before;
 use super::load::resolve_measures;
 use super::script::{Collapse, Outcome, Script, StageEnd};
 use super::spawn::{WallCatalogue, insert_settings};
-use crate::scene::format::Scene;
-use crate::scene::{StoredParticle, StoredSpecimen};
+use crate::scene::format::{Scene, Wall};
+use crate::scene::{StoredParticle, StoredSpecimen, StoredState};
 
 /// Name of [`ScriptState`] in a state.
 pub const SCRIPT: &str = "script";
@@ -29,6 +29,9 @@ pub const MATERIALS: &str = "materials.names";
 
 /// Name of [`FirstWall`] in a state.
 pub const FIRST_WALL: &str = "walls.first";
+
+/// Name of [`InheritedWalls`] in a state.
+pub const INHERITED_WALLS: &str = "walls.catalogue";
 
 /// State of a [`Script`] apart from its scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -101,6 +104,29 @@ impl StateOf for FirstWall {
 
     fn put(self, world: &mut World) {
         world.get_resource_or_init::<WallCatalogue>().first = self.0;
+    }
+}
+
+/// The walls of a [`WallCatalogue`] that come from a saved state. Other walls follow from the scene.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct InheritedWalls {
+    /// As the scene of the state drew them.
+    drawn: Vec<Wall>,
+    /// Where they were when the run began.
+    at_start: Vec<Wall>,
+}
+
+impl StateOf for InheritedWalls {
+    fn take(world: &mut World) -> Option<Self> {
+        let catalogue = world.get_resource::<WallCatalogue>()?;
+        let at_start = catalogue.inherited.clone()?;
+        Some(Self { drawn: catalogue.walls.clone(), at_start })
+    }
+
+    fn put(self, world: &mut World) {
+        let mut catalogue = world.get_resource_or_init::<WallCatalogue>();
+        catalogue.walls = self.drawn;
+        catalogue.inherited = Some(self.at_start);
     }
 }
 
@@ -184,7 +210,7 @@ impl StateView {
             begun: state.get::<ScriptState>(SCRIPT)?.begun,
             ramps: controls.0.iter().any(|(_, control)| control.is_ramp())
                 || loads.iter().any(|(_, load)| load.0.iter().any(|(from, to)| from != to)),
-            specimen: StoredSpecimen { rows: rows.collect() },
+            specimen: StoredSpecimen { rows: rows.collect(), state: Some(stored_state(state)?) },
         })
     }
 
@@ -193,4 +219,13 @@ impl StateView {
     pub fn is_within_stage(&self) -> bool {
         self.begun && !self.progress.is_over()
     }
+}
+
+/// What a run that started from a saved state has taken over from it.
+fn stored_state(state: &WorldState) -> Result<StoredState, StateError> {
+    let walls = match state.bytes(INHERITED_WALLS) {
+        Some(_) => state.get::<InheritedWalls>(INHERITED_WALLS)?.at_start,
+        None => Vec::new(),
+    };
+    StoredState::of(state, walls, None)
 }

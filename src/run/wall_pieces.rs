@@ -80,6 +80,22 @@ fn set_end(shape: &mut WallShape, k: usize, end: WallEnd) {
     }
 }
 
+/// The wall with all its points moved.
+#[must_use]
+pub fn moved(wall: &scene::Wall, by: DVec2) -> scene::Wall {
+    let shift = |(x, y): (f64, f64)| (x + by.x, y + by.y);
+    let mut wall = wall.clone();
+    (wall.start, wall.end) = (shift(wall.start), shift(wall.end));
+    match &mut wall.shape {
+        scene::WallShape::Line | scene::WallShape::Segment => {}
+        scene::WallShape::Polyline(corners) => {
+            corners.iter_mut().for_each(|corner| *corner = shift(*corner));
+        }
+        scene::WallShape::Arc { through } => *through = shift(*through),
+    }
+    wall
+}
+
 fn straight(start: DVec2, end: DVec2, shape: WallShape) -> Piece {
     let wall = Wall {
         tangent: (end - start).normalize_or(DVec2::X),

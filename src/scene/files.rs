@@ -14,7 +14,7 @@ use super::shipped;
 /// forever.
 pub(crate) fn read_at_most(path: &Path, most: u64) -> io::Result<Option<Vec<u8>>> {
     if let Some(text) = shipped::content(path) {
-        return Ok(Some(text.as_bytes().to_vec()));
+        return Ok(Some(text.to_vec()));
     }
     let kind = fs::metadata(path)?.file_type();
     if !kind.is_file() {

@@ -13,6 +13,7 @@ use super::files::read_at_most;
 use super::format::{Scene, Specimen};
 use super::overrides::{SetError, apply};
 use super::specimen_file::{ReadError, StoredSpecimen, read};
+use super::stored_state::{self, inherit};
 use super::validate::findings;
 
 /// A scene that was read and checked.
@@ -111,7 +112,7 @@ pub fn load_with(
         refuse(&text, at, message, "save the scene as UTF-8")
     })?;
     let base = path.parent().unwrap_or(Path::new(""));
-    from_text(&text, path, sets, |specimen| read(&base.join(specimen)), further)
+    from_text(&text, path, sets, |specimen| read_specimen(base, specimen), further)
 }
 
 /// Maximum size of a scene file, bytes. Reading it takes about twenty times as much memory.
@@ -128,7 +129,7 @@ pub fn from_str(
     base: &Path,
     sets: &[String],
 ) -> Result<LoadedScene, LoadError> {
-    from_text(text, name, sets, |path| read(&base.join(path)), |_| Vec::new())
+    from_text(text, name, sets, |specimen| read_specimen(base, specimen), |_| Vec::new())
 }
 
 /// Reads and checks a scene whose particles exist already. `stored` replaces the specimen file, if
@@ -142,27 +143,36 @@ pub fn from_str_with(
     stored: StoredSpecimen,
     sets: &[String],
 ) -> Result<LoadedScene, LoadError> {
-    from_text(text, name, sets, |_| Ok(stored), |_| Vec::new())
+    from_text(text, name, sets, |_| Ok(Some(stored)), |_| Vec::new())
+}
+
+/// Reads the file that a specimen names; `None` if it names none.
+fn read_specimen(base: &Path, specimen: &Specimen) -> Result<Option<StoredSpecimen>, ReadError> {
+    match specimen {
+        Specimen::File { path, .. } => read(&base.join(path)).map(Some),
+        Specimen::State { path, .. } => stored_state::read(&base.join(path)).map(Some),
+        _ => Ok(None),
+    }
 }
 
 fn from_text(
     text: &str,
     name: &Path,
     sets: &[String],
-    read: impl FnOnce(&str) -> Result<StoredSpecimen, ReadError>,
+    read: impl FnOnce(&Specimen) -> Result<Option<StoredSpecimen>, ReadError>,
     further: impl FnOnce(&Scene) -> Vec<Finding>,
 ) -> Result<LoadedScene, LoadError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let edited = apply(text, sets).map_err(LoadError::Set)?;
     let text = edited.text.as_str();
-    let Diagnosis { scene, mut placed, made_up, renamed } = parse(text);
+    let Diagnosis { mut scene, mut placed, made_up, renamed } = parse(text);
     let mut csv_errors = None;
     let mut specimen = None;
-    if let Some(scene) = &scene {
+    if let Some(scene) = &mut scene {
         let mut found = Vec::new();
-        if let Specimen::File { path, .. } = &scene.specimen {
-            match read(path) {
-                Ok(stored) => specimen = Some(stored),
+        if let Specimen::File { .. } | Specimen::State { .. } = &scene.specimen {
+            match read(&scene.specimen) {
+                Ok(stored) => specimen = stored,
                 Err(ReadError::File(message)) => {
                     let help = "the path is relative to the scene file";
                     found.push(Finding::new("specimen.path", message, help));
@@ -170,7 +180,16 @@ fn from_text(
                 Err(ReadError::Rows(errors)) => csv_errors = Some(errors),
             }
         }
-        found.extend(findings(scene, specimen.as_ref(), &made_up));
+        if let Some(stored) = &mut specimen {
+            inherit(scene, stored);
+        }
+        let mut unsure = made_up.clone();
+        if matches!(scene.specimen, Specimen::State { .. }) && specimen.is_none() {
+            // The names of a state that cannot be read are unknown.
+            unsure.push("specimen".to_owned());
+            unsure.extend(scene.walls.is_empty().then(|| "walls".to_owned()));
+        }
+        found.extend(findings(scene, specimen.as_ref(), &unsure));
         found.extend(further(scene));
         found.retain(|finding| !made_up.iter().any(|path| within(&finding.path, path)));
         placed.extend(place(text, found, &renamed));

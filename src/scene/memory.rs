@@ -82,7 +82,9 @@ pub(super) fn particles(specimen: &Specimen, stored: Option<&StoredSpecimen>) ->
             (columns * rows).saturating_sub(rows / 2)
         }
         Specimen::Packing { count, .. } => u64::from(*count),
-        Specimen::File { .. } => stored.map_or(0, |stored| stored.rows.len() as u64),
+        Specimen::File { .. } | Specimen::State { .. } => {
+            stored.map_or(0, |stored| stored.rows.len() as u64)
+        }
     }
 }
 
@@ -97,7 +99,7 @@ fn mean_radius(specimen: &Specimen, stored: Option<&StoredSpecimen>) -> f64 {
             }
             Sizes::LogNormal { radius, .. } => radius,
         },
-        Specimen::Particles(_) | Specimen::File { .. } => {
+        Specimen::Particles(_) | Specimen::File { .. } | Specimen::State { .. } => {
             let (_, radii) = disks(specimen, stored);
             let area: f64 = radii.iter().map(|r| PI * r * r).sum();
             (area / (PI * radii.len() as f64)).sqrt()
@@ -111,7 +113,7 @@ fn disks(specimen: &Specimen, stored: Option<&StoredSpecimen>) -> (Vec<DVec2>, V
         Specimen::Particles(list) => {
             list.iter().map(|p| (DVec2::from(p.position), p.radius)).unzip()
         }
-        Specimen::File { .. } => {
+        Specimen::File { .. } | Specimen::State { .. } => {
             let rows = stored.iter().flat_map(|stored| &stored.rows);
             rows.map(|row| (DVec2::new(row.x, row.y), row.r)).unzip()
         }

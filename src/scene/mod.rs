@@ -19,6 +19,7 @@ pub mod shown;
 pub mod spans;
 pub mod specimen_file;
 mod stand_in;
+pub mod stored_state;
 mod suggest;
 #[cfg(test)]
 mod tests;
@@ -31,3 +32,4 @@ pub use diagnostic::{Diagnostic, Finding, SceneErrors};
 pub use load::{LoadError, LoadedScene, from_str, from_str_with, load, load_with};
 pub use overrides::SetError;
 pub use specimen_file::{StoredParticle, StoredSpecimen};
+pub use stored_state::StoredState;

@@ -8,12 +8,12 @@ const DIRECTORY: &str = "<clastic>/scenes";
 
 macro_rules! files {
     ($($name:literal)*) => {
-        [$(($name, include_str!(concat!("../../scenes/", $name)))),*]
+        [$(($name, include_bytes!(concat!("../../scenes/", $name)).as_slice())),*]
     };
 }
 
 /// Every file of `scenes/` by its path in that directory.
-static FILES: &[(&str, &str)] = &files! {
+static FILES: &[(&str, &[u8])] = &files! {
     "angle_of_repose.ron"
     "biaxial_0kPa.ron"
     "biaxial_100kPa.ron"
@@ -34,6 +34,10 @@ static FILES: &[(&str, &str)] = &files! {
     "incline_rolls_with_resistance.ron"
     "incline_slips.ron"
     "lattice.ron"
+    "prepare_and_branch.ron"
+    "prepare_and_branch_100kPa.ron"
+    "prepare_and_branch_200kPa.ron"
+    "prepare_and_branch_50kPa.ron"
     "prepare_biaxial.ron"
     "prepare_biaxial_small.ron"
     "rolling.ron"
@@ -47,6 +51,7 @@ static FILES: &[(&str, &str)] = &files! {
     "uniaxial_small.ron"
     "specimens/biaxial_400.csv"
     "specimens/biaxial_6160.csv"
+    "specimens/branch_200.npz"
     "specimens/uniaxial_400.csv"
     "specimens/uniaxial_7380.csv"
 };
@@ -63,7 +68,7 @@ pub fn path(name: &str) -> Option<PathBuf> {
 }
 
 /// Content of a shipped file.
-pub(super) fn content(path: &Path) -> Option<&'static str> {
+pub(super) fn content(path: &Path) -> Option<&'static [u8]> {
     let inside = path.strip_prefix(DIRECTORY).ok()?;
     FILES.iter().find(|(name, _)| inside == Path::new(name)).map(|(_, content)| *content)
 }
@@ -83,16 +88,16 @@ mod tests {
                 let path = entry.unwrap().path();
                 if path.is_file() {
                     let name = path.strip_prefix(&root).unwrap().to_string_lossy().into_owned();
-                    found.push((name, fs::read_to_string(path).unwrap()));
+                    found.push((name, fs::read(path).unwrap()));
                 }
             }
         }
         found.sort();
         let mut shipped: Vec<_> =
-            FILES.iter().map(|(name, text)| ((*name).to_owned(), (*text).to_owned())).collect();
+            FILES.iter().map(|(name, text)| ((*name).to_owned(), text.to_vec())).collect();
         shipped.sort();
         let names =
-            |list: &[(String, String)]| list.iter().map(|f| f.0.clone()).collect::<Vec<_>>();
+            |list: &[(String, Vec<u8>)]| list.iter().map(|f| f.0.clone()).collect::<Vec<_>>();
         assert_eq!(names(&shipped), names(&found));
         assert!(shipped == found, "build again: a file has changed");
     }

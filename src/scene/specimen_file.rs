@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 use super::diagnostic::{Finding, MAX_SHOWN, Placed, SceneErrors};
 use super::edited::EditedText;
 use super::files::read_at_most;
+use super::stored_state::StoredState;
 use super::validate::{MAX_NUMBER, MAX_PARTICLES, MIN_NUMBER, coincident};
 
 /// Maximum size of the file, bytes: that of `MAX_PARTICLES` rows with all digits.
@@ -28,6 +29,16 @@ const NOT_READ: [&str; 4] = ["id", "rotation_rad", "ux_m", "uy_m"];
 pub struct StoredSpecimen {
     /// Its particles.
     pub rows: Vec<StoredParticle>,
+    /// What a saved state has besides.
+    pub state: Option<StoredState>,
+}
+
+impl StoredSpecimen {
+    /// Particles at rest and free of stress.
+    #[must_use]
+    pub fn of(rows: Vec<StoredParticle>) -> Self {
+        Self { rows, state: None }
+    }
 }
 
 /// A particle of a stored specimen.
@@ -82,7 +93,7 @@ pub fn read(path: &Path) -> Result<StoredSpecimen, ReadError> {
         }
     }
     if reading.placed.is_empty() {
-        Ok(StoredSpecimen { rows: reading.rows })
+        Ok(StoredSpecimen::of(reading.rows))
     } else {
         Err(ReadError::Rows(SceneErrors::new(path, &EditedText::of(&text), reading.placed)))
     }

@@ -4,7 +4,9 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod branched;
 mod changed;
+mod extended;
 mod refused;
 mod resumed;
 mod same_bytes;

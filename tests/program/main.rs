@@ -11,5 +11,6 @@ mod dumps;
 mod exit_codes;
 mod files;
 mod results;
+mod states;
 mod stopped;
 mod sweep;

@@ -35,7 +35,9 @@ pub(super) use solver::CONDENSED_FIELDS;
 pub use solver::Solver;
 pub(super) use solver::WITHOUT_BRACKETS;
 pub use specimen::{ExplicitBond, Particle, Sizes, Specimen};
-pub use stages::{Cement, Compact, CompactRest, CompactTarget, CustomStage, Load, Stage, Stop};
+pub use stages::{
+    Cement, Compact, CompactRest, CompactTarget, CustomStage, Load, Save, Stage, Stop,
+};
 pub use walls::{LidLoad, Slide, Table, Wall, WallControl, WallShape};
 
 /// Version of the format that this build reads.
@@ -110,6 +112,16 @@ fn one() -> f64 {
 }
 
 impl Scene {
+    /// Index of the stage at whose start strains are zero: the one that `measures` names, else the
+    /// last stage that does more than keep the state.
+    #[must_use]
+    pub fn reference_stage(&self) -> usize {
+        let name = self.measures.reference_stage.as_ref();
+        let named = name.and_then(|name| self.stages.iter().position(|s| s.name() == name));
+        let last = || self.stages.iter().rposition(|stage| !matches!(stage, Stage::Save(_)));
+        named.or_else(last).unwrap_or(0)
+    }
+
     /// Whether a contact law of the scene has restitution. Velocities of dynamic stages are then
     /// those of theta = 1.
     #[must_use]

@@ -1,6 +1,10 @@
 //! Specimens: sources of the particles.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
+
+use crate::scene::unique_keys;
 
 /// Source of the particles.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
@@ -50,6 +54,16 @@ pub enum Specimen {
         /// Material of rows that name none.
         #[serde(default)]
         material: Option<String>,
+    },
+    /// The state at the end of another run, or where a `Save` stage kept it: particles with forces,
+    /// velocities, bonds and loads, and its walls unless the scene lists walls.
+    State {
+        /// Path of the `.npz` file, relative to the scene file.
+        path: String,
+        /// Materials of the scene by the names that they have in the state. A name that is left out
+        /// stays.
+        #[serde(default, deserialize_with = "unique_keys::deserialize")]
+        materials: BTreeMap<String, String>,
     },
 }
 

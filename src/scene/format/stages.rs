@@ -17,6 +17,8 @@ pub enum Stage {
     Compact(Compact),
     /// Bonds every pair with a gap below a length, free of stress. It has no increments.
     Cement(Cement),
+    /// Keeps the state as a file from which another scene starts. It has no increments.
+    Save(Save),
     /// Increments with controlled walls and particles.
     Load(Load),
     /// A stage of a kind that a plugin provides.
@@ -30,6 +32,7 @@ impl Stage {
         match self {
             Self::Compact(s) => &s.name,
             Self::Cement(s) => &s.name,
+            Self::Save(s) => &s.name,
             Self::Load(s) => &s.name,
             Self::Custom(s) => &s.name,
         }
@@ -40,7 +43,7 @@ impl Stage {
     pub fn record(&self) -> Option<&Record> {
         match self {
             Self::Compact(s) => Some(&s.record),
-            Self::Cement(_) => None,
+            Self::Cement(_) | Self::Save(_) => None,
             Self::Load(s) => Some(&s.record),
             Self::Custom(s) => Some(&s.record),
         }
@@ -148,6 +151,25 @@ fn yes() -> bool {
 
 fn is_true(value: &bool) -> bool {
     *value
+}
+
+/// See [`Stage::Save`].
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Save {
+    /// Name, which is part of the name of the file.
+    pub name: String,
+}
+
+impl Save {
+    /// Name of the file: `state_NAME.npz`. Characters that may not be in the name of a file are
+    /// replaced by `_`.
+    #[must_use]
+    pub fn file(&self) -> String {
+        let fits = |c: char| c.is_alphanumeric() || "_-.".contains(c);
+        let name: String = self.name.chars().map(|c| if fits(c) { c } else { '_' }).collect();
+        format!("state_{name}.npz")
+    }
 }
 
 /// See [`Stage::Load`].

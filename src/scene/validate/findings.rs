@@ -26,6 +26,11 @@ impl<'a> Findings<'a> {
         self.list
     }
 
+    /// Number of findings so far.
+    pub(super) fn len(&self) -> usize {
+        self.list.len()
+    }
+
     /// Whether a part of the scene contains no made-up value. Otherwise no conclusions may be drawn
     /// from it.
     pub(super) fn is_sure_of(&self, path: &str) -> bool {

@@ -13,6 +13,7 @@ mod selections;
 mod settings;
 mod specimen;
 mod stages;
+mod state;
 mod thin_walls;
 mod wall_controls;
 mod walls;
@@ -83,9 +84,16 @@ impl<'a> Context<'a> {
             walls: scene.walls.iter().map(|wall| wall.name.as_str()).collect(),
             stages: scene.stages.iter().map(Stage::name).collect(),
             particles: match &scene.specimen {
-                Specimen::File { .. } if specimen.is_none() => None,
+                Specimen::File { .. } | Specimen::State { .. } if specimen.is_none() => None,
                 of => Some(memory::particles(of, specimen)),
             },
         }
+    }
+
+    /// Whether the scene starts from a saved state that was read. A run that is resumed does not
+    /// read it again, and its particles are elsewhere.
+    fn starts_here(&self) -> bool {
+        let state = self.specimen.and_then(|stored| stored.state.as_ref());
+        state.is_some_and(|state| state.saved.is_some())
     }
 }

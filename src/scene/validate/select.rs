@@ -37,6 +37,8 @@ pub(super) fn select(context: &Context, path: Arguments, select: &Select, findin
             if matches!(context.scene.specimen, Specimen::Lattice { .. }) {
                 names.push("boundary");
             }
+            let state = context.specimen.and_then(|stored| stored.state.as_ref());
+            names.extend(state.iter().flat_map(|state| &state.groups).map(String::as_str));
             names.sort_unstable();
             names.dedup();
             names.extend(context.scene.groups.keys().map(String::as_str));

@@ -14,9 +14,14 @@ use crate::scene::format::{Load, Select, Specimen, Stage};
 
 pub(super) fn check(context: &Context, findings: &mut Findings) {
     let scene = context.scene;
-    let unmoved = scene.stages.iter().position(|stage| !matches!(stage, Stage::Cement(_)));
+    let moves = |stage: &Stage| !matches!(stage, Stage::Cement(_) | Stage::Save(_));
+    let unmoved = scene.stages.iter().position(moves);
     let Some((i, Stage::Load(stage))) = unmoved.map(|i| (i, &scene.stages[i])) else { return };
-    let is_read = context.specimen.is_some() || !matches!(scene.specimen, Specimen::File { .. });
+    let is_read = match &scene.specimen {
+        Specimen::File { .. } => context.specimen.is_some(),
+        Specimen::State { .. } => context.starts_here(),
+        _ => true,
+    };
     if !is_read || regions(stage, &scene.groups).next().is_none() {
         return;
     }

@@ -12,7 +12,7 @@ use crate::scene::suggest;
 
 use super::findings::Findings;
 use super::places::{coincident, finest, is_behind};
-use super::{Context, MAX_MEMORY, MAX_PARTICLES};
+use super::{Context, MAX_MEMORY, MAX_PARTICLES, state};
 
 /// Maximum spacing of floating-point numbers at a disk, in radii.
 const COARSEST: f64 = 1e-4;
@@ -42,6 +42,7 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
                 rows(context, stored, material.as_deref(), findings);
             }
         }
+        Specimen::State { materials, .. } => state::check(context, materials, findings),
     }
     bonds(context, findings);
 }
@@ -229,7 +230,7 @@ fn not_too_far(
     }
 }
 
-fn not_behind(
+pub(super) fn not_behind(
     context: &Context,
     path: Arguments,
     what: &str,
@@ -312,6 +313,7 @@ fn bond_law(context: &Context, path: Arguments, (a, b): (u32, u32), findings: &m
                 let row = context.specimen?.rows.get(index)?;
                 row.material.as_deref().or(material.as_deref())
             }
+            Specimen::State { .. } => context.specimen?.rows.get(index)?.material.as_deref(),
         };
         named.or(only)
     };

@@ -1,5 +1,6 @@
 //! Stages in order: each uses the walls that the earlier ones have left.
 
+use std::collections::BTreeMap;
 use std::fmt::Arguments;
 
 use crate::scene::format::{
@@ -25,6 +26,7 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
     if findings.is_sure_of("stages") {
         findings.unique("name of a stage", names);
     }
+    files(&scene.stages, findings);
     if scene.stages.is_empty() && findings.is_sure_of("stages") {
         let help = "add one, such as Load(name: \"load\", increments: 10)";
         findings.add(format_args!("stages"), "no stage: nothing would happen".to_owned(), help);
@@ -35,8 +37,24 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
         match stage {
             Stage::Compact(stage) => compact(context, path, stage, &present, findings),
             Stage::Cement(stage) => cement(context, path, stage, findings),
+            Stage::Save(_) => {}
             Stage::Load(stage) => load(context, path, (i, stage), &mut present, findings),
             Stage::Custom(stage) => custom(path, stage, findings),
+        }
+    }
+}
+
+/// Checks that every `Save` has a file of its own.
+fn files(stages: &[Stage], findings: &mut Findings) {
+    let mut seen: BTreeMap<String, &str> = BTreeMap::new();
+    for (i, stage) in stages.iter().enumerate() {
+        let Stage::Save(save) = stage else { continue };
+        // Some file systems take letters of either case for one.
+        let first = seen.insert(save.file().to_lowercase(), &save.name);
+        if let Some(first) = first.filter(|first| *first != save.name) {
+            let message = format!("the file of stage `{first}` (`{}`)", save.file());
+            let help = "give it a name with other letters or digits";
+            findings.add(format_args!("stages[{i}].name"), message, help);
         }
     }
 }
@@ -354,7 +372,7 @@ fn never(
     let last = context.stages.len().saturating_sub(1);
     let reference = match &measures.reference_stage {
         Some(name) => context.stages.iter().position(|stage| stage == name).unwrap_or(0),
-        None => last,
+        None => context.scene.reference_stage(),
     };
     if matches!(stop, Stop::AxialStrain(_)) && here < reference {
         let name = context.stages[reference];

@@ -1,0 +1,118 @@
+//! A saved state as a scene uses it: its particles, and the names that the scene may use.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+use std::sync::Arc;
+
+use glam::DVec2;
+
+use clastic_components::body::{BodyId, Group, Position, Probe};
+use clastic_components::particle::{MaterialIndex, Particle};
+use clastic_systems::state::{StateError, WorldState};
+
+use super::files::read_at_most;
+use super::format::{Scene, Specimen, Wall};
+use super::specimen_file::{ReadError, StoredParticle, StoredSpecimen};
+use crate::saved::{SavedError, SavedState};
+use crate::tables::Tables;
+
+/// Maximum size of the file, bytes.
+const MAX_BYTES: u64 = 16_000_000_000;
+
+/// What a saved state has besides its particles.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct StoredState {
+    /// Its walls where the run begins.
+    pub walls: Vec<Wall>,
+    /// Whether they are the walls of the scene, which lists none.
+    pub gives_walls: bool,
+    /// Names of its groups, in order.
+    pub groups: Vec<String>,
+    /// Names under which its particles were recorded, by index.
+    pub probes: BTreeMap<String, u32>,
+    /// The state; `None` for a run that is resumed, which has a state of its own.
+    pub saved: Option<Arc<SavedState>>,
+}
+
+/// Reads a saved state.
+///
+/// # Errors
+/// If the file cannot be read or is no saved state.
+pub fn read(path: &Path) -> Result<StoredSpecimen, ReadError> {
+    let refuse = |why: &str| ReadError::File(format!("cannot read `{}`: {why}", path.display()));
+    let bytes = read_at_most(path, MAX_BYTES).map_err(|error| refuse(&error.to_string()))?;
+    let bytes = bytes.ok_or_else(|| refuse("it has more than 16 GB"))?;
+    let tables = Tables::decode(&bytes).map_err(|error| refuse(&error.to_string()))?;
+    let saved = SavedState::read(&tables).and_then(stored);
+    saved.map_err(|error| refuse(&error.to_string()))
+}
+
+fn stored(saved: SavedState) -> Result<StoredSpecimen, SavedError> {
+    let world = &saved.world;
+    let particles = world.components::<BodyId, Particle>("particle")?;
+    let places = world.components::<BodyId, Position>("position")?;
+    let materials = world.components::<BodyId, MaterialIndex>("material")?;
+    let rows = particles.iter().zip(&materials).filter_map(|((id, particle), (_, index))| {
+        let at = places.binary_search_by_key(id, |(id, _)| *id).ok()?;
+        let DVec2 { x, y } = places[at].1.0;
+        let material = saved.materials.get(index.0 as usize).map(|(name, _)| name.clone());
+        Some(StoredParticle { x, y, r: particle.radius, material })
+    });
+    let rows = rows.collect();
+    let walls = saved.walls_now()?;
+    let saved = Arc::new(saved);
+    let state = StoredState::of(&saved.world, walls, Some(Arc::clone(&saved)))?;
+    Ok(StoredSpecimen { rows, state: Some(state) })
+}
+
+impl StoredState {
+    /// What the state of a world says to a scene.
+    ///
+    /// # Errors
+    /// If an entry of the state is of another type.
+    pub(crate) fn of(
+        world: &WorldState,
+        walls: Vec<Wall>,
+        saved: Option<Arc<SavedState>>,
+    ) -> Result<Self, StateError> {
+        let particles = world.components::<BodyId, Particle>("particle")?;
+        let is_particle = |id: &BodyId| particles.binary_search_by_key(id, |(id, _)| *id).is_ok();
+        let groups = world.components::<BodyId, Group>("group")?;
+        let groups: BTreeSet<_> = groups.into_iter().map(|(_, group)| group.0).collect();
+        let probes = world.components::<BodyId, Probe>("probe")?.into_iter();
+        let probes = probes.filter(|(id, _)| is_particle(id)).map(|(id, probe)| (probe.0, id.0));
+        Ok(Self {
+            walls,
+            gives_walls: false,
+            groups: groups.into_iter().collect(),
+            probes: probes.collect(),
+            saved,
+        })
+    }
+}
+
+/// Gives a scene what it takes over from the state from which it starts: the walls if it lists
+/// none, names of recorded particles that it does not use otherwise, and materials by the names
+/// that the scene gives them.
+pub(super) fn inherit(scene: &mut Scene, stored: &mut StoredSpecimen) {
+    let (Some(state), Specimen::State { materials, .. }) = (&mut stored.state, &scene.specimen)
+    else {
+        return;
+    };
+    if state.saved.is_some() {
+        for row in &mut stored.rows {
+            if let Some(name) = row.material.as_ref().and_then(|name| materials.get(name)) {
+                row.material = Some(name.clone());
+            }
+        }
+    }
+    state.gives_walls = scene.walls.is_empty();
+    if state.gives_walls {
+        scene.walls.clone_from(&state.walls);
+    }
+    for (name, index) in &state.probes {
+        if !scene.probes.contains_key(name) && !scene.probes.values().any(|i| i == index) {
+            scene.probes.insert(name.clone(), *index);
+        }
+    }
+}

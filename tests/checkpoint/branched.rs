@@ -1,0 +1,214 @@
+//! A run in two pieces, the second from the state that the first has saved, leaves the rows of a run
+//! in one piece, byte for byte.
+
+use std::fs;
+use std::path::Path;
+
+use clastic::output::directory;
+use clastic::scene::{self, LoadedScene};
+
+use crate::common::files;
+use crate::resumed::{COULOMB, run, same_from_anywhere};
+
+/// A scene of `scenes/`, or a text, under settings.
+fn scene_of(rig: &str, sets: &[String]) -> LoadedScene {
+    let path = format!("{}/scenes/{rig}.ron", env!("CARGO_MANIFEST_DIR"));
+    let loaded = match rig {
+        "COULOMB" => scene::from_str(COULOMB, Path::new("rig.ron"), Path::new(""), sets),
+        _ => scene::load(Path::new(&path), sets),
+    };
+    loaded.unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn text(path: &Path) -> String {
+    fs::read_to_string(path).unwrap()
+}
+
+/// Runs a rig with the stages `first` and `second` in one piece and in two. All rows, frames and
+/// files of the end must be equal. Returns the second scene and the rows of its history.
+fn same_in_two(
+    rig: &str,
+    common: &[&str],
+    [first, second]: [&str; 2],
+    parent: &Path,
+) -> (LoadedScene, Vec<String>) {
+    let with = |more: &[String]| {
+        let common = common.iter().map(|set| (*set).to_owned());
+        scene_of(rig, &common.chain(more.iter().cloned()).collect::<Vec<_>>())
+    };
+    let [one, a, b] = ["one", "a", "b"].map(|name| parent.join(name));
+    let whole = with(&[format!("stages=[{first}, {second}]")]);
+    run(&whole, &one, 0, |_| {});
+    run(&with(&[format!("stages=[{first}, Save(name: \"kept\")]")]), &a, 0, |_| {});
+    let kept = a.join("state_kept.npz");
+    // A state that is saved at the end is that of the end, and both name the last stage.
+    assert_eq!(fs::read(&kept).unwrap(), fs::read(a.join(directory::FINAL_STATE)).unwrap());
+    let from = with(&[
+        format!("specimen=State(path: {:?})", kept.display().to_string()),
+        "walls=[]".to_owned(),
+        format!("stages=[{second}]"),
+    ]);
+    run(&from, &b, 0, |_| {});
+
+    let mut rows = Vec::new();
+    for name in [directory::HISTORY, directory::EVENTS, directory::AVALANCHES] {
+        let (whole, part) = (text(&one.join(name)), text(&b.join(name)));
+        let (mut whole, mut part) = (whole.lines(), part.lines());
+        assert_eq!(whole.next(), part.next(), "header of {name}");
+        let (whole, part): (Vec<_>, Vec<_>) = (whole.collect(), part.collect());
+        let tail = &whole[whole.len() - part.len()..];
+        for (expected, found) in tail.iter().zip(&part) {
+            assert_eq!(found, expected, "{name}");
+        }
+        let stages = |rows: &[&str]| rows.iter().filter_map(|r| r.split(',').nth(1)).count();
+        assert_eq!(stages(tail), stages(&part), "{name}");
+        if name == directory::HISTORY {
+            assert!(whole.len() > part.len() && !part.is_empty(), "{name}");
+            rows = part.iter().map(|row| (*row).to_owned()).collect();
+        }
+    }
+    let (whole, part) = (files(&one), files(&b));
+    for name in [directory::FINAL_PARTICLES, directory::FINAL_STATE] {
+        assert!(whole[Path::new(name)] == part[Path::new(name)], "{name} differs");
+    }
+    let frames = part.iter().filter(|(name, _)| name.starts_with(directory::FRAMES));
+    for (name, bytes) in frames.filter(|(name, _)| name.extension() == Some("csv".as_ref())) {
+        assert!(whole[name] == *bytes, "{} differs", name.display());
+    }
+    (from, rows)
+}
+
+const CEMENT: &str = "Cement(name: \"cement\", length: 2.0e-3)";
+
+/// Confinement of `biaxial_small`.
+const CONFINE: &str = r#"Load(name: "confine", increments: 3, walls: {
+    "bottom": Stress(stress: 200.0e3, between: ("left", "right")),
+    "top": Stress(stress: 200.0e3, between: ("left", "right")),
+    "left": Stress(stress: 200.0e3, between: ("bottom", "top")),
+    "right": Stress(stress: 200.0e3, between: ("bottom", "top")),
+})"#;
+
+/// Shear of `biaxial_small`: a stage of this name with some increments.
+fn shear(name: &str, increments: u32) -> String {
+    format!(
+        r#"Load(name: "{name}", increments: {increments}, walls: {{
+            "bottom": Displacement(0.0, 0.16e-3), "top": Displacement(0.0, -0.16e-3) }})"#
+    )
+}
+
+#[test]
+fn bonded_static() {
+    for order in ["rupture.order=OneRound", "rupture.order=Events"] {
+        let parent = tempfile::tempdir().unwrap();
+        let first = format!("{CEMENT}, {CONFINE}, {}", shear("a", 2));
+        // Groups, so that fewer events take less time.
+        let common = [order, "rupture.group=0.01", "output=(frames_every: 3, energy: true)"];
+        let (_, rows) =
+            same_in_two("biaxial_small", &common, [&first, &shear("b", 3)], parent.path());
+        let events = text(&parent.path().join("b").join(directory::EVENTS));
+        assert!(events.lines().count() > 1, "{order}: no bond broke");
+        assert!(rows.len() >= 3);
+    }
+}
+
+#[test]
+fn the_second_piece_is_resumed_without_the_state() {
+    let parent = tempfile::tempdir().unwrap();
+    let first = format!("{CEMENT}, {CONFINE}");
+    let (from, _) = same_in_two("biaxial_small", &[], [&first, &shear("b", 4)], parent.path());
+    let records = same_from_anywhere(&from, |_| true);
+    assert_eq!(records.len(), 4);
+    assert_eq!(records[0].increment, 4);
+}
+
+#[test]
+fn uncemented_static_under_both_friction_laws() {
+    for law in ["friction_law=Associated", "friction_law=Coulomb()"] {
+        let parent = tempfile::tempdir().unwrap();
+        let first = format!("{CONFINE}, {}", shear("a", 3));
+        same_in_two("biaxial_small", &[law], [&first, &shear("b", 3)], parent.path());
+        // Contacts between particles carry shear, or the history would not matter.
+        let state = fs::read(parent.path().join("a/state_kept.npz")).unwrap();
+        let tables = clastic::tables::Tables::decode(&state).unwrap();
+        let n = tables.rows("contacts.q_n").unwrap();
+        let shear = tables.f64("contacts.q_n", &[n]).unwrap();
+        assert!(shear.iter().filter(|q| q.abs() > 1.0).count() > 300, "{law}");
+    }
+}
+
+#[test]
+fn dynamic_with_velocities_under_both_friction_laws() {
+    let common = [
+        "specimen.count=60",
+        "specimen.columns=5",
+        "walls.floor.end=(70.0e-3, 0.0)",
+        "walls.back.start=(0.0, 0.2)",
+        "walls.gate.start=(70.0e-3, 0.0)",
+        "walls.gate.end=(70.0e-3, 0.2)",
+        "walls.lid.start=(70.0e-3, 0.16)",
+        "walls.lid.end=(0.0, 0.16)",
+    ];
+    let first = r#"
+        Compact(name: "compact", wall: "lid", base: "floor", target: Porosity(0.35), step: 10.0e-3,
+            agitation: 0.1, seed: 1),
+        Load(name: "settle", increments: 5, remove_walls: ["lid"]),
+        Load(name: "release", increments: 12, remove_walls: ["gate"])"#;
+    let second = r#"Load(name: "later", increments: 12)"#;
+    for law in ["friction_law=Associated", "friction_law=Coulomb()"] {
+        for theta in ["1.0", "0.6"] {
+            let parent = tempfile::tempdir().unwrap();
+            let analysis = format!("analysis=Dynamic(dt: 2.0e-3, theta: {theta})");
+            // Elastic contacts too, whose shear has a history.
+            let elastic = "materials.stone.contact=(normal_stiffness: 1.0e5, \
+                           tangential_stiffness: 5.0e4, friction: 0.5)";
+            let mut common = common.to_vec();
+            common.extend([law, &analysis]);
+            if theta == "0.6" {
+                common.push(elastic);
+            }
+            let (_, rows) =
+                same_in_two("column_collapse_small", &common, [first, second], parent.path());
+            // Time goes on, and the column is moving.
+            let field =
+                |row: &str, k: usize| -> f64 { row.split(',').nth(k).unwrap().parse().unwrap() };
+            assert!((field(&rows[0], 2) - 0.036).abs() < 1e-12, "{}", rows[0]);
+            assert!(field(&rows[0], 23) > 1e-3, "{}", rows[0]);
+        }
+    }
+}
+
+/// Walls that come, go and come back, ramps that a stop cuts short, loads on particles, a probe and
+/// energies.
+#[test]
+fn walls_that_are_away_and_loads_that_were_cut_short() {
+    let first = r#"
+        Cement(name: "cement", length: 0.1e-3),
+        Load(name: "confine", increments: 3, walls: {
+            "top": Stress(stress: 20.0e3, between: ("left", "right")),
+            "left": Stress(stress: 20.0e3, between: ("bottom", "top")),
+            "right": Stress(stress: 20.0e3, between: ("bottom", "top")),
+        }),
+        Load(name: "unload", increments: 8, walls: {
+            "top": Stress(stress: 5.0e3, between: ("left", "right")),
+            "right": Stress(stress: 16.0e3, between: ("bottom", "top")),
+        }, particles: [(select: Group("boundary"), force: (0.0, 1.0))],
+        stop: [StressDrop(0.8)]),
+        Load(name: "release", increments: 3, remove_walls: ["left"], walls: {
+            "top": Force(500.0), "right": Fixed })"#;
+    let second = r#"
+        Load(name: "compress", increments: 6, walls: { "top": Displacement(0.0, -30.0e-6) },
+            particles: [(select: Group("boundary"), moment: 1.0e-3)]),
+        Load(name: "hold", increments: 2, add_walls: ["left"], gravity: (0.0, -9.81))"#;
+    let common = [
+        "measures=(axial_strain: Walls(\"bottom\", \"top\"), lateral_strain: Particles(0, 5), \
+         axial_stress: Average(component: Yy, area: Fixed(3.6e-3)))",
+        "probes={\"corner\": 5}",
+        "output=(energy: true)",
+    ];
+    let parent = tempfile::tempdir().unwrap();
+    same_in_two("COULOMB", &common, [first, second], parent.path());
+    let record = text(&parent.path().join("a").join(directory::RUN));
+    let record: serde_json::Value = serde_json::from_str(&record).unwrap();
+    assert_eq!(record["stages"][2]["ended_by"], "stop");
+    assert!(record["stages"][2]["increments"].as_u64().unwrap() < 8);
+}

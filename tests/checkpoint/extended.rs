@@ -1,0 +1,135 @@
+//! A run that has ended is given more increments or more stages: what it leaves then is what a run
+//! of the longer scene leaves, byte for byte.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use clastic::output::{self, Checkpoint, OutputPlugin, directory};
+use clastic::run::state::StateView;
+use clastic::run::{Simulation, changes, extend};
+use clastic::scene::{self, LoadedScene};
+
+use crate::common::files;
+use crate::resumed::{COULOMB, finish, load, parse, run};
+
+/// Extends the run in a directory by the scene `text`, as the program does. Returns what is refused.
+fn extend(directory: &Path, text: &str) -> Vec<String> {
+    let mut checkpoint = Checkpoint::read_as(directory, directory::FINAL_CHECKPOINT).unwrap();
+    let particles = StateView::of(&checkpoint.world).unwrap().specimen;
+    let read = |text: &str| {
+        scene::from_str_with(text, Path::new("rig.ron"), particles.clone(), &[])
+            .unwrap_or_else(|e| panic!("{e}"))
+    };
+    let (before, loaded) = (read(&checkpoint.scene).scene, read(text));
+    extend::reopen(&mut checkpoint.world, &before, &loaded.scene).unwrap();
+    let view = StateView::of(&checkpoint.world).unwrap();
+    let refused = changes::refused(&before, &loaded.scene, &view);
+    if !refused.is_empty() {
+        return refused;
+    }
+    let mut simulation =
+        Simulation::resume_with(&loaded.scene, &checkpoint.world, OutputPlugin).unwrap();
+    changes::apply(simulation.world_mut(), &before, &loaded.scene, &view);
+    output::resume(simulation.world_mut(), directory, checkpoint, &loaded, &[], None).unwrap();
+    finish(&mut simulation, &mut |_| {});
+    Vec::new()
+}
+
+/// All files but those that say that a run was resumed.
+fn results(directory: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut all = files(directory);
+    assert!(all.remove(Path::new(directory::FINAL_CHECKPOINT)).is_some());
+    let record = all.remove(Path::new(directory::RUN)).unwrap();
+    let mut record: serde_json::Value = serde_json::from_slice(&record).unwrap();
+    let record_of_all = record.as_object_mut().unwrap();
+    record_of_all.remove("resumed");
+    all.insert("run.json".into(), record.to_string().into_bytes());
+    all
+}
+
+/// Runs `short` to its end, extends it to `long`, and compares with a run of `long`.
+fn same_as_in_one_piece(short: &LoadedScene, long: &LoadedScene) {
+    let parent = tempfile::tempdir().unwrap();
+    let [extended, whole] = ["extended", "whole"].map(|name| parent.path().join(name));
+    run(long, &whole, 0, |_| {});
+    run(short, &extended, 0, |_| {});
+    let rows = |at: &Path| fs::read_to_string(at.join(directory::HISTORY)).unwrap().lines().count();
+    assert!(rows(&extended) < rows(&whole));
+    assert_eq!(extend(&extended, &long.text), [""; 0]);
+    let (found, expected) = (results(&extended), results(&whole));
+    assert!(found.keys().eq(expected.keys()), "{:?}\n{:?}", found.keys(), expected.keys());
+    for (name, bytes) in &expected {
+        let (found, expected) = (&found[name], bytes);
+        assert!(found == expected, "{} differs", name.display());
+    }
+    // Rows of the timings are kept as well.
+    let timings =
+        |at: &Path| fs::read_to_string(at.join(directory::TIMINGS)).unwrap().lines().count();
+    assert_eq!(timings(&extended), timings(&whole));
+}
+
+#[test]
+fn by_more_increments_of_the_last_stage() {
+    let with = |increments: u32| {
+        load(
+            "biaxial_small",
+            &[
+                "stages.confine.increments=3",
+                "stages.load.walls.top[1]=-0.16e-3",
+                "output=(frames_every: 3, energy: true)",
+                &format!("stages.load.increments={increments}"),
+            ],
+        )
+    };
+    same_as_in_one_piece(&with(4), &with(9));
+}
+
+#[test]
+fn by_more_increments_and_stages_of_a_dynamic_run() {
+    let with = |increments: u32, more: &str| {
+        let stages = format!(
+            r#"stages=[Load(name: "fall", increments: {increments}, stop: [Time(5.0)]), {more}]"#
+        );
+        let sets = ["measures=(reference_stage: \"fall\")", &stages];
+        load("bounce", &sets)
+    };
+    let more = r#"Save(name: "fallen"), Load(name: "heavy", increments: 9, gravity: (0.0, -20.0))"#;
+    same_as_in_one_piece(&with(20, ""), &with(33, more));
+}
+
+#[test]
+fn by_stages_under_coulombs_law() {
+    let long = parse(COULOMB);
+    let hold = long.text.find("        Load(name: \"hold\"").unwrap();
+    let end = hold + long.text[hold..].find('\n').unwrap() + 1;
+    let short = parse(&format!("{}{}", &long.text[..hold], &long.text[end..]));
+    same_as_in_one_piece(&short, &long);
+}
+
+#[test]
+fn what_would_not_be_a_run_in_one_piece_is_refused() {
+    let parent = tempfile::tempdir().unwrap();
+    let short = parse(COULOMB);
+    run(&short, parent.path(), 0, |_| {});
+    let refused = |from: &str, to: &str| {
+        assert!(short.text.contains(from), "{from}");
+        extend(parent.path(), &short.text.replace(from, to)).join("\n")
+    };
+    // The last stage keeps its loads, so that more increments change nothing before them.
+    let said = refused("\"release\", increments: 4", "\"release\", increments: 5");
+    assert!(said.contains("`stages.release` cannot change: it has ended"), "{said}");
+    let said = refused("name: \"hold\", increments: 2", "name: \"hold\", increments: 1");
+    assert!(said.contains("`stages.hold` cannot change"), "{said}");
+    // Strains would count from another stage.
+    let short = parse(&COULOMB.replace("reference_stage: \"compress\",", ""));
+    let parent = tempfile::tempdir().unwrap();
+    run(&short, parent.path(), 0, |_| {});
+    let hold = "Load(name: \"hold\", increments: 2, add_walls: [\"left\"], gravity: (0.0, -9.81)),";
+    let more = format!("{hold} Load(name: \"more\", increments: 1),");
+    let text = short.text.replace(hold, &more);
+    let said = extend(parent.path(), &text).join("\n");
+    assert!(said.contains("name it in `measures.reference_stage`"), "{said}");
+    let text = text.replace("measures: (", "measures: (reference_stage: \"hold\",");
+    assert_eq!(extend(parent.path(), &text), [""; 0]);
+}

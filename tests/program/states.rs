@@ -1,0 +1,212 @@
+//! Saved states: written by a run, started from by another, read by numpy.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use clastic::tables::Tables;
+
+use crate::call::{ROOT, clastic, edited, json, read, rows, run, stderr, stdout};
+
+/// `biaxial_small` up to its confinement of 3 increments, with a state that is kept.
+const SHORT: [&str; 3] = [
+    "--set",
+    r#"stages=[Cement(name: "cement", length: 2.0e-3), Load(name: "confine", increments: 3, walls: {
+        "bottom": Stress(stress: 200.0e3, between: ("left", "right")),
+        "top": Stress(stress: 200.0e3, between: ("left", "right")),
+        "left": Stress(stress: 200.0e3, between: ("bottom", "top")),
+        "right": Stress(stress: 200.0e3, between: ("bottom", "top")) }), Save(name: "kept at 200 kPa")]"#,
+    "--quiet",
+];
+
+fn tables(path: &Path) -> Tables {
+    Tables::decode(&fs::read(path).unwrap()).unwrap()
+}
+
+/// A scene that starts from the state in a directory, with materials and further fields.
+fn from_state(directory: &Path, materials: &str, fields: &str, state: &str) -> String {
+    let text = format!(
+        r#"(version: 1, title: "from a state", materials: {{ {materials} }},
+            specimen: State(path: "state_kept_at_200_kPa.npz"{state}), {fields})"#
+    );
+    let path = directory.join("from.ron");
+    fs::write(&path, text).unwrap();
+    path.to_str().unwrap().to_owned()
+}
+
+const SAND: &str =
+    "contact: (normal_stiffness: 60.0e6, tangential_stiffness: 30.0e6, friction: 0.3)";
+
+#[test]
+fn another_scene_has_its_own_materials_walls_and_stages() {
+    let (done, first) = run("biaxial_small", &SHORT);
+    done.code(0);
+    let kept = tables(&first.path().join("state_kept_at_200_kPa.npz"));
+    // Half the density, twice the thickness; and the material has another name.
+    let materials = format!("\"light sand\": (density: 1325.0, {SAND})");
+    let stages = r#"stages: [Load(name: "hold", increments: 1)], thickness: 2.0"#;
+    let scene =
+        from_state(first.path(), &materials, stages, r#", materials: {"sand": "light sand"}"#);
+    let (done, out) = run(&scene, &["--quiet"]);
+    done.code(0);
+    let held = tables(&out.path().join("final_state.npz"));
+    let n = kept.rows("particles.id").unwrap();
+    assert_eq!(held.text("materials.name", &[1]).unwrap(), ["light sand"]);
+    let column = |of: &Tables, name: &str| of.f64(name, &[n]).unwrap().to_vec();
+    let radii = column(&held, "particles.radius_m");
+    assert_eq!(radii, column(&kept, "particles.radius_m"));
+    for (mass, r) in column(&held, "particles.mass_kg").iter().zip(radii) {
+        let expected = 1325.0 * std::f64::consts::PI * r * r * 2.0;
+        assert!((mass - expected).abs() < 1e-14 * expected);
+    }
+    // Walls, bonds and loads are those of the state: the walls still carry 200 kPa, times the
+    // distance of the others and the thickness.
+    let row = &rows(out.path(), "history.csv")[0];
+    assert_eq!((row["increment"].as_str(), row["status"].as_str()), ("4", "solved"));
+    let wall = |of: &Tables, name: &str| -> f64 {
+        let w = of.rows("walls.name").unwrap();
+        let k = of.text("walls.name", &[w]).unwrap().iter().position(|n| n == name).unwrap();
+        let force = of.vectors::<3>("walls.external_force", w).unwrap()[k];
+        force[0].hypot(force[1])
+    };
+    let place = |of: &Tables, name: &str| -> f64 {
+        let w = of.rows("walls.name").unwrap();
+        let k = of.text("walls.name", &[w]).unwrap().iter().position(|n| n == name).unwrap();
+        of.vectors::<2>("walls.middle_m", w).unwrap()[k][0]
+    };
+    let width = place(&kept, "right") - place(&kept, "left");
+    let expected = 200.0e3 * width * 2.0;
+    assert!((wall(&held, "top") - expected).abs() < 1e-6 * expected);
+    let states =
+        |of: &Tables| of.u8("bonds.state", &[of.rows("bonds.id").unwrap()]).unwrap().to_vec();
+    assert_eq!(states(&held).len(), states(&kept).len());
+
+    // Walls of its own: none of the state, no force on them yet.
+    let walls = r#"walls: [(name: "floor", start: (-1.0, -0.5), end: (1.0, -0.5), probe: "floor")],
+        stages: [Load(name: "hold", increments: 1, particles: [(select: All, x: Held, y: Held, rotation: Held)])]"#;
+    let scene = from_state(first.path(), &format!("\"sand\": ({SAND})"), walls, "");
+    let (done, out) = run(&scene, &["--quiet"]);
+    done.code(0);
+    let held = tables(&out.path().join("final_state.npz"));
+    assert_eq!(held.text("walls.name", &[1]).unwrap(), ["floor"]);
+    assert_eq!(
+        held.f64("particles.position_m", &[n, 2]).unwrap(),
+        kept.f64("particles.position_m", &[n, 2]).unwrap()
+    );
+    assert_eq!(rows(out.path(), "history.csv")[0]["floor.force_y_n"], "0.0");
+}
+
+#[test]
+fn a_state_that_is_cut_short_or_damaged_is_refused_with_its_name() {
+    let (done, first) = run("biaxial_small", &SHORT);
+    done.code(0);
+    let stages = "stages: [Load(name: \"hold\", increments: 1)]";
+    let scene = from_state(first.path(), &format!("\"sand\": ({SAND})"), stages, "");
+    clastic(&["check", &scene]).code(0);
+    let state = first.path().join("state_kept_at_200_kPa.npz");
+    let whole = fs::read(&state).unwrap();
+    for length in [0, 10, whole.len() / 2, whole.len() - 1] {
+        fs::write(&state, &whole[..length]).unwrap();
+        let said = stderr(&clastic(&["check", &scene]).code(3));
+        assert!(said.contains("state_kept_at_200_kPa.npz`: not a .npz archive"), "{said}");
+        assert!(said.contains("from.ron:2:"), "{said}");
+    }
+    // A changed byte is refused, or lies where nothing is read from.
+    let mut refused = 0;
+    for k in 0..97 {
+        let mut damaged = whole.clone();
+        damaged[k * whole.len() / 97] ^= 0x40;
+        match Tables::decode(&damaged) {
+            Ok(same) => assert!(same.encode().unwrap() == whole, "byte {}", k * whole.len() / 97),
+            Err(_) => {
+                refused += 1;
+                fs::write(&state, damaged).unwrap();
+            }
+        }
+    }
+    assert!(refused > 60, "{refused}");
+    let said = stderr(&clastic(&["check", &scene]).code(3));
+    assert!(said.contains("specimen.path: cannot read"), "{said}");
+}
+
+#[test]
+fn a_run_that_has_ended_is_extended_on_the_command_line() {
+    let few =
+        ["--quiet", "--set", "stages.confine.increments=2", "--set", "stages.load.increments=3"];
+    let (done, out) = run("biaxial_small", &few);
+    done.code(0);
+    let more = [&few[..4], &["stages.load.increments=5"]].concat();
+    let (done, whole) = run("biaxial_small", &more);
+    done.code(0);
+    let directory = out.path().to_str().unwrap();
+    let set = ["resume", directory, "--quiet", "--set", "stages.load.increments=5"];
+    clastic(&set).code(0);
+    for name in ["history.csv", "events.csv", "scene.ron", "curves.svg", "specimen.svg"] {
+        assert_eq!(read(out.path(), name), read(whole.path(), name), "{name}");
+    }
+    let states = [&out, &whole].map(|run| fs::read(run.path().join("final_state.npz")).unwrap());
+    assert!(states[0] == states[1]);
+    let record = json(out.path(), "run.json");
+    assert_eq!(record["resumed"][0]["after_increment"], 5);
+    assert_eq!(record["increments"], 7);
+    // Once more, by a scene with one more stage, which is edited outside of the directory.
+    let edited = out.path().join("../longer.ron");
+    let stage = "    Load(name: \"hold\", increments: 2),\n    ],\n    measures: (reference_stage: \"load\",";
+    let text = read(out.path(), "scene.ron").replacen("    ],\n    measures: (", stage, 1);
+    fs::write(&edited, text).unwrap();
+    clastic(&["resume", directory, "--quiet", "--scene", edited.to_str().unwrap()]).code(0);
+    fs::remove_file(&edited).unwrap();
+    let history = rows(out.path(), "history.csv");
+    assert_eq!(history.len(), 9);
+    assert_eq!(history[8]["stage"], "hold");
+    // Nothing is left to do, and the message says what there may be.
+    let done = clastic(&["resume", directory]).code(0);
+    assert!(stdout(&done).contains("nothing to resume"), "{}", stdout(&done));
+    let refused = clastic(&["resume", directory, "--set", "stages.load.increments=9"]).code(2);
+    assert!(stderr(&refused).contains("`stages.load` cannot change: it has ended"));
+}
+
+#[test]
+fn the_state_of_the_end_is_told_apart_from_what_is_not_written() {
+    let (path, _directory) = edited("tension.ron", "stages: [", "stages: [Save(name: \"first\"), ");
+    let (done, out) = run(path.to_str().unwrap(), &["--quiet"]);
+    done.code(0);
+    let first = tables(&out.path().join("state_first.npz"));
+    assert_eq!(first.u64("increment", &[]).unwrap(), [0]);
+    assert_eq!(first.text("stage", &[]).unwrap(), ["first"]);
+    let last = tables(&out.path().join("final_state.npz"));
+    let made = rows(out.path(), "history.csv").len() as u64;
+    assert_eq!(last.u64("increment", &[]).unwrap(), [made]);
+}
+
+/// The script of `docs/outputs.md`, as it stands there.
+#[test]
+fn the_script_of_the_docs_reads_state_and_history_with_numpy_alone() {
+    let numpy = Command::new("python3").args(["-c", "import numpy"]).output();
+    if !numpy.is_ok_and(|done| done.status.success()) {
+        eprintln!("SKIPPED: python3 with numpy is not there");
+        return;
+    }
+    let page = fs::read_to_string(Path::new(ROOT).join("docs/outputs.md")).unwrap();
+    let script = page.split("```python\n").nth(1).unwrap().split("```").next().unwrap();
+    let (done, out) = run("biaxial_small", &SHORT);
+    done.code(0);
+    let mut python = Command::new("python3");
+    let done = python.current_dir(out.path()).args(["-c", script]).output().unwrap();
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    let said = String::from_utf8_lossy(&done.stdout).into_owned();
+    let lines: Vec<_> = said.lines().collect();
+    // What it prints is what the engine has.
+    let state = tables(&out.path().join("final_state.npz"));
+    let n = state.rows("particles.id").unwrap();
+    let weight = 9.81 * state.f64("particles.mass_kg", &[n]).unwrap().iter().sum::<f64>();
+    let history = rows(out.path(), "history.csv");
+    let last = history.last().unwrap();
+    let bonds = &last["bonds"];
+    assert_eq!(lines[0], format!("{n} disks of {weight:.1} N, {bonds} of {bonds} bonds hold"));
+    let c = state.rows("contacts.p_n").unwrap();
+    let largest = state.f64("contacts.p_n", &[c]).unwrap().iter().fold(0.0_f64, |a, b| a.max(*b));
+    let said: f64 = lines[1].rsplit(' ').nth(1).unwrap().parse().unwrap();
+    assert!((said - largest).abs() < 1e-5 * largest, "{}", lines[1]);
+    assert_eq!(lines[2], format!("{} contacts after increment 3", last["contacts"]));
+}
