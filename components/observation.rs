@@ -1,6 +1,7 @@
 //! Observations of an increment: plain data between the systems that measure and those that write.
 
 use bevy_ecs::prelude::*;
+use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use crate::attempt::IncrementStatus;
@@ -32,6 +33,15 @@ pub enum StressMeasure {
         component: StressComponent,
         /// Area of the average, m^2.
         area: MeasureArea,
+    },
+    /// The same average over a rectangle: every contact counts by the part of its branch inside.
+    Region {
+        /// Component.
+        component: StressComponent,
+        /// Lower left corner, m.
+        min: DVec2,
+        /// Upper right corner, m.
+        max: DVec2,
     },
 }
 

@@ -61,6 +61,12 @@ scenes! {
     incline_rolls_with_resistance: "incline_rolls_with_resistance", COMPLETES, &[];
     incline_slips: "incline_slips", COMPLETES, &[];
     stack: "stack", COMPLETES, &[];
+    // 8 MPa and 0.25 % by hand: the comment of the scene.
+    unload_reload: "unload_reload", COMPLETES, &[
+        ("youngs_modulus_pa", 8.0e6),
+        ("peak_stress_pa", 20.0e3),
+        ("strain_at_peak", 0.0025),
+    ];
     #[ignore = "half a minute"]
     column_collapse_small: "column_collapse_small", COMPLETES, &[];
 

@@ -1,4 +1,7 @@
 //! The command line: arguments, and the file that handles each command.
+//!
+//! A program with plugins of its own has it by one call, [`main`]: `check`, `run` and `resume` know
+//! the stages, measures and walls that the plugins provide.
 
 mod check;
 mod compare;
@@ -14,10 +17,14 @@ mod run;
 mod summary;
 mod threads;
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use bevy_app::Plugins;
 use clap::{Args, Parser, Subcommand};
+
+use crate::run::app;
 
 use self::threads::on_threads;
 
@@ -55,7 +62,7 @@ enum Command {
     /// Go on with a run that was interrupted, killed or stalled, from its last checkpoint
     Resume(ResumeArgs),
     /// Read a scene and report everything that is wrong with it
-    Check(SceneArgs),
+    Check(CheckArgs),
     /// List the scenes that have a name: those in ./scenes and those that clastic ships
     List,
     /// Draw the curves of several runs over one another and print their key results
@@ -77,6 +84,15 @@ struct SceneArgs {
     /// Set a field of the scene, e.g. --set stages[0].increments=10; may be repeated
     #[arg(long = "set", value_name = "PATH=VALUE")]
     sets: Vec<String>,
+}
+
+#[derive(Args)]
+struct CheckArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// Write the scene, if it is of version 1, as one of version 2 to standard output
+    #[arg(long)]
+    upgrade: bool,
 }
 
 #[derive(Args)]
@@ -147,12 +163,30 @@ struct OutputArgs {
     quiet: bool,
 }
 
-/// Runs the program.
-pub fn main() -> ExitCode {
-    let done = match Cli::parse().command {
-        Command::Run(args) => on_threads(args.output.threads, || run::run(&args)),
-        Command::Resume(args) => on_threads(args.output.threads, || resume::resume(&args)),
-        Command::Check(args) => check::check(&args),
+/// Runs the `clastic` program with further plugins; `()` for none. The arguments are those of the
+/// process.
+pub fn main<M>(plugins: impl Plugins<M> + Send) -> ExitCode {
+    execute(Cli::parse().command, plugins)
+}
+
+/// The same with other arguments, of which the first is the name of the program. Wrong arguments end
+/// the process.
+pub fn call<M, T: Into<OsString> + Clone>(
+    arguments: impl IntoIterator<Item = T>,
+    plugins: impl Plugins<M> + Send,
+) -> ExitCode {
+    execute(Cli::parse_from(arguments).command, plugins)
+}
+
+fn execute<M>(command: Command, plugins: impl Plugins<M> + Send) -> ExitCode {
+    // An app cannot change threads.
+    let program = || app(plugins);
+    let done = match command {
+        Command::Run(args) => on_threads(args.output.threads, || run::run(&args, program())),
+        Command::Resume(args) => {
+            on_threads(args.output.threads, || resume::resume(&args, program()))
+        }
+        Command::Check(args) => check::check(&args, &program()),
         Command::List => list::list(),
         Command::Compare { runs, out } => compare::compare(&runs, &out),
     };

@@ -2,12 +2,14 @@
 
 use std::path::Path;
 
-use clastic::output::directory;
-use clastic::output::run_record::CLASTIC_VERSION;
-use clastic::output::{self, Checkpoint, OutputPlugin, ResumeError};
-use clastic::run::state::{StateError, StateView};
-use clastic::run::{Simulation, changes};
-use clastic::scene::from_str_with;
+use bevy_app::App;
+
+use crate::output::directory;
+use crate::output::run_record::CLASTIC_VERSION;
+use crate::output::{self, Checkpoint, OutputPlugin, ResumeError};
+use crate::run::state::{StateError, StateView};
+use crate::run::{Simulation, changes};
+use crate::scene::from_str_with;
 
 use super::ResumeArgs;
 use super::exit::{Exit, Failure, complain, say};
@@ -15,7 +17,7 @@ use super::own_findings::own_findings;
 use super::run::to_the_end;
 
 /// Resumes a run.
-pub fn resume(args: &ResumeArgs) -> Result<Exit, Failure> {
+pub fn resume(args: &ResumeArgs, mut app: App) -> Result<Exit, Failure> {
     let directory = args.directory.as_path();
     let checkpoint = match Checkpoint::read(directory) {
         Err(ResumeError::NoCheckpoint(_)) if ended(directory)? => {
@@ -37,7 +39,7 @@ pub fn resume(args: &ResumeArgs) -> Result<Exit, Failure> {
     let before = read(&[], view.specimen.clone())?.scene;
     let loaded = read(&args.sets, view.specimen.clone())?;
     // The run began without such walls, so a setting has added them. Its path is in the message.
-    let foreign = own_findings(&loaded.scene);
+    let foreign = own_findings(&loaded.scene, &app);
     if let Some(finding) = foreign.first() {
         return Err(Failure { exit: Exit::Scene, message: finding.to_string() });
     }
@@ -55,8 +57,8 @@ pub fn resume(args: &ResumeArgs) -> Result<Exit, Failure> {
             increment + 1
         ));
     }
-    let mut simulation =
-        Simulation::resume_with(&loaded.scene, state, OutputPlugin).map_err(damaged)?;
+    app.add_plugins(OutputPlugin);
+    let mut simulation = Simulation::resume_in(app, &loaded.scene, state).map_err(damaged)?;
     changes::apply(simulation.world_mut(), &before, &loaded.scene, &view);
     let every = args.output.checkpoint_every;
     let world = simulation.world_mut();

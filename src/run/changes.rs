@@ -37,6 +37,7 @@ pub fn refused(old: &Scene, new: &Scene, state: &StateView) -> Vec<String> {
     fixed("analysis", old.analysis == new.analysis, own);
     fixed("gravity", old.gravity == new.gravity, own);
     fixed("measures", old.measures == new.measures, "the history has a column under each");
+    fixed("reference_stage", old.reference_stage == new.reference_stage, "strains count from it");
     fixed("probes", old.probes == new.probes, "the history has columns for each");
     let energy = old.output.energy == new.output.energy;
     fixed("output.energy", energy, "the history has its columns or not, and the ledger its past");

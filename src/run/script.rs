@@ -122,7 +122,7 @@ impl Script {
     /// Index of the stage at whose start strains are zero.
     #[must_use]
     pub fn reference_stage(&self) -> usize {
-        let name = self.scene.measures.reference_stage.as_ref();
+        let name = self.scene.strains_from();
         name.and_then(|name| self.scene.stages.iter().position(|s| s.name() == name))
             .unwrap_or(self.scene.stages.len().saturating_sub(1))
     }

@@ -1,7 +1,7 @@
 //! Scenes: the text format, its reader, and the checks before a run.
 //!
-//! A scene goes from text to [`LoadedScene`] in four steps, one file each: [`overrides`] edits the
-//! text, `ron` reads it into the types of [`format`](mod@format), [`specimen_file`] reads a stored
+//! A scene goes from text to [`LoadedScene`] in five steps, one file each: [`overrides`] edits the
+//! text, `values` puts the values of `let` in place of their names, `ron` reads it into the types of [`format`](mod@format), [`specimen_file`] reads a stored
 //! specimen, and [`validate`] checks the meaning. A text that `ron` refuses is read a second time
 //! by `diagnose`, which does not stop at the first mistake.
 
@@ -13,19 +13,22 @@ pub mod format;
 pub mod load;
 pub mod memory;
 pub mod overrides;
+mod repeats;
 mod scan;
 pub mod shipped;
 pub mod shown;
 pub mod spans;
 pub mod specimen_file;
 mod stand_in;
-mod suggest;
+pub(crate) mod suggest;
 #[cfg(test)]
 mod tests;
 mod tree_reader;
 mod unique_keys;
 mod units;
+pub mod upgrade;
 pub mod validate;
+mod values;
 
 pub use diagnostic::{Diagnostic, Finding, SceneErrors};
 pub use load::{LoadError, LoadedScene, from_str, from_str_with, load, load_with};

@@ -42,6 +42,7 @@ static FILES: &[(&str, &str)] = &files! {
     "uniaxial_rigid.ron"
     "uniaxial_rigid_small.ron"
     "uniaxial_small.ron"
+    "unload_reload.ron"
     "specimens/biaxial_400.csv"
     "specimens/biaxial_6160.csv"
     "specimens/uniaxial_400.csv"

@@ -20,6 +20,7 @@ mod extension;
 mod followed_motion;
 mod held_bodies;
 mod invariance;
+mod language;
 mod limit_load;
 mod rest;
 mod restitution;

@@ -12,6 +12,8 @@ mod selections;
 mod settings;
 mod specimen;
 mod stages;
+mod stops;
+mod version;
 mod walls;
 
 use super::diagnostic::Finding;
@@ -20,6 +22,8 @@ use super::memory;
 use super::specimen_file::StoredSpecimen;
 use findings::Findings;
 pub(super) use findings::{MAX_NUMBER, MIN_NUMBER};
+#[cfg(test)]
+pub(crate) use measures::is_taken;
 pub(super) use places::coincident;
 
 /// Maximum number of particles in a specimen. Identities and run time set this limit; [`memory`]
@@ -44,6 +48,7 @@ pub(super) fn findings(
     let context = Context::new(scene, specimen);
     let mut findings = Findings::new(made_up);
     settings::check(&context, &mut findings);
+    version::check(&context, &mut findings);
     materials::check(&context, &mut findings);
     walls::check(&context, &mut findings);
     specimen::check(&context, &mut findings);
