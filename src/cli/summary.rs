@@ -143,7 +143,8 @@ fn not_defined(script: &Script, ending: &Ending, results: &Results) -> Vec<Strin
         let stage = label(stage);
         return vec![format!(
             "no modulus and no peak stress: {reason} (the reference stage is {stage}; \
-             `measures.reference_stage` sets it)"
+             `{}` sets it)",
+            if script.scene.version == 1 { "measures.reference_stage" } else { "reference_stage" }
         )];
     }
     let mut lines = Vec::new();

@@ -18,6 +18,7 @@ pub mod spawn;
 pub mod stages;
 pub mod state;
 mod stop;
+mod until;
 
 use bevy_app::{App, Plugin, Plugins};
 use bevy_ecs::prelude::*;

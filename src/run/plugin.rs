@@ -18,6 +18,7 @@ use super::script::Script;
 use super::stages::{CurrentStage, begin_built_in, change_stages, end_built_in};
 use super::state::{FIRST_WALL, FirstWall, MATERIALS, MaterialNames, SCRIPT, ScriptState};
 use super::stop::end_increment;
+use super::until::{APPROACH, Approach};
 use crate::scene::format::{CustomStage, Stage};
 
 /// Begins the [`CurrentStage`]: sets controls and `Progress::total`, which is 0 for a stage without
@@ -132,6 +133,7 @@ impl Plugin for ScenePlugin {
             .register_state::<MaterialNames>(MATERIALS)
             .register_state::<FirstWall>(FIRST_WALL)
             .register_state::<ScriptState>(SCRIPT)
+            .register_state::<Approach>(APPROACH)
             .init_resource::<StageKinds>()
             .init_resource::<MeasureKinds>()
             .init_resource::<Before>()

@@ -10,7 +10,7 @@ use clastic_systems::stepping::Due;
 use super::measures::{self, MeasureKinds};
 use super::plugin::{BeginStage, EndStage, StageKinds};
 pub use super::script::{Collapse, CollapsedBy, EndedBy, Outcome, Script, StageEnd, Step};
-use super::{cement, compact, load};
+use super::{cement, compact, load, until};
 use crate::scene::format::Stage;
 
 /// The stage that begins, runs or ends.
@@ -92,6 +92,7 @@ fn begin(world: &mut World, stage: Stage) {
     script.speed = None;
     script.stop = false;
     let is_reference = index == script.reference_stage();
+    until::begin(world, &stage);
     if is_reference {
         world.resource_mut::<Measures>().reference_stage = index;
     }

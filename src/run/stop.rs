@@ -14,6 +14,7 @@ use super::advice::with_advice;
 use super::load;
 use super::measures::reading;
 use super::script::{Collapse, CollapsedBy, EndedBy, Outcome, Script};
+use super::until;
 use crate::scene::format::{Stage, Stop};
 
 impl Collapse {
@@ -47,7 +48,8 @@ pub fn end_increment(world: &mut World) {
     let ended_by = match status {
         IncrementStatus::Solved | IncrementStatus::Capped => {
             if !world.resource::<Observation>().in_avalanche {
-                held = stopped(world, stage);
+                let landed = until::reached(world, stage);
+                held = stopped(world, stage).or(landed);
             }
             // A stage ends only after its last avalanche.
             if world.resource::<Progress>().relaxing {
@@ -90,7 +92,7 @@ fn error_of_stress(world: &mut World) -> f64 {
 
 /// Error of a measure. A strain is a sum of increments over a length, and has round-off of this
 /// size; a stress has the error that `acceptance.residual` allows.
-fn error_of(world: &mut World, name: &str) -> f64 {
+pub(super) fn error_of(world: &mut World, name: &str) -> f64 {
     let measures = world.resource::<Measures>();
     let stress = match name {
         "axial_strain" | "lateral_strain" => return STRAIN_ERROR,
@@ -140,6 +142,8 @@ fn stopped(world: &mut World, stage: &Stage) -> Option<Stop> {
         Stop::Time(limit) => time >= limit * (1.0 - 1e-12),
         // A body that starts to fall is slow as well. At rest the speed does not increase.
         Stop::Rest(speed) => maximum < speed && last.is_some_and(|last| maximum <= last),
+        // See `until`.
+        Stop::Until(..) => false,
         // An error must not cause one more increment.
         Stop::Below(ref name, limit) => reading(world, name)
             .is_some_and(|value| value <= limit || value <= limit + error_of(world, name)),

@@ -31,6 +31,7 @@ static FILES: &[(&str, &str)] = &files! {
     "incline_rolls.ron"
     "incline_rolls_with_resistance.ron"
     "incline_slips.ron"
+    "isotropic_compression.ron"
     "lattice.ron"
     "prepare_biaxial.ron"
     "prepare_biaxial_small.ron"

@@ -306,3 +306,131 @@ fn a_mistake_in_a_value_is_placed_where_its_name_stands() {
                     give a stiffness in N/m greater than 0, or leave it out for a rigid law";
     assert_eq!(first, expected);
 }
+
+/// Readings of a measure, and fractions, of all increments of a scene.
+fn readings(scene: &Scene, name: &str) -> Vec<(String, f64, Option<f64>)> {
+    let mut simulation = Simulation::new(scene, None);
+    let mut rows = Vec::new();
+    while simulation.step() == Step::Increment {
+        let record = simulation.world().resource::<Observation>();
+        assert!(record.residuals.worst() <= 1e-8);
+        rows.push((record.stage.clone(), record.fraction, reading(simulation.world(), name)));
+    }
+    rows
+}
+
+#[test]
+fn until_lands_on_a_stress_by_displacement_and_by_load() {
+    let text = shipped("unload_reload");
+    let text = text.replace("Above(\"axial_stress\", top)", "Until(\"axial_stress\", top)");
+    let text = text.replace("Below(\"axial_stress\", 0.0)", "Until(\"axial_stress\", 0.0)");
+    // 10.35 increments up.
+    let loaded = read(&text, &["let.top=20.7e3"]);
+    let rows = readings(&loaded.scene, "axial_stress");
+    for (k, (stage, _, stress)) in rows.iter().enumerate() {
+        if rows.get(k + 1).is_none_or(|next| next.0 != *stage) {
+            let (stress, target) =
+                (stress.unwrap(), if stage.starts_with("load") { 20.7e3 } else { 0.0 });
+            assert!((stress - target).abs() <= 1e-6 * 20.7e3, "{stage}: {stress}");
+        }
+    }
+    let per_stage = |name: &str| rows.iter().filter(|row| row.0 == name).count();
+    // 0.25, 0.5, 0.25, 0.5, 0.5, eight whole ones and 0.35.
+    assert_eq!(per_stage("load.1"), 14, "{rows:?}");
+    let sum = |name: &str| rows.iter().filter(|row| row.0 == name).map(|row| row.1).sum::<f64>();
+    assert!((sum("load.1") - 10.35).abs() < 1e-4 && (sum("unload.1") - 10.35).abs() < 1e-4);
+
+    // A load on its way to 40 kPa stops at 25.3 kPa, and the next stage keeps it.
+    let control = "Stress(stress: 40.0e3)";
+    let text = shipped("unload_reload").replace("Displacement(0.0, -step)", control);
+    let text = text.replace("Displacement(0.0, step)", "Stress(stress: 0.0)");
+    let text = text.replace("Above(\"axial_stress\", top)", "Until(\"axial_stress\", 25.3e3)");
+    let text =
+        text.replace(", \"step\": 1.0e-5", "").replace("\"top\": 20.0e3", "\"stiffness\": 1.0e7");
+    let text =
+        text.replace("{ \"stiffness\": 1.0e7, \"stiffness\": 1.0e7 }", "{ \"stiffness\": 1.0e7 }");
+    let text = text.replace("increments: 20, walls: { \"lid\": Stress(stress: 0.0) },\n                stop: [Below(\"axial_stress\", 0.0)]", "increments: 3");
+    let rows = readings(&read(&text, &["stages[0].times=1"]).scene, "axial_stress");
+    let last = rows.iter().rev().find(|row| row.0 == "load.1").unwrap().2.unwrap();
+    assert!((last - 25.3e3).abs() <= 1e-6 * 25.3e3, "{last}");
+    let first = rows.iter().find(|row| row.0 == "unload.1").unwrap().2.unwrap();
+    // A third of the way back to zero.
+    assert!((first - 25.3e3 * 2.0 / 3.0).abs() <= 1e-4 * 25.3e3, "{first}");
+}
+
+#[test]
+fn until_lands_on_an_energy_in_dynamics() {
+    for law in ["Associated", "Coulomb()"] {
+        let text = r#"(
+            version: 2, title: "falls", gravity: (0.0, -10.0), friction_law: LAW,
+            analysis: Dynamic(dt: 1.0e-3, theta: 0.5),
+            materials: { "m": (density: 1000.0) },
+            specimen: Particles([(position: (0.0, 1.0), radius: 0.1)]),
+            stages: [Load(name: "fall", increments: 100, stop: [Until("work", 1.0)])],
+            measures: [(name: "work", of: KineticEnergy), (name: "clock", of: Time)],
+        )"#;
+        let loaded = read(&text.replace("LAW", law), &[]);
+        let work = readings(&loaded.scene, "work").last().unwrap().2;
+        near(work, 1.0, 2e-6);
+        // m (g t)^2 / 2 = 1 J.
+        let time = (2.0 / (1000.0 * PI * 0.01) / 100.0_f64).sqrt();
+        near(readings(&loaded.scene, "clock").last().unwrap().2, time, 2e-6);
+    }
+}
+
+#[test]
+fn a_run_resumed_on_the_way_to_a_value_lands_the_same() {
+    let text = shipped("unload_reload")
+        .replace("Above(\"axial_stress\", top)", "Until(\"axial_stress\", 20.7e3)");
+    let loaded = read(&text.replace("\"top\": 20.0e3, ", ""), &[]);
+    for steps in [1, 2, 9, 11, 14] {
+        let mut whole = Simulation::new(&loaded.scene, None);
+        for _ in 0..steps {
+            assert_eq!(whole.step(), Step::Increment);
+        }
+        let state = whole.state().unwrap();
+        let mut resumed = Simulation::resume(&loaded.scene, &state).unwrap();
+        assert_eq!(resumed.run(), whole.run());
+        assert_eq!(resumed.state().unwrap(), whole.state().unwrap(), "{steps}");
+    }
+}
+
+#[test]
+fn isotropic_compression_balances_solid_fraction_and_energy() {
+    let loaded = read(&shipped("isotropic_compression"), &[]);
+    let mut simulation = Simulation::new(&loaded.scene, None);
+    let (mut before, mut work, mut start) = (None, 0.0, None);
+    while simulation.step() == Step::Increment {
+        let record = simulation.world().resource::<Observation>().clone();
+        let value = |name| reading(simulation.world(), name).unwrap_or(f64::NAN);
+        let energy = value("elastic_energy_j");
+        if record.stage == "confine" {
+            start = Some((value("porosity"), energy));
+        }
+        let Some((porosity, stored)) = start.filter(|_| record.stage == "compress") else {
+            continue;
+        };
+        let [axial, lateral] = [record.axial_strain, record.lateral_strain].map(Option::unwrap);
+        let [s, t] = [record.axial_stress, record.lateral_stress].map(Option::unwrap);
+        assert!((s - t).abs() < 1e-8 * s, "{s} {t}");
+        let solid = (1.0 - porosity) / ((1.0 - axial) * (1.0 - lateral));
+        near(Some(1.0 - value("porosity")), solid, 1e-9);
+        // Forces follow the springs: work per area, by the trapezium rule, against energy.
+        let (s0, a0, l0) = before.unwrap_or((10.0e3, 0.0, 0.0));
+        work += 0.5 * (s + s0) * ((axial - a0) + (lateral - l0));
+        before = Some((s, axial, lateral));
+        let area = PI * disks(&simulation) / (1.0 - porosity);
+        let share = (energy - stored) / (work * area);
+        assert!((0.9..1.01).contains(&share), "{share}");
+    }
+    let (s, ..) = before.unwrap();
+    let ends = &simulation.world().resource::<Script>().ends;
+    assert_eq!(ends[2].stop, Some(Stop::Until("axial_stress".to_owned(), 80.0e3)));
+    assert!((s - 80.0e3).abs() <= 80.0e3 * 1e-6, "{s}");
+}
+
+/// Sum of the squared radii, m^2.
+fn disks(simulation: &Simulation) -> f64 {
+    let bodies = simulation.world().resource::<clastic::components::contact::Bodies>();
+    bodies.radii.iter().map(|r| r * r).sum()
+}

@@ -196,6 +196,8 @@ pub enum Stop {
     Below(String, f64),
     /// A measure, by name, is at or above this value. Version 2.
     Above(String, f64),
+    /// A measure, by name, lands on this value: the last increments are shortened. Version 2.
+    Until(String, f64),
 }
 
 impl Stop {
@@ -206,7 +208,7 @@ impl Stop {
             Self::AxialStrain(_) => Some("axial_strain"),
             Self::StressDrop(_) => Some("axial_stress"),
             Self::Time(_) | Self::Rest(_) => None,
-            Self::Below(name, _) | Self::Above(name, _) => Some(name),
+            Self::Below(name, _) | Self::Above(name, _) | Self::Until(name, _) => Some(name),
         }
     }
 }

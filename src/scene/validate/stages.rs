@@ -4,7 +4,7 @@ use std::fmt::Arguments;
 
 use crate::scene::format::{
     Analysis, Cement, Compact, CompactTarget, CustomStage, Load, Motion, ParticleControl, Record,
-    Select, Specimen, Stage, Wall, WallControl,
+    Select, Specimen, Stage, Stop, Wall, WallControl,
 };
 use crate::scene::spans::join;
 use crate::scene::suggest;
@@ -201,6 +201,11 @@ fn load(
             let help = format!("the stage has {} of them", stage.increments);
             findings.add(format_args!("{path}.record.frames[{i}]"), message, &help);
         }
+    }
+    let untils = stage.stop.iter().enumerate().filter(|(_, stop)| matches!(stop, Stop::Until(..)));
+    for (i, _) in untils.skip(1) {
+        let help = "write `Above` or `Below` for all but one";
+        findings.add(format_args!("{path}.stop[{i}]"), "a second `Until` in the stage", help);
     }
     for (i, stop) in stage.stop.iter().enumerate() {
         let path = format_args!("{path}.stop[{i}]");

@@ -42,7 +42,7 @@ pub(super) fn check(
         Stop::Rest(speed) => {
             findings.positive(number, *speed, "a speed in m/s");
         }
-        Stop::Below(name, value) | Stop::Above(name, value) => {
+        Stop::Below(name, value) | Stop::Above(name, value) | Stop::Until(name, value) => {
             let names: Vec<_> =
                 measures.list.iter().flatten().map(|measure| measure.name.as_str()).collect();
             if context.scene.version != 1 {

@@ -66,6 +66,7 @@ fn of_two(context: &Context, findings: &mut Findings) {
         let name = match stop {
             Stop::Below(..) => "Below",
             Stop::Above(..) => "Above",
+            Stop::Until(..) => "Until",
             _ => return,
         };
         findings.add(path, format!("`{name}` is of version 2"), WRITE_2);
