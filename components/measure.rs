@@ -2,6 +2,8 @@
 //! readings of the last increment.
 
 use bevy_ecs::prelude::*;
+#[cfg(feature = "reflect")]
+use bevy_ecs::reflect::ReflectResource;
 use serde::{Deserialize, Serialize};
 
 use crate::bond::RuptureMode;
@@ -9,6 +11,7 @@ use crate::observation::{MeasureArea, StrainMeasure, StressMeasure};
 
 /// What a measure reads. Strain and stress have the signs of [`crate::observation`].
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum Quantity {
     /// Strain since the start of the reference stage.
     Strain(StrainMeasure),
@@ -52,6 +55,7 @@ pub enum Quantity {
 
 /// Component of the force of a wall.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum ForceComponent {
     /// Along the inward normal: positive where the wall presses.
     Normal,
@@ -65,6 +69,7 @@ pub enum ForceComponent {
 
 /// The measures in the order of the scene. `None` for a measure on a body that is not there.
 #[derive(Resource, Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct NamedMeasures {
     /// Name and quantity.
     pub list: Vec<(String, Option<Quantity>)>,
@@ -74,4 +79,5 @@ pub struct NamedMeasures {
 
 /// Readings of the last increment, in the order of [`NamedMeasures::list`].
 #[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct Readings(pub Vec<Option<f64>>);

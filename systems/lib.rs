@@ -17,6 +17,8 @@ pub mod measures;
 pub mod motion_settings;
 pub mod paths;
 pub mod record;
+#[cfg(feature = "reflect")]
+pub mod reflect;
 pub mod rupture_bonds;
 pub mod schedule;
 pub mod solve_program;

@@ -19,7 +19,7 @@ use clastic::scene;
 use glam::DVec2;
 use serde_json::Value;
 
-/// Greatest residual that any increment may have.
+/// Maximum residual that any increment may have.
 const RESIDUAL: f64 = 1e-8;
 /// Relative difference of a quantity from its stored value.
 const TOLERANCE: f64 = 1e-6;
@@ -61,6 +61,11 @@ scenes! {
     incline_rolls_with_resistance: "incline_rolls_with_resistance", COMPLETES, &[];
     incline_slips: "incline_slips", COMPLETES, &[];
     stack: "stack", COMPLETES, &[];
+    // `Until` lands on 80 kPa; solid fraction and energy are in tests/engine/language.rs.
+    isotropic_compression: "isotropic_compression", COMPLETES, &[
+        ("porosity", 0.21771096216874086),
+        ("peak_stress_pa", 80.0e3),
+    ];
     // 8 MPa and 0.25 % by hand: the comment of the scene.
     unload_reload: "unload_reload", COMPLETES, &[
         ("youngs_modulus_pa", 8.0e6),

@@ -4,7 +4,6 @@ use std::path::Path;
 
 use bevy_ecs::prelude::*;
 use glam::DVec2;
-use serde::{Deserialize, Serialize};
 
 use clastic_components::attempt::IncrementStatus;
 use clastic_components::contact::Bodies;
@@ -13,7 +12,7 @@ use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use super::atomic::write_atomic;
 use super::csv_file::Row;
-use super::key_results::KeyResults;
+use super::key_results::{KeyResults, MechanismRecord};
 use super::run_directory::RunDirectory;
 use super::snapshot::{Moments, Scenery};
 use super::{OutputError, directory, plots};
@@ -22,18 +21,6 @@ use crate::run::stages::Script;
 /// Columns. Displacements are divided by the maximum motion and therefore dimensionless. Rotations
 /// are divided by it as well and are in rad/m.
 pub const COLUMNS: [&str; 6] = ["body", "x_m", "y_m", "u_x", "u_y", "rotation"];
-
-/// Quality of a mechanism, as in `run.json`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct MechanismRecord {
-    /// Increment of the collapse.
-    pub increment: u64,
-    /// Work of the loads minus maximum dissipation, over the work of the loads. A positive margin
-    /// proves the collapse.
-    pub margin: f64,
-    /// Maximum violation of the kinematic conditions of the mechanism over its maximum motion.
-    pub defect: f64,
-}
 
 /// A body of a mechanism.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,9 +1,10 @@
 //! Scenes: the text format, its reader, and the checks before a run.
 //!
 //! A scene goes from text to [`LoadedScene`] in five steps, one file each: [`overrides`] edits the
-//! text, `values` puts the values of `let` in place of their names, `ron` reads it into the types of [`format`](mod@format), [`specimen_file`] reads a stored
-//! specimen, and [`validate`] checks the meaning. A text that `ron` refuses is read a second time
-//! by `diagnose`, which does not stop at the first mistake.
+//! text, `values` puts the values of `let` in place of their names, `ron` reads it into the types
+//! of [`format`](mod@format), [`specimen_file`] reads a stored specimen, and [`validate`] checks
+//! the meaning. A text that `ron` refuses is read a second time by `diagnose`, which does not stop
+//! at the first mistake.
 
 mod diagnose;
 pub mod diagnostic;

@@ -18,12 +18,15 @@
 //! `d_n = n.(u_a - u_b)`, slip `d_t = t.(u_a - u_b) + l_a alpha_a + l_b alpha_b`, relative
 //! rotation `d_r = alpha_a - alpha_b`.
 
+#[cfg(all(feature = "bevy", feature = "reflect"))]
+use bevy_ecs::reflect::ReflectResource;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 /// One degree of freedom of a body of the program.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum Dof {
     /// Its displacement is known: imposed, held, or zero because no force acts on it.
     Fixed(f64),
@@ -33,6 +36,7 @@ pub enum Dof {
 
 /// A degree of freedom with a balance row `inertia u + proximal (u - reference) + G f = load`.
 #[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct FreeDof {
     /// Load: applied force plus gravity plus, in dynamics, `inertia v_0 dt`; N or N m.
     pub load: f64,
@@ -52,6 +56,7 @@ pub struct FreeDof {
 /// A body of the program. Its translations are along `axis` and along `axis` turned by +90
 /// degrees, so that a wall that moves along its normal has one translation.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct ProgramBody {
     /// Unit vector of the first translation.
     pub axis: DVec2,
@@ -62,6 +67,7 @@ pub struct ProgramBody {
 /// Limits of an interaction: `|q| <= cohesion + friction p`, `|tau| <= moment + rolling p`,
 /// `p >= -tension`.
 #[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Limits {
     /// `c A`, N.
     pub cohesion: f64,
@@ -123,6 +129,7 @@ impl Limits {
 
 /// One interaction of the program: a contact or a bond.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Interaction {
     /// First body.
     pub a: u32,
@@ -206,6 +213,7 @@ impl Interaction {
 
 /// The magnitudes that make the program non-dimensional inside a solver.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Scales {
     /// Length for moments and rotations, m: the mean radius.
     pub length: f64,
@@ -224,6 +232,8 @@ impl Default for Scales {
 /// One increment as a cone program, in SI units.
 #[cfg_attr(feature = "bevy", derive(bevy_ecs::prelude::Resource))]
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+#[cfg_attr(all(feature = "bevy", feature = "reflect"), reflect(Resource))]
 pub struct ConeProgram {
     /// Bodies, by identity.
     pub bodies: Vec<ProgramBody>,
@@ -331,6 +341,7 @@ pub struct ProgramSize {
 /// How a solve ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum SolveStatus {
     /// Optimal to the residuals that stand beside it.
     Solved,
@@ -345,6 +356,7 @@ pub enum SolveStatus {
 
 /// KKT residuals of a solution: the maximum over all rows of each kind, without dimension.
 #[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Residuals {
     /// |balance row| over the maximum force (moments: over force x mean radius).
     pub balance: f64,
@@ -373,6 +385,7 @@ impl Residuals {
 /// Proof that no forces balance the loads: a mechanism along which the loads do more work than
 /// the limits can dissipate.
 #[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Certificate {
     /// Displacements of the mechanism by body, in the bodies' own axes; the maximum component is 1.
     pub mechanism: Vec<[f64; 3]>,
@@ -386,6 +399,8 @@ pub struct Certificate {
 /// What a solver returns.
 #[cfg_attr(feature = "bevy", derive(bevy_ecs::prelude::Resource))]
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+#[cfg_attr(all(feature = "bevy", feature = "reflect"), reflect(Resource))]
 pub struct ConeSolution {
     /// How it ended.
     pub status: SolveStatus,

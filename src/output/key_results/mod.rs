@@ -14,12 +14,11 @@ use serde::{Deserialize, Serialize};
 use clastic_components::attempt::IncrementStatus;
 use clastic_components::observation::Observation;
 
-use super::mechanism::MechanismRecord;
 use crate::scene::format::Scene;
 
 pub use self::definitions::RIGID;
 pub(super) use self::observe::observe_increment;
-pub use self::results::{BrokenBonds, Results, Worst, WorstResiduals};
+pub use self::results::{BrokenBonds, MechanismRecord, Results, Worst, WorstResiduals};
 
 /// Part of a run to which an increment belongs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

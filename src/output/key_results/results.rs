@@ -4,8 +4,6 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::output::mechanism::MechanismRecord;
-
 /// Key results as in `run.json`; `None` for those that the run does not define.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Results {
@@ -51,6 +49,18 @@ pub struct Results {
     pub solver_iterations: u64,
     /// Reasons for undefined key results, by their names.
     pub not_defined: BTreeMap<String, String>,
+}
+
+/// Quality of a mechanism, as in `run.json`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MechanismRecord {
+    /// Increment of the collapse.
+    pub increment: u64,
+    /// Work of the loads minus maximum dissipation, over the work of the loads. A positive margin
+    /// proves the collapse.
+    pub margin: f64,
+    /// Maximum violation of the kinematic conditions of the mechanism over its maximum motion.
+    pub defect: f64,
 }
 
 /// Number of broken bonds by mode.
