@@ -39,7 +39,6 @@ pub fn fabric(app: &mut App) {
 }
 
 /// Runs the program.
-#[allow(dead_code)]
 pub fn main() -> ExitCode {
     clastic::cli::main(fabric)
 }

@@ -18,9 +18,12 @@ use super::spawn::find_wall;
 use super::stages::Script;
 use crate::scene::format as scene;
 
+/// Reads the measure of a plugin.
+type Read = Box<dyn Fn(&World) -> Option<f64> + Send + Sync>;
+
 /// The measures that plugins provide, by name.
 #[derive(Resource, Default)]
-pub struct MeasureKinds(BTreeMap<&'static str, Box<dyn Fn(&World) -> Option<f64> + Send + Sync>>);
+pub struct MeasureKinds(BTreeMap<&'static str, Read>);
 
 impl MeasureKinds {
     /// The names.

@@ -1,8 +1,9 @@
 //! `Until`: the last increments of a stage are shortened, so that a measure lands on a value.
 //!
 //! After every increment the fraction to the value follows from the rate of the measure over the last
-//! increment. Twice the relative change of that rate is kept as a margin, so that the measure comes to
-//! the value from one side and a linear measure gets there in one fraction.
+//! increment. Twice the relative change of that rate is kept as a margin, and a rate that rises is
+//! expected to rise on, so that the measure comes to the value from one side and a linear measure
+//! gets there in one fraction.
 
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -120,8 +121,10 @@ impl Approach {
         }
         let earlier = n.checked_sub(3).map(|k| rate(self.points[k], before));
         let change = earlier.map_or(1.0, |earlier| ((now - earlier) / now).abs());
+        // A measure that steepens is expected to steepen by the same ratio again.
+        let steeper = earlier.map_or(1.0, |earlier| (now / earlier).max(1.0));
         // A rate that is not known to be steady leaves half of the way.
-        Some((1.0 - 2.0 * change).max(0.5) * (value - last[1]) / now)
+        Some((1.0 - 2.0 * change).max(0.5) * (value - last[1]) / (now * steeper))
     }
 }
 
@@ -153,8 +156,8 @@ mod tests {
     #[test]
     fn a_straight_line_takes_one_fraction() {
         let (n, at) = land(|x| 3.0 * x, 10.0);
-        // 0.25, 0.75, 1, 2, 3, 3.333...
-        assert!((at - 10.0).abs() <= 1e-5 && n == 6, "{n}: {at}");
+        // 0.25, 0.75, 1, 1.5, 2, 3, 3.333...
+        assert!((at - 10.0).abs() <= 1e-5 && n == 7, "{n}: {at}");
         assert!((land(|x| 5.0 - 2.0 * x, 0.0).1).abs() <= 5e-6);
     }
 

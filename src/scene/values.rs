@@ -81,7 +81,7 @@ fn findings(values: &BTreeMap<String, (&str, Shape)>, uses: &[Use]) -> Vec<Findi
         at_key: true,
         ..Finding::new(path, message, help)
     };
-    for (name, _) in values {
+    for name in values.keys() {
         let path = join("let", name);
         if !is_name(name) {
             let help = "write a word in lower case, as in `confining` or `step_2`".to_owned();
