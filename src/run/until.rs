@@ -121,8 +121,9 @@ impl Approach {
         }
         let earlier = n.checked_sub(3).map(|k| rate(self.points[k], before));
         let change = earlier.map_or(1.0, |earlier| ((now - earlier) / now).abs());
-        // A measure that steepens is expected to steepen by the same ratio again.
-        let steeper = earlier.map_or(1.0, |earlier| (now / earlier).max(1.0));
+        // A measure that steepens is expected to steepen by the same ratio again, but by no more than
+        // fourfold: after a rate of zero, as before a gap closes, the ratio says nothing.
+        let steeper = earlier.map_or(1.0, |earlier| (now / earlier).clamp(1.0, 4.0));
         // A rate that is not known to be steady leaves half of the way.
         Some((1.0 - 2.0 * change).max(0.5) * (value - last[1]) / (now * steeper))
     }
@@ -168,6 +169,7 @@ mod tests {
             ("softens", |x: f64| x.sqrt(), 2.2),
             ("saturates", |x: f64| 1.0 - (-x).exp(), 0.9),
             ("explodes", |x: f64| x.exp(), 50.0),
+            ("closes a gap", |x: f64| (x - 1.6).max(0.0), 1.7),
             ("unloads", |x: f64| (4.0 - x).powf(1.5), 0.1),
         ] {
             let (n, at) = land(f, value);
