@@ -22,3 +22,4 @@ pub mod motion;
 pub mod observation;
 pub mod particle;
 pub mod wall;
+pub mod wall_shape;

@@ -44,6 +44,7 @@ pub mod cli;
 pub mod output;
 pub mod run;
 pub mod scene;
+pub mod study;
 
 use bevy_app::{PluginGroup, PluginGroupBuilder, Update};
 use bevy_ecs::schedule::{InternedScheduleLabel, ScheduleLabel};

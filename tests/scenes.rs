@@ -72,6 +72,11 @@ scenes! {
         ("peak_stress_pa", 20.0e3),
         ("strain_at_peak", 0.0025),
     ];
+    shear_box: "shear_box", COMPLETES, &[];
+    #[ignore = "half a minute"]
+    angle_of_repose: "angle_of_repose", COMPLETES, &[];
+    #[ignore = "half a minute; a smaller one with its rate of flow is in tests/engine/hopper.rs"]
+    hopper: "hopper", COMPLETES, &[];
     #[ignore = "half a minute"]
     column_collapse_small: "column_collapse_small", COMPLETES, &[];
 

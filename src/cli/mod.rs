@@ -5,6 +5,7 @@
 
 mod check;
 mod compare;
+mod envelope;
 mod exit;
 mod interrupt;
 mod list;
@@ -15,6 +16,7 @@ mod resolve;
 mod resume;
 mod run;
 mod summary;
+mod sweep;
 mod threads;
 
 use std::ffi::OsString;
@@ -36,6 +38,7 @@ Examples:
   clastic compare runs/a runs/b                 their curves in one picture
   clastic run uniaxial --checkpoint-every 10    lose no more than 10 increments if it is killed
   clastic resume runs/uniaxial                  go on from there
+  clastic sweep study.ron                       many runs, one table (docs/studies.md)
   clastic run my_rig.ron --out out --set gravity='(0.0, -9.81)'
 
 Exit codes:
@@ -65,6 +68,10 @@ enum Command {
     Check(CheckArgs),
     /// List the scenes that have a name: those in ./scenes and those that clastic ships
     List,
+    /// Make the runs of a study, several at once, and write one table and one figure
+    Sweep(SweepArgs),
+    /// Find the strength at several confining stresses: Mohr circles, c and phi, sigma_ci and m_i
+    Envelope(EnvelopeArgs),
     /// Draw the curves of several runs over one another and print their key results
     Compare {
         /// Directories of runs
@@ -74,6 +81,70 @@ enum Command {
         #[arg(long, value_name = "DIR", default_value = "runs/compare")]
         out: PathBuf,
     },
+}
+
+/// Arguments of a sweep.
+#[derive(Args)]
+struct SweepArgs {
+    /// The study, a RON file (see docs/studies.md)
+    study: PathBuf,
+    /// Directory for the runs and the table [default: runs/<name of the study>]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Runs to make at once [default: as many as there are cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    jobs: Option<u32>,
+    /// Make only the Nth run of the study, as a task of a job array does
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    only: Option<u32>,
+    /// Make no run; write table and figure of the runs that are there
+    #[arg(long, conflicts_with = "only")]
+    collect: bool,
+    /// Print a job array for a cluster and make no run
+    #[arg(long, value_name = "FORM", conflicts_with_all = ["only", "collect"])]
+    emit: Option<Emit>,
+    /// No progress, only the result
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+/// Arguments of an envelope.
+#[derive(Args)]
+struct EnvelopeArgs {
+    /// A scene file, or the name of a scene in ./scenes or of one that clastic ships
+    scene: PathBuf,
+    /// Confining stresses, Pa, compression positive: 0,5e6,10e6
+    #[arg(long, value_name = "PA,...", value_delimiter = ',', required = true)]
+    confining: Vec<f64>,
+    /// Field of the scene that is the confining stress: a path, or PATH=VALUE with {} in the place of
+    /// the stress; may be repeated
+    #[arg(long = "field", value_name = "PATH[=VALUE]", default_value = "let.confining")]
+    fields: Vec<String>,
+    /// Seeds of the specimen
+    #[arg(long, value_name = "N,...", value_delimiter = ',')]
+    seeds: Vec<u64>,
+    /// Field of the scene that is the seed; may be repeated
+    #[arg(long = "seed-field", value_name = "PATH", default_value = "let.seed")]
+    seed_fields: Vec<String>,
+    /// Set a field of the scene for all runs; may be repeated
+    #[arg(long = "set", value_name = "PATH=VALUE")]
+    sets: Vec<String>,
+    /// Directory for the runs and the envelope [default: runs/<name of the scene>_envelope]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Runs to make at once [default: as many as there are cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    jobs: Option<u32>,
+    /// No progress, only the result
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+/// Batch systems that a sweep can write jobs for.
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum Emit {
+    /// A job array for `sbatch` of Slurm
+    Slurm,
 }
 
 /// Arguments that name a scene and its settings.
@@ -188,6 +259,8 @@ fn execute<M>(command: Command, plugins: impl Plugins<M> + Send) -> ExitCode {
         }
         Command::Check(args) => check::check(&args, &program()),
         Command::List => list::list(),
+        Command::Sweep(args) => sweep::sweep(&args, &program()),
+        Command::Envelope(args) => envelope::envelope(&args, &program()),
         Command::Compare { runs, out } => compare::compare(&runs, &out),
     };
     match done {

@@ -14,11 +14,13 @@ pub mod measures;
 pub mod particles;
 pub mod plugin;
 pub mod script;
+pub(crate) mod select;
 pub mod spawn;
 pub mod stages;
 pub mod state;
 mod stop;
 mod until;
+pub(crate) mod wall_pieces;
 
 use bevy_app::{App, Plugin, Plugins};
 use bevy_ecs::prelude::*;

@@ -40,6 +40,7 @@ pub fn random_scene(seed: u64, maximum: u32) -> Scene {
     let mut scene = Scene {
         values: BTreeMap::new(),
         reference_stage: None,
+        groups: BTreeMap::new(),
         version: 1,
         title: format!("random scene {seed}"),
         thickness: r.pick(&[1.0, 1.0, 0.1]),
@@ -98,7 +99,14 @@ pub fn random_scene(seed: u64, maximum: u32) -> Scene {
     if scene.materials.values().any(|m| m.bond.is_some()) && r.chance(0.4) {
         let length = r.decades(1e-4, 1.0) * base;
         let walls = r.chance(0.5);
-        scene.stages.push(Stage::Cement(Cement { name: "cement".into(), length, walls }));
+        scene.stages.push(Stage::Cement(Cement {
+            name: "cement".into(),
+            length,
+            walls,
+            particles: true,
+            select: None,
+            bond: None,
+        }));
     }
     for k in 0..=r.below(3) {
         let load = load(r, k, dynamic, base, low, high, &scene);
@@ -193,6 +201,7 @@ fn walls(r: &mut Random, low: (f64, f64), high: (f64, f64)) -> Vec<Wall> {
     all[..count]
         .iter()
         .map(|(name, start, end)| Wall {
+            shape: WallShape::Line,
             name: (*name).into(),
             start: *start,
             end: *end,

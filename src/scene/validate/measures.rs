@@ -7,6 +7,7 @@ use crate::scene::format::{Area, Length, Measure, Quantity, ROLES, Strain, Stres
 use super::Context;
 use super::findings::Findings;
 use super::specimen::index_exists;
+use super::thin_walls::one_piece;
 
 /// Columns that every history has.
 const COLUMNS: [&str; 40] = [
@@ -198,4 +199,5 @@ fn two_walls(context: &Context, path: Arguments, (a, b): (&str, &str), findings:
 
 fn wall(context: &Context, path: Arguments, name: &str, findings: &mut Findings) {
     findings.reference(path, name, ("wall", "walls"), &context.walls);
+    one_piece(context, path, name, "place and normal", findings);
 }

@@ -1,12 +1,15 @@
-//! Boxes that select no particle, so that a control of particles would have no effect.
+//! Regions and sets that select no particle, so that a control of particles would have no effect.
 //!
 //! Positions are known until a stage moves the particles. The check therefore covers the first
 //! loading stage, if only cementing precedes it. For later stages the run makes this check when
 //! they begin.
 
+use std::collections::BTreeMap;
+
 use super::Context;
 use super::findings::Findings;
-use crate::run::particles::particles;
+use crate::run::particles::{ParticleSeed, particles};
+use crate::run::select::{Candidate, selects};
 use crate::scene::format::{Load, Select, Specimen, Stage};
 
 pub(super) fn check(context: &Context, findings: &mut Findings) {
@@ -14,38 +17,60 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
     let unmoved = scene.stages.iter().position(|stage| !matches!(stage, Stage::Cement(_)));
     let Some((i, Stage::Load(stage))) = unmoved.map(|i| (i, &scene.stages[i])) else { return };
     let is_read = context.specimen.is_some() || !matches!(scene.specimen, Specimen::File { .. });
-    if !is_read || boxes(stage).next().is_none() {
+    if !is_read || regions(stage, &scene.groups).next().is_none() {
         return;
     }
     // An invalid recipe makes no particles.
-    if !findings.is_sound("specimen") || !findings.is_sound(&format!("stages[{i}].particles")) {
+    let parts = ["specimen", "groups", "materials"];
+    if !parts.iter().all(|part| findings.is_sound(part))
+        || !findings.is_sound(&format!("stages[{i}].particles"))
+    {
         return;
     }
-    let centres: Vec<_> = particles(&scene.specimen, context.specimen)
-        .iter()
-        .map(|particle| (particle.position.x, particle.position.y))
-        .collect();
-    for (k, min, max) in boxes(stage) {
-        let is_inside =
-            |(x, y): &(f64, f64)| *x >= min.0 && *y >= min.1 && *x <= max.0 && *y <= max.1;
-        if !centres.iter().any(is_inside) {
+    let seeds = particles(&scene.specimen, context.specimen);
+    let only = context.materials.first().filter(|_| context.materials.len() == 1);
+    let probes: BTreeMap<u32, &str> =
+        scene.probes.iter().map(|(name, index)| (*index, name.as_str())).collect();
+    let centres: Vec<_> = seeds.iter().map(|seed| (seed.position.x, seed.position.y)).collect();
+    for (k, select) in regions(stage, &scene.groups) {
+        let has = |(seed, index): (&ParticleSeed, u32)| {
+            let of = Candidate {
+                index,
+                place: seed.position,
+                material: seed.material.as_deref().or(only.copied()),
+                group: seed.group.as_deref(),
+                probe: seed.probe.as_deref().or(probes.get(&index).copied()),
+            };
+            selects(select, &scene.groups, &of)
+        };
+        if !seeds.iter().zip(0..).any(has) {
             let path = format_args!("stages[{i}].particles[{k}].select");
-            findings.add(path, "selects no particle: no centre is in the box", &bounds(&centres));
+            if let Select::Box { .. } = select {
+                let message = "selects no particle: no centre is in the box";
+                findings.add(path, message, &bounds("a box that holds some", &centres));
+            } else {
+                findings.add(path, "selects no particle", &bounds("one that has some", &centres));
+            }
         }
     }
 }
 
-/// Boxes with which a stage selects particles: number of the entry, lower left and upper right
-/// corner.
-fn boxes(stage: &Load) -> impl Iterator<Item = (usize, (f64, f64), (f64, f64))> {
-    stage.particles.iter().enumerate().filter_map(|(k, control)| match control.select {
-        Select::Box { min, max } => Some((k, min, max)),
-        _ => None,
-    })
+/// Entries of a stage whose particles depend on places or on sets: number and selection.
+fn regions<'a>(
+    stage: &'a Load,
+    groups: &'a BTreeMap<String, Select>,
+) -> impl Iterator<Item = (usize, &'a Select)> {
+    let of = |select: &Select| match select {
+        Select::All | Select::Index(_) | Select::Range(..) | Select::Probe(_) => false,
+        Select::Group(name) => groups.contains_key(name),
+        _ => true,
+    };
+    let entries = stage.particles.iter().map(|control| &control.select).enumerate();
+    entries.filter(move |(_, select)| of(select))
 }
 
-/// Range of the centres in words.
-fn bounds(centres: &[(f64, f64)]) -> String {
+/// What to give instead, with the range of the centres.
+fn bounds(what: &str, centres: &[(f64, f64)]) -> String {
     let Some(first) = centres.first() else { return "the specimen has no particles".to_owned() };
     let (mut low, mut high) = (*first, *first);
     for (x, y) in centres {
@@ -53,7 +78,7 @@ fn bounds(centres: &[(f64, f64)]) -> String {
         high = (high.0.max(*x), high.1.max(*y));
     }
     format!(
-        "give a box that holds some: the centres are between ({:.4e}, {:.4e}) and ({:.4e}, {:.4e})",
+        "give {what}: the centres are between ({:.4e}, {:.4e}) and ({:.4e}, {:.4e})",
         low.0, low.1, high.0, high.1
     )
 }
