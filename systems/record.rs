@@ -3,6 +3,7 @@
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
+use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use clastic_components::attempt::Attempt;
