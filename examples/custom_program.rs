@@ -1,4 +1,5 @@
-//! The whole command line for a program with plugins of its own: `run`, `resume`, `check` and the rest.
+//! The whole command line for a program with plugins of its own: `run`, `resume`, `check` and the
+//! rest.
 //!
 //! `cargo run --release --example custom_program -- check SCENE` accepts a scene with the measure
 //! `Custom("fabric")`, which the `clastic` program refuses.

@@ -116,8 +116,8 @@ struct EnvelopeArgs {
     /// Confining stresses, Pa, compression positive: 0,5e6,10e6
     #[arg(long, value_name = "PA,...", value_delimiter = ',', required = true)]
     confining: Vec<f64>,
-    /// Field of the scene that is the confining stress: a path, or PATH=VALUE with {} in the place of
-    /// the stress; may be repeated
+    /// Field of the scene that is the confining stress: a path, or PATH=VALUE with {} in the place
+    /// of the stress; may be repeated
     #[arg(long = "field", value_name = "PATH[=VALUE]", default_value = "let.confining")]
     fields: Vec<String>,
     /// Seeds of the specimen
@@ -240,8 +240,8 @@ pub fn main<M>(plugins: impl Plugins<M> + Send) -> ExitCode {
     execute(Cli::parse().command, plugins)
 }
 
-/// The same with other arguments, of which the first is the name of the program. Wrong arguments end
-/// the process.
+/// The same with other arguments, of which the first is the name of the program. Wrong arguments
+/// end the process.
 pub fn call<M, T: Into<OsString> + Clone>(
     arguments: impl IntoIterator<Item = T>,
     plugins: impl Plugins<M> + Send,

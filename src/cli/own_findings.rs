@@ -12,8 +12,8 @@ use crate::scene::suggest;
 /// The remedy where a program has no plugin at all.
 const OWN_PROGRAM: &str = "run the scene in a program of your own (ARCHITECTURE.md, Extending)";
 
-/// Finds walls, stages and measures that a scene leaves to an embedding program, and that the plugins
-/// of this program do not provide. Such a wall would stand still without a message.
+/// Finds walls, stages and measures that a scene leaves to an embedding program, and that the
+/// plugins of this program do not provide. Such a wall would stand still without a message.
 pub fn own_findings(scene: &Scene, app: &App) -> Vec<Finding> {
     let world = app.world();
     let stages: Vec<&str> =

@@ -52,8 +52,8 @@ impl MeasureKinds {
 
 /// Registers the measures that a plugin provides.
 pub trait ProvideMeasure {
-    /// Registers a measure: a scene refers to it by `Custom(name)`. It is read from the resource `R`
-    /// after every increment, before the systems of
+    /// Registers a measure: a scene refers to it by `Custom(name)`. It is read from the resource
+    /// `R` after every increment, before the systems of
     /// [`StageSystems::Stop`](super::plugin::StageSystems::Stop). Without the resource, or with
     /// `None`, it is not defined.
     fn provide_measure<R: Resource>(

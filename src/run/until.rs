@@ -1,9 +1,9 @@
 //! `Until`: the last increments of a stage are shortened, so that a measure lands on a value.
 //!
-//! After every increment the fraction to the value follows from the rate of the measure over the last
-//! increment. Twice the relative change of that rate is kept as a margin, and a rate that rises is
-//! expected to rise on, so that the measure comes to the value from one side and a linear measure
-//! gets there in one fraction.
+//! After every increment the fraction to the value follows from the rate of the measure over the
+//! last increment. Twice the relative change of that rate is kept as a margin, and a rate that
+//! rises is expected to rise on, so that the measure comes to the value from one side and a linear
+//! measure gets there in one fraction.
 
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -73,8 +73,8 @@ pub(super) fn begin(world: &mut World, stage: &Stage) {
     world.insert_resource(approach);
 }
 
-/// Whether the measure has reached the value of the `Until` of the stage. If not, the next increment
-/// is shortened where the whole would pass it.
+/// Whether the measure has reached the value of the `Until` of the stage. If not, the next
+/// increment is shortened where the whole would pass it.
 pub(super) fn reached(world: &mut World, stage: &Stage) -> Option<Stop> {
     let (name, value) = until(stage)?;
     let now = reading(world, name)?;
@@ -121,8 +121,8 @@ impl Approach {
         }
         let earlier = n.checked_sub(3).map(|k| rate(self.points[k], before));
         let change = earlier.map_or(1.0, |earlier| ((now - earlier) / now).abs());
-        // A measure that steepens is expected to steepen by the same ratio again, but by no more than
-        // fourfold: after a rate of zero, as before a gap closes, the ratio says nothing.
+        // A measure that steepens is expected to steepen by the same ratio again, but by no more
+        // than fourfold: after a rate of zero, as before a gap closes, the ratio says nothing.
         let steeper = earlier.map_or(1.0, |earlier| (now / earlier).clamp(1.0, 4.0));
         // A rate that is not known to be steady leaves half of the way.
         Some((1.0 - 2.0 * change).max(0.5) * (value - last[1]) / (now * steeper))

@@ -120,7 +120,8 @@ fn a_number(unit: &str) -> String {
     if unit.is_empty() { "a plain number".to_owned() } else { format!("a number in {unit}") }
 }
 
-/// Whether a word can stand for a number: words of the format begin with a capital, apart from these.
+/// Whether a word can stand for a number. Words of the format begin with a capital, apart from
+/// these.
 fn is_name(name: &str) -> bool {
     let first = |c: char| c.is_lowercase() || c == '_';
     name.starts_with(first)

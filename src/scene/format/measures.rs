@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 
 /// Definitions of strain and stress, and of further measures.
 ///
-/// Version 1 has `(axial_strain: ..., ...)`, version 2 a list of measures with names. The measures of
-/// a list that have the names in [`ROLES`] define the strains and stresses.
+/// Version 1 has `(axial_strain: ..., ...)`, version 2 a list of measures with names. The measures
+/// of a list that have the names in [`ROLES`] define the strains and stresses.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Measures {
     /// Stage at whose start strains are zero; the last stage if left out.

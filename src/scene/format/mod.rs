@@ -51,8 +51,8 @@ pub struct Scene {
     pub version: u32,
     /// One line that says what the scene shows.
     pub title: String,
-    /// Values with names, which stand for numbers of the scene. The text has their values in place of
-    /// the names before it is read. Version 2.
+    /// Values with names, which stand for numbers of the scene. The text has their values in place
+    /// of the names before it is read. Version 2.
     #[serde(
         default,
         rename = "let",
@@ -109,8 +109,8 @@ pub struct Scene {
     /// Stages, in order.
     #[serde(deserialize_with = "repeats::deserialize")]
     pub stages: Vec<Stage>,
-    /// Stage at whose start strains are zero; the last stage if left out. Version 2; in version 1 it
-    /// is a field of `measures`.
+    /// Stage at whose start strains are zero; the last stage if left out. Version 2; in version 1
+    /// it is a field of `measures`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reference_stage: Option<String>,
     /// Definitions of strain and stress, and further measures.
