@@ -17,6 +17,7 @@ pub mod identity;
 pub mod increment;
 pub mod loads;
 pub mod material;
+pub mod measure;
 pub mod motion;
 pub mod observation;
 pub mod particle;

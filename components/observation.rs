@@ -3,6 +3,7 @@
 use bevy_ecs::prelude::*;
 #[cfg(feature = "reflect")]
 use bevy_ecs::reflect::ReflectResource;
+use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use crate::attempt::IncrementStatus;
@@ -36,6 +37,15 @@ pub enum StressMeasure {
         component: StressComponent,
         /// Area of the average, m^2.
         area: MeasureArea,
+    },
+    /// The same average over a rectangle: every contact counts by the part of its branch inside.
+    Region {
+        /// Component.
+        component: StressComponent,
+        /// Lower left corner, m.
+        min: DVec2,
+        /// Upper right corner, m.
+        max: DVec2,
     },
 }
 

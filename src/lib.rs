@@ -6,7 +6,8 @@
 //! scheduled systems do the work in a fixed order (see [`systems::schedule`]).
 //!
 //! - A researcher writes a [`scene`] in RON and runs it with the `clastic` program.
-//! - A simulation programmer adds systems to the public sets of [`systems::schedule`].
+//! - A simulation programmer adds systems to the public sets of [`systems::schedule`], and has the
+//!   command line with plugins of its own by `cli::main` (feature `cli`).
 //! - A Bevy developer adds [`ClasticPlugins`] to an app, which then makes one increment in every
 //!   `Update`.
 //!
@@ -38,6 +39,8 @@ pub use clastic_components as components;
 pub use clastic_cone as cone;
 pub use clastic_systems as systems;
 
+#[cfg(feature = "cli")]
+pub mod cli;
 pub mod output;
 pub mod run;
 pub mod saved;

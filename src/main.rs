@@ -1,9 +1,7 @@
 //! The `clastic` program.
 
-mod cli;
-
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    cli::main()
+    clastic::cli::main(())
 }

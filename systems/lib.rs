@@ -13,6 +13,7 @@ pub mod event_search;
 pub mod gather_bodies;
 pub mod kinetic_damping;
 pub mod mean_field;
+pub mod measures;
 pub mod motion_settings;
 pub mod paths;
 pub mod record;

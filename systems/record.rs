@@ -6,30 +6,29 @@ use bevy_ecs::prelude::*;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-use clastic_components::attempt::{Attempt, IncrementStatus};
+use clastic_components::attempt::Attempt;
 use clastic_components::body::{
     AngularVelocity, BodyId, ExternalForce, Origin, Position, Probe, Rotation, Velocity,
 };
 use clastic_components::bond::{BondState, Rupture};
-use clastic_components::contact::{Bodies, Contact, Contacts};
+use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::findings::{Corrections, EventSearch, Ruptures, Sliding};
-use clastic_components::increment::{
-    Acceptance, Analysis, AnalysisKind, Progress, RuptureOrder, RuptureRules,
-};
+use clastic_components::increment::{Progress, RuptureOrder, RuptureRules};
+use clastic_components::measure::{NamedMeasures, Quantity, Readings};
 use clastic_components::observation::{
-    MeasureArea, MeasureLength, Measures, Observation, ProbeReading, RuptureCount, StrainMeasure,
-    StressComponent, StressMeasure,
+    Measures, Observation, ProbeReading, RuptureCount, StrainMeasure, StressMeasure,
 };
 use clastic_components::particle::Particle;
 use clastic_components::wall::Wall;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use crate::attempt::events;
-use crate::control_walls::wall_distance;
 use crate::gather_bodies::gather_bodies;
+use crate::measures::stress::StressTables;
+use crate::measures::{NAMED, NamedState, read_end, read_start, strain_distance};
 use crate::schedule::{Increment, IncrementSystems, lap};
 use crate::state::{RegisterState, StateOf};
-use clastic_cone::residuals::{Carrying, displacement_scale, force_scale};
+use clastic_cone::residuals::Carrying;
 
 /// Adds the systems of the record.
 pub struct RecordPlugin;
@@ -42,19 +41,23 @@ impl Plugin for RecordPlugin {
         app.register_component::<BodyId, Probe>("probe")
             .register_resource::<Observation>(OBSERVATION)
             .register_resource::<RuptureCount>("rupture_count")
-            .register_state::<ReferenceLengths>("measures.reference");
+            .register_state::<ReferenceLengths>("measures.reference")
+            .register_state::<NamedState>(NAMED)
+            .init_resource::<NamedMeasures>()
+            .init_resource::<Readings>();
         app.init_resource::<Observation>().init_resource::<Measures>().add_systems(
             Increment,
             (
                 // Stress refers to the geometry at the start of the increment, which `Bodies` still
                 // holds. Readers of the record need the geometry at its end, so `Bodies` is
                 // gathered again.
-                record_stress,
+                (record_stress, read_start),
                 gather_bodies,
                 record_strain,
                 record_ruptures,
                 record_state,
                 record_probes,
+                read_end,
                 lap(|t| &mut t.record),
             )
                 .chain()
@@ -86,159 +89,11 @@ impl StateOf for ReferenceLengths {
     }
 }
 
-/// Average stress tensor `sum (p n + q t) (x) l / V` of Love and Weber, Pa, compression positive.
-/// The branch l goes from centre to centre, and at a wall from the centre to the line of the wall.
-/// The stress then equals that of the wall forces, whatever the gap or overlap at the walls. `area`
-/// is in m^2.
-#[must_use]
-pub fn average_stress(
-    bodies: &Bodies,
-    contacts: &Contacts,
-    solution: &ConeSolution,
-    area: f64,
-    thickness: f64,
-) -> [[f64; 2]; 2] {
-    let mut sum = [[0.0; 2]; 2];
-    for (contact, f) in contacts.0.iter().zip(&solution.forces) {
-        let (a, b) = (contact.a as usize, contact.b as usize);
-        let branch = bodies.radii[a] + contact.gap + bodies.radii.get(b).copied().unwrap_or(0.0);
-        let (force, l) =
-            (contact.normal * f[0] + contact.normal.perp() * f[1], contact.normal * branch);
-        for i in 0..2 {
-            for j in 0..2 {
-                sum[i][j] += force[i] * l[j];
-            }
-        }
-    }
-    sum.map(|row| row.map(|s| s / (area * thickness)))
-}
-
-type Geometry<'w, 's> = Query<'w, 's, (&'static Wall, &'static Position)>;
-
 /// Records the stresses. Average stresses refer to the geometry at the start of the increment.
-fn record_stress(
-    bodies: Res<Bodies>,
-    contacts: Res<Contacts>,
-    solution: Res<ConeSolution>,
-    analysis: Res<Analysis>,
-    attempt: Res<Attempt>,
-    measures: Res<Measures>,
-    geometry: Geometry,
-    forces: Query<(&Wall, &ExternalForce)>,
-    mut out: ResMut<Observation>,
-) {
-    // The forces of a compaction come from its regularisation and give no stress.
-    let carried = !matches!(analysis.kind, AnalysisKind::LeastMotion { .. })
-        && matches!(attempt.status, IncrementStatus::Solved | IncrementStatus::Capped);
-    let start =
-        |wall: Entity| bodies.entities.iter().position(|e| *e == wall).map(|i| bodies.positions[i]);
-    // The load of a stress-controlled wall acts on the length at the start of the increment, so the
-    // stress is measured on this length.
-    let distance = |first: Entity, second: Entity| {
-        let (wall, _) = geometry.get(first).ok()?;
-        Some((start(second)? - start(first)?).dot(wall.inward()))
-    };
-    let evaluate = |measure: &StressMeasure| -> Option<f64> {
-        match measure {
-            StressMeasure::Walls { walls, length: l } => {
-                let mut sum = 0.0;
-                for wall in walls {
-                    let (wall, force) = forces.get(*wall).ok()?;
-                    sum += DVec2::new(force.0[0], force.0[1]).dot(wall.inward());
-                }
-                let length = match *l {
-                    MeasureLength::Fixed(length) => length,
-                    MeasureLength::Between(a, b) => distance(a, b)?,
-                };
-                Some(sum / walls.len() as f64 / (length * analysis.thickness))
-            }
-            StressMeasure::Average { component, area } => {
-                let area = match area {
-                    MeasureArea::Fixed(area) => *area,
-                    MeasureArea::Box([a, b, c, d]) => distance(*a, *b)? * distance(*c, *d)?,
-                };
-                let s = average_stress(&bodies, &contacts, &solution, area, analysis.thickness);
-                Some(match component {
-                    StressComponent::Xx => s[0][0],
-                    StressComponent::Yy => s[1][1],
-                    StressComponent::Xy => 0.5 * (s[0][1] + s[1][0]),
-                })
-            }
-        }
-    };
-    out.axial_stress = measures.axial_stress.as_ref().filter(|_| carried).and_then(evaluate);
-    out.lateral_stress = measures.lateral_stress.as_ref().filter(|_| carried).and_then(evaluate);
-}
-
-/// The error of the axial stress of the last increment that [`Acceptance::residual`] allows, Pa.
-///
-/// Residuals are relative to the maximum force F and the maximum displacement U. The error of a
-/// force is at most `residual F`. The error of a gap is at most `residual U`, which an elastic
-/// contact converts to the force `residual U / C_N`. The result is the sum over the interactions
-/// that contribute to the stress.
-pub fn axial_stress_error(
-    bodies: Res<Bodies>,
-    contacts: Res<Contacts>,
-    program: Res<ConeProgram>,
-    solution: Res<ConeSolution>,
-    analysis: Res<Analysis>,
-    acceptance: Res<Acceptance>,
-    measures: Res<Measures>,
-    geometry: Geometry,
-    ids: Query<&BodyId>,
-) -> Option<f64> {
-    let residual = acceptance.residual.max(program.tolerance);
-    let force = force_scale(&program, &solution.forces);
-    let motion = displacement_scale(&program, &solution.displacements);
-    let errors = contacts.0.iter().zip(&program.interactions).map(|(contact, c)| {
-        let elastic = if c.normal_compliance > 0.0 { motion / c.normal_compliance } else { 0.0 };
-        (contact, residual * (force + elastic))
-    });
-    let distance = |a: Entity, b: Entity| wall_distance(a, b, &geometry);
-    let (sum, area) = match measures.axial_stress.as_ref()? {
-        StressMeasure::Walls { walls, length } => {
-            let row = |wall: &Entity| bodies.row(*ids.get(*wall).ok()?).map(|row| row as u32);
-            let walls: Vec<u32> = walls.iter().filter_map(row).collect();
-            let at_walls = errors.filter(|(contact, _)| walls.contains(&contact.b));
-            let length = match *length {
-                MeasureLength::Fixed(length) => length,
-                MeasureLength::Between(a, b) => distance(a, b),
-            };
-            (at_walls.map(|(_, error)| error).sum::<f64>() / walls.len() as f64, length)
-        }
-        StressMeasure::Average { area, .. } => {
-            let branch = |contact: &Contact| {
-                let radius = |body: u32| bodies.radii.get(body as usize).copied().unwrap_or(0.0);
-                radius(contact.a) + contact.gap + radius(contact.b)
-            };
-            let area = match area {
-                MeasureArea::Fixed(area) => *area,
-                MeasureArea::Box([a, b, c, d]) => distance(*a, *b) * distance(*c, *d),
-            };
-            (errors.map(|(contact, error)| error * branch(contact).abs()).sum(), area)
-        }
-    };
-    Some(sum / (area * analysis.thickness))
-}
-
-/// Current value of the distance of a strain measure, m.
-#[must_use]
-pub fn strain_distance(
-    measure: &StrainMeasure,
-    walls: &Query<(&Wall, &Position)>,
-    particles: &Query<&Position, With<Particle>>,
-) -> Option<f64> {
-    let distance = match *measure {
-        // Between walls of which one is gone there is no distance.
-        StrainMeasure::Walls(a, b) if walls.contains(a) && walls.contains(b) => {
-            wall_distance(a, b, walls)
-        }
-        StrainMeasure::Walls(..) => return None,
-        StrainMeasure::Particles(a, b) => {
-            particles.get(a).ok()?.0.distance(particles.get(b).ok()?.0)
-        }
-    };
-    Some(distance)
+fn record_stress(tables: StressTables, measures: Res<Measures>, mut out: ResMut<Observation>) {
+    let stress = |measure: &Option<StressMeasure>| tables.stress(measure.as_ref()?);
+    out.axial_stress = stress(&measures.axial_stress);
+    out.lateral_stress = stress(&measures.lateral_stress);
 }
 
 /// Sets the reference distances at the start of the reference stage. The stages run it once.
@@ -246,11 +101,17 @@ pub fn take_reference(
     walls: Query<(&Wall, &Position)>,
     particles: Query<&Position, With<Particle>>,
     mut measures: ResMut<Measures>,
+    mut named: ResMut<NamedMeasures>,
 ) {
     let of = |m: &Option<StrainMeasure>| {
         m.as_ref().and_then(|m| strain_distance(m, &walls, &particles)).unwrap_or(f64::NAN)
     };
     measures.reference = Some([of(&measures.axial_strain), of(&measures.lateral_strain)]);
+    let distance = |quantity: &Option<Quantity>| match quantity {
+        Some(Quantity::Strain(m)) => strain_distance(m, &walls, &particles),
+        _ => None,
+    };
+    named.references = named.list.iter().map(|(_, quantity)| distance(quantity)).collect();
 }
 
 /// Records the engineering strains, which exist from the reference stage on.

@@ -3,7 +3,7 @@
 use bevy_app::{App, Plugin};
 
 use clastic_components::{
-    attempt, body, bond, contact, energy, findings, identity, increment, loads, material,
+    attempt, body, bond, contact, energy, findings, identity, increment, loads, material, measure,
     observation, particle, wall, wall_shape,
 };
 use clastic_cone::program;
@@ -72,6 +72,8 @@ impl Plugin for ReflectPlugin {
             loads::TrialLoads,
             material::ContactLaw,
             material::Materials,
+            measure::NamedMeasures,
+            measure::Readings,
             observation::Measures,
             observation::Observation,
             observation::RuptureCount,

@@ -63,6 +63,17 @@ scenes! {
     incline_rolls_with_resistance: "incline_rolls_with_resistance", COMPLETES, &[];
     incline_slips: "incline_slips", COMPLETES, &[];
     stack: "stack", COMPLETES, &[];
+    // `Until` lands on 80 kPa; solid fraction and energy are in tests/engine/language.rs.
+    isotropic_compression: "isotropic_compression", COMPLETES, &[
+        ("porosity", 0.21771096216874086),
+        ("peak_stress_pa", 80.0e3),
+    ];
+    // 8 MPa and 0.25 % by hand: the comment of the scene.
+    unload_reload: "unload_reload", COMPLETES, &[
+        ("youngs_modulus_pa", 8.0e6),
+        ("peak_stress_pa", 20.0e3),
+        ("strain_at_peak", 0.0025),
+    ];
     shear_box: "shear_box", COMPLETES, &[];
     #[ignore = "half a minute"]
     angle_of_repose: "angle_of_repose", COMPLETES, &[];

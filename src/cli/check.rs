@@ -1,19 +1,34 @@
 //! `clastic check`: reads a scene and reports its mistakes.
 
-use clastic::run::particles::particles;
-use clastic::scene::load_with;
-use clastic::scene::shown::label;
+use bevy_app::App;
 
-use super::SceneArgs;
+use crate::run::particles::particles;
+use crate::scene::load_with;
+use crate::scene::shown::label;
+use crate::scene::upgrade::upgrade;
+
+use super::CheckArgs;
 use super::exit::{Exit, Failure, say};
 use super::memory::fits;
 use super::own_findings::own_findings;
 use super::resolve::resolve;
 
 /// Checks a scene.
-pub fn check(args: &SceneArgs) -> Result<Exit, Failure> {
-    let loaded = load_with(&resolve(&args.scene)?, &args.sets, own_findings)?;
+pub fn check(args: &CheckArgs, app: &App) -> Result<Exit, Failure> {
+    let CheckArgs { scene: args, upgrade: upgrades } = args;
+    let loaded = load_with(&resolve(&args.scene)?, &args.sets, |scene| own_findings(scene, app))?;
     fits(&loaded)?;
+    if *upgrades {
+        let Some(text) = upgrade(&loaded.text) else {
+            let message = format!(
+                "--upgrade: the scene is of version {} already, the latest one",
+                loaded.scene.version
+            );
+            return Err(Failure { exit: Exit::Usage, message });
+        };
+        say(text.trim_end())?;
+        return Ok(Exit::Ok);
+    }
     let scene = &loaded.scene;
     say(format_args!(
         "ok: {}, {}, {}, {}",

@@ -3,11 +3,11 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use clastic::output::OutputError;
-use clastic::output::atomic::write_atomic;
-use clastic::output::directory;
-use clastic::output::plots::history::History;
-use clastic::output::plots::{self, compare};
+use crate::output::OutputError;
+use crate::output::atomic::write_atomic;
+use crate::output::directory;
+use crate::output::plots::history::History;
+use crate::output::plots::{self, compare};
 
 use serde_json::Value;
 

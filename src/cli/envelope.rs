@@ -4,16 +4,18 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use clastic::output::OutputError;
-use clastic::output::atomic::write_atomic;
-use clastic::output::csv_file::Row;
-use clastic::output::directory::default_directory;
-use clastic::output::plots::strength::megapascals;
-use clastic::output::plots::{self, strength};
-use clastic::scene::load_with;
-use clastic::study::marks::marks;
-use clastic::study::strength::{HoekBrown, MohrCoulomb, Strength};
-use clastic::study::{Study, plan, table};
+use bevy_app::App;
+
+use crate::output::OutputError;
+use crate::output::atomic::write_atomic;
+use crate::output::csv_file::Row;
+use crate::output::directory::default_directory;
+use crate::output::plots::strength::megapascals;
+use crate::output::plots::{self, strength};
+use crate::scene::load_with;
+use crate::study::marks::marks;
+use crate::study::strength::{HoekBrown, MohrCoulomb, Strength};
+use crate::study::{Study, plan, table};
 
 use super::EnvelopeArgs;
 use super::exit::{Exit, Failure, say};
@@ -27,8 +29,8 @@ const CONFINING: &str = "confining";
 const SEED: &str = "seed";
 
 /// Makes the runs, prints the envelopes, and writes table and figure.
-pub fn envelope(args: &EnvelopeArgs) -> Result<Exit, Failure> {
-    let sweep = study(args)?;
+pub fn envelope(args: &EnvelopeArgs, app: &App) -> Result<Exit, Failure> {
+    let sweep = study(args, app)?;
     fs::create_dir_all(&sweep.folder).map_err(OutputError::at(&sweep.folder))?;
     let all = (0..sweep.plan.runs.len()).collect();
     let interrupted = jobs::run_all(&sweep, all, args.jobs, args.quiet)?;
@@ -42,7 +44,7 @@ pub fn envelope(args: &EnvelopeArgs) -> Result<Exit, Failure> {
 }
 
 /// The runs: every confining stress with every seed.
-fn study(args: &EnvelopeArgs) -> Result<Sweep, Failure> {
+fn study(args: &EnvelopeArgs, app: &App) -> Result<Sweep, Failure> {
     let scene = resolve(&args.scene)?;
     let list = |values: &[f64]| {
         let values: Vec<_> = values.iter().map(|value| format!("{value:?}")).collect();
@@ -71,7 +73,9 @@ fn study(args: &EnvelopeArgs) -> Result<Sweep, Failure> {
         args.scene.file_stem().unwrap_or(args.scene.as_os_str()).to_string_lossy()
     ));
     let study = Study::read(&text, &args.scene)?;
-    let plan = plan(&study, &args.scene, |sets| load_with(&scene, sets, own_findings))?;
+    let plan = plan(&study, &args.scene, |sets| {
+        load_with(&scene, sets, |scene| own_findings(scene, app))
+    })?;
     let folder = args.out.clone().unwrap_or_else(|| default_directory(&name));
     Ok(Sweep { scene, title: study.title, plan, folder })
 }

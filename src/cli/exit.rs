@@ -4,9 +4,9 @@ use std::fmt::Display;
 use std::io::{self, Write};
 use std::process::ExitCode;
 
-use clastic::output::{OutputError, ResumeError};
-use clastic::scene::LoadError;
-use clastic::scene::shown::escaped;
+use crate::output::{OutputError, ResumeError};
+use crate::scene::LoadError;
+use crate::scene::shown::escaped;
 
 /// How the program ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

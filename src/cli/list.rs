@@ -1,7 +1,7 @@
 //! `clastic list`: scenes that can be run by name.
 
-use clastic::scene::load;
-use clastic::scene::shown::label;
+use crate::scene::load;
+use crate::scene::shown::label;
 
 use super::exit::{Exit, Failure, say};
 use super::resolve::{SCENES, scenes};

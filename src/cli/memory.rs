@@ -1,7 +1,7 @@
 //! Whether a scene fits into the memory of this machine.
 
-use clastic::scene::LoadedScene;
-use clastic::scene::memory::{Need, size};
+use crate::scene::LoadedScene;
+use crate::scene::memory::{Need, size};
 use sysinfo::{MemoryRefreshKind, System};
 
 use super::exit::{Exit, Failure};

@@ -1,4 +1,7 @@
 //! The command line: arguments, and the file that handles each command.
+//!
+//! A program with plugins of its own has it by one call, [`main`]: `check`, `run` and `resume` know
+//! the stages, measures and walls that the plugins provide.
 
 mod check;
 mod compare;
@@ -16,10 +19,14 @@ mod summary;
 mod sweep;
 mod threads;
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use bevy_app::Plugins;
 use clap::{Args, Parser, Subcommand};
+
+use crate::run::app;
 
 use self::threads::on_threads;
 
@@ -59,7 +66,7 @@ enum Command {
     /// Go on with a run that was interrupted, killed or stalled, or extend one that has ended
     Resume(ResumeArgs),
     /// Read a scene and report everything that is wrong with it
-    Check(SceneArgs),
+    Check(CheckArgs),
     /// List the scenes that have a name: those in ./scenes and those that clastic ships
     List,
     /// Make the runs of a study, several at once, and write one table and one figure
@@ -110,8 +117,8 @@ struct EnvelopeArgs {
     /// Confining stresses, Pa, compression positive: 0,5e6,10e6
     #[arg(long, value_name = "PA,...", value_delimiter = ',', required = true)]
     confining: Vec<f64>,
-    /// Field of the scene that is the confining stress: a path, or PATH=VALUE with {} in the place of
-    /// the stress; may be repeated
+    /// Field of the scene that is the confining stress: a path, or PATH=VALUE with {} in the place
+    /// of the stress; may be repeated
     #[arg(long = "field", value_name = "PATH[=VALUE]", default_value = "let.confining")]
     fields: Vec<String>,
     /// Seeds of the specimen
@@ -149,6 +156,15 @@ struct SceneArgs {
     /// Set a field of the scene, e.g. --set stages[0].increments=10; may be repeated
     #[arg(long = "set", value_name = "PATH=VALUE")]
     sets: Vec<String>,
+}
+
+#[derive(Args)]
+struct CheckArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// Write the scene, if it is of version 1, as one of version 2 to standard output
+    #[arg(long)]
+    upgrade: bool,
 }
 
 #[derive(Args)]
@@ -222,15 +238,33 @@ struct OutputArgs {
     quiet: bool,
 }
 
-/// Runs the program.
-pub fn main() -> ExitCode {
-    let done = match Cli::parse().command {
-        Command::Run(args) => on_threads(args.output.threads, || run::run(&args)),
-        Command::Resume(args) => on_threads(args.output.threads, || resume::resume(&args)),
-        Command::Check(args) => check::check(&args),
+/// Runs the `clastic` program with further plugins; `()` for none. The arguments are those of the
+/// process.
+pub fn main<M>(plugins: impl Plugins<M> + Send) -> ExitCode {
+    execute(Cli::parse().command, plugins)
+}
+
+/// The same with other arguments, of which the first is the name of the program. Wrong arguments
+/// end the process.
+pub fn call<M, T: Into<OsString> + Clone>(
+    arguments: impl IntoIterator<Item = T>,
+    plugins: impl Plugins<M> + Send,
+) -> ExitCode {
+    execute(Cli::parse_from(arguments).command, plugins)
+}
+
+fn execute<M>(command: Command, plugins: impl Plugins<M> + Send) -> ExitCode {
+    // An app cannot change threads.
+    let program = || app(plugins);
+    let done = match command {
+        Command::Run(args) => on_threads(args.output.threads, || run::run(&args, program())),
+        Command::Resume(args) => {
+            on_threads(args.output.threads, || resume::resume(&args, program()))
+        }
+        Command::Check(args) => check::check(&args, &program()),
         Command::List => list::list(),
-        Command::Sweep(args) => sweep::sweep(&args),
-        Command::Envelope(args) => envelope::envelope(&args),
+        Command::Sweep(args) => sweep::sweep(&args, &program()),
+        Command::Envelope(args) => envelope::envelope(&args, &program()),
         Command::Compare { runs, out } => compare::compare(&runs, &out),
     };
     match done {

@@ -1,36 +1,75 @@
 //! Mistakes that only this program finds in a valid scene.
 
-use clastic::scene::Finding;
-use clastic::scene::format::{Scene, Stage, WallControl};
-use clastic::scene::spans::join;
+use bevy_app::App;
 
-/// Finds walls and stages that a scene leaves to an embedding program. This program has no system
-/// for such walls, which would stand still without a message, and no plugin for such stages.
-pub fn own_findings(scene: &Scene) -> Vec<Finding> {
+use crate::run::measures::MeasureKinds;
+use crate::run::plugin::{StageKinds, WallPlugins};
+use crate::scene::Finding;
+use crate::scene::format::{Quantity, Scene, Stage, WallControl};
+use crate::scene::spans::join;
+use crate::scene::suggest;
+
+/// The remedy where a program has no plugin at all.
+const OWN_PROGRAM: &str = "run the scene in a program of your own (ARCHITECTURE.md, Extending)";
+
+/// Finds walls, stages and measures that a scene leaves to an embedding program, and that the
+/// plugins of this program do not provide. Such a wall would stand still without a message.
+pub fn own_findings(scene: &Scene, app: &App) -> Vec<Finding> {
+    let world = app.world();
+    let stages: Vec<&str> =
+        world.get_resource::<StageKinds>().map_or(Vec::new(), |kinds| kinds.names().collect());
+    let measures: Vec<&str> =
+        world.get_resource::<MeasureKinds>().map_or(Vec::new(), |kinds| kinds.names().collect());
+    let drives_walls = world.contains_resource::<WallPlugins>();
     let mut findings = Vec::new();
     for (i, stage) in scene.stages.iter().enumerate() {
-        if let Stage::Custom(stage) = stage {
-            findings.push(Finding::new(
-                format!("stages[{i}].kind"),
-                format!(
-                    "`{}` is a kind of stage that a plugin of an embedding program provides, and the \
-                     `clastic` program has none",
-                    stage.kind
-                ),
-                "give a `Load`, `Compact` or `Cement`, or run the scene in a program of your own \
-                 (ARCHITECTURE.md, Extending)",
-            ));
+        if let Stage::Custom(stage) = stage
+            && !stages.contains(&stage.kind.as_str())
+        {
+            let instead = "give a `Load`, `Compact` or `Cement`, or";
+            let path = format!("stages[{i}].kind");
+            findings.push(missing(path, &stage.kind, ("a kind of stage", instead), &stages));
         }
         let Stage::Load(stage) = stage else { continue };
         let custom = stage.walls.iter().filter(|(_, control)| **control == WallControl::Custom);
-        findings.extend(custom.map(|(name, _)| {
+        findings.extend(custom.filter(|_| !drives_walls).map(|(name, _)| {
             Finding::new(
                 join(&format!("stages[{i}].walls"), name),
                 "`Custom` leaves the wall to a system of an embedding program, and the `clastic` program has none",
-                "give it `Fixed`, `Displacement`, `Velocity`, `Force` or `Stress`, or run the scene in a \
-                 program of your own (ARCHITECTURE.md, Extending)",
+                format!(
+                    "give it `Fixed`, `Displacement`, `Velocity`, `Force` or `Stress`, or {OWN_PROGRAM}"
+                ),
             )
         }));
     }
+    for (i, measure) in scene.measures.list.iter().flatten().enumerate() {
+        if let Quantity::Custom(kind) = &measure.of
+            && !kind.trim().is_empty()
+            && !measures.contains(&kind.as_str())
+        {
+            let path = format!("measures[{i}].of[0]");
+            findings.push(missing(path, kind, ("a measure", "leave it out, or"), &measures));
+        }
+    }
     findings
+}
+
+/// A name that no plugin provides. `provided` are the names that plugins do provide.
+fn missing(path: String, name: &str, (what, instead): (&str, &str), provided: &[&str]) -> Finding {
+    if provided.is_empty() {
+        return Finding::new(
+            path,
+            format!(
+                "`{name}` is {what} that a plugin of an embedding program provides, and the \
+                 `clastic` program has none"
+            ),
+            format!("{instead} {OWN_PROGRAM}"),
+        );
+    }
+    let kinds = if what == "a measure" { "measures" } else { "kinds" };
+    Finding::new(
+        path,
+        format!("`{name}` is {what} that no plugin of this program provides"),
+        suggest::help(name, provided, &format!("{kinds} of its plugins")),
+    )
 }

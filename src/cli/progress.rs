@@ -3,9 +3,9 @@
 use std::io::{self, IsTerminal};
 use std::time::{Duration, Instant};
 
-use clastic::components::increment::Progress as Place;
-use clastic::components::observation::Observation;
-use clastic::scene::shown::label;
+use crate::components::increment::Progress as Place;
+use crate::components::observation::Observation;
+use crate::scene::shown::label;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::exit::complain;

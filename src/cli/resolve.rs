@@ -6,7 +6,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use clastic::scene::shipped;
+use crate::scene::shipped;
 
 use super::exit::{Exit, Failure};
 

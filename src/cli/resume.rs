@@ -3,12 +3,14 @@
 use std::fs;
 use std::path::Path;
 
-use clastic::output::directory;
-use clastic::output::run_record::CLASTIC_VERSION;
-use clastic::output::{self, Checkpoint, OutputPlugin, ResumeError};
-use clastic::run::state::{StateError, StateView};
-use clastic::run::{Simulation, changes, extend};
-use clastic::scene::from_str_with;
+use bevy_app::App;
+
+use crate::output::directory;
+use crate::output::run_record::CLASTIC_VERSION;
+use crate::output::{self, Checkpoint, OutputPlugin, ResumeError};
+use crate::run::state::{StateError, StateView};
+use crate::run::{Simulation, changes, extend};
+use crate::scene::from_str_with;
 
 use super::ResumeArgs;
 use super::exit::{Exit, Failure, complain, say};
@@ -16,7 +18,7 @@ use super::own_findings::own_findings;
 use super::run::to_the_end;
 
 /// Resumes a run.
-pub fn resume(args: &ResumeArgs) -> Result<Exit, Failure> {
+pub fn resume(args: &ResumeArgs, mut app: App) -> Result<Exit, Failure> {
     let directory = args.directory.as_path();
     let is_changed = !args.sets.is_empty() || args.scene.is_some();
     let mut checkpoint = match Checkpoint::read(directory) {
@@ -50,7 +52,7 @@ pub fn resume(args: &ResumeArgs) -> Result<Exit, Failure> {
     };
     let loaded = read(&text, &args.sets)?;
     // The run began without such walls, so a setting has added them. Its path is in the message.
-    let foreign = own_findings(&loaded.scene);
+    let foreign = own_findings(&loaded.scene, &app);
     if let Some(finding) = foreign.first() {
         return Err(Failure { exit: Exit::Scene, message: finding.to_string() });
     }
@@ -70,8 +72,9 @@ pub fn resume(args: &ResumeArgs) -> Result<Exit, Failure> {
             increment + 1
         ));
     }
+    app.add_plugins(OutputPlugin);
     let mut simulation =
-        Simulation::resume_with(&loaded.scene, &checkpoint.world, OutputPlugin).map_err(damaged)?;
+        Simulation::resume_in(app, &loaded.scene, &checkpoint.world).map_err(damaged)?;
     changes::apply(simulation.world_mut(), &before, &loaded.scene, &view);
     let every = args.output.checkpoint_every;
     let scene = args.scene.iter().map(|file| format!("--scene {}", file.display()));

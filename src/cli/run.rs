@@ -2,20 +2,21 @@
 
 use std::path::Path;
 
+use bevy_app::App;
 use bevy_ecs::prelude::*;
 
-use clastic::components::increment::Progress as Place;
-use clastic::components::observation::Observation;
-use clastic::output::directory::default_directory;
-use clastic::output::prepared::PreparedSpecimen;
-use clastic::output::{
+use crate::components::increment::Progress as Place;
+use crate::components::observation::Observation;
+use crate::output::directory::default_directory;
+use crate::output::prepared::PreparedSpecimen;
+use crate::output::{
     self, Ending, OutputError, OutputFailure, OutputPlugin, RunDirectory, RunOptions,
 };
-use clastic::run::stages::Script;
-use clastic::run::{Outcome, Simulation, Step};
-use clastic::scene::format::Stage;
-use clastic::scene::load_with;
-use clastic::scene::shown::label;
+use crate::run::stages::Script;
+use crate::run::{Outcome, Simulation, Step};
+use crate::scene::format::Stage;
+use crate::scene::load_with;
+use crate::scene::shown::label;
 
 use super::RunArgs;
 use super::exit::{Exit, Failure, complain, say};
@@ -27,9 +28,9 @@ use super::resolve::resolve;
 use super::summary::{Summary, summary};
 
 /// Runs a scene.
-pub fn run(args: &RunArgs) -> Result<Exit, Failure> {
+pub fn run(args: &RunArgs, mut app: App) -> Result<Exit, Failure> {
     let path = resolve(&args.scene.scene)?;
-    let loaded = load_with(&path, &args.scene.sets, own_findings)?;
+    let loaded = load_with(&path, &args.scene.sets, |scene| own_findings(scene, &app))?;
     fits(&loaded)?;
     let dumps = &args.dump_programs;
     for stage in dumps.iter().filter_map(|dump| dump.stage.as_ref()) {
@@ -45,7 +46,8 @@ pub fn run(args: &RunArgs) -> Result<Exit, Failure> {
     }
     let directory = args.out.clone().unwrap_or_else(|| default_directory(&path));
     let specimen = loaded.specimen.as_ref();
-    let mut simulation = Simulation::with_plugins(&loaded.scene, specimen, OutputPlugin);
+    app.add_plugins(OutputPlugin);
+    let mut simulation = Simulation::in_app(app, &loaded.scene, specimen);
     let options = RunOptions {
         directory: directory.clone(),
         force: args.force,

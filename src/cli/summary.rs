@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use clastic::output::key_results::{PEAK_ERROR, RIGID};
-use clastic::output::{Ending, Results};
-use clastic::run::stages::Script;
-use clastic::run::{Collapse, Outcome, StageEnd};
-use clastic::scene::shown::label;
+use crate::output::key_results::{PEAK_ERROR, RIGID};
+use crate::output::{Ending, Results};
+use crate::run::stages::Script;
+use crate::run::{Collapse, Outcome, StageEnd};
+use crate::scene::shown::label;
 
 /// Data of the summary.
 pub struct Summary<'a> {
@@ -140,7 +140,8 @@ fn not_defined(script: &Script, ending: &Ending, results: &Results) -> Vec<Strin
         let stage = label(stage);
         return vec![format!(
             "no modulus and no peak stress: {reason} (the reference stage is {stage}; \
-             `measures.reference_stage` sets it)"
+             `{}` sets it)",
+            if script.scene.version == 1 { "measures.reference_stage" } else { "reference_stage" }
         )];
     }
     let mut lines = Vec::new();
@@ -163,7 +164,7 @@ fn not_defined(script: &Script, ending: &Ending, results: &Results) -> Vec<Strin
 fn stage(end: &StageEnd) -> Option<String> {
     let StageEnd { stage, increments, .. } = end;
     let n = if *increments == 1 { "increment" } else { "increments" };
-    let stop = end.stop.map(|stop| format!("{stop:?}"));
+    let stop = end.stop.as_ref().map(|stop| format!("{stop:?}"));
     let stage = label(stage);
     stop.map(|stop| format!("stage {stage}: stopped by {stop} after {increments} {n}"))
 }
@@ -182,10 +183,10 @@ pub fn stress(pascals: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use clastic::output::key_results::KeyResults;
-    use clastic::run::EndedBy;
-    use clastic::scene::format::Stop;
-    use clastic::scene::from_str;
+    use crate::output::key_results::KeyResults;
+    use crate::run::EndedBy;
+    use crate::scene::format::Stop;
+    use crate::scene::from_str;
 
     use super::*;
 
@@ -212,7 +213,7 @@ mod tests {
             stage: stage.to_owned(),
             increments,
             capped,
-            ended_by: Some(stop.map_or(EndedBy::AllIncrements, |_| EndedBy::Stop)),
+            ended_by: Some(stop.as_ref().map_or(EndedBy::AllIncrements, |_| EndedBy::Stop)),
             stop,
         });
         let script = Script { ends: ends.collect(), ..Script::new(&scene) };

@@ -15,6 +15,7 @@ use clastic_components::findings::EventSearch;
 use clastic_components::increment::Progress;
 use clastic_components::observation::Observation;
 use clastic_cone::program::{ConeProgram, ConeSolution};
+use clastic_systems::measures::elastic_energy;
 
 use super::OutputError;
 use super::csv_file::Row;
@@ -142,14 +143,9 @@ pub(super) struct Now<'w> {
 }
 
 impl Now<'_> {
-    /// Elastic energy of the contacts and bonds of the last solution,
-    /// `1/2 sum (C_N p^2 + C_T q^2)`, J.
+    /// Elastic energy of the contacts and bonds of the last solution, J.
     fn elastic_energy(&self) -> f64 {
-        let interactions = self.program.interactions.iter().zip(&self.solution.forces);
-        let energies = interactions.map(|(c, [p, q, _])| {
-            0.5 * (c.normal_compliance * p * p + c.tangential_compliance * q * q)
-        });
-        energies.sum()
+        elastic_energy(&self.program, &self.solution)
     }
 }
 

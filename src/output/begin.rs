@@ -67,6 +67,7 @@ pub fn begin(
     if loaded.scene.output.energy {
         header.extend(history::ENERGY_COLUMNS.map(str::to_owned));
     }
+    header.extend(history::measures(&loaded.scene));
     let tables = Tables {
         history: CsvFile::begin(dir.join(names::HISTORY), history_file, header)?,
         events: CsvFile::create(dir.join(names::EVENTS), events::COLUMNS)?,

@@ -9,6 +9,7 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::IncrementStatus;
 use clastic_components::energy::EnergyLedger;
+use clastic_components::measure::Readings;
 use clastic_components::observation::Observation;
 
 use super::OutputError;
@@ -116,6 +117,11 @@ pub fn header(probes: &[String]) -> Vec<String> {
     header
 }
 
+/// Columns after all others: the measures of the scene beside its axial and lateral ones.
+pub fn measures(scene: &Scene) -> impl Iterator<Item = String> {
+    scene.measures.further().map(|measure| measure.name.clone())
+}
+
 /// The row of an increment.
 #[must_use]
 pub fn row(o: &Observation, probes: &[String]) -> Row {
@@ -170,6 +176,7 @@ pub(super) fn write_wanted(
     wanted: Res<Wanted>,
     observation: Res<Observation>,
     ledger: Option<Res<EnergyLedger>>,
+    readings: Res<Readings>,
     mut run: ResMut<RunDirectory>,
 ) -> Result<(), OutputError> {
     run.record.increments += 1;
@@ -180,7 +187,7 @@ pub(super) fn write_wanted(
     if let Some(ledger) = ledger {
         row = row.numbers(energies(&ledger));
     }
-    run.tables.history.push(row)
+    run.tables.history.push(row.optionals(readings.0.iter().copied()))
 }
 
 #[cfg(test)]
@@ -199,6 +206,13 @@ mod tests {
             coulomb_residual,motion_strain,caps,top.x_m,top.y_m,top.rotation_rad,top.force_x_n,top.force_y_n,\
             top.moment_nm";
         assert_eq!(header, expected);
+    }
+
+    #[test]
+    fn measures_have_other_names() {
+        for column in COLUMNS.iter().chain(&ENERGY_COLUMNS) {
+            assert!(crate::scene::validate::is_taken(column), "{column}");
+        }
     }
 
     #[test]

@@ -13,7 +13,7 @@ use crate::run::{Collapse, CollapsedBy, Outcome, StageEnd};
 use crate::scene::LoadedScene;
 use crate::scene::files::read_at_most;
 use crate::scene::format::{
-    self, Acceptance, Analysis, Corrector, FrictionLaw, Rupture, Solver, Specimen, Stage,
+    Acceptance, Analysis, Corrector, FrictionLaw, Rupture, Solver, Specimen, Stage,
 };
 
 /// Version of this program.
@@ -197,7 +197,7 @@ impl RunRecord {
         }
         Self {
             clastic_version: CLASTIC_VERSION,
-            format_version: format::VERSION,
+            format_version: scene.version,
             title: scene.title.clone(),
             scene_file: facts.scene_file.clone(),
             scene_sha256: sha256(loaded.text.as_bytes()),

@@ -5,6 +5,7 @@ use bevy_ecs::prelude::*;
 use clastic_components::body::BodyId;
 use clastic_components::contact::KeptRows;
 use clastic_components::increment::Progress;
+use clastic_components::measure::Readings;
 use clastic_components::observation::Observation;
 use clastic_systems::solve_program::Solver;
 
@@ -16,6 +17,8 @@ pub struct Before {
     pub progress: Progress,
     /// Record of the previous increment.
     pub observation: Observation,
+    /// Readings of the named measures after the previous increment.
+    pub readings: Readings,
     /// Memory of the solver.
     pub solver: Vec<[f64; 3]>,
     /// The bodies of its rows.
@@ -26,12 +29,14 @@ pub struct Before {
 pub fn take_down(
     progress: Res<Progress>,
     observation: Res<Observation>,
+    readings: Res<Readings>,
     solver: Option<Res<Solver>>,
     kept: Res<KeptRows>,
     mut before: ResMut<Before>,
 ) {
     before.progress.clone_from(&progress);
     before.observation.clone_from(&observation);
+    before.readings.clone_from(&readings);
     before.rows.clone_from(&kept.ids);
     // The buffer keeps its size between increments, so nothing is allocated.
     before.solver.clear();

@@ -1,5 +1,4 @@
-//! Start of a loading stage: removed and added walls, controls of walls and particles, and the
-//! lengths of strains and stresses.
+//! Start of a loading stage: removed and added walls, controls of walls and particles.
 
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::RunSystemOnce;
@@ -7,9 +6,6 @@ use glam::DVec2;
 
 use clastic_components::body::{BodyId, Drive, Drives, ExternalForce, LoadControl, Position};
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
-use clastic_components::observation::{
-    MeasureArea, MeasureLength, Measures, StrainMeasure, StressComponent, StressMeasure,
-};
 use clastic_components::particle::Particle;
 use clastic_components::wall::{
     LoadedLength, TableOf, Wall, WallControl, WallName, WallSlide, WallTable,
@@ -309,71 +305,4 @@ pub fn cuts_through(world: &mut World, stage: &scene::Load) -> Option<String> {
          centre is within {CUT:?} radii of it; add it where there is room",
         stage.name, wall.name
     ))
-}
-
-/// Resolves the names in the scene's measures. A measure with a missing body or wall is left out.
-pub fn resolve_measures(world: &mut World) {
-    let script = world.resource::<Script>();
-    let wanted = script.scene.measures.clone();
-    let reference_stage = script.reference_stage();
-    let axial_strain = wanted.axial_strain.and_then(|m| strain(world, &m));
-    let lateral_strain = wanted.lateral_strain.and_then(|m| strain(world, &m));
-    let axial_stress = wanted.axial_stress.and_then(|m| stress(world, &m));
-    let lateral_stress = wanted.lateral_stress.and_then(|m| stress(world, &m));
-    let mut measures = world.resource_mut::<Measures>();
-    let reference = measures.reference;
-    *measures = Measures {
-        reference_stage,
-        axial_strain,
-        lateral_strain,
-        axial_stress,
-        lateral_stress,
-        reference,
-    };
-}
-
-fn particle(world: &mut World, index: u32) -> Option<Entity> {
-    let mut particles = world.query_filtered::<(Entity, &BodyId), With<Particle>>();
-    particles.iter(world).find(|(_, id)| id.0 == index).map(|(e, _)| e)
-}
-
-fn strain(world: &mut World, measure: &scene::Strain) -> Option<StrainMeasure> {
-    Some(match measure {
-        scene::Strain::Walls(a, b) => {
-            StrainMeasure::Walls(find_wall(world, a)?, find_wall(world, b)?)
-        }
-        scene::Strain::Particles(a, b) => {
-            StrainMeasure::Particles(particle(world, *a)?, particle(world, *b)?)
-        }
-    })
-}
-
-fn stress(world: &mut World, measure: &scene::Stress) -> Option<StressMeasure> {
-    Some(match measure {
-        scene::Stress::Walls { walls, length } => StressMeasure::Walls {
-            walls: walls.iter().map(|w| find_wall(world, w)).collect::<Option<_>>()?,
-            length: match length {
-                scene::Length::Fixed(length) => MeasureLength::Fixed(*length),
-                scene::Length::Between(a, b) => {
-                    MeasureLength::Between(find_wall(world, a)?, find_wall(world, b)?)
-                }
-            },
-        },
-        scene::Stress::Average { component, area } => StressMeasure::Average {
-            component: match component {
-                scene::Component::Xx => StressComponent::Xx,
-                scene::Component::Yy => StressComponent::Yy,
-                scene::Component::Xy => StressComponent::Xy,
-            },
-            area: match area {
-                scene::Area::Fixed(area) => MeasureArea::Fixed(*area),
-                scene::Area::Box((a, b), (c, d)) => MeasureArea::Box([
-                    find_wall(world, a)?,
-                    find_wall(world, b)?,
-                    find_wall(world, c)?,
-                    find_wall(world, d)?,
-                ]),
-            },
-        },
-    })
 }

@@ -11,6 +11,7 @@ pub mod changes;
 pub mod compact;
 pub mod extend;
 pub mod load;
+pub mod measures;
 pub mod particles;
 pub mod plugin;
 pub mod save;
@@ -21,6 +22,7 @@ pub mod stages;
 mod start;
 pub mod state;
 mod stop;
+mod until;
 pub(crate) mod wall_pieces;
 
 use bevy_app::{App, Plugin, Plugins};
@@ -79,7 +81,12 @@ impl Simulation {
         stored: Option<&StoredSpecimen>,
         plugins: impl Plugins<M>,
     ) -> Self {
-        let mut app = app(plugins);
+        Self::in_app(app(plugins), scene, stored)
+    }
+
+    /// The same in an app that has [`ClasticPlugins`], [`ScenePlugin`] and plugins of your own.
+    #[must_use]
+    pub fn in_app(mut app: App, scene: &Scene, stored: Option<&StoredSpecimen>) -> Self {
         spawn::spawn_scene(app.world_mut(), scene, stored);
         Self { app }
     }
@@ -102,7 +109,14 @@ impl Simulation {
         state: &WorldState,
         plugins: impl Plugins<M>,
     ) -> Result<Self, StateError> {
-        let mut app = app(plugins);
+        Self::resume_in(app(plugins), scene, state)
+    }
+
+    /// The same in an app that has [`ClasticPlugins`], [`ScenePlugin`] and plugins of your own.
+    ///
+    /// # Errors
+    /// If the state has an entry that no plugin registers, or that cannot be decoded.
+    pub fn resume_in(mut app: App, scene: &Scene, state: &WorldState) -> Result<Self, StateError> {
         state::restore(app.world_mut(), scene, state)?;
         Ok(Self { app })
     }
@@ -167,7 +181,8 @@ impl Plugin for NoPlugins {
     fn build(&self, _: &mut App) {}
 }
 
-fn app<M>(plugins: impl Plugins<M>) -> App {
+/// An app with [`ClasticPlugins`], [`ScenePlugin`] and further plugins, before any scene.
+pub fn app<M>(plugins: impl Plugins<M>) -> App {
     let mut app = App::new();
     app.add_plugins((ClasticPlugins::default(), ScenePlugin)).add_plugins(plugins);
     app

@@ -7,11 +7,13 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::{LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor};
 
 use clastic_components::body::{BodyId, Group};
+use clastic_components::measure::{NamedMeasures, Quantity};
 use clastic_components::wall::WallName;
 use clastic_systems::state::RegisterState;
 use clastic_systems::stepping::{Advance, AdvanceSystems, is_due};
 
 use super::before::{Before, take_down};
+use super::measures::{MeasureKinds, read_custom};
 use super::script::Script;
 use super::stages::{CurrentStage, begin_built_in, change_stages, end_built_in};
 use super::state::{
@@ -19,6 +21,7 @@ use super::state::{
     ScriptState,
 };
 use super::stop::end_increment;
+use super::until::{APPROACH, Approach};
 use crate::scene::format::{CustomStage, Stage};
 
 /// Begins the [`CurrentStage`]: sets controls and `Progress::total`, which is 0 for a stage without
@@ -46,6 +49,11 @@ pub enum StageSystems {
 pub struct StageKinds(BTreeSet<&'static str>);
 
 impl StageKinds {
+    /// The kinds.
+    pub fn names(&self) -> impl Iterator<Item = &'static str> {
+        self.0.iter().copied()
+    }
+
     /// Why a stage cannot begin; `None` if a plugin provides its kind.
     #[must_use]
     pub fn refusal(&self, stage: &CustomStage) -> Option<String> {
@@ -75,9 +83,33 @@ impl ProvideStage for App {
     }
 }
 
+/// Whether a plugin drives walls with the control `Custom`. Without one the command line refuses
+/// scenes with such walls, which would stand still.
+#[derive(Resource, Clone, Copy, Debug, Default)]
+pub struct WallPlugins;
+
+/// Registers that a plugin drives walls.
+pub trait ProvideWalls {
+    /// The plugin has systems in
+    /// [`ControlSystems::Custom`](clastic_systems::schedule::ControlSystems::Custom) that drive
+    /// walls with the control `Custom`.
+    fn provide_walls(&mut self) -> &mut Self;
+}
+
+impl ProvideWalls for App {
+    fn provide_walls(&mut self) -> &mut Self {
+        self.init_resource::<WallPlugins>()
+    }
+}
+
 /// Run condition: the [`CurrentStage`] is a `Custom` stage of this kind.
 pub fn stage_is(kind: &'static str) -> impl FnMut(Option<Res<CurrentStage>>) -> bool + Clone {
     move |stage| matches!(stage.as_deref(), Some(CurrentStage(Stage::Custom(s))) if s.kind == kind)
+}
+
+/// Run condition: the scene has measures of plugins.
+fn measures_of_plugins(named: Res<NamedMeasures>) -> bool {
+    named.list.iter().any(|(_, quantity)| matches!(quantity, Some(Quantity::Custom(_))))
 }
 
 /// Adds the stages of a scene to [`ClasticPlugins`](crate::ClasticPlugins).
@@ -105,7 +137,9 @@ impl Plugin for ScenePlugin {
             .register_state::<FirstWall>(FIRST_WALL)
             .register_state::<InheritedWalls>(INHERITED_WALLS)
             .register_state::<ScriptState>(SCRIPT)
+            .register_state::<Approach>(APPROACH)
             .init_resource::<StageKinds>()
+            .init_resource::<MeasureKinds>()
             .init_resource::<Before>()
             .add_systems(BeginStage, begin_built_in.in_set(StageSystems::BuiltIn))
             .add_systems(EndStage, end_built_in.in_set(StageSystems::BuiltIn))
@@ -117,6 +151,10 @@ impl Plugin for ScenePlugin {
                         .chain()
                         .in_set(AdvanceSystems::Begin)
                         .run_if(runs_scene),
+                    read_custom
+                        .in_set(AdvanceSystems::End)
+                        .before(StageSystems::Stop)
+                        .run_if(measures_of_plugins),
                     end_increment
                         .in_set(AdvanceSystems::End)
                         .after(StageSystems::Stop)

@@ -7,9 +7,10 @@ use clastic_components::observation::Measures;
 use clastic_systems::record::take_reference;
 use clastic_systems::stepping::Due;
 
+use super::measures::{self, MeasureKinds};
 use super::plugin::{BeginStage, EndStage, StageKinds};
 pub use super::script::{Collapse, CollapsedBy, EndedBy, Outcome, Script, StageEnd, Step};
-use super::{cement, compact, load, save};
+use super::{cement, compact, load, save, until};
 use crate::scene::format::Stage;
 
 /// The stage that begins, runs or ends.
@@ -38,6 +39,11 @@ pub fn change_stages(world: &mut World) {
         {
             // Also in the middle of the stage: a resumed run may lack the plugin.
             let stage = custom.name.clone();
+            world.resource_mut::<Script>().outcome = Some(Outcome::Refused { stage, message });
+            break false;
+        }
+        if let Some(message) = world.resource::<MeasureKinds>().refusal(&script.scene) {
+            let stage = stage.name().to_owned();
             world.resource_mut::<Script>().outcome = Some(Outcome::Refused { stage, message });
             break false;
         }
@@ -88,12 +94,13 @@ fn begin(world: &mut World, stage: Stage) {
     script.speed = None;
     script.stop = false;
     let is_reference = index == script.reference_stage();
+    until::begin(world, &stage);
     if is_reference {
         world.resource_mut::<Measures>().reference_stage = index;
     }
     world.insert_resource(CurrentStage(stage));
     world.run_schedule(BeginStage);
-    load::resolve_measures(world);
+    measures::resolve_measures(world);
     if is_reference {
         let _ = world.run_system_cached(take_reference);
     }

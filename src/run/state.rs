@@ -7,8 +7,10 @@ use clastic_components::body::{BodyId, LoadControl, Origin};
 use clastic_components::contact::{Bodies, KeptRows};
 use clastic_components::increment::Progress;
 use clastic_components::material::Materials;
+use clastic_components::measure::NamedMeasures;
 use clastic_components::particle::{MaterialIndex, Particle};
 use clastic_systems::gather_bodies::gather_bodies;
+use clastic_systems::measures::{NAMED, NamedState};
 use clastic_systems::record::OBSERVATION;
 use clastic_systems::schedule::PROGRESS;
 use clastic_systems::solve_program::SOLVER_MEMORY;
@@ -16,7 +18,7 @@ pub use clastic_systems::state::{StateError, StateOf, WorldState};
 use clastic_systems::wall_states::{ControlStates, WALL_CONTROL};
 
 use super::before::Before;
-use super::load::resolve_measures;
+use super::measures::resolve_measures;
 use super::script::{Collapse, Outcome, Script, StageEnd};
 use super::spawn::{WallCatalogue, insert_settings};
 use crate::scene::format::{Scene, Wall};
@@ -146,6 +148,10 @@ pub fn capture(world: &mut World) -> Result<WorldState, StateError> {
     {
         state.set(PROGRESS, &before.progress)?;
         state.set(OBSERVATION, &before.observation)?;
+        let named = world.resource::<NamedMeasures>();
+        if !named.list.is_empty() {
+            state.set(NAMED, &NamedState::with(named, &before.readings))?;
+        }
         // The increment that failed has renumbered what is kept by row.
         let mut rows = KeptRows::of(before.rows.clone());
         let bodies = world.resource::<Bodies>();

@@ -5,13 +5,16 @@ use bevy_ecs::prelude::*;
 use clastic_components::attempt::{Attempt, IncrementStatus};
 use clastic_components::body::Velocity;
 use clastic_components::increment::Progress;
-use clastic_components::observation::Observation;
+use clastic_components::measure::{NamedMeasures, Quantity};
+use clastic_components::observation::{Measures, Observation};
 use clastic_cone::program::ConeSolution;
-use clastic_systems::record::axial_stress_error;
+use clastic_systems::measures::stress::stress_error;
 
 use super::advice::with_advice;
 use super::load;
+use super::measures::reading;
 use super::script::{Collapse, CollapsedBy, EndedBy, Outcome, Script};
+use super::until;
 use crate::scene::format::{Stage, Stop};
 
 impl Collapse {
@@ -45,7 +48,8 @@ pub fn end_increment(world: &mut World) {
     let ended_by = match status {
         IncrementStatus::Solved | IncrementStatus::Capped => {
             if !world.resource::<Observation>().in_avalanche {
-                held = stopped(world, stage);
+                let landed = until::reached(world, stage);
+                held = stopped(world, stage).or(landed);
             }
             // A stage ends only after its last avalanche.
             if world.resource::<Progress>().relaxing {
@@ -83,8 +87,33 @@ pub fn end_increment(world: &mut World) {
 
 /// The error of the axial stress that `acceptance.residual` allows, Pa.
 fn error_of_stress(world: &mut World) -> f64 {
-    world.run_system_cached(axial_stress_error).ok().flatten().unwrap_or(0.0)
+    error_of(world, "axial_stress")
 }
+
+/// Error of a measure. A strain is a sum of increments over a length, and has round-off of this
+/// size; a stress has the error that `acceptance.residual` allows.
+pub(super) fn error_of(world: &mut World, name: &str) -> f64 {
+    let measures = world.resource::<Measures>();
+    let stress = match name {
+        "axial_strain" | "lateral_strain" => return STRAIN_ERROR,
+        "axial_stress" => measures.axial_stress.clone(),
+        "lateral_stress" => measures.lateral_stress.clone(),
+        _ => {
+            let named = world.resource::<NamedMeasures>();
+            let found = named.list.iter().find(|(measure, _)| measure == name);
+            match found.and_then(|(_, quantity)| quantity.as_ref()) {
+                Some(Quantity::Strain(_)) => return STRAIN_ERROR,
+                Some(Quantity::Stress(stress)) => Some(stress.clone()),
+                _ => None,
+            }
+        }
+    };
+    let error = stress.map(|stress| world.run_system_cached_with(stress_error, stress));
+    error.and_then(Result::ok).unwrap_or(0.0)
+}
+
+/// Round-off of a strain.
+const STRAIN_ERROR: f64 = 1e-12;
 
 /// The first stop condition of the stage that is met.
 fn stopped(world: &mut World, stage: &Stage) -> Option<Stop> {
@@ -101,7 +130,7 @@ fn stopped(world: &mut World, stage: &Stage) -> Option<Stop> {
     }
     // The peak is negative in a tension test.
     let (peak, sign) = (script.peak.abs(), script.peak.signum());
-    load.stop.iter().copied().find(|stop| match *stop {
+    let held = load.stop.iter().find(|stop| match **stop {
         // Strains are sums over increments. Round-off must not cause one more increment.
         Stop::AxialStrain(limit) => strain
             .is_some_and(|e| if limit < 0.0 { e <= limit + 1e-12 } else { e >= limit - 1e-12 }),
@@ -113,5 +142,13 @@ fn stopped(world: &mut World, stage: &Stage) -> Option<Stop> {
         Stop::Time(limit) => time >= limit * (1.0 - 1e-12),
         // A body that starts to fall is slow as well. At rest the speed does not increase.
         Stop::Rest(speed) => maximum < speed && last.is_some_and(|last| maximum <= last),
-    })
+        // See `until`.
+        Stop::Until(..) => false,
+        // An error must not cause one more increment.
+        Stop::Below(ref name, limit) => reading(world, name)
+            .is_some_and(|value| value <= limit || value <= limit + error_of(world, name)),
+        Stop::Above(ref name, limit) => reading(world, name)
+            .is_some_and(|value| value >= limit || value >= limit - error_of(world, name)),
+    });
+    held.cloned()
 }

@@ -15,6 +15,7 @@ use super::format::{Scene, VERSION};
 use super::scan::{Node, Shape, scan};
 use super::spans::join;
 use super::tree_reader::Reader;
+use super::values;
 
 /// With more mistakes than this the meaning of the scene is not examined.
 const ENOUGH: usize = 1000;
@@ -44,8 +45,9 @@ pub(super) fn diagnose(text: &str) -> Diagnosis {
     // A missing field stops serde. It is recorded and made up, and the text is read again.
     let mut missing: Vec<Placed> = Vec::new();
     let mut absent: Vec<String> = Vec::new();
+    let values = values::names(&root, text);
     loop {
-        let cx = Context { text, absent: &absent, notes: RefCell::default() };
+        let cx = Context { text, absent: &absent, values: &values, notes: RefCell::default() };
         let reader = Reader::new(&cx, &root, String::new());
         let result = Scene::deserialize(reader);
         let notes = cx.notes.into_inner();
@@ -72,6 +74,8 @@ pub(super) struct Context<'a> {
     pub text: &'a str,
     /// Paths of missing fields that the reading makes up.
     pub absent: &'a [String],
+    /// Names that stand for numbers.
+    pub values: &'a [String],
     notes: RefCell<Notes>,
 }
 

@@ -54,11 +54,21 @@ impl EditedText {
 
     /// Replaces a span of the text by the text of a setting.
     pub(super) fn replace(&mut self, span: Span, new: &str, set: &str) {
+        self.put(span, new, Some(set.to_owned()));
+    }
+
+    /// Replaces a span of the text by what it stands for. The source stays that of the span.
+    pub(super) fn put_in(&mut self, span: Span, new: &str) {
+        let set = self.source(span.start).set.map(str::to_owned);
+        self.put(span, new, set);
+    }
+
+    fn put(&mut self, span: Span, new: &str, set: Option<String>) {
         let at = self.source(span.start).at;
         self.text.replace_range(span.clone(), new);
         let mut pieces = Vec::with_capacity(self.pieces.len() + 2);
         let mut start = 0;
-        let put_in = Piece { length: new.len(), at, set: Some(set.to_owned()) };
+        let put_in = Piece { length: new.len(), at, set };
         let mut put_in = Some(put_in);
         for piece in self.pieces.drain(..) {
             let end = start + piece.length;

@@ -12,9 +12,11 @@ use super::edited::EditedText;
 use super::files::read_at_most;
 use super::format::{Scene, Specimen};
 use super::overrides::{SetError, apply};
+use super::repeats::Written;
 use super::specimen_file::{ReadError, StoredSpecimen, read};
 use super::stored_state::{self, inherit};
 use super::validate::findings;
+use super::values;
 
 /// A scene that was read and checked.
 #[derive(Clone, Debug)]
@@ -164,8 +166,10 @@ fn from_text(
 ) -> Result<LoadedScene, LoadError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let edited = apply(text, sets).map_err(LoadError::Set)?;
-    let text = edited.text.as_str();
+    let (read_text, misused) = values::put_in(&edited);
+    let text = read_text.text.as_str();
     let Diagnosis { mut scene, mut placed, made_up, renamed } = parse(text);
+    placed.extend(place(text, misused, &renamed));
     let mut csv_errors = None;
     let mut specimen = None;
     if let Some(scene) = &mut scene {
@@ -191,13 +195,16 @@ fn from_text(
         }
         found.extend(findings(scene, specimen.as_ref(), &unsure));
         found.extend(further(scene));
+        let written = Written::of(text, scene.version);
+        let mut found = written.place(found);
+        found.extend(written.findings);
         found.retain(|finding| !made_up.iter().any(|path| within(&finding.path, path)));
         placed.extend(place(text, found, &renamed));
     }
-    if let Some(error) = addressed_nothing(&edited, &placed) {
+    if let Some(error) = addressed_nothing(&read_text, &placed) {
         return Err(LoadError::Set(error));
     }
-    let mut errors = SceneErrors::new(name, &edited, placed);
+    let mut errors = SceneErrors::new(name, &read_text, placed);
     if let Some(csv) = csv_errors {
         errors.list.extend(csv.list);
         errors.omitted += csv.omitted;

@@ -13,7 +13,7 @@ use super::load::ron_options;
 use super::scan::{Entry, Node, Shape, Span, scan};
 use super::shown::brief;
 use super::spans::{Step, descend, is_group, item_name, join, parse_path, unwrapped, write_path};
-use super::suggest;
+use super::{suggest, values};
 
 /// A `--set` that cannot be applied.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -137,12 +137,13 @@ impl Place {
     fn refusal(&self, text: &str, new: &str) -> Option<(String, Option<String>)> {
         let mut edited = text.to_owned();
         edited.replace_range(self.span.clone(), new);
-        if ron_options().from_str::<Scene>(&edited).is_ok() {
+        let (read_text, _) = values::put_in(&EditedText::of(&edited));
+        if ron_options().from_str::<Scene>(&read_text.text).is_ok() {
             return None;
         }
         let span = self.span.start..self.span.start + new.len();
-        let mut placed = diagnose(&edited).placed;
-        placed.retain(|placed| span.contains(&placed.at));
+        let mut placed = diagnose(&read_text.text).placed;
+        placed.retain(|placed| span.contains(&read_text.source(placed.at).at));
         let finding = placed.into_iter().min_by_key(|placed| placed.at)?.finding;
         Some((finding.message, finding.help))
     }

@@ -28,7 +28,7 @@ pub(super) fn list(names: &[&str]) -> String {
 }
 
 /// Help text: "did you mean `x`? `label` are ...". It is empty without names.
-pub(super) fn help(word: &str, names: &[&str], label: &str) -> String {
+pub(crate) fn help(word: &str, names: &[&str], label: &str) -> String {
     let mut names = names.to_vec();
     // A name that is given twice is reported separately.
     let mut seen = std::collections::BTreeSet::new();

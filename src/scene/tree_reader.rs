@@ -12,6 +12,7 @@ use super::spans::{is_group, join};
 use super::stand_in::StandIn;
 use super::suggest;
 use super::units;
+use super::values;
 
 /// Reads one value of the tree.
 pub(super) struct Reader<'a> {
@@ -51,6 +52,12 @@ impl<'a> Reader<'a> {
     fn meant(&self, what: &str) -> String {
         let literal = self.cx.literal(self.node);
         let number = what.ends_with("number") || what.contains("whole number");
+        if number
+            && let Some((word, _)) = values::name_of(self.node, self.cx.text)
+            && !self.cx.values.is_empty()
+        {
+            return values::help(word, self.cx.values);
+        }
         match self.node.shape {
             Shape::Number if number => match (units::split(literal), literal.parse::<f64>()) {
                 (Some((value, unit)), _) => units::help(value, unit, self.unit),
@@ -145,7 +152,10 @@ impl<'de> de::Deserializer<'de> for Reader<'de> {
     }
 
     fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Failure> {
-        visitor.visit_unit()
+        match self.node.shape {
+            Shape::List => visitor.visit_seq(Items { reader: &self, next: 0 }),
+            _ => visitor.visit_newtype_struct(self),
+        }
     }
 
     fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Failure> {

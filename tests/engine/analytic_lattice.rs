@@ -5,7 +5,7 @@ use clastic::components::contact::{Bodies, Contacts};
 use clastic::cone::program::ConeSolution;
 use clastic::run::Simulation;
 use clastic::scene::format::{Scene, Specimen};
-use clastic::systems::record::average_stress;
+use clastic::systems::measures::stress::average_stress;
 use glam::DVec2;
 
 /// E and nu of the lattice (thickness 1 m).

@@ -23,6 +23,7 @@ mod groups;
 mod held_bodies;
 mod hopper;
 mod invariance;
+mod language;
 mod lids;
 mod limit_load;
 mod rest;

@@ -13,7 +13,7 @@ use clastic::components::observation::Observation;
 use clastic::cone::program::ConeSolution;
 use clastic::run::{Outcome, Simulation, Step};
 use clastic::scene::format::{CompactTarget, Load, Motion, Stage, WallControl};
-use clastic::systems::record::average_stress;
+use clastic::systems::measures::stress::average_stress;
 
 /// The small disks' normals turn by less than 1e-4 while the middle one moves: what an answer for
 /// small displacements may be off by.

@@ -6,7 +6,7 @@ use clastic::components::observation::Observation;
 use clastic::cone::program::ConeSolution;
 use clastic::run::Simulation;
 use clastic::scene::format::Scene;
-use clastic::systems::record::average_stress;
+use clastic::systems::measures::stress::average_stress;
 use glam::DVec2;
 
 /// Calls `check` with every solved increment under load: the record, the simulation, and width and

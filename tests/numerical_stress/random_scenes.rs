@@ -38,6 +38,8 @@ pub fn random_scene(seed: u64, maximum: u32) -> Scene {
     let walls = walls(r, (low.0 - gap, low.1 - gap), (high.0 + gap, high.1 + gap));
     let bonds = if r.chance(0.3) { bonds(r, &particles, &materials) } else { Vec::new() };
     let mut scene = Scene {
+        values: BTreeMap::new(),
+        reference_stage: None,
         groups: BTreeMap::new(),
         version: 1,
         title: format!("random scene {seed}"),

@@ -1,12 +1,12 @@
 //! The results of a sweep: one table and one figure.
 
-use clastic::output::OutputError;
-use clastic::output::atomic::write_atomic;
-use clastic::output::directory;
-use clastic::output::plots::history::History;
-use clastic::output::plots::{self, compare};
-use clastic::study::marks::marks;
-use clastic::study::table;
+use crate::output::OutputError;
+use crate::output::atomic::write_atomic;
+use crate::output::directory;
+use crate::output::plots::history::History;
+use crate::output::plots::{self, compare};
+use crate::study::marks::marks;
+use crate::study::table;
 
 use super::Sweep;
 use crate::cli::exit::{Exit, Failure, say};

@@ -13,8 +13,8 @@ use std::process::{Child, Command, Stdio};
 use std::thread;
 use std::time::Duration;
 
-use clastic::output::OutputError;
-use clastic::output::directory::{self, lock};
+use crate::output::OutputError;
+use crate::output::directory::{self, lock};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::Sweep;

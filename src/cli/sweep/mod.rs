@@ -7,10 +7,12 @@ mod slurm;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use clastic::output::OutputError;
-use clastic::output::directory::default_directory;
-use clastic::scene::load_with;
-use clastic::study::{Plan, Study, StudyError, plan};
+use bevy_app::App;
+
+use crate::output::OutputError;
+use crate::output::directory::default_directory;
+use crate::scene::load_with;
+use crate::study::{Plan, Study, StudyError, plan};
 
 use super::SweepArgs;
 use super::exit::{Exit, Failure, say};
@@ -36,8 +38,8 @@ pub struct Sweep {
 }
 
 /// Makes the runs of a study.
-pub fn sweep(args: &SweepArgs) -> Result<Exit, Failure> {
-    let sweep = read(&args.study, args.out.as_deref())?;
+pub fn sweep(args: &SweepArgs, app: &App) -> Result<Exit, Failure> {
+    let sweep = read(&args.study, args.out.as_deref(), app)?;
     if args.emit.is_some() {
         say(slurm::job_array(&args.study, &sweep, args.out.as_deref()))?;
         return Ok(Exit::Ok);
@@ -58,7 +60,7 @@ pub fn sweep(args: &SweepArgs) -> Result<Exit, Failure> {
 }
 
 /// Reads a study and checks each of its runs.
-fn read(file: &Path, out: Option<&Path>) -> Result<Sweep, Failure> {
+fn read(file: &Path, out: Option<&Path>, app: &App) -> Result<Sweep, Failure> {
     let text = fs::read_to_string(file).map_err(|error| Failure {
         exit: Exit::Files,
         message: format!("{}: cannot read the study: {error}", file.display()),
@@ -66,7 +68,8 @@ fn read(file: &Path, out: Option<&Path>) -> Result<Sweep, Failure> {
     let study = Study::read(&text, file)?;
     let beside = file.parent().unwrap_or(Path::new("")).join(&study.scene);
     let scene = if beside.is_file() { beside } else { resolve(&study.scene)? };
-    let plan = plan(&study, file, |sets| load_with(&scene, sets, own_findings))?;
+    let plan =
+        plan(&study, file, |sets| load_with(&scene, sets, |scene| own_findings(scene, app)))?;
     let folder = out.map_or_else(|| default_directory(file), Path::to_owned);
     Ok(Sweep { scene, title: study.title, plan, folder })
 }

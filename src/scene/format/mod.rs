@@ -1,4 +1,4 @@
-//! The scene format, version 1: types of a RON scene.
+//! The scene format, versions 1 and 2: types of a RON scene.
 //!
 //! Units are SI throughout: m, s, kg, N, Pa, rad. Compression, contraction and anticlockwise
 //! rotation are positive. `some(x)` may be written as plain `x`; newtype variants need no second
@@ -23,11 +23,13 @@ pub use clastic_components::increment::{
     Acceptance, Avalanche, Corrector, RollingLimit, RuptureOrder, RuptureRules as Rupture,
 };
 
-use super::unique_keys;
+use super::{repeats, unique_keys};
 
 pub use analysis::{Analysis, FrictionLaw};
 pub use materials::{Bond, Contact, Material};
-pub use measures::{Area, Component, Length, Measures, Strain, Stress};
+pub use measures::{
+    Along, Area, Component, Length, Measure, Measures, Modes, Quantity, ROLES, Strain, Stress,
+};
 pub use output::{Output, Record};
 pub use particle_control::{Motion, ParticleControl, Select};
 #[cfg(test)]
@@ -40,17 +42,26 @@ pub use stages::{
 };
 pub use walls::{LidLoad, Slide, Table, Wall, WallControl, WallShape};
 
-/// Version of the format that this build reads.
-pub const VERSION: u32 = 1;
+/// Latest version of the format. Version 1 is read too.
+pub const VERSION: u32 = 2;
 
 /// A scene: materials, a specimen, walls, and stages.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scene {
-    /// Version of the format: 1.
+    /// Version of the format: 1 or 2.
     pub version: u32,
     /// One line that says what the scene shows.
     pub title: String,
+    /// Values with names, which stand for numbers of the scene. The text has their values in place
+    /// of the names before it is read. Version 2.
+    #[serde(
+        default,
+        rename = "let",
+        deserialize_with = "unique_keys::deserialize",
+        skip_serializing_if = "BTreeMap::is_empty"
+    )]
+    pub values: BTreeMap<String, f64>,
     /// Out-of-plane thickness h, m.
     #[serde(default = "one")]
     pub thickness: f64,
@@ -98,8 +109,13 @@ pub struct Scene {
     #[serde(default)]
     pub walls: Vec<Wall>,
     /// Stages, in order.
+    #[serde(deserialize_with = "repeats::deserialize")]
     pub stages: Vec<Stage>,
-    /// Definitions of strain and stress.
+    /// Stage at whose start strains are zero; the last stage if left out. Version 2; in version 1
+    /// it is a field of `measures`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reference_stage: Option<String>,
+    /// Definitions of strain and stress, and further measures.
     #[serde(default)]
     pub measures: Measures,
     /// Output.
@@ -111,15 +127,25 @@ fn one() -> f64 {
     1.0
 }
 
+fn yes() -> bool {
+    true
+}
+
 impl Scene {
-    /// Index of the stage at whose start strains are zero: the one that `measures` names, else the
+    /// Index of the stage at whose start strains are zero: the one that the scene names, else the
     /// last stage that does more than keep the state.
     #[must_use]
     pub fn reference_stage(&self) -> usize {
-        let name = self.measures.reference_stage.as_ref();
-        let named = name.and_then(|name| self.stages.iter().position(|s| s.name() == name));
+        let named =
+            self.strains_from().and_then(|name| self.stages.iter().position(|s| s.name() == name));
         let last = || self.stages.iter().rposition(|stage| !matches!(stage, Stage::Save(_)));
         named.or_else(last).unwrap_or(0)
+    }
+
+    /// Name of the stage at whose start strains are zero; `None` if the scene names none.
+    #[must_use]
+    pub fn strains_from(&self) -> Option<&str> {
+        self.reference_stage.as_deref().or(self.measures.reference_stage.as_deref())
     }
 
     /// Whether a contact law of the scene has restitution. Velocities of dynamic stages are then

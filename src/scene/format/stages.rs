@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 use super::{Analysis, Bond, ParticleControl, Record, Select, WallControl};
 use crate::scene::unique_keys;
 
-/// A stage.
+/// A stage. A text may also have `Repeat(times: n, stages: [...])`, which stands for its stages one
+/// after the other, with `.1`, `.2` and so on after their names.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub enum Stage {
@@ -35,6 +36,17 @@ impl Stage {
             Self::Save(s) => &s.name,
             Self::Load(s) => &s.name,
             Self::Custom(s) => &s.name,
+        }
+    }
+
+    /// Name of the stage, for changes.
+    pub fn name_mut(&mut self) -> &mut String {
+        match self {
+            Self::Compact(s) => &mut s.name,
+            Self::Save(s) => &mut s.name,
+            Self::Cement(s) => &mut s.name,
+            Self::Load(s) => &mut s.name,
+            Self::Custom(s) => &mut s.name,
         }
     }
 
@@ -208,10 +220,10 @@ pub struct Load {
 }
 
 /// A condition that ends a stage. A collapse always ends it.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub enum Stop {
-    /// Axial strain reaches this value.
+    /// Axial strain reaches this value. Version 1; in version 2 it is `Above("axial_strain", e)`.
     AxialStrain(f64),
     /// After its peak, the axial stress falls below this fraction of the peak. The drop must exceed
     /// the error of the stress that `acceptance.residual` allows.
@@ -220,4 +232,23 @@ pub enum Stop {
     Time(f64),
     /// The maximum speed of a particle falls below this value, m/s (after the first increment).
     Rest(f64),
+    /// A measure, by name, is at or below this value. Version 2.
+    Below(String, f64),
+    /// A measure, by name, is at or above this value. Version 2.
+    Above(String, f64),
+    /// A measure, by name, lands on this value: the last increments are shortened. Version 2.
+    Until(String, f64),
+}
+
+impl Stop {
+    /// Name of the measure that the condition is about.
+    #[must_use]
+    pub fn measure(&self) -> Option<&str> {
+        match self {
+            Self::AxialStrain(_) => Some("axial_strain"),
+            Self::StressDrop(_) => Some("axial_stress"),
+            Self::Time(_) | Self::Rest(_) => None,
+            Self::Below(name, _) | Self::Above(name, _) | Self::Until(name, _) => Some(name),
+        }
+    }
 }

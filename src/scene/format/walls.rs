@@ -25,15 +25,11 @@ pub struct Wall {
     #[serde(default)]
     pub bond: Option<Bond>,
     /// Whether the wall exists from the start. A stage can add it.
-    #[serde(default = "yes")]
+    #[serde(default = "super::yes")]
     pub present: bool,
     /// Name under which the history records the wall.
     #[serde(default)]
     pub probe: Option<String>,
-}
-
-fn yes() -> bool {
-    true
 }
 
 /// Shape of a wall.

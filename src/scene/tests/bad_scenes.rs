@@ -127,7 +127,7 @@ fn fields() {
          "3:12: title: expected a text in quotes, found `Small`; write `\"Small\"`"),
         ("    version: 1,
 ", "",
-         "1:1: version: missing field `version`; add `version: 1`"),
+         "1:1: version: missing field `version`; add `version: 2`"),
         (STAGES, "analysis: Dynamic(),
     stages: [",
          "18:15: analysis.dt: missing field `dt`; add `dt: ...`, in s"),
@@ -202,7 +202,11 @@ fn fields() {
 #[test]
 fn settings() {
     check(&[
-        (VERSION, "version: 2", "2:14: version: unknown version (2); this build reads version 1"),
+        (
+            VERSION,
+            "version: 3",
+            "2:14: version: unknown version (3); this build reads versions 1 and 2",
+        ),
         (
             VERSION,
             "version: 1, thickness: 0.0",

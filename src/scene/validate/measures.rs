@@ -1,32 +1,83 @@
-//! Definitions of strain and stress.
+//! Definitions of strain and stress, and further measures.
 
 use std::fmt::Arguments;
 
-use crate::scene::format::{Area, Length, Strain, Stress};
+use crate::scene::format::{Area, Length, Measure, Quantity, ROLES, Strain, Stress};
 
 use super::Context;
 use super::findings::Findings;
 use super::specimen::index_exists;
 use super::thin_walls::one_piece;
 
+/// Columns that every history has.
+const COLUMNS: [&str; 40] = [
+    "increment",
+    "stage",
+    "time_s",
+    "axial_strain",
+    "lateral_strain",
+    "volumetric_strain",
+    "axial_stress_pa",
+    "lateral_stress_pa",
+    "contacts",
+    "bonds",
+    "broken_tension",
+    "broken_shear",
+    "broken_rolling",
+    "solver_iterations",
+    "residual_balance",
+    "residual_kinematics",
+    "residual_cone",
+    "residual_complementarity",
+    "status",
+    "fraction",
+    "potential_contacts",
+    "solves",
+    "motion_steps",
+    "kinetic_energy_j",
+    "coulomb_residual",
+    "motion_strain",
+    "caps",
+    "energy_external_j",
+    "energy_gravity_j",
+    "energy_kinetic_change_j",
+    "energy_elastic_j",
+    "energy_friction_j",
+    "energy_rolling_j",
+    "energy_dilation_j",
+    "energy_collision_j",
+    "energy_rupture_j",
+    "energy_motion_j",
+    "energy_turning_j",
+    "energy_numerical_j",
+    "energy_error_j",
+];
+
+/// Whether a column of the history has this name already.
+pub(crate) fn is_taken(name: &str) -> bool {
+    COLUMNS.contains(&name)
+}
+
 pub(super) fn check(context: &Context, findings: &mut Findings) {
     let measures = &context.scene.measures;
-    if let Some(stage) = &measures.reference_stage {
-        let path = format_args!("measures.reference_stage");
-        findings.reference(path, stage, ("stage", "stages"), &context.stages);
+    let stages = [
+        ("measures.reference_stage", &measures.reference_stage),
+        ("reference_stage", &context.scene.reference_stage),
+    ];
+    for (path, stage) in stages {
+        if let Some(stage) = stage {
+            let path = format_args!("{path}");
+            findings.reference(path, stage, ("stage", "stages"), &context.stages);
+        }
+    }
+    if let Some(list) = &measures.list {
+        return check_list(context, list, findings);
     }
     for (field, of) in
         [("axial_strain", &measures.axial_strain), ("lateral_strain", &measures.lateral_strain)]
     {
-        let path = format_args!("measures.{field}");
-        match of {
-            None => {}
-            Some(Strain::Walls(a, b)) => two_walls(context, path, (a, b), findings),
-            Some(Strain::Particles(a, b)) => {
-                index_exists(context, format_args!("{path}[0]"), *a, findings);
-                index_exists(context, format_args!("{path}[1]"), *b, findings);
-                findings.pair(path, (a, b), "particle");
-            }
+        if let Some(of) = of {
+            strain(context, format_args!("measures.{field}"), of, findings);
         }
     }
     for (field, of) in
@@ -34,6 +85,65 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
     {
         if let Some(of) = of {
             stress(context, format_args!("measures.{field}"), of, findings);
+        }
+    }
+}
+
+fn check_list(context: &Context, list: &[Measure], findings: &mut Findings) {
+    if findings.is_sure_of("measures") {
+        let names = list.iter().enumerate();
+        let names = names.map(|(i, measure)| (format!("measures[{i}].name"), &*measure.name));
+        findings.unique("name of a measure", names);
+    }
+    for (i, Measure { name, of }) in list.iter().enumerate() {
+        let path = format_args!("measures[{i}].of");
+        let role = ROLES.iter().position(|role| role == name);
+        let fits = match role {
+            Some(0 | 1) => matches!(of, Quantity::Strain(_)),
+            Some(_) => matches!(of, Quantity::Stress(_)),
+            None => true,
+        };
+        if !fits && findings.is_sure_of_part(path) {
+            let kind = if name.ends_with("strain") { "Strain" } else { "Stress" };
+            let message = format!("`{name}` is the name of a {}", kind.to_lowercase());
+            let help = format!("write `of: {kind}(...)`, or give another name");
+            findings.add(path, message, &help);
+        }
+        if role.is_none() && is_taken(name) {
+            let path = format_args!("measures[{i}].name");
+            let message = format!("the history has a column of this name (`{name}`)");
+            findings.add(path, message, "give another name");
+        }
+        match of {
+            Quantity::Strain(of) => strain(context, path, of, findings),
+            Quantity::Stress(of) => stress(context, path, of, findings),
+            Quantity::Porosity(of) => area(context, path, of, findings),
+            Quantity::WallForce { wall: name, .. } => {
+                wall(context, format_args!("{path}.wall"), name, findings);
+            }
+            Quantity::Custom(name) if name.trim().is_empty() => {
+                let help = "name a measure that a plugin of the program provides";
+                findings.add(format_args!("{path}[0]"), "no name", help);
+            }
+            Quantity::Coordination { .. }
+            | Quantity::Broken(_)
+            | Quantity::BrokenShare(_)
+            | Quantity::KineticEnergy
+            | Quantity::ElasticEnergy
+            | Quantity::KineticOverElastic
+            | Quantity::Time
+            | Quantity::Custom(_) => {}
+        }
+    }
+}
+
+fn strain(context: &Context, path: Arguments, strain: &Strain, findings: &mut Findings) {
+    match strain {
+        Strain::Walls(a, b) => two_walls(context, path, (a, b), findings),
+        Strain::Particles(a, b) => {
+            index_exists(context, format_args!("{path}[0]"), *a, findings);
+            index_exists(context, format_args!("{path}[1]"), *b, findings);
+            findings.pair(path, (a, b), "particle");
         }
     }
 }
@@ -55,15 +165,29 @@ fn stress(context: &Context, path: Arguments, stress: &Stress, findings: &mut Fi
                 Length::Between(a, b) => two_walls(context, path, (a, b), findings),
             }
         }
-        Stress::Average { area, .. } => match area {
-            Area::Fixed(area) => {
-                findings.positive(format_args!("{path}.area[0]"), *area, "an area in m^2");
+        Stress::Average { area: over, .. } => {
+            area(context, format_args!("{path}.area"), over, findings);
+        }
+        Stress::Region { min, max, .. } => {
+            let fine = findings.vector(format_args!("{path}.min"), *min, "a place in m")
+                & findings.vector(format_args!("{path}.max"), *max, "a place in m");
+            if fine && (min.0 >= max.0 || min.1 >= max.1) {
+                let message = format!("not above and to the right of min ({max:?})");
+                findings.add(format_args!("{path}.max"), message, "give a rectangle with an area");
             }
-            Area::Box(a, b) => {
-                two_walls(context, format_args!("{path}.area[0]"), (&a.0, &a.1), findings);
-                two_walls(context, format_args!("{path}.area[1]"), (&b.0, &b.1), findings);
-            }
-        },
+        }
+    }
+}
+
+fn area(context: &Context, path: Arguments, area: &Area, findings: &mut Findings) {
+    match area {
+        Area::Fixed(area) => {
+            findings.positive(format_args!("{path}[0]"), *area, "an area in m^2");
+        }
+        Area::Box(a, b) => {
+            two_walls(context, format_args!("{path}[0]"), (&a.0, &a.1), findings);
+            two_walls(context, format_args!("{path}[1]"), (&b.0, &b.1), findings);
+        }
     }
 }
 

@@ -14,7 +14,9 @@ mod settings;
 mod specimen;
 mod stages;
 mod state;
+mod stops;
 mod thin_walls;
+mod version;
 mod wall_controls;
 mod walls;
 
@@ -24,6 +26,8 @@ use super::memory;
 use super::specimen_file::StoredSpecimen;
 use findings::Findings;
 pub(super) use findings::{MAX_NUMBER, MIN_NUMBER};
+#[cfg(test)]
+pub(crate) use measures::is_taken;
 pub(super) use places::coincident;
 
 /// Maximum number of particles in a specimen. Identities and run time set this limit; [`memory`]
@@ -48,6 +52,7 @@ pub(super) fn findings(
     let context = Context::new(scene, specimen);
     let mut findings = Findings::new(made_up);
     settings::check(&context, &mut findings);
+    version::check(&context, &mut findings);
     materials::check(&context, &mut findings);
     walls::check(&context, &mut findings);
     specimen::check(&context, &mut findings);

@@ -12,9 +12,9 @@ const MOST_HALVINGS: u32 = 30;
 
 pub(super) fn check(context: &Context, findings: &mut Findings) {
     let scene = context.scene;
-    if scene.version != VERSION {
+    if !(1..=VERSION).contains(&scene.version) {
         let message = format!("unknown version ({})", scene.version);
-        let help = format!("this build reads version {VERSION}");
+        let help = format!("this build reads versions 1 and {VERSION}");
         findings.add(format_args!("version"), message, &help);
     }
     findings.positive(format_args!("thickness"), scene.thickness, "a thickness in m");

@@ -4,15 +4,15 @@ use std::collections::BTreeMap;
 use std::fmt::Arguments;
 
 use crate::scene::format::{
-    Analysis, Cement, Compact, CompactTarget, CustomStage, Length, Load, Motion, ParticleControl,
-    Record, Stage, Stop, Strain, Stress, Wall,
+    Analysis, Cement, Compact, CompactTarget, CustomStage, Load, Motion, ParticleControl, Record,
+    Stage, Stop, Wall,
 };
 use crate::scene::spans::join;
 
 use super::findings::Findings;
 use super::select::select;
 use super::wall_controls::control_of_wall;
-use super::{ASKEW, Context, walls};
+use super::{ASKEW, Context, stops, walls};
 
 const WALL: (&str, &str) = ("wall", "walls");
 
@@ -236,10 +236,15 @@ fn load(
             findings.add(format_args!("{path}.record.frames[{i}]"), message, &help);
         }
     }
+    let untils = stage.stop.iter().enumerate().filter(|(_, stop)| matches!(stop, Stop::Until(..)));
+    for (i, _) in untils.skip(1) {
+        let help = "write `Above` or `Below` for all but one";
+        findings.add(format_args!("{path}.stop[{i}]"), "a second `Until` in the stage", help);
+    }
     for (i, stop) in stage.stop.iter().enumerate() {
         let path = format_args!("{path}.stop[{i}]");
-        stops(context, path, *stop, timeless, findings);
-        never(context, path, (index, *stop), present, findings);
+        stops::check(context, path, stop, timeless, findings);
+        stops::never(context, path, (index, stop), (present, timeless), findings);
     }
 }
 
@@ -294,92 +299,5 @@ fn control_of_particles(
     }
     if let Some(moment) = control.moment {
         findings.finite(format_args!("{path}.moment"), moment, "a moment in N m");
-    }
-}
-
-fn stops(context: &Context, path: Arguments, stop: Stop, timeless: bool, findings: &mut Findings) {
-    let number = format_args!("{path}[0]");
-    let measures = &context.scene.measures;
-    let sure = findings.is_sure_of("measures");
-    match stop {
-        Stop::AxialStrain(strain) => {
-            // Negative values are permitted and mean extension.
-            let allowed = |size: f64| size > 0.0 && size < 1.0;
-            let what = "a strain as a fraction: 0.12 is 12 %";
-            findings.number(number, strain.abs(), allowed, what);
-            if measures.axial_strain.is_none() && sure {
-                let help = "add `axial_strain` to `measures`";
-                findings.add(path, "no axial strain is measured", help);
-            }
-        }
-        Stop::StressDrop(fraction) => {
-            let allowed = |value| value > 0.0 && value < 1.0;
-            findings.number(number, fraction, allowed, "a fraction between 0 and 1");
-            if measures.axial_stress.is_none() && sure {
-                let help = "add `axial_stress` to `measures`";
-                findings.add(path, "no axial stress is measured", help);
-            }
-        }
-        Stop::Time(time) => {
-            findings.positive(number, time, "a time in s");
-        }
-        Stop::Rest(speed) => {
-            findings.positive(number, speed, "a speed in m/s");
-        }
-    }
-    if timeless && matches!(stop, Stop::Time(_) | Stop::Rest(_)) && findings.is_sure_of("analysis")
-    {
-        let message = "a stop by time or speed in a static stage, which has no time";
-        findings.add(path, message, "use a dynamic analysis");
-    }
-}
-
-/// Finds stop conditions on measures that are not defined in their stage, which could never be met.
-fn never(
-    context: &Context,
-    path: Arguments,
-    (here, stop): (usize, Stop),
-    present: &[bool],
-    findings: &mut Findings,
-) {
-    if !["measures", "stages", "walls"].iter().all(|part| findings.is_sure_of(part)) {
-        return;
-    }
-    let measures = &context.scene.measures;
-    let strain = match (&measures.axial_strain, stop) {
-        (Some(Strain::Walls(a, b)), Stop::AxialStrain(_)) => vec![a, b],
-        _ => Vec::new(),
-    };
-    let stress = match (&measures.axial_stress, stop) {
-        (Some(Stress::Walls { walls, length }), Stop::StressDrop(_)) => {
-            let between = match length {
-                Length::Between(a, b) => vec![a, b],
-                Length::Fixed(_) => Vec::new(),
-            };
-            walls.iter().chain(between).collect()
-        }
-        _ => Vec::new(),
-    };
-    let there = |name: &&&String| {
-        let index = context.walls.iter().position(|wall| *wall == name.as_str());
-        index.is_none_or(|index| present.get(index) == Some(&true))
-    };
-    if let Some(wall) = strain.iter().chain(&stress).find(|name| !there(name)) {
-        let message =
-            format!("it can never hold: wall `{wall}`, on which it is measured, is not there");
-        findings.add(path, message, "measure on walls of this stage, or leave it out");
-    }
-    let last = context.stages.len().saturating_sub(1);
-    let reference = match &measures.reference_stage {
-        Some(name) => context.stages.iter().position(|stage| stage == name).unwrap_or(0),
-        None => context.scene.reference_stage(),
-    };
-    if matches!(stop, Stop::AxialStrain(_)) && here < reference {
-        let name = context.stages[reference];
-        let the_last = if reference == last { ", the last one" } else { "" };
-        let message =
-            format!("it can never hold: strains count from the start of stage `{name}`{the_last}");
-        let help = "set `measures.reference_stage` to this stage or an earlier one";
-        findings.add(path, message, help);
     }
 }

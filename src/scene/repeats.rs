@@ -1,0 +1,190 @@
+//! `Repeat`: stages that come several times. The scene has each of them, and messages keep the
+//! places of the text.
+
+use serde::{Deserialize, Deserializer};
+
+use super::diagnostic::Finding;
+use super::format::{Cement, Compact, CustomStage, Load, Stage};
+use super::scan::{Node, Shape, scan};
+use super::spans::unwrapped;
+
+/// Maximum number of stages. A slip in `times` must not fill the memory.
+const MAX_STAGES: usize = 100_000;
+
+/// An item of `stages` as written.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, rename = "Stage")]
+enum Item {
+    Compact(Compact),
+    Cement(Cement),
+    Load(Load),
+    Custom(CustomStage),
+    Repeat(Repeat),
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Repeat {
+    times: u32,
+    stages: Vec<Item>,
+}
+
+/// For `#[serde(deserialize_with = "...")]`: the stages one after the other. A stage of the second
+/// repetition has `.2` after its name.
+pub(super) fn deserialize<'de, D: Deserializer<'de>>(d: D) -> Result<Vec<Stage>, D::Error> {
+    let items = Vec::<Item>::deserialize(d)?;
+    let mut stages = Vec::with_capacity(items.len());
+    for item in &items {
+        add(item, "", &mut stages);
+    }
+    Ok(stages)
+}
+
+fn add(item: &Item, suffix: &str, stages: &mut Vec<Stage>) {
+    let mut stage = match item {
+        Item::Compact(stage) => Stage::Compact(stage.clone()),
+        Item::Cement(stage) => Stage::Cement(stage.clone()),
+        Item::Load(stage) => Stage::Load(stage.clone()),
+        Item::Custom(stage) => Stage::Custom(stage.clone()),
+        Item::Repeat(Repeat { times, stages: items }) => {
+            for k in (1..=*times).filter(|_| !items.is_empty()) {
+                if stages.len() > MAX_STAGES {
+                    return;
+                }
+                for item in items {
+                    add(item, &format!("{suffix}.{k}"), stages);
+                }
+            }
+            return;
+        }
+    };
+    stage.name_mut().push_str(suffix);
+    stages.push(stage);
+}
+
+/// Places of the stages in a text.
+#[derive(Default)]
+pub(super) struct Written {
+    /// Path of every stage of the scene; empty if the text has no `Repeat`.
+    paths: Vec<String>,
+    /// Mistakes of the `Repeat`s themselves.
+    pub findings: Vec<Finding>,
+}
+
+impl Written {
+    /// Reads the places from a text of a version.
+    pub fn of(text: &str, version: u32) -> Self {
+        let mut written = Self::default();
+        if !text.contains("Repeat") {
+            return written;
+        }
+        let Some(root) = scan(text).0 else { return written };
+        let is_stages = |key: &str| key == "stages";
+        let stages = field(&root, is_stages);
+        let Some(list) = stages.filter(|list| list.shape == Shape::List) else { return written };
+        written.see(list, text, "stages", version);
+        if written.paths.len() > MAX_STAGES {
+            let message = format!("more than {MAX_STAGES} stages");
+            let help = "give fewer `times` to `Repeat`";
+            written.findings.push(Finding::new("stages", message, help));
+        }
+        written
+    }
+
+    fn see(&mut self, list: &Node, text: &str, path: &str, version: u32) {
+        for (k, entry) in list.entries.iter().enumerate() {
+            if self.paths.len() > MAX_STAGES {
+                return;
+            }
+            let path = format!("{path}[{k}]");
+            let name = entry.value.name.clone().and_then(|name| text.get(name));
+            if name != Some("Repeat") {
+                self.paths.push(path);
+                continue;
+            }
+            let repeat = unwrapped(&entry.value);
+            if version == 1 {
+                let help = "write `version: 2`; `clastic check SCENE --upgrade` shows what else \
+                            changes";
+                self.findings.push(Finding::new(&path, "`Repeat` is of version 2", help));
+            }
+            let times = field(repeat, |key| key == "times");
+            let times = times.and_then(|node| text.get(node.span.clone())?.parse::<u32>().ok());
+            if times == Some(0) {
+                let help = "give a number of 1 or more";
+                self.findings.push(Finding::new(format!("{path}.times"), "zero (0)", help));
+            }
+            let Some(stages) = field(repeat, |key| key == "stages") else { continue };
+            if stages.entries.is_empty() && stages.shape == Shape::List {
+                let finding = Finding::new(
+                    format!("{path}.stages"),
+                    "no stage: nothing would be repeated",
+                    "add one, such as Load(name: \"load\", increments: 10)",
+                );
+                self.findings.push(finding);
+                continue;
+            }
+            for _ in 0..times.unwrap_or(1) {
+                let before = self.findings.len();
+                self.see(stages, text, &format!("{path}.stages"), version);
+                if self.paths.len() > MAX_STAGES {
+                    return;
+                }
+                // A mistake inside is one mistake, however often it is repeated.
+                let mut seen = Vec::new();
+                for finding in self.findings.split_off(before) {
+                    if !self.findings.contains(&finding) {
+                        seen.push(finding);
+                    }
+                }
+                self.findings.extend(seen);
+            }
+        }
+    }
+
+    /// Findings at the places of the text, each once.
+    pub fn place(&self, findings: Vec<Finding>) -> Vec<Finding> {
+        if self.paths.is_empty() {
+            return findings;
+        }
+        let mut placed: Vec<Finding> = Vec::new();
+        for mut finding in findings {
+            finding.path = self.written(&finding.path);
+            finding.help = finding.help.map(|help| self.written(&help));
+            if !placed.contains(&finding) {
+                placed.push(finding);
+            }
+        }
+        placed
+    }
+
+    /// A text with the paths of stages as written.
+    fn written(&self, text: &str) -> String {
+        const START: &str = "stages[";
+        let mut new = String::new();
+        let mut rest = text;
+        while let Some(at) = rest.find(START) {
+            let (before, after) = rest.split_at(at);
+            let index = &after[START.len()..];
+            let end = index.find(']').unwrap_or(index.len());
+            let path = index[..end].parse().ok().and_then(|k: usize| self.paths.get(k));
+            new.push_str(before);
+            match path {
+                Some(path) => {
+                    new.push_str(path);
+                    rest = index.get(end + 1..).unwrap_or_default();
+                }
+                None => {
+                    new.push_str(START);
+                    rest = index;
+                }
+            }
+        }
+        new + rest
+    }
+}
+
+fn field(node: &Node, is: impl Fn(&str) -> bool) -> Option<&Node> {
+    let with_key = |entry: &&super::scan::Entry| entry.key.as_ref().is_some_and(|k| is(&k.text));
+    node.entries.iter().find(with_key).map(|entry| &entry.value)
+}

@@ -1,0 +1,214 @@
+//! Stresses: forces of walls over a length, and averages over an area (Love, Weber).
+
+use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemParam;
+use glam::DVec2;
+
+use clastic_components::attempt::{Attempt, IncrementStatus};
+use clastic_components::body::{BodyId, ExternalForce, Position};
+use clastic_components::contact::{Bodies, Contact, Contacts};
+use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
+use clastic_components::observation::{MeasureArea, MeasureLength, StressComponent, StressMeasure};
+use clastic_components::wall::Wall;
+use clastic_cone::program::{ConeProgram, ConeSolution};
+use clastic_cone::residuals::{displacement_scale, force_scale};
+
+use crate::control_walls::wall_distance;
+
+type Geometry<'w, 's> = Query<'w, 's, (&'static Wall, &'static Position)>;
+
+/// Average stress tensor `sum (p n + q t) (x) l / V` of Love and Weber, Pa, compression positive.
+/// The branch l goes from centre to centre, and at a wall from the centre to the line of the wall.
+/// The stress then equals that of the wall forces, whatever the gap or overlap at the walls. `area`
+/// is in m^2.
+#[must_use]
+pub fn average_stress(
+    bodies: &Bodies,
+    contacts: &Contacts,
+    solution: &ConeSolution,
+    area: f64,
+    thickness: f64,
+) -> [[f64; 2]; 2] {
+    let sum = moments(bodies, contacts, solution, |_| 1.0);
+    sum.map(|row| row.map(|s| s / (area * thickness)))
+}
+
+/// Sum of f (x) l over all contacts, each with a weight, N m.
+fn moments(
+    bodies: &Bodies,
+    contacts: &Contacts,
+    solution: &ConeSolution,
+    weight: impl Fn(&Contact) -> f64,
+) -> [[f64; 2]; 2] {
+    let mut sum = [[0.0; 2]; 2];
+    for (contact, f) in contacts.0.iter().zip(&solution.forces) {
+        let (force, l) = (
+            contact.normal * f[0] + contact.normal.perp() * f[1],
+            contact.normal * branch(bodies, contact),
+        );
+        let weight = weight(contact);
+        for i in 0..2 {
+            for j in 0..2 {
+                sum[i][j] += weight * force[i] * l[j];
+            }
+        }
+    }
+    sum
+}
+
+/// Length of the branch of a contact, m.
+fn branch(bodies: &Bodies, contact: &Contact) -> f64 {
+    let (a, b) = (contact.a as usize, contact.b as usize);
+    bodies.radii[a] + contact.gap + bodies.radii.get(b).copied().unwrap_or(0.0)
+}
+
+/// Part of the branch of a contact that lies in a rectangle, 0 to 1.
+fn part_inside(bodies: &Bodies, contact: &Contact, min: DVec2, max: DVec2) -> f64 {
+    let start = bodies.positions[contact.a as usize];
+    let along = contact.normal * branch(bodies, contact);
+    let (mut from, mut to) = (0.0_f64, 1.0_f64);
+    for k in 0..2 {
+        let (x, l) = (start[k], along[k]);
+        if l == 0.0 {
+            if x < min[k] || x > max[k] {
+                return 0.0;
+            }
+            continue;
+        }
+        let (a, b) = ((min[k] - x) / l, (max[k] - x) / l);
+        (from, to) = (from.max(a.min(b)), to.min(a.max(b)));
+    }
+    (to - from).max(0.0)
+}
+
+fn component(stress: [[f64; 2]; 2], component: StressComponent) -> f64 {
+    match component {
+        StressComponent::Xx => stress[0][0],
+        StressComponent::Yy => stress[1][1],
+        StressComponent::Xy => 0.5 * (stress[0][1] + stress[1][0]),
+    }
+}
+
+/// Tables of the increment from which stresses follow. Average stresses refer to the geometry at
+/// its start, which [`Bodies`] holds until it is gathered anew.
+#[derive(SystemParam)]
+pub struct StressTables<'w, 's> {
+    bodies: Res<'w, Bodies>,
+    contacts: Res<'w, Contacts>,
+    solution: Res<'w, ConeSolution>,
+    analysis: Res<'w, Analysis>,
+    attempt: Res<'w, Attempt>,
+    geometry: Geometry<'w, 's>,
+    forces: Query<'w, 's, (&'static Wall, &'static ExternalForce)>,
+}
+
+impl StressTables<'_, '_> {
+    /// A stress, Pa; `None` where a wall is not there or nothing carries it.
+    #[must_use]
+    pub fn stress(&self, measure: &StressMeasure) -> Option<f64> {
+        // The forces of a compaction come from its regularisation and give no stress.
+        let carried = !matches!(self.analysis.kind, AnalysisKind::LeastMotion { .. })
+            && matches!(self.attempt.status, IncrementStatus::Solved | IncrementStatus::Capped);
+        if !carried {
+            return None;
+        }
+        let thickness = self.analysis.thickness;
+        match measure {
+            StressMeasure::Walls { walls, length } => {
+                let mut sum = 0.0;
+                for wall in walls {
+                    let (wall, force) = self.forces.get(*wall).ok()?;
+                    sum += DVec2::new(force.0[0], force.0[1]).dot(wall.inward());
+                }
+                let length = match *length {
+                    MeasureLength::Fixed(length) => length,
+                    MeasureLength::Between(a, b) => self.distance(a, b)?,
+                };
+                Some(sum / walls.len() as f64 / (length * thickness))
+            }
+            StressMeasure::Average { component: of, area } => {
+                let area = match area {
+                    MeasureArea::Fixed(area) => *area,
+                    MeasureArea::Box([a, b, c, d]) => {
+                        self.distance(*a, *b)? * self.distance(*c, *d)?
+                    }
+                };
+                let (bodies, contacts) = (&self.bodies, &self.contacts);
+                let stress = average_stress(bodies, contacts, &self.solution, area, thickness);
+                Some(component(stress, *of))
+            }
+            StressMeasure::Region { component: of, min, max } => {
+                let inside = |contact: &Contact| part_inside(&self.bodies, contact, *min, *max);
+                let sum = moments(&self.bodies, &self.contacts, &self.solution, inside);
+                let volume = (*max - *min).element_product() * thickness;
+                Some(component(sum.map(|row| row.map(|s| s / volume)), *of))
+            }
+        }
+    }
+
+    /// Distance of two walls at the start of the increment, m. The load of a stress-controlled wall
+    /// acts on this length, so the stress is measured on it.
+    fn distance(&self, first: Entity, second: Entity) -> Option<f64> {
+        let start = |wall: Entity| {
+            let row = self.bodies.entities.iter().position(|e| *e == wall)?;
+            Some(self.bodies.positions[row])
+        };
+        let (wall, _) = self.geometry.get(first).ok()?;
+        Some((start(second)? - start(first)?).dot(wall.inward()))
+    }
+}
+
+/// The error of a stress of the last increment that [`Acceptance::residual`] allows, Pa.
+///
+/// Residuals are relative to the maximum force F and the maximum displacement U. The error of a
+/// force is at most `residual F`. The error of a gap is at most `residual U`, which an elastic
+/// contact converts to the force `residual U / C_N`. The result is the sum over the interactions
+/// that contribute to the stress.
+pub fn stress_error(
+    In(measure): In<StressMeasure>,
+    bodies: Res<Bodies>,
+    contacts: Res<Contacts>,
+    program: Res<ConeProgram>,
+    solution: Res<ConeSolution>,
+    analysis: Res<Analysis>,
+    acceptance: Res<Acceptance>,
+    geometry: Geometry,
+    ids: Query<&BodyId>,
+) -> f64 {
+    let residual = acceptance.residual.max(program.tolerance);
+    let force = force_scale(&program, &solution.forces);
+    let motion = displacement_scale(&program, &solution.displacements);
+    let errors = contacts.0.iter().zip(&program.interactions).map(|(contact, c)| {
+        let elastic = if c.normal_compliance > 0.0 { motion / c.normal_compliance } else { 0.0 };
+        (contact, residual * (force + elastic))
+    });
+    let distance = |a: Entity, b: Entity| wall_distance(a, b, &geometry);
+    let (sum, area) = match &measure {
+        StressMeasure::Walls { walls, length } => {
+            let row = |wall: &Entity| bodies.row(*ids.get(*wall).ok()?).map(|row| row as u32);
+            let walls: Vec<u32> = walls.iter().filter_map(row).collect();
+            let at_walls = errors.filter(|(contact, _)| walls.contains(&contact.b));
+            let length = match *length {
+                MeasureLength::Fixed(length) => length,
+                MeasureLength::Between(a, b) => distance(a, b),
+            };
+            (at_walls.map(|(_, error)| error).sum::<f64>() / walls.len() as f64, length)
+        }
+        StressMeasure::Average { area, .. } => {
+            let area = match area {
+                MeasureArea::Fixed(area) => *area,
+                MeasureArea::Box([a, b, c, d]) => distance(*a, *b) * distance(*c, *d),
+            };
+            let error = |(contact, error): (&Contact, f64)| error * branch(&bodies, contact).abs();
+            (errors.map(error).sum(), area)
+        }
+        StressMeasure::Region { min, max, .. } => {
+            let error = |(contact, error): (&Contact, f64)| {
+                let inside = part_inside(&bodies, contact, *min, *max);
+                error * inside * branch(&bodies, contact).abs()
+            };
+            (errors.map(error).sum(), (*max - *min).element_product())
+        }
+    };
+    sum / (area * analysis.thickness)
+}
