@@ -43,9 +43,10 @@ const AS_ARRAYS: [&[&str]; 5] =
 
 /// Entries that a scene which starts from the state has of its own: its place among its stages, its
 /// settings, its output, and what the next increment makes anew.
-const OF_THE_SCENE: [&str; 12] = [
+const OF_THE_SCENE: [&str; 14] = [
     "analysis",
     "materials.names",
+    "measures.named",
     "measures.reference",
     "observation",
     "output.avalanche",
@@ -54,6 +55,7 @@ const OF_THE_SCENE: [&str; 12] = [
     "output.specimen",
     "rupture_count",
     "script",
+    "until",
     "walls.catalogue",
     "walls.first",
 ];
