@@ -219,6 +219,8 @@ mod tests {
                 normal: contact.normal,
                 arm_a: 0.0,
                 arm_b: 0.0,
+                normal_arm_a: 0.0,
+                normal_arm_b: 0.0,
                 offset: 0.0,
                 normal_compliance: 0.0,
                 tangential_compliance: 0.0,

@@ -190,6 +190,8 @@ fn interaction(
         normal: direction,
         arm_a: bodies.radii[contact.a as usize] + half_gap,
         arm_b,
+        normal_arm_a: 0.0,
+        normal_arm_b: 0.0,
         offset: if normal > 0.0 { gap / theta } else { gap } + corrected,
         normal_compliance,
         tangential_compliance,

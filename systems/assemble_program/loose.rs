@@ -237,9 +237,12 @@ fn hold_cluster(
                 continue;
             }
             let mut normal = vec![0.0; unknowns];
-            normal[..3].copy_from_slice(&along(c.normal));
+            let (direction, arm) =
+                if first { (c.normal, c.normal_arm_a) } else { (-c.normal, c.normal_arm_b) };
+            normal[..3].copy_from_slice(&along(direction));
+            normal[2] += arm / extent;
             if let Some(w) = wall {
-                normal[3 + w] = -c.normal.dot(program.bodies[other].axis);
+                normal[3 + w] = -direction.dot(program.bodies[other].axis);
             }
             add(&normal);
             if c.limits.has_shear() {

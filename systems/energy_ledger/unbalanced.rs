@@ -78,6 +78,8 @@ fn bond_of(tables: &Tables, released: &Released) -> Interaction {
         normal,
         arm_a: bodies.radii[a] + half_gap,
         arm_b: if wall.is_some() { 0.0 } else { other + half_gap },
+        normal_arm_a: 0.0,
+        normal_arm_b: 0.0,
         offset: 0.0,
         normal_compliance: 0.0,
         tangential_compliance: 0.0,
