@@ -20,4 +20,5 @@ pub mod material;
 pub mod motion;
 pub mod observation;
 pub mod particle;
+pub mod rigid_group;
 pub mod wall;

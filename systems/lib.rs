@@ -16,6 +16,7 @@ pub mod mean_field;
 pub mod motion_settings;
 pub mod paths;
 pub mod record;
+pub mod rigid_groups;
 pub mod rupture_bonds;
 pub mod schedule;
 pub mod solve_program;

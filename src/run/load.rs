@@ -16,6 +16,7 @@ use clastic_components::particle::Particle;
 use clastic_components::wall::{LoadedLength, Wall, WallControl, WallName};
 use clastic_systems::control_walls::loaded_length;
 
+use super::rigid;
 use super::spawn::{analysis, find_wall, spawn_wall};
 use super::stages::Script;
 use crate::scene::format as scene;
@@ -36,6 +37,7 @@ pub fn begin(world: &mut World, stage: &scene::Load) {
     }
     control_walls(world, stage);
     control_particles(world, stage, &analysis);
+    rigid::control_groups(world, stage, &analysis);
 }
 
 /// Sets up the part of a plugin's stage that the scene defines. The systems of the plugin do the
@@ -151,17 +153,21 @@ fn reaction(world: &World, wall: Entity) -> f64 {
     }
 }
 
-fn control_particles(world: &mut World, stage: &scene::Load, analysis: &Analysis) {
+/// The drive of a motion in a stage with this analysis.
+pub(super) fn drive(motion: scene::Motion, analysis: &Analysis) -> Drive {
     let dt = match analysis.kind {
         AnalysisKind::Dynamic { dt, .. } => dt,
         AnalysisKind::Static | AnalysisKind::LeastMotion { .. } => 0.0,
     };
-    let drive = |motion: scene::Motion| match motion {
+    match motion {
         scene::Motion::Free => Drive::Free,
         scene::Motion::Held => Drive::Imposed(0.0),
         scene::Motion::Displacement(u) => Drive::Imposed(u),
         scene::Motion::Velocity(v) => Drive::Imposed(v * dt),
-    };
+    }
+}
+
+fn control_particles(world: &mut World, stage: &scene::Load, analysis: &Analysis) {
     let mut particles = world.query::<(
         &BodyId,
         &Particle,
@@ -182,7 +188,7 @@ fn control_particles(world: &mut World, stage: &scene::Load, analysis: &Analysis
             }
             for (k, motion) in [control.x, control.y, control.rotation].into_iter().enumerate() {
                 if motion != scene::Motion::Free {
-                    drives.0[k] = drive(motion);
+                    drives.0[k] = drive(motion, analysis);
                 }
             }
             if let Some(((xx, xy), (yx, yy))) = control.affine {
@@ -234,7 +240,7 @@ pub fn selects_nothing(world: &mut World, stage: &scene::Load) -> Option<String>
     ))
 }
 
-fn selects(
+pub(super) fn selects(
     select: &scene::Select,
     id: BodyId,
     x: DVec2,

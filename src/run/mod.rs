@@ -12,6 +12,7 @@ pub mod compact;
 pub mod load;
 pub mod particles;
 pub mod plugin;
+mod rigid;
 pub mod script;
 pub mod spawn;
 pub mod stages;

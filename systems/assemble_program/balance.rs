@@ -59,6 +59,16 @@ pub fn assemble(
             };
         }
     }
+    for group in &bodies.groups {
+        let row = group.body as usize;
+        for &member in &group.members {
+            // Interactions act on the group.
+            out[member as usize] = still;
+        }
+        let mean = |x| affine.displacement(x);
+        out[row] =
+            super::groups::body(bodies, analysis, fraction, group, touched[row], added, mean);
+    }
     for wall in &bodies.walls {
         let dofs = match bodies.wall_drive(wall) {
             WallDrive::Imposed(u) => [

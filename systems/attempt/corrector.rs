@@ -15,11 +15,13 @@
 //! the angular momentum, `x_1 x v_1 - x_0 x v_0 = (x_0 + (1 - theta) u) x (v_1 - v_0)`.
 
 use bevy_ecs::prelude::*;
+use glam::DVec2;
 
 use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::findings::{Correction, Corrections};
 use clastic_components::increment::{Analysis, AnalysisKind, Corrector};
+use clastic_components::rigid_group::GroupRow;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use super::closed_pairs::moved_positions;
@@ -57,8 +59,17 @@ pub fn judge(
         }
         let start = bodies.positions[b] - bodies.positions[a];
         let finish = end[b] - end[a];
+        // The motion of the program, in which a rigid group turns to first order.
+        let linear = |i: usize| -> DVec2 {
+            let Some(group) = bodies.group(i) else { return end[i] - bodies.positions[i] };
+            let u = solution.displacements[group.body as usize];
+            let [x, y, _] = GroupRow::carried_linearly(u, bodies.lever(group, i));
+            DVec2::new(x, y)
+        };
+        let is_grouped = bodies.group(a).is_some() || bodies.group(b).is_some();
         let moved = finish - start;
         let at = start + place * moved;
+        let moved = if is_grouped { linear(b) - linear(a) } else { moved };
         let (length, far) = (at.length(), finish.length());
         if !(length > 0.0 && far > 0.0 && start.length() > 0.0) {
             continue;
@@ -80,11 +91,16 @@ pub fn judge(
             change = change.max((gap - expected).abs() / unit);
             change = change.max(normal.distance(c.normal));
             if c.tangential_compliance > 0.0 {
-                let slip = |normal: glam::DVec2, arms: f64, shift: f64| {
+                let slip = |normal: DVec2, arms: f64, shift: f64| {
                     let turn = solution.displacements[a][2] + solution.displacements[b][2];
                     shift - normal.perp().dot(moved) + 0.5 * arms * turn
                 };
-                let last = slip(c.normal, c.arm_a + c.arm_b, old.map_or(0.0, |o| o.slip));
+                let arms = if is_grouped {
+                    radii + old.map_or(contact.gap, |o| o.gap)
+                } else {
+                    c.arm_a + c.arm_b
+                };
+                let last = slip(c.normal, arms, old.map_or(0.0, |o| o.slip));
                 change = change.max((slip(normal, length, new.slip) - last).abs() / unit);
             }
         }

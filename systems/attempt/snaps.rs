@@ -49,7 +49,8 @@ fn snapped(
         WallDrive::Imposed(u) => Some(u.length()),
         WallDrive::Loaded(_) => None,
     });
-    let imposed = progress.fraction * imposed.chain(walls).fold(0.0, f64::max);
+    let groups = bodies.groups.iter().map(|group| bodies.imposed_motion(group));
+    let imposed = progress.fraction * imposed.chain(walls).chain(groups).fold(0.0, f64::max);
     let n = bodies.particles;
     let (low, high) = bodies.positions[..n]
         .iter()

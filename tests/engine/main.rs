@@ -23,6 +23,7 @@ mod invariance;
 mod limit_load;
 mod rest;
 mod restitution;
+mod rigid_groups;
 mod rupture;
 mod stages;
 mod stress;

@@ -9,6 +9,7 @@ mod materials;
 mod measures;
 mod output;
 mod particle_control;
+mod rigid;
 mod solver;
 mod specimen;
 mod stages;
@@ -30,6 +31,7 @@ pub use materials::{Bond, Contact, Material};
 pub use measures::{Area, Component, Length, Measures, Strain, Stress};
 pub use output::{Output, Record};
 pub use particle_control::{Motion, ParticleControl, Select};
+pub use rigid::{RigidControl, Traction};
 #[cfg(test)]
 pub(super) use solver::CONDENSED_FIELDS;
 pub use solver::Solver;

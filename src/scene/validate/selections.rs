@@ -8,6 +8,7 @@ use super::Context;
 use super::findings::Findings;
 use crate::run::particles::particles;
 use crate::scene::format::{Load, Select, Specimen, Stage};
+use crate::scene::spans::join;
 
 pub(super) fn check(context: &Context, findings: &mut Findings) {
     let scene = context.scene;
@@ -18,28 +19,32 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
         return;
     }
     // An invalid recipe makes no particles.
-    if !findings.is_sound("specimen") || !findings.is_sound(&format!("stages[{i}].particles")) {
+    let fields = ["particles", "rigid"].map(|field| format!("stages[{i}].{field}"));
+    if !findings.is_sound("specimen") || !fields.iter().all(|field| findings.is_sound(field)) {
         return;
     }
     let centres: Vec<_> = particles(&scene.specimen, context.specimen)
         .iter()
         .map(|particle| (particle.position.x, particle.position.y))
         .collect();
-    for (k, min, max) in boxes(stage) {
+    for (entry, min, max) in boxes(stage) {
         let is_inside =
             |(x, y): &(f64, f64)| *x >= min.0 && *y >= min.1 && *x <= max.0 && *y <= max.1;
         if !centres.iter().any(is_inside) {
-            let path = format_args!("stages[{i}].particles[{k}].select");
+            let path = format_args!("stages[{i}].{entry}.select");
             findings.add(path, "selects no particle: no centre is in the box", &bounds(&centres));
         }
     }
 }
 
-/// Boxes with which a stage selects particles: number of the entry, lower left and upper right
-/// corner.
-fn boxes(stage: &Load) -> impl Iterator<Item = (usize, (f64, f64), (f64, f64))> {
-    stage.particles.iter().enumerate().filter_map(|(k, control)| match control.select {
-        Select::Box { min, max } => Some((k, min, max)),
+/// Boxes with which a stage selects particles: the entry, lower left and upper right corner.
+fn boxes(stage: &Load) -> impl Iterator<Item = (String, (f64, f64), (f64, f64))> {
+    let controls = stage.particles.iter().enumerate();
+    let controls = controls.map(|(k, control)| (format!("particles[{k}]"), Some(&control.select)));
+    let groups = stage.rigid.iter();
+    let groups = groups.map(|(name, control)| (join("rigid", name), control.select.as_ref()));
+    controls.chain(groups).filter_map(|(entry, select)| match select {
+        Some(Select::Box { min, max }) => Some((entry, *min, *max)),
         _ => None,
     })
 }
