@@ -1,12 +1,15 @@
 //! The attempts at one increment: what they seek, their verdicts, and the status of the increment.
 
 use bevy_ecs::prelude::*;
+#[cfg(feature = "reflect")]
+use bevy_ecs::reflect::ReflectResource;
 use serde::{Deserialize, Serialize};
 
 use crate::motion::Motion;
 
 /// Method of an attempt at an equilibrium, in the order in which the methods are tried.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Default)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum Effort {
     /// Scales are the expected magnitudes. Loose bodies are regularised.
     #[default]
@@ -19,6 +22,7 @@ pub enum Effort {
 
 /// Aim of the attempts at an increment. The transitions are in `systems/attempt/next.rs`.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum Mode {
     /// The forces and displacements at the end of the increment.
     Equilibrium(Effort),
@@ -36,6 +40,7 @@ impl Default for Mode {
 
 /// Verdict of the judges on an attempt. The first judge that objects decides.
 #[derive(Clone, Debug, PartialEq, Default)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum Verdict {
     /// The solution is accepted.
     #[default]
@@ -79,6 +84,7 @@ pub enum Verdict {
 
 /// Status at the end of an increment. The history file uses these names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum IncrementStatus {
     /// Converged.
     #[default]
@@ -107,6 +113,7 @@ impl IncrementStatus {
 
 /// State of the attempts at the current increment, reset when an increment begins.
 #[derive(Resource, Clone, Debug, Default)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct Attempt {
     /// Aim of the current attempt.
     pub mode: Mode,

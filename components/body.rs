@@ -1,6 +1,8 @@
 //! Components that particles and walls share: identity, position, motion and loads.
 
 use bevy_ecs::prelude::*;
+#[cfg(feature = "reflect")]
+use bevy_ecs::reflect::ReflectComponent;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
@@ -15,35 +17,43 @@ use crate::identity::{body_gone, body_named};
 #[derive(
     Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
 )]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 #[component(immutable, on_insert = body_named, on_discard = body_gone)]
 pub struct BodyId(pub u32);
 
 /// Centre of a disk, or middle of a wall's drawn segment, m.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 pub struct Position(pub DVec2);
 
 /// Position at the start of the stage list, m. Recorded displacements are relative to it.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 pub struct Origin(pub DVec2);
 
 /// Rotation since the start, rad, anticlockwise positive.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 pub struct Rotation(pub f64);
 
 /// Velocity, m/s. Static analysis does not change it.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 pub struct Velocity(pub DVec2);
 
 /// Angular velocity, rad/s.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 pub struct AngularVelocity(pub f64);
 
 /// Displacement of the last committed increment: (x, y) in m and rotation in rad.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 pub struct LastMotion(pub [f64; 3]);
 
 /// Boundary condition of one degree of freedom of a body during a whole increment.
 #[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum Drive {
     /// Free: the motion is an unknown.
     #[default]
@@ -54,6 +64,7 @@ pub enum Drive {
 
 /// Drives of the three degrees of freedom of a particle: x, y, rotation.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 pub struct Drives(pub [Drive; 3]);
 
 impl Drives {
@@ -67,6 +78,7 @@ impl Drives {
 
 /// A load that varies linearly over an increment.
 #[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Ramp {
     /// Value at the start of the increment.
     pub from: f64,
@@ -91,25 +103,30 @@ impl Ramp {
 
 /// Force (x, y; N) and moment (N m) that the outside world applies to a particle, without gravity.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 pub struct AppliedLoad(pub [Ramp; 3]);
 
 /// Loads of a particle over the stage: (value at the start, value at the end) of force x, force y
 /// (N) and moment (N m). [`AppliedLoad`] follows from them.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 pub struct LoadControl(pub [(f64, f64); 3]);
 
 /// Force (x, y; N) and moment (N m) of the outside world on the body in the last committed
 /// increment: applied loads, reactions to imposed motion, and the forces that hold or move walls.
 /// Gravity is excluded.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 pub struct ExternalForce(pub [f64; 3]);
 
 /// Name under which the history records the body (`NAME.x_m`, ...).
 #[derive(Component, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 #[component(immutable)]
 pub struct Probe(pub String);
 
 /// Name of a group of particles that stages can select.
 #[derive(Component, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 #[component(immutable)]
 pub struct Group(pub String);

@@ -1,6 +1,8 @@
 //! Bonds.
 
 use bevy_ecs::prelude::*;
+#[cfg(feature = "reflect")]
+use bevy_ecs::reflect::ReflectComponent;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
@@ -15,12 +17,14 @@ use crate::wall::Wall;
 #[derive(
     Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
 )]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 #[component(immutable, on_insert = bond_named, on_discard = bond_gone)]
 pub struct BondId(pub u32);
 
 /// A bond between two bodies. The bodies are plain fields and not Bevy relationships, because
 /// adding or removing relationships reorders archetypes.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 #[component(on_add = bond_added)]
 #[require(BondState)]
 pub struct Bond {
@@ -46,6 +50,7 @@ impl Bond {
 
 /// A bond that names entities; see [`Bond::between`]. It is replaced by a [`Bond`] on insertion.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 #[component(on_add = joined)]
 pub struct Joint {
     a: Entity,
@@ -88,6 +93,7 @@ fn height(world: &World, wall: Entity, point: DVec2) -> f64 {
 
 /// Whether a bond still holds.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 pub enum BondState {
     /// Carries tension, shear and moment up to its strength.
     #[default]
@@ -98,6 +104,7 @@ pub enum BondState {
 
 /// The limit at which a bond broke.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 #[serde(rename_all = "lowercase")]
 pub enum RuptureMode {
     /// `p = -f_t`.
@@ -122,6 +129,7 @@ impl RuptureMode {
 
 /// One rupture: the bond, the limit, the place, and the forces that the bond carried.
 #[derive(Message, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Rupture {
     /// Increment of the rupture.
     pub increment: u64,

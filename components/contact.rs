@@ -1,6 +1,8 @@
 //! Tables of bodies and potential contacts, and the memory of contacts between increments.
 
 use bevy_ecs::prelude::*;
+#[cfg(feature = "reflect")]
+use bevy_ecs::reflect::ReflectResource;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
@@ -16,6 +18,7 @@ use crate::wall::{WallControl, WallDrive};
 /// The table is gathered once per increment. The trials of the increment read it. Each step of a
 /// followed motion changes it. Entities keep the last committed state until a trial is committed.
 #[derive(Resource, Clone, Debug, Default)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct Bodies {
     /// Number of particles; the rows of walls begin here.
     pub particles: usize,
@@ -201,6 +204,7 @@ impl Bodies {
 /// each former row after bodies were added or removed. A system that owns such a table updates it
 /// in `IncrementSystems::Renumber`.
 #[derive(Resource, Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct KeptRows {
     /// Identity of the body of every row.
     pub ids: Vec<BodyId>,
@@ -251,6 +255,7 @@ impl KeptRows {
 
 /// A wall of [`Bodies`].
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct WallRow {
     /// Row of the body.
     pub body: u32,
@@ -268,6 +273,7 @@ pub struct WallRow {
 
 /// An intact bond of [`Bodies`].
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct BondRow {
     /// Identity of the bond.
     pub id: BondId,
@@ -285,6 +291,7 @@ pub struct BondRow {
 
 /// A pair of bodies that carries force or may carry force within the increment.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Contact {
     /// Row of the first body, always a particle.
     pub a: u32,
@@ -317,10 +324,12 @@ impl Contact {
 
 /// Potential contacts of the attempt, sorted by (a, b).
 #[derive(Resource, Clone, Debug, Default)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct Contacts(pub Vec<Contact>);
 
 /// Forces of a contact at the end of the last increment.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct ContactMemory {
     /// Row of the first body.
     pub a: u32,
@@ -338,11 +347,13 @@ pub struct ContactMemory {
 /// Memory of the contacts at the start of the trial: that of the last committed increment, or that
 /// after the last step of a followed motion.
 #[derive(Resource, Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct DraftHistory(pub ContactHistory);
 
 /// Memory of the contacts that carried force, sorted by (a, b). The indices are rows of
 /// [`KeptRows`].
 #[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct ContactHistory(pub Vec<ContactMemory>);
 
 impl ContactHistory {

@@ -1,6 +1,8 @@
 //! The energy ledger of a run.
 
 use bevy_ecs::prelude::*;
+#[cfg(feature = "reflect")]
+use bevy_ecs::reflect::ReflectResource;
 use serde::{Deserialize, Serialize};
 
 /// Energy balance of an increment, or of several, J.
@@ -12,6 +14,7 @@ use serde::{Deserialize, Serialize};
 ///
 /// up to [`error`](Self::error), which comes from the residuals of the solver.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Energies {
     /// Work of walls, imposed motion and applied loads.
     pub external: f64,
@@ -106,6 +109,7 @@ impl std::ops::AddAssign for Energies {
 
 /// The ledger. Energies are computed only in a world that has this resource.
 #[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct EnergyLedger {
     /// Energies of the last increment.
     pub increment: Energies,
@@ -119,6 +123,7 @@ pub struct EnergyLedger {
 
 /// The force that a pair lost when its bond broke.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Released {
     /// Row of the first body.
     pub a: u32,
@@ -131,6 +136,7 @@ pub struct Released {
 /// Energies of the motions that were followed in the current increment. The ledger takes them over
 /// when the increment is committed.
 #[derive(Resource, Clone, Debug, Default)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct MotionEnergies {
     /// Sum over the steps of the motions.
     pub energies: Energies,

@@ -2,6 +2,8 @@
 //! reads them. All are cleared when the next increment begins.
 
 use bevy_ecs::prelude::*;
+#[cfg(feature = "reflect")]
+use bevy_ecs::reflect::ReflectResource;
 use glam::DVec2;
 
 use crate::bond::Rupture;
@@ -9,10 +11,12 @@ use clastic_cone::program::Residuals;
 
 /// Sorted pairs that pruned detection left out and that a solution closed.
 #[derive(Resource, Clone, Debug, Default)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct AddedPairs(pub Vec<(u32, u32)>);
 
 /// Bonds that the increment breaks.
 #[derive(Resource, Clone, Debug, Default)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct Ruptures {
     /// Ruptures in the order found. The world breaks these bonds when the increment is committed.
     pub list: Vec<Rupture>,
@@ -35,6 +39,7 @@ impl Ruptures {
 
 /// A trial of the search for the next event.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct EventTrial {
     /// Fraction of a whole increment.
     pub fraction: f64,
@@ -50,6 +55,7 @@ pub struct EventTrial {
 
 /// The search for the fraction of an increment at which the next bond reaches its limit.
 #[derive(Resource, Clone, Debug, Default)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct EventSearch {
     /// Whether bonds break from event to event in this increment. Trials are then solved with bonds
     /// of unlimited strength.
@@ -79,6 +85,7 @@ pub struct EventSearch {
 
 /// How well the last solution satisfies Coulomb's law.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct Sliding {
     /// Maximum of the natural map of the contacts, without dimension; 0 with the associated law.
     pub natural_map: f64,
@@ -98,6 +105,7 @@ impl Sliding {
 
 /// Correction of the geometry of a pair of particles by [`Corrector`](crate::increment::Corrector).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Correction {
     /// The pair.
     pub pair: (u32, u32),
@@ -113,6 +121,7 @@ pub struct Correction {
 
 /// Normals, gaps and slips in the geometry that the last pass of the corrector found.
 #[derive(Resource, Clone, Debug, Default)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct Corrections {
     /// Sorted by pair.
     pub list: Vec<Correction>,
@@ -146,10 +155,12 @@ impl Corrections {
 /// Displacements that separate rigid overlaps, by body in the axes of the body. They move the
 /// bodies and give no velocity. `None` before overlaps are found.
 #[derive(Resource, Clone, Debug, Default)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct Pushed(pub Option<Vec<[f64; 3]>>);
 
 /// An impact of two bodies that touch no other body, for contacts with restitution.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Impact {
     /// Index of the interaction in the program.
     pub interaction: usize,
@@ -159,6 +170,7 @@ pub struct Impact {
 
 /// Impacts of the last assembled program.
 #[derive(Resource, Clone, Debug, Default)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct Impacts {
     /// Impacts of bodies that touch no other body, in ascending order of the interactions.
     pub single: Vec<Impact>,
@@ -170,6 +182,7 @@ pub struct Impacts {
 
 /// Whether a body that a rejected solution moved far carried load.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum Bearing {
     /// No rejected solution moved the body far.
     #[default]
@@ -183,6 +196,7 @@ pub enum Bearing {
 
 /// Measures that keep grains from being thrown.
 #[derive(Resource, Clone, Debug, Default)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct Restraints {
     /// Load of bodies in rejected solutions. Empty before the first rejection.
     pub bearing: Vec<Bearing>,
@@ -195,6 +209,7 @@ pub struct Restraints {
 
 /// Centre of the regularisation if it follows the solution.
 #[derive(Resource, Clone, Debug, Default)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct Centre {
     /// Displacements towards which the regularisation pulls, by body in the axes of the body. Empty
     /// means zero.
@@ -205,6 +220,7 @@ pub struct Centre {
 
 /// A solution that did not converge.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Unconverged {
     /// Residuals of the solution.
     pub residuals: Residuals,
@@ -216,4 +232,5 @@ pub struct Unconverged {
 
 /// The solution with the smallest residual of all that did not converge in the increment.
 #[derive(Resource, Clone, Debug, Default)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct Closest(pub Option<Unconverged>);

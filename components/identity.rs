@@ -5,6 +5,8 @@ use std::collections::HashMap;
 
 use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
+#[cfg(feature = "reflect")]
+use bevy_ecs::reflect::ReflectResource;
 use bevy_ecs::world::DeferredWorld;
 use serde::{Deserialize, Serialize};
 
@@ -18,12 +20,14 @@ use crate::wall::Wall;
 ///
 /// Component hooks update this resource. It is created when the first body is inserted.
 #[derive(Resource, Debug, Default)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct Identities {
     bodies: Register,
     bonds: Register,
 }
 
 #[derive(Debug, Default)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 struct Register {
     // This map is only looked up and never iterated, so that its order has no effect.
     owners: HashMap<u32, Entity>,
@@ -56,6 +60,7 @@ impl Register {
 
 /// The next identities of bodies and bonds, as a checkpoint stores them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct NextIdentities {
     /// Next identity of a body.
     pub body: u32,
@@ -93,6 +98,7 @@ impl Identities {
 /// Why an identity, a body or a bond is refused. The error goes to Bevy's error handler, which
 /// panics unless the app sets another one. The refused component or bond is removed from the world.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum IdentityError {
     /// Two bodies have one identity.
     #[error(

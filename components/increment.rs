@@ -1,6 +1,8 @@
 //! What is being analysed and how far it has come.
 
 use bevy_ecs::prelude::*;
+#[cfg(feature = "reflect")]
+use bevy_ecs::reflect::ReflectResource;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
@@ -8,6 +10,7 @@ use crate::body::Ramp;
 
 /// How bodies resist motion.
 #[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum AnalysisKind {
     /// No inertia: every increment is an equilibrium.
     #[default]
@@ -34,6 +37,7 @@ pub enum AnalysisKind {
 
 /// Kind of analysis, gravity and thickness.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct Analysis {
     /// Static, least motion or dynamic.
     pub kind: AnalysisKind,
@@ -57,6 +61,7 @@ impl Default for Analysis {
 // The scene's law is another type (`friction_law`): it names combinations of the two fields, and it reads fields of
 // earlier builds that have no effect here.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Default)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct FrictionLaw {
     /// Coulomb's law in static increments; the paper's if there is none.
     pub in_statics: Option<Coulomb>,
@@ -66,6 +71,7 @@ pub struct FrictionLaw {
 
 /// Coulomb's law: sliding and rolling do not open the contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Coulomb {
     /// Factorisations of one solve at most.
     pub factorisations: u32,
@@ -98,6 +104,7 @@ impl FrictionLaw {
 /// Solves an increment again with normals and gaps at the new place. The resource of a world without it is
 /// [`OFF`](Self::OFF); the default is that of a scene that asks for it.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 #[serde(deny_unknown_fields, default)]
 pub struct Corrector {
     /// Maximum number of passes of one increment; 0 keeps the geometry of its start.
@@ -119,6 +126,7 @@ impl Default for Corrector {
 
 /// What a bond does at its rolling limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum RollingLimit {
     /// It breaks: the letter of 3.4.2 of the paper.
     #[default]
@@ -129,6 +137,7 @@ pub enum RollingLimit {
 
 /// How the specimen comes to rest at constant load after a bond has broken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum Avalanche {
     /// By equilibria: of the bonds above their limits in one of them, the most overloaded breaks, or as many of these
     /// as a group takes.
@@ -150,6 +159,7 @@ impl Avalanche {
 
 /// In which order bonds break.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum RuptureOrder {
     /// From event to event: an increment is committed at the fraction at which the next bond reaches its limit, that
     /// bond breaks, and the specimen comes to equilibrium at constant load before it is loaded further. Holds for
@@ -165,6 +175,7 @@ pub enum RuptureOrder {
 
 /// Rules of rupture: `rupture` of a scene, which has all fields but the last two.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 #[serde(rename = "Rupture", deny_unknown_fields, default)]
 pub struct RuptureRules {
     /// At the rolling limit.
@@ -207,6 +218,7 @@ impl Default for RuptureRules {
 /// What an increment must satisfy before it is committed: `acceptance` of a scene, which has `residual`, `throw`,
 /// `snap` and `halvings`.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 #[serde(deny_unknown_fields, default)]
 pub struct Acceptance {
     /// Greatest residual. Where it is more than 1e-8, dynamic and without bonds, the default solver aims at it.
@@ -254,6 +266,7 @@ impl Default for Acceptance {
 /// How far the run has come. Increments count over all stages; an increment that had to be
 /// halved is committed as several with a smaller fraction each.
 #[derive(Resource, Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct Progress {
     /// Number of the increment under way, from 1.
     pub increment: u64,

@@ -1,12 +1,15 @@
 //! Loads that an embedding program adds to a trial.
 
 use bevy_ecs::prelude::*;
+#[cfg(feature = "reflect")]
+use bevy_ecs::reflect::ReflectResource;
 
 use crate::body::BodyId;
 use crate::contact::Bodies;
 
 /// Load added to one degree of freedom: a force, and a stiffness that resists the displacement.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct AddedLoad {
     /// Force (N) or moment (N m).
     pub force: f64,
@@ -19,6 +22,7 @@ pub struct AddedLoad {
 /// `force - stiffness u` on a degree of freedom with displacement u. Contributions add up. Their
 /// sum does not depend on the order in which they were added.
 #[derive(Resource, Clone, Debug, Default)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct TrialLoads {
     added: Vec<(BodyId, usize, AddedLoad)>,
 }

@@ -1,6 +1,8 @@
 //! Contact and bond laws.
 
 use bevy_ecs::prelude::*;
+#[cfg(feature = "reflect")]
+use bevy_ecs::reflect::{ReflectComponent, ReflectResource};
 use serde::{Deserialize, Serialize};
 
 /// Law of an unbonded contact.
@@ -8,6 +10,7 @@ use serde::{Deserialize, Serialize};
 /// `|q| <= mu p`, `|tau| <= mu_r r p`, `p >= 0`, with elastic compliances `C = 1/k` in the normal
 /// and the tangential direction; `C = 0` is a rigid contact.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 pub struct ContactLaw {
     /// Normal compliance `1/k_N`, m/N; 0 is rigid.
     pub normal_compliance: f64,
@@ -46,6 +49,7 @@ impl ContactLaw {
 /// Law of an intact bond: `p >= -f_t`, `|q| <= c A + mu_b p`, `|tau| <= mu_r r (p + f_t)` with
 /// `f_t = 2 r h sigma_t`, `A = 2 r h`, r the smaller radius (equations 18, 26 and 28 of the paper).
 #[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct BondLaw {
     /// Normal compliance `1/k_N`, m/N; 0 is rigid.
     pub normal_compliance: f64,
@@ -80,6 +84,7 @@ impl BondLaw {
 
 /// Material of particles. The default is rigid and frictionless, and forms no bonds.
 #[derive(Clone, Debug, PartialEq, Default)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Material {
     /// Name in the scene.
     pub name: String,
@@ -94,6 +99,7 @@ pub struct Material {
 /// All particle materials, in scene order. If the list is empty, contacts between particles are
 /// rigid and frictionless.
 #[derive(Resource, Clone, Debug, Default)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct Materials(pub Vec<Material>);
 
 impl Materials {

@@ -13,6 +13,7 @@
 
 /// State of a motion between two steps.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Motion {
     /// Whether ruptures released the motion at an equilibrium. Otherwise it begins where
     /// equilibrium was lost.

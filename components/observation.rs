@@ -1,6 +1,8 @@
 //! Observations of an increment: plain data between the systems that measure and those that write.
 
 use bevy_ecs::prelude::*;
+#[cfg(feature = "reflect")]
+use bevy_ecs::reflect::ReflectResource;
 use serde::{Deserialize, Serialize};
 
 use crate::attempt::IncrementStatus;
@@ -9,6 +11,7 @@ use clastic_cone::program::Residuals;
 
 /// Distance that a strain measure compares. Strain is positive if the distance decreases.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum StrainMeasure {
     /// Engineering strain of the distance between two walls along the normal of the first wall.
     Walls(Entity, Entity),
@@ -18,6 +21,7 @@ pub enum StrainMeasure {
 
 /// Source of a stress measure. Compression is positive.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum StressMeasure {
     /// Mean normal force on the named walls divided by length times thickness.
     Walls {
@@ -37,6 +41,7 @@ pub enum StressMeasure {
 
 /// Length in a wall stress.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum MeasureLength {
     /// A fixed length, m.
     Fixed(f64),
@@ -46,6 +51,7 @@ pub enum MeasureLength {
 
 /// Area of an average stress.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum MeasureArea {
     /// A fixed area, m^2.
     Fixed(f64),
@@ -55,6 +61,7 @@ pub enum MeasureArea {
 
 /// Component of a plane stress tensor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum StressComponent {
     /// sigma_xx.
     Xx,
@@ -66,6 +73,7 @@ pub enum StressComponent {
 
 /// The strains and stresses of a rig.
 #[derive(Resource, Clone, Debug, Default)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct Measures {
     /// Stage at whose start the strains are zero.
     pub reference_stage: usize,
@@ -83,6 +91,7 @@ pub struct Measures {
 
 /// Reading of a recorded body.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct ProbeReading {
     /// Name of the probe.
     pub name: String,
@@ -95,6 +104,7 @@ pub struct ProbeReading {
 /// Record of the last committed increment. Quantities that the scene does not define are `None`,
 /// and empty in the history.
 #[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct Observation {
     /// Number of the increment, from 1.
     pub increment: u64,
@@ -159,10 +169,12 @@ pub struct Observation {
 
 /// Number of bonds broken so far in tension, shear and rolling.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct RuptureCount(pub [usize; 3]);
 
 /// Wall-clock seconds for each part of the last increment. Results never depend on them.
 #[derive(Resource, Clone, Copy, Debug, Default)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct Timings {
     /// Contact detection.
     pub detect: f64,

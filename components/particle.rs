@@ -1,6 +1,8 @@
 //! Disks.
 
 use bevy_ecs::prelude::*;
+#[cfg(feature = "reflect")]
+use bevy_ecs::reflect::ReflectComponent;
 use serde::{Deserialize, Serialize};
 
 use crate::body::{
@@ -11,6 +13,7 @@ use crate::identity::body_added;
 
 /// A rigid disk.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 #[component(immutable, on_add = body_added)]
 #[require(
     Position,
@@ -44,9 +47,11 @@ impl Particle {
 
 /// Index of a particle's material in [`Materials`](crate::material::Materials).
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 pub struct MaterialIndex(pub u32);
 
 /// Marks a particle that a rejected solution moved far: it is part of a mechanism. The geometric
 /// stiffness of its taut bonds stays in the program in later increments.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 pub struct Swinging;

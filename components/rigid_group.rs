@@ -1,6 +1,8 @@
 //! Rigid groups: particles that move as one body with three degrees of freedom.
 
 use bevy_ecs::prelude::*;
+#[cfg(feature = "reflect")]
+use bevy_ecs::reflect::ReflectComponent;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
@@ -17,6 +19,7 @@ use crate::identity::body_added;
 /// members have no effect. The centre is the centre of mass, or a pivot that moves with the body;
 /// [`Position`] is its place. A particle is a member of one group at most.
 #[derive(Component, Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 #[component(immutable, on_add = body_added)]
 #[require(
     Position,
@@ -43,11 +46,13 @@ pub struct RigidGroup {
 /// Force (x, y; N) on a body by the contacts and bonds with all other bodies, and their moment about
 /// its position at the start of the increment (N m), in the last committed increment.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 pub struct ContactForce(pub [f64; 3]);
 
 /// A rigid group of [`Bodies`](crate::contact::Bodies). Its row follows those of particles and
 /// walls. In the cone program it is the body on which the forces of its members act.
 #[derive(Clone, Debug, PartialEq, Default)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct GroupRow {
     /// Row of the body.
     pub body: u32,

@@ -1,6 +1,8 @@
 //! Straight rigid walls.
 
 use bevy_ecs::prelude::*;
+#[cfg(feature = "reflect")]
+use bevy_ecs::reflect::ReflectComponent;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
@@ -14,6 +16,7 @@ use crate::material::ContactLaw;
 /// Its [`Position`] is the middle of the drawn segment. Material lies on the left of the way from
 /// start to end: the inward normal is the tangent turned by +90 degrees. A wall does not rotate.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 #[component(on_add = body_added)]
 #[require(Position, LastMotion, ExternalForce, ContactLaw, WallDrive, WallControl)]
 pub struct Wall {
@@ -33,11 +36,13 @@ impl Wall {
 
 /// Name of a wall in the scene.
 #[derive(Component, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 #[component(immutable)]
 pub struct WallName(pub String);
 
 /// How a wall is controlled during a stage.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Default)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 pub enum WallControl {
     /// It stays where it is.
     #[default]
@@ -91,6 +96,7 @@ impl WallControl {
 
 /// Length that the stress of a stress-controlled wall acts on.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum LoadedLength {
     /// Length of the drawn segment of the wall.
     Segment,
@@ -101,6 +107,7 @@ pub enum LoadedLength {
 
 /// Motion or load of a wall during a whole increment, which follows from its control.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 pub enum WallDrive {
     /// Displacement over the increment, m.
     Imposed(DVec2),

@@ -62,7 +62,7 @@ impl ClasticPlugins {
 
 impl PluginGroup for ClasticPlugins {
     fn build(self) -> PluginGroupBuilder {
-        PluginGroupBuilder::start::<Self>()
+        let engine = PluginGroupBuilder::start::<Self>()
             .add(SchedulePlugin)
             .add(SteppingPlugin { schedule: self.schedule })
             .add(GatherBodiesPlugin)
@@ -76,7 +76,10 @@ impl PluginGroup for ClasticPlugins {
             .add(EnergyLedgerPlugin)
             .add(ControlWallsPlugin)
             .add(ControlLoadsPlugin)
-            .add(RecordPlugin)
+            .add(RecordPlugin);
+        #[cfg(feature = "reflect")]
+        let engine = engine.add(clastic_systems::reflect::ReflectPlugin);
+        engine
     }
 }
 

@@ -16,6 +16,8 @@ pub mod mean_field;
 pub mod motion_settings;
 pub mod paths;
 pub mod record;
+#[cfg(feature = "reflect")]
+pub mod reflect;
 pub mod rigid_groups;
 pub mod rupture_bonds;
 pub mod schedule;

@@ -6,11 +6,14 @@
 //! is a long step.
 
 use bevy_ecs::prelude::*;
+#[cfg(feature = "reflect")]
+use bevy_ecs::reflect::ReflectResource;
 
 /// Settings of a motion that is followed. A world that is to have others gets the resource before
 /// its first increment.
 #[non_exhaustive]
 #[derive(Resource, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct MotionSettings {
     /// Maximum travel of all motions of one increment, radii, rejected steps included, if each step
     /// is as long as it aims to be. It bounds the number of steps.

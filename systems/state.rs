@@ -264,6 +264,11 @@ impl WorldState {
         Ok(())
     }
 
+    /// Keeps the entries whose names satisfy a condition.
+    pub fn retain(&mut self, mut keep: impl FnMut(&str) -> bool) {
+        self.entries.retain(|(name, _)| keep(name));
+    }
+
     /// Value of an entry: a resource as it is, or components as `Vec<(I, T)>` by identity.
     ///
     /// # Errors

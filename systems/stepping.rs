@@ -10,6 +10,8 @@
 
 use bevy_app::{App, Plugin, Update};
 use bevy_ecs::prelude::*;
+#[cfg(feature = "reflect")]
+use bevy_ecs::reflect::ReflectResource;
 use bevy_ecs::schedule::{
     InternedScheduleLabel, LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor,
 };
@@ -38,6 +40,7 @@ pub enum AdvanceSystems {
 
 /// Whether [`Advance`] makes an increment.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct Due(pub bool);
 
 impl Default for Due {
@@ -49,6 +52,7 @@ impl Default for Due {
 /// Whether the app goes on by itself when the schedule of its plugins runs. A world without particles
 /// makes no increment.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub enum Running {
     /// One increment per run of the schedule.
     #[default]
@@ -80,6 +84,7 @@ pub struct Stepping;
 
 /// Why the run has stopped. No increment is made while the world has this resource.
 #[derive(Resource, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct Halted(
     /// What happened.
     pub String,

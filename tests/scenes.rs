@@ -13,7 +13,7 @@ use clastic::components::attempt::IncrementStatus;
 use clastic::components::body::{BodyId, Position};
 use clastic::components::observation::Observation;
 use clastic::components::particle::Particle;
-use clastic::output::{Ending, RunOptions, RunWriter};
+use clastic::output::{self, Ending, OutputPlugin, RunOptions};
 use clastic::run::{Simulation, Step};
 use clastic::scene;
 use glam::DVec2;
@@ -178,16 +178,16 @@ fn run(name: &str, ending: &str, quantities: Quantities) {
     let path = directory().join(name).with_extension("ron");
     let mut loaded = scene::load(&path, &[]).unwrap_or_else(|e| panic!("{e}"));
     loaded.scene.output.plots = false;
-    let mut simulation = Simulation::new(&loaded.scene, loaded.specimen.as_ref());
+    let specimen = loaded.specimen.as_ref();
+    let mut simulation = Simulation::with_plugins(&loaded.scene, specimen, OutputPlugin);
     let out = tempfile::tempdir().unwrap();
     let options = RunOptions { directory: out.path().to_owned(), ..Default::default() };
-    let mut writer = RunWriter::create(options, &loaded, simulation.world_mut()).unwrap();
+    output::begin(simulation.world_mut(), options, &loaded).unwrap();
     let mut collapsed = false;
     let outcome = loop {
         if let Step::Finished(outcome) = simulation.step() {
             break outcome;
         }
-        writer.record(simulation.world_mut()).unwrap();
         let record = simulation.world().resource::<Observation>();
         let (n, r) = (record.increment, &record.residuals);
         assert!(!collapsed, "increment {n} after the collapse");
@@ -197,7 +197,7 @@ fn run(name: &str, ending: &str, quantities: Quantities) {
             assert!(r.worst() <= RESIDUAL, "increment {n}: {r:?}");
         }
     };
-    writer.finish(simulation.world_mut(), &Ending::Finished(outcome)).unwrap();
+    output::finish(simulation.world_mut(), &Ending::Finished(outcome)).unwrap();
     let record: Value =
         serde_json::from_str(&fs::read_to_string(out.path().join("run.json")).unwrap()).unwrap();
     assert_eq!(record["outcome"]["status"], ending);

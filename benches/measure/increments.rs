@@ -303,7 +303,7 @@ fn prepared(mut loaded: LoadedScene) -> Result<LoadedScene, BenchError> {
             break;
         }
     }
-    let rows = specimen_rows(simulation.world());
+    let rows = specimen_rows(simulation.world().resource(), simulation.world().resource());
     let world = simulation.world_mut();
     let mut walls = world.query::<(&WallName, &Position, &Origin)>();
     for (name, now, start) in walls.iter(world) {

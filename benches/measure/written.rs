@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use clastic::output::{Ending, RunOptions, RunWriter};
-use clastic::run::{Outcome, Simulation, Step};
+use clastic::output::{self, Ending, OutputFailure, OutputPlugin, RunDirectory, RunOptions};
+use clastic::run::{Outcome, Simulation};
 use clastic::scene::LoadedScene;
 
 use crate::BenchError;
@@ -13,18 +13,18 @@ use crate::BenchError;
 /// # Errors
 /// Where a file cannot be written, an increment cannot be solved or a stage cannot begin.
 pub fn written_run(loaded: &LoadedScene, directory: &Path) -> Result<Simulation, BenchError> {
-    let mut simulation = Simulation::new(&loaded.scene, loaded.specimen.as_ref());
+    let specimen = loaded.specimen.as_ref();
+    let mut simulation = Simulation::with_plugins(&loaded.scene, specimen, OutputPlugin);
     let options = RunOptions { directory: directory.to_owned(), force: true, ..Default::default() };
-    let mut writer = RunWriter::create(options, loaded, simulation.world_mut())?;
-    let outcome = loop {
-        if let Step::Finished(outcome) = simulation.step() {
-            break outcome;
-        }
-        writer.record(simulation.world_mut())?;
-    };
+    output::begin(simulation.world_mut(), options, loaded)?;
+    let outcome = simulation.run();
+    if let Some(OutputFailure(error)) = simulation.world_mut().remove_resource() {
+        return Err(error.into());
+    }
     if let Outcome::Undecided { message, .. } | Outcome::Refused { message, .. } = outcome {
         return Err(BenchError::Run(message));
     }
-    writer.finish(simulation.world_mut(), &Ending::Finished(outcome))?;
+    output::finish(simulation.world_mut(), &Ending::Finished(outcome))?;
+    simulation.world_mut().remove_resource::<RunDirectory>();
     Ok(simulation)
 }

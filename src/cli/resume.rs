@@ -4,7 +4,7 @@ use std::path::Path;
 
 use clastic::output::directory;
 use clastic::output::run_record::CLASTIC_VERSION;
-use clastic::output::{Checkpoint, ResumeError, RunWriter};
+use clastic::output::{self, Checkpoint, OutputPlugin, ResumeError};
 use clastic::run::state::{StateError, StateView};
 use clastic::run::{Simulation, changes};
 use clastic::scene::from_str_with;
@@ -55,14 +55,16 @@ pub fn resume(args: &ResumeArgs) -> Result<Exit, Failure> {
             increment + 1
         ));
     }
-    let mut simulation = Simulation::resume(&loaded.scene, state).map_err(damaged)?;
+    let mut simulation =
+        Simulation::resume_with(&loaded.scene, state, OutputPlugin).map_err(damaged)?;
     changes::apply(simulation.world_mut(), &before, &loaded.scene, &view);
     let every = args.output.checkpoint_every;
-    let writer = RunWriter::resume(directory, checkpoint, &loaded, &args.sets, every)?;
+    let world = simulation.world_mut();
+    output::resume(world, directory, checkpoint, &loaded, &args.sets, every)?;
     if !args.output.quiet {
         complain(format_args!("resumed after increment {increment}"));
     }
-    to_the_end(simulation, writer, directory, args.output.quiet)
+    to_the_end(simulation, directory, args.output.quiet)
 }
 
 /// Failure for a state that this program cannot restore.

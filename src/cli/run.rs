@@ -7,7 +7,10 @@ use bevy_ecs::prelude::*;
 use clastic::components::increment::Progress as Place;
 use clastic::components::observation::Observation;
 use clastic::output::directory::default_directory;
-use clastic::output::{Ending, OutputError, OutputFailure, OutputPlugin, RunOptions, RunWriter};
+use clastic::output::prepared::PreparedSpecimen;
+use clastic::output::{
+    self, Ending, OutputError, OutputFailure, OutputPlugin, RunDirectory, RunOptions,
+};
 use clastic::run::stages::Script;
 use clastic::run::{Outcome, Simulation, Step};
 use clastic::scene::format::Stage;
@@ -41,7 +44,8 @@ pub fn run(args: &RunArgs) -> Result<Exit, Failure> {
         }
     }
     let directory = args.out.clone().unwrap_or_else(|| default_directory(&path));
-    let mut simulation = Simulation::new(&loaded.scene, loaded.specimen.as_ref());
+    let specimen = loaded.specimen.as_ref();
+    let mut simulation = Simulation::with_plugins(&loaded.scene, specimen, OutputPlugin);
     let options = RunOptions {
         directory: directory.clone(),
         force: args.force,
@@ -53,26 +57,24 @@ pub fn run(args: &RunArgs) -> Result<Exit, Failure> {
             .collect(),
         checkpoint_every: args.output.checkpoint_every.unwrap_or(0),
     };
-    let writer = RunWriter::create(options, &loaded, simulation.world_mut())?;
-    to_the_end(simulation, writer, &directory, args.output.quiet)
+    output::begin(simulation.world_mut(), options, &loaded)?;
+    to_the_end(simulation, &directory, args.output.quiet)
 }
 
-/// Runs a simulation to its end and writes the results.
+/// Runs a simulation with an open run directory to its end and writes the results.
 pub fn to_the_end(
     mut simulation: Simulation,
-    writer: RunWriter,
     directory: &Path,
     quiet: bool,
 ) -> Result<Exit, Failure> {
     let interrupt = Interrupt::listen();
     let mut progress =
         Progress::new(quiet, simulation.world().resource::<Script>().scene.stages.len());
-    simulation.app_mut().add_plugins(OutputPlugin).insert_resource(writer);
     let ending = loop {
         let step = simulation.step();
         let world = simulation.world_mut();
         if let Some(OutputFailure(error)) = world.remove_resource::<OutputFailure>() {
-            return Err(stopped(error, world.resource::<RunWriter>(), directory));
+            return Err(stopped(error, world.resource::<RunDirectory>(), directory));
         }
         if let Step::Finished(outcome) = step {
             break Ending::Finished(outcome);
@@ -85,19 +87,18 @@ pub fn to_the_end(
     progress.end();
 
     let world = simulation.world_mut();
-    let finished =
-        world.resource_scope(|world, mut writer: Mut<RunWriter>| writer.finish(world, &ending));
-    let writer = world.resource::<RunWriter>();
-    let results = finished.map_err(|e| stopped(e, writer, directory))?;
-    let writer = simulation.world().resource::<RunWriter>();
+    let finished = output::finish(world, &ending);
+    let run = world.resource::<RunDirectory>();
+    let results = finished.map_err(|e| stopped(e, run, directory))?;
+    let run = simulation.world().resource::<RunDirectory>();
     let increments = simulation.world().resource::<Observation>().increment;
-    for missed in writer.dump_programs().iter().filter(|n| **n > increments) {
+    for missed in run.dump_programs().iter().filter(|n| **n > increments) {
         complain(format_args!(
             "--dump-program {missed}: the run ended with increment {increments}"
         ));
     }
     let script = simulation.world().resource::<Script>();
-    for (stage, n) in writer.dump_in_stages() {
+    for (stage, n) in run.dump_in_stages() {
         let made = script.ends.iter().find(|end| end.stage == *stage).map_or(0, |e| e.increments);
         if *n > made {
             complain(format_args!(
@@ -110,7 +111,7 @@ pub fn to_the_end(
         increment: increments,
         script,
         results: &results,
-        specimen: writer.specimen(),
+        specimen: simulation.world().resource::<PreparedSpecimen>().written.as_deref(),
         directory,
     });
     let packs = script.scene.stages.iter().all(|s| matches!(s, Stage::Compact(_)));
@@ -140,9 +141,9 @@ pub fn to_the_end(
 }
 
 /// Message for output that fails during a run.
-fn stopped(error: OutputError, writer: &RunWriter, directory: &Path) -> Failure {
+fn stopped(error: OutputError, run: &RunDirectory, directory: &Path) -> Failure {
     let mut failure = Failure::from(error);
-    if let Some(increment) = writer.saved() {
+    if let Some(increment) = run.saved() {
         failure.message += &format!(
             "\nthe run stopped; once that is mended, `clastic resume {}` goes on after increment {increment}",
             directory.display()

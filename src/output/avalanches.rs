@@ -6,6 +6,7 @@
 //! ended before, or if loading continued with one round of ruptures.
 
 use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemParam;
 use serde::{Deserialize, Serialize};
 
 use clastic_components::attempt::IncrementStatus;
@@ -15,7 +16,10 @@ use clastic_components::increment::Progress;
 use clastic_components::observation::Observation;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
+use super::OutputError;
 use super::csv_file::Row;
+use super::key_results::KeyResults;
+use super::run_directory::RunDirectory;
 
 /// Columns.
 pub const COLUMNS: [&str; 12] = [
@@ -32,6 +36,10 @@ pub const COLUMNS: [&str; 12] = [
     "elastic_energy_before_j",
     "elastic_energy_after_j",
 ];
+
+/// The current avalanche of a run.
+#[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct CurrentAvalanche(pub Option<Avalanche>);
 
 /// An avalanche that has not ended.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -51,14 +59,14 @@ pub struct Avalanche {
 impl Avalanche {
     /// Processes the last increment: begins an avalanche, extends the current one, or ends it.
     /// Returns the row of an ended avalanche and the number of its bonds.
-    pub fn follow(open: &mut Option<Self>, world: &World) -> Option<(Row, usize)> {
-        let observation = world.resource::<Observation>();
+    fn follow(open: &mut Option<Self>, now: &Now) -> Option<(Row, usize)> {
+        let observation = &*now.observation;
         if !matches!(observation.status, IncrementStatus::Solved | IncrementStatus::Capped) {
             return None;
         }
         let is_loaded = observation.fraction > 0.0;
-        let is_active = world.resource::<EventSearch>().active;
-        let after = (!is_loaded).then(|| (observation.axial_stress, elastic_energy(world)));
+        let is_active = now.search.active;
+        let after = (!is_loaded).then(|| (observation.axial_stress, now.elastic_energy()));
         let mut ended = if observation.ruptures.is_empty() {
             open.take().map(|avalanche| avalanche.ended(after))
         } else if is_loaded {
@@ -68,7 +76,7 @@ impl Avalanche {
             None
         };
         if open.is_none() && is_active {
-            *open = Self::begun(world);
+            *open = Self::begun(now);
         }
         if let Some(avalanche) = open {
             avalanche.rounds += 1;
@@ -82,15 +90,15 @@ impl Avalanche {
             }
         }
         // The followed motion has come to rest without the bonds that broke in it.
-        let is_settled = is_active && !is_loaded && !world.resource::<Progress>().relaxing;
+        let is_settled = is_active && !is_loaded && !now.progress.relaxing;
         if is_settled && let Some(avalanche) = open.take() {
             ended = Some(avalanche.ended(after));
         }
         ended
     }
 
-    fn begun(world: &World) -> Option<Self> {
-        let observation = world.resource::<Observation>();
+    fn begun(now: &Now) -> Option<Self> {
+        let observation = &*now.observation;
         let first = observation.ruptures.first()?;
         Some(Self {
             increment: observation.increment,
@@ -100,7 +108,7 @@ impl Avalanche {
             rounds: 0,
             broken: [0; 3],
             stress: observation.axial_stress,
-            energy: elastic_energy(world),
+            energy: now.elastic_energy(),
         })
     }
 
@@ -123,12 +131,36 @@ impl Avalanche {
     }
 }
 
-/// Elastic energy of the contacts and bonds of the last solution, `1/2 sum (C_N p^2 + C_T q^2)`, J.
-fn elastic_energy(world: &World) -> f64 {
-    let (program, solution) = (world.resource::<ConeProgram>(), world.resource::<ConeSolution>());
-    let interactions = program.interactions.iter().zip(&solution.forces);
-    let energies = interactions.map(|(c, [p, q, _])| {
-        0.5 * (c.normal_compliance * p * p + c.tangential_compliance * q * q)
-    });
-    energies.sum()
+/// What an avalanche follows from.
+#[derive(SystemParam)]
+pub(super) struct Now<'w> {
+    observation: Res<'w, Observation>,
+    progress: Res<'w, Progress>,
+    search: Res<'w, EventSearch>,
+    program: Res<'w, ConeProgram>,
+    solution: Res<'w, ConeSolution>,
+}
+
+impl Now<'_> {
+    /// Elastic energy of the contacts and bonds of the last solution,
+    /// `1/2 sum (C_N p^2 + C_T q^2)`, J.
+    fn elastic_energy(&self) -> f64 {
+        let interactions = self.program.interactions.iter().zip(&self.solution.forces);
+        let energies = interactions.map(|(c, [p, q, _])| {
+            0.5 * (c.normal_compliance * p * p + c.tangential_compliance * q * q)
+        });
+        energies.sum()
+    }
+}
+
+/// System: follows the current avalanche, and writes its row when it ends.
+pub(super) fn write_ended(
+    now: Now,
+    mut current: ResMut<CurrentAvalanche>,
+    mut results: ResMut<KeyResults>,
+    mut run: ResMut<RunDirectory>,
+) -> Result<(), OutputError> {
+    let Some((row, bonds)) = Avalanche::follow(&mut current.0, &now) else { return Ok(()) };
+    results.see_avalanche(bonds);
+    run.tables.avalanches.push(row)
 }

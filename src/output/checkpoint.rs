@@ -8,20 +8,19 @@
 
 use std::fs;
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::OutputError;
 use super::atomic::write_durable;
 use super::directory;
-use super::run_directory::WriterState;
+use super::error::{OutputError, ResumeError};
 use super::run_record::{RunFacts, sha256};
 use crate::run::WorldState;
 
 /// Version of the format. It increases with every change of the stored types, which are the types
 /// that derive their encoding in this file and where plugins register state.
-pub const VERSION: u32 = 8;
+pub const VERSION: u32 = 9;
 
 const MAGIC: &str = "clastic checkpoint, format ";
 
@@ -45,63 +44,10 @@ pub struct Checkpoint {
     pub dump_programs: Vec<u64>,
     /// Increments of stages, by name, whose cone program is dumped.
     pub dump_in_stages: Vec<(String, u64)>,
-    /// State of the output.
-    pub output: WriterState,
-    /// State of the simulation.
+    /// Lengths of the history, the events, the avalanches and the timings, bytes.
+    pub lengths: [u64; 4],
+    /// State of the simulation and of its output.
     pub world: WorldState,
-}
-
-/// Why a run cannot be resumed.
-#[derive(Debug, thiserror::Error)]
-pub enum ResumeError {
-    /// The checkpoint does not exist.
-    #[error(
-        "{}: no checkpoint is here; a run writes one with --checkpoint-every N, when Ctrl-C, SIGTERM or \
-         SIGHUP interrupts it, when an increment stalls and when a stage cannot begin. Run the scene again, \
-         with --force", .0.display()
-    )]
-    NoCheckpoint(PathBuf),
-    /// The checkpoint has another version of the format.
-    #[error(
-        "{}: a checkpoint of format {found}, and this clastic reads format {VERSION}; resume it with the \
-         clastic that wrote it, or run the scene again, with --force", path.display()
-    )]
-    Version {
-        /// The checkpoint.
-        path: PathBuf,
-        /// Version of the checkpoint.
-        found: String,
-    },
-    /// The content of the checkpoint is damaged.
-    #[error("{}: damaged ({what}); run the scene again, with --force", path.display())]
-    Damaged {
-        /// The checkpoint.
-        path: PathBuf,
-        /// What is wrong.
-        what: String,
-    },
-    /// The checkpoint does not belong to the scene beside it.
-    #[error(
-        "{}: a checkpoint of another scene than {} beside it; put back the one that was run (sha256 {expected}), \
-         and change settings with --set", path.display(), directory::SCENE
-    )]
-    OtherScene {
-        /// The checkpoint.
-        path: PathBuf,
-        /// Hash of the scene of the checkpoint.
-        expected: String,
-    },
-    /// A file to be continued has changed.
-    #[error("{}: {what}; run the scene again, with --force", path.display())]
-    Cut {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong with it.
-        what: String,
-    },
-    /// A file cannot be read or written.
-    #[error(transparent)]
-    Output(#[from] OutputError),
 }
 
 impl Checkpoint {
@@ -156,7 +102,11 @@ impl Checkpoint {
             .and_then(|rest| rest.split_once(", sha256 "))
             .ok_or_else(|| damaged("its first line is not that of a checkpoint"))?;
         if version != VERSION.to_string() {
-            return Err(ResumeError::Version { path: path.to_owned(), found: version.to_owned() });
+            return Err(ResumeError::Version {
+                path: path.to_owned(),
+                found: version.to_owned(),
+                ours: VERSION,
+            });
         }
         let content = &bytes[end + 1..];
         if sha256(content) != hash {

@@ -5,9 +5,8 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::PathBuf;
 
-use super::OutputError;
-use super::checkpoint::ResumeError;
 use super::directory::lock;
+use super::error::{OutputError, ResumeError};
 
 /// A CSV file that contains complete rows only.
 #[derive(Debug)]

@@ -6,29 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::OutputError;
 use super::atomic::PART;
-
-/// Facts about the run.
-pub const RUN: &str = "run.json";
-/// The scene as run.
-pub const SCENE: &str = "scene.ron";
-/// One row per increment.
-pub const HISTORY: &str = "history.csv";
-/// One row per rupture.
-pub const EVENTS: &str = "events.csv";
-/// One row per avalanche.
-pub const AVALANCHES: &str = "avalanches.csv";
-/// Wall-clock times.
-pub const TIMINGS: &str = "timings.csv";
-/// The prepared specimen.
-pub const SPECIMEN: &str = "specimen.csv";
-/// All particles at the end.
-pub const FINAL_PARTICLES: &str = "final_particles.csv";
-/// The mechanism of the first collapse.
-pub const MECHANISM: &str = "mechanism.csv";
-/// The state between two increments, from which the run can continue.
-pub const CHECKPOINT: &str = "checkpoint.bin";
-/// Directory of the frames.
-pub const FRAMES: &str = "frames";
+pub use super::names::*;
 
 /// Default directory for the results of a scene: `runs/<name of the scene>`.
 #[must_use]

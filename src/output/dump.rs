@@ -8,26 +8,35 @@ use clastic_components::observation::Observation;
 use clastic_cone::dump::{Dump, from_json, to_json};
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
-use super::OutputError;
 use super::atomic::write_atomic;
+use super::run_directory::RunDirectory;
+use super::{OutputError, directory};
+use crate::run::stages::Script;
 
-/// Writes the program and the solution of the last increment.
-///
-/// # Errors
-/// If the file cannot be written.
-pub fn write_program(path: &Path, world: &World) -> Result<(), OutputError> {
-    let observation = world.resource::<Observation>();
+/// System: writes the program and the solution of the last increment, if the run has asked for it.
+pub(super) fn write_if_asked(
+    (script, observation): (Res<Script>, Res<Observation>),
+    (program, solution): (Res<ConeProgram>, Res<ConeSolution>),
+    mut run: ResMut<RunDirectory>,
+) -> Result<(), OutputError> {
+    let in_stage = script.ends.last().map_or(0, |end| end.increments);
+    if !run.is_dumped(&observation, in_stage) {
+        return Ok(());
+    }
+    let path = directory::program(run.directory(), observation.increment);
     let text = to_json(
         observation.increment,
         &observation.stage,
         observation.fraction,
-        world.resource::<ConeProgram>(),
-        world.resource::<ConeSolution>(),
+        &program,
+        &solution,
     );
-    write_atomic(path, text.map_err(OutputError::at(path))?)
+    write_atomic(&path, text.map_err(OutputError::at(&path))?)?;
+    run.is_fresh(path);
+    Ok(())
 }
 
-/// Reads what [`write_program`] wrote.
+/// Reads a dumped program.
 ///
 /// # Errors
 /// If the file cannot be read, is no dump of this version, or contains a non-finite number.

@@ -3,9 +3,14 @@
 //! Position, normal (from a to b) and forces are those of the increment in which the bond reached
 //! its limit. p is positive in compression.
 
-use clastic_components::bond::Rupture;
+use bevy_ecs::prelude::*;
 
+use clastic_components::bond::Rupture;
+use clastic_components::observation::Observation;
+
+use super::OutputError;
 use super::csv_file::Row;
+use super::run_directory::RunDirectory;
 
 /// Columns.
 pub const COLUMNS: [&str; 13] = [
@@ -37,4 +42,15 @@ pub fn row(rupture: &Rupture, stage: &str) -> Row {
         .numbers(rupture.position.to_array())
         .numbers(rupture.normal.to_array())
         .numbers([rupture.p, rupture.q, rupture.tau])
+}
+
+/// System: writes the ruptures of the increment.
+pub(super) fn write(
+    observation: Res<Observation>,
+    mut run: ResMut<RunDirectory>,
+) -> Result<(), OutputError> {
+    for rupture in &observation.ruptures {
+        run.tables.events.push(row(rupture, &observation.stage))?;
+    }
+    Ok(())
 }

@@ -5,11 +5,16 @@
 
 use std::collections::BTreeMap;
 
+use bevy_ecs::prelude::*;
+
 use clastic_components::attempt::IncrementStatus;
 use clastic_components::energy::EnergyLedger;
 use clastic_components::observation::Observation;
 
+use super::OutputError;
 use super::csv_file::Row;
+use super::run_directory::RunDirectory;
+use super::wanted::Wanted;
 use crate::scene::format::{Scene, Specimen, Stage};
 
 /// Columns before those of the probes.
@@ -170,6 +175,29 @@ pub fn row(o: &Observation, probes: &[String]) -> Row {
         }
     }
     row
+}
+
+/// System: verifies that the table still exists, before anything is written.
+pub(super) fn is_there(run: Res<RunDirectory>) -> Result<(), OutputError> {
+    run.tables.history.is_there()
+}
+
+/// System: writes the row of the increment, if wanted.
+pub(super) fn write_wanted(
+    wanted: Res<Wanted>,
+    observation: Res<Observation>,
+    ledger: Option<Res<EnergyLedger>>,
+    mut run: ResMut<RunDirectory>,
+) -> Result<(), OutputError> {
+    run.record.increments += 1;
+    if !wanted.row {
+        return Ok(());
+    }
+    let mut row = row(&observation, &run.probes);
+    if let Some(ledger) = ledger {
+        row = row.numbers(energies(&ledger));
+    }
+    run.tables.history.push(row)
 }
 
 #[cfg(test)]

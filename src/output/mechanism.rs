@@ -4,32 +4,23 @@ use std::path::Path;
 
 use bevy_ecs::prelude::*;
 use glam::DVec2;
-use serde::{Deserialize, Serialize};
 
 use clastic_components::attempt::IncrementStatus;
 use clastic_components::contact::Bodies;
 use clastic_components::observation::Observation;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
-use super::OutputError;
 use super::atomic::write_atomic;
 use super::csv_file::Row;
+use super::key_results::{KeyResults, MechanismRecord};
+use super::run_directory::RunDirectory;
+use super::snapshot::{Moments, Scenery};
+use super::{OutputError, directory, plots};
+use crate::run::stages::Script;
 
 /// Columns. Displacements are divided by the maximum motion and therefore dimensionless. Rotations
 /// are divided by it as well and are in rad/m.
 pub const COLUMNS: [&str; 6] = ["body", "x_m", "y_m", "u_x", "u_y", "rotation"];
-
-/// Quality of a mechanism, as in `run.json`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct MechanismRecord {
-    /// Increment of the collapse.
-    pub increment: u64,
-    /// Work of the loads minus maximum dissipation, over the work of the loads. A positive margin
-    /// proves the collapse.
-    pub margin: f64,
-    /// Maximum violation of the kinematic conditions of the mechanism over its maximum motion.
-    pub defect: f64,
-}
 
 /// A body of a mechanism.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,13 +49,17 @@ impl Mechanism {
     /// Mechanism of the last increment; `None` if it did not collapse, or if the collapse has no
     /// certificate.
     #[must_use]
-    pub fn of(world: &World) -> Option<Self> {
-        let observation = world.resource::<Observation>();
+    pub fn of(
+        observation: &Observation,
+        bodies: &Bodies,
+        program: &ConeProgram,
+        solution: &ConeSolution,
+    ) -> Option<Self> {
         let collapsed = observation.status == IncrementStatus::Collapsed;
-        let (bodies, program) = (world.resource::<Bodies>(), world.resource::<ConeProgram>());
-        let certificate = world.resource::<ConeSolution>().certificate.as_ref();
-        let certificate =
-            certificate.filter(|c| collapsed && c.mechanism.len() == program.bodies.len())?;
+        let certificate = solution
+            .certificate
+            .as_ref()
+            .filter(|c| collapsed && c.mechanism.len() == program.bodies.len())?;
         let walls = bodies.walls.iter().map(|wall| wall.body as usize);
         let row = |body: usize| {
             let local = certificate.mechanism.get(body)?;
@@ -104,4 +99,36 @@ impl Mechanism {
         }
         write_atomic(path, text)
     }
+}
+
+/// System: writes the mechanism and its picture, if the increment was the first collapse.
+pub(super) fn write_first(
+    (script, observation): (Res<Script>, Res<Observation>),
+    (bodies, program, solution): (Res<Bodies>, Res<ConeProgram>, Res<ConeSolution>),
+    (scenery, moments): (Scenery, Res<Moments>),
+    mut results: ResMut<KeyResults>,
+    mut run: ResMut<RunDirectory>,
+) -> Result<(), OutputError> {
+    let Some(mechanism) = Mechanism::of(&observation, &bodies, &program, &solution) else {
+        return Ok(());
+    };
+    if !results.see_mechanism(mechanism.record) {
+        return Ok(());
+    }
+    let path = run.path(directory::MECHANISM);
+    mechanism.write(&path)?;
+    run.is_fresh(path);
+    if moments.are_drawn {
+        let caption = format!(
+            "mechanism of the collapse in increment {} of stage {}",
+            observation.increment, observation.stage
+        );
+        let (now, title) = (scenery.snapshot(), &script.scene.title);
+        if let Some(svg) = plots::mechanism::svg(&mechanism, &now, title, &caption) {
+            let path = run.path(plots::MECHANISM);
+            write_atomic(&path, svg)?;
+            run.is_fresh(path);
+        }
+    }
+    Ok(())
 }

@@ -28,26 +28,38 @@
 
 pub mod atomic;
 pub mod avalanches;
+mod begin;
+mod caption;
 pub mod checkpoint;
 pub mod csv_file;
 pub mod directory;
 pub mod dump;
 mod error;
 pub mod events;
+mod finish;
 pub mod frames;
 pub mod history;
 pub mod key_results;
 pub mod mechanism;
+mod names;
 pub mod plots;
 mod plugin;
 pub mod porosity;
+pub mod prepared;
 pub mod run_directory;
 pub mod run_record;
+mod save;
 pub mod snapshot;
 pub mod timings;
+mod wanted;
 
-pub use checkpoint::{Checkpoint, ResumeError};
-pub use error::OutputError;
-pub use key_results::Results;
+pub use begin::{begin, resume};
+pub use checkpoint::Checkpoint;
+pub use error::{OutputError, ResumeError};
+pub use finish::{Ending, finish};
+pub use key_results::{KeyResults, Results};
 pub use plugin::{OutputFailure, OutputPlugin};
-pub use run_directory::{Ending, RunOptions, RunWriter};
+pub use run_directory::{RunDirectory, RunOptions};
+
+#[cfg(test)]
+mod tests;

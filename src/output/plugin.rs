@@ -1,16 +1,23 @@
-//! `OutputPlugin`: writes every increment into the run directory.
+//! `OutputPlugin`: follows every increment, and writes it into the run directory.
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
+use clastic_systems::state::RegisterState;
 use clastic_systems::stepping::{Advance, AdvanceSystems, Halted};
 
-use super::OutputError;
-use super::run_directory::RunWriter;
+use super::avalanches::{self, CurrentAvalanche};
+use super::key_results::{KeyResults, observe_increment};
+use super::prepared::{self, PreparedSpecimen};
+use super::run_directory::RunDirectory;
+use super::save::{is_checkpoint_due, is_undecided, save};
+use super::snapshot::Moments;
+use super::{OutputError, dump, events, frames, history, mechanism, timings, wanted};
 
-/// Writes the results of every increment. It runs after the stop conditions, so that the last row
-/// of a stopped stage is written too. The run directory is the resource [`RunWriter`]; nothing is
-/// written without it. This plugin does not change the results of a run.
+/// Writes the results of every increment. Its systems run after the stop conditions, so that the
+/// last row of a stopped stage is written too. [`begin`](super::begin) and
+/// [`resume`](super::resume) open the run directory, [`RunDirectory`]; nothing is written without
+/// it. This plugin does not change the results of a run.
 ///
 /// An increment that cannot be written halts the run: [`Halted`] has the message, and
 /// [`OutputFailure`] the error.
@@ -22,16 +29,45 @@ pub struct OutputFailure(pub OutputError);
 
 impl Plugin for OutputPlugin {
     fn build(&self, app: &mut App) {
-        let write = write_increment.in_set(AdvanceSystems::Output);
-        app.add_systems(Advance, write.run_if(resource_exists::<RunWriter>));
+        app.register_resource::<KeyResults>("output.key_results")
+            .register_resource::<Moments>("output.snapshots")
+            .register_resource::<PreparedSpecimen>("output.specimen")
+            .register_resource::<CurrentAvalanche>("output.avalanche")
+            .add_systems(
+                Advance,
+                (
+                    (timings::start_clock, wanted::decide).chain(),
+                    history::is_there.pipe(halt),
+                    // A resumed run with other settings repeats the increment. Its checkpoint
+                    // therefore comes before anything of it is written.
+                    save.pipe(halt).run_if(is_undecided),
+                    events::write.pipe(halt),
+                    avalanches::write_ended.pipe(halt),
+                    history::write_wanted.pipe(halt),
+                    prepared::prepare.pipe(halt),
+                    observe_increment,
+                    mechanism::write_first.pipe(halt),
+                    frames::write_wanted.pipe(halt),
+                    dump::write_if_asked.pipe(halt),
+                    timings::write_wanted.pipe(halt),
+                    save.pipe(halt).run_if(is_checkpoint_due).run_if(not(is_undecided)),
+                )
+                    .chain()
+                    .distributive_run_if(can_write)
+                    .in_set(AdvanceSystems::Output),
+            );
     }
 }
 
-/// Exclusive, because a checkpoint reads everything that plugins have registered.
-fn write_increment(world: &mut World) {
-    let written = world.resource_scope(|world, mut writer: Mut<RunWriter>| writer.record(world));
+/// Run condition: a run directory is open, and nothing has failed.
+fn can_write(run: Option<Res<RunDirectory>>, failure: Option<Res<OutputFailure>>) -> bool {
+    run.is_some() && failure.is_none()
+}
+
+/// Halts the run after an error.
+fn halt(In(written): In<Result<(), OutputError>>, mut commands: Commands) {
     if let Err(error) = written {
-        world.insert_resource(Halted(error.to_string()));
-        world.insert_resource(OutputFailure(error));
+        commands.insert_resource(Halted(error.to_string()));
+        commands.insert_resource(OutputFailure(error));
     }
 }

@@ -15,10 +15,9 @@ use super::snapshot::Snapshot;
 /// Without such walls it is the extent of the box around the disks in the other direction. `None`
 /// without disks.
 #[must_use]
-pub fn porosity(world: &World, start: &Snapshot) -> Option<f64> {
-    let measures = world.resource::<Measures>();
+pub fn porosity(measures: &Measures, walls: &Query<&Wall>, start: &Snapshot) -> Option<f64> {
     let normal = |measure: &Option<StrainMeasure>| match measure {
-        Some(StrainMeasure::Walls(wall, _)) => world.get::<Wall>(*wall).map(Wall::inward),
+        Some(StrainMeasure::Walls(wall, _)) => walls.get(*wall).ok().map(Wall::inward),
         _ => None,
     };
     let (axial, lateral) = (normal(&measures.axial_strain), normal(&measures.lateral_strain));
@@ -46,15 +45,24 @@ fn extent(snapshot: &Snapshot, axis: DVec2) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
+    use bevy_ecs::system::RunSystemOnce as _;
+
     use super::*;
+
+    fn of(snapshot: Snapshot) -> Option<f64> {
+        let mut world = World::new();
+        world.init_resource::<Measures>();
+        let measure = move |measures: Res<Measures>, walls: Query<&Wall>| {
+            porosity(&measures, &walls, &snapshot)
+        };
+        world.run_system_once(measure).ok().flatten()
+    }
 
     #[test]
     fn one_disk_in_its_box() {
-        let mut world = World::new();
-        world.init_resource::<Measures>();
         let one = Snapshot { positions: vec![DVec2::ONE], radii: vec![0.5], ..Default::default() };
-        let found = porosity(&world, &one).unwrap_or(f64::NAN);
+        let found = of(one).unwrap_or(f64::NAN);
         assert!((found - (1.0 - PI / 4.0)).abs() < 1e-15, "{found}");
-        assert_eq!(porosity(&world, &Snapshot::default()), None);
+        assert_eq!(of(Snapshot::default()), None);
     }
 }

@@ -1,6 +1,7 @@
 //! Particles, walls and cracks at one moment, for frames and pictures.
 
 use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemParam;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
@@ -31,18 +32,83 @@ pub struct Snapshot {
 
 impl Snapshot {
     /// Takes a snapshot of a world whose [`Bodies`] are up to date, as they are after an increment.
+    ///
+    /// # Panics
+    /// If the world lacks [`ClasticPlugins`](crate::ClasticPlugins).
     pub fn take(world: &mut World) -> Self {
-        let mut broken = world.query::<(&BondId, &Bond, &BondState)>();
-        let mut broken: Vec<_> = broken
-            .iter(world)
-            .filter(|(.., state)| **state != BondState::Intact)
-            .map(|(id, bond, _)| (*id, bond.a, bond.b))
-            .collect();
+        world
+            .run_system_cached(|scenery: Scenery| scenery.snapshot())
+            .unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    /// Lower left and upper right corner of the box around all disks, m; none without disks.
+    #[must_use]
+    pub fn bounds(&self) -> Option<(DVec2, DVec2)> {
+        let boxes = self.positions.iter().zip(&self.radii);
+        boxes
+            .map(|(x, r)| (*x - DVec2::splat(*r), *x + DVec2::splat(*r)))
+            .reduce(|(low, high), (l, h)| (low.min(l), high.max(h)))
+    }
+}
+
+/// Snapshots of a run that its pictures need.
+#[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Moments {
+    /// Whether pictures are drawn.
+    pub are_drawn: bool,
+    /// State at the start of the reference stage; before it, at the start of the run.
+    pub start: Snapshot,
+    /// State at the peak so far, with its caption.
+    pub peak: Option<(Snapshot, String)>,
+}
+
+/// The parts of a world that a [`Snapshot`] shows.
+#[derive(SystemParam)]
+pub struct Scenery<'w, 's> {
+    bodies: Res<'w, Bodies>,
+    bonds: Query<'w, 's, (&'static BondId, &'static Bond, &'static BondState)>,
+    walls: Query<'w, 's, &'static Wall>,
+    particles: Query<'w, 's, (&'static Rotation, &'static Origin)>,
+}
+
+impl Scenery<'_, '_> {
+    /// Takes a snapshot. The [`Bodies`] must be up to date, as they are after an increment.
+    #[must_use]
+    pub fn snapshot(&self) -> Snapshot {
+        let bodies = &*self.bodies;
+        let n = bodies.particles;
+        let motion = |i: usize| self.particles.get(bodies.entities[i]).ok();
+        Snapshot {
+            ids: bodies.ids[..n].iter().map(|id| id.0).collect(),
+            positions: bodies.positions[..n].to_vec(),
+            radii: bodies.radii.clone(),
+            rotations: (0..n).map(|i| motion(i).map_or(0.0, |(turn, _)| turn.0)).collect(),
+            displacements: (0..n)
+                .map(|i| {
+                    motion(i).map_or(DVec2::ZERO, |(_, origin)| bodies.positions[i] - origin.0)
+                })
+                .collect(),
+            walls: self.wall_ends(),
+            cracks: self.cracks(),
+        }
+    }
+
+    fn wall_ends(&self) -> Vec<[DVec2; 2]> {
+        let bodies = &*self.bodies;
+        let ends = |i: usize| {
+            let wall = self.walls.get(bodies.entities[i]).ok()?;
+            let (middle, half) = (bodies.positions[i], wall.tangent * wall.half_length);
+            Some([middle - half, middle + half])
+        };
+        bodies.walls.iter().filter_map(|row| ends(row.body as usize)).collect()
+    }
+
+    fn cracks(&self) -> Vec<[DVec2; 2]> {
+        let broken = self.bonds.iter().filter(|(.., state)| **state != BondState::Intact);
+        let mut broken: Vec<_> = broken.map(|(id, bond, _)| (*id, bond.a, bond.b)).collect();
         broken.sort_unstable_by_key(|(id, ..)| *id);
 
-        let bodies = world.resource::<Bodies>();
-        let n = bodies.particles;
-        let particles = || bodies.entities[..n].iter();
+        let bodies = &*self.bodies;
         let place = |i: usize, from: DVec2| match bodies.walls.iter().find(|w| w.body as usize == i)
         {
             Some(wall) => from - wall.inward * (from - bodies.positions[i]).dot(wall.inward),
@@ -53,38 +119,6 @@ impl Snapshot {
             let from = bodies.positions[bodies.row(a)?];
             Some([from, place(bodies.row(b)?, from)])
         };
-        let ends = |entity: Entity, middle: DVec2| {
-            let wall = world.get::<Wall>(entity)?;
-            let half = wall.tangent * wall.half_length;
-            Some([middle - half, middle + half])
-        };
-        Self {
-            ids: bodies.ids[..n].iter().map(|id| id.0).collect(),
-            positions: bodies.positions[..n].to_vec(),
-            radii: bodies.radii.clone(),
-            rotations: particles()
-                .map(|e| world.get::<Rotation>(*e).map_or(0.0, |r| r.0))
-                .collect(),
-            displacements: particles()
-                .zip(&bodies.positions)
-                .map(|(e, x)| world.get::<Origin>(*e).map_or(DVec2::ZERO, |origin| *x - origin.0))
-                .collect(),
-            walls: bodies
-                .walls
-                .iter()
-                .map(|row| row.body as usize)
-                .filter_map(|i| ends(bodies.entities[i], bodies.positions[i]))
-                .collect(),
-            cracks: broken.into_iter().filter_map(|(_, a, b)| crack(a, b)).collect(),
-        }
-    }
-
-    /// Lower left and upper right corner of the box around all disks, m; none without disks.
-    #[must_use]
-    pub fn bounds(&self) -> Option<(DVec2, DVec2)> {
-        let boxes = self.positions.iter().zip(&self.radii);
-        boxes
-            .map(|(x, r)| (*x - DVec2::splat(*r), *x + DVec2::splat(*r)))
-            .reduce(|(low, high), (l, h)| (low.min(l), high.max(h)))
+        broken.into_iter().filter_map(|(_, a, b)| crack(a, b)).collect()
     }
 }

@@ -1,8 +1,15 @@
 //! `timings.csv`: wall-clock seconds for the parts of every increment.
 
-use clastic_components::observation::Timings;
+use std::time::Instant;
 
+use bevy_ecs::prelude::*;
+
+use clastic_components::observation::{Observation, Timings};
+
+use super::OutputError;
 use super::csv_file::Row;
+use super::run_directory::RunDirectory;
+use super::wanted::Wanted;
 
 /// Columns.
 pub const COLUMNS: [&str; 9] = [
@@ -23,4 +30,22 @@ pub const COLUMNS: [&str; 9] = [
 pub fn row(increment: u64, t: &Timings, output: f64) -> Row {
     let parts = [t.detect, t.assemble, t.solve, t.update, t.rupture, t.walls, t.record];
     Row::default().count(increment).numbers(parts).number(output)
+}
+
+/// System: starts the clock of the output.
+pub(super) fn start_clock(mut run: ResMut<RunDirectory>) {
+    run.clock = Instant::now();
+}
+
+/// System: writes the timings of the increment, if wanted.
+pub(super) fn write_wanted(
+    wanted: Res<Wanted>,
+    (observation, timings): (Res<Observation>, Res<Timings>),
+    mut run: ResMut<RunDirectory>,
+) -> Result<(), OutputError> {
+    if !wanted.row {
+        return Ok(());
+    }
+    let output = run.clock.elapsed().as_secs_f64() + std::mem::take(&mut run.saving);
+    run.tables.timings.push(row(observation.increment, &timings, output))
 }

@@ -23,12 +23,15 @@
 //! `e_b = -(x_c - x_b) x n`, `l_b = -(x_c - x_b) x t`. Between disks the normal passes through both
 //! centres, and `e_a = e_b = 0`.
 
+#[cfg(all(feature = "bevy", feature = "reflect"))]
+use bevy_ecs::reflect::ReflectResource;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 /// One degree of freedom of a body of the program.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum Dof {
     /// Its displacement is known: imposed, held, or zero because no force acts on it.
     Fixed(f64),
@@ -38,6 +41,7 @@ pub enum Dof {
 
 /// A degree of freedom with a balance row `inertia u + proximal (u - reference) + G f = load`.
 #[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct FreeDof {
     /// Load: applied force plus gravity plus, in dynamics, `inertia v_0 dt`; N or N m.
     pub load: f64,
@@ -57,6 +61,7 @@ pub struct FreeDof {
 /// A body of the program. Its translations are along `axis` and along `axis` turned by +90
 /// degrees, so that a wall that moves along its normal has one translation.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct ProgramBody {
     /// Unit vector of the first translation.
     pub axis: DVec2,
@@ -67,6 +72,7 @@ pub struct ProgramBody {
 /// Limits of an interaction: `|q| <= cohesion + friction p`, `|tau| <= moment + rolling p`,
 /// `p >= -tension`.
 #[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Limits {
     /// `c A`, N.
     pub cohesion: f64,
@@ -128,6 +134,7 @@ impl Limits {
 
 /// One interaction of the program: a contact or a bond.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Interaction {
     /// First body.
     pub a: u32,
@@ -246,6 +253,7 @@ impl Interaction {
 
 /// The magnitudes that make the program non-dimensional inside a solver.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Scales {
     /// Length for moments and rotations, m: the mean radius.
     pub length: f64,
@@ -264,6 +272,8 @@ impl Default for Scales {
 /// One increment as a cone program, in SI units.
 #[cfg_attr(feature = "bevy", derive(bevy_ecs::prelude::Resource))]
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+#[cfg_attr(all(feature = "bevy", feature = "reflect"), reflect(Resource))]
 pub struct ConeProgram {
     /// Bodies, by identity.
     pub bodies: Vec<ProgramBody>,
@@ -375,6 +385,7 @@ pub struct ProgramSize {
 /// How a solve ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum SolveStatus {
     /// Optimal to the residuals that stand beside it.
     Solved,
@@ -389,6 +400,7 @@ pub enum SolveStatus {
 
 /// KKT residuals of a solution: the maximum over all rows of each kind, without dimension.
 #[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Residuals {
     /// |balance row| over the maximum force (moments: over force x mean radius).
     pub balance: f64,
@@ -417,6 +429,7 @@ impl Residuals {
 /// Proof that no forces balance the loads: a mechanism along which the loads do more work than
 /// the limits can dissipate.
 #[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Certificate {
     /// Displacements of the mechanism by body, in the bodies' own axes; the maximum component is 1.
     pub mechanism: Vec<[f64; 3]>,
@@ -430,6 +443,8 @@ pub struct Certificate {
 /// What a solver returns.
 #[cfg_attr(feature = "bevy", derive(bevy_ecs::prelude::Resource))]
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+#[cfg_attr(all(feature = "bevy", feature = "reflect"), reflect(Resource))]
 pub struct ConeSolution {
     /// How it ended.
     pub status: SolveStatus,

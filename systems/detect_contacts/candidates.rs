@@ -5,17 +5,7 @@ use glam::DVec2;
 
 use super::delaunay;
 use super::grid::{self, ROUNDING};
-use super::settings::ListSettings;
-
-/// How a list of candidate pairs was found. The pairs do not depend on it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SearchMethod {
-    /// Edges of the Delaunay triangulation of the centres, where [`delaunay::complete_reach`]
-    /// proves them complete.
-    Delaunay,
-    /// Exact search by [`grid::pairs_within`], which asks for nothing.
-    Grid,
-}
+use super::settings::{ListSettings, SearchMethod};
 
 /// Pairs of disks that are, or may soon be, within reach of each other.
 ///

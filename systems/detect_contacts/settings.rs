@@ -5,12 +5,13 @@
 //! classes of the [grid](super::grid) and its allowance for rounding are constants beside the code that uses them.
 
 use bevy_ecs::prelude::*;
-
-use super::candidates::SearchMethod;
+#[cfg(feature = "reflect")]
+use bevy_ecs::reflect::ReflectResource;
 
 /// Settings of contact detection. A world that is to have others gets the resource before its first increment.
 #[non_exhaustive]
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Default)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct DetectionSettings {
     /// Which candidates take part.
     pub reach: ReachSettings,
@@ -21,6 +22,7 @@ pub struct DetectionSettings {
 /// Gap up to which a pair takes part in an increment.
 #[non_exhaustive]
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct ReachSettings {
     /// Gap over the expected relative displacement of the pair.
     ///
@@ -66,9 +68,21 @@ impl Default for ReachSettings {
     }
 }
 
+/// How a list of candidate pairs was found. The pairs do not depend on it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub enum SearchMethod {
+    /// Edges of the Delaunay triangulation of the centres, where [`delaunay::complete_reach`]
+    /// proves them complete.
+    Delaunay,
+    /// Exact search by [`grid::pairs_within`], which asks for nothing.
+    Grid,
+}
+
 /// When the list of candidates is built, and how. The pairs that take part do not depend on it.
 #[non_exhaustive]
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct ListSettings {
     /// Skin of the list, mean radii.
     ///

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use clastic::components::attempt::IncrementStatus;
 use clastic::components::observation::Observation;
-use clastic::output::{Checkpoint, Ending, RunOptions, RunWriter, directory};
+use clastic::output::{self, Checkpoint, Ending, OutputPlugin, RunOptions, directory};
 use clastic::run::state::StateView;
 use clastic::run::{Outcome, Simulation, Step, changes};
 use clastic::scene::{self, LoadedScene};
@@ -131,15 +131,14 @@ fn what_may_change_depends_on_how_far_the_run_has_come() {
 fn a_stage_under_way_goes_on_longer_and_slower() {
     let loaded = parse(COULOMB);
     let parent = tempfile::tempdir().unwrap();
-    let mut simulation = Simulation::new(&loaded.scene, None);
+    let mut simulation = Simulation::with_plugins(&loaded.scene, None, OutputPlugin);
     let options = RunOptions { directory: parent.path().to_owned(), ..Default::default() };
-    let mut writer = RunWriter::create(options, &loaded, simulation.world_mut()).unwrap();
+    output::begin(simulation.world_mut(), options, &loaded).unwrap();
     for _ in 0..5 {
         simulation.step();
-        writer.record(simulation.world_mut()).unwrap();
     }
-    writer.finish(simulation.world_mut(), &Ending::Interrupted).unwrap();
-    drop(writer);
+    output::finish(simulation.world_mut(), &Ending::Interrupted).unwrap();
+    drop(simulation);
     resume(
         parent.path(),
         &["stages.compress.increments=17", "stages.compress.walls.top=Displacement(0.0, -10.0e-6)"],

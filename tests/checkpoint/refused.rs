@@ -5,7 +5,7 @@ use std::path::Path;
 
 use bevy_app::App;
 use bevy_ecs::prelude::*;
-use clastic::output::{Checkpoint, ResumeError, RunOptions, RunWriter, directory};
+use clastic::output::{self, Checkpoint, OutputPlugin, ResumeError, RunOptions, directory};
 use clastic::run::plugin::StageSystems;
 use clastic::run::{Simulation, StateError, Step};
 use clastic::systems::state::RegisterState;
@@ -83,20 +83,20 @@ fn a_directory_that_lost_rows_or_is_in_use_is_refused() {
     let dir = parent.path();
     let try_resume = || {
         let checkpoint = Checkpoint::read(dir).unwrap();
-        RunWriter::resume(dir, checkpoint, &loaded, &[], None)
-            .map(|_| ())
+        let state = &checkpoint.world;
+        let mut other = Simulation::resume_with(&loaded.scene, state, OutputPlugin).unwrap();
+        output::resume(other.world_mut(), dir, checkpoint, &loaded, &[], None)
             .map_err(|e| e.to_string())
     };
-    let mut simulation = Simulation::new(&loaded.scene, None);
+    let mut simulation = Simulation::with_plugins(&loaded.scene, None, OutputPlugin);
     let options =
         RunOptions { directory: dir.to_owned(), checkpoint_every: 2, ..Default::default() };
-    let mut writer = RunWriter::create(options, &loaded, simulation.world_mut()).unwrap();
+    output::begin(simulation.world_mut(), options, &loaded).unwrap();
     for _ in 0..3 {
         simulation.step();
-        writer.record(simulation.world_mut()).unwrap();
     }
     assert!(try_resume().is_err_and(|e| e.contains("still writing")));
-    drop(writer);
+    drop(simulation);
     let history = dir.join(directory::HISTORY);
     let whole = fs::read(&history).unwrap();
     // Half of the row that came after the checkpoint is no harm ...

@@ -5,7 +5,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use clastic::components::observation::Observation;
-use clastic::output::{Checkpoint, Ending, RunOptions, RunWriter, directory};
+use clastic::output::{
+    self, Checkpoint, Ending, OutputPlugin, RunDirectory, RunOptions, directory,
+};
 use clastic::run::state::StateView;
 use clastic::run::{Outcome, Simulation, Step, WorldState, changes};
 use clastic::scene::{self, LoadedScene};
@@ -32,30 +34,30 @@ pub fn run(
     every: u32,
     mut after: impl FnMut(&Observation),
 ) -> (Outcome, WorldState) {
-    let mut simulation = Simulation::new(&loaded.scene, loaded.specimen.as_ref());
+    let mut simulation =
+        Simulation::with_plugins(&loaded.scene, loaded.specimen.as_ref(), OutputPlugin);
     let options = RunOptions {
         directory: directory.to_owned(),
         dump_programs: vec![2, 5],
         checkpoint_every: every,
         ..Default::default()
     };
-    let mut writer = RunWriter::create(options, loaded, simulation.world_mut()).unwrap();
-    finish(&mut simulation, &mut writer, &mut after)
+    output::begin(simulation.world_mut(), options, loaded).unwrap();
+    finish(&mut simulation, &mut after)
 }
 
 pub fn finish(
     simulation: &mut Simulation,
-    writer: &mut RunWriter,
     after: &mut dyn FnMut(&Observation),
 ) -> (Outcome, WorldState) {
     let outcome = loop {
-        match simulation.step() {
-            Step::Finished(outcome) => break outcome,
-            Step::Increment => writer.record(simulation.world_mut()).unwrap(),
+        if let Step::Finished(outcome) = simulation.step() {
+            break outcome;
         }
         after(simulation.world().resource::<Observation>());
     };
-    writer.finish(simulation.world_mut(), &Ending::Finished(outcome.clone())).unwrap();
+    output::finish(simulation.world_mut(), &Ending::Finished(outcome.clone())).unwrap();
+    simulation.world_mut().remove_resource::<RunDirectory>();
     (outcome, simulation.state().unwrap())
 }
 
@@ -71,12 +73,12 @@ pub fn resume(directory: &Path, sets: &[&str]) -> (Outcome, WorldState) {
     };
     let (before, loaded) = (read(&[]).unwrap().scene, read(&sets).unwrap());
     assert_eq!(changes::refused(&before, &loaded.scene, &view), [""; 0]);
-    let mut simulation = Simulation::resume(&loaded.scene, state).unwrap();
+    let mut simulation = Simulation::resume_with(&loaded.scene, state, OutputPlugin).unwrap();
     // What was restored is what was stored, to the bit.
     assert!(bytes(&simulation.state().unwrap()) == bytes(state));
     changes::apply(simulation.world_mut(), &before, &loaded.scene, &view);
-    let mut writer = RunWriter::resume(directory, checkpoint, &loaded, &sets, None).unwrap();
-    finish(&mut simulation, &mut writer, &mut |_| {})
+    output::resume(simulation.world_mut(), directory, checkpoint, &loaded, &sets, None).unwrap();
+    finish(&mut simulation, &mut |_| {})
 }
 
 /// A state as bytes: not-a-number is equal to itself, and 0 is not -0.
@@ -145,14 +147,15 @@ pub fn same_from_anywhere(loaded: &LoadedScene, stops: impl Fn(u64) -> bool) -> 
 
 /// The directory of a run before its first increment.
 pub fn copy_first(loaded: &LoadedScene, directory: &Path) {
-    let mut simulation = Simulation::new(&loaded.scene, loaded.specimen.as_ref());
+    let mut simulation =
+        Simulation::with_plugins(&loaded.scene, loaded.specimen.as_ref(), OutputPlugin);
     let options = RunOptions {
         directory: directory.to_owned(),
         dump_programs: vec![2, 5],
         checkpoint_every: 1,
         ..Default::default()
     };
-    RunWriter::create(options, loaded, simulation.world_mut()).unwrap();
+    output::begin(simulation.world_mut(), options, loaded).unwrap();
 }
 
 /// A bonded lattice under Coulomb's law, with a cascade; walls come, go and are driven by force.

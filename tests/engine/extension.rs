@@ -68,7 +68,7 @@ use std::path::Path;
 
 use bevy_app::PluginGroup;
 use clastic::components::contact::Contacts;
-use clastic::output::{Ending, OutputPlugin, RunOptions, RunWriter};
+use clastic::output::{self, Ending, OutputPlugin, RunOptions};
 use clastic::run::spawn::spawn_scene;
 use clastic::run::{ScenePlugin, advance};
 use clastic::scene;
@@ -263,8 +263,7 @@ fn ruptures_by_a_rule_of_an_embedding_program_are_events() {
     spawn_scene(app.world_mut(), &loaded.scene, None);
     let out = tempfile::tempdir().unwrap();
     let options = RunOptions { directory: out.path().to_owned(), ..Default::default() };
-    let writer = RunWriter::create(options, &loaded, app.world_mut()).unwrap();
-    app.insert_resource(writer);
+    output::begin(app.world_mut(), options, &loaded).unwrap();
     let mut broke = None;
     while advance(app.world_mut()) == Step::Increment {
         let record = app.world().resource::<Observation>();
@@ -273,8 +272,7 @@ fn ruptures_by_a_rule_of_an_embedding_program_are_events() {
         }
         assert_eq!(record.broken, [usize::from(broke.is_some()), 0, 0]);
     }
-    let mut writer = app.world_mut().remove_resource::<RunWriter>().unwrap();
-    writer.finish(app.world_mut(), &Ending::Finished(Outcome::Completed)).unwrap();
+    output::finish(app.world_mut(), &Ending::Finished(Outcome::Completed)).unwrap();
     // The engine's own rule breaks the bond at 24 N.
     let (increment, rupture) = broke.unwrap();
     assert!(rupture.p < -10.0 && rupture.p > -12.0, "{rupture:?}");

@@ -15,7 +15,6 @@ use std::path::Path;
 use super::OutputError;
 use super::atomic::write_atomic;
 use super::snapshot::Snapshot;
-use crate::scene::format::Scene;
 use history::History;
 
 /// Stress and broken bonds against strain.
@@ -35,14 +34,6 @@ pub const FILES: [&str; 6] = [CURVES, VOLUMETRIC, PROBES, SPECIMEN, SPECIMEN_PEA
 
 /// Whether this build draws pictures.
 pub const DRAWN: bool = cfg!(feature = "plots");
-
-/// The scene with the output of this build: without pictures if the build draws none.
-#[must_use]
-pub fn as_drawn(scene: &Scene) -> Scene {
-    let mut scene = scene.clone();
-    scene.output.plots &= DRAWN;
-    scene
-}
 
 /// Draws the curves that the history defines. Probes are drawn only if no stress is defined.
 ///

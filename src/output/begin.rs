@@ -1,0 +1,195 @@
+//! Begins or continues the output of a run.
+
+use std::fs;
+use std::path::Path;
+use std::time::Instant;
+
+use bevy_ecs::prelude::*;
+
+use clastic_systems::gather_bodies::gather_bodies;
+
+use super::atomic::{write_atomic, write_durable};
+use super::avalanches::{self, CurrentAvalanche};
+use super::checkpoint::Checkpoint;
+use super::csv_file::CsvFile;
+use super::key_results::KeyResults;
+use super::prepared::{Prepared, PreparedSpecimen};
+use super::run_directory::{RunDirectory, RunOptions, Tables};
+use super::run_record::{CLASTIC_VERSION, Resumed, RunFacts, RunRecord};
+use super::save::save;
+use super::snapshot::Moments;
+use super::wanted::Wanted;
+use super::{OutputError, ResumeError, directory, events, history, names, plots, timings};
+use crate::run::stages::Script;
+use crate::scene::LoadedScene;
+use crate::scene::format::{Record, Scene, Stage};
+
+/// Begins the output of a scene. `world` is the state before the first stage, and has
+/// [`OutputPlugin`](super::OutputPlugin). Inserts [`RunDirectory`] and the resources that follow
+/// the run: [`KeyResults`], [`Moments`], [`PreparedSpecimen`], [`CurrentAvalanche`].
+///
+/// # Errors
+/// If the directory is in use, or cannot be written.
+pub fn begin(
+    world: &mut World,
+    options: RunOptions,
+    loaded: &LoadedScene,
+) -> Result<(), OutputError> {
+    let reference_stage = Script::new(&loaded.scene).reference_stage();
+    // This precedes all removals, because the stored specimen may lie in this directory.
+    let facts = RunFacts::new(loaded, &options.overrides)?;
+    let record = RunRecord::new(loaded, &facts, reference_stage);
+    let dir = options.directory.as_path();
+    let history_file = directory::claim(dir, options.force)?;
+    make_frames(dir, &loaded.scene)?;
+    record.write(&dir.join(names::RUN))?;
+    write_atomic(&dir.join(names::SCENE), &loaded.text)?;
+    let probes = history::probes(&loaded.scene);
+    let mut header = history::header(&probes);
+    if loaded.scene.output.energy {
+        header.extend(history::ENERGY_COLUMNS.map(str::to_owned));
+    }
+    let tables = Tables {
+        history: CsvFile::begin(dir.join(names::HISTORY), history_file, header)?,
+        events: CsvFile::create(dir.join(names::EVENTS), events::COLUMNS)?,
+        avalanches: CsvFile::create(dir.join(names::AVALANCHES), avalanches::COLUMNS)?,
+        timings: CsvFile::create(dir.join(names::TIMINGS), timings::COLUMNS)?,
+    };
+    let fresh = vec![dir.join(names::SCENE)];
+    // A world without increments has no tables yet. Gathering them does not change the run.
+    let _ = world.run_system_cached(gather_bodies);
+    let prepared = Prepared::take(world);
+    world.insert_resource(KeyResults::of_scene(&loaded.scene));
+    world.insert_resource(Moments {
+        are_drawn: loaded.scene.output.plots && plots::DRAWN,
+        start: prepared.snapshot.clone(),
+        peak: None,
+    });
+    world.insert_resource(PreparedSpecimen { waiting: Some(prepared), written: None });
+    world.insert_resource(CurrentAvalanche::default());
+    let saves = options.checkpoint_every > 0;
+    insert(
+        world,
+        RunDirectory {
+            options,
+            scene_text: loaded.text.clone(),
+            facts,
+            record,
+            probes,
+            tables,
+            fresh,
+            saved: None,
+            saving: 0.0,
+            clock: Instant::now(),
+        },
+    );
+    if saves {
+        save(world)?;
+    }
+    Ok(())
+}
+
+/// Continues the output of a run from its checkpoint. All output after the checkpoint is dropped.
+/// `world` is the restored state and has [`OutputPlugin`](super::OutputPlugin). `loaded` is the
+/// scene with `settings` applied. `every` replaces the number of increments between checkpoints.
+///
+/// # Errors
+/// If the directory is in use, has changed, or cannot be written.
+pub fn resume(
+    world: &mut World,
+    directory: &Path,
+    checkpoint: Checkpoint,
+    loaded: &LoadedScene,
+    settings: &[String],
+    every: Option<u32>,
+) -> Result<(), ResumeError> {
+    let increment = checkpoint.increment;
+    let [history, events, avalanches, timings] = checkpoint.lengths;
+    let open = |name: &str, length| CsvFile::open(directory.join(name), length);
+    let history = open(names::HISTORY, history)?;
+    if !history.lock() {
+        return Err(OutputError::InUse(directory.to_owned()).into());
+    }
+    let mut tables = Tables {
+        history,
+        events: open(names::EVENTS, events)?,
+        avalanches: open(names::AVALANCHES, avalanches)?,
+        timings: open(names::TIMINGS, timings)?,
+    };
+
+    // Every step from here on can be repeated, so a process that is killed between two of them
+    // can resume again.
+    let scene_file = directory.join(names::SCENE);
+    write_durable(&scene_file, &checkpoint.scene)?;
+    let mut next = checkpoint;
+    next.every = every.unwrap_or(next.every);
+    if !settings.is_empty() || next.clastic_version != CLASTIC_VERSION {
+        next.clastic_version = CLASTIC_VERSION.to_owned();
+        next.facts.resumed.push(Resumed {
+            after_increment: increment,
+            clastic_version: CLASTIC_VERSION.to_owned(),
+            settings: settings.to_vec(),
+        });
+        next.scene_before = Some(std::mem::replace(&mut next.scene, loaded.text.clone()));
+        next.write(directory)?;
+        write_durable(&scene_file, &next.scene)?;
+    }
+    directory::rewind(directory, increment, &whole_files(world))?;
+    make_frames(directory, &loaded.scene)?;
+    let reference_stage = Script::new(&loaded.scene).reference_stage();
+    let mut record = RunRecord::new(loaded, &next.facts, reference_stage);
+    record.write(&directory.join(names::RUN))?;
+    record.increments = increment;
+    tables.cut()?;
+    world.resource_mut::<Moments>().are_drawn = loaded.scene.output.plots && plots::DRAWN;
+    let options = RunOptions {
+        directory: directory.to_owned(),
+        force: false,
+        overrides: Vec::new(),
+        dump_programs: next.dump_programs,
+        dump_in_stages: next.dump_in_stages,
+        checkpoint_every: next.every,
+    };
+    insert(
+        world,
+        RunDirectory {
+            options,
+            scene_text: next.scene,
+            facts: next.facts,
+            record,
+            probes: history::probes(&loaded.scene),
+            tables,
+            fresh: Vec::new(),
+            saved: Some(increment),
+            saving: 0.0,
+            clock: Instant::now(),
+        },
+    );
+    Ok(())
+}
+
+fn insert(world: &mut World, run: RunDirectory) {
+    world.insert_resource(run);
+    world.init_resource::<Wanted>();
+}
+
+/// Existing files that are written once and not rewritten at the end of the run.
+fn whole_files(world: &World) -> Vec<&'static str> {
+    let mut files = Vec::new();
+    if world.resource::<PreparedSpecimen>().written.is_some() {
+        files.push(names::SPECIMEN);
+    }
+    if world.resource::<KeyResults>().has_mechanism() {
+        files.extend([names::MECHANISM, plots::MECHANISM]);
+    }
+    files
+}
+
+fn make_frames(directory: &Path, scene: &Scene) -> Result<(), OutputError> {
+    let frames = |record: &Record| record.frames_every > Some(0) || !record.frames.is_empty();
+    if scene.output.frames_every > 0 || scene.stages.iter().filter_map(Stage::record).any(frames) {
+        let path = directory.join(names::FRAMES);
+        fs::create_dir_all(&path).map_err(OutputError::at(&path))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,119 @@
+//! Ends the output of a run: final particles, outcome, key results, pictures.
+
+use bevy_ecs::prelude::*;
+
+use clastic_components::observation::Observation;
+
+use super::avalanches::CurrentAvalanche;
+use super::caption::caption;
+use super::key_results::{KeyResults, Results};
+use super::prepared::PreparedSpecimen;
+use super::run_directory::RunDirectory;
+use super::run_record::OutcomeRecord;
+use super::save::save;
+use super::snapshot::{Moments, Snapshot};
+use super::{OutputError, directory, frames, names, plots};
+use crate::run::stages::Script;
+use crate::run::{Outcome, StageEnd};
+
+/// How a run ended.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Ending {
+    /// The outcome that the engine reports.
+    Finished(Outcome),
+    /// The user or the system stopped the run after a whole increment.
+    Interrupted,
+}
+
+impl Ending {
+    fn outcome(&self) -> Option<&Outcome> {
+        match self {
+            Self::Finished(outcome) => Some(outcome),
+            Self::Interrupted => None,
+        }
+    }
+}
+
+/// Ends the output of a run, and returns its key results. The tables stay open until
+/// [`RunDirectory`] is removed from the world.
+///
+/// # Errors
+/// If something cannot be written.
+pub fn finish(world: &mut World, ending: &Ending) -> Result<Results, OutputError> {
+    if needs_checkpoint(world, ending) {
+        save(world)?;
+    }
+    let last = Snapshot::take(world);
+    world.resource_scope(|world, mut run: Mut<RunDirectory>| {
+        frames::write_frame(&run.path(names::FINAL_PARTICLES), &last)?;
+        // The avalanche of an interrupted run continues after it is resumed.
+        if ending.outcome().is_some()
+            && let Some(avalanche) = world.resource_mut::<CurrentAvalanche>().0.take()
+        {
+            let (row, bonds) = avalanche.ended(None);
+            run.tables.avalanches.push(row)?;
+            world.resource_mut::<KeyResults>().see_avalanche(bonds);
+        }
+        let results = world.resource::<KeyResults>().results();
+        // The pictures come last, so that the numbers are complete if a picture fails.
+        write_record(&mut run, world, ending.outcome(), &results)?;
+        draw(&run, world, &last)?;
+        if let Ending::Finished(Outcome::Completed | Outcome::Collapsed(_)) = ending {
+            // The checkpoint is removed last, because a run with a checkpoint counts as not ended.
+            directory::remove_if_there(&run.path(names::CHECKPOINT))?;
+        }
+        Ok(results)
+    })
+}
+
+/// Whether a checkpoint must be written at the end of the run.
+fn needs_checkpoint(world: &World, ending: &Ending) -> bool {
+    let run = world.resource::<RunDirectory>();
+    let goes_on = world.resource::<Script>().outcome.is_none();
+    let is_interrupted =
+        goes_on && *ending == Ending::Interrupted && run.saved != Some(run.record.increments);
+    // The checkpoint precedes a refused stage, which can begin after its settings are changed.
+    is_interrupted || matches!(ending, Ending::Finished(Outcome::Refused { .. }))
+}
+
+fn write_record(
+    run: &mut RunDirectory,
+    world: &World,
+    outcome: Option<&Outcome>,
+    results: &Results,
+) -> Result<(), OutputError> {
+    let observation = world.resource::<Observation>();
+    let path = run.path(names::RUN);
+    let record = &mut run.record;
+    record.outcome = OutcomeRecord::new(outcome, observation.stage.clone(), observation.increment);
+    record.stages = world.resource::<Script>().ends.clone();
+    record.capped_increments = record.stages.iter().map(|end| end.capped).sum();
+    record.specimen_csv = world.resource::<PreparedSpecimen>().written.clone();
+    if record.outcome.message.is_none() {
+        let warnings: Vec<_> = record.stages.iter().filter_map(StageEnd::warning).collect();
+        record.outcome.message = Some(warnings.join("; ")).filter(|m| !m.is_empty());
+    }
+    record.results = results.clone();
+    record.write(&path)
+}
+
+fn draw(run: &RunDirectory, world: &World, last: &Snapshot) -> Result<(), OutputError> {
+    let moments = world.resource::<Moments>();
+    if !moments.are_drawn {
+        return Ok(());
+    }
+    let title = &world.resource::<Script>().scene.title;
+    let dir = run.directory();
+    let history = plots::history::History::read(&run.path(names::HISTORY))?;
+    plots::curves(dir, title, &history)?;
+    let caption = caption(world.resource::<Observation>());
+    plots::specimens(
+        dir,
+        title,
+        &moments.start,
+        [
+            (plots::SPECIMEN_PEAK, moments.peak.as_ref().map(|(s, c)| (s, c.as_str()))),
+            (plots::SPECIMEN, Some((last, caption.as_str()))),
+        ],
+    )
+}

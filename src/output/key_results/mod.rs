@@ -1,0 +1,190 @@
+//! Key results of a run: moduli, peak, limit load, cracks, maximum residuals.
+//!
+//! They come only from increments with the status `solved`. If a result is not defined,
+//! `not_defined` gives the reason.
+
+mod definitions;
+mod observe;
+mod results;
+mod stiffness;
+
+use bevy_ecs::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use clastic_components::attempt::IncrementStatus;
+use clastic_components::observation::Observation;
+
+use crate::scene::format::Scene;
+
+pub use self::definitions::RIGID;
+pub(super) use self::observe::observe_increment;
+pub use self::results::{BrokenBonds, MechanismRecord, Results, Worst, WorstResiduals};
+
+/// Part of a run to which an increment belongs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// Compaction, whose forces have no physical meaning.
+    Preparation,
+    /// Loading before the reference stage, for example confinement.
+    Loading,
+    /// The reference stage and later stages, in which strains exist.
+    Reference,
+}
+
+/// Collects the key results increment by increment.
+#[derive(Resource, Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct KeyResults {
+    rigid: bool,
+    /// Stress that the stiffest contact would have at a strain of 1, Pa.
+    stiffness: f64,
+    /// Delay of ruptures in the last increment with ruptures.
+    lag: Option<f64>,
+    /// Start of the reference stage.
+    start: Point,
+    /// The last increment with load.
+    last: Option<Point>,
+    /// Increments from the reference stage on that have both a strain and a stress.
+    curve: Vec<Point>,
+    /// Whether the specimen collapsed, and the increment before the collapse.
+    collapse: Option<Option<Point>>,
+    /// Whether a bond broke, the stress of the first increment with a rupture, and whether that
+    /// increment is solved.
+    crack: Option<(Option<f64>, bool)>,
+    results: Results,
+}
+
+/// An increment on the curve.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Point {
+    /// Axial strain; 0 before the reference stage.
+    strain: f64,
+    /// Axial stress, Pa.
+    stress: f64,
+    /// Whether the status is `solved`; false if a maximum number of passes was reached.
+    solved: bool,
+}
+
+/// A start without stress.
+const FREE: Point = Point { strain: 0.0, stress: 0.0, solved: true };
+
+impl KeyResults {
+    /// Results before the run of a scene.
+    #[must_use]
+    pub fn of_scene(scene: &Scene) -> Self {
+        let stiffness = stiffness::maximum(scene) / scene.thickness;
+        Self::new(stiffness::is_rigid(scene)).with_stiffness(stiffness)
+    }
+
+    /// Results before the run. `rigid` means that nothing in the specimen is elastic.
+    #[must_use]
+    pub fn new(rigid: bool) -> Self {
+        Self {
+            rigid,
+            stiffness: 0.0,
+            lag: None,
+            start: FREE,
+            last: None,
+            curve: Vec::new(),
+            collapse: None,
+            crack: None,
+            results: Results::default(),
+        }
+    }
+
+    /// Sets the stiffness of the stiffest contact over the thickness, Pa. Stresses that are small
+    /// relative to it count as round-off.
+    #[must_use]
+    pub fn with_stiffness(self, stiffness: f64) -> Self {
+        Self { stiffness, ..self }
+    }
+
+    /// Sets the porosity.
+    pub fn set_porosity(&mut self, porosity: Option<f64>) {
+        self.results.porosity = porosity;
+    }
+
+    /// Records the mechanism of a collapse. Returns whether it is the first one.
+    pub fn see_mechanism(&mut self, mechanism: MechanismRecord) -> bool {
+        let first = self.results.mechanism.is_none();
+        self.results.mechanism.get_or_insert(mechanism);
+        first
+    }
+
+    /// Whether a mechanism was recorded.
+    #[must_use]
+    pub fn has_mechanism(&self) -> bool {
+        self.results.mechanism.is_some()
+    }
+
+    /// Records the number of bonds created so far.
+    pub fn see_bonds(&mut self, created: usize) {
+        // Bonds to a removed wall no longer exist, so the number of existing bonds may decrease.
+        self.results.bonds_created = self.results.bonds_created.max(created);
+    }
+
+    /// Records an increment. Returns whether it is the peak so far.
+    pub fn observe(&mut self, o: &Observation, phase: Phase) -> bool {
+        let results = &mut self.results;
+        let [tension, shear, rolling] = o.broken;
+        results.bonds_broken = BrokenBonds { tension, shear, rolling };
+        results.bonds_intact = o.bonds;
+        self.see_bonds(o.bonds + tension + shear + rolling);
+        let results = &mut self.results;
+        results.solver_iterations += u64::from(o.iterations);
+        let collapsed = o.status == IncrementStatus::Collapsed;
+        if !collapsed {
+            let (worst, r) = (&mut results.worst_residuals, &o.residuals);
+            worst.balance.see(r.balance, o.increment);
+            worst.kinematics.see(r.kinematics, o.increment);
+            worst.cone.see(r.cone, o.increment);
+            worst.complementarity.see(r.complementarity, o.increment);
+        }
+        if phase == Phase::Preparation {
+            self.start = FREE;
+            return false;
+        }
+        let solved = o.status == IncrementStatus::Solved;
+        if collapsed && self.collapse.is_none() {
+            self.collapse = Some(self.last);
+        }
+        if !o.ruptures.is_empty() && self.crack.is_none() {
+            self.crack = Some((o.axial_stress, solved));
+        }
+        if o.in_avalanche {
+            return false;
+        }
+        let Some(stress) = o.axial_stress else { return false };
+        let point = Point { strain: o.axial_strain.unwrap_or_default(), stress, solved };
+        self.last = Some(point);
+        if phase == Phase::Loading {
+            self.start = Point { strain: 0.0, ..point };
+            return false;
+        }
+        if o.axial_strain.is_none() {
+            return false;
+        }
+        self.curve.push(point);
+        let height = |stress: f64| (stress - self.start.stress).abs();
+        let results = &mut self.results;
+        let peak =
+            solved && results.peak_stress_pa.is_none_or(|peak| height(stress) > height(peak));
+        if o.rupture_lag > 0.0 {
+            self.lag = Some(o.rupture_lag);
+        }
+        if peak {
+            results.peak_stress_pa = Some(stress);
+            results.strain_at_peak = Some(point.strain);
+            results.peak_error_estimate = self.lag;
+        }
+        peak
+    }
+
+    /// Records an avalanche in which this number of bonds broke.
+    pub fn see_avalanche(&mut self, bonds: usize) {
+        self.results.avalanches += 1;
+        self.results.largest_avalanche = self.results.largest_avalanche.max(bonds);
+    }
+}
+
+#[cfg(test)]
+mod tests;

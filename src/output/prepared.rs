@@ -1,0 +1,103 @@
+//! System: the prepared specimen, `specimen.csv`, and the state at the start of the reference
+//! stage.
+
+use bevy_ecs::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use clastic_components::contact::Bodies;
+use clastic_components::increment::Progress;
+use clastic_components::material::Materials;
+use clastic_components::observation::{Measures, Observation};
+use clastic_components::wall::Wall;
+
+use super::key_results::KeyResults;
+use super::run_directory::RunDirectory;
+use super::snapshot::{Moments, Scenery, Snapshot};
+use super::{OutputError, directory, frames, porosity};
+use crate::run::stages::Script;
+use crate::scene::StoredParticle;
+use crate::scene::format::Stage;
+
+/// The prepared specimen.
+#[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PreparedSpecimen {
+    /// The state after the last increment, until the reference stage begins. Its reference lengths
+    /// exist only after the first increment of that stage, which moves the particles.
+    pub waiting: Option<Prepared>,
+    /// Moment of `specimen.csv`, if it has been written.
+    pub written: Option<String>,
+}
+
+/// A specimen as it is stored and drawn.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Prepared {
+    /// Rows of the stored specimen.
+    pub rows: Vec<StoredParticle>,
+    /// The state.
+    pub snapshot: Snapshot,
+}
+
+impl Prepared {
+    /// The specimen of a world whose tables are up to date.
+    pub(super) fn take(world: &mut World) -> Self {
+        let now = |scenery: Scenery, bodies: Res<Bodies>, materials: Res<Materials>| {
+            Self::now(&scenery, &bodies, &materials)
+        };
+        world.run_system_cached(now).unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    /// The specimen as it is now.
+    #[must_use]
+    fn now(scenery: &Scenery, bodies: &Bodies, materials: &Materials) -> Self {
+        Self { rows: frames::specimen_rows(bodies, materials), snapshot: scenery.snapshot() }
+    }
+}
+
+/// Follows the specimen up to the reference stage. Writes it when that stage begins, and at the end
+/// of a compaction.
+pub fn prepare(
+    (script, progress, observation): (Res<Script>, Res<Progress>, Res<Observation>),
+    (bodies, materials, measures): (Res<Bodies>, Res<Materials>, Res<Measures>),
+    (scenery, walls): (Scenery, Query<&Wall>),
+    mut specimen: ResMut<PreparedSpecimen>,
+    mut moments: ResMut<Moments>,
+    mut results: ResMut<KeyResults>,
+    mut run: ResMut<RunDirectory>,
+) -> Result<(), OutputError> {
+    let is_reference = progress.stage >= script.reference_stage();
+    let now = || Prepared::now(&scenery, &bodies, &materials);
+    if !is_reference {
+        specimen.waiting = Some(now());
+    } else if let Some(prepared) = specimen.waiting.take() {
+        let stage = script.stage(script.reference_stage()).map_or("", Stage::name);
+        let moment =
+            format!("at the start of the reference stage `{stage}`, before its first increment");
+        write(&mut run, &mut specimen, &prepared, moment)?;
+        results.set_porosity(porosity::porosity(&measures, &walls, &prepared.snapshot));
+        moments.start = prepared.snapshot;
+    }
+    let is_compaction = matches!(script.stage(progress.stage), Some(Stage::Compact(_)));
+    if is_compaction && progress.is_over() {
+        let packing = now();
+        let moment = format!("at the end of the compaction `{}`", observation.stage);
+        write(&mut run, &mut specimen, &packing, moment)?;
+        if is_reference {
+            // The scene has no loading stage, so its result is the packing.
+            results.set_porosity(porosity::in_box(&packing.snapshot));
+        }
+    }
+    Ok(())
+}
+
+fn write(
+    run: &mut RunDirectory,
+    specimen: &mut PreparedSpecimen,
+    prepared: &Prepared,
+    moment: String,
+) -> Result<(), OutputError> {
+    let path = run.path(directory::SPECIMEN);
+    specimen.written = Some(moment);
+    frames::write_specimen(&path, &prepared.rows)?;
+    run.is_fresh(path);
+    Ok(())
+}

@@ -1,0 +1,40 @@
+//! Systems: checkpoints.
+
+use std::io;
+use std::time::Instant;
+
+use bevy_ecs::prelude::*;
+
+use clastic_components::attempt::IncrementStatus;
+use clastic_components::increment::Progress;
+use clastic_components::observation::Observation;
+use clastic_systems::schedule::PROGRESS;
+
+use super::run_directory::RunDirectory;
+use super::{OutputError, names};
+use crate::run::state::{StateError, capture};
+
+/// Run condition: the increment is undecided.
+pub fn is_undecided(observation: Res<Observation>) -> bool {
+    observation.status == IncrementStatus::Undecided
+}
+
+/// Run condition: a checkpoint is due.
+pub fn is_checkpoint_due(observation: Res<Observation>, run: Res<RunDirectory>) -> bool {
+    let every = u64::from(run.options.checkpoint_every);
+    every > 0 && observation.increment.is_multiple_of(every)
+}
+
+/// Writes a checkpoint. Exclusive, because it reads everything that plugins have registered.
+pub fn save(world: &mut World) -> Result<(), OutputError> {
+    let clock = Instant::now();
+    let path = world.resource::<RunDirectory>().path(names::CHECKPOINT);
+    let invalid = |error: StateError| OutputError::at(&path)(io::Error::other(error));
+    let state = capture(world).map_err(invalid)?;
+    // That of the state: an undecided increment was not committed.
+    let increment = state.get::<Progress>(PROGRESS).map_err(invalid)?.increment;
+    let mut run = world.resource_mut::<RunDirectory>();
+    run.save(increment, state)?;
+    run.saving += clock.elapsed().as_secs_f64();
+    Ok(())
+}

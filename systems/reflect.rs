@@ -1,0 +1,133 @@
+//! Reflection: the type registry of an app knows the components and resources of the engine.
+
+use bevy_app::{App, Plugin};
+
+use clastic_components::{
+    attempt, body, bond, contact, energy, findings, identity, increment, loads, material,
+    observation, particle, rigid_group, wall,
+};
+use clastic_cone::program;
+
+use crate::detect_contacts::settings::DetectionSettings;
+use crate::motion_settings::MotionSettings;
+use crate::stepping::{Due, Halted, Running};
+
+/// Registers the components and resources of the engine, so that inspectors and scripts can show
+/// and set them by name. `clastic::ClasticPlugins` contains it if the feature `reflect` is on.
+///
+/// What belongs to one attempt of an increment (contacts, program, findings) is made anew in the
+/// next one: setting it has no effect.
+pub struct ReflectPlugin;
+
+macro_rules! register {
+    ($app:expr, $($type:ty),+ $(,)?) => { $( $app.register_type::<$type>(); )+ };
+}
+
+impl Plugin for ReflectPlugin {
+    fn build(&self, app: &mut App) {
+        register!(
+            app,
+            attempt::Attempt,
+            body::BodyId,
+            body::Position,
+            body::Origin,
+            body::Rotation,
+            body::Velocity,
+            body::AngularVelocity,
+            body::LastMotion,
+            body::Drives,
+            body::AppliedLoad,
+            body::LoadControl,
+            body::ExternalForce,
+            body::Probe,
+            body::Group,
+            bond::BondId,
+            bond::Bond,
+            bond::Joint,
+            bond::BondState,
+            contact::Bodies,
+            contact::KeptRows,
+            contact::Contacts,
+            contact::DraftHistory,
+            contact::ContactHistory,
+            energy::EnergyLedger,
+            energy::MotionEnergies,
+            findings::AddedPairs,
+            findings::Ruptures,
+            findings::EventSearch,
+            findings::Sliding,
+            findings::Corrections,
+            findings::Pushed,
+            findings::Impacts,
+            findings::Restraints,
+            findings::Centre,
+            findings::Closest,
+            identity::Identities,
+            increment::Analysis,
+            increment::FrictionLaw,
+            increment::Corrector,
+            increment::RuptureRules,
+            increment::Acceptance,
+            increment::Progress,
+            loads::TrialLoads,
+            material::ContactLaw,
+            material::Materials,
+            observation::Measures,
+            observation::Observation,
+            observation::RuptureCount,
+            observation::Timings,
+            particle::MaterialIndex,
+            particle::Swinging,
+            rigid_group::RigidGroup,
+            rigid_group::ContactForce,
+            wall::Wall,
+            wall::WallName,
+            wall::WallControl,
+            wall::WallDrive,
+            program::ConeProgram,
+            program::ConeSolution,
+            DetectionSettings,
+            MotionSettings,
+            Due,
+            Halted,
+            Running,
+        );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use bevy_ecs::prelude::*;
+    use bevy_ecs::reflect::{AppTypeRegistry, ReflectComponent};
+    use bevy_reflect::ReflectRef;
+    use bevy_reflect::tuple_struct::DynamicTupleStruct;
+    use glam::DVec2;
+
+    use super::*;
+
+    /// An inspector finds a component by name, reads its field and sets it.
+    #[test]
+    fn a_position_is_read_and_set_by_name() -> Result<(), Box<dyn std::error::Error>> {
+        let mut app = App::new();
+        app.add_plugins(ReflectPlugin);
+        let disk = app.world_mut().spawn(body::Position(DVec2::new(1.0, 2.0))).id();
+        let registry = app.world().resource::<AppTypeRegistry>().clone();
+        let registry = registry.read();
+        let known = registry.get_with_type_path("clastic_components::body::Position");
+        let by_name = known.and_then(|t| t.data::<ReflectComponent>()).ok_or("not registered")?;
+
+        let entity = app.world().entity(disk);
+        let value = by_name.reflect(entity).ok_or("no position")?;
+        let ReflectRef::TupleStruct(fields) = value.reflect_ref() else {
+            return Err("a position is a tuple struct".into());
+        };
+        let place = fields.field(0).and_then(|field| field.try_downcast_ref::<DVec2>());
+        assert_eq!(place, Some(&DVec2::new(1.0, 2.0)));
+
+        let mut moved = DynamicTupleStruct::default();
+        moved.insert(DVec2::new(3.0, 4.0));
+        by_name.apply(app.world_mut().entity_mut(disk), &moved);
+        assert_eq!(app.world().get(disk), Some(&body::Position(DVec2::new(3.0, 4.0))));
+        Ok(())
+    }
+}
