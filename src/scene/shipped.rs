@@ -35,6 +35,8 @@ static FILES: &[(&str, &str)] = &files! {
     "prepare_biaxial.ron"
     "prepare_biaxial_small.ron"
     "rolling.ron"
+    "rotating_drum.ron"
+    "rotating_drum_small.ron"
     "stack.ron"
     "tension.ron"
     "uniaxial.ron"
