@@ -1,4 +1,5 @@
-//! A rule of rupture of one's own: every bond breaks in increment 10 of the run, whatever it carries.
+//! A rule of rupture of one's own: every bond breaks in increment 10 of the run, whatever it
+//! carries.
 //!
 //! The plugin of the engine's rule is left out of the group, and a system takes its place. The rule
 //! sets the state of the bond and writes a `Rupture` message, from which the record follows.

@@ -1,6 +1,7 @@
 //! A kind of stage of one's own: `Tilt` turns gravity by an angle, so that a disk slides down.
 //!
-//! A plugin provides the kind and has a system that begins it; a scene names the kind and the values.
+//! A plugin provides the kind and has a system that begins it; a scene names the kind and the
+//! values.
 
 use bevy_app::App;
 use bevy_ecs::prelude::*;

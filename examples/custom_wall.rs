@@ -1,7 +1,7 @@
 //! A boundary condition of one's own: a lid whose height follows a sine.
 //!
-//! `WallControl::Custom` keeps the built-in controls away; a system in `ControlSystems::Custom` says
-//! what the lid does in the increment that begins.
+//! `WallControl::Custom` keeps the built-in controls away; a system in `ControlSystems::Custom`
+//! says what the lid does in the increment that begins.
 
 use std::f64::consts::TAU;
 

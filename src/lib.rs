@@ -9,6 +9,30 @@
 //! - A simulation programmer adds systems to the public sets of [`systems::schedule`].
 //! - A Bevy developer adds [`ClasticPlugins`] to an app, which then makes one increment in every
 //!   `Update`.
+//!
+//! Two bonded disks, of which one is held and the other is pulled away by 1 um in every increment.
+//! The bond force is its stiffness times its elongation:
+//!
+//! ```
+//! use bevy_app::App;
+//! use clastic::prelude::*;
+//! use glam::DVec2;
+//!
+//! let mut app = App::new();
+//! app.add_plugins(ClasticPlugins::default());
+//! let law =
+//!     BondLaw { normal_compliance: 1.0 / 8.0e6, tensile_strength: 1.0e4, ..Default::default() };
+//! let world = app.world_mut();
+//! let mut disk = |x, pull| {
+//!     let place = body::Position(DVec2::new(x, 0.0));
+//!     world.spawn((Particle::disk(6.0e-3, 2650.0, 1.0), place, Drives::imposed(pull))).id()
+//! };
+//! let (held, pulled) = (disk(0.0, [0.0; 3]), disk(12.0e-3, [1.0e-6, 0.0, 0.0]));
+//! world.spawn(Bond::between(held, pulled, law));
+//! app.update();
+//! let force = app.world().get::<ExternalForce>(pulled).unwrap().0[0];
+//! assert!((force - 8.0).abs() < 1e-6);
+//! ```
 
 pub use clastic_components as components;
 pub use clastic_cone as cone;

@@ -152,7 +152,7 @@ fn try_text(text: &str) -> bool {
     accepted
 }
 
-/// Greatest memory that this process has taken, bytes; none where the system does not say.
+/// Maximum memory that this process has taken, bytes; none where the system does not say.
 fn peak_memory() -> Option<f64> {
     let status = fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;

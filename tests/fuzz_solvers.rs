@@ -192,7 +192,7 @@ fn grounds(solution: &ConeSolution) -> String {
     let ConeSolution { status, residuals, message, forces, .. } = solution;
     let force = forces.iter().flatten().fold(0.0_f64, |most, f| most.max(f.abs()));
     format!(
-        "{status:?}, residual {:e}, greatest force {force:e}, margin and defect {proof:?}, {message}",
+        "{status:?}, residual {:e}, maximum force {force:e}, margin and defect {proof:?}, {message}",
         residuals.worst()
     )
 }

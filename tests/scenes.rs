@@ -19,7 +19,7 @@ use clastic::scene;
 use glam::DVec2;
 use serde_json::Value;
 
-/// Greatest residual that any increment may have.
+/// Maximum residual that any increment may have.
 const RESIDUAL: f64 = 1e-8;
 /// Relative difference of a quantity from its stored value.
 const TOLERANCE: f64 = 1e-6;

@@ -29,7 +29,8 @@ const ELASTIC: [&str; 6] = [
 /// What so many increments leave: records, states, and forces that are remembered.
 type Left = (Vec<Observation>, Vec<State>, ContactHistory);
 
-/// Runs so many increments on so many threads; the program of the last one must have branches of some size.
+/// Runs so many increments on so many threads; the program of the last one must have branches of
+/// some size.
 fn after(loaded: &LoadedScene, increments: usize, threads: usize) -> Left {
     let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     pool.install(|| {
@@ -47,7 +48,8 @@ fn after(loaded: &LoadedScene, increments: usize, threads: usize) -> Left {
     })
 }
 
-/// Elastic rock up to its peak in large increments: Newton iteration, local elimination, interior point.
+/// Elastic rock up to its peak in large increments: Newton iteration, local elimination, interior
+/// point.
 #[test]
 fn rock_that_breaks() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/uniaxial_rigid.ron");

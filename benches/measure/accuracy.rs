@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | objective | difference over the sum of the magnitudes of its terms | always |
 //! | forces | energy norm `sqrt(sum C_N dp^2 + C_T dq^2)` over that of the reference | forces have compliances |
-//! | walls | greatest difference of the reactions to imposed motion over the greatest reaction | elastic; at a limit load |
+//! | walls | maximum difference of the reactions to imposed motion over the maximum reaction | elastic; at a limit load |
 //! | displacements | with inertia the kinetic norm `sqrt(sum m du^2)`; else the root mean square of the bodies that carry load on three interactions or more | bodies are held |
 //!
 //! Rolling moments have no compliance and forces of rigid contacts are not unique: they are in no
@@ -33,12 +33,12 @@ impl Errors {
         [self.objective, self.forces, self.walls, self.displacements]
     }
 
-    /// The same errors without those on which the references differ by more than `greatest`: what
+    /// The same errors without those on which the references differ by more than `maximum`: what
     /// they measure is not unique.
     #[must_use]
-    pub fn unique(&self, floor: &Self, greatest: f64) -> Self {
+    pub fn unique(&self, floor: &Self, maximum: f64) -> Self {
         let keep = |error: Option<f64>, floor: Option<f64>| {
-            error.filter(|_| floor.is_some_and(|floor| floor <= greatest))
+            error.filter(|_| floor.is_some_and(|floor| floor <= maximum))
         };
         Self {
             objective: keep(self.objective, floor.objective),
@@ -48,7 +48,7 @@ impl Errors {
         }
     }
 
-    /// The greatest of the errors in forces, reactions and displacements that are defined.
+    /// The maximum of the errors in forces, reactions and displacements that are defined.
     #[must_use]
     pub fn worst(&self) -> Option<f64> {
         [self.forces, self.walls, self.displacements].into_iter().flatten().reduce(f64::max)

@@ -24,7 +24,7 @@ pub struct Captured {
 pub enum Moment<'a> {
     /// The nth increment of a stage, from 1.
     Increment(&'a str, u32),
-    /// The one with the greatest axial stress.
+    /// The one with the maximum axial stress.
     Peak,
     /// The first one after the peak with less than half its stress.
     AfterPeak,

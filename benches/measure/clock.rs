@@ -6,10 +6,10 @@ use std::time::Instant;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Repetitions {
     /// At least so often.
-    pub least: usize,
+    pub minimum: usize,
     /// At most so often.
-    pub most: usize,
-    /// No more than `least` after this many seconds.
+    pub maximum: usize,
+    /// No more than `minimum` after this many seconds.
     pub seconds: f64,
 }
 
@@ -17,8 +17,9 @@ pub struct Repetitions {
 pub fn median(repetitions: &Repetitions, mut measure: impl FnMut() -> f64) -> f64 {
     let clock = Instant::now();
     let mut times = Vec::new();
-    while times.len() < repetitions.least
-        || (times.len() < repetitions.most && clock.elapsed().as_secs_f64() < repetitions.seconds)
+    while times.len() < repetitions.minimum
+        || (times.len() < repetitions.maximum
+            && clock.elapsed().as_secs_f64() < repetitions.seconds)
     {
         times.push(measure());
     }
@@ -52,7 +53,7 @@ mod tests {
         assert_eq!(middle(&mut [4.0, 1.0, 2.0, 3.0]), 2.5);
         assert!(middle(&mut []).is_nan());
         let mut next = 0.0;
-        let repetitions = Repetitions { least: 3, most: 9, seconds: 0.0 };
+        let repetitions = Repetitions { minimum: 3, maximum: 9, seconds: 0.0 };
         let found = median(&repetitions, || {
             next += 1.0;
             next

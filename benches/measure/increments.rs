@@ -94,7 +94,7 @@ pub fn run(scenes: &Scenes, extent: Extent) -> Result<Part, BenchError> {
     runs.in_summary = false;
     let mut errors = Table::new(
         "increments_errors",
-        "Change against a quarter of the increment, per cent: mean over the seeds (greatest)",
+        "Change against a quarter of the increment, per cent: mean over the seeds (maximum)",
         &[
             "test",
             "factor",
@@ -159,7 +159,7 @@ pub fn run(scenes: &Scenes, extent: Extent) -> Result<Part, BenchError> {
     Ok(Part { name: "increments", text, tables: vec![errors, runs], charts })
 }
 
-/// Mean over the seeds of the change of a value in per cent, and the greatest.
+/// Mean over the seeds of the change of a value in per cent, and the maximum.
 fn change(curves: &[Vec<Curve>], k: usize, value: usize) -> String {
     let changes: Vec<f64> = curves
         .iter()
@@ -172,8 +172,8 @@ fn change(curves: &[Vec<Curve>], k: usize, value: usize) -> String {
         return String::new();
     }
     let mean = changes.iter().sum::<f64>() / changes.len() as f64;
-    let greatest = changes.iter().copied().reduce(|a, b| if b.abs() > a.abs() { b } else { a });
-    format!("{mean:+.2} ({:+.2})", greatest.unwrap_or(0.0))
+    let maximum = changes.iter().copied().reduce(|a, b| if b.abs() > a.abs() { b } else { a });
+    format!("{mean:+.2} ({:+.2})", maximum.unwrap_or(0.0))
 }
 
 fn chart(test: &Test, curves: Vec<Curve>) -> Chart {

@@ -30,7 +30,7 @@ pub fn load() -> Option<String> {
     Some(text.split_whitespace().take(3).collect::<Vec<_>>().join(" "))
 }
 
-/// Greatest memory of this process so far, bytes, since [`forget_peak_memory`]; Linux only.
+/// Maximum memory of this process so far, bytes, since [`forget_peak_memory`]; Linux only.
 #[must_use]
 pub fn peak_memory() -> Option<f64> {
     let text = fs::read_to_string("/proc/self/status").ok()?;

@@ -1,8 +1,8 @@
 //! Work and precision: one program, every solver at every tolerance, time against error.
 //!
 //! Errors are measured against a reference that the *other* solver made, far tighter. Where the two
-//! references differ by more than [`UNIQUE`] in a measure, that measure is not unique in the program
-//! and is left out; their difference is the floor below which errors mean nothing.
+//! references differ by more than [`UNIQUE`] in a measure, that measure is not unique in the
+//! program and is left out; their difference is the floor below which errors mean nothing.
 
 use clastic::cone::clarabel::Clarabel;
 use clastic::cone::condensed::{Condensed, CondensedSettings};
@@ -19,7 +19,7 @@ use crate::rigs::Scenes;
 use crate::table::{Cell, Part, Table};
 use crate::{BenchError, Extent};
 
-/// Greatest difference of the references in a measure that is taken to be unique.
+/// Maximum difference of the references in a measure that is taken to be unique.
 pub const UNIQUE: f64 = 1e-4;
 
 /// Tolerances that references are tried with, tightest first.
@@ -83,7 +83,7 @@ fn own_method(solution: &ConeSolution) -> bool {
     ["newton", "interior"].iter().any(|name| solution.message.starts_with(name))
 }
 
-/// Greatest residual, regularisation excluded; none where there is no solution.
+/// Maximum residual, regularisation excluded; none where there is no solution.
 fn worst(program: &ConeProgram, solution: &ConeSolution) -> f64 {
     let complete = solution.forces.len() == program.interactions.len()
         && solution.displacements.len() == program.bodies.len();
@@ -117,8 +117,8 @@ pub fn problems(scenes: &Scenes, full: bool) -> Result<Vec<Captured>, BenchError
     all.extend(capture(&rigid, &[("rigid limit load", Moment::Increment("load", 1))])?);
     let rolling = [("rolling biaxial", Moment::Increment("load", 20))];
     all.extend(capture(&scenes.biaxial(full, &[])?, &rolling)?);
-    // Not the increment of the impact, which begins and ends at a gap of zero: errors of no displacement
-    // have no scale.
+    // Not the increment of the impact, which begins and ends at a gap of zero: errors of no
+    // displacement have no scale.
     let bounce = [("bounce", Moment::Increment("drop", 103))];
     all.extend(capture(&scenes.load("bounce", &[])?, &bounce)?);
     let collapse = [("column collapse", Moment::Increment("release", 50))];
@@ -159,7 +159,7 @@ pub fn run(scenes: &Scenes, extent: Extent) -> Result<Part, BenchError> {
     table.in_summary = false;
     let mut levels = Table::new(
         "precision_levels",
-        "Least time (ms) to a greatest error, and the error at the default tolerance",
+        "Least time (ms) to a maximum error, and the error at the default tolerance",
         &[
             "problem",
             "bodies",
@@ -201,7 +201,7 @@ pub fn run(scenes: &Scenes, extent: Extent) -> Result<Part, BenchError> {
     let text = "Programs are those of increments of running scenes. The condensed solver comes to \
         each from the increment before, as in a run, with order and symbolic factorisation kept where \
         the pairs are the same; Clarabel keeps nothing, and is not polished here. Tolerances are what \
-        a solver is asked for. Errors are the greatest of those in forces (energy norm), reactions of \
+        a solver is asked for. Errors are the maximum of those in forces (energy norm), reactions of \
         moving walls and displacements, each relative and against a reference of the other solver, \
         with its polish; a measure in which the two references differ by more than 1e-4 is not unique \
         and not counted. `floor` is what the references differ by in those that are: smaller errors \
@@ -218,8 +218,8 @@ fn measure(problem: &Captured, extent: Extent) -> (Vec<Point>, Errors) {
     };
     let step = if extent == Extent::Full { 1 } else { 2 };
     let repetitions = match extent {
-        Extent::Quick => Repetitions { least: 3, most: 15, seconds: 0.15 },
-        _ => Repetitions { least: 3, most: 15, seconds: 1.0 },
+        Extent::Quick => Repetitions { minimum: 3, maximum: 15, seconds: 0.15 },
+        _ => Repetitions { minimum: 3, maximum: 15, seconds: 1.0 },
     };
     let mut points = Vec::new();
     for kind in Kind::ALL {

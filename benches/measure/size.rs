@@ -108,7 +108,7 @@ pub fn run(scenes: &Scenes, extent: Extent) -> Result<Part, BenchError> {
     let text = "Specimens are the stored packings (400 and 7380 disks) and mirrored tiles of the \
         larger one. `setup_s` spawns the bodies; `first_increment_s` cements (with the first detection), \
         orders and analyses the matrix, `increment_s` is the median of the five increments that follow, `rest_s` \
-        all of it but the solve. Memory is the greatest resident set of the process, the scene \
+        all of it but the solve. Memory is the maximum resident set of the process, the scene \
         included.";
     Ok(Part {
         name: "size",

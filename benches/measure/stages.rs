@@ -42,8 +42,8 @@ pub fn run(scenes: &Scenes, extent: Extent, scratch: &Path) -> Result<Part, Benc
         &columns,
     );
     let repetitions = match extent {
-        Extent::Quick => Repetitions { least: 3, most: 3, seconds: 0.0 },
-        _ => Repetitions { least: 1, most: 1, seconds: 0.0 },
+        Extent::Quick => Repetitions { minimum: 3, maximum: 3, seconds: 0.0 },
+        _ => Repetitions { minimum: 1, maximum: 1, seconds: 0.0 },
     };
     for (name, loaded) in variants(scenes, extent > Extent::Quick)? {
         table.rows.push(row(name, &loaded, &scratch.join("stages_run"), &repetitions)?);
@@ -119,8 +119,8 @@ fn variants(scenes: &Scenes, full: bool) -> Result<Vec<(&'static str, LoadedScen
     ])
 }
 
-/// Forty columns of ten disks at rest on one floor, and a disk that falls beside them. The floor may be
-/// driven sideways, m an increment: then nothing is at rest.
+/// Forty columns of ten disks at rest on one floor, and a disk that falls beside them. The floor
+/// may be driven sideways, m an increment: then nothing is at rest.
 fn columns(scenes: &Scenes, driven: Option<f64>) -> Result<LoadedScene, BenchError> {
     let increments = format!("stages.rest.increments={}", 4 * INCREMENTS);
     let mut loaded = scenes.load("stack", &[&increments, "friction_law=Associated"])?;

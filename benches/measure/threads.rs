@@ -30,7 +30,7 @@ pub fn run(scenes: &Scenes, extent: Extent, scratch: &Path) -> Result<Part, Benc
     } else {
         [("uniaxial", 60), ("biaxial_50kPa", 10)]
     };
-    let repetitions = Repetitions { least: if quick { 1 } else { 3 }, most: 3, seconds: 60.0 };
+    let repetitions = Repetitions { minimum: if quick { 1 } else { 3 }, maximum: 3, seconds: 60.0 };
     for (name, increments) in runs {
         let increments = format!("stages.load.increments={increments}");
         // No pictures, nor frames of increments that may not come.

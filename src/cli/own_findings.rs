@@ -4,8 +4,8 @@ use clastic::scene::Finding;
 use clastic::scene::format::{Scene, Stage, WallControl};
 use clastic::scene::spans::join;
 
-/// Finds walls and stages that a scene leaves to an embedding program. This program has no system for
-/// such walls, which would stand still without a message, and no plugin for such stages.
+/// Finds walls and stages that a scene leaves to an embedding program. This program has no system
+/// for such walls, which would stand still without a message, and no plugin for such stages.
 pub fn own_findings(scene: &Scene) -> Vec<Finding> {
     let mut findings = Vec::new();
     for (i, stage) in scene.stages.iter().enumerate() {

@@ -28,6 +28,24 @@ use crate::scene::format::{Record, Scene, Stage};
 /// [`OutputPlugin`](super::OutputPlugin). Inserts [`RunDirectory`] and the resources that follow
 /// the run: [`KeyResults`], [`Moments`], [`PreparedSpecimen`], [`CurrentAvalanche`].
 ///
+/// ```
+/// use clastic::output::{self, Ending, OutputPlugin, RunOptions};
+/// use clastic::prelude::*;
+/// use clastic::scene::load;
+///
+/// # let directory = std::env::temp_dir().join(format!("clastic_{}", std::process::id()));
+/// let loaded = load(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/tension.ron").as_ref(), &[])?;
+/// let mut simulation = Simulation::with_plugins(&loaded.scene, None, OutputPlugin);
+/// let options = RunOptions { directory: directory.clone(), ..Default::default() };
+/// output::begin(simulation.world_mut(), options, &loaded)?;
+/// let outcome = simulation.run();
+/// let results = output::finish(simulation.world_mut(), &Ending::Finished(outcome))?;
+/// assert_eq!(results.bonds_broken.tension, 1);
+/// assert!(directory.join("history.csv").exists());
+/// # std::fs::remove_dir_all(directory)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// If the directory is in use, or cannot be written.
 pub fn begin(

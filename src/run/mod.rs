@@ -33,6 +33,29 @@ use crate::scene::format::Scene;
 use crate::scene::specimen_file::StoredSpecimen;
 
 /// A running scene.
+///
+/// A disk falls on a floor and comes to rest under its weight, m g = rho pi r^2 h g:
+///
+/// ```
+/// use clastic::prelude::*;
+/// use clastic::scene::from_str;
+///
+/// let text = r#"(
+///     version: 1, title: "a disk falls", gravity: (0.0, -10.0),
+///     analysis: Dynamic(dt: 1.0e-3),
+///     materials: { "m": (density: 2000.0) },
+///     specimen: Particles([(position: (0.0, 0.06), radius: 0.05)]),
+///     walls: [(name: "floor", start: (-1.0, 0.0), end: (1.0, 0.0), probe: "floor")],
+///     stages: [Load(name: "fall", increments: 200)],
+/// )"#;
+/// let loaded = from_str(text, "fall.ron".as_ref(), "".as_ref(), &[])?;
+/// let mut simulation = Simulation::new(&loaded.scene, None);
+/// assert_eq!(simulation.run(), Outcome::Completed);
+/// let record = simulation.world().resource::<Observation>();
+/// let weight = 2000.0 * std::f64::consts::PI * 0.05_f64.powi(2) * 10.0;
+/// assert!((record.probes[0].force[1] - weight).abs() < 1e-6 * weight);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct Simulation {
     app: App,
 }

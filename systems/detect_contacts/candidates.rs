@@ -23,7 +23,7 @@ pub struct CandidatePairs {
     built_positions: Vec<DVec2>,
     built_radii: Vec<f64>,
     mean_radius: f64,
-    /// Greatest overlap (m) at the last build: a forecast of whether triangulating will be worth it.
+    /// Maximum overlap (m) at the last build: a forecast of whether triangulating will be worth it.
     overlap: f64,
     method: SearchMethod,
     rebuilds: u64,
@@ -68,11 +68,11 @@ impl CandidatePairs {
 
     /// Whether every pair with gap <= `reach` (m) at these positions is surely listed: the disks are
     /// those that the list was built for, and `reach + d₁ + d₂` does not exceed what it was built to,
-    /// with d₁ and d₂ the two greatest displacements since: no gap has closed by more than their sum.
+    /// with d₁ and d₂ the two largest displacements since: no gap has closed by more than their sum.
     pub fn is_complete(&self, positions: &[DVec2], radii: &[f64], reach: f64) -> bool {
         positions.len() == self.built_positions.len()
             && radii == self.built_radii
-            && reach + greatest_approach(&self.built_positions, positions) <= self.built_reach
+            && reach + max_approach(&self.built_positions, positions) <= self.built_reach
     }
 
     /// The listed pairs with gap <= `reach` (m) at these positions, sorted: all there are, if the list
@@ -107,8 +107,8 @@ impl CandidatePairs {
         let largest = usable().fold(0.0, f64::max);
         let guard = ROUNDING * (2.0 * largest + reach.abs() + skin);
 
-        let least = reach + self.settings.min_skin * skin + guard;
-        match self.triangulate(positions, radii, least) {
+        let minimum = reach + self.settings.min_skin * skin + guard;
+        match self.triangulate(positions, radii, minimum) {
             Some(bound) => {
                 self.method = SearchMethod::Delaunay;
                 self.built_reach = (reach + skin).min(bound - guard);
@@ -120,7 +120,7 @@ impl CandidatePairs {
                 self.method = SearchMethod::Grid;
                 self.built_reach = reach + skin;
                 grid::pairs_within(positions, radii, self.built_reach + guard, &mut self.pairs);
-                self.overlap = greatest_overlap(positions, radii, &self.pairs);
+                self.overlap = max_overlap(positions, radii, &self.pairs);
             }
         }
         self.built_positions.clear();
@@ -131,10 +131,10 @@ impl CandidatePairs {
     }
 
     /// Fills the list with the edges of the triangulation and returns the reach (m) to which they
-    /// are complete, if that is `least` or more.
-    fn triangulate(&mut self, positions: &[DVec2], radii: &[f64], least: f64) -> Option<f64> {
+    /// are complete, if that is `minimum` or more.
+    fn triangulate(&mut self, positions: &[DVec2], radii: &[f64], minimum: f64) -> Option<f64> {
         let complete =
-            |overlap| delaunay::complete_reach(radii, overlap).filter(|bound| *bound >= least);
+            |overlap| delaunay::complete_reach(radii, overlap).filter(|bound| *bound >= minimum);
         if self.settings.preferred == SearchMethod::Grid {
             return None;
         }
@@ -142,7 +142,7 @@ impl CandidatePairs {
         if !delaunay::edges(positions, &mut self.pairs) {
             return None;
         }
-        self.overlap = greatest_overlap(positions, radii, &self.pairs);
+        self.overlap = max_overlap(positions, radii, &self.pairs);
         complete(self.overlap)
     }
 }
@@ -152,13 +152,13 @@ fn gap(positions: &[DVec2], radii: &[f64], (a, b): (u32, u32)) -> f64 {
     grid::gap((positions[a], positions[b]), (radii[a], radii[b]))
 }
 
-fn greatest_overlap(positions: &[DVec2], radii: &[f64], pairs: &[(u32, u32)]) -> f64 {
-    pairs.iter().fold(0.0, |greatest, &pair| f64::max(greatest, -gap(positions, radii, pair)))
+fn max_overlap(positions: &[DVec2], radii: &[f64], pairs: &[(u32, u32)]) -> f64 {
+    pairs.iter().fold(0.0, |maximum, &pair| f64::max(maximum, -gap(positions, radii, pair)))
 }
 
-/// Sum of the two greatest displacements (m): the most by which any gap can have closed. Infinite
+/// Sum of the two largest displacements (m): the most by which any gap can have closed. Infinite
 /// where a disk has come back from a position that was not finite.
-fn greatest_approach(before: &[DVec2], now: &[DVec2]) -> f64 {
+fn max_approach(before: &[DVec2], now: &[DVec2]) -> f64 {
     let (mut first, mut second) = (0.0_f64, 0.0_f64);
     for (before, now) in before.iter().zip(now) {
         let squared = if now.is_finite() { (now - before).length_squared() } else { 0.0 };

@@ -45,8 +45,8 @@ pub fn edges(positions: &[DVec2], out: &mut Vec<(u32, u32)>) -> bool {
     true
 }
 
-/// Greatest gap (m) up to which every pair of disks is joined by an edge of *every* Delaunay
-/// triangulation of the centres, if no *edge* overlaps by more than `greatest_overlap` (m, >= 0);
+/// Maximum gap (m) up to which every pair of disks is joined by an edge of *every* Delaunay
+/// triangulation of the centres, if no *edge* overlaps by more than `max_overlap` (m, >= 0);
 /// `None` where not even touching is enough.
 ///
 /// With the two largest radii `A >= B`, the smallest `m` and the overlap `o`:
@@ -60,10 +60,10 @@ pub fn edges(positions: &[DVec2], out: &mut Vec<(u32, u32)>) -> bool {
 ///
 /// # Proof
 ///
-/// The centres are distinct, or [`edges`] refuses them. Let no *pair* overlap by more than o <= m. If
-/// the pair (a, b), of gap g, is not an edge of some Delaunay triangulation, then the closed disk on
-/// the diameter ab holds a third centre c (else the edge is Gabriel's, and in every triangulation),
-/// from which ab is seen at no less than a right angle:
+/// The centres are distinct, or [`edges`] refuses them. Let no *pair* overlap by more than o <= m.
+/// If the pair (a, b), of gap g, is not an edge of some Delaunay triangulation, then the closed
+/// disk on the diameter ab holds a third centre c (else the edge is Gabriel's, and in every
+/// triangulation), from which ab is seen at no less than a right angle:
 ///
 /// ```text
 /// (a + b + g)² >= |ca|² + |cb|² >= (a + c - o)² + (b + c - o)² >= (a + m - o)² + (b + m - o)²
@@ -73,12 +73,12 @@ pub fn edges(positions: &[DVec2], out: &mut Vec<(u32, u32)>) -> bool {
 /// `(a + m - o)/sqrt(…) - 1 <= 0`, and the same by b: f is least for the two largest disks, and so
 /// `g >= R`. Every pair with `g < R` is an edge.
 ///
-/// It is enough that no *edge* overlaps by more than o, if `R >= -o`. For suppose a pair does and is
-/// no edge. Its disk has a third centre c. If neither (a, c) nor (b, c) overlapped by more than o,
-/// the inequalities above would hold and give `g >= R >= -o`: an overlap of no more than o after
+/// It is enough that no *edge* overlaps by more than o, if `R >= -o`. For suppose a pair does and
+/// is no edge. Its disk has a third centre c. If neither (a, c) nor (b, c) overlapped by more than
+/// o, the inequalities above would hold and give `g >= R >= -o`: an overlap of no more than o after
 /// all. So one of them does, and it is shorter than ab. Repeated, this ends, as there are finitely
 /// many pairs: at an edge that overlaps by more than o, against what was supposed.
-pub fn complete_reach(radii: &[f64], greatest_overlap: f64) -> Option<f64> {
+pub fn complete_reach(radii: &[f64], max_overlap: f64) -> Option<f64> {
     let mut smallest = f64::INFINITY;
     let (mut largest, mut second) = (0.0_f64, 0.0_f64);
     for &r in radii {
@@ -89,9 +89,9 @@ pub fn complete_reach(radii: &[f64], greatest_overlap: f64) -> Option<f64> {
         second = second.max(r.min(largest));
         largest = largest.max(r);
     }
-    let third = smallest - greatest_overlap;
+    let third = smallest - max_overlap;
     // Written so that NaN fails; no disks at all fail below.
-    if !(greatest_overlap >= 0.0 && third >= 0.0) {
+    if !(max_overlap >= 0.0 && third >= 0.0) {
         return None;
     }
     let sum = largest + second;
@@ -204,9 +204,9 @@ mod tests {
             for radius in &mut radii {
                 *radius *= swelling * (1.0 + 0.1 * random.unit());
             }
-            let overlap = |pairs: &[(u32, u32)]| pairs.iter().fold(0.0_f64, |greatest, &(a, b)| {
+            let overlap = |pairs: &[(u32, u32)]| pairs.iter().fold(0.0_f64, |maximum, &(a, b)| {
                 let (a, b) = (a as usize, b as usize);
-                greatest.max(-gap((positions[a], positions[b]), (radii[a], radii[b])))
+                maximum.max(-gap((positions[a], positions[b]), (radii[a], radii[b])))
             });
             let (mut joined, mut all) = (Vec::new(), Vec::new());
             prop_assert!(edges(&positions, &mut joined));

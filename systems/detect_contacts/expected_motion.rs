@@ -32,20 +32,20 @@ impl ExpectedMotion {
     }
 
     /// No pair of the first `n` bodies reaches further than this.
-    pub fn greatest_reach(&self, n: usize) -> f64 {
-        let greatest = self.displacement[..n].iter().map(|d| d.length()).fold(0.0, f64::max);
-        ((2.0 * self.motion + self.hit) * greatest + self.margin).min(self.ceiling)
+    pub fn max_reach(&self, n: usize) -> f64 {
+        let maximum = self.displacement[..n].iter().map(|d| d.length()).fold(0.0, f64::max);
+        ((2.0 * self.motion + self.hit) * maximum + self.margin).min(self.ceiling)
     }
 }
 
 /// Imposed motion where there is one; in dynamics free flight; else the last increment again. Every
-/// pair is kept up to a gap of `least` (m).
+/// pair is kept up to a gap of `minimum` (m).
 pub fn expected_motion(
     bodies: &Bodies,
     analysis: &Analysis,
     progress: &Progress,
     settings: &ReachSettings,
-    least: f64,
+    minimum: f64,
 ) -> ExpectedMotion {
     let f = progress.fraction;
     let mut displacement: Vec<DVec2> = match analysis.kind {
@@ -103,7 +103,7 @@ pub fn expected_motion(
         displacement,
         motion: settings.motion,
         hit,
-        margin: settings.imposed * imposed + least.max(floor * bodies.mean_radius),
+        margin: settings.imposed * imposed + minimum.max(floor * bodies.mean_radius),
         ceiling: settings.max * bodies.mean_radius,
     }
 }

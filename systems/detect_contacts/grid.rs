@@ -131,7 +131,7 @@ fn visit_pairs(
     ControlFlow::Continue(())
 }
 
-/// Greatest distance along x or y of two disks whose radii sum to `radii` and whose gap, as
+/// Maximum distance along x or y of two disks whose radii sum to `radii` and whose gap, as
 /// rounded, is within `reach`.
 fn width(radii: f64, reach: f64) -> f64 {
     radii + reach + ROUNDING * (radii + reach.abs())

@@ -64,13 +64,13 @@ pub fn detect_contacts(
 ) {
     // A step of a motion changes direction: pairs near by take part whatever the last one did.
     let (settings, of_motion) = (*settings.0, &settings.1);
-    let least = attempt.motion().map_or(0.0, |_| of_motion.reach * bodies.mean_radius);
+    let minimum = attempt.motion().map_or(0.0, |_| of_motion.reach * bodies.mean_radius);
     let expected =
-        expected_motion::expected_motion(&bodies, &analysis, &progress, &settings.reach, least);
+        expected_motion::expected_motion(&bodies, &analysis, &progress, &settings.reach, minimum);
     let n = bodies.particles;
     let (positions, radii) = (&bodies.positions[..n], &bodies.radii[..]);
     candidates.0.settings = settings.list;
-    candidates.0.ensure(positions, radii, expected.greatest_reach(n));
+    candidates.0.ensure(positions, radii, expected.max_reach(n));
 
     let list = &mut contacts.0;
     list.clear();

@@ -157,12 +157,12 @@ fn rolling_moment_is_limited_by_plate_or_bond_and_the_branches_meet_at_24_n() {
     let turn: Vec<_> = records.iter().filter(|r| r.stage == "turn").collect();
     for force in [0.0, 6.0, 12.0, 18.0, 24.0, 30.0, 36.0, 42.0, 48.0] {
         let name = format!("{force}N");
-        let greatest = turn.iter().map(|r| probe(r, &name).force[2].abs()).fold(0.0, f64::max);
+        let maximum = turn.iter().map(|r| probe(r, &name).force[2].abs()).fold(0.0, f64::max);
         let plate = 0.2 * RADIUS * force;
         let bond = 0.1 * RADIUS * (force + TENSILE_STRENGTH);
-        // Relative to the greatest moment of all pairs: what P = 0 can carry is zero. The pair has
+        // Relative to the maximum moment of all pairs: what P = 0 can carry is zero. The pair has
         // settled on its contacts by P/k_N = 6 um and rolls 5e-8 rad: below 1e-7 of P.
-        assert_within(greatest, plate.min(bond), 1e-7 * 0.1 * RADIUS * (48.0 + TENSILE_STRENGTH));
+        assert_within(maximum, plate.min(bond), 1e-7 * 0.1 * RADIUS * (48.0 + TENSILE_STRENGTH));
         if force == 24.0 {
             assert_relative(plate, bond, 1e-15);
         }
@@ -245,8 +245,8 @@ fn bonded_chain_fails_at_its_root_in_rolling() {
     }
 }
 
-/// A disk on a wall that it is bonded to, pulled off in steps of 0.07 um. `grain` and `wall` are the
-/// bond laws of its material and of the wall.
+/// A disk on a wall that it is bonded to, pulled off in steps of 0.07 um. `grain` and `wall` are
+/// the bond laws of its material and of the wall.
 fn pulled_off(grain: &str, wall: &str) -> Scene {
     parse(&format!(
         "(
@@ -312,8 +312,8 @@ fn without_rolling_friction_a_bond_has_no_moment_and_does_not_break_in_rolling()
         assert_eq!((record.bonds, record.broken), (1, [0; 3]));
         assert_within(probe(&record, "left").force[2], 0.0, EXACT);
     }
-    // With it the moment is on its limit mu_r r (p + f_t), where the bond breaks. Rolling opens the bond by
-    // mu_r r times the turn, which presses it by p = 1 mN.
+    // With it the moment is on its limit mu_r r (p + f_t), where the bond breaks. Rolling opens the
+    // bond by mu_r r times the turn, which presses it by p = 1 mN.
     let first = &rolled(0.1)[0];
     assert_relative(probe(first, "left").force[2], 0.1 * RADIUS * TENSILE_STRENGTH, 1e-4);
     assert_eq!((first.bonds, first.broken), (0, [0, 0, 1]));

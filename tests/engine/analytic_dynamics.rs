@@ -180,7 +180,8 @@ fn associated_law_slows_a_point_impact_too_much() {
     }
 }
 
-/// The associated law stops a grain that passes a wall nearer than its opening; Coulomb's lets it by.
+/// The associated law stops a grain that passes a wall nearer than its opening; Coulomb's lets it
+/// by.
 #[test]
 fn a_disk_that_passes_a_wall_closely_touches_it_under_the_associated_law_alone() {
     let passing = |law| {
@@ -273,7 +274,7 @@ fn stack_rests_and_every_contact_carries_what_stands_on_it() {
             .zip(&simulation.world().resource::<ConeSolution>().forces)
             .map(|(contact, force)| (contact.a, contact.b, force[0]))
             .collect();
-        // The contact below disk k carries disks k to 9; the floor has the greatest number.
+        // The contact below disk k carries disks k to 9; the floor has the maximum number.
         carried.sort_by_key(|(a, b, _)| if *b == 10 { 0 } else { a + 1 });
         assert_eq!(carried.len(), 10);
         for (k, (.., force)) in carried.iter().enumerate() {
@@ -397,7 +398,7 @@ fn theta_method_is_second_order_at_one_half_and_first_order_elsewhere() {
 #[test]
 fn linear_spring_impact_has_its_contact_time_and_greatest_overlap() {
     // dt such that the trapezoidal rule turns the phase by pi/2 in n increments: n of them to the
-    // greatest overlap v sqrt(m*/k), n more to the last touch.
+    // maximum overlap v sqrt(m*/k), n more to the last touch.
     let contact_time = |n: u32| {
         let dt = 2.0 / frequency() * (PI / f64::from(4 * n)).tan();
         let rig = two_disks(false, dt, 0.5, 2 * n + 1);

@@ -1,5 +1,5 @@
-//! What happens in an avalanche of ruptures is a choice (`rupture.avalanche`): exact answers under each rule, and how
-//! much of the curve after the peak follows from it.
+//! What happens in an avalanche of ruptures is a choice (`rupture.avalanche`): exact answers under
+//! each rule, and how much of the curve after the peak follows from it.
 
 use std::path::Path;
 
@@ -25,9 +25,10 @@ fn run(simulation: &mut Simulation) -> Vec<Observation> {
     records
 }
 
-/// A disk is pulled from another one that a bond under 30 degrees and two bonds in a row behind it hold. The bond
-/// under 30 degrees (12 N) breaks first. At the same place of the pulled disk the row then carries 11.55 N in an equilibrium,
-/// and its bonds hold 8 and 10 N: both are above their limits. One of them is enough to end that.
+/// A disk is pulled from another one that a bond under 30 degrees and two bonds in a row behind it
+/// hold. The bond under 30 degrees (12 N) breaks first. At the same place of the pulled disk the
+/// row then carries 11.55 N in an equilibrium, and its bonds hold 8 and 10 N: both are above their
+/// limits. One of them is enough to end that.
 fn row_behind_a_prop(avalanche: &str, increments: u32) -> Simulation {
     let prop = 15.0e-3;
     let step = 4.2e-6 / f64::from(increments);
@@ -112,13 +113,13 @@ fn the_energies_of_a_followed_avalanche_add_up() {
             continue;
         }
         let e = simulation.world().resource::<EnergyLedger>().increment;
-        // 1.875 k u^2 were stored, of which the prop took 0.5 k u^2 with it. Nothing is left, and nothing drives.
-        // The normal of the prop turns by u/15 mm < 1e-4 on the way.
+        // 1.875 k u^2 were stored, of which the prop took 0.5 k u^2 with it. Nothing is left, and
+        // nothing drives. The normal of the prop turns by u/15 mm < 1e-4 on the way.
         assert_relative(e.elastic, -1.375 * unit, 1e-4);
         assert_within(e.external, 0.0, 1e-9 * unit);
         assert_within(e.numerical, 0.0, 1e-9 * unit);
-        // The weaker bond of the row has as much as it can store, and what it took at its limit within the last step,
-        // at most 5 % beyond it. All else has been motion.
+        // The weaker bond of the row has as much as it can store, and what it took at its limit
+        // within the last step, at most 5 % beyond it. All else has been motion.
         assert!((1.0..1.1).contains(&(e.rupture / weak)), "{} of {weak}", e.rupture);
         assert_relative(e.motion, -e.elastic - e.rupture, 1e-9);
         return;
@@ -158,7 +159,8 @@ fn stress_at(rows: &[(f64, f64, usize)], strain: f64) -> f64 {
     a.1 + (b.1 - a.1) * (strain - a.0) / (b.0 - a.0).max(f64::MIN_POSITIVE)
 }
 
-/// The table of docs/validation.md. Until its first bond breaks a specimen knows nothing of the rule.
+/// The table of docs/validation.md. Until its first bond breaks a specimen knows nothing of the
+/// rule.
 #[test]
 #[ignore = "takes minutes"]
 fn curves_after_the_peak() {

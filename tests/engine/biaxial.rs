@@ -1,6 +1,6 @@
-//! What the paper says of the biaxial test (4.5), on the 400 disks of `biaxial_small`: the strength R
-//! of the bonds is 0 (no bonds), 10, 50 and 100 kPa. After the peak so few grains may take another way
-//! on another machine: what is asserted there leaves room for it.
+//! What the paper says of the biaxial test (4.5), on the 400 disks of `biaxial_small`: the strength
+//! R of the bonds is 0 (no bonds), 10, 50 and 100 kPa. After the peak so few grains may take
+//! another way on another machine: what is asserted there leaves room for it.
 
 use std::sync::LazyLock;
 
@@ -72,7 +72,7 @@ impl Test {
         self.sheared.iter().map(|record| record.volumetric_strain.unwrap())
     }
 
-    /// Greatest contraction, with its place among the increments.
+    /// Maximum contraction, with its place among the increments.
     fn contraction(&self) -> (usize, f64) {
         self.volumetric().enumerate().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap()
     }
@@ -124,7 +124,7 @@ fn specimens_contract_then_dilate() {
     for test in TESTS.iter() {
         let r = test.strength;
         let (at, contraction) = test.contraction();
-        // From the start up to its greatest it is contraction.
+        // From the start up to its maximum it is contraction.
         assert!(contraction > 4e-3, "R = {r}: {contraction}");
         assert!(test.volumetric().take(at).all(|e| e > 0.0), "R = {r}");
         assert!(test.sheared[at].axial_strain.unwrap() < 0.02, "R = {r}");

@@ -4,7 +4,7 @@ use crate::common::*;
 use clastic::run::Simulation;
 use clastic::scene::format::Scene;
 
-/// Greatest drift of momentum and angular momentum, over their scales at the start.
+/// Maximum drift of momentum and angular momentum, over their scales at the start.
 fn drift(scene: &Scene) -> (f64, f64) {
     let mut simulation = Simulation::new(scene, None);
     let start = states(&mut simulation);

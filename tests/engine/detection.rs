@@ -98,8 +98,8 @@ fn no_contact_is_missed_in_a_swarm() {
     assert!(added > 0, "the check of the solution was never needed");
 }
 
-/// 36 disks of 2 to 5 mm on a grid of 11 mm fly anywhere at up to two radii an increment: the number of
-/// pairs that attempts added.
+/// 36 disks of 2 to 5 mm on a grid of 11 mm fly anywhere at up to two radii an increment: the
+/// number of pairs that attempts added.
 fn missed_in_a_swarm(seed: u64) -> usize {
     let mut state = seed;
     let mut unit = move || {

@@ -1,5 +1,5 @@
-//! Rupture from event to event, on assemblies with exact answers: what breaks, at which load, and what is left does
-//! not depend on the increment.
+//! Rupture from event to event, on assemblies with exact answers: what breaks, at which load, and
+//! what is left does not depend on the increment.
 
 use crate::common::*;
 use clastic::components::attempt::IncrementStatus;
@@ -14,8 +14,8 @@ const STRENGTH: f64 = 2.0e3;
 /// Tolerance of the search for an event.
 const TOLERANCE: f64 = 1e-7;
 
-/// Columns of three touching disks. The lowest is held, the uppermost is pulled. The lower bond of a column is the
-/// weaker one: its common radius is that of the lowest disk, `radii[i]`.
+/// Columns of three touching disks. The lowest is held, the uppermost is pulled. The lower bond of
+/// a column is the weaker one: its common radius is that of the lowest disk, `radii[i]`.
 fn columns(radii: &[f64], pull: f64, increments: u32, avalanche: &str) -> Simulation {
     let mut disks = String::new();
     let mut bonds = String::new();
@@ -73,7 +73,8 @@ fn taken(simulation: &Simulation) -> f64 {
     simulation.world().resource::<EnergyLedger>().total.rupture
 }
 
-/// Work that the pulled disks do, J: between two events forces grow linearly. `moved` is the motion in an increment.
+/// Work that the pulled disks do, J: between two events forces grow linearly. `moved` is the motion
+/// in an increment.
 fn work(records: &[Observation], probes: &[&str], moved: impl Fn(&Observation) -> f64) -> f64 {
     let force = |r: &Observation| probes.iter().map(|name| probe(r, name).force[1]).sum::<f64>();
     let mut last = 0.0;
@@ -119,7 +120,8 @@ fn parallel_bonds_of_graded_strength_break_one_by_one_at_any_increment() {
             assert!(record.ruptures.len() <= 1, "{:?}", record.ruptures);
         }
         assert_eq!(broken, graded.len(), "{increments} increments");
-        // f^2 / (2 k) of every lower bond is taken; the upper bond of a column has as much and loses it.
+        // f^2 / (2 k) of every lower bond is taken; the upper bond of a column has as much and
+        // loses it.
         let stored = |r: &f64| (STRENGTH * 2.0 * r).powi(2) / (2.0 * STIFFNESS);
         let stored: f64 = graded.iter().map(stored).sum();
         assert_relative(taken(&simulation), stored, 1e-6);
@@ -130,7 +132,8 @@ fn parallel_bonds_of_graded_strength_break_one_by_one_at_any_increment() {
 
 #[test]
 fn a_chain_breaks_at_its_weakest_bond_and_loses_its_energy_at_any_increment() {
-    // Six disks in a row: bonds have the strength of the smaller disk. The third bond is the weakest.
+    // Six disks in a row: bonds have the strength of the smaller disk. The third bond is the
+    // weakest.
     let radii = [4.0e-3, 4.4e-3, 3.0e-3, 3.3e-3, 5.0e-3, 4.2e-3];
     let bonds = radii.len() - 1;
     let force = STRENGTH * 2.0 * 3.0e-3;
@@ -173,9 +176,10 @@ fn chain(radii: &[f64], pull: f64, increments: u32, avalanche: &str) -> Simulati
     glued(&disks, &bonds, increments, &drives, avalanche)
 }
 
-/// A disk is pulled from another one that two smaller ones hold under 30 degrees. The bond of the smaller one (12 N)
-/// breaks first. At the same place of the pulled disk the other one (14.4 N) then carries more than it can, and breaks
-/// in the same avalanche: no row of the record lies between the two.
+/// A disk is pulled from another one that two smaller ones hold under 30 degrees. The bond of the
+/// smaller one (12 N) breaks first. At the same place of the pulled disk the other one (14.4 N)
+/// then carries more than it can, and breaks in the same avalanche: no row of the record lies
+/// between the two.
 #[test]
 fn an_avalanche_runs_at_constant_load_and_leaves_no_row_of_its_own() {
     for increments in [1, 11, 40] {

@@ -1,6 +1,6 @@
-//! Where a static increment has no equilibrium near by the motion is followed: loose packings come to rest under
-//! their first confining stress, the energies of the motion are booked, loads of other programs act in it, and
-//! what finds no rest has collapsed.
+//! Where a static increment has no equilibrium near by the motion is followed: loose packings come
+//! to rest under their first confining stress, the energies of the motion are booked, loads of
+//! other programs act in it, and what finds no rest has collapsed.
 
 use bevy_ecs::prelude::*;
 use clastic::components::attempt::IncrementStatus;
@@ -50,8 +50,8 @@ fn confinement(porosity: f64, friction: f64, seed: u64) -> String {
     )
 }
 
-/// Grains settled under the loads at the start of an increment, which are zero in a first confining one:
-/// nothing moved, and the increment was halved until it stalled.
+/// Grains settled under the loads at the start of an increment, which are zero in a first confining
+/// one: nothing moved, and the increment was halved until it stalled.
 #[test]
 fn first_confinement_of_a_loose_packing_completes() {
     let mut moved = false;
@@ -91,7 +91,8 @@ fn porosity_with(motion_step: f64, seed: u64, target: f64, friction: f64) -> (f6
     (porosity(&mut simulation), records.iter().map(|o| o.motion_steps).sum())
 }
 
-/// The prototype's scatter is 0.0013 over steps of 0.05 to 0.25 radii; packings of other seeds differ by 0.01.
+/// The prototype's scatter is 0.0013 over steps of 0.05 to 0.25 radii; packings of other seeds
+/// differ by 0.01.
 const SCATTER: f64 = 3e-3;
 
 #[test]
@@ -210,8 +211,9 @@ fn loads_of_a_program_act_within_a_followed_motion() {
     }
 }
 
-/// Three disks in an arch between two that are held, without rolling resistance: moments and forces balance for
-/// equal loads on its haunches alone. A little more or less on one of them leaves no equilibrium.
+/// Three disks in an arch between two that are held, without rolling resistance: moments and forces
+/// balance for equal loads on its haunches alone. A little more or less on one of them leaves no
+/// equilibrium.
 #[test]
 fn an_arch_of_three_disks_stands_under_one_load_only() {
     let arch = |loads: &[f64], stiffness: &str| {

@@ -4,8 +4,8 @@ use crate::common::*;
 use clastic::run::{Outcome, Simulation};
 use clastic::scene::format::Scene;
 
-/// Two rigid disks of radius 1 m that overlap by 0.1 m, with imposed motion, and a third one that is
-/// pressed on a floor.
+/// Two rigid disks of radius 1 m that overlap by 0.1 m, with imposed motion, and a third one that
+/// is pressed on a floor.
 fn overlapping(analysis: &str, contact: &str, first: &str, second: &str) -> Scene {
     parse(&format!(
         r#"(
@@ -42,7 +42,8 @@ fn two_held_disks_that_overlap_do_not_lock_the_rest() {
                 assert_eq!(outcome, Outcome::Completed, "{analysis}, {contact}, {first}, {second}");
                 assert_eq!(records.len(), 3);
                 if analysis == "Static" {
-                    // The contact of the two carries nothing; that of the third one carries its load.
+                    // The contact of the two carries nothing; that of the third one carries its
+                    // load.
                     assert_eq!(records[2].contacts, 1, "{contact}, {first}, {second}");
                     assert_relative(probe(&records[2], "floor").force[1], 3.0, 1e-8);
                 }

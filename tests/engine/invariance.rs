@@ -6,9 +6,9 @@ use clastic::run::Simulation;
 use clastic::scene::format::{ExplicitBond, Particle, Scene, Specimen, WallControl};
 use glam::{DMat2, DVec2};
 
-/// The small cell with its prepared specimen listed particle by particle and bond by bond, driven by
-/// its lid while the right wall gives way. A grain that nothing holds would have no determined place,
-/// so every grain is bonded.
+/// The small cell with its prepared specimen listed particle by particle and bond by bond, driven
+/// by its lid while the right wall gives way. A grain that nothing holds would have no determined
+/// place, so every grain is bonded.
 fn prepared() -> Scene {
     let mut scene = small_cell(ROUGH, ROUGH);
     weaken(&mut scene);
@@ -128,11 +128,11 @@ fn curve(scene: &Scene, map: DMat2) -> Vec<Row> {
 fn assert_same_curve(scene: &Scene, map: DMat2, reference: &[Row]) {
     let rows = curve(scene, map);
     assert_eq!(rows.len(), reference.len());
-    let greatest = reference.iter().map(|r| r.forces[1].length()).fold(0.0, f64::max);
+    let maximum = reference.iter().map(|r| r.forces[1].length()).fold(0.0, f64::max);
     for (row, expected) in rows.iter().zip(reference) {
         assert_eq!(row.broken, expected.broken);
         for (force, expected) in row.forces.iter().zip(&expected.forces) {
-            assert_within(force.distance(*expected), 0.0, 1e-9 * greatest);
+            assert_within(force.distance(*expected), 0.0, 1e-9 * maximum);
         }
     }
 }

@@ -1,5 +1,6 @@
-//! Specimens under force and stress control carry what they can and then collapse, wherever walls and
-//! grains would come to rest later; and what is stress controlled has its stress in every increment.
+//! Specimens under force and stress control carry what they can and then collapse, wherever walls
+//! and grains would come to rest later; and what is stress controlled has its stress in every
+//! increment.
 
 use std::path::Path;
 
@@ -25,7 +26,7 @@ fn run(name: &str, settings: &[&str]) -> (Vec<Observation>, Outcome) {
     }
 }
 
-/// Greatest axial stress of the increments that were solved, Pa, and the strain that they reach.
+/// Maximum axial stress of the increments that were solved, Pa, and the strain that they reach.
 fn limit(records: &[Observation]) -> (f64, f64) {
     let solved = records.iter().filter(|o| o.status == IncrementStatus::Solved);
     solved.fold((0.0, 0.0), |(stress, strain), o| {
@@ -58,8 +59,8 @@ fn elastic_specimen_under_stress_collapses_near_its_peak() {
     let settings = ["stages.load.walls.top=Stress(stress: 250.0e6)", "stages.load.increments=120"];
     let (records, outcome) = run("uniaxial_small.ron", &settings);
     assert_collapses(&outcome);
-    // Bonds break in one round an increment and damage goes on under a given load, so that here, with
-    // 2 MPa more each time, it lags behind. With a cascade it does not: see the next test.
+    // Bonds break in one round an increment and damage goes on under a given load, so that here,
+    // with 2 MPa more each time, it lags behind. With a cascade it does not: see the next test.
     let (carried, strain) = limit(&records);
     assert!((carried / peak - 1.0).abs() < 0.1, "{carried} and {peak}");
     assert!(strain < 0.01, "{strain}");
@@ -140,8 +141,8 @@ fn heap(n: usize, contact: &str) -> String {
     )
 }
 
-/// In large specimens, and in rigid ones that settled before, a collapse was reported without a mechanism
-/// that proves it.
+/// In large specimens, and in rigid ones that settled before, a collapse was reported without a
+/// mechanism that proves it.
 #[test]
 fn collapse_of_a_heap_is_proved_however_large() {
     let elastic = "normal_stiffness: 6.0e7, tangential_stiffness: 6.0e7, friction: 0.2";

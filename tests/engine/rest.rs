@@ -1,4 +1,5 @@
-//! What is at rest is left out of the program that is solved, and wakes when something happens to it.
+//! What is at rest is left out of the program that is solved, and wakes when something happens to
+//! it.
 
 use clastic::components::contact::ContactHistory;
 use clastic::cone::condensed::settings::RestSettings;
@@ -42,8 +43,8 @@ const ELASTIC: &str =
 const BESIDE: [f64; 2] = [0.1, 0.3];
 const UPON: [f64; 2] = [0.008, 0.0];
 
-/// Bodies that were left out of the increment that was just solved; `moved` are the displacements of the
-/// one before, and become those of this one.
+/// Bodies that were left out of the increment that was just solved; `moved` are the displacements
+/// of the one before, and become those of this one.
 fn asleep(simulation: &Simulation, moved: &mut Vec<[f64; 3]>) -> Vec<usize> {
     let program = simulation.world().resource::<ConeProgram>();
     moved.resize(program.bodies.len(), [0.0; 3]);
@@ -52,8 +53,8 @@ fn asleep(simulation: &Simulation, moved: &mut Vec<[f64; 3]>) -> Vec<usize> {
     (0..found.len()).filter(|i| found[*i]).collect()
 }
 
-/// Runs a scene beside Clarabel, which knows no rest: the same places, and the `stack` asleep as a whole
-/// in so many increments, never disk 3. Returns how many those are.
+/// Runs a scene beside Clarabel, which knows no rest: the same places, and the `stack` asleep as a
+/// whole in so many increments, never disk 3. Returns how many those are.
 fn sleeps(scene: impl Fn(&str) -> Scene, stack: &[usize]) -> u32 {
     let mut own = Simulation::new(&scene("Condensed"), None);
     let mut oracle = Simulation::new(&scene("Clarabel()"), None);
@@ -93,9 +94,9 @@ fn a_stack_sleeps_with_coulombs_law_and_with_every_theta() {
     }
 }
 
-/// A wall that presses on the stack sleeps with it while its force does not change, and wakes it where it
-/// does. In between the stack wakes by itself: what is left of its motion, 1e-14 m an increment, adds up
-/// in its gaps.
+/// A wall that presses on the stack sleeps with it while its force does not change, and wakes it
+/// where it does. In between the stack wakes by itself: what is left of its motion, 1e-14 m an
+/// increment, adds up in its gaps.
 #[test]
 fn a_stack_sleeps_under_a_loaded_wall_until_its_load_changes() {
     let pressed = |solver: &str, force: f64| {
@@ -147,7 +148,8 @@ fn a_stack_sleeps_under_a_loaded_wall_until_its_load_changes() {
     assert_eq!(awake, 20, "slept while its load changed");
 }
 
-/// What sleeps is part of what is remembered: resumed in the middle, a run goes on to the same bits.
+/// What sleeps is part of what is remembered: resumed in the middle, a run goes on to the same
+/// bits.
 #[test]
 fn a_run_that_is_resumed_sleeps_on() {
     let scene = stack(RIGID, "Condensed", BESIDE);
@@ -211,8 +213,8 @@ fn what_is_at_rest_is_what_would_be_solved() {
     assert!(compared >= 150, "{compared}");
 }
 
-/// A floor that creeps sideways shears the stack by an imposed slip that is nothing beside the motion of
-/// the fast disk, and that adds up in no gap and no velocity.
+/// A floor that creeps sideways shears the stack by an imposed slip that is nothing beside the
+/// motion of the fast disk, and that adds up in no gap and no velocity.
 #[test]
 fn imposed_slip_keeps_a_stack_awake() {
     let mut scene = stack(ELASTIC, "Condensed", BESIDE);
@@ -229,8 +231,8 @@ fn imposed_slip_keeps_a_stack_awake() {
     }
 }
 
-/// Where what is fast stops, the scale of motion falls at once; what slept by the greater scale must not
-/// be taken for solved by the solver and for stalled by the engine.
+/// Where what is fast stops, the scale of motion falls at once; what slept by the greater scale
+/// must not be taken for solved by the solver and for stalled by the engine.
 #[test]
 fn a_stack_sleeps_on_or_is_solved_when_what_is_fast_stops() {
     let mut scene = stack(RIGID, "Condensed", BESIDE);
@@ -252,7 +254,8 @@ fn a_stack_sleeps_on_or_is_solved_when_what_is_fast_stops() {
     assert!(records.iter().all(|r| r.solves == 1), "an increment was solved again");
 }
 
-/// Pyramids of fifteen disks, the disks of a row a hundred thousandth of a metre apart, on one floor.
+/// Pyramids of fifteen disks, the disks of a row a hundred thousandth of a metre apart, on one
+/// floor.
 fn pyramids(count: usize) -> Scene {
     const R: f64 = 0.01;
     const GAP: f64 = 1e-5;
@@ -281,8 +284,8 @@ fn pyramids(count: usize) -> Scene {
     ))
 }
 
-/// A large scene ends with any product of force and gap that is accepted, and every pair with a gap of
-/// 10 um counted as a contact: all 35 of a pyramid.
+/// A large scene ends with any product of force and gap that is accepted, and every pair with a gap
+/// of 10 um counted as a contact: all 35 of a pyramid.
 #[test]
 fn contacts_of_a_large_scene_touch() {
     let mut alone = 0;
@@ -295,7 +298,8 @@ fn contacts_of_a_large_scene_touch() {
         let x: Vec<_> = states(&mut simulation).iter().map(|s| s.position).collect();
         let history = &simulation.world().resource::<ContactHistory>().0;
         assert_eq!(contacts, history.len());
-        // Five on the floor and two under each of ten, but for those that the arches above leave open.
+        // Five on the floor and two under each of ten, but for those that the arches above leave
+        // open.
         assert!((18 * count..=25 * count).contains(&contacts), "{contacts} of {count} pyramids");
         alone = if count == 1 { contacts } else { alone };
         assert_eq!(contacts, count * alone);

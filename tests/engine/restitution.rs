@@ -189,8 +189,8 @@ fn a_bouncing_disk_comes_to_rest_when_its_bounces_add_up() {
             let disk = states(&mut simulation)[0];
             assert_within(disk.velocity.length(), 0.0, 1e-10);
             assert_within(disk.position.y, R, 1e-9);
-            // The flights that are left when one takes less than 2 dt, and the increment of the last impact; with
-            // theta above 1/2 flights are shorter.
+            // The flights that are left when one takes less than 2 dt, and the increment of the
+            // last impact; with theta above 1/2 flights are shorter.
             assert!(time <= end + 2.0 * dt, "{theta}, {dt}: {time} after {end}");
             let left = 2.0 * dt / (1.0 - e) + 2.0 * dt;
             assert!(theta > 0.5 || time >= end - left, "{dt}: {time} before {end}");
@@ -198,7 +198,8 @@ fn a_bouncing_disk_comes_to_rest_when_its_bounces_add_up() {
     }
 }
 
-/// A pair in the air: momentum holds, and the speed of separation is e times that of approach, falling or not.
+/// A pair in the air: momentum holds, and the speed of separation is e times that of approach,
+/// falling or not.
 #[test]
 fn two_disks_part_with_e_times_their_speed_of_approach() {
     for (gravity, theta, dt) in [("", 1.0, 1e-3), (GRAVITY, 1.0, 1e-3), (GRAVITY, 0.5, 3.7e-3)] {
@@ -403,8 +404,8 @@ fn heap(law: &str, contact: &str, dt: f64, theta: f64, increments: u32) -> Scene
     ))
 }
 
-/// The energy of a heap falls up to what a disk gains in an increment of free fall from rest, m (g dt)^2/2: rest and
-/// impact are told apart to that, and overlaps within it are lifted.
+/// The energy of a heap falls up to what a disk gains in an increment of free fall from rest, m (g
+/// dt)^2/2: rest and impact are told apart to that, and overlaps within it are lifted.
 #[test]
 fn a_heap_loses_energy_and_comes_to_rest() {
     for (law, theta, dt) in [
@@ -441,8 +442,9 @@ fn a_heap_loses_energy_and_comes_to_rest() {
     }
 }
 
-/// Nineteen disks that fly into each other: momentum holds and the kinetic energy never grows. Not so with friction and
-/// e near 1: Newton's law in normal direction alone may then raise it where impacts are simultaneous.
+/// Nineteen disks that fly into each other: momentum holds and the kinetic energy never grows. Not
+/// so with friction and e near 1: Newton's law in normal direction alone may then raise it where
+/// impacts are simultaneous.
 #[test]
 fn a_swarm_keeps_its_momentum_and_gains_no_energy() {
     for (e, friction) in [(0.5, 0.0), (0.9, 0.0), (1.0, 0.0), (0.5, 0.4), (0.9, 0.4)] {

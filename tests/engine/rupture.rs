@@ -343,17 +343,17 @@ fn results_do_not_depend_on_the_regularisation() {
         scene.stages.insert(2, Stage::Load(still));
         let mut simulation = Simulation::new(&scene, None);
         simulation.world_mut().resource_mut::<Acceptance>().regularisation = weight;
-        let (mut stresses, mut greatest, mut bias) = (Vec::new(), 0.0_f64, 0.0_f64);
+        let (mut stresses, mut maximum, mut bias) = (Vec::new(), 0.0_f64, 0.0_f64);
         while let Some(record) = next(&mut simulation) {
             if record.stage == "still" || record.stage == "load" {
                 stresses.push(record.axial_stress.unwrap());
                 let [bottom, top] = ["bottom", "top"]
                     .map(|name| record.probes.iter().find(|p| p.name == name).unwrap().force[1]);
-                greatest = greatest.max(top.abs());
+                maximum = maximum.max(top.abs());
                 bias = bias.max((bottom + top).abs());
             }
         }
-        (stresses, bias / greatest)
+        (stresses, bias / maximum)
     };
     // The last is none at all.
     let [usual, weak, strong, none] = [1e-9, 1e-11, 1e-8, 0.0].map(stresses);
@@ -364,8 +364,8 @@ fn results_do_not_depend_on_the_regularisation() {
         assert_within(other[0], 0.0, 1e-8 * peak);
         let apart = usual.0.iter().zip(&other).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         println!(
-            "{name}: at zero load {:e} Pa (usual {:e}), greatest difference {apart:e} Pa, platens apart by \
-             {bias:e} of the greatest force (usual {:e})",
+            "{name}: at zero load {:e} Pa (usual {:e}), maximum difference {apart:e} Pa, platens apart by \
+             {bias:e} of the maximum force (usual {:e})",
             other[0], usual.0[0], usual.1
         );
         assert!(apart <= 1e-7 * peak, "{name}: {apart:e} Pa");

@@ -121,16 +121,16 @@ fn stress_drop_ends_a_tension_test() {
     )"#;
     let mut simulation = Simulation::new(&parse(text), None);
     let mut last = None;
-    let mut greatest = 0.0_f64;
+    let mut maximum = 0.0_f64;
     while let Some(record) = next(&mut simulation) {
-        greatest = greatest.min(record.axial_stress.unwrap());
+        maximum = maximum.min(record.axial_stress.unwrap());
         last = Some(record);
     }
     let script = simulation.world().resource::<Script>();
     let [StageEnd { ended_by, .. }] = script.ends.as_slice() else { panic!("{:?}", script.ends) };
     assert_eq!(*ended_by, Some(EndedBy::Stop));
     // It stopped in the increment after the break, long before the last.
-    assert!(greatest < 0.0 && last.unwrap().increment < 30, "{greatest}");
+    assert!(maximum < 0.0 && last.unwrap().increment < 30, "{maximum}");
 }
 
 /// Two stages: the disk of [`pressed`] is moved to the right by 1 mm, then held in a box.
@@ -213,7 +213,8 @@ fn the_bonds_of_a_wall_end_when_it_is_taken_away() {
     let scene = parse(&cemented_lid(""));
     let mut simulation = Simulation::new(&scene, None);
     let mut resumed: Option<Simulation> = None;
-    // 1 N more in every increment of the first pull; then the lid is gone, and what comes back is bare.
+    // 1 N more in every increment of the first pull; then the lid is gone, and what comes back is
+    // bare.
     for (k, (count, force)) in
         [(1, 1.0), (1, 2.0), (0, 0.0), (0, 0.0), (0, 0.0)].into_iter().enumerate()
     {
@@ -250,8 +251,8 @@ fn a_wall_that_comes_back_can_be_cemented_anew() {
 
 #[test]
 fn stress_drop_waits_for_a_stress_that_is_no_round_off() {
-    // Two disks that touch are moved together: the round-off of their distance is all that presses them,
-    // now and then. After 30 increments they come to a third one.
+    // Two disks that touch are moved together: the round-off of their distance is all that presses
+    // them, now and then. After 30 increments they come to a third one.
     let text = r#"(
         version: 1, title: "pushed against a disk",
         materials: { "stone": (contact: (normal_stiffness: 1.0e9)) },

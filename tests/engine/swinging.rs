@@ -8,7 +8,8 @@ const RADIUS: f64 = 5e-3;
 const STIFFNESS: f64 = 1e8;
 
 /// Five disks in a row along x without rolling resistance, bonded; the first is held, the last is
-/// pulled by `stretch` (m) and held, then the middle one is loaded across the chain with `force` (N).
+/// pulled by `stretch` (m) and held, then the middle one is loaded across the chain with `force`
+/// (N).
 fn chain(stretch: f64, force: f64) -> String {
     let disks: Vec<String> = (0..5)
         .map(|i| format!("(position: ({}, 0.0), radius: {RADIUS})", 2.0 * RADIUS * f64::from(i)))
@@ -41,8 +42,8 @@ fn chain(stretch: f64, force: f64) -> String {
 
 #[test]
 fn a_taut_chain_carries_a_load_across_it_like_a_string() {
-    // Four bonds share the stretch; the middle disk sinks by w = F L/T, its neighbours by half of it
-    // (disks roll on each other: y_2 = y_1 + y_3).
+    // Four bonds share the stretch; the middle disk sinks by w = F L/T, its neighbours by half of
+    // it (disks roll on each other: y_2 = y_1 + y_3).
     let stretch = 4e-6;
     let tension = STIFFNESS * stretch / 4.0;
     let length = 2.0 * RADIUS + 0.25 * stretch;

@@ -1,5 +1,5 @@
-//! Two hundred laboratory scenes. A random seed determines every scene, so that nobody chose them by hand. Every
-//! scene must run to its end. See `docs/reliability.md`, "Laboratory scenes".
+//! Two hundred laboratory scenes. A random seed determines every scene, so that nobody chose them
+//! by hand. Every scene must run to its end. See `docs/reliability.md`, "Laboratory scenes".
 //!
 //! ```text
 //! cargo test --release --test laboratory                             every eleventh seed
@@ -8,7 +8,8 @@
 //!
 //! Environment variables:
 //!
-//! - `LABORATORY`: kinds (`biaxial`), seeds (`17`) and ranges of seeds (`10..20`), separated by commas
+//! - `LABORATORY`: kinds (`biaxial`), seeds (`17`) and ranges of seeds (`10..20`), separated by
+//!   commas
 //! - `LABORATORY_MAX`: leaves out scenes with more disks
 //! - `LABORATORY_THREADS`: scenes that run at the same time, 2 by default
 //! - `LABORATORY_WRITE`: a directory that the scenes are written to as RON, for `clastic run`
@@ -35,8 +36,8 @@ use clastic::scene::format::{Analysis, FrictionLaw};
 use scenes::{KINDS, Plan, SCENES};
 use verdict::Verdict;
 
-/// Every eleventh seed runs with every `cargo test`. The kinds repeat after 20 seeds; 11 and 20 have no common
-/// factor, so that these seeds go through all kinds.
+/// Every eleventh seed runs with every `cargo test`. The kinds repeat after 20 seeds; 11 and 20
+/// have no common factor, so that these seeds go through all kinds.
 const STRIDE: u64 = 11;
 
 /// Maximum number of scenes that may fail in every `cargo test`.
@@ -62,8 +63,9 @@ fn all_scenes_complete() {
     judge(&reports, 0);
 }
 
-/// Static scenes with Coulomb's law in which the interior point alone stalls in up to half of the increments: an
-/// oedometer, a shear box, a deposition and a slope. The path followed past its turning points solves nearly all.
+/// Static scenes with Coulomb's law in which the interior point alone stalls in up to half of the
+/// increments: an oedometer, a shear box, a deposition and a slope. The path followed past its
+/// turning points solves nearly all.
 #[test]
 fn coulombs_law_converges_in_nearly_every_increment() {
     let plans: Vec<Plan> = [25, 33, 87, 108].map(Plan::new).into();
@@ -91,9 +93,9 @@ fn scenes_are_drawn_from_their_seed_and_read_without_error() {
     assert_eq!(every_run.len(), KINDS.len(), "every run has all kinds");
 }
 
-/// Near rest the gaps of rigid contacts are thousands of times the displacements of an increment. The interior point
-/// started with multipliers of the order of the displacements, which shortened every step: the run was undecided in
-/// increment 106.
+/// Near rest the gaps of rigid contacts are thousands of times the displacements of an increment.
+/// The interior point started with multipliers of the order of the displacements, which shortened
+/// every step: the run was undecided in increment 106.
 #[test]
 fn a_hopper_near_rest_is_solved_with_a_small_time_step() {
     let mut scene = common::parse(&Plan::new(30).text);

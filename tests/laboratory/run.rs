@@ -15,8 +15,8 @@ use crate::scenes::{Kind, Plan};
 use crate::table;
 use crate::verdict::{Verdict, check_collapse};
 
-/// Maximum number of solves of a scene. A scene that needs more counts as undecided. The limit is a count and
-/// not a time, so that the verdict is the same on every machine.
+/// Maximum number of solves of a scene. A scene that needs more counts as undecided. The limit is a
+/// count and not a time, so that the verdict is the same on every machine.
 const MAX_SOLVES: u64 = 20_000;
 
 /// How a scene ended, and its numbers.

@@ -1,4 +1,5 @@
-//! The sample of a laboratory scene: grain sizes, packing, contact law, and a stress that suits the stiffness.
+//! The sample of a laboratory scene: grain sizes, packing, contact law, and a stress that suits the
+//! stiffness.
 
 use crate::common::random::Random;
 
@@ -27,7 +28,8 @@ pub struct Sample {
     pub rolling: f64,
     /// Friction of walls and platens.
     pub platen: f64,
-    /// Stress times thickness over normal stiffness: the compression of a contact over the grain diameter.
+    /// Stress times thickness over normal stiffness: the compression of a contact over the grain
+    /// diameter.
     pub strain: f64,
     /// Whether sliding follows Coulomb's law.
     pub coulomb: bool,
@@ -131,7 +133,8 @@ impl Sample {
         digits(2.02 * self.largest, 3)
     }
 
-    /// The initial loose grid in a box of the given width: text of the specimen, and height of the grid (m).
+    /// The initial loose grid in a box of the given width: text of the specimen, and height of the
+    /// grid (m).
     pub fn packing(&self, width: f64, seed: u64) -> (String, f64) {
         let spacing = self.spacing();
         let columns = (width / spacing).floor() as u32;
@@ -175,8 +178,8 @@ impl Sizes {
     }
 }
 
-/// Minimum target porosity. A compaction without friction jams below it. Small specimens jam earlier, since
-/// walls leave additional pores beside them.
+/// Minimum target porosity. A compaction without friction jams below it. Small specimens jam
+/// earlier, since walls leave additional pores beside them.
 fn densest(count: u32) -> f64 {
     (0.165 + 0.6 / f64::from(count).sqrt()).max(0.17)
 }

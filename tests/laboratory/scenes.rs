@@ -87,8 +87,8 @@ impl Kind {
         }
     }
 
-    /// Whether a collapse in the stage is a valid result. It is not where walls hold the specimen on all sides:
-    /// a packing that gives way there gets denser until it carries the load.
+    /// Whether a collapse in the stage is a valid result. It is not where walls hold the specimen
+    /// on all sides: a packing that gives way there gets denser until it carries the load.
     pub fn may_collapse_in(self, stage: &str) -> bool {
         match self {
             Self::Uniaxial => stage == "compress",

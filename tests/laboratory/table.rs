@@ -45,8 +45,8 @@ pub fn print_line(r: &Report) {
     );
 }
 
-/// Prints the table by kinds. Its last column is the maximum time of a scene over the median time of its kind
-/// and size.
+/// Prints the table by kinds. Its last column is the maximum time of a scene over the median time
+/// of its kind and size.
 pub fn print(reports: &[Report]) {
     println!(
         "\n| kind | complete | of | of these collapsed, proved | by motion | while confined | undecided | wrong | \
@@ -91,8 +91,8 @@ fn print_row(name: &str, reports: &[&Report]) {
     );
 }
 
-/// Seed of every scene, with its time over the median time of its kind and size (up to 300, up to 800, or more
-/// disks).
+/// Seed of every scene, with its time over the median time of its kind and size (up to 300, up to
+/// 800, or more disks).
 fn outliers(reports: &[Report]) -> Vec<(u64, f64)> {
     let mut groups: BTreeMap<(Kind, u32), Vec<&Report>> = BTreeMap::new();
     for r in reports {

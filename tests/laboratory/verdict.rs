@@ -14,11 +14,12 @@ pub enum Verdict {
     Complete,
     /// All stages ended, and the specimen collapsed in one of them.
     Collapsed {
-        /// Whether a mechanism proves every collapse. Otherwise the motion of the specimen showed it.
+        /// Whether a mechanism proves every collapse. Otherwise the motion of the specimen showed
+        /// it.
         proved: bool,
     },
-    /// The engine reported a collapse in a stage in which walls hold the specimen on all sides. The text is the
-    /// engine's reason.
+    /// The engine reported a collapse in a stage in which walls hold the specimen on all sides. The
+    /// text is the engine's reason.
     Confined(String),
     /// An increment could not be solved, or the scene needs too many solves. The text says why.
     Undecided(String),
@@ -70,8 +71,8 @@ impl Verdict {
     }
 }
 
-/// Checks the collapse in which the last increment ended. Returns whether the collapse has a mechanism, or what
-/// is wrong with that mechanism.
+/// Checks the collapse in which the last increment ended. Returns whether the collapse has a
+/// mechanism, or what is wrong with that mechanism.
 pub fn check_collapse(simulation: &mut Simulation) -> Result<bool, String> {
     let world = simulation.world();
     let Some(proof) = world.resource::<ConeSolution>().certificate.clone() else {

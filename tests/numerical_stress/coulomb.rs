@@ -1,5 +1,6 @@
-//! Coulomb's law on single disks: every increment is solved, and the motion is the one in closed form.
-//! A hundred random settings each of a disk that passes a wall, hits it, or rolls down an incline.
+//! Coulomb's law on single disks: every increment is solved, and the motion is the one in closed
+//! form. A hundred random settings each of a disk that passes a wall, hits it, or rolls down an
+//! incline.
 
 use clastic::components::attempt::IncrementStatus;
 use clastic::components::observation::Observation;
@@ -191,7 +192,8 @@ fn a_disk_on_an_incline_obeys_coulomb() {
         } else if friction >= (tan + 2.0 * rolling) / 3.0 && rolling < tan {
             2.0 / 3.0 * g * (sin - rolling * cos)
         } else {
-            // It slips. With so much rolling resistance that the slip cannot turn it, it slides too.
+            // It slips. With so much rolling resistance that the slip cannot turn it, it slides
+            // too.
             g * (sin - friction * cos)
         };
         let found = s[0].velocity.dot(DVec2::new(cos, -sin)) / 0.02;

@@ -20,9 +20,10 @@ pub fn accepted_error(simulation: &Simulation) -> f64 {
     let (program, solution) = (world.resource::<ConeProgram>(), world.resource::<ConeSolution>());
     let rows = 3 * program.bodies.len() + 4 * program.interactions.len();
     // Here pressures count that nothing determines, between bodies that are held: they do work too.
-    let greatest = solution.forces.iter().map(|f| f[0].abs().max(f[1].abs())).fold(0.0, f64::max);
-    let force = force_scale(program, &solution.forces).max(greatest);
-    // A static residual of moments does its work on rotations; in dynamics balance holds to round-off.
+    let maximum = solution.forces.iter().map(|f| f[0].abs().max(f[1].abs())).fold(0.0, f64::max);
+    let force = force_scale(program, &solution.forces).max(maximum);
+    // A static residual of moments does its work on rotations; in dynamics balance holds to
+    // round-off.
     let is_static = world.resource::<increment::Analysis>().kind == AnalysisKind::Static;
     let turns = solution.displacements.iter().filter(|_| is_static).map(|u| u[2].abs());
     let turn = turns.fold(0.0, f64::max) * program.scales.length;
@@ -121,8 +122,9 @@ fn friction_of_a_sliding_block_is_its_force_times_its_way() {
     assert!(total.kinetic > 0.0);
 }
 
-/// A disk that cannot roll is thrown along a rough floor, or driven along it. Friction takes mu m g times its way: by
-/// Coulomb's law in every step, and by the associated law, which makes it hop, over the hops.
+/// A disk that cannot roll is thrown along a rough floor, or driven along it. Friction takes mu m g
+/// times its way: by Coulomb's law in every step, and by the associated law, which makes it hop,
+/// over the hops.
 fn slide(law: &str, analysis: &str, drive: &str, increments: u32) -> Energies {
     let scene = parse(&format!(
         "(
@@ -149,7 +151,8 @@ fn a_block_that_slides_to_rest_loses_its_energy_to_friction() {
         let analysis = format!("Dynamic(dt: 1.0e-3, theta: {theta})");
         let total = slide("Coulomb()", &analysis, "", 400);
         assert_relative(total.friction, -total.kinetic, 1e-9);
-        // With theta = 1/2 a disk that sticks keeps what it stopped with in the last step, at most mu g dt.
+        // With theta = 1/2 a disk that sticks keeps what it stopped with in the last step, at most
+        // mu g dt.
         assert_within(total.kinetic, -start, (3e-3_f64 / 0.5).powi(2) * start);
         assert_within(total.collision, 0.0, 1e-9 * start);
         assert_within(total.numerical, 0.0, 1e-9 * start);
@@ -203,7 +206,8 @@ fn a_plastic_impact_takes_the_kinetic_energy() {
     assert_within(total.numerical, 0.0, 1e-12 * start);
 }
 
-/// `bounce`: the impact of increment 101 turns -v to 2/3 v. Its impulse is that of the jump and of the weight.
+/// `bounce`: the impact of increment 101 turns -v to 2/3 v. Its impulse is that of the jump and of
+/// the weight.
 #[test]
 fn a_collision_takes_the_impulse_times_the_mean_velocity() {
     let rows = ledger(&load("bounce"));

@@ -196,8 +196,8 @@ fn friction_from_none_to_five() {
                 &format!("friction: {friction:?}, rolling_friction: {:?}", 0.1 * friction),
                 40,
             ));
-            // Open: shear forces a tenth of what residuals are accepted with, between rigid bodies, stall,
-            // and that is said.
+            // Open: shear forces a tenth of what residuals are accepted with, between rigid bodies,
+            // stall, and that is said.
             assert!(outcome == Outcome::Completed || friction == 1e-9, "{friction}: {outcome:?}");
         }
     }
@@ -396,9 +396,9 @@ fn coincident_centres_are_parted() {
     assert!(s.iter().all(|s| s.velocity.length() < 1e-9));
 }
 
-/// A rigid bond between a wall and a grain that was held while others settled got a force of 2e16 N from
-/// the solver. It was remembered, became the scale of the next increment, and beside it 13 kN that
-/// nothing balanced were a residual of 6e-11.
+/// A rigid bond between a wall and a grain that was held while others settled got a force of 2e16 N
+/// from the solver. It was remembered, became the scale of the next increment, and beside it 13 kN
+/// that nothing balanced were a residual of 6e-11.
 #[test]
 fn a_force_that_nothing_determines_is_not_remembered() {
     use bevy_ecs::system::RunSystemOnce;
@@ -427,6 +427,6 @@ fn a_force_that_nothing_determines_is_not_remembered() {
     }
     world.run_system_once(remember_contacts).unwrap();
     let history = world.resource::<ContactHistory>();
-    let greatest = history.0.iter().map(|m| m.p.abs().max(m.q.abs())).fold(0.0, f64::max);
-    assert_relative(greatest, 2650.0 * std::f64::consts::PI * 1e-4 * 9.81, 1e-6);
+    let maximum = history.0.iter().map(|m| m.p.abs().max(m.q.abs())).fold(0.0, f64::max);
+    assert_relative(maximum, 2650.0 * std::f64::consts::PI * 1e-4 * 9.81, 1e-6);
 }

@@ -203,23 +203,23 @@ fn motions(scene: &Scene, map: &Map) -> (Vec<Vec<[f64; 3]>>, Vec<u32>, f64) {
     (rows, Vec::new(), worst)
 }
 
-/// Greatest difference of two runs over the greatest motion.
+/// Maximum difference of two runs over the maximum motion.
 fn difference(scene: &Scene, map: &Map) -> (f64, usize) {
     let none = Map::none(map.order.len());
     let (original, broken, _) = motions(scene, &none);
     let (mapped, also, _) = motions(&map.scene(scene), map);
     assert_eq!(original.len(), mapped.len(), "{map:?}");
     assert_eq!(broken, also, "{map:?}");
-    let (mut greatest, mut error) = (0.0_f64, 0.0_f64);
+    let (mut maximum, mut error) = (0.0_f64, 0.0_f64);
     for (a, b) in original.iter().flatten().zip(mapped.iter().flatten()) {
         for k in 0..3 {
             // Rotations over a radius.
             let unit = if k < 2 { 1.0 } else { 5e-3 };
-            greatest = greatest.max(unit * a[k].abs());
+            maximum = maximum.max(unit * a[k].abs());
             error = error.max(unit * (a[k] - b[k]).abs());
         }
     }
-    (error / greatest.max(1e-15), original.len())
+    (error / maximum.max(1e-15), original.len())
 }
 
 fn shuffled(r: &mut Random, n: usize) -> Vec<u32> {
@@ -230,7 +230,7 @@ fn shuffled(r: &mut Random, n: usize) -> Vec<u32> {
     order
 }
 
-/// Runs random rigs through a map that depends on chance; returns the greatest difference.
+/// Runs random rigs through a map that depends on chance; returns the maximum difference.
 fn property(what: &str, accepted: f64, map: impl Fn(&mut Random, usize) -> Map) {
     let (mut worst, mut rows, n) = (0.0_f64, 0, cases(24).min(500));
     for seed in 0..n {
@@ -242,7 +242,7 @@ fn property(what: &str, accepted: f64, map: impl Fn(&mut Random, usize) -> Map) 
         worst = worst.max(error);
         rows += increments;
     }
-    println!("{what}: {n} rigs, {rows} increments, off by {worst:.1e} of the greatest motion");
+    println!("{what}: {n} rigs, {rows} increments, off by {worst:.1e} of the maximum motion");
     assert!(rows as u64 >= 2 * n);
 }
 

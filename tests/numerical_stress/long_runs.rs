@@ -15,17 +15,17 @@ fn memory() -> Option<u64> {
     Some(4096 * text.split(' ').nth(1)?.parse::<u64>().ok()?)
 }
 
-/// Greatest overlap of two disks over the mean radius.
+/// Maximum overlap of two disks over the mean radius.
 fn penetration(simulation: &mut Simulation) -> f64 {
     let s = states(simulation);
-    let mut greatest = 0.0_f64;
+    let mut maximum = 0.0_f64;
     for a in 0..s.len() {
         for b in 0..a {
             let overlap = s[a].radius + s[b].radius - s[a].position.distance(s[b].position);
-            greatest = greatest.max(overlap / s[a].radius);
+            maximum = maximum.max(overlap / s[a].radius);
         }
     }
-    greatest
+    maximum
 }
 
 fn resting(theta: f64, increments: u32) -> Scene {

@@ -6,7 +6,7 @@ use clastic::scene::format::Scene;
 use crate::common::{ELASTIC, RIGID, momentum, momentum_scales, next, states, swarm, wheel};
 use crate::random::full;
 
-/// Greatest drift of momentum and angular momentum over their scales at the start. Disks that have
+/// Maximum drift of momentum and angular momentum over their scales at the start. Disks that have
 /// parted fly on: about a far origin angular momentum is a small difference of great numbers, so
 /// its scale grows with theirs.
 fn drift(scene: &Scene) -> (f64, f64, u64) {

@@ -65,7 +65,7 @@ fn beam(turn: f64, increments: u32, corrector: Option<Corrector>) -> Scene {
 }
 
 struct Turned {
-    /// Greatest stretch of a bond, and distance of a disk from where it should be, over a radius.
+    /// Maximum stretch of a bond, and distance of a disk from where it should be, over a radius.
     stretch: f64,
     off: f64,
     broken: usize,

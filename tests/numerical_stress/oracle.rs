@@ -26,7 +26,7 @@ const RESIDUAL: f64 = 1e-8;
 const SECOND_WAY: f64 = 1.001;
 const ROUND_OFF: f64 = 1e-12;
 
-/// The greatest of each error, and what is out of bounds.
+/// The maximum of each error, and what is out of bounds.
 #[derive(Clone, Debug, Default)]
 pub struct Findings {
     pub complaints: Vec<String>,
@@ -98,7 +98,8 @@ fn wall_positions(simulation: &mut Simulation) -> BTreeMap<u32, DVec2> {
 impl Oracle {
     pub fn before(simulation: &mut Simulation, scene: &Scene) -> Self {
         let kind = simulation.world().resource::<Analysis>().kind;
-        // A compaction takes all velocities away, even one that is at its target and has no increment.
+        // A compaction takes all velocities away, even one that is at its target and has no
+        // increment.
         let begins = simulation.world().resource::<Observation>().increment == 0
             && matches!(scene.stages.first(), Some(Stage::Compact(_)));
         let compacting = begins || matches!(kind, AnalysisKind::LeastMotion { .. });
@@ -137,8 +138,9 @@ impl Oracle {
             let capped = record.status == IncrementStatus::Capped;
             let limit = if capped { Sliding::BOUND } else { RESIDUAL };
             findings.book("reported residual", record.residuals.worst(), limit, n);
-            // The corrector takes normals and gaps where the increment leads to; this knows those of its
-            // start. What it commits is judged by its residuals, its ledger and what it is made of.
+            // The corrector takes normals and gaps where the increment leads to; this knows those
+            // of its start. What it commits is judged by its residuals, its ledger and what it is
+            // made of.
             if scene.corrector.is_none() {
                 self.check_committed(simulation, scene, record, &now, findings);
             }
@@ -153,8 +155,8 @@ impl Oracle {
         }
     }
 
-    /// Checks what was committed against laws and balance, to the residual that was accepted: of a capped
-    /// increment the one that it reports.
+    /// Checks what was committed against laws and balance, to the residual that was accepted: of a
+    /// capped increment the one that it reports.
     fn check_committed(
         &self,
         simulation: &mut Simulation,
@@ -229,7 +231,7 @@ impl Oracle {
         let law = |i: u32| scene.materials.values().nth(materials[i as usize].1 as usize).unwrap();
 
         // Scales of the errors.
-        let greatest_motion = bodies
+        let max_motion = bodies
             .values()
             .map(|b| b.motion[0].hypot(b.motion[1]))
             .fold(1e-6 * mean_radius, f64::max)
@@ -352,7 +354,8 @@ impl Oracle {
                     compliances(contact_law.normal_stiffness, contact_law.tangential_stiffness);
                 (stiffness, limits, gap)
             };
-            // Two bodies whose motion is imposed, and that do not close: their overlap is nobody's to take out.
+            // Two bodies whose motion is imposed, and that do not close: their overlap is nobody's
+            // to take out.
             let is_driven = |id: u32| {
                 let dofs = &program.bodies[row(id)].dofs[..2];
                 dofs.iter().all(|dof| matches!(dof, Dof::Fixed(_)))
@@ -371,7 +374,8 @@ impl Oracle {
             }
             let l = &c.limits;
             let listed = [l.cohesion, l.friction, l.tension, l.rolling];
-            // A bond above its limit has the strength that it needed: it breaks now, or later in an avalanche.
+            // A bond above its limit has the strength that it needed: it breaks now, or later in an
+            // avalanche.
             let breaks = record.ruptures.iter().any(|r| (r.a.0, r.b.0) == key);
             let is_listed = |limits: &[f64; 4]| {
                 let needed = if breaks || record.in_avalanche {
@@ -422,8 +426,8 @@ impl Oracle {
             let plastic = if slides { slip - ct / theta * (q - c.previous_shear) } else { 0.0 };
             let rolls = if rolling > 0.0 { turn } else { 0.0 };
             let start = if cn > 0.0 { offset / theta } else { offset };
-            // Section 4 of the formulation: in static increments what rigid bodies overlap by less than
-            // this is what the last increment left, and no overlap.
+            // Section 4 of the formulation: in static increments what rigid bodies overlap by less
+            // than this is what the last increment left, and no overlap.
             let left = -1e-9 * mean_radius..0.0;
             let start = if cn == 0.0 && !dynamic && !least_motion && left.contains(&start) {
                 0.0
@@ -433,7 +437,7 @@ impl Oracle {
             let rest = start + cn / theta * p
                 - closing
                 - dilation * (friction * plastic.abs() + rolling * rolls.abs());
-            let unit = greatest_motion;
+            let unit = max_motion;
             let name = if dynamic { "closing (dynamic)" } else { "closing (static)" };
             let accepted = limit + 10.0 * bits / unit;
             if std::env::var_os("CLASTIC_SEED").is_some() && -rest / unit > accepted {
@@ -445,7 +449,7 @@ impl Oracle {
             let apex = if friction > 0.0 { cohesion / friction } else { f64::INFINITY };
             // A bond above its limit goes no further than where its rolling moment vanishes.
             let apex = if rolling > 0.0 { apex.min(strength) } else { apex };
-            // Further from a limit than the greatest force is far.
+            // Further from a limit than the maximum force is far.
             let above = ((p + tension.min(apex)).abs() / contact_force).min(1.0);
             let name =
                 if dynamic { "complementarity (dynamic)" } else { "complementarity (static)" };

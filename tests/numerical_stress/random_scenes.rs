@@ -24,12 +24,12 @@ const LONGEST: Duration = Duration::from_secs(120);
 /// Bounds of the attempts at one increment: solves, and the last round that began below the bound.
 const MAX_SOLVES: u32 = 1300;
 
-/// A random scene; `greatest` bounds the number of bodies.
-pub fn random_scene(seed: u64, greatest: u32) -> Scene {
+/// A random scene; `maximum` bounds the number of bodies.
+pub fn random_scene(seed: u64, maximum: u32) -> Scene {
     let r = &mut Random::new(seed);
     let dynamic = r.chance(0.5);
     let base = r.pick(&[1e-3, 5e-3, 5e-2]);
-    let particles = particles(r, dynamic, base, greatest);
+    let particles = particles(r, dynamic, base, maximum);
     let names = ["soft", "hard"];
     let materials: BTreeMap<String, Material> =
         names.iter().map(|name| ((*name).to_owned(), material(r))).collect();
@@ -136,9 +136,9 @@ fn contact(r: &mut Random, k: f64) -> Contact {
     }
 }
 
-fn particles(r: &mut Random, dynamic: bool, base: f64, greatest: u32) -> Vec<Particle> {
+fn particles(r: &mut Random, dynamic: bool, base: f64, maximum: u32) -> Vec<Particle> {
     // Small ones find most: uniform in the logarithm.
-    let n = r.decades(1.0, f64::from(greatest + 1)) as u32;
+    let n = r.decades(1.0, f64::from(maximum + 1)) as u32;
     let columns = 1 + r.below(8);
     let uneven = r.pick(&[0.0, 0.0, 0.3, 0.8]);
     let jitter = r.pick(&[0.0, 1e-9, 0.05, 0.3]);

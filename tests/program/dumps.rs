@@ -47,9 +47,9 @@ fn check_dump(dump: &Value) -> [f64; 2] {
     let axes: Vec<[f64; 2]> = bodies.iter().map(|b| numbers(&b["axis"])).collect();
     // Forces along x and y and moments about the centre that every body resists.
     let mut resisted = vec![[0.0; 3]; bodies.len()];
-    let mut greatest = [f64::MIN_POSITIVE; 2];
+    let mut maximum = [f64::MIN_POSITIVE; 2];
     for f in &forces {
-        greatest[0] = greatest[0].max(f[0].abs()).max(f[1].abs());
+        maximum[0] = maximum[0].max(f[0].abs()).max(f[1].abs());
     }
     let global = |i: usize| {
         let (a, v) = (axes[i], u[i]);
@@ -57,7 +57,7 @@ fn check_dump(dump: &Value) -> [f64; 2] {
     };
     for i in 0..bodies.len() {
         let v = global(i);
-        greatest[1] = greatest[1].max(v[0].hypot(v[1]));
+        maximum[1] = maximum[1].max(v[0].hypot(v[1]));
     }
     let mut product = 0.0_f64;
     let mut lever = 0.0_f64;
@@ -110,12 +110,12 @@ fn check_dump(dump: &Value) -> [f64; 2] {
             let free = &body["dofs"][k]["free"];
             if free.is_object() {
                 let defect = number(&free["inertia"]) * u[i][k] + own[k] - number(&free["load"]);
-                let unit = if k < 2 { greatest[0] } else { greatest[0] * lever };
+                let unit = if k < 2 { maximum[0] } else { maximum[0] * lever };
                 balance = balance.max(defect.abs() / unit);
             }
         }
     }
-    [balance, product / (greatest[0] * greatest[1])]
+    [balance, product / (maximum[0] * maximum[1])]
 }
 
 #[test]
@@ -149,10 +149,10 @@ fn a_dumped_program_can_be_checked_by_anyone() {
         assert!(complementarity <= 1e-8, "increment {increment}: {complementarity:e}");
         // The check sees what is wrong: a force that is off by 1 %.
         let forces = dump["solution"]["forces"].as_array_mut().unwrap();
-        let greatest = (0..forces.len())
+        let maximum = (0..forces.len())
             .max_by(|i, j| number(&forces[*i][0]).total_cmp(&number(&forces[*j][0])))
             .unwrap();
-        forces[greatest][0] = (1.01 * number(&forces[greatest][0])).into();
+        forces[maximum][0] = (1.01 * number(&forces[maximum][0])).into();
         let [balance, complementarity] = check_dump(&dump);
         assert!(balance > 1e-4 && complementarity > 1e-8, "{balance:e}, {complementarity:e}");
     }

@@ -73,8 +73,8 @@ struct Agreement {
 /// Accepted difference of what is unique, over the scale of it.
 const UNIQUE: f64 = 1e-6;
 
-/// Where two solutions differ in what is unique: the objective by 1e-7, forces behind a compliance and
-/// motions against inertia by `bound`.
+/// Where two solutions differ in what is unique: the objective by 1e-7, forces behind a compliance
+/// and motions against inertia by `bound`.
 fn differences(
     program: &ConeProgram,
     a: &ConeSolution,
@@ -108,9 +108,10 @@ fn differences(
     found
 }
 
-/// Clarabel's solution, found as what is to be added to the displacements `base`. Far-moving bodies on
-/// stiff springs leave it no digits for the forces; about a point nearby, in units of what the springs
-/// give, nothing is far. For springs alone: what they have is moved into offsets and former shear.
+/// Clarabel's solution, found as what is to be added to the displacements `base`. Far-moving bodies
+/// on stiff springs leave it no digits for the forces; about a point nearby, in units of what the
+/// springs give, nothing is far. For springs alone: what they have is moved into offsets and former
+/// shear.
 fn solve_from(program: &ConeProgram, base: &[[f64; 3]]) -> Option<ConeSolution> {
     let mut about = program.clone();
     for c in &mut about.interactions {
@@ -173,9 +174,9 @@ fn compare(programs: &[(String, ConeProgram)]) -> Agreement {
         if differences(program, &a, &b, UNIQUE).is_empty() {
             continue;
         }
-        // Both are asked again, for more. What the first came to must be as near to that as before; the
-        // second is not always so near: contacts that just touch and carry nothing are off by the root of
-        // what it leaves of the product of gap and force.
+        // Both are asked again, for more. What the first came to must be as near to that as before;
+        // the second is not always so near: contacts that just touch and carry nothing are off by
+        // the root of what it leaves of the product of gap and force.
         doubtful += 1;
         let exact = solve(&mut Condensed::new(CondensedSettings::with_tolerance(1e-12)), program);
         let Some(b) = solve_from(program, &b.displacements)
@@ -221,8 +222,8 @@ fn condensed_and_clarabel_agree() {
     assert!(20 * own >= 19 * solved, "Clarabel had to solve {} of {solved}", solved - own);
 }
 
-/// Programs of 400 disks of which more and more are loose: Newton's steps leave the fast ones behind,
-/// which small programs have no room for.
+/// Programs of 400 disks of which more and more are loose: Newton's steps leave the fast ones
+/// behind, which small programs have no room for.
 #[test]
 fn condensed_and_clarabel_agree_while_a_specimen_breaks() {
     let mut simulation = Simulation::new(&load("uniaxial_small"), None);

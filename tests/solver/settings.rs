@@ -259,8 +259,8 @@ fn settings_steer_the_way_and_not_the_solution() {
             let solutions = solve_all(&set, settings);
             for (k, (posed, solution)) in set.iter().zip(&solutions).enumerate() {
                 let is_stalled = solution.status == SolveStatus::Stalled;
-                // A tolerance above that of the increment, of the solver or of its fallback, is what
-                // the caller asked for: whoever solves judges the residual.
+                // A tolerance above that of the increment, of the solver or of its fallback, is
+                // what the caller asked for: whoever solves judges the residual.
                 let is_loose = ["tolerance", "fallback.tolerance"].contains(&name) && factor > 1.0;
                 let case = format!("{name} times {factor}, program {k}");
                 assert!(is_stalled || is_loose || holds(&posed.program, solution), "{case}");

@@ -20,8 +20,8 @@ pub struct FaerCholesky {
 }
 
 impl FaerCholesky {
-    /// `diagonal` on the diagonal, and for each pair a spring of stiffness 1 in each of the degrees of
-    /// freedom.
+    /// `diagonal` on the diagonal, and for each pair a spring of stiffness 1 in each of the degrees
+    /// of freedom.
     pub fn new(bodies: usize, pairs: &[(u32, u32)], diagonal: f64) -> Self {
         let n = 3 * bodies;
         let mut entries: Vec<_> = (0..n).map(|k| Triplet::new(k, k, diagonal)).collect();

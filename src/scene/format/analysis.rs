@@ -24,7 +24,8 @@ pub enum Analysis {
 }
 
 /// Friction law of unbonded contacts.
-// Not the engine's type: a scene names which analyses have which law, and it may have fields of earlier builds.
+// Not the engine's type: a scene names which analyses have which law, and it may have fields of
+// earlier builds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub enum FrictionLaw {

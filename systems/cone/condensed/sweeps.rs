@@ -1,15 +1,15 @@
 //! Sweeps over the contacts: a start for the interior point, near the forces of the last increment.
 //!
-//! Where every degree of freedom has a weight the displacements follow from the forces, `u = M^-1 (f - G s)`, and
-//! the program is one of the forces alone:
+//! Where every degree of freedom has a weight the displacements follow from the forces,
+//! `u = M^-1 (f - G s)`, and the program is one of the forces alone:
 //!
 //! ```text
 //! min J(s) = 1/2 u'M u + 1/2 s'C s + l's   over   p >= 0, |q| <= mu p, |tau| <= m p
 //! ```
 //!
-//! A sweep takes contact after contact to its minimum in the metric of its own diagonal D, there and back
-//! (projected symmetric Gauss-Seidel), and sweeps are accelerated (Nesterov 1983), with a restart where J
-//! rises (O'Donoghue and Candes 2015).
+//! A sweep takes contact after contact to its minimum in the metric of its own diagonal D, there
+//! and back (projected symmetric Gauss-Seidel), and sweeps are accelerated (Nesterov 1983), with a
+//! restart where J rises (O'Donoghue and Candes 2015).
 
 use super::scaled::{Kind, Local, Scaled, add_forces, kinematics};
 use super::settings::WarmSettings;
@@ -31,8 +31,8 @@ struct Contact<const F: usize> {
     slopes: [f64; F],
 }
 
-/// Whether sweeps can find the forces: all interactions are contacts without strength between bodies with
-/// weights.
+/// Whether sweeps can find the forces: all interactions are contacts without strength between
+/// bodies with weights.
 #[must_use]
 pub fn applies(program: &Scaled) -> bool {
     let without_strength = |right: &[f64]| right.iter().all(|x| *x == 0.0);
@@ -222,7 +222,8 @@ impl<const F: usize> Contact<F> {
         }
     }
 
-    /// The nearest forces within the limits, in the metric of the diagonal D. With the limits of forces x active
+    /// The nearest forces within the limits, in the metric of the diagonal D. With the limits of
+    /// forces x active
     ///
     /// ```text
     /// p = (D_p t_p + sum m_x D_x |t_x|) / (D_p + sum m_x^2 D_x),   x = +- m_x p
@@ -262,7 +263,8 @@ fn clamped(x: f64, limit: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// The projection fulfils the conditions of the minimum: what is taken off is normal to the cone.
+    /// The projection fulfils the conditions of the minimum: what is taken off is normal to the
+    /// cone.
     #[test]
     fn projections_are_the_nearest_forces() {
         let contact = |slopes, diagonal| Contact::<3> {

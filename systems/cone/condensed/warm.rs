@@ -1,7 +1,7 @@
-//! The warm start of dynamic programs whose interactions are contacts without strength: sweeps from the forces of the
-//! last increment, and the interior point from there, on the contacts that are near. Elastic steps of
-//! a motion that is followed start from the last forces as well, without sweeps and with all
-//! contacts.
+//! The warm start of dynamic programs whose interactions are contacts without strength: sweeps from
+//! the forces of the last increment, and the interior point from there, on the contacts that are
+//! near. Elastic steps of a motion that is followed start from the last forces as well, without
+//! sweeps and with all contacts.
 
 use crate::program::{ConeProgram, ConeSolution, Dof, SolveStatus};
 
@@ -12,8 +12,8 @@ use super::settings::WarmSettings;
 use super::{Condensed, ROUND_OFF, checked, interior, sweeps};
 
 impl Condensed {
-    /// Solves the program from the forces of the last increment. `None` where that does not apply or does not lead to a
-    /// solution; `iterations` were spent in any case.
+    /// Solves the program from the forces of the last increment. `None` where that does not apply
+    /// or does not lead to a solution; `iterations` were spent in any case.
     pub(super) fn try_warm(
         &mut self,
         program: &ConeProgram,
@@ -61,8 +61,9 @@ impl Condensed {
         None
     }
 
-    /// Takes the forces of all interactions and the displacements of all bodies to those of the interior point of
-    /// the interactions that are kept; the others have no force. Returns the factorisations.
+    /// Takes the forces of all interactions and the displacements of all bodies to those of the
+    /// interior point of the interactions that are kept; the others have no force. Returns the
+    /// factorisations.
     fn solve_kept(
         &mut self,
         program: &ConeProgram,
@@ -121,10 +122,10 @@ pub(super) fn raised<'a>(forces: &'a [[f64; 3]], settings: &WarmSettings) -> int
     interior::Warm { forces, product: settings.product }
 }
 
-/// Whether a program is an elastic step of a motion that is followed: static, with a weight on every
-/// degree of freedom, and not to be solved exactly. The last forces are those after the step before.
-/// Springs have them at zero displacement, so that only the balance is off there; of what is rigid
-/// forces need not be unique.
+/// Whether a program is an elastic step of a motion that is followed: static, with a weight on
+/// every degree of freedom, and not to be solved exactly. The last forces are those after the step
+/// before. Springs have them at zero displacement, so that only the balance is off there; of what
+/// is rigid forces need not be unique.
 pub(super) fn is_elastic_step(program: &ConeProgram, scaled: &Scaled) -> bool {
     let is_elastic = || program.interactions.iter().all(|c| c.normal_compliance > 0.0);
     program.tolerance > 0.0
@@ -134,8 +135,8 @@ pub(super) fn is_elastic_step(program: &ConeProgram, scaled: &Scaled) -> bool {
         && is_elastic()
 }
 
-/// Forces that the interactions carried at the end of the last increment, in units of the scales; 0 where there was
-/// none.
+/// Forces that the interactions carried at the end of the last increment, in units of the scales; 0
+/// where there was none.
 pub(super) fn last_forces(program: &ConeProgram) -> Vec<[f64; 3]> {
     let (_, df) = units(program);
     let in_units = |f: &[f64; 3]| [f[0] / df[0], f[1] / df[0], f[2] / df[2]];

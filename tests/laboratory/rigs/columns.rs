@@ -5,14 +5,16 @@ use crate::common::random::Random;
 use crate::sample::{Sample, digits};
 use crate::scenes::Rig;
 
-/// Uniaxial compression. Four in five scenes impose a displacement, the others a stress above the strength.
+/// Uniaxial compression. Four in five scenes impose a displacement, the others a stress above the
+/// strength.
 pub fn uniaxial(sample: &Sample, seed: u64, random: &mut Random) -> Rig {
     let cement = Cement::draw(sample, random);
     let width = sample.width(random.pick(&[1.5, 2.0, 2.5]));
     let height = sample.height(width);
     let increments = random.pick(&[60, 80, 100]);
     let last = if random.chance(0.8) {
-        // Bonds of the strongest orientation break in shear at some three times their tensile strain.
+        // Bonds of the strongest orientation break in shear at some three times their tensile
+        // strain.
         let step = digits(4.0 * cement.strain * height / f64::from(increments), 3);
         let stop = if random.chance(0.3) { ", stop: [StressDrop(0.5)]" } else { "" };
         load(
@@ -33,8 +35,8 @@ pub fn uniaxial(sample: &Sample, seed: u64, random: &mut Random) -> Rig {
     column(sample, seed, "Uniaxial compression", &cement, width, &[cement.stage(), last])
 }
 
-/// Direct tension between glued platens. Three in four scenes impose a displacement, the others a stress above
-/// the strength.
+/// Direct tension between glued platens. Three in four scenes impose a displacement, the others a
+/// stress above the strength.
 pub fn tension(sample: &Sample, seed: u64, random: &mut Random) -> Rig {
     let cement = Cement::draw(sample, random);
     let width = sample.width(random.pick(&[1.0, 1.5, 2.0]));

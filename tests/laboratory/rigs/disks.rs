@@ -12,8 +12,8 @@ pub struct Disk {
     pub group: &'static str,
 }
 
-/// The grains of a sample on a loose grid above `base` (m), each at a random place in its cell; and the top of
-/// the grid (m).
+/// The grains of a sample on a loose grid above `base` (m), each at a random place in its cell; and
+/// the top of the grid (m).
 pub fn grid(sample: &Sample, width: f64, base: f64, random: &mut Random) -> (Vec<Disk>, f64) {
     let spacing = sample.spacing();
     let columns = (width / spacing).floor() as u32;

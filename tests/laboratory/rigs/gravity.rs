@@ -37,8 +37,9 @@ pub fn deposition(sample: &Sample, seed: u64, random: &mut Random) -> Rig {
     rig
 }
 
-/// A gate retains a bank. The gate is removed at once (dynamic), or its force is reduced to zero (static). The
-/// static bank is of sand or of cemented sand; the gate of cemented sand is removed at the end.
+/// A gate retains a bank. The gate is removed at once (dynamic), or its force is reduced to zero
+/// (static). The static bank is of sand or of cemented sand; the gate of cemented sand is removed
+/// at the end.
 pub fn slope(sample: &Sample, seed: u64, random: &mut Random) -> Rig {
     let width = sample.width(random.pick(&[0.7, 1.0, 2.0]));
     let height = sample.height(width);
@@ -107,8 +108,8 @@ fn weigh(random: &mut Random) -> Vec<String> {
     }
 }
 
-/// Contact law of rigid grains, or of elastic grains that the weight of the bed compresses by at most a
-/// thousandth of their diameter.
+/// Contact law of rigid grains, or of elastic grains that the weight of the bed compresses by at
+/// most a thousandth of their diameter.
 fn grains(sample: &Sample, height: f64, random: &mut Random) -> String {
     let stiffness = 1e3 * DENSITY * G * height;
     let stiffness = random.maybe(0.5, |r| digits(stiffness * r.decades(1.0, 100.0), 2));

@@ -1,4 +1,5 @@
-//! A hopper of fixed grains. It fills above a plug; the plug is released, and the grains flow onto a floor.
+//! A hopper of fixed grains. It fills above a plug; the plug is released, and the grains flow onto
+//! a floor.
 
 use std::f64::consts::FRAC_PI_2;
 

@@ -15,8 +15,9 @@ pub fn shear(sample: &Sample, seed: u64, random: &mut Random) -> Rig {
     }
 }
 
-/// Rows of grains are glued to the platens. The lower row is held; the upper row moves sideways under a constant
-/// normal stress. Since the side walls are fixed, the upper row is shorter than the box by its displacement.
+/// Rows of grains are glued to the platens. The lower row is held; the upper row moves sideways
+/// under a constant normal stress. Since the side walls are fixed, the upper row is shorter than
+/// the box by its displacement.
 fn platens(sample: &Sample, seed: u64, random: &mut Random) -> Rig {
     let width = sample.width(0.5);
     let height = sample.height(width);
@@ -90,12 +91,14 @@ fn lid(sample: &Sample, seed: u64, random: &mut Random) -> Rig {
     }
 }
 
-/// Cemented sand whose outermost grains are glued to four hinged flaps: simple shear at constant volume.
+/// Cemented sand whose outermost grains are glued to four hinged flaps: simple shear at constant
+/// volume.
 fn flaps(sample: &Sample, random: &mut Random) -> Rig {
     let cement = Cement::draw(sample, random);
     let width = sample.width(1.0);
     let (grains, top) = grid(sample, width, 0.0, random);
-    // Sizes are known one by one: the height is exact, so that the outermost grains can be selected by it.
+    // Sizes are known one by one: the height is exact, so that the outermost grains can be selected
+    // by it.
     let height = digits(area(&grains) / ((1.0 - sample.porosity) * width), 5);
     let increments: u32 = random.pick(&[40, 60, 80]);
     // Twice the tensile strain of the bonds.
