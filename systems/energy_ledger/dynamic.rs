@@ -58,10 +58,10 @@ pub fn book_bodies(
             let change = after[k] - before[k];
             e.kinetic += 0.5 * mass * change * (after[k] + before[k]);
             if bodies.group(i).is_some() {
-                // Its own loads and its weight; what drives it is booked with its group.
-                let weight = if k < 2 { mass * analysis.gravity[k] } else { 0.0 };
-                e.numerical += (force.0[k] + weight) * (theta - 0.5) * dt * change;
-            } else if bodies.drives[i][k] == Drive::Free {
+                // Loads and drives act on the group.
+                continue;
+            }
+            if bodies.drives[i][k] == Drive::Free {
                 mean[i][k] = 0.5 * dt * (before[k] + after[k]);
                 let weight = if k < 2 { mass * analysis.gravity[k] } else { 0.0 };
                 e.numerical += (force.0[k] + weight) * (theta - 0.5) * dt * change;
@@ -91,12 +91,14 @@ fn book_group(
     let row = group.body as usize;
     let v_0 = bodies.velocities[row];
     let before = [v_0.x, v_0.y, bodies.angular_velocities[row]];
+    let all = bodies.load_on_group(group, tables.fraction, tables.analysis.gravity);
     for k in 0..3 {
         let u = tables.solution.displacements[row][k];
         if group.drives[k] == Drive::Free {
             let after = (u / dt - (1.0 - theta) * before[k]) / theta;
             mean[k] = 0.5 * dt * (before[k] + after);
-            e.numerical += force.0[k] * (theta - 0.5) * dt * (after - before[k]);
+            let of_members = all[k] - group.loads[k].at(tables.fraction);
+            e.numerical += (force.0[k] + of_members) * (theta - 0.5) * dt * (after - before[k]);
         } else {
             let change = u / dt - before[k];
             e.external -= 0.5 * group.mass_of(k) * change * change;

@@ -353,6 +353,31 @@ fn clumps_that_collide_keep_their_momenta() {
     }
 }
 
+/// The ledger closes when the imposed velocities of groups change under their weight, free along other
+/// degrees of freedom, for any theta.
+#[test]
+fn the_ledger_closes_where_groups_are_driven() {
+    for theta in [0.5, 0.6, 1.0] {
+        let contact = "normal_stiffness: 1.0e5, tangential_stiffness: 1.0e5, friction: 0.3";
+        let rig = scene(
+            &[(-R, R), (R, R), (0.0, 2.9 * R), (0.07, R), (0.09, 1.2 * R)],
+            &format!("gravity: (1.0, -9.81), analysis: Dynamic(dt: 1.0e-3, theta: {theta:?}),"),
+            contact,
+            &FLOOR.replace("CONTACT", contact),
+            "Load(name: \"a\", increments: 20, rigid: {
+                \"left\": (select: Index([0, 1, 2]), x: Displacement(1.0e-4), moment: 0.01),
+                \"right\": (select: Index([3, 4]), rotation: Displacement(-2.0e-3),
+                    force: (-2.0, 3.0)) },
+                particles: [(select: Index([2, 3]), force: (1.0, -2.0), moment: 0.02)]),
+             Load(name: \"b\", increments: 20, rigid: {
+                \"left\": (y: Displacement(0.5e-4), rotation: Displacement(1.0e-3)) })",
+        );
+        let mut simulation = Simulation::new(&rig, None);
+        assert_eq!(records(&mut simulation).len(), 40);
+        assert!(energy_error(&simulation) < 1e-6, "{theta} {:e}", energy_error(&simulation));
+    }
+}
+
 /// Released members move on their own, and a group that is made again holds them where they are.
 #[test]
 fn groups_end_and_are_made_again() {
