@@ -41,6 +41,7 @@ pub use clastic_systems as systems;
 pub mod output;
 pub mod run;
 pub mod scene;
+pub mod study;
 
 use bevy_app::{PluginGroup, PluginGroupBuilder, Update};
 use bevy_ecs::schedule::{InternedScheduleLabel, ScheduleLabel};

@@ -12,6 +12,7 @@ mod resolve;
 mod resume;
 mod run;
 mod summary;
+mod sweep;
 mod threads;
 
 use std::path::PathBuf;
@@ -29,6 +30,7 @@ Examples:
   clastic compare runs/a runs/b                 their curves in one picture
   clastic run uniaxial --checkpoint-every 10    lose no more than 10 increments if it is killed
   clastic resume runs/uniaxial                  go on from there
+  clastic sweep study.ron                       many runs, one table (docs/studies.md)
   clastic run my_rig.ron --out out --set gravity='(0.0, -9.81)'
 
 Exit codes:
@@ -58,6 +60,8 @@ enum Command {
     Check(SceneArgs),
     /// List the scenes that have a name: those in ./scenes and those that clastic ships
     List,
+    /// Make the runs of a study, several at once, and write one table and one figure
+    Sweep(SweepArgs),
     /// Draw the curves of several runs over one another and print their key results
     Compare {
         /// Directories of runs
@@ -67,6 +71,38 @@ enum Command {
         #[arg(long, value_name = "DIR", default_value = "runs/compare")]
         out: PathBuf,
     },
+}
+
+/// Arguments of a sweep.
+#[derive(Args)]
+struct SweepArgs {
+    /// The study, a RON file (see docs/studies.md)
+    study: PathBuf,
+    /// Directory for the runs and the table [default: runs/<name of the study>]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Runs to make at once [default: as many as there are cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    jobs: Option<u32>,
+    /// Make only the Nth run of the study, as a task of a job array does
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    only: Option<u32>,
+    /// Make no run; write table and figure of the runs that are there
+    #[arg(long, conflicts_with = "only")]
+    collect: bool,
+    /// Print a job array for a cluster and make no run
+    #[arg(long, value_name = "FORM", conflicts_with_all = ["only", "collect"])]
+    emit: Option<Emit>,
+    /// No progress, only the result
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+/// Batch systems that a sweep can write jobs for.
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum Emit {
+    /// A job array for `sbatch` of Slurm
+    Slurm,
 }
 
 /// Arguments that name a scene and its settings.
@@ -154,6 +190,7 @@ pub fn main() -> ExitCode {
         Command::Resume(args) => on_threads(args.output.threads, || resume::resume(&args)),
         Command::Check(args) => check::check(&args),
         Command::List => list::list(),
+        Command::Sweep(args) => sweep::sweep(&args),
         Command::Compare { runs, out } => compare::compare(&runs, &out),
     };
     match done {

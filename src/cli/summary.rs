@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use clastic::output::key_results::RIGID;
+use clastic::output::key_results::{PEAK_ERROR, RIGID};
 use clastic::output::{Ending, Results};
 use clastic::run::stages::Script;
 use clastic::run::{Collapse, Outcome, StageEnd};
@@ -115,9 +115,6 @@ fn warnings(stages: &[StageEnd]) -> Vec<String> {
     }
     lines
 }
-
-/// The summary warns about an estimated error of the peak above this.
-const PEAK_ERROR: f64 = 0.02;
 
 /// Warning about a peak that depends on the size of the increments.
 fn peak_error(results: &Results) -> Option<String> {

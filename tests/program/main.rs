@@ -12,3 +12,4 @@ mod exit_codes;
 mod files;
 mod results;
 mod stopped;
+mod sweep;

@@ -18,7 +18,7 @@ use crate::scene::format::Scene;
 
 pub use self::definitions::RIGID;
 pub(super) use self::observe::observe_increment;
-pub use self::results::{BrokenBonds, MechanismRecord, Results, Worst, WorstResiduals};
+pub use self::results::{BrokenBonds, MechanismRecord, PEAK_ERROR, Results, Worst, WorstResiduals};
 
 /// Part of a run to which an increment belongs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,6 +4,9 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+/// A larger estimated error of the peak is worth a warning.
+pub const PEAK_ERROR: f64 = 0.02;
+
 /// Key results as in `run.json`; `None` for those that the run does not define.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Results {

@@ -1,0 +1,19 @@
+//! Studies: many runs of one scene with other settings, as one table and one figure.
+//!
+//! ```text
+//! Study (RON)  ->  Plan: one PlannedRun per combination, each checked  ->  runs  ->  table, figure
+//! ```
+//!
+//! A run lies in a directory that is named by the hash of its content: the program's version, the
+//! scene with its settings, and the stored specimen. A run that exists is therefore never made
+//! again, whichever study asks for it, and a study can be extended.
+
+pub mod format;
+pub mod marks;
+mod ordered;
+pub mod plan;
+pub mod strength;
+pub mod table;
+
+pub use format::{Study, StudyError};
+pub use plan::{Plan, PlannedRun, plan};

@@ -1,0 +1,104 @@
+//! `study.csv`: one row per run, with its values, how it ended, and its key results.
+
+use std::path::Path;
+
+use serde_json::Value;
+
+use super::marks::marks;
+use super::plan::Plan;
+use crate::output::OutputError;
+use crate::output::atomic::write_atomic;
+use crate::output::csv_file::Row;
+use crate::output::directory;
+
+/// Key results of `run.json` that are columns, after the values.
+pub const RESULTS: [&str; 12] = [
+    "youngs_modulus_pa",
+    "youngs_modulus_secant_half_peak_pa",
+    "peak_stress_pa",
+    "strain_at_peak",
+    "peak_error_estimate",
+    "limit_load_pa",
+    "first_crack_stress_pa",
+    "porosity",
+    "avalanches",
+    "largest_avalanche",
+    "bonds_created",
+    "bonds_intact",
+];
+
+/// The `run.json` of every run of a plan in `folder`; null for a run that was not made.
+#[must_use]
+pub fn records(plan: &Plan, folder: &Path) -> Vec<Value> {
+    let record = |name: &String| directory::record(&folder.join(name)).unwrap_or(Value::Null);
+    plan.runs.iter().map(|run| record(&run.directory)).collect()
+}
+
+/// Writes the table. `records` are those of the runs, in the order of the plan. The column `marks`
+/// holds what makes a run not trustworthy, and is empty otherwise.
+///
+/// # Errors
+/// If the file cannot be written.
+pub fn write(path: &Path, plan: &Plan, records: &[Value]) -> Result<(), OutputError> {
+    let mut text = Row::default().text("run");
+    for name in &plan.names {
+        text = text.text(name);
+    }
+    for name in ["status", "marks", "increments", "capped_increments"].into_iter().chain(RESULTS) {
+        text = text.text(name);
+    }
+    let mut text = text.line();
+    for (run, record) in plan.runs.iter().zip(records) {
+        let mut row = Row::default().text(&run.directory);
+        for value in &run.values {
+            row = row.text(value);
+        }
+        row = row.text(record["outcome"]["status"].as_str().unwrap_or("not run"));
+        row = row.text(&marks(record).join("; "));
+        for name in ["increments", "capped_increments"] {
+            row = number(row, &record[name]);
+        }
+        for name in RESULTS {
+            row = number(row, &record["results"][name]);
+        }
+        text.push_str(&row.line());
+    }
+    write_atomic(path, text)
+}
+
+fn number(row: Row, value: &Value) -> Row {
+    match value.as_u64() {
+        Some(count) => row.count(count),
+        None => row.optional(value.as_f64()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+    use crate::study::PlannedRun;
+
+    #[test]
+    fn a_run_that_was_not_made_has_a_row() -> Result<(), Box<dyn std::error::Error>> {
+        let run = |value: &str, directory: &str| PlannedRun {
+            values: vec![value.to_owned()],
+            sets: vec![],
+            directory: directory.to_owned(),
+        };
+        let plan =
+            Plan { names: vec!["mu".to_owned()], runs: vec![run("0.2", "a"), run("0.4", "b")] };
+        let record = json!({ "outcome": { "status": "completed" }, "increments": 4,
+            "capped_increments": 0, "results": { "peak_stress_pa": 2.5, "bonds_intact": 3 } });
+        let dir = tempfile::tempdir()?;
+        let path = dir.path().join("study.csv");
+        write(&path, &plan, &[record, Value::Null])?;
+        let text = std::fs::read_to_string(path)?;
+        let lines: Vec<_> = text.lines().collect();
+        assert!(lines[0].starts_with("run,mu,status,marks,increments,capped_increments,youngs"));
+        assert_eq!(lines[1], "a,0.2,completed,,4,0,,,2.5,,,,,,,,,3");
+        assert_eq!(lines[2], "b,0.4,not run,not run,,,,,,,,,,,,,,");
+        Ok(())
+    }
+}

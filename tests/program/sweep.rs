@@ -1,0 +1,122 @@
+//! `clastic sweep`: every run once, whatever happens to the sweep.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+use crate::call::{PROGRAM, clastic, stderr, stdout};
+
+/// Two disks pulled apart until their bond breaks, at three strengths and two steps. The force at
+/// which it breaks follows from the strength; the step decides how far beyond it is seen.
+const STUDY: &str = r#"(
+    version: 1,
+    title: "one bond, three strengths",
+    scene: "tension",
+    settings: { "strength": ["materials.cemented.bond.tensile_strength"] },
+    runs: Grid({ "strength": [1.0e3, 2.0e3, 3.0e3], "stages.pull.increments": [150, 200] }),
+)"#;
+
+/// A folder with the study.
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("study.ron"), STUDY).unwrap();
+    folder
+}
+
+fn sweep(folder: &Path, more: &[&str]) -> Command {
+    let mut command = Command::new(PROGRAM);
+    command.args(["sweep", "study.ron", "--out", "out", "--jobs", "2"]).args(more);
+    command.current_dir(folder).stdout(Stdio::null()).stderr(Stdio::null());
+    command
+}
+
+fn table(folder: &Path) -> String {
+    fs::read_to_string(folder.join("out/study.csv")).unwrap()
+}
+
+/// The table that a sweep leaves which nothing disturbs.
+fn undisturbed() -> String {
+    let folder = folder();
+    assert!(sweep(folder.path(), &[]).status().unwrap().success());
+    table(folder.path())
+}
+
+#[test]
+fn a_sweep_has_a_row_and_a_curve_per_run_and_repeats_none() {
+    let folder = folder();
+    assert!(sweep(folder.path(), &[]).status().unwrap().success());
+    let first = table(folder.path());
+    let rows: Vec<_> = first.lines().collect();
+    assert_eq!(rows.len(), 7, "{first}");
+    assert!(rows[0].starts_with("run,strength,stages.pull.increments,status,marks,"), "{first}");
+    assert!(rows[1].contains(",1.0e3,150,completed,,"), "{first}");
+    let record = |row: &str| {
+        let name = row.split(',').next().unwrap();
+        folder.path().join("out").join(name).join("run.json")
+    };
+    let written = |row: &str| fs::metadata(record(row)).unwrap().modified().unwrap();
+    let before: Vec<_> = rows[1..].iter().map(|row| written(row)).collect();
+    assert!(sweep(folder.path(), &[]).status().unwrap().success());
+    assert_eq!(table(folder.path()), first);
+    let after: Vec<_> = rows[1..].iter().map(|row| written(row)).collect();
+    assert_eq!(before, after, "a run was made again");
+}
+
+#[test]
+fn a_killed_sweep_goes_on_to_the_same_table() {
+    let folder = folder();
+    // Killed twice, once so that it cannot tidy up; its runs may go on without it.
+    for (pause, signal) in [(40, "KILL"), (60, "TERM")] {
+        let mut child = sweep(folder.path(), &[]).spawn().unwrap();
+        std::thread::sleep(Duration::from_millis(pause));
+        let _ = Command::new("kill").arg(format!("-{signal}")).arg(child.id().to_string()).status();
+        child.wait().unwrap();
+    }
+    assert!(sweep(folder.path(), &[]).status().unwrap().success());
+    assert_eq!(table(folder.path()), undisturbed());
+}
+
+#[test]
+fn two_sweeps_in_one_folder_share_its_runs() {
+    let folder = folder();
+    let mut both = [0, 1].map(|_| sweep(folder.path(), &[]).spawn().unwrap());
+    for child in &mut both {
+        assert!(child.wait().unwrap().success());
+    }
+    assert_eq!(table(folder.path()), undisturbed());
+}
+
+#[test]
+fn tasks_of_a_job_array_leave_the_table_of_a_sweep() {
+    let folder = folder();
+    let path = folder.path().join("study.ron");
+    let script = stdout(&clastic(&["sweep", path.to_str().unwrap(), "--emit", "slurm"]).code(0));
+    assert!(script.starts_with("#!/bin/sh\n"), "{script}");
+    assert!(script.contains("#SBATCH --array=1-6\n"), "{script}");
+    assert!(script.contains("--only \"$SLURM_ARRAY_TASK_ID\""), "{script}");
+    for task in ["6", "1", "3", "2", "5", "4"] {
+        sweep(folder.path(), &["--only", task]).status().unwrap();
+    }
+    assert!(sweep(folder.path(), &["--collect"]).status().unwrap().success());
+    assert_eq!(table(folder.path()), undisturbed());
+}
+
+#[test]
+fn a_mistake_is_told_before_anything_runs() {
+    for (from, to, told) in [
+        ("3.0e3]", "-3.0e3]", "run 5 (strength -3.0e3, stages.pull.increments 150)"),
+        ("\"stages.pull.increments\"", "\"stages.pul.increments\"", "stages.pul"),
+        ("scene: \"tension\"", "scene: \"tensoin\"", "did you mean `tension`?"),
+        ("runs: Grid", "runs: Grit", "study.ron:6:"),
+    ] {
+        let folder = folder();
+        let path = folder.path().join("study.ron");
+        fs::write(&path, STUDY.replace(from, to)).unwrap();
+        let out = folder.path().join("out");
+        let arguments = ["sweep", path.to_str().unwrap(), "--out", out.to_str().unwrap()];
+        let said = stderr(&clastic(&arguments).failure());
+        assert!(said.contains(told), "{to}: {said}");
+        assert!(!out.exists(), "{to}");
+    }
+}
