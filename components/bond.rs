@@ -11,6 +11,7 @@ use crate::identity::{IdentityError, bond_added, bond_gone, bond_named, joined};
 use crate::material::BondLaw;
 use crate::particle::Particle;
 use crate::wall::Wall;
+use crate::wall_shape::WallShape;
 
 /// Identity of a bond. A bond that is inserted without an identity gets the next one. No identity
 /// is used twice.
@@ -85,10 +86,13 @@ impl Joint {
     }
 }
 
-/// Distance of a point from the line of a wall, along its inward normal, m.
+/// Distance of a point from a wall, m; negative on the outer side of a line.
 fn height(world: &World, wall: Entity, point: DVec2) -> f64 {
     let middle = world.get::<Position>(wall).map(|x| x.0).unwrap_or_default();
-    world.get::<Wall>(wall).map_or(0.0, |wall| (point - middle).dot(wall.inward()))
+    let shape = world.get::<WallShape>(wall).copied().unwrap_or_default();
+    world
+        .get::<Wall>(wall)
+        .map_or(0.0, |wall| shape.nearest(wall.inward(), wall.half_length, point - middle).distance)
 }
 
 /// Whether a bond still holds.

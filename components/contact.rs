@@ -11,6 +11,7 @@ use crate::bond::BondId;
 use crate::material::{BondLaw, ContactLaw};
 use crate::rigid_group::GroupRow;
 use crate::wall::{WallControl, WallDrive};
+use crate::wall_shape::{Nearest, WallShape};
 
 /// Bodies, intact bonds and controls in the order of identities, so that results do not depend on
 /// the order of a query. Tables by body have `particles + walls + groups` entries.
@@ -153,6 +154,7 @@ impl Bodies {
     pub fn wall_drive(&self, wall: &WallRow) -> WallDrive {
         match wall.drive {
             WallDrive::Imposed(_) if self.resting => WallDrive::default(),
+            WallDrive::Sliding { load, .. } if self.resting => WallDrive::Loaded(load),
             drive => drive,
         }
     }
@@ -263,12 +265,35 @@ pub struct WallRow {
     pub inward: DVec2,
     /// Half the length of the drawn segment, m.
     pub half_length: f64,
+    /// Shape for contact.
+    pub shape: WallShape,
     /// Law of the wall's contacts.
     pub law: ContactLaw,
     /// Control of the wall in the stage.
     pub control: WallControl,
     /// Drive of the wall in the increment.
     pub drive: WallDrive,
+}
+
+impl WallRow {
+    /// The point of the wall that is nearest to `place`, with the wall at `position`, m.
+    #[inline]
+    #[must_use]
+    pub fn nearest(&self, position: DVec2, place: DVec2) -> Nearest {
+        self.shape.nearest(self.inward, self.half_length, place - position)
+    }
+
+    /// Unit vector from the start to the end of the drawn segment.
+    #[must_use]
+    pub fn tangent(&self) -> DVec2 {
+        -self.inward.perp()
+    }
+
+    /// Whether the wall is an infinite line.
+    #[must_use]
+    pub fn is_line(&self) -> bool {
+        matches!(self.shape, WallShape::Line)
+    }
 }
 
 /// An intact bond of [`Bodies`].

@@ -22,3 +22,4 @@ pub mod observation;
 pub mod particle;
 pub mod rigid_group;
 pub mod wall;
+pub mod wall_shape;

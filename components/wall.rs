@@ -11,18 +11,20 @@ use crate::identity::body_added;
 use crate::increment::Progress;
 use crate::material::ContactLaw;
 
-/// A straight rigid wall: an infinite line for contact, drawn between its ends.
+/// A rigid wall: an infinite line for contact, drawn between its ends, unless it has another
+/// [`WallShape`](crate::wall_shape::WallShape).
 ///
-/// Its [`Position`] is the middle of the drawn segment. Material lies on the left of the way from
-/// start to end: the inward normal is the tangent turned by +90 degrees. A wall does not rotate.
+/// Its [`Position`] is the middle of the drawn segment; of an arc its middle, of a whole circle its
+/// centre. Material lies on the left of the way from start to end: the inward normal is the tangent
+/// turned by +90 degrees. A wall does not rotate.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 #[component(on_add = body_added)]
 #[require(Position, LastMotion, ExternalForce, ContactLaw, WallDrive, WallControl)]
 pub struct Wall {
-    /// Unit vector from the start to the end of the segment.
+    /// Unit vector from the start to the end of the segment, or along the chord of an arc.
     pub tangent: DVec2,
-    /// Half the length of the drawn segment, m.
+    /// Half the length of the drawn segment, or of the chord of an arc, m.
     pub half_length: f64,
 }
 
@@ -71,6 +73,65 @@ pub enum WallControl {
     },
     /// Another system writes the wall's [`WallDrive`].
     Custom,
+    /// The wall follows its [`WallTable`].
+    Table(TableOf),
+}
+
+/// What a [`WallTable`] has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub enum TableOf {
+    /// Displacement (x, y) since the start of the stage, m.
+    Displacement,
+    /// Force along the inward normal, N.
+    Force,
+    /// Stress along the inward normal, Pa.
+    Stress(LoadedLength),
+}
+
+/// Motion of a wall along its tangent while it carries a force or a stress: a shear lid.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
+pub enum WallSlide {
+    /// Displacement in every increment, m, positive from the start to the end of the wall.
+    Displacement(f64),
+    /// Velocity, m/s; dynamic analysis only.
+    Velocity(f64),
+}
+
+/// Points (s, x, y) of a control that is linear between them and constant beyond the last. s is the
+/// time since the start of the stage (s) in dynamic analysis, and the part of the stage that is done
+/// (0 to 1) in static analysis. A force or a stress is x.
+#[derive(Component, Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
+pub struct WallTable(pub Vec<[f64; 3]>);
+
+impl WallTable {
+    /// Value at s.
+    #[must_use]
+    pub fn at(&self, s: f64) -> DVec2 {
+        let value = |point: &[f64; 3]| DVec2::new(point[1], point[2]);
+        let next = self.0.partition_point(|point| point[0] <= s);
+        match (next.checked_sub(1).map(|k| &self.0[k]), self.0.get(next)) {
+            (Some(a), Some(b)) => value(a).lerp(value(b), (s - a[0]) / (b[0] - a[0])),
+            (Some(only), None) | (None, Some(only)) => value(only),
+            (None, None) => DVec2::ZERO,
+        }
+    }
+
+    /// Value when `progress.done` increments are done, and at the end of the whole increment after
+    /// them. Within an increment the value is linear, so that parts of it add up to the whole.
+    #[must_use]
+    pub fn next(&self, progress: &Progress, dt: Option<f64>) -> [DVec2; 2] {
+        let after = |n: f64| self.at(dt.map_or(n / progress.total, |dt| n * dt));
+        let whole = progress.done.floor();
+        let [start, end] = [after(whole), after(whole + 1.0)];
+        let done = progress.done - whole;
+        if done == 0.0 {
+            return [start, end];
+        }
+        [start + done * (end - start), end + done * (end - start)]
+    }
 }
 
 impl WallControl {
@@ -113,6 +174,34 @@ pub enum WallDrive {
     Imposed(DVec2),
     /// Force along the inward normal, N; the wall moves along its normal only.
     Loaded(Ramp),
+    /// Force along the inward normal, N, while the wall is moved along its tangent.
+    Sliding {
+        /// The force.
+        load: Ramp,
+        /// Displacement along the tangent over the increment, m.
+        along: f64,
+    },
+}
+
+impl WallDrive {
+    /// Force along the inward normal, N; `None` if the motion along the normal is imposed.
+    #[must_use]
+    pub fn load(&self) -> Option<Ramp> {
+        match *self {
+            Self::Imposed(_) => None,
+            Self::Loaded(load) | Self::Sliding { load, .. } => Some(load),
+        }
+    }
+
+    /// Imposed displacement over the increment, m. `tangent` is that of the wall.
+    #[must_use]
+    pub fn imposed(&self, tangent: DVec2) -> DVec2 {
+        match *self {
+            Self::Imposed(u) => u,
+            Self::Loaded(_) => DVec2::ZERO,
+            Self::Sliding { along, .. } => along * tangent,
+        }
+    }
 }
 
 impl Default for WallDrive {

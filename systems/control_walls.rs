@@ -4,10 +4,13 @@
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use clastic_components::body::{BodyId, Position};
+use clastic_components::body::{BodyId, Position, Ramp};
 use clastic_components::contact::Bodies;
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
-use clastic_components::wall::{LoadedLength, Wall, WallControl, WallDrive};
+use clastic_components::wall::{
+    LoadedLength, TableOf, Wall, WallControl, WallDrive, WallSlide, WallTable,
+};
+use glam::DVec2;
 
 use crate::schedule::{
     ControlSystems, ControlWalls, Increment, IncrementSystems, lap, start_clock,
@@ -22,7 +25,9 @@ pub struct ControlWallsPlugin;
 impl Plugin for ControlWallsPlugin {
     fn build(&self, app: &mut App) {
         app.register_state::<ControlStates>(WALL_CONTROL)
-            .register_component::<BodyId, WallDrive>("wall_drive");
+            .register_component::<BodyId, WallDrive>("wall_drive")
+            .register_component::<BodyId, WallSlide>("wall_slide")
+            .register_component::<BodyId, WallTable>("wall_table");
         app.add_systems(ControlWalls, control_walls.in_set(ControlSystems::BuiltIn)).add_systems(
             Increment,
             (
@@ -41,19 +46,26 @@ pub fn control_walls(
     progress: Res<Progress>,
     analysis: Res<Analysis>,
     geometry: Query<(&Wall, &Position)>,
-    mut walls: Query<(Entity, &WallControl, &mut WallDrive)>,
+    mut walls: Query<(
+        Entity,
+        &WallControl,
+        &mut WallDrive,
+        Option<&WallTable>,
+        Option<&WallSlide>,
+    )>,
     mut commands: Commands,
 ) {
-    for (entity, control, mut drive) in &mut walls {
+    let dt = time_step(&analysis);
+    for (entity, control, mut drive, table, slide) in &mut walls {
         let next = match *control {
             WallControl::Fixed => WallDrive::default(),
             WallControl::Displacement(u) => WallDrive::Imposed(u),
-            WallControl::Velocity(v) => match analysis.kind {
-                AnalysisKind::Dynamic { dt, .. } => WallDrive::Imposed(v * dt),
-                AnalysisKind::Static | AnalysisKind::LeastMotion { .. } => WallDrive::default(),
-            },
+            WallControl::Velocity(v) => {
+                dt.map_or_else(WallDrive::default, |dt| WallDrive::Imposed(v * dt))
+            }
             WallControl::Force { from, to } => WallDrive::Loaded(progress.ramp(from, to)),
             WallControl::Stress { length: LoadedLength::Between(a, b), .. }
+            | WallControl::Table(TableOf::Stress(LoadedLength::Between(a, b)))
                 if !(geometry.contains(a) && geometry.contains(b)) =>
             {
                 // The wall would be unloaded without a word.
@@ -67,17 +79,64 @@ pub fn control_walls(
                 let length = loaded_length(entity, length, &geometry);
                 WallDrive::Loaded(progress.ramp(from, to).times(length * analysis.thickness))
             }
+            WallControl::Table(of) => {
+                let table = table.map_or([DVec2::ZERO; 2], |table| table.next(&progress, dt));
+                match of {
+                    TableOf::Displacement => WallDrive::Imposed(table[1] - table[0]),
+                    TableOf::Force => WallDrive::Loaded(ramp(table)),
+                    TableOf::Stress(length) => {
+                        let length = loaded_length(entity, length, &geometry);
+                        WallDrive::Loaded(ramp(table).times(length * analysis.thickness))
+                    }
+                }
+            }
             WallControl::Custom => continue,
+        };
+        let next = match (next, slide) {
+            (WallDrive::Loaded(load), Some(slide)) => {
+                let along = match *slide {
+                    WallSlide::Displacement(u) => u,
+                    WallSlide::Velocity(v) => dt.map_or(0.0, |dt| v * dt),
+                };
+                WallDrive::Sliding { load, along }
+            }
+            (next, _) => next,
         };
         drive.set_if_neq(next);
     }
 }
 
+/// Time step of a dynamic analysis, s.
+fn time_step(analysis: &Analysis) -> Option<f64> {
+    match analysis.kind {
+        AnalysisKind::Dynamic { dt, .. } => Some(dt),
+        AnalysisKind::Static | AnalysisKind::LeastMotion { .. } => None,
+    }
+}
+
+fn ramp([from, to]: [DVec2; 2]) -> Ramp {
+    Ramp { from: from.x, to: to.x }
+}
+
 /// Updates the drives of stress-controlled walls in the table. The stress acts on the current
 /// length between the walls, which a followed motion may have changed.
-pub fn renew_stresses(bodies: &mut Bodies, progress: &Progress, analysis: &Analysis) {
+pub fn renew_stresses<'w>(
+    bodies: &mut Bodies,
+    table_of: impl Fn(Entity) -> Option<&'w WallTable>,
+    progress: &Progress,
+    analysis: &Analysis,
+) {
     for k in 0..bodies.walls.len() {
-        let WallControl::Stress { from, to, length } = bodies.walls[k].control else { continue };
+        let wall = &bodies.walls[k];
+        let (stress, length) = match wall.control {
+            WallControl::Stress { from, to, length } => (progress.ramp(from, to), length),
+            WallControl::Table(TableOf::Stress(length)) => {
+                let entity = bodies.entities[wall.body as usize];
+                let Some(table) = table_of(entity) else { continue };
+                (ramp(table.next(progress, time_step(analysis))), length)
+            }
+            _ => continue,
+        };
         let length = match length {
             LoadedLength::Segment => 2.0 * bodies.walls[k].half_length,
             LoadedLength::Between(first, second) => {
@@ -91,8 +150,12 @@ pub fn renew_stresses(bodies: &mut Bodies, progress: &Progress, analysis: &Analy
                 }
             }
         };
-        let ramp = progress.ramp(from, to).times(length * analysis.thickness);
-        bodies.walls[k].drive = WallDrive::Loaded(ramp);
+        let load = stress.times(length * analysis.thickness);
+        let drive = &mut bodies.walls[k].drive;
+        *drive = match *drive {
+            WallDrive::Sliding { along, .. } => WallDrive::Sliding { load, along },
+            _ => WallDrive::Loaded(load),
+        };
     }
 }
 

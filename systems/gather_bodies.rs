@@ -18,6 +18,7 @@ use clastic_components::material::ContactLaw;
 use clastic_components::particle::{MaterialIndex, Particle, Swinging};
 use clastic_components::rigid_group::{ContactForce, RigidGroup};
 use clastic_components::wall::{Wall, WallControl, WallDrive};
+use clastic_components::wall_shape::WallShape;
 
 use crate::rigid_groups::{self, GroupQuery};
 use crate::schedule::{Increment, IncrementSystems};
@@ -51,6 +52,7 @@ fn register_bodies(app: &mut App) {
     app.register_state::<NextIdentities>("identities.next")
         .register_component::<BodyId, Particle>("particle")
         .register_component::<BodyId, Wall>("wall")
+        .register_component::<BodyId, WallShape>("wall_shape")
         .register_component::<BodyId, Position>("position")
         .register_component::<BodyId, Origin>("origin")
         .register_component::<BodyId, Rotation>("rotation")
@@ -126,6 +128,7 @@ type WallQuery<'w, 's> = Query<
         &'static ContactLaw,
         &'static WallControl,
         &'static WallDrive,
+        Option<&'static WallShape>,
     ),
 >;
 
@@ -199,7 +202,7 @@ pub fn gather_bodies(
     bodies.mean_radius = if n == 0 { 1.0 } else { bodies.radii.iter().sum::<f64>() / n as f64 };
 
     bodies.walls.clear();
-    for (entity, id, wall, position, motion, law, control, drive) in &walls {
+    for (entity, id, wall, position, motion, law, control, drive, shape) in &walls {
         let Some(i) = bodies.row(*id) else { continue };
         bodies.entities[i] = entity;
         bodies.positions[i] = position.0;
@@ -211,6 +214,7 @@ pub fn gather_bodies(
             body: i as u32,
             inward: wall.inward(),
             half_length: wall.half_length,
+            shape: shape.copied().unwrap_or_default(),
             law: *law,
             control: *control,
             drive: *drive,

@@ -118,7 +118,13 @@ pub fn paths(
                     let distance = (bodies.positions[b] - bodies.positions[a] + moved).length();
                     distance - bodies.radii[a] - radius
                 }
-                None => contact.gap + contact.normal.dot(moved),
+                None => match bodies.walls.iter().find(|w| w.body as usize == b && !w.is_line()) {
+                    Some(wall) => {
+                        let place = bodies.positions[a] - moved;
+                        wall.nearest(bodies.positions[b], place).distance - bodies.radii[a]
+                    }
+                    None => contact.gap + contact.normal.dot(moved),
+                },
             };
             if gap >= -residual_overlap(acceptance, bodies) {
                 continue;

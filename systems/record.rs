@@ -364,17 +364,32 @@ fn record_probes(
     )>,
     mut out: ResMut<Observation>,
 ) {
-    let mut rows: Vec<(BodyId, ProbeReading)> = probes
+    let mut rows: Vec<(BodyId, ProbeReading, DVec2)> = probes
         .iter()
         .map(|(id, probe, x, origin, rotation, force, of_contacts)| {
             // A group records the force on its boundary.
             let force = of_contacts.map_or(force.0, |force| force.0);
             let d = x.0 - origin.0;
             let motion = [d.x, d.y, rotation.map_or(0.0, |r| r.0)];
-            (*id, ProbeReading { name: probe.0.clone(), motion, force })
+            (*id, ProbeReading { name: probe.0.clone(), motion, force }, x.0)
         })
         .collect();
-    rows.sort_unstable_by_key(|(id, _)| *id);
+    rows.sort_unstable_by_key(|(id, ..)| *id);
     out.probes.clear();
-    out.probes.extend(rows.into_iter().map(|(_, reading)| reading));
+    let mut first = DVec2::ZERO;
+    for (_, reading, x) in rows {
+        match out.probes.last_mut().filter(|last| last.name == reading.name) {
+            // The pieces of a polyline have one name. Their moment is about the middle of the first.
+            Some(sum) => {
+                let [fx, fy, moment] = reading.force;
+                sum.force[0] += fx;
+                sum.force[1] += fy;
+                sum.force[2] += moment + (x - first).perp_dot(DVec2::new(fx, fy));
+            }
+            None => {
+                first = x;
+                out.probes.push(reading);
+            }
+        }
+    }
 }

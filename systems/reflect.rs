@@ -4,7 +4,7 @@ use bevy_app::{App, Plugin};
 
 use clastic_components::{
     attempt, body, bond, contact, energy, findings, identity, increment, loads, material,
-    observation, particle, rigid_group, wall,
+    observation, particle, rigid_group, wall, wall_shape,
 };
 use clastic_cone::program;
 
@@ -84,6 +84,9 @@ impl Plugin for ReflectPlugin {
             wall::WallName,
             wall::WallControl,
             wall::WallDrive,
+            wall::WallSlide,
+            wall::WallTable,
+            wall_shape::WallShape,
             program::ConeProgram,
             program::ConeSolution,
             DetectionSettings,

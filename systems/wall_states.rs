@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use clastic_components::body::BodyId;
 use clastic_components::identity::Identities;
-use clastic_components::wall::{LoadedLength, WallControl};
+use clastic_components::wall::{LoadedLength, TableOf, WallControl};
 
 use crate::state::StateOf;
 
@@ -32,6 +32,12 @@ pub enum ControlState {
     Stress(f64, f64, LengthState),
     /// Another system sets the drive.
     Custom,
+    /// Displacement from a table.
+    DisplacementTable,
+    /// Force from a table.
+    ForceTable,
+    /// Stress from a table.
+    StressTable(LengthState),
 }
 
 /// A [`LoadedLength`] that names walls by identity.
@@ -49,25 +55,27 @@ impl ControlState {
     pub fn is_ramp(&self) -> bool {
         match self {
             Self::Force(from, to) | Self::Stress(from, to, _) => from != to,
+            Self::DisplacementTable | Self::ForceTable | Self::StressTable(_) => true,
             _ => false,
         }
     }
 
     fn of(world: &World, control: &WallControl) -> Self {
         let id = |wall: Entity| world.get::<BodyId>(wall).copied();
+        let of = |length: LoadedLength| match length {
+            LoadedLength::Segment => LengthState::Segment,
+            LoadedLength::Between(a, b) => LengthState::Between(id(a), id(b)),
+        };
         match *control {
             WallControl::Fixed => Self::Fixed,
             WallControl::Displacement(u) => Self::Displacement(u),
             WallControl::Velocity(v) => Self::Velocity(v),
             WallControl::Force { from, to } => Self::Force(from, to),
-            WallControl::Stress { from, to, length } => {
-                let length = match length {
-                    LoadedLength::Segment => LengthState::Segment,
-                    LoadedLength::Between(a, b) => LengthState::Between(id(a), id(b)),
-                };
-                Self::Stress(from, to, length)
-            }
+            WallControl::Stress { from, to, length } => Self::Stress(from, to, of(length)),
             WallControl::Custom => Self::Custom,
+            WallControl::Table(TableOf::Displacement) => Self::DisplacementTable,
+            WallControl::Table(TableOf::Force) => Self::ForceTable,
+            WallControl::Table(TableOf::Stress(length)) => Self::StressTable(of(length)),
         }
     }
 
@@ -75,19 +83,20 @@ impl ControlState {
         let wall = |id: Option<BodyId>| {
             id.and_then(|id| identities.body(id)).unwrap_or(Entity::PLACEHOLDER)
         };
+        let of = |length: LengthState| match length {
+            LengthState::Segment => LoadedLength::Segment,
+            LengthState::Between(a, b) => LoadedLength::Between(wall(a), wall(b)),
+        };
         match self {
             Self::Fixed => WallControl::Fixed,
             Self::Displacement(u) => WallControl::Displacement(u),
             Self::Velocity(v) => WallControl::Velocity(v),
             Self::Force(from, to) => WallControl::Force { from, to },
-            Self::Stress(from, to, length) => {
-                let length = match length {
-                    LengthState::Segment => LoadedLength::Segment,
-                    LengthState::Between(a, b) => LoadedLength::Between(wall(a), wall(b)),
-                };
-                WallControl::Stress { from, to, length }
-            }
+            Self::Stress(from, to, length) => WallControl::Stress { from, to, length: of(length) },
             Self::Custom => WallControl::Custom,
+            Self::DisplacementTable => WallControl::Table(TableOf::Displacement),
+            Self::ForceTable => WallControl::Table(TableOf::Force),
+            Self::StressTable(length) => WallControl::Table(TableOf::Stress(of(length))),
         }
     }
 }

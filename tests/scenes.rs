@@ -66,6 +66,11 @@ scenes! {
     #[ignore = "462 grains, 3400 increments"]
     rotating_drum: "rotating_drum", COMPLETES, &[];
     stack: "stack", COMPLETES, &[];
+    shear_box: "shear_box", COMPLETES, &[];
+    #[ignore = "half a minute"]
+    angle_of_repose: "angle_of_repose", COMPLETES, &[];
+    #[ignore = "half a minute; a smaller one with its rate of flow is in tests/engine/hopper.rs"]
+    hopper: "hopper", COMPLETES, &[];
     #[ignore = "half a minute"]
     column_collapse_small: "column_collapse_small", COMPLETES, &[];
 

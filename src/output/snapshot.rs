@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use clastic_components::body::{BodyId, Origin, Rotation};
 use clastic_components::bond::{Bond, BondId, BondState};
-use clastic_components::contact::Bodies;
+use clastic_components::contact::{Bodies, WallRow};
 use clastic_components::wall::Wall;
 
 /// State of a run at one moment. Tables by particle are in the order of identities.
@@ -23,8 +23,10 @@ pub struct Snapshot {
     pub rotations: Vec<f64>,
     /// Displacements since the start of the stage list, m.
     pub displacements: Vec<DVec2>,
-    /// Ends of the drawn segments of the walls, m.
+    /// Ends of the drawn segments of the walls that are lines, m.
     pub walls: Vec<[DVec2; 2]>,
+    /// Straight pieces of the thin walls, m; many for an arc.
+    pub plates: Vec<[DVec2; 2]>,
     /// Broken bonds as segments from centre to centre, or to the foot of the perpendicular on the
     /// wall, m.
     pub cracks: Vec<[DVec2; 2]>,
@@ -41,13 +43,16 @@ impl Snapshot {
             .unwrap_or_else(|error| panic!("{error}"))
     }
 
-    /// Lower left and upper right corner of the box around all disks, m; none without disks.
+    /// Lower left and upper right corner of the box around all disks and thin walls, m; none without
+    /// disks.
     #[must_use]
     pub fn bounds(&self) -> Option<(DVec2, DVec2)> {
         let boxes = self.positions.iter().zip(&self.radii);
-        boxes
+        let disks = boxes
             .map(|(x, r)| (*x - DVec2::splat(*r), *x + DVec2::splat(*r)))
-            .reduce(|(low, high), (l, h)| (low.min(l), high.max(h)))
+            .reduce(|(low, high), (l, h)| (low.min(l), high.max(h)))?;
+        let ends = self.plates.iter().flatten();
+        Some(ends.fold(disks, |(low, high), x| (low.min(*x), high.max(*x))))
     }
 }
 
@@ -89,6 +94,7 @@ impl Scenery<'_, '_> {
                 })
                 .collect(),
             walls: self.wall_ends(),
+            plates: self.plates(),
             cracks: self.cracks(),
         }
     }
@@ -100,7 +106,20 @@ impl Scenery<'_, '_> {
             let (middle, half) = (bodies.positions[i], wall.tangent * wall.half_length);
             Some([middle - half, middle + half])
         };
-        bodies.walls.iter().filter_map(|row| ends(row.body as usize)).collect()
+        let lines = bodies.walls.iter().filter(|row| row.is_line());
+        lines.filter_map(|row| ends(row.body as usize)).collect()
+    }
+
+    fn plates(&self) -> Vec<[DVec2; 2]> {
+        let bodies = &*self.bodies;
+        let pieces = |row: &WallRow| {
+            let middle = bodies.positions[row.body as usize];
+            let wall = Wall { tangent: row.tangent(), half_length: row.half_length };
+            let points = row.shape.outline(&wall);
+            let pieces = points.windows(2).map(|ends| [middle + ends[0], middle + ends[1]]);
+            pieces.collect::<Vec<_>>()
+        };
+        bodies.walls.iter().filter(|row| !row.is_line()).flat_map(pieces).collect()
     }
 
     fn cracks(&self) -> Vec<[DVec2; 2]> {
@@ -111,7 +130,13 @@ impl Scenery<'_, '_> {
         let bodies = &*self.bodies;
         let place = |i: usize, from: DVec2| match bodies.walls.iter().find(|w| w.body as usize == i)
         {
-            Some(wall) => from - wall.inward * (from - bodies.positions[i]).dot(wall.inward),
+            Some(wall) if wall.is_line() => {
+                from - wall.inward * (from - bodies.positions[i]).dot(wall.inward)
+            }
+            Some(wall) => {
+                let near = wall.nearest(bodies.positions[i], from);
+                from - near.outward * near.distance
+            }
             None => bodies.positions[i],
         };
         // A removed body has no position.

@@ -10,28 +10,45 @@ use clastic_systems::detect_contacts::gaps::{pair_contact, wall_contact};
 use clastic_systems::detect_contacts::grid::pairs_within;
 use clastic_systems::gather_bodies::gather_bodies;
 
+use super::select::selected;
 use super::spawn::{WallCatalogue, bond_law};
 use crate::scene::format::Cement;
 
-/// Bonds every pair with `g_0 < length` whose materials form bonds and that has no intact bond. A
-/// wall with a bond law of its own bonds to every particle within the length.
+/// Bonds every pair of the selected particles with `g_0 < length` whose materials form bonds and that
+/// has no intact bond. A wall with a bond law of its own bonds to every particle within the length.
 pub fn cement(world: &mut World, stage: &Cement) {
     gather(world);
     let bodies = world.resource::<Bodies>().clone();
     let n = bodies.particles;
     let mut pairs = Vec::new();
-    pairs_within(&bodies.positions[..n], &bodies.radii, stage.length, &mut pairs);
+    if stage.particles {
+        pairs_within(&bodies.positions[..n], &bodies.radii, stage.length, &mut pairs);
+    }
     let mut contacts: Vec<Contact> =
         pairs.iter().map(|(a, b)| pair_contact(&bodies, *a, *b)).collect();
     if stage.walls {
         for wall in &bodies.walls {
-            contacts.extend((0..n as u32).map(|a| wall_contact(&bodies, a, wall)));
+            let at = bodies.positions[wall.body as usize];
+            let is_own = |a: &u32| wall.nearest(at, bodies.positions[*a as usize]).is_own;
+            let near = (0..n as u32).filter(is_own);
+            contacts.extend(near.map(|a| wall_contact(&bodies, a, wall)));
         }
     }
     contacts.retain(|c| c.gap < stage.length);
+    if let Some(select) = &stage.select {
+        let mut takes_part = vec![false; n];
+        for (id, _) in selected(world, select) {
+            if let Some(row) = bodies.row(id) {
+                takes_part[row] = true;
+            }
+        }
+        let has = |row: u32| takes_part.get(row as usize).is_none_or(|takes_part| *takes_part);
+        contacts.retain(|c| has(c.a) && has(c.b));
+    }
     contacts.sort_unstable_by_key(|c| (c.a, c.b));
+    let law = stage.bond.as_ref().map(bond_law);
     for contact in contacts {
-        add(world, &bodies, &contact);
+        add(world, &bodies, &contact, law);
     }
 }
 
@@ -41,7 +58,7 @@ pub fn bond_pairs(world: &mut World, pairs: impl Iterator<Item = (u32, u32)>) {
     let bodies = world.resource::<Bodies>().clone();
     for (a, b) in pairs {
         let contact = pair_contact(&bodies, a.min(b), a.max(b));
-        add(world, &bodies, &contact);
+        add(world, &bodies, &contact, None);
     }
 }
 
@@ -50,7 +67,7 @@ fn gather(world: &mut World) {
     let _ = world.run_system_cached(gather_bodies);
 }
 
-fn add(world: &mut World, bodies: &Bodies, contact: &Contact) {
+fn add(world: &mut World, bodies: &Bodies, contact: &Contact, law: Option<BondLaw>) {
     let (a, b) = (contact.a, contact.b);
     if bodies.bonds.binary_search_by_key(&(a, b), |bond| (bond.a, bond.b)).is_ok() {
         return;
@@ -58,11 +75,14 @@ fn add(world: &mut World, bodies: &Bodies, contact: &Contact) {
     let materials = world.resource::<Materials>();
     let law_of =
         |body: u32| bodies.materials.get(body as usize).and_then(|m| materials.0[*m as usize].bond);
-    let law = if b as usize >= bodies.particles {
-        law_of_wall(world, bodies.ids[b as usize]).or_else(|| law_of(a))
-    } else {
-        law_of(a).zip(law_of(b)).map(|(a, b)| BondLaw::between(a, b))
+    let of_bodies = || {
+        if b as usize >= bodies.particles {
+            law_of_wall(world, bodies.ids[b as usize]).or_else(|| law_of(a))
+        } else {
+            law_of(a).zip(law_of(b)).map(|(a, b)| BondLaw::between(a, b))
+        }
     };
+    let law = law.or_else(of_bodies);
     let Some(law) = law else { return };
     let [a, b] = [a, b].map(|row| bodies.ids[row as usize]);
     world.spawn(Bond { a, b, initial_gap: contact.gap, law });
@@ -72,6 +92,5 @@ fn add(world: &mut World, bodies: &Bodies, contact: &Contact) {
 fn law_of_wall(world: &World, wall: BodyId) -> Option<BondLaw> {
     // A world without a scene has no catalogue.
     let catalogue = world.get_resource::<WallCatalogue>()?;
-    let index = wall.0.checked_sub(catalogue.first)?;
-    catalogue.walls.get(index as usize)?.bond.as_ref().map(bond_law)
+    catalogue.wall(wall)?.bond.as_ref().map(bond_law)
 }

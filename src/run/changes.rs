@@ -11,7 +11,7 @@ use glam::DVec2;
 use clastic_components::increment::Progress;
 use clastic_components::wall::WallControl;
 
-use super::spawn::find_wall;
+use super::spawn::find_walls;
 use super::stages::Script;
 use super::state::StateView;
 use crate::scene::format::{Load, Scene, Stage, WallControl as Wanted};
@@ -116,10 +116,10 @@ pub fn apply(world: &mut World, old: &Scene, new: &Scene, state: &StateView) {
         world.resource_mut::<Progress>().total = f64::from(new.increments);
     }
     for (name, wanted) in &new.walls {
-        if let (Some(control), true) = (motion(wanted), old.walls.get(name) != Some(wanted))
-            && let Some(wall) = find_wall(world, name)
-        {
-            world.entity_mut(wall).insert(control);
+        if let (Some(control), true) = (motion(wanted), old.walls.get(name) != Some(wanted)) {
+            for wall in find_walls(world, name) {
+                world.entity_mut(wall).insert(control);
+            }
         }
     }
 }

@@ -5,20 +5,22 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::RunSystemOnce;
 use glam::DVec2;
 
-use clastic_components::body::{
-    BodyId, Drive, Drives, ExternalForce, Group, LoadControl, Position, Probe,
-};
+use clastic_components::body::{BodyId, Drive, Drives, ExternalForce, LoadControl, Position};
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::observation::{
     MeasureArea, MeasureLength, Measures, StrainMeasure, StressComponent, StressMeasure,
 };
 use clastic_components::particle::Particle;
-use clastic_components::wall::{LoadedLength, Wall, WallControl, WallName};
+use clastic_components::wall::{
+    LoadedLength, TableOf, Wall, WallControl, WallName, WallSlide, WallTable,
+};
 use clastic_systems::control_walls::loaded_length;
 
 use super::rigid;
-use super::spawn::{analysis, find_wall, spawn_wall};
+use super::select::selected;
+use super::spawn::{WallCatalogue, analysis, find_wall, find_walls, spawn_wall};
 use super::stages::Script;
+use super::wall_pieces::{CUT, is_cut};
 use crate::scene::format as scene;
 
 /// Sets up a loading stage.
@@ -26,7 +28,7 @@ pub fn begin(world: &mut World, stage: &scene::Load) {
     let analysis = set_up(world, stage.analysis, stage.gravity, stage.increments);
 
     for name in &stage.remove_walls {
-        if let Some(wall) = find_wall(world, name) {
+        for wall in find_walls(world, name) {
             world.despawn(wall);
         }
     }
@@ -71,6 +73,20 @@ fn control_walls(world: &mut World, stage: &scene::Load) {
         .collect();
     for ((_, wall, name), (length, metres)) in walls.into_iter().zip(lengths) {
         let before = world.get::<WallControl>(wall).copied().unwrap_or_default();
+        let force = |to: f64| {
+            let from = match before {
+                WallControl::Force { to, .. } => to,
+                _ => reaction(world, wall),
+            };
+            WallControl::Force { from, to }
+        };
+        let stress = |to: f64| {
+            let from = match before {
+                WallControl::Stress { to, .. } => to,
+                _ => reaction(world, wall) / metres,
+            };
+            WallControl::Stress { from, to, length }
+        };
         let control = match stage.walls.get(&name) {
             None => match before {
                 WallControl::Force { to, .. } => WallControl::Force { from: to, to },
@@ -85,23 +101,70 @@ fn control_walls(world: &mut World, stage: &scene::Load) {
                 WallControl::Displacement(DVec2::new(*x, *y))
             }
             Some(scene::WallControl::Velocity(x, y)) => WallControl::Velocity(DVec2::new(*x, *y)),
-            Some(scene::WallControl::Force(to)) => {
-                let from = match before {
-                    WallControl::Force { to, .. } => to,
-                    _ => reaction(world, wall),
-                };
-                WallControl::Force { from, to: *to }
-            }
-            Some(scene::WallControl::Stress { stress, .. }) => {
-                let from = match before {
-                    WallControl::Stress { to, .. } => to,
-                    _ => reaction(world, wall) / metres,
-                };
-                WallControl::Stress { from, to: *stress, length }
-            }
+            Some(scene::WallControl::Force(to)) => force(*to),
+            Some(scene::WallControl::Stress { stress: to, .. }) => stress(*to),
+            Some(scene::WallControl::Lid { load: scene::LidLoad::Force(to), .. }) => force(*to),
+            Some(scene::WallControl::Lid {
+                load: scene::LidLoad::Stress { stress: to, .. },
+                ..
+            }) => stress(*to),
+            Some(scene::WallControl::Follow(table)) => WallControl::Table(match table {
+                scene::Table::Displacement(_) => TableOf::Displacement,
+                scene::Table::Force(_) => TableOf::Force,
+                scene::Table::Stress { .. } => TableOf::Stress(length),
+            }),
             Some(scene::WallControl::Custom) => WallControl::Custom,
         };
-        world.entity_mut(wall).insert(control);
+        let mut entity = world.entity_mut(wall);
+        entity.insert(control);
+        match stage.walls.get(&name) {
+            Some(scene::WallControl::Lid { slide, .. }) => {
+                entity.insert(match *slide {
+                    scene::Slide::Displacement(u) => WallSlide::Displacement(u),
+                    scene::Slide::Velocity(v) => WallSlide::Velocity(v),
+                });
+            }
+            Some(scene::WallControl::Follow(table)) => {
+                entity.insert(points(table));
+            }
+            _ => {}
+        }
+    }
+}
+
+fn points(table: &scene::Table) -> WallTable {
+    WallTable(match table {
+        scene::Table::Displacement(list) => list.iter().map(|(s, x, y)| [*s, *x, *y]).collect(),
+        scene::Table::Force(list) | scene::Table::Stress { stress: list, .. } => {
+            list.iter().map(|(s, value)| [*s, *value, 0.0]).collect()
+        }
+    })
+}
+
+/// Ends what walls do in a stage only: loads from tables keep the values that they have reached,
+/// and lids stop.
+pub fn end(world: &mut World) {
+    let progress = world.resource::<Progress>().clone();
+    let dt = match world.resource::<Analysis>().kind {
+        AnalysisKind::Dynamic { dt, .. } => Some(dt),
+        AnalysisKind::Static | AnalysisKind::LeastMotion { .. } => None,
+    };
+    let mut walls = world.query::<(&mut WallControl, &WallTable)>();
+    for (mut control, table) in walls.iter_mut(world) {
+        let value = table.next(&progress, dt)[0].x;
+        *control = match *control {
+            WallControl::Table(TableOf::Force) => WallControl::Force { from: value, to: value },
+            WallControl::Table(TableOf::Stress(length)) => {
+                WallControl::Stress { from: value, to: value, length }
+            }
+            WallControl::Table(TableOf::Displacement) => WallControl::Fixed,
+            other => other,
+        };
+    }
+    let mut walls = world.query_filtered::<Entity, Or<(With<WallTable>, With<WallSlide>)>>();
+    let walls: Vec<_> = walls.iter(world).collect();
+    for wall in walls {
+        world.entity_mut(wall).remove::<(WallSlide, WallTable)>();
     }
 }
 
@@ -110,6 +173,7 @@ fn control_walls(world: &mut World, stage: &scene::Load) {
 pub fn end_early(world: &mut World) {
     let progress = world.resource::<Progress>().clone();
     let reached = |from: f64, to: f64| progress.ramp(from, to).from;
+    end(world);
     let mut walls = world.query::<&mut WallControl>();
     for mut control in walls.iter_mut(world) {
         match &mut *control {
@@ -133,11 +197,10 @@ fn stress_length(
     wall: Entity,
     control: Option<&scene::WallControl>,
 ) -> (LoadedLength, f64) {
-    let Some(scene::WallControl::Stress { between, .. }) = control else {
+    let Some(between) = control.and_then(scene::WallControl::loaded_between) else {
         return (LoadedLength::Segment, 1.0);
     };
-    let between =
-        between.as_ref().and_then(|(a, b)| Some((find_wall(world, a)?, find_wall(world, b)?)));
+    let between = between.and_then(|(a, b)| Some((find_wall(world, a)?, find_wall(world, b)?)));
     let length = between.map_or(LoadedLength::Segment, |(a, b)| LoadedLength::Between(a, b));
     let measure = move |geometry: Query<(&Wall, &Position)>| loaded_length(wall, length, &geometry);
     let metres = world.run_system_once(measure).unwrap_or(1.0);
@@ -168,24 +231,17 @@ pub(super) fn drive(motion: scene::Motion, analysis: &Analysis) -> Drive {
 }
 
 fn control_particles(world: &mut World, stage: &scene::Load, analysis: &Analysis) {
-    let mut particles = world.query::<(
-        &BodyId,
-        &Particle,
-        &Position,
-        Option<&Group>,
-        Option<&Probe>,
-        &mut Drives,
-        &mut LoadControl,
-    )>();
-    for (id, _, x, group, probe, mut drives, mut loads) in particles.iter_mut(world) {
+    let mut particles = world.query_filtered::<(&mut Drives, &mut LoadControl), With<Particle>>();
+    for (mut drives, mut loads) in particles.iter_mut(world) {
         drives.0 = [Drive::Free; 3];
         for load in &mut loads.0 {
             load.0 = load.1;
         }
-        for control in &stage.particles {
-            if !selects(&control.select, *id, x.0, group, probe) {
-                continue;
-            }
+    }
+    let mut particles = world.query::<(&Position, &mut Drives, &mut LoadControl)>();
+    for control in &stage.particles {
+        for (_, entity) in selected(world, &control.select) {
+            let Ok((x, mut drives, mut loads)) = particles.get_mut(world, entity) else { continue };
             for (k, motion) in [control.x, control.y, control.rotation].into_iter().enumerate() {
                 if motion != scene::Motion::Free {
                     drives.0[k] = drive(motion, analysis);
@@ -209,12 +265,8 @@ fn control_particles(world: &mut World, stage: &scene::Load, analysis: &Analysis
 /// An entry of `particles` that selects no particle. The stage is refused, because without this
 /// entry the results would be those of another scene.
 pub fn selects_nothing(world: &mut World, stage: &scene::Load) -> Option<String> {
-    let mut particles = world
-        .query_filtered::<(&BodyId, &Position, Option<&Group>, Option<&Probe>), With<Particle>>();
-    let k = stage.particles.iter().position(|control| {
-        let mut all = particles.iter(world);
-        !all.any(|(id, x, group, probe)| selects(&control.select, *id, x.0, group, probe))
-    })?;
+    let empty = |control: &scene::ParticleControl| selected(world, &control.select).is_empty();
+    let k = stage.particles.iter().position(empty)?;
     let (what, remedy) = match &stage.particles[k].select {
         scene::Select::All => {
             ("the specimen has no particles".to_owned(), "leave the entry out".to_owned())
@@ -233,6 +285,10 @@ pub fn selects_nothing(world: &mut World, stage: &scene::Load) -> Option<String>
             let what = format!("no particle has its centre in the box from {min:?} to {max:?}");
             (what, "give a box that holds the particles where they are by then".to_owned())
         }
+        _ => (
+            "no particle is in it".to_owned(),
+            "give one that has particles where they are by then".to_owned(),
+        ),
     };
     Some(format!(
         "stage `{}` cannot begin: particles[{k}].select selects no particle: {what}; {remedy}",
@@ -240,22 +296,25 @@ pub fn selects_nothing(world: &mut World, stage: &scene::Load) -> Option<String>
     ))
 }
 
-pub(super) fn selects(
-    select: &scene::Select,
-    id: BodyId,
-    x: DVec2,
-    group: Option<&Group>,
-    probe: Option<&Probe>,
-) -> bool {
-    match select {
-        scene::Select::All => true,
-        scene::Select::Index(list) => list.contains(&id.0),
-        scene::Select::Group(name) => group.is_some_and(|g| g.0 == *name),
-        scene::Select::Probe(name) => probe.is_some_and(|p| p.0 == *name),
-        scene::Select::Box { min, max } => {
-            x.x >= min.0 && x.y >= min.1 && x.x <= max.0 && x.y <= max.1
-        }
-    }
+/// A thin wall that comes where a particle is. The stage is refused, because the side of the
+/// particle is not clear.
+pub fn cuts_through(world: &mut World, stage: &scene::Load) -> Option<String> {
+    let catalogue = world.get_resource::<WallCatalogue>()?;
+    let comes = |wall: &&scene::Wall| stage.add_walls.contains(&wall.name) && !wall.shape.is_line();
+    let walls: Vec<_> = catalogue.walls.iter().filter(comes).cloned().collect();
+    let mut particles = world.query::<(&BodyId, &Particle, &Position)>();
+    let cut = |wall: &scene::Wall| {
+        let all = particles.iter(world);
+        let cut = all.filter(|(_, particle, x)| is_cut(wall, x.0, particle.radius));
+        cut.map(|(id, ..)| id.0).min()
+    };
+    let (wall, particle) =
+        walls.iter().zip(walls.iter().map(cut)).find_map(|(w, p)| Some((w, p?)))?;
+    Some(format!(
+        "stage `{}` cannot begin: wall `{}` of add_walls would cut through particle {particle}, whose \
+         centre is within {CUT:?} radii of it; add it where there is room",
+        stage.name, wall.name
+    ))
 }
 
 /// Resolves the names in the scene's measures. A measure with a missing body or wall is left out.

@@ -14,10 +14,12 @@ pub mod particles;
 pub mod plugin;
 mod rigid;
 pub mod script;
+pub(crate) mod select;
 pub mod spawn;
 pub mod stages;
 pub mod state;
 mod stop;
+pub(crate) mod wall_pieces;
 
 use bevy_app::{App, Plugin, Plugins};
 use bevy_ecs::prelude::*;

@@ -4,15 +4,16 @@ use bevy_ecs::prelude::*;
 use glam::DVec2;
 
 use clastic_components::body::{
-    AngularVelocity, BodyId, Drive, Drives, ExternalForce, Group, LoadControl, Origin, Position,
-    Probe, Rotation, Velocity,
+    AngularVelocity, BodyId, Drive, Drives, ExternalForce, LoadControl, Origin, Position, Probe,
+    Rotation, Velocity,
 };
 use clastic_components::increment::Analysis;
 use clastic_components::particle::Particle;
 use clastic_components::rigid_group::RigidGroup;
 use clastic_systems::rigid_groups::{Member, State};
 
-use super::load::{drive, selects};
+use super::load::drive;
+use super::select::selected;
 use super::stages::Script;
 use crate::scene::format as scene;
 
@@ -88,8 +89,6 @@ type Particles<'a> = (
     &'a BodyId,
     &'a Particle,
     &'a Position,
-    Option<&'a Group>,
-    Option<&'a Probe>,
     &'a Rotation,
     &'a mut Velocity,
     &'a mut AngularVelocity,
@@ -98,11 +97,13 @@ type Particles<'a> = (
 /// Makes a group of the selected particles. They take the velocities of the rigid motion with their
 /// momentum and their angular momentum.
 fn make(world: &mut World, name: &str, select: &scene::Select, about: Option<(f64, f64)>) {
+    let mut chosen: Vec<BodyId> = selected(world, select).into_iter().map(|(id, _)| id).collect();
+    chosen.sort_unstable();
     let mut query = world.query::<Particles>();
     let mut members: Vec<(BodyId, f64, Member)> = query
         .iter(world)
-        .filter(|(id, _, x, group, probe, ..)| selects(select, **id, x.0, *group, *probe))
-        .map(|(id, particle, x, _, _, rotation, v, spin)| {
+        .filter(|(id, ..)| chosen.binary_search(id).is_ok())
+        .map(|(id, particle, x, rotation, v, spin)| {
             let member = Member {
                 mass: particle.mass,
                 inertia: particle.inertia,
@@ -117,7 +118,7 @@ fn make(world: &mut World, name: &str, select: &scene::Select, about: Option<(f6
     members.sort_unstable_by_key(|(id, ..)| *id);
     let state = State::of(members.iter().map(|(.., member)| *member), about.map(DVec2::from));
     let ids: Vec<BodyId> = members.iter().map(|(id, ..)| *id).collect();
-    for (id, _, x, _, _, _, mut v, mut spin) in query.iter_mut(world) {
+    for (id, _, x, _, mut v, mut spin) in query.iter_mut(world) {
         if ids.binary_search(id).is_ok() {
             v.0 = state.velocity + state.spin * (x.0 - state.centre).perp();
             spin.0 = state.spin;
@@ -144,18 +145,12 @@ pub fn refusal(world: &mut World, stage: &scene::Load) -> Option<String> {
         .filter(|group| !stage.release.contains(&group.name))
         .flat_map(|group| group.members.iter().map(|id| (*id, group.name.clone())))
         .collect();
-    let mut particles = world
-        .query_filtered::<(&BodyId, &Position, Option<&Group>, Option<&Probe>), With<Particle>>();
     let because = |name: &str, what: String| {
         Some(format!("stage `{}` cannot begin: rigid.{name} {what}", stage.name))
     };
     for (name, control) in &stage.rigid {
         let Some(select) = &control.select else { continue };
-        let mut ids: Vec<BodyId> = particles
-            .iter(world)
-            .filter(|(id, x, group, probe)| selects(select, **id, x.0, *group, *probe))
-            .map(|(id, ..)| *id)
-            .collect();
+        let mut ids: Vec<BodyId> = selected(world, select).into_iter().map(|(id, _)| id).collect();
         ids.sort_unstable();
         if ids.is_empty() {
             return because(name, "selects no particle; select what is to be rigid".to_owned());

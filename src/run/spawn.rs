@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 
 use bevy_ecs::prelude::*;
-use glam::DVec2;
 
 use clastic_components::body::{AngularVelocity, BodyId, Group, Origin, Position, Probe, Velocity};
 use clastic_components::energy::EnergyLedger;
@@ -12,7 +11,8 @@ use clastic_components::increment as inc;
 use clastic_components::material::{BondLaw, ContactLaw, Material, Materials};
 use clastic_components::observation::{Measures, Observation};
 use clastic_components::particle::{MaterialIndex, Particle};
-use clastic_components::wall::{Wall, WallName};
+use clastic_components::wall::WallName;
+use clastic_components::wall_shape::WallShape;
 use clastic_cone::clarabel::Clarabel;
 use clastic_cone::condensed::Condensed;
 use clastic_systems::solve_program::Solver;
@@ -20,6 +20,7 @@ use clastic_systems::solve_program::Solver;
 use super::cement::bond_pairs;
 use super::particles::particles;
 use super::stages::Script;
+use super::wall_pieces::{count, pieces};
 use crate::scene::format as scene;
 use crate::scene::specimen_file::StoredSpecimen;
 
@@ -30,6 +31,25 @@ pub struct WallCatalogue {
     pub first: u32,
     /// All walls of the scene, present or not.
     pub walls: Vec<scene::Wall>,
+}
+
+impl WallCatalogue {
+    /// Identity of the first piece of a wall; at the end of the list, the first that no wall has.
+    #[must_use]
+    pub fn first_of(&self, index: usize) -> u32 {
+        self.first + self.walls[..index].iter().map(count).sum::<u32>()
+    }
+
+    /// The wall to which a body belongs.
+    #[must_use]
+    pub fn wall(&self, body: BodyId) -> Option<&scene::Wall> {
+        let mut ends = self.first;
+        let is_of = |wall: &&scene::Wall| {
+            ends += count(wall);
+            body.0 < ends
+        };
+        self.walls.iter().find(is_of).filter(|_| body.0 >= self.first)
+    }
 }
 
 /// Inserts the settings of a scene: all resources that no increment changes, and the analysis of
@@ -102,7 +122,7 @@ pub fn spawn_scene(world: &mut World, scene: &scene::Scene, stored: Option<&Stor
         spawn_wall(world, &wall.name);
     }
     // Walls that come later have the identities after the particles too.
-    let body = (seeds.len() + scene.walls.len()) as u32;
+    let body = world.resource::<WallCatalogue>().first_of(scene.walls.len());
     world.get_resource_or_init::<Identities>().skip_to(NextIdentities { body, bond: 0 });
     bond_pairs(world, scene.bonds.iter().map(|bond| (bond.a, bond.b)));
     if scene.output.energy {
@@ -157,33 +177,40 @@ pub fn bond_law(bond: &scene::Bond) -> BondLaw {
     }
 }
 
-/// Spawns a wall of the catalogue by name.
-pub fn spawn_wall(world: &mut World, name: &str) -> Option<Entity> {
+/// Spawns a wall of the catalogue by name: all its pieces.
+pub fn spawn_wall(world: &mut World, name: &str) {
     let catalogue = world.resource::<WallCatalogue>();
-    let index = catalogue.walls.iter().position(|w| w.name == name)?;
-    let id = BodyId(catalogue.first + index as u32);
+    let Some(index) = catalogue.walls.iter().position(|w| w.name == name) else { return };
+    let first = catalogue.first_of(index);
     let wall = catalogue.walls[index].clone();
-    let (start, end) = (DVec2::from(wall.start), DVec2::from(wall.end));
-    let middle = 0.5 * (start + end);
-    let mut entity = world.spawn((
-        id,
-        Wall {
-            tangent: (end - start).normalize_or(DVec2::X),
-            half_length: 0.5 * start.distance(end),
-        },
-        WallName(wall.name),
-        Position(middle),
-        Origin(middle),
-        contact_law(&wall.contact),
-    ));
-    if let Some(probe) = wall.probe {
-        entity.insert(Probe(probe));
+    for (piece, id) in pieces(&wall).into_iter().zip(first..) {
+        let mut entity = world.spawn((
+            BodyId(id),
+            piece.wall,
+            WallName(wall.name.clone()),
+            Position(piece.position),
+            Origin(piece.position),
+            contact_law(&wall.contact),
+        ));
+        if piece.shape != WallShape::Line {
+            entity.insert(piece.shape);
+        }
+        if let Some(probe) = &wall.probe {
+            entity.insert(Probe(probe.clone()));
+        }
     }
-    Some(entity.id())
 }
 
-/// The wall with the given name, if it is there.
+/// The wall with the given name, if it is there: the first piece of a polyline.
 pub fn find_wall(world: &mut World, name: &str) -> Option<Entity> {
-    let mut walls = world.query::<(Entity, &WallName)>();
-    walls.iter(world).find(|(_, n)| n.0 == name).map(|(e, _)| e)
+    find_walls(world, name).first().copied()
+}
+
+/// The pieces of the wall with the given name that are there, by identity.
+pub fn find_walls(world: &mut World, name: &str) -> Vec<Entity> {
+    let mut walls = world.query::<(Entity, &BodyId, &WallName)>();
+    let named = walls.iter(world).filter(|(.., n)| n.0 == name);
+    let mut found: Vec<_> = named.map(|(e, id, _)| (*id, e)).collect();
+    found.sort_unstable_by_key(|(id, _)| *id);
+    found.into_iter().map(|(_, e)| e).collect()
 }

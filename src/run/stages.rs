@@ -63,9 +63,9 @@ pub fn change_stages(world: &mut World) {
 /// Why a stage cannot begin.
 fn refusal(world: &mut World, stage: &Stage) -> Option<String> {
     match stage {
-        Stage::Load(load) => {
-            load::selects_nothing(world, load).or_else(|| rigid::refusal(world, load))
-        }
+        Stage::Load(load) => load::selects_nothing(world, load)
+            .or_else(|| load::cuts_through(world, load))
+            .or_else(|| rigid::refusal(world, load)),
         Stage::Custom(_) | Stage::Compact(_) | Stage::Cement(_) => None,
     }
 }
@@ -120,9 +120,11 @@ pub(super) fn begin_built_in(world: &mut World) {
     }
 }
 
-/// Ends a compaction. Exclusive, because it changes every body.
+/// Ends a stage of a built-in kind. Exclusive, because a compaction changes every body.
 pub(super) fn end_built_in(world: &mut World) {
-    if let Stage::Compact(_) = world.resource::<CurrentStage>().0 {
-        compact::end(world);
+    match world.resource::<CurrentStage>().0 {
+        Stage::Compact(_) => compact::end(world),
+        Stage::Load(_) => load::end(world),
+        Stage::Cement(_) | Stage::Custom(_) => {}
     }
 }

@@ -14,6 +14,7 @@ macro_rules! files {
 
 /// Every file of `scenes/` by its path in that directory.
 static FILES: &[(&str, &str)] = &files! {
+    "angle_of_repose.ron"
     "biaxial_0kPa.ron"
     "biaxial_100kPa.ron"
     "biaxial_10kPa.ron"
@@ -26,6 +27,7 @@ static FILES: &[(&str, &str)] = &files! {
     "direct_shear_-10N.ron"
     "direct_shear_0N.ron"
     "direct_shear_10N.ron"
+    "hopper.ron"
     "incline_held.ron"
     "incline_rests.ron"
     "incline_rolls.ron"
@@ -37,6 +39,7 @@ static FILES: &[(&str, &str)] = &files! {
     "rolling.ron"
     "rotating_drum.ron"
     "rotating_drum_small.ron"
+    "shear_box.ron"
     "stack.ron"
     "tension.ron"
     "uniaxial.ron"

@@ -70,20 +70,26 @@ pub fn assemble(
             super::groups::body(bodies, analysis, fraction, group, touched[row], added, mean);
     }
     for wall in &bodies.walls {
-        let dofs = match bodies.wall_drive(wall) {
+        let drive = bodies.wall_drive(wall);
+        let dofs = match drive {
             WallDrive::Imposed(u) => [
                 Dof::Fixed(fraction * u.dot(wall.inward)),
                 Dof::Fixed(fraction * u.dot(wall.inward.perp())),
                 Dof::Fixed(0.0),
             ],
-            WallDrive::Loaded(force) => {
+            WallDrive::Loaded(force) | WallDrive::Sliding { load: force, .. } => {
                 let [x, y, _] = added(wall.body as usize).map(|load| load.force);
                 let load = force.at(fraction) + wall.inward.dot(DVec2::new(x, y));
                 let load = FreeDof { load, ..FreeDof::default() };
                 // A loaded wall without contact stands still until the specimen touches it.
                 let waits = !touched[wall.body as usize].0 && load.load == 0.0;
                 let along = if waits { Dof::Fixed(0.0) } else { Dof::Free(load) };
-                [along, Dof::Fixed(0.0), Dof::Fixed(0.0)]
+                // The second axis is the tangent turned round.
+                let slid = match drive {
+                    WallDrive::Sliding { along, .. } => -fraction * along,
+                    _ => 0.0,
+                };
+                [along, Dof::Fixed(slid), Dof::Fixed(0.0)]
             }
         };
         out[wall.body as usize] = ProgramBody { axis: wall.inward, dofs };

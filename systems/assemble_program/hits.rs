@@ -3,8 +3,9 @@
 use glam::DVec2;
 
 use clastic_components::body::Drive;
-use clastic_components::contact::{Bodies, Contact};
+use clastic_components::contact::{Bodies, Contact, WallRow};
 use clastic_components::wall::WallDrive;
+use clastic_components::wall_shape::Curve;
 use clastic_cone::program::{ConeProgram, Dof, FreeDof, Interaction};
 
 /// Velocity at the start (m/s) and acceleration by the loads (m/s^2) of a body.
@@ -63,7 +64,7 @@ impl Motion {
         let wall = bodies.walls.iter().find(|wall| wall.body as usize == i)?;
         match bodies.wall_drive(wall) {
             WallDrive::Imposed(u) => Some(Self { velocity: u / whole, ..Self::default() }),
-            WallDrive::Loaded(_) => None,
+            WallDrive::Loaded(_) | WallDrive::Sliding { .. } => None,
         }
     }
 
@@ -110,6 +111,9 @@ pub struct Hit {
 const MAX_STEPS: u32 = 60;
 /// Gap that counts as zero, over the sum of the radii: a few units of round-off.
 const ROUND_OFF: f64 = 1e-15;
+/// Overlap of an impact on the inside of an arc, over the radius: far below the tolerance of gaps, so
+/// that the time is exact to that.
+const RESIDUAL: f64 = 1e-12;
 
 impl Approach {
     /// The approach of the two bodies of a contact.
@@ -163,22 +167,31 @@ impl Approach {
     ) -> Option<Hit> {
         let [mut time, speed] = self.hit(dt)?;
         let (a, b) = (c.a as usize, c.b as usize);
-        if b >= bodies.particles {
+        let wall = bodies.walls.iter().find(|wall| wall.body as usize == b);
+        if wall.is_some_and(WallRow::is_line) {
             let Self { acceleration, .. } = *self;
             return Some(Hit { time, speed, acceleration, normal: contact.normal });
         }
         let (of_a, of_b) = (motions[a]?, motions[b]?);
-        let reach = bodies.radii[a] + bodies.radii[b];
+        let reach = bodies.radii[a] + bodies.radii.get(b).copied().unwrap_or(0.0);
         if self.speed > 0.0 {
             time = 0.0;
         }
         for _ in 0..MAX_STEPS {
             let d = bodies.positions[b] - bodies.positions[a] + of_b.moved(time) - of_a.moved(time);
-            let normal = d.normalize_or(contact.normal);
+            let (normal, gap, is_hollow) = match wall {
+                Some(wall) => {
+                    let near = wall.nearest(d, DVec2::ZERO);
+                    let is_hollow = matches!(near.curve, Curve::Hollow(_));
+                    (-near.outward, near.distance - reach, is_hollow)
+                }
+                None => (d.normalize_or(contact.normal), d.length() - reach, false),
+            };
             let velocity = |m: &Motion| m.velocity + time * m.acceleration;
             let speed = normal.dot(velocity(&of_a) - velocity(&of_b));
-            let gap = d.length() - reach;
-            if gap <= ROUND_OFF * reach {
+            // Towards the inside of an arc the distance is concave: the first step may go too far.
+            let too_far = is_hollow && time > 0.0 && gap < -RESIDUAL * reach;
+            if gap <= ROUND_OFF * reach && !too_far {
                 let acceleration = normal.dot(of_a.acceleration - of_b.acceleration);
                 return (speed > 0.0).then_some(Hit { time, speed, acceleration, normal });
             }

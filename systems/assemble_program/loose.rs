@@ -276,6 +276,10 @@ fn hold_cluster(
                 let mut slip = vec![0.0; unknowns];
                 slip[..3].copy_from_slice(&along(tangent));
                 slip[2] += arm / extent;
+                // A wall that is no line may be pushed along its axis by friction as well.
+                if let Some(w) = wall {
+                    slip[3 + w] = -tangent.dot(program.bodies[other].axis);
+                }
                 add(&slip);
             }
             if c.limits.has_rolling() {

@@ -7,7 +7,6 @@ use glam::DVec2;
 use clastic_components::body::Drive;
 use clastic_components::contact::{Bodies, ContactHistory};
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
-use clastic_components::wall::WallDrive;
 use clastic_cone::program::{ConeProgram, Dof, FreeDof, Interaction, Scales};
 
 /// Estimates the scales of the program. The magnitudes of a rejected attempt take precedence.
@@ -61,10 +60,7 @@ fn displacement(bodies: &Bodies, analysis: &Analysis, progress: &Progress) -> f6
         Drive::Imposed(u) => f * u.abs(),
         Drive::Free => 0.0,
     });
-    let walls = bodies.walls.iter().map(|w| match bodies.wall_drive(w) {
-        WallDrive::Imposed(u) => f * u.length(),
-        WallDrive::Loaded(_) => 0.0,
-    });
+    let walls = bodies.walls.iter().map(|w| f * bodies.wall_drive(w).imposed(w.tangent()).length());
     let groups = bodies.groups.iter().map(|group| f * bodies.imposed_motion(group));
     let moved = bodies.last_motion.iter().map(|u| f * DVec2::new(u[0], u[1]).length());
     let maximum = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);

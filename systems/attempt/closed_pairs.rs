@@ -11,6 +11,7 @@ use clastic_components::increment::Acceptance;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use crate::detect_contacts::Candidates;
+use crate::detect_contacts::gaps::wall_gap;
 use crate::detect_contacts::grid::pairs_within;
 
 /// Pairs that are about to close are added together with those that close. They are this many mean
@@ -73,7 +74,16 @@ pub(super) fn add(pairs: &mut AddedPairs, new: impl Iterator<Item = (u32, u32)>)
 pub(super) fn gap(bodies: &Bodies, positions: &[DVec2], a: u32, b: u32) -> f64 {
     let (x, r) = (positions[a as usize], bodies.radii[a as usize]);
     match bodies.walls.iter().find(|w| w.body == b) {
-        Some(wall) => (x - positions[b as usize]).dot(wall.inward) - r,
+        Some(wall) => {
+            let from = |places: &[DVec2]| places[a as usize] - places[b as usize];
+            let way = [from(&bodies.positions), from(positions)];
+            if wall.shape.is_crossed(wall.inward, wall.half_length, way) {
+                // The centre has gone through: it is on the other side, and not free.
+                -r - way[0].distance(way[1])
+            } else {
+                wall_gap(wall, positions[b as usize], x, r)
+            }
+        }
         None => x.distance(positions[b as usize]) - r - bodies.radii[b as usize],
     }
 }

@@ -12,16 +12,18 @@
 //! with phi the rotation of the line of centres. They are linearised about u with the normal at
 //! `x + (1 - theta) u`. In static analysis (theta = 0) this is the end of the increment, where
 //! forces are in equilibrium. In dynamics it is the position about which normal impulses conserve
-//! the angular momentum, `x_1 x v_1 - x_0 x v_0 = (x_0 + (1 - theta) u) x (v_1 - v_0)`.
+//! the angular momentum, `x_1 x v_1 - x_0 x v_0 = (x_0 + (1 - theta) u) x (v_1 - v_0)`. An arc or an
+//! end point of a wall is a circle in the same sense, with L the distance of its centre.
 
 use bevy_ecs::prelude::*;
 use glam::DVec2;
 
 use clastic_components::attempt::{Attempt, Verdict};
-use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::contact::{Bodies, Contact, Contacts};
 use clastic_components::findings::{Correction, Corrections};
 use clastic_components::increment::{Analysis, AnalysisKind, Corrector};
 use clastic_components::rigid_group::GroupRow;
+use clastic_components::wall_shape::Curve;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use super::closed_pairs::moved_positions;
@@ -53,10 +55,6 @@ pub fn judge(
     let mut change = 0.0_f64;
     for (k, (contact, c)) in contacts.0.iter().zip(&program.interactions).enumerate() {
         let (a, b) = (contact.a as usize, contact.b as usize);
-        // The normal of a wall is constant.
-        if b >= bodies.particles {
-            continue;
-        }
         let start = bodies.positions[b] - bodies.positions[a];
         let finish = end[b] - end[a];
         // The motion of the program, in which a rigid group turns to first order.
@@ -68,21 +66,21 @@ pub fn judge(
         };
         let is_grouped = bodies.group(a).is_some() || bodies.group(b).is_some();
         let moved = finish - start;
-        let at = start + place * moved;
+        let way = [start, start + place * moved, finish];
+        let exact = if b < bodies.particles {
+            of_pair(&bodies, [a, b], way)
+        } else {
+            of_wall(&bodies, contact, way)
+        };
+        let Some(exact) = exact else { continue };
+        let (normal, gap) = (exact.normal, exact.gaps[1]);
         let moved = if is_grouped { linear(b) - linear(a) } else { moved };
-        let (length, far) = (at.length(), finish.length());
-        if !(length > 0.0 && far > 0.0 && start.length() > 0.0) {
-            continue;
-        }
-        let normal = at / length;
-        let radii = bodies.radii[a] + bodies.radii[b];
-        let gap = far - radii;
         let new = Correction {
             pair: (contact.a, contact.b),
             normal,
-            gap: length - radii,
+            gap: exact.gaps[0],
             offset: gap - normal.dot(moved),
-            slip: normal.perp().dot(moved) - length * start.angle_to(finish),
+            slip: exact.slip,
         };
         let old = state.of(new.pair);
         let carries = carrying.is_carrying(k) || contact.bond.is_some();
@@ -96,12 +94,18 @@ pub fn judge(
                     shift - normal.perp().dot(moved) + 0.5 * arms * turn
                 };
                 let arms = if is_grouped {
-                    radii + old.map_or(contact.gap, |o| o.gap)
-                } else {
+                    // Arms of a group are those about its centre.
+                    let other = bodies.radii.get(b).copied();
+                    let apart = bodies.radii[a] + old.map_or(contact.gap, |o| o.gap);
+                    apart + other.unwrap_or(bodies.radii[a])
+                } else if b < bodies.particles {
                     c.arm_a + c.arm_b
+                } else {
+                    // Only the particle has an arm at a wall.
+                    2.0 * c.arm_a
                 };
                 let last = slip(c.normal, arms, old.map_or(0.0, |o| o.slip));
-                change = change.max((slip(normal, length, new.slip) - last).abs() / unit);
+                change = change.max((slip(normal, exact.arms, new.slip) - last).abs() / unit);
             }
         }
         corrections.push(new);
@@ -117,4 +121,55 @@ pub fn judge(
     state.passes += 1;
     state.list = corrections;
     attempt.verdict = Verdict::Again;
+}
+
+/// Geometry of a contact on its way from the start to the end of the increment.
+struct Exact {
+    /// Normal at the place of the increment where it counts.
+    normal: DVec2,
+    /// Gap there and at the end, m.
+    gaps: [f64; 2],
+    /// Slip minus its linear expression, m.
+    slip: f64,
+    /// Sum of the arms; twice the arm of the particle at a wall, m.
+    arms: f64,
+}
+
+/// Two particles. The way is that of b relative to a: at the start, where the normal counts, at the
+/// end.
+fn of_pair(bodies: &Bodies, [a, b]: [usize; 2], [start, at, finish]: [DVec2; 3]) -> Option<Exact> {
+    let (length, far) = (at.length(), finish.length());
+    if !(length > 0.0 && far > 0.0 && start.length() > 0.0) {
+        return None;
+    }
+    let normal = at / length;
+    let radii = bodies.radii[a] + bodies.radii[b];
+    Some(Exact {
+        normal,
+        gaps: [length - radii, far - radii],
+        slip: normal.perp().dot(finish - start) - length * start.angle_to(finish),
+        arms: length,
+    })
+}
+
+/// A particle and a wall with curves or ends. The normal of a line is constant.
+fn of_wall(bodies: &Bodies, contact: &Contact, way: [DVec2; 3]) -> Option<Exact> {
+    let k = bodies.walls.binary_search_by_key(&contact.b, |w| w.body).ok()?;
+    let wall = bodies.walls.get(k).filter(|wall| !wall.is_line())?;
+    let radius = bodies.radii[contact.a as usize];
+    let [start, at, finish] = way.map(|to_wall| wall.nearest(to_wall, DVec2::ZERO));
+    let normal = -at.outward;
+    let moved = way[2] - way[0];
+    // The slip along a circle is the way of the particle about its centre.
+    let turn = |centre: DVec2| {
+        let arms = way.map(|to_wall| to_wall + centre);
+        arms[1].length() * arms[0].angle_to(arms[2])
+    };
+    let slip = match (start.curve, finish.curve) {
+        (Curve::Round(c), Curve::Round(d)) if c == d => normal.perp().dot(moved) - turn(c),
+        (Curve::Hollow(c), Curve::Hollow(d)) if c == d => normal.perp().dot(moved) + turn(c),
+        _ => 0.0,
+    };
+    let gaps = [at.distance - radius, finish.distance - radius];
+    Some(Exact { normal, gaps, slip, arms: 2.0 * radius + gaps[0] })
 }

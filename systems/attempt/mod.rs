@@ -39,7 +39,6 @@ use clastic_components::increment::{
     Acceptance, Analysis, AnalysisKind, Corrector, FrictionLaw, Progress, RuptureRules,
 };
 use clastic_components::loads::TrialLoads;
-use clastic_components::wall::WallDrive;
 use clastic_cone::program::ConeSolution;
 
 use self::motion::Cause;
@@ -301,7 +300,8 @@ fn budget(world: &World) -> Budget {
 fn open_trial(world: &mut World) {
     if world.resource::<Bodies>().resting {
         world.resource_scope(|world, mut bodies: Mut<Bodies>| {
-            renew_stresses(&mut bodies, world.resource(), world.resource());
+            let (world, table_of) = (&*world, |wall| world.get(wall));
+            renew_stresses(&mut bodies, table_of, world.resource(), world.resource());
         });
     }
     ask_for_loads(world);
@@ -351,7 +351,7 @@ fn end_increment(
 
 /// Whether any load on a wall or particle satisfies a condition.
 fn any_load(bodies: &Bodies, is_so: impl Fn(&Ramp) -> bool) -> bool {
-    bodies.walls.iter().any(|w| matches!(&w.drive, WallDrive::Loaded(ramp) if is_so(ramp)))
+    bodies.walls.iter().any(|w| w.drive.load().is_some_and(|ramp| is_so(&ramp)))
         || bodies.loads.iter().flatten().any(is_so)
 }
 

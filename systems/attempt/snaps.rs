@@ -8,7 +8,6 @@ use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::body::Drive;
 use clastic_components::contact::Bodies;
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
-use clastic_components::wall::WallDrive;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use crate::mean_field::mean_strain;
@@ -45,10 +44,7 @@ fn snapped(
         Drive::Imposed(u) => Some(u.abs()),
         Drive::Free => None,
     });
-    let walls = bodies.walls.iter().filter_map(|w| match w.drive {
-        WallDrive::Imposed(u) => Some(u.length()),
-        WallDrive::Loaded(_) => None,
-    });
+    let walls = bodies.walls.iter().map(|w| w.drive.imposed(w.tangent()).length());
     let groups = bodies.groups.iter().map(|group| bodies.imposed_motion(group));
     let imposed = progress.fraction * imposed.chain(walls).chain(groups).fold(0.0, f64::max);
     let n = bodies.particles;

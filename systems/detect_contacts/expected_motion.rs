@@ -88,9 +88,15 @@ pub fn expected_motion(
         }
     }
     for wall in &bodies.walls {
-        if let WallDrive::Imposed(u) = bodies.wall_drive(wall) {
+        let drive = bodies.wall_drive(wall);
+        if let WallDrive::Imposed(u) = drive {
             displacement[wall.body as usize] = f * u;
             imposed = imposed.max(f * u.length());
+        } else if let WallDrive::Sliding { along, .. } = drive {
+            imposed = imposed.max(f * along.abs());
+            if let AnalysisKind::Dynamic { .. } = analysis.kind {
+                displacement[wall.body as usize] = f * along * wall.tangent();
+            }
         } else if let AnalysisKind::Dynamic { .. } = analysis.kind {
             displacement[wall.body as usize] = DVec2::ZERO;
         }

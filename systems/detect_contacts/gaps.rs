@@ -1,4 +1,4 @@
-//! Gap functions: equation 7 of the paper, and the distance to a wall's line.
+//! Gap functions: equation 7 of the paper, and the distance to a wall.
 
 use glam::DVec2;
 
@@ -15,10 +15,20 @@ pub fn pair_contact(bodies: &Bodies, a: u32, b: u32) -> Contact {
     Contact { a, b, normal, gap: length - bodies.radii[i] - bodies.radii[j], bond: None }
 }
 
-/// Normal from particle a to the wall and gap, the distance to the wall's line less `r_a`.
+/// Normal from particle a to the nearest point of the wall and gap, the distance to it less `r_a`.
 #[must_use]
 pub fn wall_contact(bodies: &Bodies, a: u32, wall: &WallRow) -> Contact {
     let i = a as usize;
-    let distance = (bodies.positions[i] - bodies.positions[wall.body as usize]).dot(wall.inward);
-    Contact { a, b: wall.body, normal: -wall.inward, gap: distance - bodies.radii[i], bond: None }
+    let near = wall.nearest(bodies.positions[wall.body as usize], bodies.positions[i]);
+    let gap = near.distance - bodies.radii[i];
+    Contact { a, b: wall.body, normal: -near.outward, gap, bond: None }
+}
+
+/// Gap between a disk at `place` and a wall at `position`, m; infinite where the disk touches the
+/// next segment of a polyline instead.
+#[inline]
+#[must_use]
+pub fn wall_gap(wall: &WallRow, position: DVec2, place: DVec2, radius: f64) -> f64 {
+    let near = wall.nearest(position, place);
+    if near.is_own { near.distance - radius } else { f64::INFINITY }
 }

@@ -24,7 +24,7 @@ use clastic_components::findings::AddedPairs;
 use clastic_components::increment::{Analysis, Progress};
 
 use crate::detect_contacts::candidates::CandidatePairs;
-use crate::detect_contacts::gaps::{pair_contact, wall_contact};
+use crate::detect_contacts::gaps::{pair_contact, wall_contact, wall_gap};
 use crate::detect_contacts::settings::DetectionSettings;
 use crate::motion_settings::MotionSettings;
 use crate::schedule::{AttemptIncrement, AttemptSystems, lap};
@@ -103,7 +103,9 @@ pub fn detect_contacts(
         } else {
             match bodies.walls.binary_search_by_key(&b, |w| w.body) {
                 Ok(k) => {
-                    wall_contact(&bodies, a, &bodies.walls[k]).gap <= expected.pair_reach(a, b)
+                    let (x, r) = (bodies.positions[a as usize], radii[a as usize]);
+                    let at = bodies.positions[b as usize];
+                    wall_gap(&bodies.walls[k], at, x, r) <= expected.pair_reach(a, b)
                 }
                 Err(_) => false,
             }
@@ -130,7 +132,7 @@ fn merged_pairs(
         let r = bodies.radii[a as usize];
         for wall in &bodies.walls {
             // Far from the wall by many radii: not even the expected motion needs to be asked.
-            let gap = (x - bodies.positions[wall.body as usize]).dot(wall.inward) - r;
+            let gap = wall_gap(wall, bodies.positions[wall.body as usize], x, r);
             if gap <= wall_reach * bodies.mean_radius.max(r) {
                 all.push((a, wall.body));
             }

@@ -183,8 +183,11 @@ pub fn gap_at(bodies: &Bodies, positions: &[DVec2], contact: &Contact) -> f64 {
     let (a, b) = (contact.a as usize, contact.b as usize);
     match bodies.radii.get(b) {
         Some(radius) => positions[a].distance(positions[b]) - bodies.radii[a] - radius,
-        // The normal of a wall contact points from the particle to the wall.
-        None => (positions[b] - positions[a]).dot(contact.normal) - bodies.radii[a],
+        None => match bodies.walls.iter().find(|w| w.body as usize == b && !w.is_line()) {
+            Some(wall) => wall.nearest(positions[b], positions[a]).distance - bodies.radii[a],
+            // The normal of a wall contact points from the particle to the wall.
+            None => (positions[b] - positions[a]).dot(contact.normal) - bodies.radii[a],
+        },
     }
 }
 

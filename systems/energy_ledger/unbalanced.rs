@@ -4,7 +4,6 @@ use glam::DVec2;
 
 use clastic_components::body::Ramp;
 use clastic_components::energy::{Energies, Released};
-use clastic_components::wall::WallDrive;
 use clastic_cone::program::{ConeProgram, Dof, Interaction, Limits};
 
 use super::dynamic::turned_work;
@@ -59,8 +58,7 @@ pub fn book(e: &mut Energies, tables: &Tables, starts: &Starts, is_first: bool) 
                             Ramp { from: at(0.0), to: at(1.0) }
                         }),
                         None => bodies.loads[i][k],
-                        Some(WallDrive::Loaded(force)) => force,
-                        Some(WallDrive::Imposed(_)) => Default::default(),
+                        Some(drive) => drive.load().unwrap_or_default(),
                     };
                     let grown = grown.at(tables.fraction) - grown.at(0.0);
                     let start = if starts.is_rigid { end } else { free.load - grown };
@@ -84,9 +82,16 @@ fn bond_of(tables: &Tables, released: &Released) -> Interaction {
     let (a, b) = (released.a as usize, released.b as usize);
     let wall = bodies.walls.iter().find(|wall| wall.body == released.b);
     let apart = bodies.positions[b] - bodies.positions[a];
-    let normal = wall.map_or_else(|| apart.normalize(), |wall| -wall.inward);
     let other = bodies.radii.get(b).copied().unwrap_or_default();
-    let half_gap = 0.5 * (apart.dot(normal) - bodies.radii[a] - other);
+    let (normal, distance) = match wall {
+        Some(wall) if !wall.is_line() => {
+            let near = wall.nearest(bodies.positions[b], bodies.positions[a]);
+            (-near.outward, near.distance)
+        }
+        Some(wall) => (-wall.inward, -apart.dot(wall.inward)),
+        None => (apart.normalize(), apart.dot(apart.normalize())),
+    };
+    let half_gap = 0.5 * (distance - bodies.radii[a] - other);
     Interaction {
         a: released.a,
         b: released.b,

@@ -1,5 +1,7 @@
 //! A run that goes on from any increment leaves the same bytes, whatever the scene.
 
+use std::collections::BTreeSet;
+
 use clastic::components::attempt::IncrementStatus;
 use clastic::components::observation::Observation;
 use clastic::output::directory;
@@ -247,4 +249,47 @@ fn rigid_groups_in_both_analyses_and_under_both_laws() {
         let bonds = |stage: &str| records.iter().find(|o| o.stage == stage).unwrap().bonds;
         assert!(bonds("apart") > bonds("turn") && bonds("again") < bonds("apart"));
     }
+}
+
+/// A hopper of polylines over an arc, in which a lid shears what has come to rest.
+const THIN: &str = r#"(
+    version: 1,
+    title: "Thin walls of every shape",
+    gravity: (0.0, -9.81),
+    analysis: Dynamic(dt: 2.0e-3),
+    friction_law: ByAnalysis,
+    materials: { "sand": (density: 2650.0, contact: (friction: 0.3, normal_stiffness: 1.0e6,
+        tangential_stiffness: 5.0e5)) },
+    specimen: Packing(count: 20, columns: 5, spacing: 0.021, origin: (-0.0525, 0.06),
+        sizes: Uniform(radius: (8.0e-3, 10.0e-3)), seed: 4),
+    walls: [
+        (name: "l", shape: Polyline([(-0.055, 0.05)]), start: (-0.055, 0.2), end: (-0.02, 0.0),
+            contact: (friction: 0.2, normal_stiffness: 1.0e6, tangential_stiffness: 5.0e5), probe: "l"),
+        (name: "r", shape: Polyline([(0.055, 0.05)]), start: (0.02, 0.0), end: (0.055, 0.2),
+            contact: (friction: 0.2, normal_stiffness: 1.0e6, tangential_stiffness: 5.0e5), probe: "r"),
+        (name: "bowl", shape: Arc(through: (0.0, -0.1)), start: (-0.08, -0.06), end: (0.08, -0.06),
+            contact: (friction: 0.2, normal_stiffness: 1.0e6, tangential_stiffness: 5.0e5), probe: "bowl"),
+        (name: "gate", shape: Segment, start: (-0.04, -0.002), end: (0.04, -0.002)),
+        (name: "lid", shape: Segment, start: (0.05, 0.16), end: (-0.05, 0.16), present: false,
+            contact: (friction: 0.3, normal_stiffness: 1.0e6, tangential_stiffness: 5.0e5), probe: "lid"),
+    ],
+    stages: [
+        Load(name: "settle", increments: 60, walls: { "bowl": Follow(Displacement([
+            (0.0, 0.0, 0.0), (0.02, 0.0, 2.0e-3), (0.06, 0.0, -1.0e-3)])) }),
+        Load(name: "press", increments: 6, analysis: Static, add_walls: ["lid"],
+            walls: { "lid": Follow(Stress(stress: [(0.0, 0.0), (0.5, 300.0), (1.0, 200.0)])) }),
+        Load(name: "shear", increments: 10, analysis: Static,
+            walls: { "lid": Lid(load: Stress(stress: 200.0), slide: Displacement(1.0e-5)) }),
+        Load(name: "flow", increments: 40, remove_walls: ["gate", "lid"]),
+    ],
+    output: (frames_every: 20, energy: true),
+)"#;
+
+#[test]
+fn thin_walls_lids_and_tables() {
+    let records = same_from_anywhere(&parse(THIN), |k| k % 9 == 4);
+    let stages: BTreeSet<_> = records.iter().map(|o| o.stage.as_str()).collect();
+    assert_eq!(stages.len(), 4);
+    let flow = records.last().unwrap();
+    assert!(flow.contacts > 10, "{} contacts", flow.contacts);
 }

@@ -38,6 +38,7 @@ pub fn random_scene(seed: u64, maximum: u32) -> Scene {
     let walls = walls(r, (low.0 - gap, low.1 - gap), (high.0 + gap, high.1 + gap));
     let bonds = if r.chance(0.3) { bonds(r, &particles, &materials) } else { Vec::new() };
     let mut scene = Scene {
+        groups: BTreeMap::new(),
         version: 1,
         title: format!("random scene {seed}"),
         thickness: r.pick(&[1.0, 1.0, 0.1]),
@@ -96,7 +97,14 @@ pub fn random_scene(seed: u64, maximum: u32) -> Scene {
     if scene.materials.values().any(|m| m.bond.is_some()) && r.chance(0.4) {
         let length = r.decades(1e-4, 1.0) * base;
         let walls = r.chance(0.5);
-        scene.stages.push(Stage::Cement(Cement { name: "cement".into(), length, walls }));
+        scene.stages.push(Stage::Cement(Cement {
+            name: "cement".into(),
+            length,
+            walls,
+            particles: true,
+            select: None,
+            bond: None,
+        }));
     }
     for k in 0..=r.below(3) {
         let load = load(r, k, dynamic, base, low, high, &scene);
@@ -191,6 +199,7 @@ fn walls(r: &mut Random, low: (f64, f64), high: (f64, f64)) -> Vec<Wall> {
     all[..count]
         .iter()
         .map(|(name, start, end)| Wall {
+            shape: WallShape::Line,
             name: (*name).into(),
             start: *start,
             end: *end,

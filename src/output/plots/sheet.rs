@@ -90,10 +90,11 @@ impl Sheet {
         }
     }
 
-    /// Draws the walls, extended to all disks that touch them.
+    /// Draws the walls: lines extended to all disks that touch them, thin walls as they are.
     pub fn walls(&mut self, now: &Snapshot) {
         let walls: Vec<_> = now.walls.iter().map(|wall| enclosing(*wall, now)).collect();
         self.segments(&walls, "#222", 2.0);
+        self.segments(&now.plates, "#222", 2.0);
     }
 
     /// Draws segments (m) as one path.

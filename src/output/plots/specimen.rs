@@ -93,6 +93,7 @@ mod tests {
             rotations: (0..n).map(|k| k as f64 * 1e-5).collect(),
             displacements: vec![DVec2::ZERO; n],
             walls: vec![[DVec2::ZERO, DVec2::X]],
+            plates: Vec::new(),
             cracks: (1..n).map(|k| [cell(k - 1), cell(k)]).collect(),
         }
     }

@@ -38,7 +38,7 @@ pub use solver::Solver;
 pub(super) use solver::WITHOUT_BRACKETS;
 pub use specimen::{ExplicitBond, Particle, Sizes, Specimen};
 pub use stages::{Cement, Compact, CompactRest, CompactTarget, CustomStage, Load, Stage, Stop};
-pub use walls::{Wall, WallControl};
+pub use walls::{LidLoad, Slide, Table, Wall, WallControl, WallShape};
 
 /// Version of the format that this build reads.
 pub const VERSION: u32 = 1;
@@ -87,7 +87,14 @@ pub struct Scene {
     /// particles one by one.
     #[serde(default, deserialize_with = "unique_keys::deserialize")]
     pub probes: BTreeMap<String, u32>,
-    /// Straight walls.
+    /// Named groups of particles, for selections.
+    #[serde(
+        default,
+        deserialize_with = "unique_keys::deserialize",
+        skip_serializing_if = "BTreeMap::is_empty"
+    )]
+    pub groups: BTreeMap<String, Select>,
+    /// Walls.
     #[serde(default)]
     pub walls: Vec<Wall>,
     /// Stages, in order.

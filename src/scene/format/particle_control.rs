@@ -37,7 +37,11 @@ pub enum Select {
     All,
     /// By index in the specimen, from 0.
     Index(Vec<u32>),
-    /// By group.
+    /// By index in the specimen, from the first to the last.
+    Range(u32, u32),
+    /// By material.
+    Material(String),
+    /// By the name of a group: of the scene, or of the specimen.
     Group(String),
     /// By the name of the probe.
     Probe(String),
@@ -48,6 +52,42 @@ pub enum Select {
         /// Upper right corner, m.
         max: (f64, f64),
     },
+    /// Particles with centres in a circle at the start of the stage.
+    Circle {
+        /// Centre, m.
+        centre: (f64, f64),
+        /// Radius, m.
+        radius: f64,
+    },
+    /// Particles with centres between two parallel lines at the start of the stage.
+    Layer {
+        /// Direction across the layer, of any length.
+        normal: (f64, f64),
+        /// Lower distance from the origin in this direction, m.
+        from: f64,
+        /// Upper distance, m.
+        to: f64,
+    },
+    /// Particles with centres in a polygon at the start of the stage: its corners, m.
+    Polygon(Vec<(f64, f64)>),
+    /// Particles that any of these has.
+    Union(Vec<Select>),
+    /// Particles that all of these have.
+    Intersection(Vec<Select>),
+    /// Particles that the first has and the second has not.
+    Except(Box<Select>, Box<Select>),
+}
+
+impl Select {
+    /// The selections that it is made of.
+    #[must_use]
+    pub fn parts(&self) -> Vec<&Self> {
+        match self {
+            Self::Union(list) | Self::Intersection(list) => list.iter().collect(),
+            Self::Except(from, without) => vec![from, without],
+            _ => Vec::new(),
+        }
+    }
 }
 
 /// Imposed motion along one degree of freedom.

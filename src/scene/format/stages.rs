@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Analysis, ParticleControl, Record, RigidControl, WallControl};
+use super::{Analysis, Bond, ParticleControl, Record, RigidControl, Select, WallControl};
 use crate::scene::unique_keys;
 
 /// A stage.
@@ -131,6 +131,23 @@ pub struct Cement {
     /// Whether particles are also bonded to walls.
     #[serde(default)]
     pub walls: bool,
+    /// Whether particles are bonded to each other.
+    #[serde(default = "yes", skip_serializing_if = "is_true")]
+    pub particles: bool,
+    /// Particles that are bonded, to each other and to walls; all if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub select: Option<Select>,
+    /// Law of the bonds; that of the materials and walls if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bond: Option<Bond>,
+}
+
+fn yes() -> bool {
+    true
+}
+
+fn is_true(value: &bool) -> bool {
+    *value
 }
 
 /// See [`Stage::Load`].

@@ -4,7 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::{Bond, Contact};
 
-/// A straight wall. Material is on the left of the direction from start to end.
+/// A wall. Material is on the left of the direction from start to end of a line; all other shapes
+/// are thin, with material on their two sides.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Wall {
@@ -14,6 +15,9 @@ pub struct Wall {
     pub start: (f64, f64),
     /// End of the drawn segment, m.
     pub end: (f64, f64),
+    /// Shape between the two, for contact.
+    #[serde(default, skip_serializing_if = "WallShape::is_line")]
+    pub shape: WallShape,
     /// Law of contacts with particles; rigid and frictionless if left out.
     #[serde(default)]
     pub contact: Contact,
@@ -30,6 +34,40 @@ pub struct Wall {
 
 fn yes() -> bool {
     true
+}
+
+/// Shape of a wall.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub enum WallShape {
+    /// An infinite line, drawn between start and end.
+    #[default]
+    Line,
+    /// The straight piece from start to end.
+    Segment,
+    /// Straight pieces from start through these corners to end, m. It is closed where the end is
+    /// the start.
+    Polyline(Vec<(f64, f64)>),
+    /// The circular arc from start through a point to end. Where the end is the start it is the
+    /// whole circle on the diameter from there to the point.
+    Arc {
+        /// A point of the arc between start and end, m.
+        through: (f64, f64),
+    },
+}
+
+impl WallShape {
+    /// Whether the wall is one straight piece.
+    #[must_use]
+    pub fn is_straight(&self) -> bool {
+        matches!(self, Self::Line | Self::Segment)
+    }
+
+    /// Whether it is that of a wall that does not say. Records of such walls do not say either.
+    #[must_use]
+    pub fn is_line(&self) -> bool {
+        *self == Self::Line
+    }
 }
 
 /// Control of a wall.
@@ -55,4 +93,72 @@ pub enum WallControl {
     },
     /// A system of an embedding program drives the wall. The `clastic` program refuses it.
     Custom,
+    /// The wall carries a load along its inward normal while it is moved along its tangent.
+    Lid {
+        /// The load at the end of the stage.
+        load: LidLoad,
+        /// Motion along the wall, positive from start to end.
+        slide: Slide,
+    },
+    /// The wall follows a table, linear between its points.
+    Follow(Table),
+}
+
+/// Load of a [`WallControl::Lid`].
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub enum LidLoad {
+    /// See [`WallControl::Force`].
+    Force(f64),
+    /// See [`WallControl::Stress`].
+    Stress {
+        /// Stress, Pa, compression positive.
+        stress: f64,
+        /// The two walls whose current distance is the loaded length.
+        #[serde(default)]
+        between: Option<(String, String)>,
+    },
+}
+
+/// Motion of a [`WallControl::Lid`] along its tangent.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub enum Slide {
+    /// In every increment, m.
+    Displacement(f64),
+    /// Velocity, m/s.
+    Velocity(f64),
+}
+
+/// Points of a [`WallControl::Follow`]. The first number is the time since the start of the stage,
+/// s, in a dynamic stage, and the part of the stage that is done, 0 to 1, in a static one.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub enum Table {
+    /// Displacement (x, y) since the start of the stage, m.
+    Displacement(Vec<(f64, f64, f64)>),
+    /// Force along the inward normal, N.
+    Force(Vec<(f64, f64)>),
+    /// Stress along the inward normal.
+    Stress {
+        /// Points: stress, Pa, compression positive.
+        stress: Vec<(f64, f64)>,
+        /// The two walls whose current distance is the loaded length.
+        #[serde(default)]
+        between: Option<(String, String)>,
+    },
+}
+
+impl WallControl {
+    /// The two walls whose distance is the length that a stress acts on: `None` without a stress,
+    /// `Some(None)` where it acts on the drawn length of the wall.
+    #[must_use]
+    pub fn loaded_between(&self) -> Option<Option<&(String, String)>> {
+        match self {
+            Self::Stress { between, .. }
+            | Self::Lid { load: LidLoad::Stress { between, .. }, .. }
+            | Self::Follow(Table::Stress { between, .. }) => Some(between.as_ref()),
+            _ => None,
+        }
+    }
 }

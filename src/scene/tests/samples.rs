@@ -36,13 +36,25 @@ Scene(
         (name: "left", start: (0.0, 1.0), end: (0.0, 0.0)),
         (name: "right", start: (1.0, 0.0), end: (1.0, 1.0)),
         (name: "lid", start: (1.0, 2.0), end: (0.0, 2.0), present: false),
+        (name: "plate", start: (2.0, 0.0), end: (3.0, 0.0), shape: Segment),
+        (name: "chute", start: (2.0, 0.0), end: (3.0, 0.0), shape: Polyline([(2.0, 1.0), (3.0, 1.0)])),
+        (name: "bowl", start: (2.0, 0.0), end: (4.0, 0.0), shape: Arc(through: (3.0, -1.0))),
     ],
+    groups: {
+        "heap": Union([Circle(centre: (0.0, 0.0), radius: 9.0), Polygon([(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)])]),
+        "few": Except(Group("heap"), Intersection([Range(1, 2), Material("fine sand")])),
+    },
     stages: [
         Compact(
             name: "press", wall: "top", base: "bottom", target: Porosity(0.2), step: 1e-3,
             rest: Still, agitation: 0.1, seed: 3,
         ),
         Cement(name: "glue", length: 0.01, walls: true),
+        Cement(
+            name: "foot", length: 0.01, walls: true, particles: false,
+            select: Layer(normal: (0.0, 1.0), from: 0.0, to: 0.5),
+            bond: (cohesion: 1e5, tensile_strength: 5e4),
+        ),
         Load(
             name: "shear",
             increments: 10,
@@ -59,6 +71,7 @@ Scene(
             particles: [
                 (select: All, rotation: Held),
                 (select: Index([0, 2]), x: Displacement(1e-3), force: (1.0, 2.0), moment: 3.0),
+                (select: Group("few"), y: Held),
                 (select: Group("low"), affine: ((0.1, 0.0), (0.0, -0.1))),
                 (select: Probe("p"), y: Free),
                 (select: Box(min: (0.0, 0.0), max: (1.0, 1.0))),
@@ -68,7 +81,12 @@ Scene(
         Load(
             name: "let go",
             increments: 10,
-            walls: {"left": Velocity(0.1, 0.0)},
+            walls: {
+                "left": Velocity(0.1, 0.0),
+                "bottom": Follow(Displacement([(0.0, 0.0, 0.0), (1.0, 0.0, -1e-3)])),
+                "plate": Lid(load: Stress(stress: 1e5, between: ("left", "top")), slide: Velocity(0.1)),
+                "bowl": Follow(Stress(stress: [(0.0, 0.0), (0.5, 1e3)])),
+            },
             remove_walls: ["right"],
             particles: [(select: Index([1]), x: Velocity(0.5))],
             stop: [Time(3.0), Rest(1e-6)],

@@ -72,9 +72,11 @@ fn inward(wall: &Wall) -> (f64, f64) {
     ((wall.start.1 - wall.end.1) / length, (wall.end.0 - wall.start.0) / length)
 }
 
-/// Distance between two parallel walls that face each other, m; `None` for other pairs.
+/// Distance between two parallel lines that face each other, m; `None` for other pairs: thin walls
+/// may pass beside each other.
 fn facing(a: &Wall, b: &Wall) -> Option<f64> {
-    if !(length(a) > 0.0 && length(b) > 0.0) {
+    let are_lines = a.shape.is_line() && b.shape.is_line();
+    if !(are_lines && length(a) > 0.0 && length(b) > 0.0) {
         return None;
     }
     let (n, m) = (inward(a), inward(b));

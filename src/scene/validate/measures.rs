@@ -7,6 +7,7 @@ use crate::scene::format::{Area, Length, Strain, Stress};
 use super::Context;
 use super::findings::Findings;
 use super::specimen::index_exists;
+use super::thin_walls::one_piece;
 
 pub(super) fn check(context: &Context, findings: &mut Findings) {
     let measures = &context.scene.measures;
@@ -74,4 +75,5 @@ fn two_walls(context: &Context, path: Arguments, (a, b): (&str, &str), findings:
 
 fn wall(context: &Context, path: Arguments, name: &str, findings: &mut Findings) {
     findings.reference(path, name, ("wall", "walls"), &context.walls);
+    one_piece(context, path, name, "place and normal", findings);
 }

@@ -9,10 +9,13 @@ mod measures;
 mod places;
 mod restitution;
 mod rigid;
+mod select;
 mod selections;
 mod settings;
 mod specimen;
 mod stages;
+mod thin_walls;
+mod wall_controls;
 mod walls;
 
 use super::diagnostic::Finding;
@@ -48,6 +51,8 @@ pub(super) fn findings(
     materials::check(&context, &mut findings);
     walls::check(&context, &mut findings);
     specimen::check(&context, &mut findings);
+    thin_walls::check(&context, &mut findings);
+    select::groups(&context, &mut findings);
     stages::check(&context, &mut findings);
     restitution::check(&context, &mut findings);
     crossing::check(&context, &mut findings);

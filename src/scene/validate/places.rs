@@ -50,9 +50,12 @@ pub(super) fn finest((x, y): (f64, f64)) -> f64 {
     f64::EPSILON * x.abs().max(y.abs())
 }
 
-/// Whether the centre of a disk is on the outer side of a wall. For contact a wall is an infinite
-/// line, also beyond the ends of its drawn segment.
+/// Whether the centre of a disk is on the outer side of a wall that is a line: also beyond the ends
+/// of its drawn segment.
 pub(super) fn is_behind(wall: &Wall, (x, y): (f64, f64), radius: f64) -> bool {
+    if !wall.shape.is_line() {
+        return false;
+    }
     let along = (wall.end.0 - wall.start.0, wall.end.1 - wall.start.1);
     let from = (x - wall.start.0, y - wall.start.1);
     let length = along.0.hypot(along.1);

@@ -1,12 +1,15 @@
-//! Boxes that select no particle, so that a control of particles would have no effect.
+//! Regions and sets that select no particle, so that a control of particles would have no effect.
 //!
 //! Positions are known until a stage moves the particles. The check therefore covers the first
 //! loading stage, if only cementing precedes it. For later stages the run makes this check when
 //! they begin.
 
+use std::collections::BTreeMap;
+
 use super::Context;
 use super::findings::Findings;
-use crate::run::particles::particles;
+use crate::run::particles::{ParticleSeed, particles};
+use crate::run::select::{Candidate, selects};
 use crate::scene::format::{Load, Select, Specimen, Stage};
 use crate::scene::spans::join;
 
@@ -15,42 +18,65 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
     let unmoved = scene.stages.iter().position(|stage| !matches!(stage, Stage::Cement(_)));
     let Some((i, Stage::Load(stage))) = unmoved.map(|i| (i, &scene.stages[i])) else { return };
     let is_read = context.specimen.is_some() || !matches!(scene.specimen, Specimen::File { .. });
-    if !is_read || boxes(stage).next().is_none() {
+    if !is_read || regions(stage, &scene.groups).next().is_none() {
         return;
     }
     // An invalid recipe makes no particles.
+    let parts = ["specimen", "groups", "materials"];
     let fields = ["particles", "rigid"].map(|field| format!("stages[{i}].{field}"));
-    if !findings.is_sound("specimen") || !fields.iter().all(|field| findings.is_sound(field)) {
+    if !parts.iter().all(|part| findings.is_sound(part))
+        || !fields.iter().all(|field| findings.is_sound(field))
+    {
         return;
     }
-    let centres: Vec<_> = particles(&scene.specimen, context.specimen)
-        .iter()
-        .map(|particle| (particle.position.x, particle.position.y))
-        .collect();
-    for (entry, min, max) in boxes(stage) {
-        let is_inside =
-            |(x, y): &(f64, f64)| *x >= min.0 && *y >= min.1 && *x <= max.0 && *y <= max.1;
-        if !centres.iter().any(is_inside) {
+    let seeds = particles(&scene.specimen, context.specimen);
+    let only = context.materials.first().filter(|_| context.materials.len() == 1);
+    let probes: BTreeMap<u32, &str> =
+        scene.probes.iter().map(|(name, index)| (*index, name.as_str())).collect();
+    let centres: Vec<_> = seeds.iter().map(|seed| (seed.position.x, seed.position.y)).collect();
+    for (entry, select) in regions(stage, &scene.groups) {
+        let has = |(seed, index): (&ParticleSeed, u32)| {
+            let of = Candidate {
+                index,
+                place: seed.position,
+                material: seed.material.as_deref().or(only.copied()),
+                group: seed.group.as_deref(),
+                probe: seed.probe.as_deref().or(probes.get(&index).copied()),
+            };
+            selects(select, &scene.groups, &of)
+        };
+        if !seeds.iter().zip(0..).any(has) {
             let path = format_args!("stages[{i}].{entry}.select");
-            findings.add(path, "selects no particle: no centre is in the box", &bounds(&centres));
+            if let Select::Box { .. } = select {
+                let message = "selects no particle: no centre is in the box";
+                findings.add(path, message, &bounds("a box that holds some", &centres));
+            } else {
+                findings.add(path, "selects no particle", &bounds("one that has some", &centres));
+            }
         }
     }
 }
 
-/// Boxes with which a stage selects particles: the entry, lower left and upper right corner.
-fn boxes(stage: &Load) -> impl Iterator<Item = (String, (f64, f64), (f64, f64))> {
+/// Entries of a stage whose particles depend on places or on sets: place and selection.
+fn regions<'a>(
+    stage: &'a Load,
+    groups: &'a BTreeMap<String, Select>,
+) -> impl Iterator<Item = (String, &'a Select)> {
+    let of = |select: &Select| match select {
+        Select::All | Select::Index(_) | Select::Range(..) | Select::Probe(_) => false,
+        Select::Group(name) => groups.contains_key(name),
+        _ => true,
+    };
     let controls = stage.particles.iter().enumerate();
-    let controls = controls.map(|(k, control)| (format!("particles[{k}]"), Some(&control.select)));
-    let groups = stage.rigid.iter();
-    let groups = groups.map(|(name, control)| (join("rigid", name), control.select.as_ref()));
-    controls.chain(groups).filter_map(|(entry, select)| match select {
-        Some(Select::Box { min, max }) => Some((entry, *min, *max)),
-        _ => None,
-    })
+    let controls = controls.map(|(k, control)| (format!("particles[{k}]"), &control.select));
+    let rigid = stage.rigid.iter();
+    let rigid =
+        rigid.filter_map(|(name, control)| Some((join("rigid", name), control.select.as_ref()?)));
+    controls.chain(rigid).filter(move |(_, select)| of(select))
 }
 
-/// Range of the centres in words.
-fn bounds(centres: &[(f64, f64)]) -> String {
+/// What to give instead, with the range of the centres.
+fn bounds(what: &str, centres: &[(f64, f64)]) -> String {
     let Some(first) = centres.first() else { return "the specimen has no particles".to_owned() };
     let (mut low, mut high) = (*first, *first);
     for (x, y) in centres {
@@ -58,7 +84,7 @@ fn bounds(centres: &[(f64, f64)]) -> String {
         high = (high.0.max(*x), high.1.max(*y));
     }
     format!(
-        "give a box that holds some: the centres are between ({:.4e}, {:.4e}) and ({:.4e}, {:.4e})",
+        "give {what}: the centres are between ({:.4e}, {:.4e}) and ({:.4e}, {:.4e})",
         low.0, low.1, high.0, high.1
     )
 }

@@ -4,13 +4,13 @@ use std::fmt::Arguments;
 
 use crate::scene::format::{
     Analysis, Cement, Compact, CompactTarget, CustomStage, Length, Load, Motion, ParticleControl,
-    Record, Select, Specimen, Stage, Stop, Strain, Stress, Wall, WallControl,
+    Record, Stage, Stop, Strain, Stress, Wall,
 };
 use crate::scene::spans::join;
-use crate::scene::suggest;
 
 use super::findings::Findings;
-use super::specimen::index_exists;
+use super::select::select;
+use super::wall_controls::control_of_wall;
 use super::{ASKEW, Context, rigid, walls};
 
 const WALL: (&str, &str) = ("wall", "walls");
@@ -52,7 +52,7 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
 }
 
 /// Checks a wall that a stage needs. Returns the wall if it exists.
-fn wall_there<'a>(
+pub(super) fn wall_there<'a>(
     context: &Context<'a>,
     path: Arguments,
     name: &str,
@@ -84,6 +84,13 @@ fn compact(
     let wall_path = format_args!("{path}.wall");
     let moving = wall_there(context, wall_path, wall, present, findings);
     let fixed = wall_there(context, format_args!("{path}.base"), base, present, findings);
+    for (field, wall) in [("wall", moving), ("base", fixed)] {
+        if let Some(wall) = wall.filter(|wall| !wall.shape.is_straight()) {
+            let message = format!("wall `{}` is not straight", wall.name);
+            let help = "compact between two straight walls";
+            findings.add(format_args!("{path}.{field}"), message, help);
+        }
+    }
     if wall == base && !wall.is_empty() {
         findings.add(
             format_args!("{path}.base"),
@@ -136,7 +143,16 @@ fn record(path: Arguments, record: &Record, findings: &mut Findings) {
 
 fn cement(context: &Context, path: Arguments, stage: &Cement, findings: &mut Findings) {
     findings.not_negative(format_args!("{path}.length"), stage.length, "a bond length in m");
-    let no_law = context.scene.materials.values().all(|material| material.bond.is_none());
+    if let Some(of) = &stage.select {
+        select(context, format_args!("{path}.select"), of, findings);
+    }
+    super::materials::bond(format_args!("{path}.bond"), stage.bond, findings);
+    if !stage.particles && !stage.walls {
+        let help = "bond particles, `walls: true`, or both";
+        findings.add(format_args!("{path}.particles"), "nothing to bond", help);
+    }
+    let no_law = stage.bond.is_none()
+        && context.scene.materials.values().all(|material| material.bond.is_none());
     let to_walls = stage.walls
         && (context.scene.walls.iter().any(|wall| wall.bond.is_some())
             || !findings.is_sure_of("walls"));
@@ -219,53 +235,10 @@ fn load(
     }
 }
 
-fn no_time(path: Arguments, what: &str, findings: &mut Findings) {
+pub(super) fn no_time(path: Arguments, what: &str, findings: &mut Findings) {
     if findings.is_sure_of("analysis") {
         let help = "use `Displacement`, in every increment, or a dynamic analysis";
         findings.add(path, format!("{what} in a static stage, which has no time"), help);
-    }
-}
-
-fn control_of_wall(
-    context: &Context,
-    path: Arguments,
-    (name, control): (&str, &WallControl),
-    (present, timeless): (&[bool], bool),
-    findings: &mut Findings,
-) {
-    if context.walls.contains(&name) {
-        wall_there(context, path, name, present, findings);
-    } else if findings.is_sure_of("walls") {
-        let help = suggest::help(name, &context.walls, "walls");
-        findings.add_at_key(path, format!("unknown wall (`{name}`)"), &help);
-    }
-    match control {
-        WallControl::Fixed | WallControl::Custom => {}
-        WallControl::Displacement(x, y) => {
-            findings.vector(path, (*x, *y), "a displacement in m");
-        }
-        WallControl::Velocity(x, y) => {
-            findings.vector(path, (*x, *y), "a velocity in m/s");
-            if timeless {
-                no_time(path, "a velocity", findings);
-            }
-        }
-        WallControl::Force(force) => {
-            findings.finite(format_args!("{path}[0]"), *force, "a force in N");
-        }
-        WallControl::Stress { stress, between } => {
-            findings.finite(format_args!("{path}.stress"), *stress, "a stress in Pa");
-            let Some((a, b)) = between else { return };
-            for (i, other) in [a, b].into_iter().enumerate() {
-                let path = format_args!("{path}.between[{i}]");
-                wall_there(context, path, other, present, findings);
-                if other == name {
-                    let help = "name the two walls that bound its loaded length";
-                    findings.add(path, format!("the wall itself (`{name}`)"), help);
-                }
-            }
-            findings.pair(format_args!("{path}.between"), (a, b), "wall");
-        }
     }
 }
 
@@ -320,52 +293,6 @@ fn control_of_particles(
     }
     if let Some(moment) = control.moment {
         findings.finite(format_args!("{path}.moment"), moment, "a moment in N m");
-    }
-}
-
-pub(super) fn select(context: &Context, path: Arguments, select: &Select, findings: &mut Findings) {
-    let particles = match &context.scene.specimen {
-        Specimen::Particles(list) => list.as_slice(),
-        _ => &[],
-    };
-    match select {
-        Select::All => {
-            if context.particles == Some(0) && findings.is_sure_of("specimen") {
-                let help = "add particles to the specimen, or leave this entry out";
-                findings.add(path, "selects no particle: the specimen has none", help);
-            }
-        }
-        Select::Index(list) => {
-            if list.is_empty() {
-                findings.add(path, "selects no particle", "name particles by index, from 0");
-            }
-            for (i, index) in list.iter().enumerate() {
-                index_exists(context, format_args!("{path}[{i}]"), *index, findings);
-            }
-        }
-        Select::Group(name) => {
-            let mut names: Vec<_> = particles.iter().filter_map(|p| p.group.as_deref()).collect();
-            if matches!(context.scene.specimen, Specimen::Lattice { .. }) {
-                names.push("boundary");
-            }
-            names.sort_unstable();
-            names.dedup();
-            findings.reference(format_args!("{path}[0]"), name, ("group", "specimen"), &names);
-        }
-        Select::Probe(name) => {
-            let listed = particles.iter().filter_map(|p| p.probe.as_deref());
-            let named = context.scene.probes.keys().map(String::as_str);
-            let names: Vec<_> = listed.chain(named).collect();
-            findings.reference(format_args!("{path}[0]"), name, ("probe", "specimen"), &names);
-        }
-        Select::Box { min, max } => {
-            let fine = findings.vector(format_args!("{path}.min"), *min, "a place in m")
-                & findings.vector(format_args!("{path}.max"), *max, "a place in m");
-            if fine && (min.0 > max.0 || min.1 > max.1) {
-                let message = format!("not above and to the right of min ({max:?})");
-                findings.add(format_args!("{path}.max"), message, "swap the corners");
-            }
-        }
     }
 }
 

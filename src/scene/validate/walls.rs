@@ -5,19 +5,18 @@ use std::collections::BTreeMap;
 use crate::scene::format::{Particle, Specimen, Stage, Wall};
 use crate::scene::spans::join;
 
-use super::Context;
 use super::findings::Findings;
 use super::materials::{bond, contact};
 use super::specimen::index_exists;
+use super::{Context, thin_walls};
 
 pub(super) fn check(context: &Context, findings: &mut Findings) {
     let walls = &context.scene.walls;
     for (i, wall) in walls.iter().enumerate() {
         let start = findings.vector(format_args!("walls[{i}].start"), wall.start, "a place in m");
         let end = findings.vector(format_args!("walls[{i}].end"), wall.end, "a place in m");
-        if start && end && length(wall) <= 0.0 {
-            let message = format!("a wall of zero length ({:?} to {:?})", wall.start, wall.end);
-            findings.add(format_args!("walls[{i}].end"), message, "move its end");
+        if start && end {
+            thin_walls::shape(i, wall, findings);
         }
         contact(format_args!("walls[{i}].contact"), wall.contact, findings);
         bond(format_args!("walls[{i}].bond"), wall.bond, findings);

@@ -1,0 +1,170 @@
+//! Pieces of the walls of a scene: a polyline is several walls under one name.
+
+use std::f64::consts::PI;
+
+use clastic_components::wall::Wall;
+use clastic_components::wall_shape::{WallEnd, WallShape};
+use glam::DVec2;
+
+use crate::scene::format as scene;
+
+/// A straight or curved piece of a wall.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Piece {
+    /// Middle of the piece, or the centre of a whole circle, m.
+    pub position: DVec2,
+    /// Direction and length.
+    pub wall: Wall,
+    /// Shape for contact.
+    pub shape: WallShape,
+}
+
+/// Number of pieces of a wall. Each is a body with an identity of its own.
+#[must_use]
+pub fn count(wall: &scene::Wall) -> u32 {
+    match &wall.shape {
+        scene::WallShape::Polyline(corners) => corners.len() as u32 + 1,
+        _ => 1,
+    }
+}
+
+/// The pieces of a wall from its start to its end.
+#[must_use]
+pub fn pieces(wall: &scene::Wall) -> Vec<Piece> {
+    let (start, end) = (DVec2::from(wall.start), DVec2::from(wall.end));
+    let free = WallShape::Segment { ends: [WallEnd::Free; 2] };
+    match &wall.shape {
+        scene::WallShape::Line => vec![straight(start, end, WallShape::Line)],
+        scene::WallShape::Segment => vec![straight(start, end, free)],
+        scene::WallShape::Arc { through } => vec![arc(start, DVec2::from(*through), end)],
+        scene::WallShape::Polyline(corners) => {
+            let corners = corners.iter().map(|corner| DVec2::from(*corner));
+            let points: Vec<_> =
+                std::iter::once(start).chain(corners).chain(std::iter::once(end)).collect();
+            let mut list: Vec<_> =
+                points.windows(2).map(|ends| straight(ends[0], ends[1], free)).collect();
+            let last = list.len() - 1;
+            for k in 0..=last {
+                let next = if k < last { k + 1 } else { 0 };
+                if k == last && (start != end || last == 0) {
+                    break;
+                }
+                let along = list[next].wall.tangent;
+                set_end(&mut list[k].shape, 1, WallEnd::Corner(along));
+                set_end(&mut list[next].shape, 0, WallEnd::Joined);
+            }
+            list
+        }
+    }
+}
+
+/// Minimum distance of the centre of a particle from a thin wall when the wall or the particle
+/// comes, over its radius. The side of a closer particle is not clear.
+pub const CUT: f64 = 0.5;
+
+/// Whether a thin wall cuts through a disk.
+#[must_use]
+pub fn is_cut(wall: &scene::Wall, place: DVec2, radius: f64) -> bool {
+    !wall.shape.is_line()
+        && pieces(wall).iter().any(|piece| {
+            let Wall { half_length, .. } = piece.wall;
+            let near =
+                piece.shape.nearest(piece.wall.inward(), half_length, place - piece.position);
+            near.distance < CUT * radius
+        })
+}
+
+fn set_end(shape: &mut WallShape, k: usize, end: WallEnd) {
+    if let WallShape::Segment { ends } = shape {
+        ends[k] = end;
+    }
+}
+
+fn straight(start: DVec2, end: DVec2, shape: WallShape) -> Piece {
+    let wall = Wall {
+        tangent: (end - start).normalize_or(DVec2::X),
+        half_length: 0.5 * start.distance(end),
+    };
+    Piece { position: 0.5 * (start + end), wall, shape }
+}
+
+/// The arc from `start` through a point to `end`. If it ends where it starts it is the circle on
+/// the diameter from there to the point.
+fn arc(start: DVec2, through: DVec2, end: DVec2) -> Piece {
+    if start == end {
+        let centre = 0.5 * (start + through);
+        let radius = 0.5 * start.distance(through);
+        let inward = (centre - start) / radius;
+        let wall = Wall { tangent: -inward.perp(), half_length: radius };
+        let shape = WallShape::Arc { centre: DVec2::ZERO, radius, axis: inward, half_angle: PI };
+        return Piece { position: centre, wall, shape };
+    }
+    let Piece { position: middle, wall, .. } = straight(start, end, WallShape::Line);
+    let (half, from) = (wall.half_length, through - middle);
+    let height = from.dot(wall.inward());
+    // Distance of the centre from the chord, on the side of the inward normal: all three points are
+    // at the same distance from it.
+    let offset = (from.length_squared() - half * half) / (2.0 * height);
+    let axis = wall.inward() * height.signum();
+    let radius = half.hypot(offset);
+    let centre = middle + offset * wall.inward();
+    let half_angle = half.atan2(-offset * height.signum());
+    let position = centre + radius * axis;
+    let shape = WallShape::Arc { centre: centre - position, radius, axis, half_angle };
+    Piece { position, wall, shape }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(shape: scene::WallShape, start: (f64, f64), end: (f64, f64)) -> Vec<Piece> {
+        let wall = scene::Wall {
+            name: "w".into(),
+            start,
+            end,
+            shape,
+            contact: scene::Contact::default(),
+            bond: None,
+            present: true,
+            probe: None,
+        };
+        assert_eq!(count(&wall) as usize, pieces(&wall).len());
+        pieces(&wall)
+    }
+
+    #[test]
+    fn an_arc_goes_through_its_three_points() {
+        let angle = |a: f64| (1.0 + 2.0 * a.cos(), -0.5 + 2.0 * a.sin());
+        for (from, to) in [(0.3, 1.9), (1.9, 0.3), (-0.2, 4.5), (4.5, -0.2), (0.0, PI)] {
+            let through = angle(from + 0.3 * (to - from));
+            let shape = scene::WallShape::Arc { through };
+            let list = of(shape, angle(from), angle(to));
+            let WallShape::Arc { centre, radius, axis, half_angle } = list[0].shape else {
+                panic!("no arc")
+            };
+            let close = |a: DVec2, b: (f64, f64)| a.distance(DVec2::from(b)) < 1e-14;
+            assert!(close(list[0].position + centre, (1.0, -0.5)));
+            assert!(
+                (radius - 2.0).abs() < 1e-14
+                    && (half_angle - 0.5 * (to - from).abs()).abs() < 1e-14
+            );
+            let middle = 0.5 * (from + to);
+            assert!(close(axis, (middle.cos(), middle.sin())));
+        }
+    }
+
+    #[test]
+    fn a_closed_polyline_has_no_free_end() {
+        let corners = vec![(1.0, 0.0), (1.0, 1.0)];
+        for (end, free) in [((0.0, 0.0), 0), ((0.0, 1.0), 2)] {
+            let list = of(scene::WallShape::Polyline(corners.clone()), (0.0, 0.0), end);
+            let is_free = |piece: &Piece| match piece.shape {
+                WallShape::Segment { ends } => ends.iter().filter(|e| **e == WallEnd::Free).count(),
+                _ => panic!("no segment"),
+            };
+            assert_eq!(list.len(), 3);
+            assert_eq!(list.iter().map(is_free).sum::<usize>(), free);
+        }
+    }
+}

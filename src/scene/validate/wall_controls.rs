@@ -1,0 +1,164 @@
+//! Controls of walls in a stage.
+
+use std::fmt::Arguments;
+
+use crate::scene::format::{LidLoad, Slide, Table, WallControl};
+use crate::scene::suggest;
+
+use super::Context;
+use super::findings::Findings;
+use super::stages::{no_time, wall_there};
+use super::thin_walls::one_piece;
+
+/// Checks the control of a wall in a stage that may have no time.
+pub(super) fn control_of_wall(
+    context: &Context,
+    path: Arguments,
+    (name, control): (&str, &WallControl),
+    (present, timeless): (&[bool], bool),
+    findings: &mut Findings,
+) {
+    if context.walls.contains(&name) {
+        wall_there(context, path, name, present, findings);
+    } else if findings.is_sure_of("walls") {
+        let help = suggest::help(name, &context.walls, "walls");
+        findings.add_at_key(path, format!("unknown wall (`{name}`)"), &help);
+    }
+    match control {
+        WallControl::Fixed | WallControl::Custom => {}
+        WallControl::Displacement(x, y) => {
+            findings.vector(path, (*x, *y), "a displacement in m");
+        }
+        WallControl::Velocity(x, y) => {
+            findings.vector(path, (*x, *y), "a velocity in m/s");
+            if timeless {
+                no_time(path, "a velocity", findings);
+            }
+        }
+        WallControl::Force(force) => {
+            one_piece(context, path, name, "normal", findings);
+            findings.finite(format_args!("{path}[0]"), *force, "a force in N");
+        }
+        WallControl::Stress { stress, between } => {
+            one_piece(context, path, name, "normal", findings);
+            findings.finite(format_args!("{path}.stress"), *stress, "a stress in Pa");
+            loaded_between(context, path, (name, between), present, findings);
+        }
+        WallControl::Lid { load, slide } => {
+            lid(context, path, (name, load, *slide), (present, timeless), findings);
+        }
+        WallControl::Follow(table) => {
+            follow(context, path, (name, table), (present, timeless), findings);
+        }
+    }
+}
+
+/// Checks the two walls that bound the loaded length of a stress.
+fn loaded_between(
+    context: &Context,
+    path: Arguments,
+    (name, between): (&str, &Option<(String, String)>),
+    present: &[bool],
+    findings: &mut Findings,
+) {
+    let Some((a, b)) = between else { return };
+    for (i, other) in [a, b].into_iter().enumerate() {
+        let path = format_args!("{path}.between[{i}]");
+        wall_there(context, path, other, present, findings);
+        one_piece(context, path, other, "place and normal", findings);
+        if other == name {
+            let help = "name the two walls that bound its loaded length";
+            findings.add(path, format!("the wall itself (`{name}`)"), help);
+        }
+    }
+    findings.pair(format_args!("{path}.between"), (a, b), "wall");
+}
+
+fn lid(
+    context: &Context,
+    path: Arguments,
+    (name, load, slide): (&str, &LidLoad, Slide),
+    (present, timeless): (&[bool], bool),
+    findings: &mut Findings,
+) {
+    let wall = context.scene.walls.iter().find(|wall| wall.name == name);
+    if wall.is_some_and(|wall| !wall.shape.is_straight()) {
+        let message = format!("wall `{name}` is not straight");
+        findings.add(path, message, "a lid is a straight wall: it slides along itself");
+    }
+    match load {
+        LidLoad::Force(force) => {
+            findings.finite(format_args!("{path}.load[0]"), *force, "a force in N");
+        }
+        LidLoad::Stress { stress, between } => {
+            let path = format_args!("{path}.load");
+            findings.finite(format_args!("{path}.stress"), *stress, "a stress in Pa");
+            loaded_between(context, path, (name, between), present, findings);
+        }
+    }
+    let path = format_args!("{path}.slide[0]");
+    match slide {
+        Slide::Displacement(u) => {
+            findings.finite(path, u, "a displacement in m");
+        }
+        Slide::Velocity(v) => {
+            findings.finite(path, v, "a velocity in m/s");
+            if timeless {
+                no_time(path, "a velocity", findings);
+            }
+        }
+    }
+}
+
+fn follow(
+    context: &Context,
+    path: Arguments,
+    (name, table): (&str, &Table),
+    (present, timeless): (&[bool], bool),
+    findings: &mut Findings,
+) {
+    let (points, path, what): (Vec<_>, _, _) = match table {
+        Table::Displacement(list) => {
+            let points = list.iter().map(|(s, x, y)| (*s, vec![*x, *y])).collect();
+            (points, path.to_string(), "a displacement in m")
+        }
+        Table::Force(list) => {
+            let points = list.iter().map(|(s, f)| (*s, vec![*f])).collect();
+            (points, path.to_string(), "a force in N")
+        }
+        Table::Stress { stress, between } => {
+            loaded_between(context, path, (name, between), present, findings);
+            let points = stress.iter().map(|(s, p)| (*s, vec![*p])).collect();
+            (points, format!("{path}.stress"), "a stress in Pa")
+        }
+    };
+    if !matches!(table, Table::Displacement(_)) {
+        one_piece(context, format_args!("{path}"), name, "normal", findings);
+    }
+    if points.len() < 2 {
+        let help = "give two or more, in order of time or progress";
+        findings.add(format_args!("{path}"), "a table of fewer than two points", help);
+    }
+    let mut last = None;
+    for (k, (s, values)) in points.iter().enumerate() {
+        let first = format_args!("{path}[{k}][0]");
+        let sound = if timeless && findings.is_sure_of("analysis") {
+            let what = "the part of the stage that is done, 0 to 1, as the stage is static";
+            findings.number(first, *s, |s| (0.0..=1.0).contains(&s), what)
+        } else {
+            findings.not_negative(first, *s, "a time in s")
+        };
+        if sound && last.is_some_and(|last| *s <= last) {
+            let message = format!("not after the point before ({s:?})");
+            findings.add(first, message, "give the points in ascending order");
+        }
+        if sound && k == 0 && *s > 0.0 {
+            let help = "begin with a point at 0.0, the start of the stage";
+            findings.add(first, format!("a table that begins later ({s:?})"), help);
+        }
+        last = Some(*s);
+        for (j, value) in values.iter().enumerate() {
+            findings.finite(format_args!("{path}[{k}][{}]", j + 1), *value, what);
+        }
+    }
+}
