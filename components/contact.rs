@@ -9,11 +9,12 @@ use serde::{Deserialize, Serialize};
 use crate::body::{BodyId, Drive, Ramp};
 use crate::bond::BondId;
 use crate::material::{BondLaw, ContactLaw};
+use crate::rigid_group::GroupRow;
 use crate::wall::{WallControl, WallDrive};
 use crate::wall_shape::{Nearest, WallShape};
 
 /// Bodies, intact bonds and controls in the order of identities, so that results do not depend on
-/// the order of a query. Tables by body have `particles + walls` entries.
+/// the order of a query. Tables by body have `particles + walls + groups` entries.
 ///
 /// The table is gathered once per increment. The trials of the increment read it. Each step of a
 /// followed motion changes it. Entities keep the last committed state until a trial is committed.
@@ -52,7 +53,13 @@ pub struct Bodies {
     pub swinging: Vec<bool>,
     /// The walls of the world, in the order of identities.
     pub walls: Vec<WallRow>,
-    /// The intact bonds, by (a, b).
+    /// Number of rigid groups; their rows follow those of the walls.
+    pub group_count: usize,
+    /// The rigid groups, in the order of identities.
+    pub groups: Vec<GroupRow>,
+    /// Index in `groups` of the group of every particle; empty without groups.
+    pub group_of: Vec<Option<u32>>,
+    /// The intact bonds, by (a, b). A bond within a rigid group has no row.
     pub bonds: Vec<BondRow>,
     /// The bonds that a motion has broken in this increment, in the order in which they broke.
     pub broken: Vec<BondRow>,
@@ -69,6 +76,9 @@ impl Bodies {
     pub fn name(&self, row: usize) -> String {
         match row.checked_sub(self.particles) {
             None => format!("particle {}", self.ids[row].0),
+            Some(_) if row >= self.ids.len() - self.group_count => {
+                format!("rigid group (body {})", self.ids[row].0)
+            }
             Some(_) => format!("wall (body {})", self.ids[row].0),
         }
     }
@@ -81,9 +91,52 @@ impl Bodies {
         if self.ids.get(row) == Some(&id) {
             return Some(row);
         }
-        let (particles, walls) = self.ids.split_at(self.particles);
+        let (particles, others) = self.ids.split_at(self.particles);
+        let (walls, groups) = others.split_at(others.len() - self.group_count);
         let wall = || walls.binary_search(&id).ok().map(|k| self.particles + k);
-        particles.binary_search(&id).ok().or_else(wall)
+        let group = || groups.binary_search(&id).ok().map(|k| self.particles + walls.len() + k);
+        particles.binary_search(&id).ok().or_else(wall).or_else(group)
+    }
+
+    /// The rigid group of the body of a row; `None` for a body that belongs to none.
+    #[must_use]
+    pub fn group(&self, row: usize) -> Option<&GroupRow> {
+        let index = self.group_of.get(row).copied().flatten()?;
+        self.groups.get(index as usize)
+    }
+
+    /// Whether two bodies are members of one rigid group.
+    #[must_use]
+    pub fn are_joined(&self, a: u32, b: u32) -> bool {
+        let of = |row: u32| self.group_of.get(row as usize).copied().flatten();
+        of(a).is_some_and(|group| of(b) == Some(group))
+    }
+
+    /// Position of a member relative to the centre of its group, m.
+    #[must_use]
+    pub fn lever(&self, group: &GroupRow, member: usize) -> DVec2 {
+        self.positions[member] - self.positions[group.body as usize]
+    }
+
+    /// Drive of degree of freedom `k` of a rigid group in the trial. Imposed displacements are those
+    /// of a whole increment.
+    #[must_use]
+    pub fn group_drive(&self, group: &GroupRow, k: usize) -> Drive {
+        match group.drives[k] {
+            Drive::Imposed(_) if self.resting => Drive::Imposed(0.0),
+            drive => drive,
+        }
+    }
+
+    /// Maximum displacement of a point of a rigid group that its drives impose on it in a whole
+    /// increment, m.
+    #[must_use]
+    pub fn imposed_motion(&self, group: &GroupRow) -> f64 {
+        let [x, y, turn] = [0, 1, 2].map(|k| match self.group_drive(group, k) {
+            Drive::Imposed(u) => u,
+            Drive::Free => 0.0,
+        });
+        x.hypot(y) + turn.abs() * group.extent
     }
 
     /// Drive of degree of freedom `k` of particle `i` in the trial. Imposed displacements are those
@@ -119,6 +172,22 @@ impl Bodies {
             }
             !breaks
         });
+    }
+
+    /// Load of a rigid group in the trial at the given part of the increment, N and N m: its own, that
+    /// of its members, and their weight under the acceleration `gravity` (m/s^2).
+    #[must_use]
+    pub fn load_on_group(&self, group: &GroupRow, part: f64, gravity: DVec2) -> [f64; 3] {
+        let mut sum = group.loads.map(|ramp| ramp.at(part));
+        for &member in &group.members {
+            let i = member as usize;
+            let [x, y, moment] = self.loads[i].map(|ramp| ramp.at(part));
+            let force = DVec2::new(x, y) + self.masses[i] * gravity;
+            sum[0] += force.x;
+            sum[1] += force.y;
+            sum[2] += moment + self.lever(group, i).perp_dot(force);
+        }
+        sum
     }
 
     /// Moves the bodies by displacements (m, m, rad), one entry per body.

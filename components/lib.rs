@@ -21,5 +21,6 @@ pub mod measure;
 pub mod motion;
 pub mod observation;
 pub mod particle;
+pub mod rigid_group;
 pub mod wall;
 pub mod wall_shape;

@@ -16,9 +16,11 @@ use clastic_components::contact::{
 use clastic_components::identity::{Identities, NextIdentities};
 use clastic_components::material::ContactLaw;
 use clastic_components::particle::{MaterialIndex, Particle, Swinging};
+use clastic_components::rigid_group::{ContactForce, RigidGroup};
 use clastic_components::wall::{Wall, WallControl, WallDrive};
 use clastic_components::wall_shape::WallShape;
 
+use crate::rigid_groups::{self, GroupQuery};
 use crate::schedule::{Increment, IncrementSystems};
 use crate::state::{RegisterState, StateOf};
 
@@ -63,6 +65,8 @@ fn register_bodies(app: &mut App) {
         .register_component::<BodyId, AppliedLoad>("applied_load")
         .register_component::<BodyId, Swinging>("swinging")
         .register_component::<BodyId, ExternalForce>("external_force")
+        .register_component::<BodyId, RigidGroup>("rigid_group")
+        .register_component::<BodyId, ContactForce>("contact_force")
         .register_component::<BondId, Bond>("bond")
         .register_component::<BondId, BondState>("bond_state")
         .register_state::<RowIds>("contact_history.rows")
@@ -128,13 +132,15 @@ type WallQuery<'w, 's> = Query<
     ),
 >;
 
-/// Fills [`Bodies`] with one row per body: particles by identity, then walls by identity.
+/// Fills [`Bodies`] with one row per body: particles by identity, then walls by identity, then rigid
+/// groups by identity.
 ///
-/// A bond with a missing body has no row.
+/// A bond with a missing body has no row, nor has one between members of a rigid group.
 pub fn gather_bodies(
     mut bodies: ResMut<Bodies>,
     particles: ParticleQuery,
     walls: WallQuery,
+    groups: GroupQuery,
     bonds: Query<(Entity, &BondId, &Bond, &BondState)>,
 ) {
     let bodies = &mut *bodies;
@@ -143,7 +149,11 @@ pub fn gather_bodies(
     ids.sort_unstable();
     ids.extend(walls.iter().map(|w| *w.1));
     ids[n..].sort_unstable();
+    let first_group = ids.len();
+    ids.extend(groups.iter().map(|group| *group.1));
+    ids[first_group..].sort_unstable();
     let all = ids.len();
+    bodies.group_count = all - first_group;
     bodies.particles = n;
     bodies.ids = ids;
     bodies.entities.resize(all, Entity::PLACEHOLDER);
@@ -211,6 +221,7 @@ pub fn gather_bodies(
         });
     }
     bodies.walls.sort_unstable_by_key(|w| w.body);
+    rigid_groups::gather(bodies, &groups);
 
     bodies.broken.clear();
     bodies.resting = false;
@@ -221,6 +232,9 @@ pub fn gather_bodies(
         |(entity, id, bond, _)| {
             let (a, b) = (row(bond.a)?, row(bond.b)?);
             let (a, b) = (a.min(b), a.max(b));
+            if bodies.are_joined(a, b) {
+                return None;
+            }
             Some(BondRow { id: *id, entity, a, b, initial_gap: bond.initial_gap, law: bond.law })
         },
     ));

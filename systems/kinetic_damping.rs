@@ -24,6 +24,17 @@ pub fn relative_masses(bodies: &Bodies) -> Vec<[f64; 2]> {
             [1.0, 0.5 * r * r]
         };
     }
+    let unit = if mean > 0.0 { mean } else { 1.0 };
+    for group in &bodies.groups {
+        // Its members move with it and have no kinetic energy of their own.
+        group.members.iter().for_each(|member| masses[*member as usize] = [0.0; 2]);
+        masses[group.body as usize] = if mean > 0.0 {
+            [group.mass / unit, group.inertia / unit]
+        } else {
+            let n = group.members.len() as f64;
+            [n, 0.5 * n * group.extent.max(bodies.mean_radius).powi(2)]
+        };
+    }
     masses
 }
 

@@ -19,6 +19,7 @@ pub mod paths;
 pub mod record;
 #[cfg(feature = "reflect")]
 pub mod reflect;
+pub mod rigid_groups;
 pub mod rupture_bonds;
 pub mod schedule;
 pub mod solve_program;

@@ -31,7 +31,11 @@ pub fn far_motions(bodies: &Bodies, program: &ConeProgram, solution: &ConeSoluti
     let motion = motions(n, program, solution);
     // With fewer than `FEW` grains the field is fitted to the free ones only, since driven grains
     // move as imposed.
-    let driven = |i: usize| bodies.drives[i][..2].iter().any(|d| matches!(d, Drive::Imposed(_)));
+    let imposes = |d: &Drive| matches!(d, Drive::Imposed(_));
+    let driven = |i: usize| {
+        bodies.drives[i][..2].iter().any(imposes)
+            || bodies.group(i).is_some_and(|group| group.drives.iter().any(imposes))
+    };
     let free: Vec<usize> = (0..n).filter(|i| !driven(*i)).collect();
     let of_free = |x: &[DVec2]| -> Vec<DVec2> { free.iter().map(|i| x[*i]).collect() };
     let field = if n < FEW {

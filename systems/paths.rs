@@ -16,6 +16,7 @@
 //! increment and dissipates `m (1 - e^2) w_0^2/2`, whatever the loads. If a pair of the program
 //! would overlap by these paths, both bodies move by `dt v`.
 
+use clastic_components::body::Drive;
 use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::findings::Impacts;
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
@@ -24,6 +25,7 @@ use glam::DVec2;
 
 use crate::assemble_program::hits::load_acceleration;
 use crate::attempt::push_out::residual_overlap;
+use crate::rigid_groups::carry;
 use clastic_cone::residuals::Carrying;
 
 /// Kind of path of a particle in an increment.
@@ -84,11 +86,29 @@ pub fn paths(
     for i in 0..n {
         out[i] = displacement(i, kinds[i]);
     }
+    let carrying = (!bodies.groups.is_empty()).then(|| Carrying::new(program, solution));
+    for group in &bodies.groups {
+        let row = group.body as usize;
+        let acts = |k: usize| {
+            let c = &program.interactions[k];
+            c.a as usize == row || c.b as usize == row
+        };
+        let is_carried = carrying.as_ref().is_some_and(|carrying| {
+            (0..program.interactions.len()).any(|k| acts(k) && carrying.is_carrying(k))
+        });
+        let share = if is_carried { impacts.end_share } else { theta };
+        let v_0 = bodies.velocities[row];
+        let v_0 = [v_0.x, v_0.y, bodies.angular_velocities[row]];
+        for k in (0..3).filter(|k| group.drives[*k] == Drive::Free) {
+            out[row][k] = share * out[row][k] + (1.0 - share) * v_0[k] * dt;
+        }
+    }
+    carry(bodies, &mut out);
     let place = |u: &[f64; 3]| DVec2::new(u[0], u[1]);
     loop {
         let mut changed = false;
         for (contact, c) in contacts.0.iter().zip(&program.interactions) {
-            let (a, b) = (c.a as usize, c.b as usize);
+            let (a, b) = (contact.a as usize, contact.b as usize);
             if c.normal_compliance > 0.0 || c.limits.has_strength() {
                 continue;
             }
@@ -112,8 +132,16 @@ pub fn paths(
             for i in [a, b].into_iter().filter(|i| *i < n) {
                 if kinds[i] != Path::End {
                     kinds[i] = Path::End;
-                    out[i] = displacement(i, Path::End);
                     changed = true;
+                    let Some(group) = bodies.group(i) else {
+                        out[i] = displacement(i, Path::End);
+                        continue;
+                    };
+                    let row = group.body as usize;
+                    out[row] = solution.displacements[row];
+                    for j in group.members.iter().map(|j| *j as usize) {
+                        out[j] = solution.displacements[j];
+                    }
                 }
             }
         }

@@ -19,6 +19,7 @@ use clastic_components::observation::{
     Measures, Observation, ProbeReading, RuptureCount, StrainMeasure, StressMeasure,
 };
 use clastic_components::particle::Particle;
+use clastic_components::rigid_group::ContactForce;
 use clastic_components::wall::Wall;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
@@ -213,15 +214,25 @@ fn record_ruptures(
 
 /// Records the probes: displacement since the start of the stage list, and the external force.
 fn record_probes(
-    probes: Query<(&BodyId, &Probe, &Position, &Origin, Option<&Rotation>, &ExternalForce)>,
+    probes: Query<(
+        &BodyId,
+        &Probe,
+        &Position,
+        &Origin,
+        Option<&Rotation>,
+        &ExternalForce,
+        Option<&ContactForce>,
+    )>,
     mut out: ResMut<Observation>,
 ) {
     let mut rows: Vec<(BodyId, ProbeReading, DVec2)> = probes
         .iter()
-        .map(|(id, probe, x, origin, rotation, force)| {
+        .map(|(id, probe, x, origin, rotation, force, of_contacts)| {
+            // A group records the force on its boundary.
+            let force = of_contacts.map_or(force.0, |force| force.0);
             let d = x.0 - origin.0;
             let motion = [d.x, d.y, rotation.map_or(0.0, |r| r.0)];
-            (*id, ProbeReading { name: probe.0.clone(), motion, force: force.0 }, x.0)
+            (*id, ProbeReading { name: probe.0.clone(), motion, force }, x.0)
         })
         .collect();
     rows.sort_unstable_by_key(|(id, ..)| *id);

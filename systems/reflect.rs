@@ -4,7 +4,7 @@ use bevy_app::{App, Plugin};
 
 use clastic_components::{
     attempt, body, bond, contact, energy, findings, identity, increment, loads, material, measure,
-    observation, particle, wall, wall_shape,
+    observation, particle, rigid_group, wall, wall_shape,
 };
 use clastic_cone::program;
 
@@ -80,6 +80,8 @@ impl Plugin for ReflectPlugin {
             observation::Timings,
             particle::MaterialIndex,
             particle::Swinging,
+            rigid_group::RigidGroup,
+            rigid_group::ContactForce,
             wall::Wall,
             wall::WallName,
             wall::WallControl,

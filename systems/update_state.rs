@@ -9,7 +9,7 @@ use bevy_ecs::prelude::*;
 use glam::DVec2;
 
 use clastic_components::body::{
-    AngularVelocity, BodyId, ExternalForce, LastMotion, Position, Rotation, Velocity,
+    AngularVelocity, BodyId, Drive, ExternalForce, LastMotion, Position, Rotation, Velocity,
 };
 use clastic_components::contact::{Bodies, ContactHistory, ContactMemory, Contacts, DraftHistory};
 use clastic_components::findings::{
@@ -20,6 +20,7 @@ use clastic_components::increment::{
 };
 use clastic_components::loads::TrialLoads;
 use clastic_components::particle::{Particle, Swinging};
+use clastic_components::rigid_group::{ContactForce, GroupRow, RigidGroup};
 use clastic_components::wall::Wall;
 use clastic_cone::program::{ConeProgram, ConeSolution, Dof};
 
@@ -59,6 +60,7 @@ pub fn external_forces(
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
     mut out: Query<(&BodyId, &mut ExternalForce)>,
+    mut of_contacts: Query<(&BodyId, &mut ContactForce)>,
 ) {
     let mut rows = vec![[0.0; 3]; program.bodies.len()];
     program.add_forces(&solution.forces, &mut rows);
@@ -76,6 +78,16 @@ pub fn external_forces(
     for (id, mut external) in &mut out {
         let Some(i) = bodies.row(*id) else { continue };
         let body = &program.bodies[i];
+        if let Some(group) = bodies.groups.iter().find(|group| group.body as usize == i) {
+            external.0 = [0, 1, 2].map(|k| {
+                let (u, resisted) = (solution.displacements[i][k], rows[i][k]);
+                let added = added(i)[k].force - added(i)[k].stiffness * u;
+                let is_free = group.drives[k] == Drive::Free;
+                force_on_group(&bodies, &analysis, &progress, group, k, [u, resisted])
+                    + if is_free { added } else { 0.0 }
+            });
+            continue;
+        }
         if i >= bodies.particles {
             let force = body.to_global(rows[i]);
             external.0 = [force[0], force[1], moments[i]];
@@ -116,9 +128,58 @@ pub fn external_forces(
             };
         }
     }
+    for (id, mut force) in &mut of_contacts {
+        if let Some(i) = bodies.row(*id) {
+            force.0 = rows[i].map(|resisted| -resisted);
+        }
+    }
 }
 
-/// Moves particles and walls and updates velocities.
+/// Force of the outside world on degree of freedom k of a group besides the loads of its members: its
+/// own load, or the reaction to its imposed motion. `moved` are k, its displacement and the force of
+/// the interactions that it resists.
+fn force_on_group(
+    bodies: &Bodies,
+    analysis: &Analysis,
+    progress: &Progress,
+    group: &GroupRow,
+    k: usize,
+    [u, resisted]: [f64; 2],
+) -> f64 {
+    let fraction = progress.fraction;
+    if group.drives[k] == Drive::Free {
+        return group.loads[k].at(fraction);
+    }
+    let all = bodies.load_on_group(group, fraction, analysis.gravity)[k];
+    let by_others = all - group.loads[k].at(fraction);
+    let inertial = match analysis.kind {
+        AnalysisKind::Dynamic { dt, .. } => {
+            let dt = dt * fraction;
+            let row = group.body as usize;
+            let v = if k < 2 { bodies.velocities[row][k] } else { bodies.angular_velocities[row] };
+            // A driven body has the velocity u/dt over the whole increment, whatever theta.
+            group.mass_of(k) * (u - v * dt) / (dt * dt)
+        }
+        AnalysisKind::Static | AnalysisKind::LeastMotion { .. } => 0.0,
+    };
+    inertial + resisted - by_others
+}
+
+/// The rigid groups of the world.
+type GroupsOfWorld<'w, 's> = Query<
+    'w,
+    's,
+    (
+        &'static BodyId,
+        &'static RigidGroup,
+        &'static mut Position,
+        &'static mut Rotation,
+        &'static mut LastMotion,
+    ),
+    (With<RigidGroup>, Without<Particle>, Without<Wall>),
+>;
+
+/// Moves particles, walls and rigid groups and updates velocities.
 pub fn move_bodies(
     bodies: Res<Bodies>,
     analysis: Res<Analysis>,
@@ -140,6 +201,7 @@ pub fn move_bodies(
         With<Particle>,
     >,
     mut walls: Query<(&BodyId, &mut Position, &mut LastMotion), (With<Wall>, Without<Particle>)>,
+    mut groups: GroupsOfWorld,
 ) {
     // Displacements that separate rigid overlaps move bodies and give no velocity.
     let (pushed, impacts) = findings;
@@ -164,6 +226,19 @@ pub fn move_bodies(
                 // one.
                 if imposed { u / dt } else { (u / dt - (1.0 - theta) * v) / theta }
             };
+            if let Some(group) = bodies.group(i) {
+                let row = group.body as usize;
+                let (u, v_0) = (solution.displacements[row], bodies.velocities[row]);
+                let is_driven = |k: usize| group.drives[k] != Drive::Free;
+                let turns = next(u[2], bodies.angular_velocities[row], is_driven(2));
+                let moves = [0, 1].map(|k| next(u[k], v_0[k], is_driven(k)));
+                // Positions may follow another path than the velocities of the program.
+                let turned = GroupRow::carried([0.0, 0.0, motion[row][2]], bodies.lever(group, i));
+                let lever = bodies.lever(group, i) + DVec2::new(turned[0], turned[1]);
+                v.0 = DVec2::from(moves) + turns * lever.perp();
+                spin.0 = turns;
+                continue;
+            }
             let imposed = bodies.drives[i].map(|d| d != Default::default());
             v.0 = DVec2::new(next(step.x, v.0.x, imposed[0]), next(step.y, v.0.y, imposed[1]));
             spin.0 = next(u[2], spin.0, imposed[2]);
@@ -175,10 +250,22 @@ pub fn move_bodies(
         x.0 = bodies.positions[i] + DVec2::new(u[0], u[1]);
         last.0 = u;
     }
+    for (id, group, mut x, mut rotation, mut last) in &mut groups {
+        let Some(i) = bodies.row(*id) else { continue };
+        x.0 = bodies.positions[i] + DVec2::new(motion[i][0], motion[i][1]);
+        // A followed motion has turned the members in the table.
+        let first = bodies.groups.iter().find(|row| row.body as usize == i);
+        let member = first.and_then(|row| row.members.first());
+        if let Some(&member) = member {
+            rotation.0 = bodies.rotations[member as usize] + motion[i][2] - group.reference;
+        }
+        last.0 = motion[i];
+    }
 }
 
 /// Stores the forces of contacts that persist.
 pub fn remember_contacts(
+    bodies: Res<Bodies>,
     analysis: Res<Analysis>,
     corrections: Res<Corrections>,
     contacts: Res<Contacts>,
@@ -187,7 +274,8 @@ pub fn remember_contacts(
     draft: Res<DraftHistory>,
     mut history: ResMut<ContactHistory>,
 ) {
-    *history = remembered(&analysis, &corrections, &contacts, &program, &solution, &draft.0);
+    *history =
+        remembered(&bodies, &analysis, &corrections, &contacts, &program, &solution, &draft.0);
 }
 
 /// Forces of the persistent contacts after a solution, given those `before` it. The shear force of
@@ -195,6 +283,7 @@ pub fn remember_contacts(
 /// `q = q_0 + (q_program - q_0)/theta`.
 #[must_use]
 pub fn remembered(
+    bodies: &Bodies,
     analysis: &Analysis,
     corrections: &Corrections,
     contacts: &Contacts,
@@ -229,6 +318,11 @@ pub fn remembered(
             f[1]
         };
         history.0.push(ContactMemory { a: contact.a, b: contact.b, p: f[0], q, tau: f[2] });
+    }
+    if !bodies.groups.is_empty() {
+        // Within a group nothing moves, and forces stay as they were.
+        history.0.extend(before.0.iter().filter(|m| bodies.are_joined(m.a, m.b)));
+        history.0.sort_unstable_by_key(|m| (m.a, m.b));
     }
     history
 }

@@ -106,6 +106,8 @@ fn program(case: u64) -> ConeProgram {
             normal: DVec2::from_angle(angle),
             arm_a: if r.chance(20) { 0.0 } else { 0.005 },
             arm_b: if r.chance(20) { 0.0 } else { 0.005 },
+            normal_arm_a: 0.0,
+            normal_arm_b: 0.0,
             offset: if r.chance(50) { 0.0 } else { 1e-5 * r.unit() },
             normal_compliance: r.or_zero(rigid, -8.0, -4.0),
             tangential_compliance: tangential,
@@ -126,6 +128,21 @@ fn program(case: u64) -> ConeProgram {
         tolerance: 0.0,
         last_forces: Vec::new(),
     }
+}
+
+/// The program of a case with arms of the normal forces, up to ten times as long as those of the shear
+/// forces: the bodies are large, and their contacts lie anywhere about their reference points.
+fn eccentric(case: u64) -> ConeProgram {
+    let mut program = program(case);
+    let r = &mut Random(ChaCha8Rng::seed_from_u64(!case));
+    for c in &mut program.interactions {
+        for arm in [&mut c.normal_arm_a, &mut c.normal_arm_b, &mut c.arm_a, &mut c.arm_b] {
+            if r.chance(60) {
+                *arm = 0.05 * r.unit();
+            }
+        }
+    }
+    program
 }
 
 /// Solves as the engine does, by its own system.
@@ -182,6 +199,19 @@ fn grounds(solution: &ConeSolution) -> String {
 
 #[test]
 fn random_programs_end_in_a_status_that_is_true() {
+    statuses_are_true(program);
+}
+
+#[test]
+fn random_programs_with_arms_of_normal_forces_end_in_a_status_that_is_true() {
+    let with_arms = (0..CASES)
+        .map(eccentric)
+        .filter(|p| p.interactions.iter().any(|c| c.normal_arm_a != 0.0 && c.normal_arm_b != 0.0));
+    assert!(2 * with_arms.count() as u64 > CASES);
+    statuses_are_true(eccentric);
+}
+
+fn statuses_are_true(program: fn(u64) -> ConeProgram) {
     let kept = fs::read_to_string(CORPUS).unwrap();
     let kept = kept.lines().filter_map(|line| line.split('#').next()?.trim().parse::<u64>().ok());
     let kept: BTreeSet<u64> = kept.collect();

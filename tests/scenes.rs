@@ -62,6 +62,11 @@ scenes! {
     incline_rolls: "incline_rolls", COMPLETES, &[];
     incline_rolls_with_resistance: "incline_rolls_with_resistance", COMPLETES, &[];
     incline_slips: "incline_slips", COMPLETES, &[];
+    // The moment on the drum is in tests/engine/rigid_groups.rs.
+    #[ignore = "half a minute"]
+    rotating_drum_small: "rotating_drum_small", COMPLETES, &[];
+    #[ignore = "462 grains, 3400 increments"]
+    rotating_drum: "rotating_drum", COMPLETES, &[];
     stack: "stack", COMPLETES, &[];
     // `Until` lands on 80 kPa; solid fraction and energy are in tests/engine/language.rs.
     isotropic_compression: "isotropic_compression", COMPLETES, &[

@@ -198,6 +198,8 @@ mod tests {
             normal: DVec2::NEG_Y,
             arm_a: 1.0,
             arm_b: 0.0,
+            normal_arm_a: 0.0,
+            normal_arm_b: 0.0,
             offset: 0.0,
             normal_compliance: 0.1,
             tangential_compliance: 0.0,

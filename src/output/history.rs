@@ -16,7 +16,7 @@ use super::OutputError;
 use super::csv_file::Row;
 use super::run_directory::RunDirectory;
 use super::wanted::Wanted;
-use crate::scene::format::{Scene, Specimen};
+use crate::scene::format::{Scene, Specimen, Stage};
 
 /// Columns before those of the probes.
 pub const COLUMNS: [&str; 27] = [
@@ -72,7 +72,23 @@ pub const ENERGY_COLUMNS: [&str; 13] = [
     "energy_error_j",
 ];
 
-/// Names of a scene's probes: particles by index, then walls.
+/// Names of the rigid groups of a scene, in the order of the stages that make them.
+#[must_use]
+pub fn rigid_groups(scene: &Scene) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for stage in &scene.stages {
+        let Stage::Load(load) = stage else { continue };
+        let made = load.rigid.iter().filter(|(_, control)| control.select.is_some());
+        for (name, _) in made {
+            if !names.contains(name) {
+                names.push(name.clone());
+            }
+        }
+    }
+    names
+}
+
+/// Names of a scene's probes: particles by index, then walls, then rigid groups.
 #[must_use]
 pub fn probes(scene: &Scene) -> Vec<String> {
     let particles = match &scene.specimen {
@@ -83,7 +99,8 @@ pub fn probes(scene: &Scene) -> Vec<String> {
     let named = scene.probes.iter().map(|(name, i)| (*i, name.clone()));
     let of_particles: BTreeMap<u32, String> = listed.chain(named).collect();
     let of_walls = scene.walls.iter().filter_map(|w| w.probe.clone());
-    of_particles.into_values().chain(of_walls).collect()
+    let bodies: Vec<String> = of_particles.into_values().chain(of_walls).collect();
+    bodies.into_iter().chain(rigid_groups(scene)).collect()
 }
 
 /// The energies of a row, in the order of [`ENERGY_COLUMNS`].

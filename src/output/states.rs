@@ -34,12 +34,13 @@ pub fn write_kept(world: &mut World) -> Result<(), OutputError> {
     Ok(())
 }
 
-/// Writes the state at the end of a run. A program without the feature `npz` writes none.
+/// Writes the state at the end of a run. A program without the feature `npz` writes none, and a run
+/// that ends with rigid groups has none.
 ///
 /// # Errors
 /// If the state cannot be encoded, or the file cannot be written.
 pub fn write_final(world: &mut World) -> Result<(), OutputError> {
-    if !cfg!(feature = "npz") {
+    if !cfg!(feature = "npz") || saved::has_rigid_groups(world) {
         return Ok(());
     }
     let path = world.resource::<RunDirectory>().path(names::FINAL_STATE);

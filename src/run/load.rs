@@ -12,6 +12,7 @@ use clastic_components::wall::{
 };
 use clastic_systems::control_walls::loaded_length;
 
+use super::rigid;
 use super::select::selected;
 use super::spawn::{WallCatalogue, analysis, find_wall, find_walls, spawn_wall};
 use super::stages::Script;
@@ -34,6 +35,7 @@ pub fn begin(world: &mut World, stage: &scene::Load) {
     }
     control_walls(world, stage);
     control_particles(world, stage, &analysis);
+    rigid::control_groups(world, stage, &analysis);
 }
 
 /// Sets up the part of a plugin's stage that the scene defines. The systems of the plugin do the
@@ -210,17 +212,21 @@ fn reaction(world: &World, wall: Entity) -> f64 {
     }
 }
 
-fn control_particles(world: &mut World, stage: &scene::Load, analysis: &Analysis) {
+/// The drive of a motion in a stage with this analysis.
+pub(super) fn drive(motion: scene::Motion, analysis: &Analysis) -> Drive {
     let dt = match analysis.kind {
         AnalysisKind::Dynamic { dt, .. } => dt,
         AnalysisKind::Static | AnalysisKind::LeastMotion { .. } => 0.0,
     };
-    let drive = |motion: scene::Motion| match motion {
+    match motion {
         scene::Motion::Free => Drive::Free,
         scene::Motion::Held => Drive::Imposed(0.0),
         scene::Motion::Displacement(u) => Drive::Imposed(u),
         scene::Motion::Velocity(v) => Drive::Imposed(v * dt),
-    };
+    }
+}
+
+fn control_particles(world: &mut World, stage: &scene::Load, analysis: &Analysis) {
     let mut particles = world.query_filtered::<(&mut Drives, &mut LoadControl), With<Particle>>();
     for (mut drives, mut loads) in particles.iter_mut(world) {
         drives.0 = [Drive::Free; 3];
@@ -234,7 +240,7 @@ fn control_particles(world: &mut World, stage: &scene::Load, analysis: &Analysis
             let Ok((x, mut drives, mut loads)) = particles.get_mut(world, entity) else { continue };
             for (k, motion) in [control.x, control.y, control.rotation].into_iter().enumerate() {
                 if motion != scene::Motion::Free {
-                    drives.0[k] = drive(motion);
+                    drives.0[k] = drive(motion, analysis);
                 }
             }
             if let Some(((xx, xy), (yx, yy))) = control.affine {

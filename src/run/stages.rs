@@ -10,7 +10,7 @@ use clastic_systems::stepping::Due;
 use super::measures::{self, MeasureKinds};
 use super::plugin::{BeginStage, EndStage, StageKinds};
 pub use super::script::{Collapse, CollapsedBy, EndedBy, Outcome, Script, StageEnd, Step};
-use super::{cement, compact, load, save, until};
+use super::{cement, compact, load, rigid, save, until};
 use crate::scene::format::Stage;
 
 /// The stage that begins, runs or ends.
@@ -69,9 +69,9 @@ pub fn change_stages(world: &mut World) {
 /// Why a stage cannot begin.
 fn refusal(world: &mut World, stage: &Stage) -> Option<String> {
     match stage {
-        Stage::Load(load) => {
-            load::selects_nothing(world, load).or_else(|| load::cuts_through(world, load))
-        }
+        Stage::Load(load) => load::selects_nothing(world, load)
+            .or_else(|| load::cuts_through(world, load))
+            .or_else(|| rigid::refusal(world, load)),
         Stage::Custom(_) | Stage::Compact(_) | Stage::Cement(_) | Stage::Save(_) => None,
     }
 }

@@ -19,6 +19,7 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::increment::Analysis;
 use clastic_components::material::Materials;
+use clastic_components::rigid_group::RigidGroup;
 use clastic_systems::gather_bodies::gather_bodies;
 use clastic_systems::state::{StateError, WorldState};
 
@@ -75,6 +76,12 @@ pub enum SavedError {
          clastic"
     )]
     Version(String),
+    /// The world has rigid groups, for which a saved state has no arrays.
+    #[error(
+        "a saved state has no rigid groups; release them in a loading stage before, \
+         `release: [\"NAME\"]`"
+    )]
+    RigidGroups,
     /// A part of the world cannot be encoded or decoded.
     #[error(transparent)]
     State(#[from] StateError),
@@ -103,6 +110,9 @@ pub struct SavedState {
 /// # Errors
 /// If a part of the world cannot be encoded.
 pub fn save(world: &mut World) -> Result<Tables, SavedError> {
+    if has_rigid_groups(world) {
+        return Err(SavedError::RigidGroups);
+    }
     let state = capture(world)?;
     // Gathering the tables does not change the run.
     let _ = world.run_system_cached(gather_bodies);
@@ -126,6 +136,11 @@ pub fn save(world: &mut World) -> Result<Tables, SavedError> {
         }
     }
     Ok(tables)
+}
+
+/// Whether a world has rigid groups.
+pub fn has_rigid_groups(world: &mut World) -> bool {
+    world.query::<&RigidGroup>().iter(world).next().is_some()
 }
 
 impl SavedState {

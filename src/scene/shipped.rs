@@ -42,6 +42,8 @@ static FILES: &[(&str, &[u8])] = &files! {
     "prepare_biaxial.ron"
     "prepare_biaxial_small.ron"
     "rolling.ron"
+    "rotating_drum.ron"
+    "rotating_drum_small.ron"
     "shear_box.ron"
     "stack.ron"
     "tension.ron"

@@ -27,9 +27,9 @@ pub fn assemble(
     let mut touched = vec![(false, false); bodies.positions.len()];
     for c in interactions {
         let turns = c.limits.has_shear() || c.limits.has_rolling();
-        for body in [c.a, c.b] {
+        for (body, normal_arm) in [(c.a, c.normal_arm_a), (c.b, c.normal_arm_b)] {
             let t = &mut touched[body as usize];
-            *t = (true, t.1 || turns);
+            *t = (true, t.1 || turns || normal_arm != 0.0);
         }
     }
     let added = if loads.is_empty() { Vec::new() } else { loads.sums(bodies) };
@@ -58,6 +58,16 @@ pub fn assemble(
                 }
             };
         }
+    }
+    for group in &bodies.groups {
+        let row = group.body as usize;
+        for &member in &group.members {
+            // Interactions act on the group.
+            out[member as usize] = still;
+        }
+        let mean = |x| affine.displacement(x);
+        out[row] =
+            super::groups::body(bodies, analysis, fraction, group, touched[row], added, mean);
     }
     for wall in &bodies.walls {
         let drive = bodies.wall_drive(wall);

@@ -15,6 +15,10 @@ pub struct Motion {
     pub velocity: DVec2,
     /// Acceleration, m/s^2.
     pub acceleration: DVec2,
+    /// Angular velocity, rad/s, of a body on which normal forces have an arm.
+    pub spin: f64,
+    /// Its angular acceleration, rad/s^2.
+    pub angular_acceleration: f64,
 }
 
 impl Motion {
@@ -38,6 +42,24 @@ impl Motion {
                 }
             }
             return Some(motion);
+        }
+        if let Some(group) = bodies.groups.iter().find(|group| group.body as usize == i) {
+            let mut rates = [bodies.velocities[i].x, bodies.velocities[i].y, 0.0];
+            rates[2] = bodies.angular_velocities[i];
+            let mut gains = [0.0; 3];
+            for k in 0..3 {
+                if let Drive::Imposed(u) = bodies.group_drive(group, k) {
+                    rates[k] = u / whole;
+                } else if let Dof::Free(free) = &program.bodies[i].dofs[k] {
+                    gains[k] = load_acceleration(free, dt);
+                }
+            }
+            return Some(Self {
+                velocity: DVec2::new(rates[0], rates[1]),
+                acceleration: DVec2::new(gains[0], gains[1]),
+                spin: rates[2],
+                angular_acceleration: gains[2],
+            });
         }
         let wall = bodies.walls.iter().find(|wall| wall.body as usize == i)?;
         match bodies.wall_drive(wall) {
@@ -98,10 +120,14 @@ impl Approach {
     #[must_use]
     pub fn of(motions: &[Option<Motion>], contact: &Contact, c: &Interaction) -> Option<Self> {
         let (a, b) = (motions[c.a as usize]?, motions[c.b as usize]?);
-        let (of_a, of_b) = (c.normal.dot(a.acceleration), -c.normal.dot(b.acceleration));
+        let turning = c.normal_arm_a * a.spin + c.normal_arm_b * b.spin;
+        let (of_a, of_b) = (
+            c.normal.dot(a.acceleration) + c.normal_arm_a * a.angular_acceleration,
+            -c.normal.dot(b.acceleration) + c.normal_arm_b * b.angular_acceleration,
+        );
         Some(Self {
             gap: contact.gap.max(0.0),
-            speed: c.normal.dot(a.velocity - b.velocity),
+            speed: c.normal.dot(a.velocity - b.velocity) + turning,
             acceleration: of_a + of_b,
             pressing: of_a.max(0.0) + of_b.max(0.0),
         })
@@ -232,6 +258,8 @@ mod tests {
                 normal: contact.normal,
                 arm_a: 0.0,
                 arm_b: 0.0,
+                normal_arm_a: 0.0,
+                normal_arm_b: 0.0,
                 offset: 0.0,
                 normal_compliance: 0.0,
                 tangential_compliance: 0.0,

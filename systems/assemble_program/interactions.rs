@@ -11,6 +11,7 @@
 //! program is the average over the increment. A rigid interaction keeps g, so that it does not
 //! penetrate at the end.
 
+use clastic_components::body::Drive;
 use clastic_components::contact::{Bodies, BondRow, Contact, ContactHistory};
 use clastic_components::findings::{Corrections, Pushed, Ruptures};
 use clastic_components::increment::{Analysis, AnalysisKind};
@@ -182,6 +183,15 @@ fn interaction(
     let round_off = -ROUND_OFF * bodies.mean_radius..0.0;
     let gap = match analysis.kind {
         AnalysisKind::Static if normal == 0.0 && round_off.contains(&gap) => 0.0,
+        // A group that is held along one direction and turns may touch on both sides of its centre:
+        // no rotation removes the round-off of both.
+        AnalysisKind::Dynamic { .. }
+            if normal == 0.0
+                && round_off.contains(&gap)
+                && [contact.a, contact.b].iter().any(|body| is_imposed_on(bodies, *body)) =>
+        {
+            0.0
+        }
         _ => gap,
     };
     Interaction {
@@ -190,6 +200,8 @@ fn interaction(
         normal: direction,
         arm_a: bodies.radii[contact.a as usize] + half_gap,
         arm_b,
+        normal_arm_a: 0.0,
+        normal_arm_b: 0.0,
         offset: if normal > 0.0 { gap / theta } else { gap } + corrected,
         normal_compliance,
         tangential_compliance,
@@ -197,4 +209,10 @@ fn interaction(
         limits,
         dilation: 1.0,
     }
+}
+
+/// Whether a body is a member of a rigid group with an imposed motion.
+fn is_imposed_on(bodies: &Bodies, body: u32) -> bool {
+    let group = bodies.group(body as usize);
+    group.is_some_and(|group| group.drives.iter().any(|drive| *drive != Drive::Free))
 }

@@ -14,9 +14,14 @@ use super::interactions::ROUND_OFF;
 /// A body does not move along a direction if its axes have smaller components than this in it.
 const ACROSS: f64 = 1e-9;
 
-/// Displacement of a body along a direction, m; `None` if it is unknown.
-fn known_motion(body: &ProgramBody, direction: DVec2) -> Option<f64> {
-    let mut sum = 0.0;
+/// Displacement of a body along a direction, m, at a point with this lever arm of a force along
+/// it; `None` if it is unknown.
+fn known_motion(body: &ProgramBody, direction: DVec2, arm: f64) -> Option<f64> {
+    let mut sum = match body.dofs[2] {
+        Dof::Fixed(turn) => arm * turn,
+        Dof::Free(_) if arm != 0.0 => return None,
+        Dof::Free(_) => 0.0,
+    };
     for (dof, axis) in body.dofs.iter().zip([body.axis, body.axis.perp()]) {
         let part = axis.dot(direction);
         match dof {
@@ -34,8 +39,8 @@ fn closing(bodies: &[ProgramBody], c: &Interaction) -> Option<f64> {
     if c.normal_compliance > 0.0 || c.limits.has_strength() {
         return None;
     }
-    let motion = |body: u32| known_motion(&bodies[body as usize], c.normal);
-    Some(motion(c.a)? - motion(c.b)?)
+    let motion = |body: u32, arm: f64| known_motion(&bodies[body as usize], c.normal, arm);
+    Some(motion(c.a, c.normal_arm_a)? - motion(c.b, -c.normal_arm_b)?)
 }
 
 /// Leaves out the contacts of bodies that overlap and that no known motion closes: they become open

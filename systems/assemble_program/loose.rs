@@ -12,7 +12,7 @@
 use glam::DVec2;
 
 use clastic_components::attempt::{Effort, Mode};
-use clastic_components::contact::{Bodies, ContactHistory};
+use clastic_components::contact::{Bodies, Contact, ContactHistory};
 use clastic_components::findings::{Bearing, Centre, Restraints};
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
 use clastic_components::motion::Motion;
@@ -29,6 +29,7 @@ const FALL: f64 = 0.1;
 /// Sets the proximal weights of the program.
 pub fn regularise(
     bodies: &Bodies,
+    contacts: &[Contact],
     history: &ContactHistory,
     analysis: &Analysis,
     acceptance: &Acceptance,
@@ -44,8 +45,11 @@ pub fn regularise(
         return give_inertia(motion, program);
     }
     let retry = *mode == Mode::Equilibrium(Effort::Regularised);
-    let mut loose =
-        if retry { vec![true; program.bodies.len()] } else { find_loose(bodies, history, program) };
+    let mut loose = if retry {
+        vec![true; program.bodies.len()]
+    } else {
+        find_loose(bodies, contacts, history, program)
+    };
     // Counting misses mechanisms whose constraints are in the wrong places. Bodies without load in
     // the last increment, or in a rejected solution of this one, may be part of a mechanism.
     let bearing = |i: usize| restraints.bearing.get(i).copied().unwrap_or_default();
@@ -53,6 +57,10 @@ pub fn regularise(
         let forces = history.0.iter().map(|m| (m.a, m.b, m.p.abs().max(m.q.abs())));
         for (i, loaded) in find_loaded(bodies.particles, forces).into_iter().enumerate() {
             loose[i] |= !loaded && bearing(i) != Bearing::Load;
+        }
+        // A group without load on any member is such a body.
+        for group in &bodies.groups {
+            loose[group.body as usize] |= group.members.iter().all(|i| loose[*i as usize]);
         }
     }
     for (i, loose) in loose.iter_mut().enumerate() {
@@ -108,8 +116,9 @@ pub fn find_loaded(
 }
 
 /// Whether an interaction is stiff at the start of the increment: a bond, or a closed contact.
-fn is_stiff(c: &Interaction, history: &ContactHistory) -> bool {
-    c.limits.has_strength() || c.offset <= 0.0 || history.get(c.a, c.b).is_some_and(|m| m.p > 0.0)
+/// `pair` are the rows of its bodies in the memory.
+fn is_stiff(c: &Interaction, (a, b): (u32, u32), history: &ContactHistory) -> bool {
+    c.limits.has_strength() || c.offset <= 0.0 || history.get(a, b).is_some_and(|m| m.p > 0.0)
 }
 
 fn free_dofs(program: &ConeProgram, body: usize) -> usize {
@@ -117,10 +126,22 @@ fn free_dofs(program: &ConeProgram, body: usize) -> usize {
 }
 
 /// Flags every body that needs regularisation.
-pub fn find_loose(bodies: &Bodies, history: &ContactHistory, program: &ConeProgram) -> Vec<bool> {
+pub fn find_loose(
+    bodies: &Bodies,
+    contacts: &[Contact],
+    history: &ContactHistory,
+    program: &ConeProgram,
+) -> Vec<bool> {
     let n = program.bodies.len();
-    let stiff: Vec<&Interaction> =
-        program.interactions.iter().filter(|c| is_stiff(c, history)).collect();
+    // In the program a member of a rigid group has the row of the group.
+    let pair = |k: usize, c: &Interaction| contacts.get(k).map_or((c.a, c.b), |x| (x.a, x.b));
+    let stiff: Vec<&Interaction> = program
+        .interactions
+        .iter()
+        .enumerate()
+        .filter(|(k, c)| is_stiff(c, pair(*k, c), history))
+        .map(|(_, c)| c)
+        .collect();
     let held = |c: &Interaction| {
         1 + usize::from(c.limits.has_shear()) + usize::from(c.limits.has_rolling())
     };
@@ -197,7 +218,9 @@ fn hold_cluster(
     cluster: &[usize],
     loose: &mut [bool],
 ) {
-    let walls: Vec<usize> = cluster.iter().copied().filter(|i| *i >= bodies.particles).collect();
+    let first_group = bodies.positions.len() - bodies.group_count;
+    let is_wall = |i: usize| (bodies.particles..first_group).contains(&i);
+    let walls: Vec<usize> = cluster.iter().copied().filter(|i| is_wall(*i)).collect();
     let unknowns = 3 + walls.len();
     let centre = cluster.iter().map(|i| bodies.positions[*i]).sum::<DVec2>() / cluster.len() as f64;
     let extent = cluster
@@ -212,7 +235,7 @@ fn hold_cluster(
             }
         }
     };
-    for &i in cluster.iter().filter(|i| **i < bodies.particles) {
+    for &i in cluster.iter().filter(|i| !is_wall(**i)) {
         let arm = (bodies.positions[i] - centre) / extent;
         // Rigid motion of the cluster along d, at body i.
         let along = |d: DVec2| [d.x, d.y, arm.x * d.y - arm.y * d.x];
@@ -223,6 +246,8 @@ fn hold_cluster(
                 Dof::Fixed(_) if k < 2 => {
                     row[..3].copy_from_slice(&along(if k == 0 { DVec2::X } else { DVec2::Y }));
                 }
+                // A group whose rotation is imposed does not turn with the cluster.
+                Dof::Fixed(_) if i >= first_group => row[2] = 1.0,
                 // A disk without a rotation row turns freely and does not hold the cluster.
                 Dof::Fixed(_) => continue,
             }
@@ -237,9 +262,12 @@ fn hold_cluster(
                 continue;
             }
             let mut normal = vec![0.0; unknowns];
-            normal[..3].copy_from_slice(&along(c.normal));
+            let (direction, arm) =
+                if first { (c.normal, c.normal_arm_a) } else { (-c.normal, c.normal_arm_b) };
+            normal[..3].copy_from_slice(&along(direction));
+            normal[2] += arm / extent;
             if let Some(w) = wall {
-                normal[3 + w] = -c.normal.dot(program.bodies[other].axis);
+                normal[3 + w] = -direction.dot(program.bodies[other].axis);
             }
             add(&normal);
             if c.limits.has_shear() {

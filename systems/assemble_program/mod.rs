@@ -1,6 +1,7 @@
 //! Assembly of the cone program: balance rows of bodies, interactions, expected magnitudes.
 
 pub mod balance;
+pub mod groups;
 pub mod hits;
 pub mod interactions;
 pub mod known_pairs;
@@ -106,6 +107,7 @@ pub fn assemble_program(
     if search.active && attempt.effort().is_some() {
         lift_strengths(&contacts.0, &mut program.interactions);
     }
+    groups::join(&bodies, &mut program.interactions);
     let balance = |program: &mut ConeProgram| {
         balance::assemble(
             &bodies,
@@ -136,6 +138,7 @@ pub fn assemble_program(
     let mode = &attempt.mode;
     loose::regularise(
         &bodies,
+        &contacts.0,
         history,
         &analysis,
         &acceptance,

@@ -61,16 +61,19 @@ fn displacement(bodies: &Bodies, analysis: &Analysis, progress: &Progress) -> f6
         Drive::Free => 0.0,
     });
     let walls = bodies.walls.iter().map(|w| f * bodies.wall_drive(w).imposed(w.tangent()).length());
+    let groups = bodies.groups.iter().map(|group| f * bodies.imposed_motion(group));
     let moved = bodies.last_motion.iter().map(|u| f * DVec2::new(u[0], u[1]).length());
     let maximum = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
     match analysis.kind {
         AnalysisKind::Dynamic { dt, .. } => {
             let dt = dt * f;
             let v = maximum(&mut bodies.velocities.iter().map(|v| v.length()));
-            maximum(&mut imposed.chain(walls)).max(v * dt).max(analysis.gravity.length() * dt * dt)
+            maximum(&mut imposed.chain(walls).chain(groups))
+                .max(v * dt)
+                .max(analysis.gravity.length() * dt * dt)
         }
         AnalysisKind::Static | AnalysisKind::LeastMotion { .. } => {
-            let driven = maximum(&mut imposed.chain(walls));
+            let driven = maximum(&mut imposed.chain(walls).chain(groups));
             // The jump of a grain in the last increment must not set the scale.
             let last = maximum(&mut moved.into_iter()).min(0.1 * bodies.mean_radius);
             driven.max(last)

@@ -60,6 +60,8 @@ pub fn assemble(
                 normal: bond.normal.perp(),
                 arm_a: 0.0,
                 arm_b: 0.0,
+                normal_arm_a: 0.0,
+                normal_arm_b: 0.0,
                 offset: 0.0,
                 normal_compliance: (bond.arm_a + bond.arm_b) / tension,
                 tangential_compliance: 0.0,

@@ -111,6 +111,9 @@ pub(super) fn unlisted_pairs(
         while listed.next_if(|listed| listed < pair).is_some() {}
         listed.peek() != Some(pair)
     });
+    if !bodies.groups.is_empty() {
+        pairs.retain(|(a, b)| !bodies.are_joined(*a, *b));
+    }
     for wall in &bodies.walls {
         for pair in (0..bodies.particles as u32).map(|a| (a, wall.body)) {
             if gap(bodies, positions, pair.0, pair.1) <= reach && !is_listed(contacts, pair) {

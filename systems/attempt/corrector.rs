@@ -22,6 +22,7 @@ use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::contact::{Bodies, Contact, Contacts};
 use clastic_components::findings::{Correction, Corrections};
 use clastic_components::increment::{Analysis, AnalysisKind, Corrector};
+use clastic_components::rigid_group::GroupRow;
 use clastic_components::wall_shape::Curve;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
@@ -56,6 +57,14 @@ pub fn judge(
         let (a, b) = (contact.a as usize, contact.b as usize);
         let start = bodies.positions[b] - bodies.positions[a];
         let finish = end[b] - end[a];
+        // The motion of the program, in which a rigid group turns to first order.
+        let linear = |i: usize| -> DVec2 {
+            let Some(group) = bodies.group(i) else { return end[i] - bodies.positions[i] };
+            let u = solution.displacements[group.body as usize];
+            let [x, y, _] = GroupRow::carried_linearly(u, bodies.lever(group, i));
+            DVec2::new(x, y)
+        };
+        let is_grouped = bodies.group(a).is_some() || bodies.group(b).is_some();
         let moved = finish - start;
         let way = [start, start + place * moved, finish];
         let exact = if b < bodies.particles {
@@ -65,6 +74,7 @@ pub fn judge(
         };
         let Some(exact) = exact else { continue };
         let (normal, gap) = (exact.normal, exact.gaps[1]);
+        let moved = if is_grouped { linear(b) - linear(a) } else { moved };
         let new = Correction {
             pair: (contact.a, contact.b),
             normal,
@@ -83,8 +93,17 @@ pub fn judge(
                     let turn = solution.displacements[a][2] + solution.displacements[b][2];
                     shift - normal.perp().dot(moved) + 0.5 * arms * turn
                 };
-                // Only the particle has an arm at a wall.
-                let arms = if b < bodies.particles { c.arm_a + c.arm_b } else { 2.0 * c.arm_a };
+                let arms = if is_grouped {
+                    // Arms of a group are those about its centre.
+                    let other = bodies.radii.get(b).copied();
+                    let apart = bodies.radii[a] + old.map_or(contact.gap, |o| o.gap);
+                    apart + other.unwrap_or(bodies.radii[a])
+                } else if b < bodies.particles {
+                    c.arm_a + c.arm_b
+                } else {
+                    // Only the particle has an arm at a wall.
+                    2.0 * c.arm_a
+                };
                 let last = slip(c.normal, arms, old.map_or(0.0, |o| o.slip));
                 change = change.max((slip(normal, exact.arms, new.slip) - last).abs() / unit);
             }

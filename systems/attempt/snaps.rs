@@ -45,7 +45,8 @@ fn snapped(
         Drive::Free => None,
     });
     let walls = bodies.walls.iter().map(|w| w.drive.imposed(w.tangent()).length());
-    let imposed = progress.fraction * imposed.chain(walls).fold(0.0, f64::max);
+    let groups = bodies.groups.iter().map(|group| bodies.imposed_motion(group));
+    let imposed = progress.fraction * imposed.chain(walls).chain(groups).fold(0.0, f64::max);
     let n = bodies.particles;
     let (low, high) = bodies.positions[..n]
         .iter()

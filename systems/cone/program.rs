@@ -13,10 +13,15 @@
 //! with e the kinematics of the imposed displacements.
 //!
 //! G maps (p, q, tau) of contact c from body a to body b to the forces that a *resists*:
-//! rows of a: `p n + q t`, `l_a q + tau`; rows of b: `-(p n + q t)`, `l_b q - tau`, where
-//! `t = (-n_y, n_x)`. Its transpose gives the conjugate kinematics: closing
-//! `d_n = n.(u_a - u_b)`, slip `d_t = t.(u_a - u_b) + l_a alpha_a + l_b alpha_b`, relative
-//! rotation `d_r = alpha_a - alpha_b`.
+//! rows of a: `p n + q t`, `e_a p + l_a q + tau`; rows of b: `-(p n + q t)`,
+//! `e_b p + l_b q - tau`, where `t = (-n_y, n_x)`. Its transpose gives the conjugate kinematics:
+//! closing `d_n = n.(u_a - u_b) + e_a alpha_a + e_b alpha_b`, slip
+//! `d_t = t.(u_a - u_b) + l_a alpha_a + l_b alpha_b`, relative rotation `d_r = alpha_a - alpha_b`.
+//!
+//! For forces at the point `x_c` the arms are moments about the reference points of the bodies:
+//! `e_a = (x_c - x_a) x n`, `l_a = (x_c - x_a) x t`, and with the opposite sign on the other side
+//! `e_b = -(x_c - x_b) x n`, `l_b = -(x_c - x_b) x t`. Between disks the normal passes through both
+//! centres, and `e_a = e_b = 0`.
 
 #[cfg(all(feature = "bevy", feature = "reflect"))]
 use bevy_ecs::reflect::ReflectResource;
@@ -137,10 +142,16 @@ pub struct Interaction {
     pub b: u32,
     /// Unit normal from a to b.
     pub normal: DVec2,
-    /// Lever arm at a, m.
+    /// Lever arm of the shear force at a, m.
     pub arm_a: f64,
-    /// Lever arm at b, m; 0 at a wall.
+    /// Lever arm of the shear force at b, m; 0 at a wall that does not turn.
     pub arm_b: f64,
+    /// Lever arm of the normal force at a, m; 0 where it passes through the reference point of a.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub normal_arm_a: f64,
+    /// Lever arm of the normal force at b, m; 0 where it passes through the reference point of b.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub normal_arm_b: f64,
     /// Offset g, m: gap, less the bond's initial gap, over theta where the contact is elastic.
     pub offset: f64,
     /// Normal compliance in the program, m/N.
@@ -160,6 +171,11 @@ pub struct Interaction {
 /// The dilation of a dump that does not state it.
 fn associated() -> f64 {
     1.0
+}
+
+/// Whether a dump leaves a number out.
+fn is_zero(x: &f64) -> bool {
+    *x == 0.0
 }
 
 /// Closing, slip and relative rotation of an interaction.
@@ -191,6 +207,8 @@ impl Interaction {
             normal: DVec2::X,
             arm_a: 0.0,
             arm_b: 0.0,
+            normal_arm_a: 0.0,
+            normal_arm_b: 0.0,
             offset: 0.0,
             normal_compliance: 0.0,
             tangential_compliance: 0.0,
@@ -204,10 +222,32 @@ impl Interaction {
     /// axes of that body: `rows[i][j]` belongs to degree of freedom i and force j.
     #[must_use]
     pub fn rows(&self, axis: DVec2, first: bool) -> [[f64; 3]; 3] {
-        let (sign, arm) = if first { (1.0, self.arm_a) } else { (-1.0, self.arm_b) };
+        let (sign, arm, of_normal) = if first {
+            (1.0, self.arm_a, self.normal_arm_a)
+        } else {
+            (-1.0, self.arm_b, self.normal_arm_b)
+        };
         let (n, t) = (self.normal * sign, self.normal.perp() * sign);
         let other = axis.perp();
-        [[n.dot(axis), t.dot(axis), 0.0], [n.dot(other), t.dot(other), 0.0], [0.0, arm, sign]]
+        [[n.dot(axis), t.dot(axis), 0.0], [n.dot(other), t.dot(other), 0.0], [of_normal, arm, sign]]
+    }
+
+    /// The interaction with the forces of body `a` (`first`) or `b` acting on body `body` instead,
+    /// whose reference point is at `-lever` from that of the body it replaces.
+    #[must_use]
+    pub fn carried_by(mut self, first: bool, body: u32, lever: DVec2) -> Self {
+        let (of_normal, of_shear) =
+            (lever.perp_dot(self.normal), lever.perp_dot(self.normal.perp()));
+        if first {
+            self.a = body;
+            self.normal_arm_a += of_normal;
+            self.arm_a += of_shear;
+        } else {
+            self.b = body;
+            self.normal_arm_b -= of_normal;
+            self.arm_b -= of_shear;
+        }
+        self
     }
 }
 
@@ -258,7 +298,11 @@ impl ConeProgram {
         let ua = self.bodies[a].to_global(u[a]);
         let ub = self.bodies[b].to_global(u[b]);
         let (d, t) = (DVec2::new(ua[0] - ub[0], ua[1] - ub[1]), c.normal.perp());
-        [c.normal.dot(d), t.dot(d) + c.arm_a * ua[2] + c.arm_b * ub[2], ua[2] - ub[2]]
+        [
+            c.normal.dot(d) + c.normal_arm_a * ua[2] + c.normal_arm_b * ub[2],
+            t.dot(d) + c.arm_a * ua[2] + c.arm_b * ub[2],
+            ua[2] - ub[2],
+        ]
     }
 
     /// Adds `G f` to `rows`, indexed by body and degree of freedom in the bodies' own axes.

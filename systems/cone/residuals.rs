@@ -104,13 +104,17 @@ const MIN_RELATIVE_FORCE: f64 = 1e-9;
 /// that is held against it any force is a solution, and relative to 1e24 N no error would show.
 #[must_use]
 pub fn force_scale(program: &ConeProgram, forces: &[[f64; 3]]) -> f64 {
-    let felt = |body: u32, direction: DVec2| {
+    let felt = |body: u32, direction: DVec2, normal_arm: f64| {
         let body = &program.bodies[body as usize];
         let axes = [body.axis, body.axis.perp()];
         let free = |k: usize| matches!(body.dofs[k], Dof::Free(_));
         (0..2).any(|k| free(k) && axes[k].dot(direction).abs() > 1e-9)
+            || (normal_arm != 0.0 && free(2))
     };
-    let either = |c: &Interaction, direction| felt(c.a, direction) || felt(c.b, direction);
+    // An arm of the normal force goes with a body that turns, on which both forces act.
+    let either = |c: &Interaction, direction| {
+        felt(c.a, direction, c.normal_arm_a) || felt(c.b, direction, c.normal_arm_b)
+    };
     let mut contact = 0.0_f64;
     for (c, f) in program.interactions.iter().zip(forces) {
         for (direction, f) in [(c.normal, f[0].abs()), (c.normal.perp(), f[1].abs())] {

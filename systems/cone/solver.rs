@@ -65,6 +65,8 @@ pub fn check(program: &ConeProgram) -> Result<(), MalformedProgram> {
             c.normal.y,
             c.arm_a,
             c.arm_b,
+            c.normal_arm_a,
+            c.normal_arm_b,
             c.offset,
             c.normal_compliance,
             c.tangential_compliance,

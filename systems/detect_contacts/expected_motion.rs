@@ -5,6 +5,7 @@ use glam::DVec2;
 use clastic_components::body::Drive;
 use clastic_components::contact::Bodies;
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
+use clastic_components::rigid_group::GroupRow;
 use clastic_components::wall::WallDrive;
 
 use super::settings::ReachSettings;
@@ -65,6 +66,25 @@ pub fn expected_motion(
                 displacement[i][k] = f * u;
                 imposed = imposed.max((f * u).abs());
             }
+        }
+    }
+    for group in &bodies.groups {
+        let u = [0, 1, 2].map(|k| match bodies.group_drive(group, k) {
+            Drive::Imposed(u) => Some(f * u),
+            Drive::Free => None,
+        });
+        if u.iter().all(Option::is_none) {
+            continue;
+        }
+        imposed = imposed.max(f * bodies.imposed_motion(group));
+        for &member in &group.members {
+            let i = member as usize;
+            let own = displacement[i];
+            let lever = bodies.lever(group, i);
+            let moved = GroupRow::carried(u.map(Option::unwrap_or_default), lever);
+            // Along a free translation the member goes on as before.
+            displacement[i] =
+                DVec2::new(u[0].map_or(own.x, |_| moved[0]), u[1].map_or(own.y, |_| moved[1]));
         }
     }
     for wall in &bodies.walls {

@@ -92,7 +92,11 @@ pub fn detect_contacts(
             list.push(Contact { bond, ..contact });
         }
     };
+    let is_grouped = !bodies.groups.is_empty();
     for (a, b) in merged_pairs(&bodies, &added.0, candidates.0.pairs(), settings.reach.wall) {
+        if is_grouped && bodies.are_joined(a, b) {
+            continue;
+        }
         let wanted = if (b as usize) < n {
             let d = bodies.positions[b as usize] - bodies.positions[a as usize];
             d.length() - radii[a as usize] - radii[b as usize] <= expected.pair_reach(a, b)

@@ -5,6 +5,7 @@ use glam::DVec2;
 
 use clastic_components::body::{AngularVelocity, BodyId, Drive, ExternalForce, Position, Velocity};
 use clastic_components::energy::Energies;
+use clastic_components::rigid_group::GroupRow;
 use clastic_cone::program::ConeProgram;
 
 use super::interactions::{Part, Tables};
@@ -34,6 +35,10 @@ pub fn book_bodies(
         let Some(i) = bodies.row(**id) else { continue };
         let u = program.bodies[i].to_global(solution.displacements[i]);
         e.external += (0..3).map(|k| force.0[k] * u[k]).sum::<f64>();
+        if let Some(group) = bodies.groups.iter().find(|group| group.body as usize == i) {
+            book_group(e, tables, dt, theta, group, force, &mut mean[i]);
+            continue;
+        }
         let (Some(v), Some(spin)) = (velocity, spin) else { continue };
         e.gravity += bodies.masses[i] * analysis.gravity.dot(DVec2::new(u[0], u[1]));
         if analysis.path_theta.is_some() {
@@ -52,6 +57,10 @@ pub fn book_bodies(
             let mass = if k < 2 { bodies.masses[i] } else { bodies.inertias[i] };
             let change = after[k] - before[k];
             e.kinetic += 0.5 * mass * change * (after[k] + before[k]);
+            if bodies.group(i).is_some() {
+                // Loads and drives act on the group.
+                continue;
+            }
             if bodies.drives[i][k] == Drive::Free {
                 mean[i][k] = 0.5 * dt * (before[k] + after[k]);
                 let weight = if k < 2 { mass * analysis.gravity[k] } else { 0.0 };
@@ -64,6 +73,55 @@ pub fn book_bodies(
         }
     }
     mean
+}
+
+/// Adds what the drives and the loads of a rigid group do besides the work of its external force. Its
+/// kinetic energy is that of its members. Sets its displacement at the mean of the velocities before
+/// and after.
+fn book_group(
+    e: &mut Energies,
+    tables: &Tables,
+    dt: f64,
+    theta: f64,
+    group: &GroupRow,
+    force: &ExternalForce,
+    mean: &mut [f64; 3],
+) {
+    let Tables { bodies, .. } = tables;
+    let row = group.body as usize;
+    let v_0 = bodies.velocities[row];
+    let before = [v_0.x, v_0.y, bodies.angular_velocities[row]];
+    let all = bodies.load_on_group(group, tables.fraction, tables.analysis.gravity);
+    for k in 0..3 {
+        let u = tables.solution.displacements[row][k];
+        if group.drives[k] == Drive::Free {
+            let after = (u / dt - (1.0 - theta) * before[k]) / theta;
+            mean[k] = 0.5 * dt * (before[k] + after);
+            let of_members = all[k] - group.loads[k].at(tables.fraction);
+            e.numerical += (force.0[k] + of_members) * (theta - 0.5) * dt * (after - before[k]);
+        } else {
+            let change = u / dt - before[k];
+            e.external -= 0.5 * group.mass_of(k) * change * change;
+        }
+    }
+    // The program has the moment of the weight about a pivot as it is at the start.
+    e.turning += turned_work(tables, group);
+}
+
+/// Work of the weight and of the loads of the members along their finite rotation, less that along
+/// the motion of the program: of second order in the rotation.
+pub(super) fn turned_work(tables: &Tables, group: &GroupRow) -> f64 {
+    let Tables { bodies, analysis, fraction, solution, .. } = tables;
+    let u = solution.displacements[group.body as usize];
+    let mut sum = 0.0;
+    for i in group.members.iter().map(|i| *i as usize) {
+        let lever = bodies.lever(group, i);
+        let [x, y, _] = GroupRow::carried_linearly(u, lever);
+        let aside = DVec2::from_slice(&solution.displacements[i][..2]) - DVec2::new(x, y);
+        let [fx, fy, _] = bodies.loads[i].map(|ramp| ramp.at(*fraction));
+        sum += (bodies.masses[i] * analysis.gravity + DVec2::new(fx, fy)).dot(aside);
+    }
+    sum
 }
 
 /// Adds the work of an interaction in a time step. `mean` are the displacements by body at the mean

@@ -2,11 +2,14 @@
 
 use glam::DVec2;
 
+use clastic_components::body::Ramp;
 use clastic_components::energy::{Energies, Released};
 use clastic_cone::program::{ConeProgram, Dof, Interaction, Limits};
 
+use super::dynamic::turned_work;
 use super::interactions::Tables;
 use super::quasi_static::Starts;
+use crate::assemble_program::groups::join;
 
 /// Adds the work of loads that vary linearly from start to end. The out-of-balance force at the
 /// start does work on the way to equilibrium. This is `motion` after a sudden change (`is_first`,
@@ -21,17 +24,25 @@ pub fn book(e: &mut Energies, tables: &Tables, starts: &Starts, is_first: bool) 
     for released in starts.released {
         let key = (released.a, released.b);
         if contacts.0.binary_search_by_key(&key, |c| (c.a, c.b)).is_err() {
-            let c = bond_of(tables, released);
+            let mut c = [bond_of(tables, released)];
+            join(bodies, &mut c);
+            let [c] = c;
             add(program, &c, &released.forces, &mut before);
             let d = program.kinematics(&c, &solution.displacements);
             e.motion += (0..3).map(|k| 0.5 * released.forces[k] * d[k]).sum::<f64>();
         }
     }
     let mut walls = bodies.walls.iter().peekable();
+    for group in &bodies.groups {
+        let aside = turned_work(tables, group);
+        e.turning += aside;
+        e.external += aside;
+    }
     let mut unbalanced = 0.0;
     for (i, body) in program.bodies.iter().enumerate() {
         let wall = walls.next_if(|wall| wall.body as usize == i);
         let u = solution.displacements[i];
+        let group = bodies.groups.iter().find(|group| group.body as usize == i);
         if i < bodies.particles {
             e.gravity += bodies.masses[i] * analysis.gravity.dot(DVec2::new(u[0], u[1]));
         }
@@ -42,6 +53,10 @@ pub fn book(e: &mut Energies, tables: &Tables, starts: &Starts, is_first: bool) 
                     let end = free.load - free.inertia * u[k];
                     // Loads of an embedding program count as constant.
                     let grown = match wall.map(|wall| bodies.wall_drive(wall)) {
+                        None if group.is_some() => group.map_or(Default::default(), |group| {
+                            let at = |part| bodies.load_on_group(group, part, DVec2::ZERO)[k];
+                            Ramp { from: at(0.0), to: at(1.0) }
+                        }),
                         None => bodies.loads[i][k],
                         Some(drive) => drive.load().unwrap_or_default(),
                     };
@@ -83,6 +98,8 @@ fn bond_of(tables: &Tables, released: &Released) -> Interaction {
         normal,
         arm_a: bodies.radii[a] + half_gap,
         arm_b: if wall.is_some() { 0.0 } else { other + half_gap },
+        normal_arm_a: 0.0,
+        normal_arm_b: 0.0,
         offset: 0.0,
         normal_compliance: 0.0,
         tangential_compliance: 0.0,

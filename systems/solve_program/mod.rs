@@ -17,6 +17,7 @@ use clastic_cone::residuals;
 use clastic_cone::solver::{ConeSolver, check};
 
 use self::sliding::{SlidingSolver, solve_sliding};
+use crate::rigid_groups::{carry_members, has_groups};
 use crate::schedule::{AttemptIncrement, AttemptSystems, Increment, IncrementSystems, lap};
 use crate::state::{RegisterState, StateOf};
 
@@ -43,7 +44,13 @@ impl Plugin for SolveProgramPlugin {
             .add_systems(Increment, renumber_memory.in_set(IncrementSystems::Renumber))
             .add_systems(
                 AttemptIncrement,
-                (solve_program, solve_sliding, lap(|t| &mut t.solve))
+                (
+                    solve_program,
+                    carry_members.run_if(has_groups),
+                    solve_sliding,
+                    carry_members.run_if(has_groups),
+                    lap(|t| &mut t.solve),
+                )
                     .chain()
                     .in_set(AttemptSystems::Solve),
             );

@@ -206,6 +206,51 @@ fn coulomb_cascade_and_walls_that_come_and_go() {
     assert!(records.iter().any(|o| o.stage == "hold"), "{:?}", records.last());
 }
 
+/// Rigid groups are state: who belongs to them, where they are, and what is done to them. A specimen
+/// of bonded and loose disks between two groups of them, pressed, turned, released and made again.
+#[test]
+fn rigid_groups_in_both_analyses_and_under_both_laws() {
+    for (law, analysis) in [
+        ("Associated", "Static"),
+        ("Coulomb()", "Static"),
+        ("Associated", "Dynamic(dt: 1.0e-3, theta: 0.6)"),
+        ("Coulomb()", "Dynamic(dt: 1.0e-3, theta: 1.0)"),
+    ] {
+        let contact = "normal_stiffness: 1.0e6, tangential_stiffness: 1.0e6, friction: 0.4";
+        let loaded = parse(&format!(
+            "(version: 1, title: \"groups\", friction_law: {law}, analysis: {analysis},
+              gravity: (0.0, -9.81),
+              materials: {{ \"m\": (density: 2000.0, contact: ({contact}),
+                bond: (normal_stiffness: 1.0e6, tangential_stiffness: 1.0e6, cohesion: 1.0e7,
+                    tensile_strength: 1.0e7)) }},
+              specimen: Lattice(columns: 5, rows: 6, radius: 0.01),
+              walls: [(name: \"floor\", start: (-1.0, -0.01), end: (1.0, -0.01), contact: ({contact}),
+                probe: \"floor\")],
+              stages: [
+                Cement(name: \"cement\", length: 1.0e-4),
+                Load(name: \"press\", increments: 4, rigid: {{
+                    \"lower\": (select: Box(min: (-1.0, -1.0), max: (1.0, 0.02)), x: Held, rotation: Held),
+                    \"upper\": (select: Box(min: (-1.0, 0.07), max: (1.0, 1.0)),
+                        stress: (value: (0.0, -2.0e3), length: 0.1)),
+                }}),
+                Load(name: \"turn\", increments: 5, rigid: {{
+                    \"upper\": (x: Displacement(1.0e-6), rotation: Displacement(2.0e-5)) }}),
+                Load(name: \"apart\", increments: 3, release: [\"upper\"]),
+                Load(name: \"again\", increments: 3, rigid: {{
+                    \"upper\": (select: Box(min: (-1.0, 0.07), max: (1.0, 1.0)),
+                        about: (0.0, 0.07), x: Held, y: Held, moment: 1.0) }}),
+              ],
+              output: (energy: true))"
+        ));
+        let records = same_from_anywhere(&loaded, |_| true);
+        assert!(records.len() >= 15, "{law} {analysis}: {}", records.len());
+        assert!(records.iter().all(|o| o.status == IncrementStatus::Solved));
+        // The bonds within a group do not count while it lasts.
+        let bonds = |stage: &str| records.iter().find(|o| o.stage == stage).unwrap().bonds;
+        assert!(bonds("apart") > bonds("turn") && bonds("again") < bonds("apart"));
+    }
+}
+
 /// A hopper of polylines over an arc, in which a lid shears what has come to rest.
 const THIN: &str = r#"(
     version: 1,

@@ -28,6 +28,7 @@ mod lids;
 mod limit_load;
 mod rest;
 mod restitution;
+mod rigid_groups;
 mod rupture;
 mod stages;
 mod stress;

@@ -77,7 +77,7 @@ fn kinematics(program: &ConeProgram, c: &Interaction, u: &[[f64; 3]]) -> [f64; 3
     let (turn_a, turn_b) = (u[c.a as usize][2], u[c.b as usize][2]);
     let d = ua - ub;
     [
-        n.x * d.x + n.y * d.y,
+        n.x * d.x + n.y * d.y + c.normal_arm_a * turn_a + c.normal_arm_b * turn_b,
         t.x * d.x + t.y * d.y + c.arm_a * turn_a + c.arm_b * turn_b,
         turn_a - turn_b,
     ]
@@ -156,6 +156,8 @@ mod tests {
             normal: DVec2::NEG_Y,
             arm_a: 0.01,
             arm_b: 0.0,
+            normal_arm_a: 0.0,
+            normal_arm_b: 0.0,
             offset: 0.0,
             normal_compliance: 0.0,
             tangential_compliance: 0.0,

@@ -322,6 +322,8 @@ fn load(
         remove_walls: Vec::new(),
         add_walls: Vec::new(),
         particles,
+        rigid: Default::default(),
+        release: Vec::new(),
         stop: Vec::new(),
     }
 }

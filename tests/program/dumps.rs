@@ -68,15 +68,20 @@ fn check_dump(dump: &Value) -> [f64; 2] {
         let [nx, ny]: [f64; 2] = numbers(&c["normal"]);
         let (x, y) = (p * nx - q * ny, p * ny + q * nx);
         let (arm_a, arm_b) = (get("arm_a"), get("arm_b"));
-        lever = lever.max(arm_a).max(arm_b);
-        for (body, add) in [(a, [x, y, arm_a * q + tau]), (b, [-x, -y, arm_b * q - tau])] {
+        let or_zero = |key: &str| c.get(key).map_or(0.0, number);
+        let (normal_a, normal_b) = (or_zero("normal_arm_a"), or_zero("normal_arm_b"));
+        lever = lever.max(arm_a).max(arm_b).max(normal_a.abs()).max(normal_b.abs());
+        for (body, add) in [
+            (a, [x, y, normal_a * p + arm_a * q + tau]),
+            (b, [-x, -y, normal_b * p + arm_b * q - tau]),
+        ] {
             for k in 0..3 {
                 resisted[body][k] += add[k];
             }
         }
         let (ua, ub) = (global(a), global(b));
         let (dx, dy) = (ua[0] - ub[0], ua[1] - ub[1]);
-        let closing = nx * dx + ny * dy;
+        let closing = nx * dx + ny * dy + normal_a * ua[2] + normal_b * ub[2];
         let sheared = limit("cohesion") > 0.0 || limit("friction") > 0.0;
         let slip = if sheared {
             let elastic = get("tangential_compliance") * (q - get("previous_shear"));

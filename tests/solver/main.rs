@@ -5,5 +5,6 @@ mod common;
 
 mod agreement;
 mod body_matrix;
+mod eccentric;
 mod settings;
 mod solvers;

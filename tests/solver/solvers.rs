@@ -101,6 +101,8 @@ fn disk_on_plate() -> (ConeProgram, Vec<[f64; 3]>, Vec<[f64; 3]>) {
             normal: DVec2::NEG_Y,
             arm_a: 0.01,
             arm_b: 0.0,
+            normal_arm_a: 0.0,
+            normal_arm_b: 0.0,
             offset: 0.0,
             normal_compliance: 1e-6,
             tangential_compliance: 1e-6,

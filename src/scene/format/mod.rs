@@ -9,6 +9,7 @@ mod materials;
 mod measures;
 mod output;
 mod particle_control;
+mod rigid;
 mod solver;
 mod specimen;
 mod stages;
@@ -32,6 +33,7 @@ pub use measures::{
 };
 pub use output::{Output, Record};
 pub use particle_control::{Motion, ParticleControl, Select};
+pub use rigid::{RigidControl, Traction};
 #[cfg(test)]
 pub(super) use solver::CONDENSED_FIELDS;
 pub use solver::Solver;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Analysis, Bond, ParticleControl, Record, Select, WallControl};
+use super::{Analysis, Bond, ParticleControl, Record, RigidControl, Select, WallControl};
 use crate::scene::unique_keys;
 
 /// A stage. A text may also have `Repeat(times: n, stages: [...])`, which stands for its stages one
@@ -211,6 +211,18 @@ pub struct Load {
     /// Controls of particles. Particles that no control selects are free.
     #[serde(default)]
     pub particles: Vec<ParticleControl>,
+    /// Rigid groups by name. An entry with `select` makes a group, an entry without it controls a
+    /// group that exists. A group without an entry keeps its loads, and stands still along the
+    /// degrees of freedom that were held or driven.
+    #[serde(
+        default,
+        deserialize_with = "unique_keys::deserialize",
+        skip_serializing_if = "BTreeMap::is_empty"
+    )]
+    pub rigid: BTreeMap<String, RigidControl>,
+    /// Rigid groups that end at the start: their members move on their own.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub release: Vec<String>,
     /// Conditions that end the stage early.
     #[serde(default)]
     pub stop: Vec<Stop>,

@@ -8,6 +8,7 @@ mod materials;
 mod measures;
 mod places;
 mod restitution;
+mod rigid;
 mod select;
 mod selections;
 mod settings;

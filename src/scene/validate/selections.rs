@@ -11,6 +11,7 @@ use super::findings::Findings;
 use crate::run::particles::{ParticleSeed, particles};
 use crate::run::select::{Candidate, selects};
 use crate::scene::format::{Load, Select, Specimen, Stage};
+use crate::scene::spans::join;
 
 pub(super) fn check(context: &Context, findings: &mut Findings) {
     let scene = context.scene;
@@ -27,8 +28,9 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
     }
     // An invalid recipe makes no particles.
     let parts = ["specimen", "groups", "materials"];
+    let fields = ["particles", "rigid"].map(|field| format!("stages[{i}].{field}"));
     if !parts.iter().all(|part| findings.is_sound(part))
-        || !findings.is_sound(&format!("stages[{i}].particles"))
+        || !fields.iter().all(|field| findings.is_sound(field))
     {
         return;
     }
@@ -37,7 +39,7 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
     let probes: BTreeMap<u32, &str> =
         scene.probes.iter().map(|(name, index)| (*index, name.as_str())).collect();
     let centres: Vec<_> = seeds.iter().map(|seed| (seed.position.x, seed.position.y)).collect();
-    for (k, select) in regions(stage, &scene.groups) {
+    for (entry, select) in regions(stage, &scene.groups) {
         let has = |(seed, index): (&ParticleSeed, u32)| {
             let of = Candidate {
                 index,
@@ -49,7 +51,7 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
             selects(select, &scene.groups, &of)
         };
         if !seeds.iter().zip(0..).any(has) {
-            let path = format_args!("stages[{i}].particles[{k}].select");
+            let path = format_args!("stages[{i}].{entry}.select");
             if let Select::Box { .. } = select {
                 let message = "selects no particle: no centre is in the box";
                 findings.add(path, message, &bounds("a box that holds some", &centres));
@@ -60,18 +62,22 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
     }
 }
 
-/// Entries of a stage whose particles depend on places or on sets: number and selection.
+/// Entries of a stage whose particles depend on places or on sets: place and selection.
 fn regions<'a>(
     stage: &'a Load,
     groups: &'a BTreeMap<String, Select>,
-) -> impl Iterator<Item = (usize, &'a Select)> {
+) -> impl Iterator<Item = (String, &'a Select)> {
     let of = |select: &Select| match select {
         Select::All | Select::Index(_) | Select::Range(..) | Select::Probe(_) => false,
         Select::Group(name) => groups.contains_key(name),
         _ => true,
     };
-    let entries = stage.particles.iter().map(|control| &control.select).enumerate();
-    entries.filter(move |(_, select)| of(select))
+    let controls = stage.particles.iter().enumerate();
+    let controls = controls.map(|(k, control)| (format!("particles[{k}]"), &control.select));
+    let rigid = stage.rigid.iter();
+    let rigid =
+        rigid.filter_map(|(name, control)| Some((join("rigid", name), control.select.as_ref()?)));
+    controls.chain(rigid).filter(move |(_, select)| of(select))
 }
 
 /// What to give instead, with the range of the centres.

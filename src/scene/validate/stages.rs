@@ -12,7 +12,7 @@ use crate::scene::spans::join;
 use super::findings::Findings;
 use super::select::select;
 use super::wall_controls::control_of_wall;
-use super::{ASKEW, Context, stops, walls};
+use super::{ASKEW, Context, rigid, stops, walls};
 
 const WALL: (&str, &str) = ("wall", "walls");
 
@@ -32,13 +32,29 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
         findings.add(format_args!("stages"), "no stage: nothing would happen".to_owned(), help);
     }
     let mut present: Vec<bool> = scene.walls.iter().map(|wall| wall.present).collect();
+    let mut groups = Vec::new();
     for (i, stage) in scene.stages.iter().enumerate() {
         let path = format_args!("stages[{i}]");
         match stage {
-            Stage::Compact(stage) => compact(context, path, stage, &present, findings),
+            Stage::Compact(stage) => {
+                if !groups.is_empty() && findings.is_sure_of("stages") {
+                    let help = "release rigid groups before, or make them after it";
+                    findings.add(path, "a compaction with rigid groups", help);
+                }
+                compact(context, path, stage, &present, findings);
+            }
             Stage::Cement(stage) => cement(context, path, stage, findings),
-            Stage::Save(_) => {}
-            Stage::Load(stage) => load(context, path, (i, stage), &mut present, findings),
+            Stage::Save(_) => {
+                if !groups.is_empty() && findings.is_sure_of("stages") {
+                    let help =
+                        "release rigid groups before: `release: [\"NAME\"]` of a loading stage";
+                    findings.add(path, "a state with rigid groups", help);
+                }
+            }
+            Stage::Load(stage) => {
+                load(context, path, (i, stage), &mut present, findings);
+                rigid::check(context, path, stage, &mut groups, findings);
+            }
             Stage::Custom(stage) => custom(path, stage, findings),
         }
     }
@@ -255,6 +271,29 @@ pub(super) fn no_time(path: Arguments, what: &str, findings: &mut Findings) {
     }
 }
 
+/// Checks the motion along one degree of freedom, whose unit is m or rad.
+pub(super) fn motion(
+    path: Arguments,
+    motion: Motion,
+    unit: &str,
+    timeless: bool,
+    findings: &mut Findings,
+) {
+    match motion {
+        Motion::Free | Motion::Held => {}
+        Motion::Displacement(value) => {
+            let what = format!("a displacement in {unit}");
+            findings.finite(format_args!("{path}[0]"), value, &what);
+        }
+        Motion::Velocity(value) => {
+            findings.finite(format_args!("{path}[0]"), value, &format!("a velocity in {unit}/s"));
+            if timeless {
+                no_time(path, "a velocity", findings);
+            }
+        }
+    }
+}
+
 fn control_of_particles(
     context: &Context,
     path: Arguments,
@@ -265,26 +304,10 @@ fn control_of_particles(
     select(context, format_args!("{path}.select"), &control.select, findings);
     let motions =
         [("x", control.x, "m"), ("y", control.y, "m"), ("rotation", control.rotation, "rad")];
-    for (field, motion, unit) in motions {
+    for (field, wanted, unit) in motions {
         let path = format_args!("{path}.{field}");
-        match motion {
-            Motion::Free | Motion::Held => {}
-            Motion::Displacement(value) => {
-                let what = format!("a displacement in {unit}");
-                findings.finite(format_args!("{path}[0]"), value, &what);
-            }
-            Motion::Velocity(value) => {
-                findings.finite(
-                    format_args!("{path}[0]"),
-                    value,
-                    &format!("a velocity in {unit}/s"),
-                );
-                if timeless {
-                    no_time(path, "a velocity", findings);
-                }
-            }
-        }
-        if control.affine.is_some() && field != "rotation" && motion != Motion::Free {
+        motion(path, wanted, unit, timeless, findings);
+        if control.affine.is_some() && field != "rotation" && wanted != Motion::Free {
             let message = format!("{field} is imposed twice");
             findings.add(path, message, "`affine` imposes x and y: leave it out here");
         }

@@ -1,0 +1,198 @@
+//! Rigid groups at the start of a loading stage: released, made and controlled.
+
+use bevy_ecs::prelude::*;
+use glam::DVec2;
+
+use clastic_components::body::{
+    AngularVelocity, BodyId, Drive, Drives, ExternalForce, LoadControl, Origin, Position, Probe,
+    Rotation, Velocity,
+};
+use clastic_components::increment::Analysis;
+use clastic_components::particle::Particle;
+use clastic_components::rigid_group::RigidGroup;
+use clastic_systems::rigid_groups::{Member, State};
+
+use super::load::drive;
+use super::select::selected;
+use super::stages::Script;
+use crate::scene::format as scene;
+
+/// The rigid group with the given name, if it is there.
+pub fn find_group(world: &mut World, name: &str) -> Option<Entity> {
+    let mut groups = world.query::<(Entity, &RigidGroup)>();
+    groups.iter(world).find(|(_, group)| group.name == name).map(|(entity, _)| entity)
+}
+
+/// Releases, makes and controls the rigid groups of a stage.
+pub fn control_groups(world: &mut World, stage: &scene::Load, analysis: &Analysis) {
+    for name in &stage.release {
+        if let Some(group) = find_group(world, name) {
+            world.despawn(group);
+        }
+    }
+    for (name, control) in &stage.rigid {
+        if let Some(select) = &control.select {
+            make(world, name, select, control.about);
+        }
+    }
+    let mut groups: Vec<(BodyId, Entity, String)> = world
+        .query::<(&BodyId, Entity, &RigidGroup)>()
+        .iter(world)
+        .map(|(id, entity, group)| (*id, entity, group.name.clone()))
+        .collect();
+    groups.sort_unstable_by_key(|(id, ..)| *id);
+    for (_, entity, name) in groups {
+        set_control(world, entity, stage.rigid.get(&name), analysis);
+    }
+}
+
+/// Sets drives and loads. A group without an entry keeps its loads, and stands still where it was
+/// driven. The load on a degree of freedom that was held or driven starts from the reaction.
+fn set_control(
+    world: &mut World,
+    entity: Entity,
+    control: Option<&scene::RigidControl>,
+    analysis: &Analysis,
+) {
+    let get = |world: &World| {
+        let drives = world.get::<Drives>(entity).map(|drives| drives.0).unwrap_or_default();
+        let loads = world.get::<LoadControl>(entity).map(|loads| loads.0).unwrap_or_default();
+        let reaction = world.get::<ExternalForce>(entity).map(|force| force.0).unwrap_or_default();
+        (drives, loads, reaction)
+    };
+    let (mut drives, mut loads, reaction) = get(world);
+    let force = control.and_then(|control| control.total_force(analysis.thickness));
+    let wanted = match control {
+        None => [None; 3],
+        Some(control) => [force.map(|f| f.0), force.map(|f| f.1), control.moment],
+    };
+    for k in 0..3 {
+        let before = drives[k];
+        drives[k] = match (control, before) {
+            (Some(control), _) => drive(control.motions()[k].1, analysis),
+            (None, Drive::Imposed(_)) => Drive::Imposed(0.0),
+            (None, Drive::Free) => Drive::Free,
+        };
+        let (from, to) = match before {
+            Drive::Free => (loads[k].1, loads[k].1),
+            Drive::Imposed(_) => (reaction[k], 0.0),
+        };
+        loads[k] = match drives[k] {
+            Drive::Free => (from, wanted[k].unwrap_or(to)),
+            Drive::Imposed(_) => (0.0, 0.0),
+        };
+    }
+    world.entity_mut(entity).insert((Drives(drives), LoadControl(loads)));
+}
+
+type Particles<'a> = (
+    &'a BodyId,
+    &'a Particle,
+    &'a Position,
+    &'a Rotation,
+    &'a mut Velocity,
+    &'a mut AngularVelocity,
+);
+
+/// Makes a group of the selected particles. They take the velocities of the rigid motion with their
+/// momentum and their angular momentum.
+fn make(world: &mut World, name: &str, select: &scene::Select, about: Option<(f64, f64)>) {
+    let mut chosen: Vec<BodyId> = selected(world, select).into_iter().map(|(id, _)| id).collect();
+    chosen.sort_unstable();
+    let mut query = world.query::<Particles>();
+    let mut members: Vec<(BodyId, f64, Member)> = query
+        .iter(world)
+        .filter(|(id, ..)| chosen.binary_search(id).is_ok())
+        .map(|(id, particle, x, rotation, v, spin)| {
+            let member = Member {
+                mass: particle.mass,
+                inertia: particle.inertia,
+                radius: particle.radius,
+                position: x.0,
+                velocity: v.0,
+                spin: spin.0,
+            };
+            (*id, rotation.0, member)
+        })
+        .collect();
+    members.sort_unstable_by_key(|(id, ..)| *id);
+    let state = State::of(members.iter().map(|(.., member)| *member), about.map(DVec2::from));
+    let ids: Vec<BodyId> = members.iter().map(|(id, ..)| *id).collect();
+    for (id, _, x, _, mut v, mut spin) in query.iter_mut(world) {
+        if ids.binary_search(id).is_ok() {
+            v.0 = state.velocity + state.spin * (x.0 - state.centre).perp();
+            spin.0 = state.spin;
+        }
+    }
+    world.spawn((
+        RigidGroup {
+            name: name.to_owned(),
+            members: ids,
+            has_pivot: about.is_some(),
+            reference: members.first().map_or(0.0, |(_, rotation, _)| *rotation),
+        },
+        Position(state.centre),
+        Origin(state.centre),
+        Probe(name.to_owned()),
+    ));
+}
+
+/// Why the rigid groups of a stage cannot be made or controlled; `None` if they can.
+pub fn refusal(world: &mut World, stage: &scene::Load) -> Option<String> {
+    let mut taken: Vec<(BodyId, String)> = world
+        .query::<&RigidGroup>()
+        .iter(world)
+        .filter(|group| !stage.release.contains(&group.name))
+        .flat_map(|group| group.members.iter().map(|id| (*id, group.name.clone())))
+        .collect();
+    let because = |name: &str, what: String| {
+        Some(format!("stage `{}` cannot begin: rigid.{name} {what}", stage.name))
+    };
+    for (name, control) in &stage.rigid {
+        let Some(select) = &control.select else { continue };
+        let mut ids: Vec<BodyId> = selected(world, select).into_iter().map(|(id, _)| id).collect();
+        ids.sort_unstable();
+        if ids.is_empty() {
+            return because(name, "selects no particle; select what is to be rigid".to_owned());
+        }
+        if let Some((id, other)) = taken.iter().find(|(id, _)| ids.binary_search(id).is_ok()) {
+            let what = format!(
+                "selects particle {}, which is a member of the rigid group `{other}`; a particle \
+                 belongs to one group: select others, or release `{other}` in a stage before",
+                id.0
+            );
+            return because(name, what);
+        }
+        taken.extend(ids.into_iter().map(|id| (id, name.clone())));
+    }
+    moving_pivot(world, stage)
+}
+
+/// The program of a time step has the inertia of a group about its centre of mass, or about a pivot
+/// that is held.
+fn moving_pivot(world: &mut World, stage: &scene::Load) -> Option<String> {
+    let kind = stage.analysis.unwrap_or(world.resource::<Script>().scene.analysis);
+    if kind == scene::Analysis::Static {
+        return None;
+    }
+    let mut groups = world.query::<(&RigidGroup, &Drives)>();
+    let kept = groups
+        .iter(world)
+        .filter(|(group, _)| group.has_pivot && !stage.release.contains(&group.name));
+    let free = |drives: &Drives| drives.0[..2].contains(&Drive::Free);
+    let is_held = |control: &scene::RigidControl| {
+        [control.x, control.y].iter().all(|motion| *motion == scene::Motion::Held)
+    };
+    let kept = kept.map(|(group, drives)| match stage.rigid.get(&group.name) {
+        Some(control) => (group.name.clone(), is_held(control)),
+        None => (group.name.clone(), !free(drives)),
+    });
+    let made = stage.rigid.iter().filter(|(_, control)| control.about.is_some());
+    let made = made.map(|(name, control)| (name.clone(), is_held(control)));
+    let (name, _) = kept.chain(made).find(|(_, is_held)| !is_held)?;
+    Some(format!(
+        "stage `{}` cannot begin: the pivot of the rigid group `{name}` moves in a dynamic stage; \
+         hold its x and y, or make it without `about`",
+        stage.name
+    ))
+}
