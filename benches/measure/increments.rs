@@ -188,6 +188,7 @@ fn chart(test: &Test, curves: Vec<Curve>) -> Chart {
         y: "axial stress, MPa".to_owned(),
         lines: lines.collect(),
         second: None,
+        equal: false,
     }
 }
 

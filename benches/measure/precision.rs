@@ -314,5 +314,6 @@ fn chart(problem: &Captured, points: &[Point]) -> Chart {
         y: "log10 of the time in ms".to_owned(),
         lines: Kind::ALL.map(line).to_vec(),
         second: None,
+        equal: false,
     }
 }

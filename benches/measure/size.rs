@@ -104,6 +104,7 @@ pub fn run(scenes: &Scenes, extent: Extent) -> Result<Part, BenchError> {
             points: points.iter().map(|p| (p.0.log10(), p.1.log10())).collect(),
         }],
         second: None,
+        equal: false,
     };
     let text = "Specimens are the stored packings (400 and 7380 disks) and mirrored tiles of the \
         larger one. `setup_s` spawns the bodies; `first_increment_s` cements (with the first detection), \

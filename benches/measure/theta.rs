@@ -81,6 +81,7 @@ pub fn run() -> Result<Part, BenchError> {
         y: "log10 of the error".to_owned(),
         lines,
         second: None,
+        equal: false,
     };
     Ok(Part {
         name: "theta",

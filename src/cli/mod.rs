@@ -2,6 +2,7 @@
 
 mod check;
 mod compare;
+mod envelope;
 mod exit;
 mod interrupt;
 mod list;
@@ -62,6 +63,8 @@ enum Command {
     List,
     /// Make the runs of a study, several at once, and write one table and one figure
     Sweep(SweepArgs),
+    /// Find the strength at several confining stresses: Mohr circles, c and phi, sigma_ci and m_i
+    Envelope(EnvelopeArgs),
     /// Draw the curves of several runs over one another and print their key results
     Compare {
         /// Directories of runs
@@ -93,6 +96,38 @@ struct SweepArgs {
     /// Print a job array for a cluster and make no run
     #[arg(long, value_name = "FORM", conflicts_with_all = ["only", "collect"])]
     emit: Option<Emit>,
+    /// No progress, only the result
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+/// Arguments of an envelope.
+#[derive(Args)]
+struct EnvelopeArgs {
+    /// A scene file, or the name of a scene in ./scenes or of one that clastic ships
+    scene: PathBuf,
+    /// Confining stresses, Pa, compression positive: 0,5e6,10e6
+    #[arg(long, value_name = "PA,...", value_delimiter = ',', required = true)]
+    confining: Vec<f64>,
+    /// Field of the scene that is the confining stress: a path, or PATH=VALUE with {} in the place of
+    /// the stress; may be repeated
+    #[arg(long = "field", value_name = "PATH[=VALUE]", default_value = "let.confining")]
+    fields: Vec<String>,
+    /// Seeds of the specimen
+    #[arg(long, value_name = "N,...", value_delimiter = ',')]
+    seeds: Vec<u64>,
+    /// Field of the scene that is the seed; may be repeated
+    #[arg(long = "seed-field", value_name = "PATH", default_value = "let.seed")]
+    seed_fields: Vec<String>,
+    /// Set a field of the scene for all runs; may be repeated
+    #[arg(long = "set", value_name = "PATH=VALUE")]
+    sets: Vec<String>,
+    /// Directory for the runs and the envelope [default: runs/<name of the scene>_envelope]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Runs to make at once [default: as many as there are cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    jobs: Option<u32>,
     /// No progress, only the result
     #[arg(short, long)]
     quiet: bool,
@@ -191,6 +226,7 @@ pub fn main() -> ExitCode {
         Command::Check(args) => check::check(&args),
         Command::List => list::list(),
         Command::Sweep(args) => sweep::sweep(&args),
+        Command::Envelope(args) => envelope::envelope(&args),
         Command::Compare { runs, out } => compare::compare(&runs, &out),
     };
     match done {

@@ -32,14 +32,17 @@ pub struct HoekBrown {
     pub residual: f64,
 }
 
-/// Least-squares line through points; `None` for fewer than two different abscissae.
-fn line(points: impl Iterator<Item = (f64, f64)> + Clone) -> Option<(f64, f64)> {
+/// Least-squares line through points: value at 0, and slope. The error is the reason.
+fn line(points: impl Iterator<Item = (f64, f64)> + Clone) -> Result<(f64, f64), &'static str> {
     let n = points.clone().count() as f64;
     let (mx, my) = points.clone().fold((0.0, 0.0), |(a, b), (x, y)| (a + x / n, b + y / n));
     let (xx, xy) = points
         .fold((0.0, 0.0), |(xx, xy), (x, y)| (xx + (x - mx) * (x - mx), xy + (x - mx) * (y - my)));
     let slope = xy / xx;
-    slope.is_finite().then_some((my - slope * mx, slope))
+    if !slope.is_finite() {
+        return Err("peaks at two confining stresses are needed");
+    }
+    Ok((my - slope * mx, slope))
 }
 
 fn root_mean_square(strengths: &[Strength], model: impl Fn(f64) -> f64) -> f64 {
@@ -49,35 +52,38 @@ fn root_mean_square(strengths: &[Strength], model: impl Fn(f64) -> f64) -> f64 {
 
 impl MohrCoulomb {
     /// Least-squares fit of `sigma_1 = 2 c sqrt(N) + N sigma_3` with `N = (1 + sin phi)/(1 - sin phi)`.
-    /// `None` for fewer than two confining stresses, or if the strength falls with the confining
-    /// stress (N < 1 has no friction angle of 0 or more).
-    #[must_use]
-    pub fn fit(strengths: &[Strength]) -> Option<Self> {
+    ///
+    /// # Errors
+    /// The reason why it does not exist: fewer than two confining stresses, or N < 1, which belongs
+    /// to no friction angle.
+    pub fn fit(strengths: &[Strength]) -> Result<Self, &'static str> {
         let (start, slope) = line(strengths.iter().map(|s| (s.confining, s.peak)))?;
         if slope < 1.0 {
-            return None;
+            return Err("sigma_1 rises less than sigma_3");
         }
         let residual = root_mean_square(strengths, |s3| start + slope * s3);
         let friction_angle = ((slope - 1.0) / (slope + 1.0)).asin().to_degrees();
-        Some(Self { cohesion: 0.5 * start / slope.sqrt(), friction_angle, residual })
+        Ok(Self { cohesion: 0.5 * start / slope.sqrt(), friction_angle, residual })
     }
 }
 
 impl HoekBrown {
     /// Least-squares fit of the straight line `(sigma_1 - sigma_3)^2 = sigma_ci^2 + m_i sigma_ci
-    /// sigma_3`, as Hoek and Brown fit triaxial tests. `None` for fewer than two confining stresses,
-    /// or without a positive strength.
-    #[must_use]
-    pub fn fit(strengths: &[Strength]) -> Option<Self> {
+    /// sigma_3`, as Hoek and Brown fit triaxial tests.
+    ///
+    /// # Errors
+    /// The reason why it does not exist: fewer than two confining stresses, or a line without a
+    /// positive strength at `sigma_3 = 0`, as that of most soils.
+    pub fn fit(strengths: &[Strength]) -> Result<Self, &'static str> {
         let points = strengths.iter().map(|s| (s.confining, (s.peak - s.confining).powi(2)));
         let (square, slope) = line(points)?;
         if square <= 0.0 {
-            return None;
+            return Err("the fitted line has no strength at sigma_3 = 0");
         }
         let strength = square.sqrt();
         let m = slope / strength;
         let model = |s3: f64| s3 + strength * (m * s3 / strength + 1.0).max(0.0).sqrt();
-        Some(Self { strength, m, residual: root_mean_square(strengths, model) })
+        Ok(Self { strength, m, residual: root_mean_square(strengths, model) })
     }
 }
 
@@ -112,10 +118,10 @@ mod tests {
     #[test]
     fn one_confining_stress_has_no_envelope() {
         let one = [Strength { confining: 1e6, peak: 3e6 }; 3];
-        assert_eq!(MohrCoulomb::fit(&one), None);
-        assert_eq!(HoekBrown::fit(&one), None);
+        assert!(MohrCoulomb::fit(&one).is_err());
+        assert!(HoekBrown::fit(&one).is_err());
         let falls =
             [Strength { confining: 0.0, peak: 3e6 }, Strength { confining: 1e6, peak: 2e6 }];
-        assert_eq!(MohrCoulomb::fit(&falls), None);
+        assert!(MohrCoulomb::fit(&falls).is_err());
     }
 }

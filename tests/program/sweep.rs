@@ -120,3 +120,32 @@ fn a_mistake_is_told_before_anything_runs() {
         assert!(!out.exists(), "{to}");
     }
 }
+
+/// The cement of the scene has a cohesion of 50 kPa and a friction of 0.5 (26.6 degrees); contacts
+/// that rearrange add to both.
+#[test]
+fn the_envelope_of_a_cemented_sand_is_near_that_of_its_bonds() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_str().unwrap();
+    let mut arguments =
+        vec!["envelope", "biaxial_small", "--confining", "50e3,100e3,200e3", "--out", out];
+    let fields = ["left", "right", "bottom", "top"]
+        .map(|wall| format!("stages.confine.walls.{wall}.stress"));
+    for field in &fields {
+        arguments.extend(["--field", field]);
+    }
+    arguments.extend(["--set", "stages.load.stop=[AxialStrain(0.02)]"]);
+    let said = stdout(&clastic(&arguments).code(0));
+    let value = |name: &str| -> f64 {
+        let line = said.lines().find(|line| line.trim_start().starts_with(name)).unwrap();
+        line.split_whitespace().nth(1).unwrap().parse().unwrap()
+    };
+    let (c, phi) = (value("c "), value("phi "));
+    assert!((0.03..0.08).contains(&c), "{said}");
+    assert!((25.0..36.0).contains(&phi), "{said}");
+    assert!(said.contains("the envelopes include 3 runs with marks"), "{said}");
+    let peaks = fs::read_to_string(folder.path().join("envelope.csv")).unwrap();
+    assert_eq!(peaks.lines().count(), 4);
+    let circles = fs::read_to_string(folder.path().join("envelope.svg")).unwrap();
+    assert!(circles.contains("phi = "), "no envelope in the picture");
+}

@@ -1,7 +1,7 @@
 //! `clastic sweep`: makes the runs of a study, several at once, and collects their results.
 
-mod collect;
-mod jobs;
+pub mod collect;
+pub mod jobs;
 mod slurm;
 
 use std::fs;

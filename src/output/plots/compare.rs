@@ -48,5 +48,6 @@ fn chart(title: &str, y: String, lines: Vec<Line>) -> Option<Chart> {
         y,
         lines,
         second: None,
+        equal: false,
     })
 }

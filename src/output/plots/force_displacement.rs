@@ -75,6 +75,7 @@ fn worked(title: &str, history: &History) -> Option<Chart> {
         y: if turning { "moment, N m".to_owned() } else { format!("force along {}, N", axis.2) },
         lines: lines.into_iter().map(scaled).collect(),
         second: None,
+        equal: false,
     })
 }
 
@@ -100,6 +101,7 @@ fn moved(title: &str, history: &History) -> Option<Chart> {
         y: "displacement, m".to_owned(),
         lines,
         second: None,
+        equal: false,
     })
 }
 

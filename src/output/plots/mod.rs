@@ -8,6 +8,7 @@ pub mod history;
 pub mod mechanism;
 mod sheet;
 pub mod specimen;
+pub mod strength;
 pub mod stress_strain;
 
 use std::path::Path;

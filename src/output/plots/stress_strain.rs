@@ -29,6 +29,7 @@ pub fn stress(title: &str, history: &History) -> Option<Chart> {
         y: format!("stress, {unit}"),
         lines,
         second: broken(history),
+        equal: false,
     })
 }
 
@@ -72,5 +73,6 @@ pub fn volumetric(title: &str, history: &History) -> Option<Chart> {
         y: "volumetric strain, %".to_owned(),
         lines: vec![line],
         second: None,
+        equal: false,
     })
 }

@@ -32,6 +32,7 @@ const SECONDARY: RGBColor = RGBColor(200, 40, 40);
 /// Space for the axes and around the chart, px.
 const MARGIN: u32 = 12;
 const LEFT: u32 = 64;
+const BOTTOM: u32 = 44;
 /// Space for an entry of the legend, px: the sample of the line, and each character.
 const SAMPLE: u32 = 18;
 const CHARACTER: f64 = 7.0;
@@ -88,10 +89,18 @@ impl Chart {
         let all = || self.lines.iter().chain(&self.second).flat_map(|line| &line.points);
         let x = range(all().map(|p| p.0));
         let y = range(self.lines.iter().flat_map(|line| &line.points).map(|p| p.1));
+        let (x, y) = if self.equal {
+            // Without the labels of the axes, as below.
+            let width = SIZE.0 - 2 * MARGIN - LEFT - right;
+            let height = area.dim_in_pixel().1 / ZOOM - 2 * MARGIN - BOTTOM;
+            equal(x, y, f64::from(width) / f64::from(height))
+        } else {
+            (x, y)
+        };
         let mut builder = ChartBuilder::on(&area);
         builder
             .margin(MARGIN * ZOOM)
-            .x_label_area_size(44 * ZOOM)
+            .x_label_area_size(BOTTOM * ZOOM)
             .y_label_area_size(LEFT * ZOOM)
             .right_y_label_area_size(right * ZOOM);
         let second = self.second.clone().unwrap_or_default();
@@ -171,6 +180,17 @@ fn range(values: impl Iterator<Item = f64>) -> std::ops::Range<f64> {
     let room = if high > low { 0.04 * (high - low) } else { low.abs().max(1.0) };
     // Most curves begin at zero, so the axis begins there if zero is near.
     (if (0.0..=room).contains(&low) { 0.0 } else { low - room })..(high + room)
+}
+
+/// The ranges with the shorter one made longer at its end, so that both have one scale on an area
+/// that is `ratio` times as wide as high.
+fn equal(
+    x: std::ops::Range<f64>,
+    y: std::ops::Range<f64>,
+    ratio: f64,
+) -> (std::ops::Range<f64>, std::ops::Range<f64>) {
+    let scale = ((x.end - x.start) / ratio).max(y.end - y.start);
+    (x.start..x.start + ratio * scale, y.start..y.start + scale)
 }
 
 /// Every n-th point, and the last one.

@@ -29,6 +29,8 @@ pub struct Chart {
     pub lines: Vec<Line>,
     /// Line on the second axis, labelled with its name.
     pub second: Option<Line>,
+    /// Whether one length on the two axes is one value.
+    pub equal: bool,
 }
 
 impl Chart {

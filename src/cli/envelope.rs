@@ -1,0 +1,192 @@
+//! `clastic envelope`: the strength of a scene at several confining stresses, and its envelopes.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use clastic::output::OutputError;
+use clastic::output::atomic::write_atomic;
+use clastic::output::csv_file::Row;
+use clastic::output::directory::default_directory;
+use clastic::output::plots::strength::megapascals;
+use clastic::output::plots::{self, strength};
+use clastic::scene::load_with;
+use clastic::study::marks::marks;
+use clastic::study::strength::{HoekBrown, MohrCoulomb, Strength};
+use clastic::study::{Study, plan, table};
+
+use super::EnvelopeArgs;
+use super::exit::{Exit, Failure, say};
+use super::own_findings::own_findings;
+use super::resolve::resolve;
+use super::sweep::{Sweep, collect, jobs};
+
+/// Name of the confining stress among the settings of the study.
+const CONFINING: &str = "confining";
+/// Name of the seed.
+const SEED: &str = "seed";
+
+/// Makes the runs, prints the envelopes, and writes table and figure.
+pub fn envelope(args: &EnvelopeArgs) -> Result<Exit, Failure> {
+    let sweep = study(args)?;
+    fs::create_dir_all(&sweep.folder).map_err(OutputError::at(&sweep.folder))?;
+    let all = (0..sweep.plan.runs.len()).collect();
+    let interrupted = jobs::run_all(&sweep, all, args.jobs, args.quiet)?;
+    let exit = collect::collect(&sweep)?;
+    if interrupted {
+        return Ok(Exit::Interrupted);
+    }
+    let points = points(&sweep);
+    report(&sweep, &points)?;
+    Ok(exit)
+}
+
+/// The runs: every confining stress with every seed.
+fn study(args: &EnvelopeArgs) -> Result<Sweep, Failure> {
+    let scene = resolve(&args.scene)?;
+    let list = |values: &[f64]| {
+        let values: Vec<_> = values.iter().map(|value| format!("{value:?}")).collect();
+        values.join(", ")
+    };
+    let quoted = |fields: &[String]| {
+        let fields: Vec<_> = fields.iter().map(|field| format!("{field:?}")).collect();
+        fields.join(", ")
+    };
+    let mut settings = format!("\"{CONFINING}\": [{}]", quoted(&args.fields));
+    let mut axes = format!("\"{CONFINING}\": [{}]", list(&args.confining));
+    if !args.seeds.is_empty() {
+        let seeds: Vec<_> = args.seeds.iter().map(u64::to_string).collect();
+        settings += &format!(", \"{SEED}\": [{}]", quoted(&args.seed_fields));
+        axes += &format!(", \"{SEED}\": [{}]", seeds.join(", "));
+    }
+    let text = format!(
+        "(version: 1, title: {:?}, scene: {:?}, set: [{}], settings: {{ {settings} }}, \
+         runs: Grid({{ {axes} }}))",
+        format!("strength of {}", args.scene.display()),
+        args.scene,
+        quoted(&args.sets),
+    );
+    let name = PathBuf::from(format!(
+        "{}_envelope",
+        args.scene.file_stem().unwrap_or(args.scene.as_os_str()).to_string_lossy()
+    ));
+    let study = Study::read(&text, &args.scene)?;
+    let plan = plan(&study, &args.scene, |sets| load_with(&scene, sets, own_findings))?;
+    let folder = args.out.clone().unwrap_or_else(|| default_directory(&name));
+    Ok(Sweep { scene, title: study.title, plan, folder })
+}
+
+/// A run that has a peak.
+struct Point {
+    seed: String,
+    strength: Strength,
+}
+
+/// The strengths of the runs that ended as planned and have a peak.
+fn points(sweep: &Sweep) -> Vec<Point> {
+    let records = table::records(&sweep.plan, &sweep.folder);
+    let runs = sweep.plan.runs.iter().zip(&records);
+    runs.filter_map(|(run, record)| {
+        let status = record["outcome"]["status"].as_str()?;
+        let peak = record["results"]["peak_stress_pa"].as_f64()?;
+        matches!(status, "completed" | "collapsed").then_some(())?;
+        let confining = run.values.first()?.parse().ok()?;
+        let seed = run.values.get(1).cloned().unwrap_or_default();
+        Some(Point { seed, strength: Strength { confining, peak } })
+    })
+    .collect()
+}
+
+/// A fitted quantity: its name, unit, factor to that unit, and digits.
+type Quantity = (&'static str, &'static str, f64, usize);
+
+const QUANTITIES: [Quantity; 4] = [
+    ("c", "MPa", 1e-6, 4),
+    ("phi", "degrees", 1.0, 2),
+    ("sigma_ci", "MPa", 1e-6, 3),
+    ("m_i", "", 1.0, 2),
+];
+
+/// c, phi, sigma_ci and m_i of some strengths, or the reasons why they do not exist.
+fn fitted(strengths: &[Strength]) -> [Result<f64, &'static str>; 4] {
+    let line = MohrCoulomb::fit(strengths);
+    let rock = HoekBrown::fit(strengths);
+    [
+        line.map(|fit| fit.cohesion),
+        line.map(|fit| fit.friction_angle),
+        rock.map(|fit| fit.strength),
+        rock.map(|fit| fit.m),
+    ]
+}
+
+fn report(sweep: &Sweep, points: &[Point]) -> Result<(), Failure> {
+    let strengths: Vec<_> = points.iter().map(|point| point.strength).collect();
+    let left_out = sweep.plan.runs.len() - points.len();
+    if left_out > 0 {
+        say(format_args!("{left_out} runs without a peak are in no envelope (see `marks`)"))?;
+    }
+    let records = table::records(&sweep.plan, &sweep.folder);
+    let uncertain = records.iter().filter(|record| {
+        record["results"]["peak_stress_pa"].is_number() && !marks(record).is_empty()
+    });
+    let uncertain = uncertain.count();
+    if uncertain > 0 {
+        say(format_args!("the envelopes include {uncertain} runs with marks"))?;
+    }
+    let mut by_seed: BTreeMap<&str, Vec<Strength>> = BTreeMap::new();
+    for point in points {
+        by_seed.entry(&point.seed).or_default().push(point.strength);
+    }
+    let of_seeds: Vec<_> = by_seed.values().map(|strengths| fitted(strengths)).collect();
+    let all = fitted(&strengths);
+    let range = strengths.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), s| {
+        (low.min(s.confining), high.max(s.confining))
+    });
+    say(format_args!(
+        "envelopes of {} peaks at confining stresses from {} to {} MPa, least squares of sigma_1:",
+        strengths.len(),
+        megapascals(range.0),
+        megapascals(range.1)
+    ))?;
+    for (k, (name, unit, factor, digits)) in QUANTITIES.into_iter().enumerate() {
+        let value = match all[k] {
+            Ok(value) => value,
+            Err(reason) => {
+                say(format_args!("  {name:9} not defined: {reason}"))?;
+                continue;
+            }
+        };
+        let seeds: Vec<f64> = of_seeds.iter().filter_map(|fit| fit[k].ok()).collect();
+        let scatter = scatter(&seeds).map_or(String::new(), |s| {
+            format!(", standard deviation over {} seeds {:.digits$}", seeds.len(), factor * s)
+        });
+        say(format_args!("  {name:9} {:.digits$} {unit}{scatter}", factor * value))?;
+    }
+    write(sweep, points)?;
+    if plots::DRAWN {
+        let path = sweep.folder.join("envelope.svg");
+        let chart = strength::mohr(&strengths, &sweep.title);
+        write_atomic(&path, chart.svg().map_err(OutputError::at(&path))?)?;
+        say(format_args!("drawn: {}", path.display()))?;
+    }
+    Ok(())
+}
+
+/// Standard deviation of a sample; `None` for fewer than two.
+fn scatter(values: &[f64]) -> Option<f64> {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let square = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    (values.len() > 1).then(|| square.sqrt())
+}
+
+fn write(sweep: &Sweep, points: &[Point]) -> Result<(), Failure> {
+    let path: &Path = &sweep.folder.join("envelope.csv");
+    let header = ["seed", "confining_pa", "peak_pa"];
+    let mut text = header.iter().fold(Row::default(), |row, name| row.text(name)).line();
+    for Point { seed, strength } in points {
+        text += &Row::default().text(seed).numbers([strength.confining, strength.peak]).line();
+    }
+    write_atomic(path, text)?;
+    say(format_args!("written: {}", path.display()))
+}
