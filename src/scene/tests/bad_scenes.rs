@@ -177,7 +177,7 @@ fn fields() {
         (r#"(position: (2.0, 1.0), radius: 1.0)"#, r#"(position: {2.0, 1.0}, radius: 1.0)"#,
          "12:20: specimen[1].position: expected 2 values in round brackets `(...)`, found `{2.0, 1.0}`"),
         (FORCE, "Push(1.0)",
-         "22:28: stages[0].walls.top: unknown variant `Push`; there are the variants `Fixed`, `Displacement`, `Velocity`, `Force`, `Stress`, `Custom`"),
+         "22:28: stages[0].walls.top: unknown variant `Push`; there are the variants `Fixed`, `Displacement`, `Velocity`, `Force`, `Stress`, `Custom`, `Lid`, `Follow`"),
         (r#""grain": ("#, r#""grain": Grain("#,
          "5:18: materials.grain: expected `(density: ...)`, found `Grain(...)`"),
         (r#""top": Force(1.0)"#, r#""top": Force(1.0), "top": Fixed"#,
@@ -364,7 +364,7 @@ fn walls() {
         (TOP, r#"(name: "top", start: (5.0, 2.0), end: (-5.0, 2.0), contact: (friction: -1.0))"#,
          "16:80: walls[1].contact.friction: negative (-1.0); give a coefficient of 0 or more"),
         (TOP, r#"(nmae: "top", start: (5.0, 2.0), end: (-5.0, NaN))"#,
-         "16:10: walls[1].nmae: unknown field `nmae`; did you mean `name`? the fields here are `name`, `start`, `end`, `contact`, `bond`, `present`, `probe`
+         "16:10: walls[1].nmae: unknown field `nmae`; did you mean `name`? the fields here are `name`, `start`, `end`, `shape`, `contact`, `bond`, `present`, `probe`
 16:54: walls[1].end[1]: not finite (NaN); give a place in m"),
         (TOP, "(start: (5.0, 2.0), end: (-5.0, 2.0))",
          "16:9: walls[1].name: missing field `name`; add `name: ...`"),

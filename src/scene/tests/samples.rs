@@ -71,10 +71,10 @@ Scene(
             particles: [
                 (select: All, rotation: Held),
                 (select: Index([0, 2]), x: Displacement(1e-3), force: (1.0, 2.0), moment: 3.0),
-                (select: Group("few"), y: Held),
                 (select: Group("low"), affine: ((0.1, 0.0), (0.0, -0.1))),
                 (select: Probe("p"), y: Free),
                 (select: Box(min: (0.0, 0.0), max: (1.0, 1.0))),
+                (select: Group("few"), y: Held),
             ],
             stop: [AxialStrain(0.05), StressDrop(0.5)],
         ),
