@@ -4,7 +4,7 @@
 use serde::{Deserialize, Deserializer};
 
 use super::diagnostic::Finding;
-use super::format::{Cement, Compact, CustomStage, Load, Stage};
+use super::format::{Cement, Compact, CustomStage, Load, Save, Stage};
 use super::scan::{Node, Shape, scan};
 use super::spans::unwrapped;
 
@@ -17,6 +17,7 @@ const MAX_STAGES: usize = 100_000;
 enum Item {
     Compact(Compact),
     Cement(Cement),
+    Save(Save),
     Load(Load),
     Custom(CustomStage),
     Repeat(Repeat),
@@ -44,6 +45,7 @@ fn add(item: &Item, suffix: &str, stages: &mut Vec<Stage>) {
     let mut stage = match item {
         Item::Compact(stage) => Stage::Compact(stage.clone()),
         Item::Cement(stage) => Stage::Cement(stage.clone()),
+        Item::Save(stage) => Stage::Save(stage.clone()),
         Item::Load(stage) => Stage::Load(stage.clone()),
         Item::Custom(stage) => Stage::Custom(stage.clone()),
         Item::Repeat(Repeat { times, stages: items }) => {
