@@ -13,7 +13,7 @@ use clastic_components::wall::WallControl;
 
 use super::spawn::find_walls;
 use super::state::StateView;
-use crate::scene::format::{Load, Scene, Stage, WallControl as Wanted};
+use crate::scene::format::{Load, Measures, Scene, Stage, WallControl as Wanted};
 
 /// Changes in `new` that are not permitted when a run under `old` has reached `state`, each with a
 /// reason.
@@ -35,11 +35,14 @@ pub fn refused(old: &Scene, new: &Scene, state: &StateView) -> Vec<String> {
     let own = "stages that have ended used it; give it to stages to come";
     fixed("analysis", old.analysis == new.analysis, own);
     fixed("gravity", old.gravity == new.gravity, own);
-    fixed("measures", old.measures == new.measures, "the history has a column under each");
     // A run that gets more stages names the reference stage that it had by default.
+    let measures =
+        Measures { reference_stage: old.measures.reference_stage.clone(), ..new.measures.clone() };
+    fixed("measures", old.measures == measures, "the history has a column under each");
     let counts_on = old.reference_stage() == new.reference_stage();
     let is_named = old.strains_from() != new.strains_from();
-    fixed("reference_stage", counts_on || !is_named, "strains count from it");
+    let field = if new.version == 1 { "measures" } else { "reference_stage" };
+    fixed(field, counts_on || !is_named, "strains count from its stage");
     fixed("probes", old.probes == new.probes, "the history has columns for each");
     let energy = old.output.energy == new.output.energy;
     fixed("output.energy", energy, "the history has its columns or not, and the ledger its past");

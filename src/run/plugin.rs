@@ -151,14 +151,11 @@ impl Plugin for ScenePlugin {
                         .chain()
                         .in_set(AdvanceSystems::Begin)
                         .run_if(runs_scene),
-                    read_custom
+                    // Measures are read after all systems of plugins that come before `Stop`.
+                    (read_custom.run_if(measures_of_plugins), end_increment.run_if(runs_scene))
+                        .chain()
                         .in_set(AdvanceSystems::End)
-                        .before(StageSystems::Stop)
-                        .run_if(measures_of_plugins),
-                    end_increment
-                        .in_set(AdvanceSystems::End)
-                        .after(StageSystems::Stop)
-                        .run_if(runs_scene),
+                        .after(StageSystems::Stop),
                 ),
             );
     }

@@ -113,8 +113,10 @@ impl StateOf for FirstWall {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct InheritedWalls {
     /// As the scene of the state drew them.
+    #[serde(with = "in_ron")]
     drawn: Vec<Wall>,
     /// Where they were when the run began.
+    #[serde(with = "in_ron")]
     at_start: Vec<Wall>,
 }
 
@@ -129,6 +131,26 @@ impl StateOf for InheritedWalls {
         let mut catalogue = world.get_resource_or_init::<WallCatalogue>();
         catalogue.walls = self.drawn;
         catalogue.inherited = Some(self.at_start);
+    }
+}
+
+/// Walls as texts of a scene. The encoding of a state has no names of fields, and could not leave out
+/// those that a wall does not have.
+mod in_ron {
+    use serde::de::{Deserialize, Deserializer, Error as _};
+    use serde::ser::{Error as _, Serialize, Serializer};
+
+    use crate::scene::format::Wall;
+
+    pub fn serialize<S: Serializer>(walls: &[Wall], serializer: S) -> Result<S::Ok, S::Error> {
+        let texts: Result<Vec<_>, _> = walls.iter().map(ron::to_string).collect();
+        texts.map_err(S::Error::custom)?.serialize(serializer)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Wall>, D::Error> {
+        let texts = Vec::<String>::deserialize(deserializer)?;
+        let walls = texts.iter().map(|text| ron::from_str(text).map_err(D::Error::custom));
+        walls.collect()
     }
 }
 

@@ -111,7 +111,9 @@ impl<'de> Visitor<'de> for MeasuresVisitor {
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<Measures, A::Error> {
-        Vec::deserialize(SeqAccessDeserializer::new(list)).map(Measures::of_list)
+        let list = Vec::deserialize(SeqAccessDeserializer::new(list))?;
+        // `ron` reads brackets with nothing but space in them as a list too.
+        Ok(if list.is_empty() { Measures::default() } else { Measures::of_list(list) })
     }
 
     // The second reading leaves the choice of the shape to the text.
