@@ -9,12 +9,14 @@ use clastic::scene::{self, LoadedScene};
 
 use crate::common::files;
 use crate::resumed::{COULOMB, run, same_from_anywhere};
+use crate::same_bytes::THIN;
 
 /// A scene of `scenes/`, or a text, under settings.
 fn scene_of(rig: &str, sets: &[String]) -> LoadedScene {
     let path = format!("{}/scenes/{rig}.ron", env!("CARGO_MANIFEST_DIR"));
     let loaded = match rig {
         "COULOMB" => scene::from_str(COULOMB, Path::new("rig.ron"), Path::new(""), sets),
+        "THIN" => scene::from_str(THIN, Path::new("rig.ron"), Path::new(""), sets),
         _ => scene::load(Path::new(&path), sets),
     };
     loaded.unwrap_or_else(|e| panic!("{e}"))
@@ -211,4 +213,22 @@ fn walls_that_are_away_and_loads_that_were_cut_short() {
     let record: serde_json::Value = serde_json::from_str(&record).unwrap();
     assert_eq!(record["stages"][2]["ended_by"], "stop");
     assert!(record["stages"][2]["increments"].as_u64().unwrap() < 8);
+}
+
+/// Segments, polylines, an arc, a lid and a table: their shapes, pieces and drives are in the state.
+#[test]
+fn thin_walls_of_every_shape() {
+    let parent = tempfile::tempdir().unwrap();
+    let first = r#"
+        Load(name: "settle", increments: 60, walls: { "bowl": Follow(Displacement([
+            (0.0, 0.0, 0.0), (0.02, 0.0, 2.0e-3), (0.06, 0.0, -1.0e-3)])) }),
+        Load(name: "press", increments: 6, analysis: Static, add_walls: ["lid"],
+            walls: { "lid": Follow(Stress(stress: [(0.0, 0.0), (0.5, 300.0), (1.0, 200.0)])) }),
+        Load(name: "shear", increments: 5, analysis: Static,
+            walls: { "lid": Lid(load: Stress(stress: 200.0), slide: Displacement(1.0e-5)) })"#;
+    let second = r#"
+        Load(name: "shear_on", increments: 5, analysis: Static,
+            walls: { "lid": Lid(load: Stress(stress: 200.0), slide: Displacement(1.0e-5)) }),
+        Load(name: "flow", increments: 20, remove_walls: ["gate", "lid"])"#;
+    same_in_two("THIN", &["output=(energy: true)"], [first, second], parent.path());
 }

@@ -252,7 +252,7 @@ fn rigid_groups_in_both_analyses_and_under_both_laws() {
 }
 
 /// A hopper of polylines over an arc, in which a lid shears what has come to rest.
-const THIN: &str = r#"(
+pub const THIN: &str = r#"(
     version: 1,
     title: "Thin walls of every shape",
     gravity: (0.0, -9.81),

@@ -149,3 +149,12 @@ fn the_envelope_of_a_cemented_sand_is_near_that_of_its_bonds() {
     let circles = fs::read_to_string(folder.path().join("envelope.svg")).unwrap();
     assert!(circles.contains("phi = "), "no envelope in the picture");
 }
+
+/// Each of its runs is read and checked.
+#[test]
+fn the_shipped_study_is_sound() {
+    let study = concat!(env!("CARGO_MANIFEST_DIR"), "/studies/cemented_sand.ron");
+    let script = stdout(&clastic(&["sweep", study, "--emit", "slurm"]).code(0));
+    assert!(script.contains("#SBATCH --array=1-18\n"), "{script}");
+    assert!(script.contains("# 18: cement 100.0e3, confining 200.0e3, seed 3"), "{script}");
+}
