@@ -118,8 +118,8 @@ impl Bodies {
         self.positions[member] - self.positions[group.body as usize]
     }
 
-    /// Drive of degree of freedom `k` of a rigid group in the trial. Imposed displacements are those
-    /// of a whole increment.
+    /// Drive of degree of freedom `k` of a rigid group in the trial. Imposed displacements are
+    /// those of a whole increment.
     #[must_use]
     pub fn group_drive(&self, group: &GroupRow, k: usize) -> Drive {
         match group.drives[k] {
@@ -174,8 +174,8 @@ impl Bodies {
         });
     }
 
-    /// Load of a rigid group in the trial at the given part of the increment, N and N m: its own, that
-    /// of its members, and their weight under the acceleration `gravity` (m/s^2).
+    /// Load of a rigid group in the trial at the given part of the increment, N and N m: its own,
+    /// that of its members, and their weight under the acceleration `gravity` (m/s^2).
     #[must_use]
     pub fn load_on_group(&self, group: &GroupRow, part: f64, gravity: DVec2) -> [f64; 3] {
         let mut sum = group.loads.map(|ramp| ramp.at(part));

@@ -45,8 +45,9 @@ pub struct Analysis {
     pub gravity: DVec2,
     /// Out-of-plane thickness h, m.
     pub thickness: f64,
-    /// Theta of the path of particles, where contacts have restitution: then the theta of [`kind`](Self::kind), which
-    /// is that of velocities and forces, is 1. None: particles move by the displacements of the program.
+    /// Theta of the path of particles, where contacts have restitution: then the theta of
+    /// [`kind`](Self::kind), which is that of velocities and forces, is 1. None: particles move by
+    /// the displacements of the program.
     pub path_theta: Option<f64>,
 }
 
@@ -56,10 +57,10 @@ impl Default for Analysis {
     }
 }
 
-/// Friction law of contacts without strength: the paper's, convex, by which sliding opens the contact by mu |slip|,
-/// or Coulomb's.
-// The scene's law is another type (`friction_law`): it names combinations of the two fields, and it reads fields of
-// earlier builds that have no effect here.
+/// Friction law of contacts without strength: the paper's, convex, by which sliding opens the
+/// contact by mu |slip|, or Coulomb's.
+// The scene's law is another type (`friction_law`): it names combinations of the two fields, and it
+// reads fields of earlier builds that have no effect here.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Default)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct FrictionLaw {
@@ -101,8 +102,8 @@ impl FrictionLaw {
     }
 }
 
-/// Solves an increment again with normals and gaps at the new place. The resource of a world without it is
-/// [`OFF`](Self::OFF); the default is that of a scene that asks for it.
+/// Solves an increment again with normals and gaps at the new place. The resource of a world
+/// without it is [`OFF`](Self::OFF); the default is that of a scene that asks for it.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 #[serde(deny_unknown_fields, default)]
@@ -139,14 +140,14 @@ pub enum RollingLimit {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum Avalanche {
-    /// By equilibria: of the bonds above their limits in one of them, the most overloaded breaks, or as many of these
-    /// as a group takes.
+    /// By equilibria: of the bonds above their limits in one of them, the most overloaded breaks,
+    /// or as many of these as a group takes.
     #[default]
     MostOverloaded,
     /// By equilibria: all bonds above their limits in one of them break.
     Together,
-    /// By a motion with inertia and kinetic damping ([`Motion`](crate::motion::Motion)), in which bonds break as they
-    /// reach their limits.
+    /// By a motion with inertia and kinetic damping ([`Motion`](crate::motion::Motion)), in which
+    /// bonds break as they reach their limits.
     Dynamic,
 }
 
@@ -161,9 +162,10 @@ impl Avalanche {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum RuptureOrder {
-    /// From event to event: an increment is committed at the fraction at which the next bond reaches its limit, that
-    /// bond breaks, and the specimen comes to equilibrium at constant load before it is loaded further. Holds for
-    /// static analysis where all bonds are elastic and have strength; elsewhere as `OneRound`.
+    /// From event to event: an increment is committed at the fraction at which the next bond
+    /// reaches its limit, that bond breaks, and the specimen comes to equilibrium at constant load
+    /// before it is loaded further. Holds for static analysis where all bonds are elastic and have
+    /// strength; elsewhere as `OneRound`.
     #[default]
     Events,
     /// All bonds that are on a limit at the end of an increment break, once (3.4.2 of the paper).
@@ -184,8 +186,8 @@ pub struct RuptureRules {
     pub order: RuptureOrder,
     /// With `Events`: a bond is at its limit when its overload R lies between 1 - tolerance and 1.
     pub tolerance: f64,
-    /// With `Events`: bonds break together that reach their limit while the bond forces change by this fraction after
-    /// the first; 0: one by one.
+    /// With `Events`: bonds break together that reach their limit while the bond forces change by
+    /// this fraction after the first; 0: one by one.
     pub group: f64,
     /// With `AllAtOnce`: maximum number of rounds.
     pub rounds: u32,
@@ -195,7 +197,8 @@ pub struct RuptureRules {
     /// A bond is on a limit when its slack is below this fraction of the limit.
     #[serde(skip)]
     pub slack: f64,
-    /// Relative rotation, rad, or slip over mean radius, above which a rigid limit counts as active.
+    /// Relative rotation, rad, or slip over mean radius, above which a rigid limit counts as
+    /// active.
     #[serde(skip)]
     pub multiplier: f64,
 }
@@ -215,21 +218,23 @@ impl Default for RuptureRules {
     }
 }
 
-/// What an increment must satisfy before it is committed: `acceptance` of a scene, which has `residual`, `throw`,
-/// `snap` and `halvings`.
+/// What an increment must satisfy before it is committed: `acceptance` of a scene, which has
+/// `residual`, `throw`, `snap` and `halvings`.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 #[serde(deny_unknown_fields, default)]
 pub struct Acceptance {
-    /// Greatest residual. Where it is more than 1e-8, dynamic and without bonds, the default solver aims at it.
+    /// Greatest residual. Where it is more than 1e-8, dynamic and without bonds, the default solver
+    /// aims at it.
     pub residual: f64,
     /// Greatest motion of a grain about the mean field, in its radii; static analysis only.
     pub throw: f64,
-    /// Maximum strain of the mean field in one static solution beyond what is imposed. Where a loaded specimen
-    /// strains further the motion is followed; one that strains ten times as far in that motion has collapsed.
+    /// Maximum strain of the mean field in one static solution beyond what is imposed. Where a
+    /// loaded specimen strains further the motion is followed; one that strains ten times as far in
+    /// that motion has collapsed.
     pub snap: f64,
-    /// Travel of the furthest grain about the mean field that a step of a followed motion aims at, in its radii;
-    /// at most half of [`MAX_TRAVEL`](Self::MAX_TRAVEL).
+    /// Travel of the furthest grain about the mean field that a step of a followed motion aims at,
+    /// in its radii; at most half of [`MAX_TRAVEL`](Self::MAX_TRAVEL).
     #[serde(skip)]
     pub motion_step: f64,
     /// Greatest overlap of a pair that was not in the program, in mean radii.
@@ -244,8 +249,8 @@ pub struct Acceptance {
 }
 
 impl Acceptance {
-    /// Maximum travel of the furthest grain about the mean field in a step of a followed motion, in its radii: what
-    /// normals that stay as they are allow.
+    /// Maximum travel of the furthest grain about the mean field in a step of a followed motion, in
+    /// its radii: what normals that stay as they are allow.
     pub const MAX_TRAVEL: f64 = 0.3;
 }
 
@@ -311,9 +316,10 @@ impl Progress {
         self.done >= self.total && !self.relaxing
     }
 
-    /// The ramp, over the next whole increment, of a load that goes linearly from one value to another
-    /// over the stage. At the end of the stage the target is met exactly. The ramp goes on beyond it where only a part
-    /// of the last increment is left: fractions are of whole increments.
+    /// The ramp, over the next whole increment, of a load that goes linearly from one value to
+    /// another over the stage. At the end of the stage the target is met exactly. The ramp goes on
+    /// beyond it where only a part of the last increment is left: fractions are of whole
+    /// increments.
     #[must_use]
     pub fn ramp(&self, from: f64, to: f64) -> Ramp {
         let at = |done: f64| {

@@ -14,10 +14,10 @@ use crate::identity::body_added;
 
 /// Particles that move as one body.
 ///
-/// [`Drives`] and [`LoadControl`] of the group hold, drive or load its three degrees of freedom: the
-/// translations of its centre and its rotation. Loads of the members act on the group. Drives of the
-/// members have no effect. The centre is the centre of mass, or a pivot that moves with the body;
-/// [`Position`] is its place. A particle is a member of one group at most.
+/// [`Drives`] and [`LoadControl`] of the group hold, drive or load its three degrees of freedom:
+/// the translations of its centre and its rotation. Loads of the members act on the group. Drives
+/// of the members have no effect. The centre is the centre of mass, or a pivot that moves with the
+/// body; [`Position`] is its place. A particle is a member of one group at most.
 #[derive(Component, Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 #[component(immutable, on_add = body_added)]
@@ -43,8 +43,8 @@ pub struct RigidGroup {
     pub reference: f64,
 }
 
-/// Force (x, y; N) on a body by the contacts and bonds with all other bodies, and their moment about
-/// its position at the start of the increment (N m), in the last committed increment.
+/// Force (x, y; N) on a body by the contacts and bonds with all other bodies, and their moment
+/// about its position at the start of the increment (N m), in the last committed increment.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 pub struct ContactForce(pub [f64; 3]);

@@ -100,8 +100,8 @@ pub enum WallSlide {
 }
 
 /// Points (s, x, y) of a control that is linear between them and constant beyond the last. s is the
-/// time since the start of the stage (s) in dynamic analysis, and the part of the stage that is done
-/// (0 to 1) in static analysis. A force or a stress is x.
+/// time since the start of the stage (s) in dynamic analysis, and the part of the stage that is
+/// done (0 to 1) in static analysis. A force or a stress is x.
 #[derive(Component, Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 pub struct WallTable(pub Vec<[f64; 3]>);

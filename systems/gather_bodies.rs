@@ -132,8 +132,8 @@ type WallQuery<'w, 's> = Query<
     ),
 >;
 
-/// Fills [`Bodies`] with one row per body: particles by identity, then walls by identity, then rigid
-/// groups by identity.
+/// Fills [`Bodies`] with one row per body: particles by identity, then walls by identity, then
+/// rigid groups by identity.
 ///
 /// A bond with a missing body has no row, nor has one between members of a rigid group.
 pub fn gather_bodies(

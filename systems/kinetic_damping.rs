@@ -1,16 +1,17 @@
-//! Kinetic damping: the length of the steps of a motion that is followed, and what is left of its momentum.
+//! Kinetic damping: the length of the steps of a motion that is followed, and what is left of its
+//! momentum.
 //!
-//! The kinetic energy of a step is `E = W k_0 sum m_i u_i^2` (N m; see [`Motion`]). While it rises the motion keeps
-//! its velocities; when it falls it has passed an equilibrium, and the velocities are set to zero (Cundall 1982,
-//! "Adaptive density-scaling for time-explicit calculations").
+//! The kinetic energy of a step is `E = W k_0 sum m_i u_i^2` (N m; see [`Motion`]). While it rises
+//! the motion keeps its velocities; when it falls it has passed an equilibrium, and the velocities
+//! are set to zero (Cundall 1982, "Adaptive density-scaling for time-explicit calculations").
 
 use clastic_components::contact::Bodies;
 use clastic_components::motion::Motion;
 
 use crate::motion_settings::MotionSettings;
 
-/// Masses and moments of inertia over the mean mass. A wall under a load moves with the specimen: it has the
-/// mass of all grains.
+/// Masses and moments of inertia over the mean mass. A wall under a load moves with the specimen:
+/// it has the mass of all grains.
 #[must_use]
 pub fn relative_masses(bodies: &Bodies) -> Vec<[f64; 2]> {
     let n = bodies.particles;
@@ -38,8 +39,8 @@ pub fn relative_masses(bodies: &Bodies) -> Vec<[f64; 2]> {
     masses
 }
 
-/// Gives a rejected step a shorter time. `too_far` is how far its furthest grain went, in its radii, if that is why
-/// it was rejected.
+/// Gives a rejected step a shorter time. `too_far` is how far its furthest grain went, in its
+/// radii, if that is why it was rejected.
 pub fn shorten(motion: &mut Motion, too_far: Option<f64>, settings: &MotionSettings) {
     motion.failures += 1;
     let ratio = match too_far {
@@ -50,8 +51,9 @@ pub fn shorten(motion: &mut Motion, too_far: Option<f64>, settings: &MotionSetti
     motion.weight /= ratio * ratio;
 }
 
-/// Factor of the time of a step that went `far` by which its furthest grain would have travelled what a step
-/// aims at: momentum takes it `v dt` far, and forces take it on in proportion to `dt^2`.
+/// Factor of the time of a step that went `far` by which its furthest grain would have travelled
+/// what a step aims at: momentum takes it `v dt` far, and forces take it on in proportion to
+/// `dt^2`.
 fn stretch(motion: &Motion, far: f64, settings: &MotionSettings) -> f64 {
     let momentum = (motion.speed * motion.dt()).min(far);
     let gained = (far - momentum).max(settings.min_gain * far);
@@ -65,8 +67,8 @@ fn time_ratio(momentum: f64, gained: f64, goal: f64, settings: &MotionSettings) 
     (2.0 * goal / (momentum + root)).clamp(settings.min_ratio, settings.max_ratio)
 }
 
-/// Sets momentum and weight of the next step after one with these displacements (m, m, rad; by body in its own axes),
-/// in which the furthest grain went `far` of its radii.
+/// Sets momentum and weight of the next step after one with these displacements (m, m, rad; by body
+/// in its own axes), in which the furthest grain went `far` of its radii.
 pub fn carry_on(
     motion: &mut Motion,
     displacements: &[[f64; 3]],
@@ -107,8 +109,9 @@ pub fn carry_on(
 mod tests {
     use super::*;
 
-    /// A grain of relative mass 1 on a spring of k = 1 N/m and k_0 = 1 N/m under a load of 1 N, with a radius of
-    /// 1 m: `W (u - v dt) + k (x + u) = f`. It has to come to rest at x = f/k = 1 m.
+    /// A grain of relative mass 1 on a spring of k = 1 N/m and k_0 = 1 N/m under a load of 1 N,
+    /// with a radius of 1 m: `W (u - v dt) + k (x + u) = f`. It has to come to rest at x = f/k = 1
+    /// m.
     #[test]
     fn a_grain_on_a_spring_comes_to_rest_at_its_equilibrium() {
         let mut motion = Motion {

@@ -2,8 +2,8 @@
 //! [`attempt::motion`](crate::attempt::motion) and [`kinetic_damping`](crate::kinetic_damping).
 //!
 //! Travels are of the furthest grain about the mean field, in its radii. Weights are those of
-//! [`Motion::weight`](clastic_components::motion::Motion::weight), without dimension: a small weight
-//! is a long step.
+//! [`Motion::weight`](clastic_components::motion::Motion::weight), without dimension: a small
+//! weight is a long step.
 
 use bevy_ecs::prelude::*;
 #[cfg(feature = "reflect")]
@@ -42,8 +42,8 @@ pub struct MotionSettings {
     /// 1e-2: a fifteenth of what one step aims at; no study.
     pub min_travel: f64,
     /// Maximum strain under constant loads, over
-    /// [`Acceptance::snap`](clastic_components::increment::Acceptance::snap). A specimen beyond finds
-    /// no rest.
+    /// [`Acceptance::snap`](clastic_components::increment::Acceptance::snap). A specimen beyond
+    /// finds no rest.
     ///
     /// 10: a specimen that strains ten times as far as a static solution may has collapsed.
     pub max_strain: f64,
@@ -70,8 +70,8 @@ pub struct MotionSettings {
     ///
     /// 4: grains that nothing holds never come to rest; no study.
     pub max_free_steps: u32,
-    /// Maximum number of steps of all motions of one increment that ruptures released, rejected ones
-    /// included.
+    /// Maximum number of steps of all motions of one increment that ruptures released, rejected
+    /// ones included.
     ///
     /// 50 000: a bound on the time, some ten times what the longest took in packings of 400 disks.
     pub max_released_steps: u32,
@@ -93,7 +93,8 @@ pub struct MotionSettings {
     pub max_shortened: f64,
     /// Minimum share of the travel of a step that counts as caused by forces, not by momentum.
     ///
-    /// 1e-3: it keeps the time of the next step finite where momentum is the whole travel; no study.
+    /// 1e-3: it keeps the time of the next step finite where momentum is the whole travel; no
+    /// study.
     pub min_gain: f64,
 }
 

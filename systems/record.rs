@@ -240,7 +240,8 @@ fn record_probes(
     let mut first = DVec2::ZERO;
     for (_, reading, x) in rows {
         match out.probes.last_mut().filter(|last| last.name == reading.name) {
-            // The pieces of a polyline have one name. Their moment is about the middle of the first.
+            // The pieces of a polyline have one name. Their moment is about the middle of the
+            // first.
             Some(sum) => {
                 let [fx, fy, moment] = reading.force;
                 sum.force[0] += fx;

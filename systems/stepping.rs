@@ -49,8 +49,8 @@ impl Default for Due {
     }
 }
 
-/// Whether the app goes on by itself when the schedule of its plugins runs. A world without particles
-/// makes no increment.
+/// Whether the app goes on by itself when the schedule of its plugins runs. A world without
+/// particles makes no increment.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub enum Running {

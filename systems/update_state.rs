@@ -135,9 +135,9 @@ pub fn external_forces(
     }
 }
 
-/// Force of the outside world on degree of freedom k of a group besides the loads of its members: its
-/// own load, or the reaction to its imposed motion. `moved` are k, its displacement and the force of
-/// the interactions that it resists.
+/// Force of the outside world on degree of freedom k of a group besides the loads of its members:
+/// its own load, or the reaction to its imposed motion. `moved` are k, its displacement and the
+/// force of the interactions that it resists.
 fn force_on_group(
     bodies: &Bodies,
     analysis: &Analysis,

@@ -93,7 +93,8 @@ fn a_program_with_plugins_has_the_whole_command_line() {
         done
     );
     let history = std::fs::read_to_string(format!("{out}/history.csv")).unwrap_or_default();
-    // The disks lie on one another: every normal is vertical, and the first increment ends the stage.
+    // The disks lie on one another: every normal is vertical, and the first increment ends the
+    // stage.
     let rows: Vec<&str> = history.lines().collect();
     assert!(rows.len() == 2 && rows[0].ends_with(",anisotropy"), "{history}");
     let last: f64 = rows[1].rsplit(',').next().unwrap_or("").parse().unwrap_or(f64::NAN);

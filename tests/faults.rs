@@ -279,7 +279,8 @@ fn wait_for_lines(out: &Path, lines: usize) {
     }
 }
 
-/// The same command with the default action of SIGHUP, which who started the tests with `nohup` ignores.
+/// The same command with the default action of SIGHUP, which who started the tests with `nohup`
+/// ignores.
 #[cfg(target_os = "linux")]
 fn with_default_hangup(command: &Command) -> Command {
     let mut env = Command::new("env");
@@ -412,8 +413,8 @@ fn a_change_that_cannot_be_is_wrong_usage() {
     place.resume_to_the_end(&out, "after a refusal");
 }
 
-/// A program whose files may not grow beyond `limit` blocks of 512 bytes. The signal that comes with
-/// it is ignored: a full disk sends none.
+/// A program whose files may not grow beyond `limit` blocks of 512 bytes. The signal that comes
+/// with it is ignored: a full disk sends none.
 fn limited(limit: u32) -> Command {
     let script = format!("trap '' XFSZ; ulimit -f {limit}; exec \"$0\" \"$@\"");
     let mut command = Command::new("sh");

@@ -130,8 +130,9 @@ fn program(case: u64) -> ConeProgram {
     }
 }
 
-/// The program of a case with arms of the normal forces, up to ten times as long as those of the shear
-/// forces: the bodies are large, and their contacts lie anywhere about their reference points.
+/// The program of a case with arms of the normal forces, up to ten times as long as those of the
+/// shear forces: the bodies are large, and their contacts lie anywhere about their reference
+/// points.
 fn eccentric(case: u64) -> ConeProgram {
     let mut program = program(case);
     let r = &mut Random(ChaCha8Rng::seed_from_u64(!case));

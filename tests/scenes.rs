@@ -49,7 +49,8 @@ macro_rules! scenes {
 }
 
 scenes! {
-    // Analytic values are in tests/engine: analytic_bonds.rs, analytic_dynamics.rs, analytic_lattice.rs.
+    // Analytic values are in tests/engine: analytic_bonds.rs, analytic_dynamics.rs,
+    // analytic_lattice.rs.
     tension: "tension", COMPLETES, &[];
     direct_shear_under_tension: "direct_shear_-10N", COLLAPSES, &[];
     direct_shear: "direct_shear_0N", COMPLETES, &[];
@@ -286,7 +287,8 @@ fn small_biaxial_specimen_is_the_one_that_is_stored() {
     leaves("prepare_biaxial_small", "biaxial_400.csv", 37);
 }
 
-/// The state that `prepare_and_branch` saves is the one that is stored, from which the others start.
+/// The state that `prepare_and_branch` saves is the one that is stored, from which the others
+/// start.
 #[test]
 fn packing_to_branch_from_is_the_one_that_is_stored() {
     let path = directory().join("prepare_and_branch.ron");

@@ -43,8 +43,8 @@ impl Snapshot {
             .unwrap_or_else(|error| panic!("{error}"))
     }
 
-    /// Lower left and upper right corner of the box around all disks and thin walls, m; none without
-    /// disks.
+    /// Lower left and upper right corner of the box around all disks and thin walls, m; none
+    /// without disks.
     #[must_use]
     pub fn bounds(&self) -> Option<(DVec2, DVec2)> {
         let boxes = self.positions.iter().zip(&self.radii);

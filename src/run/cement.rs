@@ -14,8 +14,9 @@ use super::select::selected;
 use super::spawn::{WallCatalogue, bond_law};
 use crate::scene::format::Cement;
 
-/// Bonds every pair of the selected particles with `g_0 < length` whose materials form bonds and that
-/// has no intact bond. A wall with a bond law of its own bonds to every particle within the length.
+/// Bonds every pair of the selected particles with `g_0 < length` whose materials form bonds and
+/// that has no intact bond. A wall with a bond law of its own bonds to every particle within the
+/// length.
 pub fn cement(world: &mut World, stage: &Cement) {
     gather(world);
     let bodies = world.resource::<Bodies>().clone();

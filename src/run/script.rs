@@ -11,7 +11,8 @@ use crate::scene::shown::label;
 pub struct Script {
     /// The scene.
     pub scene: Scene,
-    /// Whether the stage at [`Progress::stage`](clastic_components::increment::Progress::stage) has begun.
+    /// Whether the stage at [`Progress::stage`](clastic_components::increment::Progress::stage) has
+    /// begun.
     pub begun: bool,
     /// Maximum speed of a particle after the last increment of the stage, m/s.
     pub speed: Option<f64>,
@@ -129,7 +130,8 @@ impl Script {
 /// Result of one run of [`Advance`](clastic_systems::stepping::Advance).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Step {
-    /// An increment ended; [`Observation`](clastic_components::observation::Observation) holds its record.
+    /// An increment ended; [`Observation`](clastic_components::observation::Observation) holds its
+    /// record.
     Increment,
     /// The run has ended.
     Finished(Outcome),
@@ -152,8 +154,8 @@ pub enum Outcome {
         /// The residual, and advice.
         message: String,
     },
-    /// The run has stopped for another reason than the specimen: an increment could not be written, or
-    /// a plugin has inserted [`Halted`](clastic_systems::stepping::Halted).
+    /// The run has stopped for another reason than the specimen: an increment could not be written,
+    /// or a plugin has inserted [`Halted`](clastic_systems::stepping::Halted).
     Halted(
         /// What happened.
         String,

@@ -32,8 +32,9 @@ pub struct WallCatalogue {
     pub first: u32,
     /// All walls of the scene, present or not.
     pub walls: Vec<scene::Wall>,
-    /// The same walls where the run began, if they are those of a saved state. [`walls`](Self::walls)
-    /// are as the scene of that state drew them, which is where a stage brings them in.
+    /// The same walls where the run began, if they are those of a saved state.
+    /// [`walls`](Self::walls) are as the scene of that state drew them, which is where a stage
+    /// brings them in.
     pub inherited: Option<Vec<scene::Wall>>,
 }
 
@@ -93,8 +94,8 @@ pub fn insert_settings(world: &mut World, scene: &scene::Scene, particles: u32) 
 /// [`ClasticPlugins`](crate::ClasticPlugins).
 ///
 /// # Panics
-/// If the world has bodies already. A world holds one scene: bodies are numbered from 0, and the bodies of
-/// two scenes would have the same numbers.
+/// If the world has bodies already. A world holds one scene: bodies are numbered from 0, and the
+/// bodies of two scenes would have the same numbers.
 pub fn spawn_scene(world: &mut World, scene: &scene::Scene, stored: Option<&StoredSpecimen>) {
     let bodies = world.query::<&BodyId>().iter(world).count();
     assert!(

@@ -109,7 +109,8 @@ impl StateOf for FirstWall {
     }
 }
 
-/// The walls of a [`WallCatalogue`] that come from a saved state. Other walls follow from the scene.
+/// The walls of a [`WallCatalogue`] that come from a saved state. Other walls follow from the
+/// scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct InheritedWalls {
     /// As the scene of the state drew them.
@@ -134,8 +135,8 @@ impl StateOf for InheritedWalls {
     }
 }
 
-/// Walls as texts of a scene. The encoding of a state has no names of fields, and could not leave out
-/// those that a wall does not have.
+/// Walls as texts of a scene. The encoding of a state has no names of fields, and could not leave
+/// out those that a wall does not have.
 mod in_ron {
     use serde::de::{Deserialize, Deserializer, Error as _};
     use serde::ser::{Error as _, Serialize, Serializer};

@@ -7,8 +7,8 @@ use crate::output::key_results::PEAK_ERROR;
 /// Share of capped increments above which a run is marked.
 const CAPPED: f64 = 0.01;
 
-/// Marks of a run by its `run.json`: how it ended if not as planned, capped increments above 1 %, and
-/// an estimated error of the peak above 2 %. Empty for a run that can be trusted.
+/// Marks of a run by its `run.json`: how it ended if not as planned, capped increments above 1 %,
+/// and an estimated error of the peak above 2 %. Empty for a run that can be trusted.
 #[must_use]
 pub fn marks(record: &Value) -> Vec<String> {
     let mut marks = Vec::new();

@@ -51,7 +51,8 @@ fn root_mean_square(strengths: &[Strength], model: impl Fn(f64) -> f64) -> f64 {
 }
 
 impl MohrCoulomb {
-    /// Least-squares fit of `sigma_1 = 2 c sqrt(N) + N sigma_3` with `N = (1 + sin phi)/(1 - sin phi)`.
+    /// Least-squares fit of `sigma_1 = 2 c sqrt(N) + N sigma_3` with
+    /// `N = (1 + sin phi)/(1 - sin phi)`.
     ///
     /// # Errors
     /// The reason why it does not exist: fewer than two confining stresses, or N < 1, which belongs

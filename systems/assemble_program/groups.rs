@@ -23,8 +23,9 @@ pub fn join(bodies: &Bodies, interactions: &mut [Interaction]) {
     }
 }
 
-/// The body of a group: its loads, and its inertia in dynamics. `acts` tells whether interactions act
-/// on its translations and on its rotation, `added` are the loads of an embedding program by row.
+/// The body of a group: its loads, and its inertia in dynamics. `acts` tells whether interactions
+/// act on its translations and on its rotation, `added` are the loads of an embedding program by
+/// row.
 #[must_use]
 pub fn body(
     bodies: &Bodies,
@@ -79,8 +80,8 @@ pub fn body(
     ProgramBody { axis: DVec2::X, dofs: [dof(0), dof(1), dof(2)] }
 }
 
-/// The degree of freedom of a compaction: the rigid motion that is nearest to the mean motion at the
-/// members, with unit weight on each of them.
+/// The degree of freedom of a compaction: the rigid motion that is nearest to the mean motion at
+/// the members, with unit weight on each of them.
 fn least_motion(
     bodies: &Bodies,
     group: &GroupRow,

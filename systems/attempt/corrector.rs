@@ -12,8 +12,8 @@
 //! with phi the rotation of the line of centres. They are linearised about u with the normal at
 //! `x + (1 - theta) u`. In static analysis (theta = 0) this is the end of the increment, where
 //! forces are in equilibrium. In dynamics it is the position about which normal impulses conserve
-//! the angular momentum, `x_1 x v_1 - x_0 x v_0 = (x_0 + (1 - theta) u) x (v_1 - v_0)`. An arc or an
-//! end point of a wall is a circle in the same sense, with L the distance of its centre.
+//! the angular momentum, `x_1 x v_1 - x_0 x v_0 = (x_0 + (1 - theta) u) x (v_1 - v_0)`. An arc or
+//! an end point of a wall is a circle in the same sense, with L the distance of its centre.
 
 use bevy_ecs::prelude::*;
 use glam::DVec2;

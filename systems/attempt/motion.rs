@@ -1,18 +1,18 @@
-//! Where equilibrium is lost the motion is followed: the static program with inertia, step by step under
-//! constant loads, with kinetic damping, until it is at rest ([`Motion`]).
+//! Where equilibrium is lost the motion is followed: the static program with inertia, step by step
+//! under constant loads, with kinetic damping, until it is at rest ([`Motion`]).
 //!
-//! A static solution knows no path. A grain that has lost its support finds its new place by frozen normals,
-//! far away and through others. In a step of a motion no grain moves by more than a fraction of its radius, and
-//! contacts are detected again after each. Loads keep their values at the end of the trial, stresses act on
-//! the lengths that the walls leave, and imposed motions rest. Velocities are set to zero when the kinetic
-//! energy falls: the motion loses what it has gained since its last maximum and comes to rest without overshoot.
-//! Bonds that reach a limit on the way break. The equilibrium that follows is exact: nothing of the inertia is
-//! left in it.
+//! A static solution knows no path. A grain that has lost its support finds its new place by frozen
+//! normals, far away and through others. In a step of a motion no grain moves by more than a
+//! fraction of its radius, and contacts are detected again after each. Loads keep their values at
+//! the end of the trial, stresses act on the lengths that the walls leave, and imposed motions
+//! rest. Velocities are set to zero when the kinetic energy falls: the motion loses what it has
+//! gained since its last maximum and comes to rest without overshoot. Bonds that reach a limit on
+//! the way break. The equilibrium that follows is exact: nothing of the inertia is left in it.
 //!
-//! With [`Avalanche::Dynamic`](clastic_components::increment::Avalanche) the motion that a rupture releases is followed
-//! as well. Which bonds break in it depends on where waves carry the force of the broken one. Its steps are therefore
-//! short: lengths are measured in the elongation at which bonds break instead of in radii, and the first step has the
-//! time sqrt(m/k) of a grain on a bond.
+//! With [`Avalanche::Dynamic`](clastic_components::increment::Avalanche) the motion that a rupture
+//! releases is followed as well. Which bonds break in it depends on where waves carry the force of
+//! the broken one. Its steps are therefore short: lengths are measured in the elongation at which
+//! bonds break instead of in radii, and the first step has the time sqrt(m/k) of a grain on a bond.
 
 use bevy_ecs::prelude::*;
 
@@ -57,9 +57,9 @@ struct Measure {
     first_weight: f64,
 }
 
-/// After a rupture the means over the intact bonds: of the elongation `C_N f_t = 2 C_N h sigma_t r` at strength over
-/// the radius, and of the stiffness `1/C_N`. One that leaves no bond is followed as a loss of equilibrium: nothing
-/// else can break.
+/// After a rupture the means over the intact bonds: of the elongation `C_N f_t = 2 C_N h sigma_t r`
+/// at strength over the radius, and of the stiffness `1/C_N`. One that leaves no bond is followed
+/// as a loss of equilibrium: nothing else can break.
 fn measure(world: &World, cause: Cause) -> Measure {
     let bonds = &world.resource::<Bodies>().bonds;
     if cause == Cause::Loss || bonds.is_empty() {
@@ -109,8 +109,8 @@ pub fn begin(world: &mut World, cause: Cause, repeated: bool) {
     forget_passes(world);
 }
 
-/// How far the furthest grain is to go in a step, in its radii: far enough below the limit that few steps are
-/// rejected.
+/// How far the furthest grain is to go in a step, in its radii: far enough below the limit that few
+/// steps are rejected.
 fn aimed(acceptance: &Acceptance) -> f64 {
     acceptance.motion_step.min(0.5 * Acceptance::MAX_TRAVEL)
 }
@@ -134,8 +134,8 @@ pub fn forget_passes(world: &mut World) {
     world.resource_mut::<Restraints>().replies = 0;
 }
 
-/// Judge: may the step be taken with the normals of its start? In one that a rupture released bonds are to break
-/// close to their limits.
+/// Judge: may the step be taken with the normals of its start? In one that a rupture released bonds
+/// are to break close to their limits.
 pub fn judge_length(
     bodies: Res<Bodies>,
     contacts: Res<Contacts>,
@@ -218,7 +218,8 @@ fn count_step(attempt: &mut Attempt) {
     attempt.released_steps += u32::from(attempt.motion().is_some_and(|motion| motion.released));
 }
 
-/// Moves the tables by the solution of the step, breaks bonds, and sets the weight of the next step.
+/// Moves the tables by the solution of the step, breaks bonds, and sets the weight of the next
+/// step.
 pub fn take_step(world: &mut World) {
     let (bodies, program) = (world.resource::<Bodies>(), world.resource::<ConeProgram>());
     let solution = world.resource::<ConeSolution>();
@@ -235,7 +236,8 @@ pub fn take_step(world: &mut World) {
     }
 }
 
-/// Moves bodies and contact memory by the solution of the step and breaks the bonds that it brings to a limit.
+/// Moves bodies and contact memory by the solution of the step and breaks the bonds that it brings
+/// to a limit.
 fn move_tables(world: &mut World) {
     let (program, solution) = (world.resource::<ConeProgram>(), world.resource::<ConeSolution>());
     let (contacts, draft) = (world.resource::<Contacts>(), world.resource::<DraftHistory>());

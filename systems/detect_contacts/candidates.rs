@@ -10,9 +10,9 @@ use super::settings::{ListSettings, SearchMethod};
 /// Pairs of disks that are, or may soon be, within reach of each other.
 ///
 /// The list is built with a *skin*: it holds every pair with gap <= reach + skin, and so every pair
-/// with gap <= reach for as long as no two disks have together moved farther than the skin. Those of
-/// its pairs that are within reach do not depend on when it was built: a resumed run sees the pairs of
-/// an uninterrupted one.
+/// with gap <= reach for as long as no two disks have together moved farther than the skin. Those
+/// of its pairs that are within reach do not depend on when it was built: a resumed run sees the
+/// pairs of an uninterrupted one.
 #[derive(Clone, Debug)]
 pub struct CandidatePairs {
     /// When the list is built, and how.
@@ -49,8 +49,9 @@ impl CandidatePairs {
     /// Makes sure that every pair with gap <= `reach` (m) is listed, and returns whether the list
     /// had to be rebuilt.
     ///
-    /// It is rebuilt where it may not be [complete](Self::is_complete), and where it has become much
-    /// wider than asked for. A disk whose position or radius is not finite is in no pair for as long.
+    /// It is rebuilt where it may not be [complete](Self::is_complete), and where it has become
+    /// much wider than asked for. A disk whose position or radius is not finite is in no pair for
+    /// as long.
     pub fn ensure(&mut self, positions: &[DVec2], radii: &[f64], reach: f64) -> bool {
         let excess = self.built_reach - reach - self.settings.skin * self.mean_radius;
         let too_wide = excess > self.settings.max_excess * self.mean_radius;
@@ -66,17 +67,18 @@ impl CandidatePairs {
         &self.pairs
     }
 
-    /// Whether every pair with gap <= `reach` (m) at these positions is surely listed: the disks are
-    /// those that the list was built for, and `reach + d₁ + d₂` does not exceed what it was built to,
-    /// with d₁ and d₂ the two largest displacements since: no gap has closed by more than their sum.
+    /// Whether every pair with gap <= `reach` (m) at these positions is surely listed: the disks
+    /// are those that the list was built for, and `reach + d₁ + d₂` does not exceed what it was
+    /// built to, with d₁ and d₂ the two largest displacements since: no gap has closed by more than
+    /// their sum.
     pub fn is_complete(&self, positions: &[DVec2], radii: &[f64], reach: f64) -> bool {
         positions.len() == self.built_positions.len()
             && radii == self.built_radii
             && reach + max_approach(&self.built_positions, positions) <= self.built_reach
     }
 
-    /// The listed pairs with gap <= `reach` (m) at these positions, sorted: all there are, if the list
-    /// [is complete](Self::is_complete) there.
+    /// The listed pairs with gap <= `reach` (m) at these positions, sorted: all there are, if the
+    /// list [is complete](Self::is_complete) there.
     pub fn within(
         &self,
         positions: &[DVec2],

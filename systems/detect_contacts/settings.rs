@@ -1,14 +1,16 @@
-//! Settings of contact detection: which pairs take part in an increment to begin with, and when the list of candidates
-//! is rebuilt.
+//! Settings of contact detection: which pairs take part in an increment to begin with, and when the
+//! list of candidates is rebuilt.
 //!
-//! No setting decides which contacts close: the check of the solution finds what detection left out. The sizes of the
-//! classes of the [grid](super::grid) and its allowance for rounding are constants beside the code that uses them.
+//! No setting decides which contacts close: the check of the solution finds what detection left
+//! out. The sizes of the classes of the [grid](super::grid) and its allowance for rounding are
+//! constants beside the code that uses them.
 
 use bevy_ecs::prelude::*;
 #[cfg(feature = "reflect")]
 use bevy_ecs::reflect::ReflectResource;
 
-/// Settings of contact detection. A world that is to have others gets the resource before its first increment.
+/// Settings of contact detection. A world that is to have others gets the resource before its first
+/// increment.
 #[non_exhaustive]
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Default)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
@@ -34,7 +36,8 @@ pub struct ReachSettings {
     pub imposed: f64,
     /// Gap over the displacement of the faster body, on top, in dynamics.
     ///
-    /// 0.25: one body that hits another gives it part of its motion, and free flight of the two says nothing of it.
+    /// 0.25: one body that hits another gives it part of its motion, and free flight of the two
+    /// says nothing of it.
     pub hit: f64,
     /// Minimum gap in dynamics, mean radii.
     ///
@@ -46,9 +49,11 @@ pub struct ReachSettings {
     pub min: f64,
     /// Maximum gap, mean radii.
     ///
-    /// 2: a few radii are enough to begin with. The check of the solution finds what comes from further away.
+    /// 2: a few radii are enough to begin with. The check of the solution finds what comes from
+    /// further away.
     pub max: f64,
-    /// Distance to a wall, radii of the particle or mean radii, beyond which the expected motion is not asked.
+    /// Distance to a wall, radii of the particle or mean radii, beyond which the expected motion is
+    /// not asked.
     ///
     /// 4: twice [`max`](Self::max).
     pub wall: f64,
@@ -72,10 +77,10 @@ impl Default for ReachSettings {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum SearchMethod {
-    /// Edges of the Delaunay triangulation of the centres, where [`delaunay::complete_reach`]
-    /// proves them complete.
+    /// Edges of the Delaunay triangulation of the centres, where
+    /// [`complete_reach`](super::delaunay::complete_reach) proves them complete.
     Delaunay,
-    /// Exact search by [`grid::pairs_within`], which asks for nothing.
+    /// Exact search by [`pairs_within`](super::grid::pairs_within), which asks for nothing.
     Grid,
 }
 
@@ -88,16 +93,18 @@ pub struct ListSettings {
     ///
     /// 0.1: a thicker one is rebuilt less often and is longer to go through.
     pub skin: f64,
-    /// Minimum part of the skin that the Delaunay bound must leave for the triangulation to be used.
+    /// Minimum part of the skin that the Delaunay bound must leave for the triangulation to be
+    /// used.
     ///
     /// 0.5: a thinner skin would cost more rebuilds than it saves.
     pub min_skin: f64,
-    /// Maximum width of a complete list beyond what is asked for, mean radii. A wider one is rebuilt.
+    /// Maximum width of a complete list beyond what is asked for, mean radii. A wider one is
+    /// rebuilt.
     ///
     /// 1: after one violent increment, all quiet ones would otherwise drag its many pairs along.
     pub max_excess: f64,
-    /// [`Delaunay`](SearchMethod::Delaunay) to triangulate where that is provably complete, else search by grid;
-    /// [`Grid`](SearchMethod::Grid) never to triangulate.
+    /// [`Delaunay`](SearchMethod::Delaunay) to triangulate where that is provably complete, else
+    /// search by grid; [`Grid`](SearchMethod::Grid) never to triangulate.
     ///
     /// Delaunay: the edges of the triangulation are the candidates, without a search.
     pub preferred: SearchMethod,

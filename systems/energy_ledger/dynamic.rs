@@ -75,9 +75,9 @@ pub fn book_bodies(
     mean
 }
 
-/// Adds what the drives and the loads of a rigid group do besides the work of its external force. Its
-/// kinetic energy is that of its members. Sets its displacement at the mean of the velocities before
-/// and after.
+/// Adds what the drives and the loads of a rigid group do besides the work of its external force.
+/// Its kinetic energy is that of its members. Sets its displacement at the mean of the velocities
+/// before and after.
 fn book_group(
     e: &mut Energies,
     tables: &Tables,

@@ -1,5 +1,5 @@
-//! A run in two pieces, the second from the state that the first has saved, leaves the rows of a run
-//! in one piece, byte for byte.
+//! A run in two pieces, the second from the state that the first has saved, leaves the rows of a
+//! run in one piece, byte for byte.
 
 use std::fs;
 use std::path::Path;
@@ -215,7 +215,8 @@ fn walls_that_are_away_and_loads_that_were_cut_short() {
     assert!(record["stages"][2]["increments"].as_u64().unwrap() < 8);
 }
 
-/// Segments, polylines, an arc, a lid and a table: their shapes, pieces and drives are in the state.
+/// Segments, polylines, an arc, a lid and a table: their shapes, pieces and drives are in the
+/// state.
 #[test]
 fn thin_walls_of_every_shape() {
     let parent = tempfile::tempdir().unwrap();

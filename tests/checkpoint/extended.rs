@@ -13,7 +13,8 @@ use clastic::scene::{self, LoadedScene};
 use crate::common::files;
 use crate::resumed::{COULOMB, finish, load, parse, run};
 
-/// Extends the run in a directory by the scene `text`, as the program does. Returns what is refused.
+/// Extends the run in a directory by the scene `text`, as the program does. Returns what is
+/// refused.
 fn extend(directory: &Path, text: &str) -> Vec<String> {
     let mut checkpoint = Checkpoint::read_as(directory, directory::FINAL_CHECKPOINT).unwrap();
     let particles = StateView::of(&checkpoint.world).unwrap().specimen;

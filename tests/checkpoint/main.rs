@@ -1,5 +1,5 @@
-//! Checkpoint and resume: a run that stops after any increment and goes on from its checkpoint leaves
-//! the same bytes as one that did not.
+//! Checkpoint and resume: a run that stops after any increment and goes on from its checkpoint
+//! leaves the same bytes as one that did not.
 
 #[path = "../common/mod.rs"]
 mod common;

@@ -24,8 +24,8 @@ fn biaxial_test_after_every_increment() {
     assert!(records.iter().any(|o| !o.ruptures.is_empty()), "no bond broke");
 }
 
-/// A run that is interrupted within an avalanche has its bonds, its row of the avalanche and its way through it still
-/// to come.
+/// A run that is interrupted within an avalanche has its bonds, its row of the avalanche and its
+/// way through it still to come.
 #[test]
 fn from_event_to_event_and_within_avalanches() {
     let loaded = load(
@@ -206,8 +206,9 @@ fn coulomb_cascade_and_walls_that_come_and_go() {
     assert!(records.iter().any(|o| o.stage == "hold"), "{:?}", records.last());
 }
 
-/// Rigid groups are state: who belongs to them, where they are, and what is done to them. A specimen
-/// of bonded and loose disks between two groups of them, pressed, turned, released and made again.
+/// Rigid groups are state: who belongs to them, where they are, and what is done to them. A
+/// specimen of bonded and loose disks between two groups of them, pressed, turned, released and
+/// made again.
 #[test]
 fn rigid_groups_in_both_analyses_and_under_both_laws() {
     for (law, analysis) in [

@@ -15,8 +15,9 @@ fn stored() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(name)
 }
 
-/// Writes it, once for every new version of the format: `CLASTIC_STORE_CHECKPOINT=1 cargo test
-/// --release --test checkpoint -- --ignored`. Not by a bare `--ignored`, which only runs what is long.
+/// Writes it, once for every new version of the format:
+/// `CLASTIC_STORE_CHECKPOINT=1 cargo test --release --test checkpoint -- --ignored`. Not by a bare
+/// `--ignored`, which only runs what is long.
 #[test]
 #[ignore = "writes the stored checkpoint, with CLASTIC_STORE_CHECKPOINT=1"]
 fn write_the_stored_checkpoint() {

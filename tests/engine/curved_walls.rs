@@ -21,9 +21,9 @@ fn driven(wall: &str, place: DVec2, motion: DVec2, settings: &str) -> Scene {
     ))
 }
 
-/// With the corrector a disk that is carried along a curve by a finite angle, at a constant overlap,
-/// keeps its normal force k o and has the shear force k_T L phi, L the distance of its centre from that
-/// of the curve.
+/// With the corrector a disk that is carried along a curve by a finite angle, at a constant
+/// overlap, keeps its normal force k o and has the shear force k_T L phi, L the distance of its
+/// centre from that of the curve.
 #[test]
 fn the_corrector_follows_a_curve() {
     let overlap = 1e-5;
@@ -44,8 +44,8 @@ fn the_corrector_follows_a_curve() {
     }
 }
 
-/// A disk that flies into a curve leaves it with v - (1 + e) (v . n) n, n the normal where it hits, and
-/// is where it must be at the end of the increment.
+/// A disk that flies into a curve leaves it with v - (1 + e) (v . n) n, n the normal where it hits,
+/// and is where it must be at the end of the increment.
 #[test]
 fn a_rebound_is_about_the_normal_where_it_hits() {
     let end = "name: \"w\", shape: Segment, start: (0.0, 0.0), end: (0.5, 0.0)";
@@ -93,8 +93,8 @@ fn a_rebound_is_about_the_normal_where_it_hits() {
     }
 }
 
-/// Over a corner that sticks out a disk has one contact, and in a drum of many segments as well as in
-/// a circle it comes to rest at the bottom.
+/// Over a corner that sticks out a disk has one contact, and in a drum of many segments as well as
+/// in a circle it comes to rest at the bottom.
 #[test]
 fn a_drum_of_segments_is_nearly_a_circle() {
     let corner = |k: usize| {

@@ -41,8 +41,9 @@ fn follow_sine(
 #[derive(Component)]
 struct Foundation(f64);
 
-/// For `Loads`: the force `-k (x + u - x_0)`, with x the place from which the trial starts. Entities still hold
-/// the last committed state where an increment is halved or a motion is followed; `Bodies` holds the trial's.
+/// For `Loads`: the force `-k (x + u - x_0)`, with x the place from which the trial starts.
+/// Entities still hold the last committed state where an increment is halved or a motion is
+/// followed; `Bodies` holds the trial's.
 fn support(
     springs: Query<(&BodyId, &Foundation, &body::Origin)>,
     bodies: Res<Bodies>,

@@ -38,8 +38,8 @@ fn discharged(scene: &Scene) -> Vec<usize> {
     out
 }
 
-/// The rate is the same in both halves of the flow, and that of Beverloo in two dimensions,
-/// C sqrt(g) (D - k d)^1.5 times the solid fraction over the area of a disk, with k = 1.4 and C = 1.
+/// The rate is the same in both halves of the flow, and that of Beverloo in two dimensions, C
+/// sqrt(g) (D - k d)^1.5 times the solid fraction over the area of a disk, with k = 1.4 and C = 1.
 #[test]
 fn a_wide_outlet_discharges_at_a_constant_rate() {
     let below = discharged(&hopper(0.07, 11));

@@ -92,7 +92,8 @@ fn upgrading_keeps_what_it_does_not_change() {
     assert_eq!(upgrade(old).as_deref(), Some(new));
 }
 
-/// A lid presses a row of disks against a floor: two disks touch both, a third touches the floor only.
+/// A lid presses a row of disks against a floor: two disks touch both, a third touches the floor
+/// only.
 const ROW: &str = r#"(
     version: 2, title: "row", thickness: 0.5,
     let: { "k": 1.0e6, "down": 1.0e-4 },

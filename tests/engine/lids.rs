@@ -5,8 +5,8 @@ use clastic::components::attempt::IncrementStatus;
 use clastic::components::observation::Observation;
 use clastic::scene::format::{FrictionLaw, Scene};
 
-/// Three disks side by side between a floor and a lid, held apart. `law` is the contact with lid and
-/// floor.
+/// Three disks side by side between a floor and a lid, held apart. `law` is the contact with lid
+/// and floor.
 fn sheared(analysis: &str, law: &str, stages: &str) -> Scene {
     parse(&format!(
         "(version: 1, title: \"lid\", analysis: {analysis},

@@ -103,8 +103,8 @@ fn a_dumbbell_falls_and_turns_freely() {
 const FLOOR: &str =
     "(name: \"floor\", start: (-1.0, 0.0), end: (1.0, 0.0), contact: (CONTACT), probe: \"floor\")";
 
-/// A clump of two disks on the floor and one above them, pushed at its centre of mass by a force that
-/// grows from 0 to `most` times its weight. Returns the records and the outcome.
+/// A clump of two disks on the floor and one above them, pushed at its centre of mass by a force
+/// that grows from 0 to `most` times its weight. Returns the records and the outcome.
 fn pushed(contact: &str, law: FrictionLaw, most: f64) -> (Vec<Observation>, Outcome) {
     let height = 3.0_f64.sqrt() * R;
     let weight = 3.0 * mass() * G;
@@ -160,8 +160,8 @@ fn a_clump_slides_at_its_coefficient_of_friction() {
             assert!(matches!(outcome, Outcome::Collapsed(_)), "{outcome:?}");
             let last = carried(&records, 0.5);
             assert!((0.0..=0.0025).contains(&(0.317 - last)), "{last}");
-            // The history has the sum of the contact forces on the group, and their moment about its
-            // centre: they balance weight and push.
+            // The history has the sum of the contact forces on the group, and their moment about
+            // its centre: they balance weight and push.
             let solved = records.iter().rev().find(|r| r.status == IncrementStatus::Solved);
             let reading = probe(solved.unwrap(), "clump");
             let weight = 3.0 * mass() * G;
@@ -172,9 +172,9 @@ fn a_clump_slides_at_its_coefficient_of_friction() {
     }
 }
 
-/// The floating upper half of a shear box on a planar interface: a row of disks that is driven along
-/// the floor under a normal stress. tau/sigma is tan phi, whatever the stress; the half neither sinks
-/// nor turns under Coulomb's law.
+/// The floating upper half of a shear box on a planar interface: a row of disks that is driven
+/// along the floor under a normal stress. tau/sigma is tan phi, whatever the stress; the half
+/// neither sinks nor turns under Coulomb's law.
 #[test]
 fn a_floating_half_of_a_shear_box_slides_at_the_angle_of_friction() {
     let places: Vec<(f64, f64)> = (0..10).map(|i| (2.0 * R * f64::from(i), R)).collect();
@@ -218,8 +218,8 @@ fn a_floating_half_of_a_shear_box_slides_at_the_angle_of_friction() {
     }
 }
 
-/// A drum of grains that spins about a pivot: the grains stay on circles, the moment at the pivot is
-/// that of the friction of a shoe on it.
+/// A drum of grains that spins about a pivot: the grains stay on circles, the moment at the pivot
+/// is that of the friction of a shoe on it.
 #[test]
 fn a_group_turns_about_its_pivot_by_finite_angles() {
     let pivot = DVec2::new(0.3, -0.1);
@@ -353,8 +353,8 @@ fn clumps_that_collide_keep_their_momenta() {
     }
 }
 
-/// The ledger closes when the imposed velocities of groups change under their weight, free along other
-/// degrees of freedom, for any theta.
+/// The ledger closes when the imposed velocities of groups change under their weight, free along
+/// other degrees of freedom, for any theta.
 #[test]
 fn the_ledger_closes_where_groups_are_driven() {
     for theta in [0.5, 0.6, 1.0] {
@@ -403,8 +403,8 @@ fn groups_end_and_are_made_again() {
     assert_within(at(74), at(69), 1e-12);
 }
 
-/// With the corrector a group presses at the place to which it turns: the overlap with a held disk is
-/// that of the finite rotation. Without it the overlap is that of the linear one.
+/// With the corrector a group presses at the place to which it turns: the overlap with a held disk
+/// is that of the finite rotation. Without it the overlap is that of the linear one.
 #[test]
 fn the_corrector_takes_a_group_to_the_place_it_turns_to() {
     let force = |head: &str| {
@@ -432,8 +432,8 @@ fn the_corrector_takes_a_group_to_the_place_it_turns_to() {
     assert_relative(exact[2], 1e6 * overlap * -(DVec2::new(0.1, 0.0)).perp_dot(normal), 1e-4);
 }
 
-/// A lattice under a rigid cap that is pressed and then let go: increments are halved, or the motion is
-/// followed, with a group in the specimen, and it comes to rest in balance.
+/// A lattice under a rigid cap that is pressed and then let go: increments are halved, or the
+/// motion is followed, with a group in the specimen, and it comes to rest in balance.
 #[test]
 fn motions_are_followed_with_a_group_in_the_specimen() {
     let elastic = "normal_stiffness: 1.0e6, tangential_stiffness: 1.0e6, friction: 0.3";
@@ -491,8 +491,8 @@ fn motions_are_followed_with_a_group_in_the_specimen() {
     }
 }
 
-/// In a drum that turns the moment on the axis is on average that of the weight of the grains, and the
-/// drum carries their weight: no more than the change of their momenta is missing.
+/// In a drum that turns the moment on the axis is on average that of the weight of the grains, and
+/// the drum carries their weight: no more than the change of their momenta is missing.
 #[test]
 #[ignore = "half a minute"]
 fn a_drum_carries_the_moment_of_its_grains() {

@@ -1,6 +1,6 @@
 //! Second check of the mechanism that proves a collapse. It follows sections 2, 4 and 9 of
-//! `docs/formulation.md` and shares no code with the engine's own check. It reads the cone program, the
-//! mechanism and the positions of the bodies.
+//! `docs/formulation.md` and shares no code with the engine's own check. It reads the cone program,
+//! the mechanism and the positions of the bodies.
 
 use std::collections::BTreeSet;
 
@@ -11,8 +11,8 @@ use clastic::cone::program::{ConeProgram, Dof, Interaction};
 use clastic::run::Simulation;
 use glam::DVec2;
 
-/// Threshold of the margin, relative to the work of the loads, and tolerance of a negative opening, relative to
-/// the maximum motion (section 9).
+/// Threshold of the margin, relative to the work of the loads, and tolerance of a negative opening,
+/// relative to the maximum motion (section 9).
 const TOLERANCE: f64 = 1e-6;
 
 /// Whether the mechanism proves that no forces within the limits balance the loads of the program.
@@ -89,8 +89,8 @@ fn global(program: &ConeProgram, body: u32, u: &[[f64; 3]]) -> DVec2 {
     DVec2::new(axis.x * u[0] - axis.y * u[1], axis.y * u[0] + axis.x * u[1])
 }
 
-/// Checks that the mechanism presses no two bodies into each other that have no interaction in the program. The
-/// mechanism is scaled so that its maximum motion is `reach` (m).
+/// Checks that the mechanism presses no two bodies into each other that have no interaction in the
+/// program. The mechanism is scaled so that its maximum motion is `reach` (m).
 pub fn check_absent_pairs(
     simulation: &mut Simulation,
     mechanism: &[[f64; 3]],

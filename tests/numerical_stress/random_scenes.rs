@@ -484,8 +484,8 @@ fn a_pressure_that_nothing_determines_hides_no_error_seed_64() {
     goes_right(64);
 }
 
-/// The same, made small: the left disk is led into a fixed rigid wall, and the bottom wall is pulled
-/// away with nothing to hold it.
+/// The same, made small: the left disk is led into a fixed rigid wall, and the bottom wall is
+/// pulled away with nothing to hold it.
 #[test]
 fn a_disk_that_is_led_into_a_rigid_wall_is_not_solved() {
     let scene = parse(
@@ -507,8 +507,8 @@ fn a_disk_that_is_led_into_a_rigid_wall_is_not_solved() {
     assert_eq!(story.statuses[0] + story.statuses[1], 0, "{story:?}");
 }
 
-/// The tie of a bond with next to no tension, softer than anything else by 1e14, set the scale of forces
-/// to 3e-22 N: everything was judged by the round-off of nothing.
+/// The tie of a bond with next to no tension, softer than anything else by 1e14, set the scale of
+/// forces to 3e-22 N: everything was judged by the round-off of nothing.
 #[test]
 fn a_tie_of_a_slack_bond_sets_no_scale_seed_1835() {
     goes_right(1835);

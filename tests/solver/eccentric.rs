@@ -31,8 +31,8 @@ fn at_point(at: [DVec2; 2], contact: DVec2, normal: DVec2) -> Interaction {
     c.carried_by(true, 0, contact - at[0]).carried_by(false, 1, contact - at[1])
 }
 
-/// Closing, slip and relative rotation are the derivatives of the distance and the offset of the two
-/// material points at the contact, for bodies that turn by finite angles about any points.
+/// Closing, slip and relative rotation are the derivatives of the distance and the offset of the
+/// two material points at the contact, for bodies that turn by finite angles about any points.
 #[test]
 fn kinematics_are_the_motion_of_the_points_in_contact() {
     let mut random = Random::new(7);
@@ -169,8 +169,8 @@ fn a_gate_leans_on_its_stop() {
     }
 }
 
-/// A body that is turned by 1 mrad presses a spring at its arm, whether the solver sees the contact or
-/// leaves it out because both motions are known.
+/// A body that is turned by 1 mrad presses a spring at its arm, whether the solver sees the contact
+/// or leaves it out because both motions are known.
 #[test]
 fn a_turned_body_presses_at_its_arm() {
     let c = Interaction {

@@ -1,4 +1,5 @@
-//! The cone program and its solvers: what a program needs, and what the residuals and certificates see.
+//! The cone program and its solvers: what a program needs, and what the residuals and certificates
+//! see.
 
 use clastic::cone::certificate::{certificate, proves};
 use clastic::cone::clarabel::Clarabel;
@@ -262,9 +263,9 @@ fn a_vice_that_closes_on_a_rigid_disk_is_locked() {
     assert!((p - 1e5).abs() < 1e-3, "{p} N");
 }
 
-/// The interior point used to end near its goal wherever it was slow, a hair above what is accepted as
-/// often as not; polish and Clarabel then took a hundred times the time of the iteration or two that
-/// were wanting (5000 disks that collapse).
+/// The interior point used to end near its goal wherever it was slow, a hair above what is accepted
+/// as often as not; polish and Clarabel then took a hundred times the time of the iteration or two
+/// that were wanting (5000 disks that collapse).
 #[test]
 fn an_interior_point_that_is_not_enough_goes_on_near_its_goal() {
     let settings = InteriorSettings::default();
@@ -288,8 +289,8 @@ fn an_interior_point_that_is_not_enough_goes_on_near_its_goal() {
     assert!(went_on >= 10, "{went_on} went on");
 }
 
-/// Dynamic scenes without bonds need no more than what is accepted: the first such point near the goal
-/// ends the interior point, which goes on where it is not enough.
+/// Dynamic scenes without bonds need no more than what is accepted: the first such point near the
+/// goal ends the interior point, which goes on where it is not enough.
 #[test]
 fn the_first_point_that_is_enough_ends_the_interior_point() {
     let settings = InteriorSettings::default();
@@ -317,9 +318,9 @@ fn the_first_point_that_is_enough_ends_the_interior_point() {
     assert!(all > 500 && 8 * saved > all, "{saved} of {all} iterations saved");
 }
 
-/// Before grains settle the last solution may lie where contacts would carry a million times the load: from
-/// there no step led anywhere, and Clarabel took 16 s where the interior point takes 0.4 from zero (the
-/// first increment of `biaxial_0kPa`).
+/// Before grains settle the last solution may lie where contacts would carry a million times the
+/// load: from there no step led anywhere, and Clarabel took 16 s where the interior point takes 0.4
+/// from zero (the first increment of `biaxial_0kPa`).
 #[test]
 fn a_start_that_loads_contacts_wildly_is_none() {
     let settings = InteriorSettings::default();

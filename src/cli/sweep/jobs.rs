@@ -1,8 +1,8 @@
 //! The runs of a sweep as processes, several at once.
 //!
-//! A run belongs to the process that holds the lock of its directory, `NAME.lock` beside it. A sweep
-//! that was killed leaves its runs behind, which hold the lock of their history; a run with either
-//! lock is left alone until it is free. Two sweeps in one folder therefore share the runs.
+//! A run belongs to the process that holds the lock of its directory, `NAME.lock` beside it. A
+//! sweep that was killed leaves its runs behind, which hold the lock of their history; a run with
+//! either lock is left alone until it is free. Two sweeps in one folder therefore share the runs.
 
 use std::env;
 use std::fs::{self, File, OpenOptions};

@@ -9,8 +9,8 @@ use crate::run::wall_pieces::{CUT, is_cut, pieces};
 use crate::scene::diagnostic::MAX_SHOWN;
 use crate::scene::format::{Specimen, Wall, WallShape};
 
-/// Minimum height of the point of an arc above the chord, over the length of the chord: the radius is
-/// then at most 1e5 chords, and the contact with the arc is exact to 1e-11 chords.
+/// Minimum height of the point of an arc above the chord, over the length of the chord: the radius
+/// is then at most 1e5 chords, and the contact with the arc is exact to 1e-11 chords.
 const FLAT: f64 = 1e-6;
 
 /// Checks the points of a wall, whose ends are finite.
@@ -123,8 +123,8 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
     }
 }
 
-/// A particle touches an arc at one point. On its hollow side it would touch both ends at once if it
-/// were larger than the arc, or larger than the mouth of an arc of more than half a circle.
+/// A particle touches an arc at one point. On its hollow side it would touch both ends at once if
+/// it were larger than the arc, or larger than the mouth of an arc of more than half a circle.
 fn hollow(i: usize, wall: &Wall, seeds: &[ParticleSeed], findings: &mut Findings) {
     let Some(piece) = pieces(wall).first().copied() else { return };
     let Some((radius, half_angle)) = piece.shape.circle() else { return };
