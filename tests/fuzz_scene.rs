@@ -13,8 +13,8 @@ use std::time::{Duration, Instant};
 
 use clastic::run::{Simulation, Step};
 use clastic::scene::memory::Need;
-use clastic::scene::validate::{MAX_MEMORY, MAX_PARTICLES};
 use clastic::scene::{LoadError, from_str};
+use clastic::scene::{MAX_MEMORY, MAX_PARTICLES};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 

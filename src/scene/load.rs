@@ -4,10 +4,9 @@ use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use ron::extensions::Extensions;
-
 use super::diagnose::{Diagnosis, diagnose};
 use super::diagnostic::{Finding, Placed, SceneErrors, place, within};
+use super::dialect::ron_options;
 use super::edited::EditedText;
 use super::files::read_at_most;
 use super::format::{Scene, Specimen};
@@ -66,14 +65,6 @@ impl std::error::Error for LoadError {
             _ => None,
         }
     }
-}
-
-/// The dialect of RON in which scenes are written.
-pub(super) fn ron_options() -> ron::Options {
-    let extensions = Extensions::IMPLICIT_SOME
-        | Extensions::UNWRAP_NEWTYPES
-        | Extensions::UNWRAP_VARIANT_NEWTYPES;
-    ron::Options::default().with_default_extension(extensions)
 }
 
 /// Reads and checks a scene file with settings of the form `path=value`; see

@@ -3,37 +3,38 @@
 //! A scene goes from text to [`LoadedScene`] in five steps, one file each: [`overrides`] edits the
 //! text, `values` puts the values of `let` in place of their names, `ron` reads it into the types
 //! of [`format`](mod@format), [`specimen_file`] reads a stored specimen, and [`validate`] checks
-//! the meaning. A text that `ron` refuses is read a second time by `diagnose`, which does not stop
+//! the meaning. A text that `ron` refuses is read a second time by `reader`, which does not stop
 //! at the first mistake.
 
-mod diagnose;
+mod coincident;
 pub mod diagnostic;
+mod dialect;
 pub mod edited;
 pub(crate) mod files;
 pub mod format;
+mod limits;
 pub mod load;
 pub mod memory;
 pub mod overrides;
+mod reader;
 mod repeats;
-mod scan;
 pub mod shipped;
 pub mod shown;
-pub mod spans;
 pub mod specimen_file;
-mod stand_in;
+mod stored;
 pub mod stored_state;
-pub(crate) mod suggest;
 #[cfg(test)]
 mod tests;
-mod tree_reader;
 mod unique_keys;
-mod units;
 pub mod upgrade;
 pub mod validate;
 mod values;
 
 pub use diagnostic::{Diagnostic, Finding, SceneErrors};
+pub use limits::{MAX_MEMORY, MAX_PARTICLES};
 pub use load::{LoadError, LoadedScene, from_str, from_str_with, load, load_with};
 pub use overrides::SetError;
-pub use specimen_file::{StoredParticle, StoredSpecimen};
-pub use stored_state::StoredState;
+pub use reader::spans;
+pub(crate) use reader::suggest;
+use reader::{diagnose, scan, units};
+pub use stored::{StoredParticle, StoredSpecimen, StoredState};

@@ -7,9 +7,9 @@
 use std::fmt;
 
 use super::diagnose::diagnose;
+use super::dialect::ron_options;
 use super::edited::EditedText;
 use super::format::Scene;
-use super::load::ron_options;
 use super::scan::{Entry, Node, Shape, Span, scan};
 use super::shown::brief;
 use super::spans::{Step, descend, is_group, item_name, join, parse_path, unwrapped, write_path};

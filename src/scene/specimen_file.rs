@@ -7,13 +7,12 @@ use std::fs;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
-use serde::{Deserialize, Serialize};
-
+use super::coincident::coincident;
 use super::diagnostic::{Finding, MAX_SHOWN, Placed, SceneErrors};
 use super::edited::EditedText;
 use super::files::read_at_most;
-use super::stored_state::StoredState;
-use super::validate::{MAX_NUMBER, MAX_PARTICLES, MIN_NUMBER, coincident};
+use super::limits::{MAX_NUMBER, MAX_PARTICLES, MIN_NUMBER};
+pub use super::stored::{ReadError, StoredParticle, StoredSpecimen};
 
 /// Maximum size of the file, bytes: that of `MAX_PARTICLES` rows with all digits.
 const MAX_BYTES: u64 = 500_000_000;
@@ -23,47 +22,6 @@ const COLUMNS: [&str; 4] = ["x_m", "y_m", "radius_m", "material"];
 /// Columns of the engine's own files that are ignored. A specimen begins at rest and free of
 /// stress, with particles numbered row by row.
 const NOT_READ: [&str; 4] = ["id", "rotation_rad", "ux_m", "uy_m"];
-
-/// A specimen that is stored in a file.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct StoredSpecimen {
-    /// Its particles.
-    pub rows: Vec<StoredParticle>,
-    /// What a saved state has besides.
-    pub state: Option<StoredState>,
-}
-
-impl StoredSpecimen {
-    /// Particles at rest and free of stress.
-    #[must_use]
-    pub fn of(rows: Vec<StoredParticle>) -> Self {
-        Self { rows, state: None }
-    }
-}
-
-/// A particle of a stored specimen.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct StoredParticle {
-    /// Centre, m.
-    pub x: f64,
-    /// Centre, m.
-    pub y: f64,
-    /// Radius, m.
-    pub r: f64,
-    /// Material; `None` means the material of the scene's specimen.
-    pub material: Option<String>,
-}
-
-/// Why a stored specimen cannot be read.
-#[derive(Clone, Debug, thiserror::Error)]
-pub enum ReadError {
-    /// The file cannot be read.
-    #[error("{0}")]
-    File(String),
-    /// Rows of the file are wrong.
-    #[error(transparent)]
-    Rows(SceneErrors),
-}
 
 /// Reads a stored specimen.
 ///

@@ -1,6 +1,6 @@
 //! A saved state as a scene uses it: its particles, and the names that the scene may use.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -12,27 +12,12 @@ use clastic_systems::state::{StateError, WorldState};
 
 use super::files::read_at_most;
 use super::format::{Scene, Specimen, Wall};
-use super::specimen_file::{ReadError, StoredParticle, StoredSpecimen};
+use super::stored::{ReadError, StoredParticle, StoredSpecimen, StoredState};
 use crate::saved::{SavedError, SavedState};
 use crate::tables::Tables;
 
 /// Maximum size of the file, bytes.
 const MAX_BYTES: u64 = 16_000_000_000;
-
-/// What a saved state has besides its particles.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct StoredState {
-    /// Its walls where the run begins.
-    pub walls: Vec<Wall>,
-    /// Whether they are the walls of the scene, which lists none.
-    pub gives_walls: bool,
-    /// Names of its groups, in order.
-    pub groups: Vec<String>,
-    /// Names under which its particles were recorded, by index.
-    pub probes: BTreeMap<String, u32>,
-    /// The state; `None` for a run that is resumed, which has a state of its own.
-    pub saved: Option<Arc<SavedState>>,
-}
 
 /// Reads a saved state.
 ///

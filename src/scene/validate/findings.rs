@@ -4,12 +4,8 @@ use std::collections::BTreeMap;
 use std::fmt::Arguments;
 
 use crate::scene::diagnostic::{Finding, within};
+use crate::scene::limits::{MAX_NUMBER, MIN_NUMBER};
 use crate::scene::suggest;
-
-/// Maximum magnitude of a number. Products of larger numbers could overflow.
-pub(in crate::scene) const MAX_NUMBER: f64 = 1e30;
-/// Minimum magnitude of a number that must not be zero.
-pub(in crate::scene) const MIN_NUMBER: f64 = 1e-30;
 
 /// Collects findings. Paths are formatted only for findings, since most checks find nothing.
 pub(super) struct Findings<'a> {

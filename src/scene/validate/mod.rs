@@ -26,17 +26,8 @@ use super::format::{Scene, Specimen, Stage};
 use super::memory;
 use super::specimen_file::StoredSpecimen;
 use findings::Findings;
-pub(super) use findings::{MAX_NUMBER, MIN_NUMBER};
 #[cfg(test)]
 pub(crate) use measures::is_taken;
-pub(super) use places::coincident;
-
-/// Maximum number of particles in a specimen. Identities and run time set this limit; [`memory`]
-/// checks the memory of the machine.
-pub const MAX_PARTICLES: u64 = 5_000_000;
-
-/// Maximum memory of a scene on any machine, bytes: 5 million bonded disks take 50 GB.
-pub const MAX_MEMORY: f64 = 100e9;
 
 /// Checks a scene, with the stored specimen that it names. The scene need not come from a text.
 #[must_use]

@@ -3,16 +3,18 @@
 use std::collections::BTreeMap;
 use std::fmt::Arguments;
 
+use crate::scene::coincident::coincident;
 use crate::scene::diagnostic::MAX_SHOWN;
 use crate::scene::format::{Particle, Sizes, Specimen, Wall};
+use crate::scene::limits::{MAX_MEMORY, MAX_PARTICLES};
 use crate::scene::memory::{self, Need};
 use crate::scene::spans::join;
 use crate::scene::specimen_file::StoredSpecimen;
 use crate::scene::suggest;
 
 use super::findings::Findings;
-use super::places::{coincident, finest, is_behind};
-use super::{Context, MAX_MEMORY, MAX_PARTICLES, state};
+use super::places::{finest, is_behind};
+use super::{Context, state};
 
 /// Maximum spacing of floating-point numbers at a disk, in radii.
 const COARSEST: f64 = 1e-4;

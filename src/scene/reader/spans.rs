@@ -126,7 +126,7 @@ pub fn write_path(steps: &[Step]) -> String {
 }
 
 /// Result of following a path.
-pub(super) struct Found<'n> {
+pub(in crate::scene) struct Found<'n> {
     /// The last value that was found.
     pub node: &'n Node,
     /// Key of this value.
@@ -136,7 +136,7 @@ pub(super) struct Found<'n> {
 }
 
 /// Follows a path as far as it exists.
-pub(super) fn descend<'n>(root: &'n Node, text: &str, steps: &[Step]) -> Found<'n> {
+pub(in crate::scene) fn descend<'n>(root: &'n Node, text: &str, steps: &[Step]) -> Found<'n> {
     let mut found = Found { node: root, key: None, depth: 0 };
     for step in steps {
         let Some(entry) = child(found.node, text, step) else { break };
@@ -147,19 +147,19 @@ pub(super) fn descend<'n>(root: &'n Node, text: &str, steps: &[Step]) -> Found<'
 
 /// The value whose parts a path addresses: the payload of a variant with one value in brackets,
 /// else the value itself.
-pub(super) fn unwrapped(node: &Node) -> &Node {
+pub(in crate::scene) fn unwrapped(node: &Node) -> &Node {
     match (node.shape, node.entries.as_slice()) {
         (Shape::Tuple, [only]) if is_group(&only.value) => unwrapped(&only.value),
         _ => node,
     }
 }
 
-pub(super) fn is_group(node: &Node) -> bool {
+pub(in crate::scene) fn is_group(node: &Node) -> bool {
     matches!(node.shape, Shape::Struct | Shape::Tuple | Shape::List | Shape::Map)
 }
 
 /// The `name` of a list item.
-pub(super) fn item_name(node: &Node, text: &str) -> Option<String> {
+pub(in crate::scene) fn item_name(node: &Node, text: &str) -> Option<String> {
     let key_is_name = |entry: &&Entry| entry.key.as_ref().is_some_and(|key| key.text == "name");
     let name = &unwrapped(node).entries.iter().find(key_is_name)?.value;
     unquote(text.get(name.span.clone())?)

@@ -16,7 +16,7 @@ const DEEPEST: usize = 128;
 
 /// A mistake of syntax.
 #[derive(Clone, Debug)]
-pub(super) struct Fault {
+pub(in crate::scene) struct Fault {
     /// Byte at which the mistake appears.
     pub at: usize,
     /// The mistake.
@@ -82,7 +82,7 @@ pub struct Key {
 }
 
 /// Scans a text. Returns all faults, and the value unless a fault prevents it.
-pub(super) fn scan(text: &str) -> (Option<Node>, Vec<Fault>) {
+pub(in crate::scene) fn scan(text: &str) -> (Option<Node>, Vec<Fault>) {
     let mut scanner = Scanner { text, at: 0, depth: 0, faults: Vec::new() };
     let root = scanner.document();
     let mut faults = scanner.faults;
@@ -91,7 +91,7 @@ pub(super) fn scan(text: &str) -> (Option<Node>, Vec<Fault>) {
 }
 
 /// Content of a string literal.
-pub(super) fn unquote(literal: &str) -> Option<String> {
+pub(in crate::scene) fn unquote(literal: &str) -> Option<String> {
     ron::from_str(literal).ok()
 }
 

@@ -6,7 +6,7 @@
 use serde::de::value::{MapDeserializer, SeqDeserializer};
 use serde::de::{self, DeserializeSeed, IntoDeserializer, Visitor};
 
-use super::diagnose::Failure;
+use super::context::Failure;
 
 /// See the [module](self).
 #[derive(Clone, Copy)]

@@ -5,14 +5,14 @@
 use serde::de::value::StrDeserializer;
 use serde::de::{self, DeserializeOwned, DeserializeSeed, IntoDeserializer, Visitor};
 
-use super::diagnose::{Context, Failure};
-use super::format::WITHOUT_BRACKETS;
+use super::context::{Context, Failure};
 use super::scan::{Entry, Key, Node, Shape};
 use super::spans::{is_group, join};
 use super::stand_in::StandIn;
 use super::suggest;
 use super::units;
-use super::values;
+use crate::scene::format::WITHOUT_BRACKETS;
+use crate::scene::values;
 
 /// Reads one value of the tree.
 pub(super) struct Reader<'a> {

@@ -62,7 +62,7 @@ const WRITTEN: [(&str, &str, f64); 53] = [
 /// SI unit of a number in a field or variant with this name, inside a value with the unit `around`.
 /// The empty text means a number without dimension. `None` means that the name is unknown or not
 /// that of a number.
-pub(super) fn unit_of(name: &str, around: Option<&'static str>) -> Option<&'static str> {
+pub(in crate::scene) fn unit_of(name: &str, around: Option<&'static str>) -> Option<&'static str> {
     Some(match name {
         "position" | "radius" | "limits" | "spacing" | "origin" | "start" | "end" | "min"
         | "max" | "length" | "step" | "thickness" | "Height" => "m",
@@ -90,7 +90,7 @@ pub(super) fn unit_of(name: &str, around: Option<&'static str>) -> Option<&'stat
 }
 
 /// Splits a number and the unit after it: `1.5 MPa`.
-pub(super) fn split(literal: &str) -> Option<(f64, &str)> {
+pub(in crate::scene) fn split(literal: &str) -> Option<(f64, &str)> {
     let plain = |text: &str| text.replace('_', "").parse::<f64>().ok();
     if plain(literal).is_some() {
         return None;
@@ -103,7 +103,7 @@ pub(super) fn split(literal: &str) -> Option<(f64, &str)> {
 }
 
 /// The remedy for a number with a unit, if `wanted` is the unit of the field.
-pub(super) fn help(number: f64, unit: &str, wanted: Option<&str>) -> String {
+pub(in crate::scene) fn help(number: f64, unit: &str, wanted: Option<&str>) -> String {
     let unit = unit.replace('²', "2").replace('³', "3").replace("**", "").replace('^', "");
     let alike = |(written, si, _): &&(&str, &str, f64)| {
         wanted == Some(*si) && written.replace('^', "") == unit

@@ -1,72 +1,14 @@
-//! Second reading of a scene that `ron` refuses, which finds all mistakes at once.
-//!
-//! It [reads](super::tree_reader) the tree of the [scanner](super::scan), which has the path and
-//! the place of every value. It records each mistake and continues with the probable meaning or
-//! with a [stand-in](super::stand_in). It does not accept scenes: only the first reading with `ron`
-//! does.
+//! What all readers of a text share, and the error with which serde stops.
 
 use std::cell::RefCell;
 use std::fmt;
 
-use serde::{Deserialize, de};
+use serde::de;
 
-use super::diagnostic::{Finding, MAX_SHOWN, Placed};
-use super::format::{Scene, VERSION};
-use super::scan::{Node, Shape, scan};
+use super::scan::{Node, Shape};
 use super::spans::join;
-use super::tree_reader::Reader;
-use super::values;
-
-/// With more mistakes than this the meaning of the scene is not examined.
-const ENOUGH: usize = 1000;
-
-/// Result of the second reading.
-pub(super) struct Diagnosis {
-    /// The probable meaning of the scene, if it can be determined.
-    pub scene: Option<Scene>,
-    /// The mistakes.
-    pub placed: Vec<Placed>,
-    /// Paths of values that were made up. Findings about them are not reported.
-    pub made_up: Vec<String>,
-    /// Misspelt fields: the correct path and the path as written.
-    pub renamed: Vec<(String, String)>,
-}
-
-/// Reads a text that `ron` refused.
-pub(super) fn diagnose(text: &str) -> Diagnosis {
-    let (root, faults) = scan(text);
-    let faults: Vec<_> = faults
-        .into_iter()
-        .map(|fault| Placed { at: fault.at, finding: Finding::new("", fault.message, fault.help) })
-        .collect();
-    let Some(root) = root else {
-        return Diagnosis { scene: None, placed: faults, made_up: Vec::new(), renamed: Vec::new() };
-    };
-    // A missing field stops serde. It is recorded and made up, and the text is read again.
-    let mut missing: Vec<Placed> = Vec::new();
-    let mut absent: Vec<String> = Vec::new();
-    let values = values::names(&root, text);
-    loop {
-        let cx = Context { text, absent: &absent, values: &values, notes: RefCell::default() };
-        let reader = Reader::new(&cx, &root, String::new());
-        let result = Scene::deserialize(reader);
-        let notes = cx.notes.into_inner();
-        let failure = result.as_ref().err().map(Failure::placed);
-        match failure {
-            Some(Some((path, placed))) if missing.len() <= MAX_SHOWN => {
-                missing.push(placed);
-                absent.push(path);
-            }
-            _ => {
-                let enough = notes.placed.len() > ENOUGH;
-                let placed = faults.into_iter().chain(missing).chain(notes.placed).collect();
-                let made_up = notes.made_up.into_iter().chain(absent).collect();
-                let scene = result.ok().filter(|_| !enough);
-                return Diagnosis { scene, placed, made_up, renamed: notes.renamed };
-            }
-        }
-    }
-}
+use crate::scene::diagnostic::{Finding, Placed};
+use crate::scene::format::VERSION;
 
 /// Data that all readers of a text share.
 pub(super) struct Context<'a> {
@@ -79,14 +21,28 @@ pub(super) struct Context<'a> {
     notes: RefCell<Notes>,
 }
 
+/// What a reading has recorded.
 #[derive(Default)]
-struct Notes {
-    placed: Vec<Placed>,
-    made_up: Vec<String>,
-    renamed: Vec<(String, String)>,
+pub(super) struct Notes {
+    /// The mistakes.
+    pub placed: Vec<Placed>,
+    /// Paths of values that were made up.
+    pub made_up: Vec<String>,
+    /// Misspelt fields: the correct path and the path as written.
+    pub renamed: Vec<(String, String)>,
 }
 
-impl Context<'_> {
+impl<'a> Context<'a> {
+    /// The context of a reading that has recorded nothing yet.
+    pub fn new(text: &'a str, absent: &'a [String], values: &'a [String]) -> Self {
+        Self { text, absent, values, notes: RefCell::default() }
+    }
+
+    /// What the reading has recorded.
+    pub fn into_notes(self) -> Notes {
+        self.notes.into_inner()
+    }
+
     /// Records a mistake.
     pub fn note(&self, at: usize, path: &str, message: String, help: impl Into<String>) {
         let finding = Finding::new(path, message, help);
@@ -144,7 +100,7 @@ impl Failure {
     }
 
     /// Path and finding of a missing field.
-    fn placed(&self) -> Option<(String, Placed)> {
+    pub fn placed(&self) -> Option<(String, Placed)> {
         let (path, at) = self.place.as_ref()?;
         let field = self.field?;
         let path = join(path, field);

@@ -7,7 +7,7 @@ const ALIKE: f64 = 0.6;
 const MAX_NAMES: usize = 12;
 
 /// The candidate that is most similar to a word, if any is similar enough.
-pub(super) fn nearest<'a>(
+pub(in crate::scene) fn nearest<'a>(
     word: &str,
     candidates: impl IntoIterator<Item = &'a str>,
 ) -> Option<&'a str> {
@@ -21,7 +21,7 @@ pub(super) fn nearest<'a>(
 }
 
 /// A list of names for a message: `a`, `b`, `c`.
-pub(super) fn list(names: &[&str]) -> String {
+pub(in crate::scene) fn list(names: &[&str]) -> String {
     let shown: Vec<_> = names.iter().take(MAX_NAMES).map(|name| format!("`{name}`")).collect();
     let more = if names.len() > MAX_NAMES { ", ..." } else { "" };
     format!("{}{more}", shown.join(", "))

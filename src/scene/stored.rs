@@ -1,0 +1,66 @@
+//! What a scene takes from a file: a specimen, and the state that it may have.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::diagnostic::SceneErrors;
+use super::format::Wall;
+use crate::saved::SavedState;
+
+/// A specimen that is stored in a file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct StoredSpecimen {
+    /// Its particles.
+    pub rows: Vec<StoredParticle>,
+    /// What a saved state has besides.
+    pub state: Option<StoredState>,
+}
+
+impl StoredSpecimen {
+    /// Particles at rest and free of stress.
+    #[must_use]
+    pub fn of(rows: Vec<StoredParticle>) -> Self {
+        Self { rows, state: None }
+    }
+}
+
+/// A particle of a stored specimen.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StoredParticle {
+    /// Centre, m.
+    pub x: f64,
+    /// Centre, m.
+    pub y: f64,
+    /// Radius, m.
+    pub r: f64,
+    /// Material; `None` means the material of the scene's specimen.
+    pub material: Option<String>,
+}
+
+/// Why a stored specimen cannot be read.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum ReadError {
+    /// The file cannot be read.
+    #[error("{0}")]
+    File(String),
+    /// Rows of the file are wrong.
+    #[error(transparent)]
+    Rows(SceneErrors),
+}
+
+/// What a saved state has besides its particles.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct StoredState {
+    /// Its walls where the run begins.
+    pub walls: Vec<Wall>,
+    /// Whether they are the walls of the scene, which lists none.
+    pub gives_walls: bool,
+    /// Names of its groups, in order.
+    pub groups: Vec<String>,
+    /// Names under which its particles were recorded, by index.
+    pub probes: BTreeMap<String, u32>,
+    /// The state; `None` for a run that is resumed, which has a state of its own.
+    pub saved: Option<Arc<SavedState>>,
+}
