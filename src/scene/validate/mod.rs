@@ -6,6 +6,7 @@ mod crossing;
 mod findings;
 mod materials;
 mod measures;
+mod parts;
 mod places;
 mod restitution;
 mod rigid;

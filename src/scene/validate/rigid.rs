@@ -8,8 +8,8 @@ use crate::scene::suggest;
 
 use super::Context;
 use super::findings::Findings;
+use super::parts::motion;
 use super::select::select;
-use super::stages::motion;
 
 /// Checks the groups of a stage; `there` are those that exist, and afterwards those that remain.
 pub(super) fn check(

@@ -7,7 +7,7 @@ use crate::scene::suggest;
 
 use super::Context;
 use super::findings::Findings;
-use super::stages::{no_time, wall_there};
+use super::parts::{no_time, wall_there};
 use super::thin_walls::one_piece;
 
 /// Checks the control of a wall in a stage that may have no time.

@@ -11,6 +11,7 @@ use super::super::parallel::{in_parallel, split};
 use super::super::scaled::Scaled;
 use super::super::settings::InteriorSettings;
 use super::cell::{Cells, for_each};
+use super::law::Rows;
 
 /// Interactions by branch.
 pub struct Groups {
@@ -19,12 +20,6 @@ pub struct Groups {
     bodies: Vec<Range<usize>>,
     /// Interactions that touch the trunk.
     rest: Cells,
-}
-
-/// Rows of consecutive bodies from `first`.
-pub struct Rows<'a> {
-    pub first: u32,
-    pub rows: &'a mut [[f64; 3]],
 }
 
 impl Groups {

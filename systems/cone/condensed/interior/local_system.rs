@@ -28,10 +28,8 @@
 //! tension, follows from the stationarity of p. These sums are the *ties* of p. With two ties the
 //! stationarity of p gives their sum only, and the relation of each tie to p gives its share.
 
-use super::cell::Law;
+use super::law::{Law, MAX_PAIRS};
 
-/// Maximum number of pairs of limits.
-pub const MAX_PAIRS: usize = 2;
 /// Minimum slope of a tie. With a smaller slope p hardly enters, and the sum follows from the
 /// limits of the pair alone.
 const MIN_TIE_SLOPE: f64 = 1e-6;
@@ -279,7 +277,7 @@ mod tests {
     use proptest::prelude::*;
     use proptest::test_runner::TestRunner;
 
-    use super::super::cell::Law;
+    use super::super::law::Law;
     use super::{LocalSystem, MIN_TIE_SLOPE, Slacks};
 
     fn power(range: std::ops::Range<f64>) -> impl Strategy<Value = f64> {

@@ -16,6 +16,7 @@ mod cell;
 mod groups;
 mod history;
 mod iteration;
+mod law;
 mod local_system;
 
 use self::history::History;
