@@ -9,7 +9,8 @@ use bevy_app::App;
 use crate::output::OutputError;
 use crate::output::atomic::write_atomic;
 use crate::output::csv_file::Row;
-use crate::output::directory::default_directory;
+use crate::output::directory::{self, default_directory};
+use crate::output::plots::history::History;
 use crate::output::plots::strength::megapascals;
 use crate::output::plots::{self, strength};
 use crate::scene::load_with;
@@ -83,6 +84,8 @@ fn study(args: &EnvelopeArgs, app: &App) -> Result<Sweep, Failure> {
 /// A run that has a peak.
 struct Point {
     seed: String,
+    /// Whether the peak is in the last row of the history.
+    is_last: bool,
     strength: Strength,
 }
 
@@ -96,7 +99,10 @@ fn points(sweep: &Sweep) -> Vec<Point> {
         matches!(status, "completed" | "collapsed").then_some(())?;
         let confining = run.values.first()?.parse().ok()?;
         let seed = run.values.get(1).cloned().unwrap_or_default();
-        Some(Point { seed, strength: Strength { confining, peak } })
+        let history = sweep.folder.join(&run.directory).join(directory::HISTORY);
+        let curve = History::read(&history).ok()?.points("axial_strain", "axial_stress_pa");
+        let is_last = curve.last().is_some_and(|(_, stress)| *stress == peak);
+        Some(Point { seed, is_last, strength: Strength { confining, peak } })
     })
     .collect()
 }
@@ -136,6 +142,13 @@ fn report(sweep: &Sweep, points: &[Point]) -> Result<(), Failure> {
     let uncertain = uncertain.count();
     if uncertain > 0 {
         say(format_args!("the envelopes include {uncertain} runs with marks"))?;
+    }
+    let last = points.iter().filter(|point| point.is_last).count();
+    if last > 0 {
+        say(format_args!(
+            "WARNING: in {last} runs the stress is at its maximum in the last increment, and may rise further; \
+             give more increments"
+        ))?;
     }
     let mut by_seed: BTreeMap<&str, Vec<Strength>> = BTreeMap::new();
     for point in points {
@@ -188,7 +201,7 @@ fn write(sweep: &Sweep, points: &[Point]) -> Result<(), Failure> {
     let path: &Path = &sweep.folder.join("envelope.csv");
     let header = ["seed", "confining_pa", "peak_pa"];
     let mut text = header.iter().fold(Row::default(), |row, name| row.text(name)).line();
-    for Point { seed, strength } in points {
+    for Point { seed, strength, .. } in points {
         text += &Row::default().text(seed).numbers([strength.confining, strength.peak]).line();
     }
     write_atomic(path, text)?;

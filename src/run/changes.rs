@@ -46,7 +46,11 @@ pub fn refused(old: &Scene, new: &Scene, state: &StateView) -> Vec<String> {
     fixed("probes", old.probes == new.probes, "the history has columns for each");
     let energy = old.output.energy == new.output.energy;
     fixed("output.energy", energy, "the history has its columns or not, and the ledger its past");
-    let why = "strains count from the same stage; name it in `measures.reference_stage`";
+    let why = if new.version == 1 {
+        "strains count from the same stage; name it in `measures.reference_stage`"
+    } else {
+        "strains count from the same stage; name it in `reference_stage`"
+    };
     fixed("stages", counts_on || is_named, why);
 
     let index = state.progress.stage;

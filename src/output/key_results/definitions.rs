@@ -13,6 +13,8 @@ const SOFTEST: f64 = 1e-9;
 
 const NO_CURVE: &str = "no increment from the start of the reference stage on has both an axial strain and \
                         an axial stress";
+const UNKNOWN_START: &str = "the run starts from a saved state, whose stress no stage before the reference stage tells; \
+                             put a loading stage of one increment before it";
 /// Reason why a rigid specimen has no modulus.
 pub const RIGID: &str = "nothing is elastic";
 const CAPPED_BEFORE: &str = "an increment that it would come from is capped";
@@ -64,6 +66,9 @@ impl KeyResults {
                 "all increments that have both an axial strain and an axial stress are capped"
             });
         };
+        if self.is_start_unknown {
+            return Err(UNKNOWN_START);
+        }
         let maximum = |of: fn(&Point) -> f64| self.curve.iter().map(of).fold(0.0, f64::max);
         let stress = maximum(|p| p.stress.abs()).max(self.start.stress.abs());
         let strain = maximum(|p| p.strain.abs());

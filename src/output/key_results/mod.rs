@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use clastic_components::attempt::IncrementStatus;
 use clastic_components::observation::Observation;
 
-use crate::scene::format::Scene;
+use crate::scene::format::{Scene, Specimen};
 
 pub use self::definitions::RIGID;
 pub(super) use self::observe::observe_increment;
@@ -41,6 +41,9 @@ pub struct KeyResults {
     lag: Option<f64>,
     /// Start of the reference stage.
     start: Point,
+    /// Whether the run starts from a saved state, and no stage before the reference stage has told
+    /// the stress of it.
+    is_start_unknown: bool,
     /// The last increment with load.
     last: Option<Point>,
     /// Increments from the reference stage on that have both a strain and a stress.
@@ -72,7 +75,9 @@ impl KeyResults {
     #[must_use]
     pub fn of_scene(scene: &Scene) -> Self {
         let stiffness = stiffness::maximum(scene) / scene.thickness;
-        Self::new(stiffness::is_rigid(scene)).with_stiffness(stiffness)
+        let is_start_unknown = matches!(scene.specimen, Specimen::State { .. });
+        let results = Self::new(stiffness::is_rigid(scene)).with_stiffness(stiffness);
+        Self { is_start_unknown, ..results }
     }
 
     /// Results before the run. `rigid` means that nothing in the specimen is elastic.
@@ -83,6 +88,7 @@ impl KeyResults {
             stiffness: 0.0,
             lag: None,
             start: FREE,
+            is_start_unknown: false,
             last: None,
             curve: Vec::new(),
             collapse: None,
@@ -141,6 +147,7 @@ impl KeyResults {
         }
         if phase == Phase::Preparation {
             self.start = FREE;
+            self.is_start_unknown = false;
             return false;
         }
         let solved = o.status == IncrementStatus::Solved;
@@ -158,6 +165,7 @@ impl KeyResults {
         self.last = Some(point);
         if phase == Phase::Loading {
             self.start = Point { strain: 0.0, ..point };
+            self.is_start_unknown = false;
             return false;
         }
         if o.axial_strain.is_none() {
