@@ -69,10 +69,12 @@ impl Energies {
     /// Sum of the absolute values of all terms, to which the error is compared.
     #[must_use]
     pub fn throughput(&self) -> f64 {
-        self.all().iter().map(|e| e.abs()).sum()
+        self.to_array().iter().map(|e| e.abs()).sum()
     }
 
-    fn all(&self) -> [f64; 12] {
+    /// All terms, J, in the order of the fields.
+    #[must_use]
+    pub fn to_array(&self) -> [f64; 12] {
         [
             self.external,
             self.gravity,
@@ -87,6 +89,39 @@ impl Energies {
             self.turning,
             self.numerical,
         ]
+    }
+
+    /// Energies from their terms, J, in the order of [`to_array`](Self::to_array).
+    #[must_use]
+    pub fn from_array(terms: [f64; 12]) -> Self {
+        let [
+            external,
+            gravity,
+            kinetic,
+            elastic,
+            friction,
+            rolling,
+            dilation,
+            collision,
+            rupture,
+            motion,
+            turning,
+            numerical,
+        ] = terms;
+        Self {
+            external,
+            gravity,
+            kinetic,
+            elastic,
+            friction,
+            rolling,
+            dilation,
+            collision,
+            rupture,
+            motion,
+            turning,
+            numerical,
+        }
     }
 }
 

@@ -26,11 +26,11 @@ const ELASTIC: [&str; 6] = [
     "stages.load.increments=7",
 ];
 
-/// What so many increments leave: records, states, and forces that are remembered.
+/// Result of a run: records, states, and the memory of contacts.
 type Left = (Vec<Observation>, Vec<State>, ContactHistory);
 
-/// Runs so many increments on so many threads; the program of the last one must have branches of
-/// some size.
+/// Runs a scene for `increments` on `threads`. The matrix of the last program must have branches,
+/// or the threads would have nothing to share.
 fn after(loaded: &LoadedScene, increments: usize, threads: usize) -> Left {
     let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     pool.install(|| {

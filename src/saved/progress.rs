@@ -43,8 +43,8 @@ pub(super) fn write(
     tables.put("next_bond", Array::count(next.bond.into()));
     if state.bytes(LEDGER).is_some() {
         let ledger: EnergyLedger = state.get(LEDGER)?;
-        tables.put("energy.total_j", Array::f64(row(&ledger.total).to_vec()));
-        tables.put("energy.last_increment_j", Array::f64(row(&ledger.increment).to_vec()));
+        tables.put("energy.total_j", Array::f64(ledger.total.to_array().to_vec()));
+        tables.put("energy.last_increment_j", Array::f64(ledger.increment.to_array().to_vec()));
         // No number before the first increment.
         tables.put("energy.elastic_j", Array::value(ledger.stored.unwrap_or(f64::NAN)));
         let released = &ledger.released;
@@ -85,39 +85,8 @@ pub(super) fn read(tables: &Tables, state: &mut WorldState) -> Result<Counts, Sa
     Ok(Counts { increment, time, next })
 }
 
-/// Energies in the order of the columns of the history.
-fn row(e: &Energies) -> [f64; 12] {
-    [
-        e.external,
-        e.gravity,
-        e.kinetic,
-        e.elastic,
-        e.friction,
-        e.rolling,
-        e.dilation,
-        e.collision,
-        e.rupture,
-        e.motion,
-        e.turning,
-        e.numerical,
-    ]
-}
-
 fn energies(tables: &Tables, name: &str) -> Result<Energies, SavedError> {
     let all = tables.f64(name, &[12])?;
     finite(tables, &[name])?;
-    Ok(Energies {
-        external: all[0],
-        gravity: all[1],
-        kinetic: all[2],
-        elastic: all[3],
-        friction: all[4],
-        rolling: all[5],
-        dilation: all[6],
-        collision: all[7],
-        rupture: all[8],
-        motion: all[9],
-        turning: all[10],
-        numerical: all[11],
-    })
+    Ok(Energies::from_array(std::array::from_fn(|k| all[k])))
 }

@@ -183,8 +183,8 @@ fn interaction(
     let round_off = -ROUND_OFF * bodies.mean_radius..0.0;
     let gap = match analysis.kind {
         AnalysisKind::Static if normal == 0.0 && round_off.contains(&gap) => 0.0,
-        // A group that is held along one direction and turns may touch on both sides of its centre:
-        // no rotation removes the round-off of both.
+        // A group that is held along one direction and turns may touch on the left and on the right
+        // of its centre. A rotation that removes the round-off on one side adds to it on the other.
         AnalysisKind::Dynamic { .. }
             if normal == 0.0
                 && round_off.contains(&gap)

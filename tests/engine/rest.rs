@@ -53,8 +53,9 @@ fn asleep(simulation: &Simulation, moved: &mut Vec<[f64; 3]>) -> Vec<usize> {
     (0..found.len()).filter(|i| found[*i]).collect()
 }
 
-/// Runs a scene beside Clarabel, which knows no rest: the same places, and the `stack` asleep as a
-/// whole in so many increments, never disk 3. Returns how many those are.
+/// Runs a scene with the engine's solver and with Clarabel, which lets no body sleep. The places
+/// must agree, and disk 3 must never sleep. Returns the number of increments in which all of
+/// `stack` sleeps.
 fn sleeps(scene: impl Fn(&str) -> Scene, stack: &[usize]) -> u32 {
     let mut own = Simulation::new(&scene("Condensed"), None);
     let mut oracle = Simulation::new(&scene("Clarabel()"), None);

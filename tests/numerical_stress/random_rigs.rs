@@ -1,5 +1,5 @@
 //! What a rig adds to random scenes: walls that come, go and are cemented, measures, stop
-//! conditions, probes, limits of what is accepted, and the corrector.
+//! conditions, probes, tolerances, and the corrector.
 
 use std::collections::BTreeSet;
 

@@ -263,9 +263,9 @@ fn a_vice_that_closes_on_a_rigid_disk_is_locked() {
     assert!((p - 1e5).abs() < 1e-3, "{p} N");
 }
 
-/// The interior point used to end near its goal wherever it was slow, a hair above what is accepted
-/// as often as not; polish and Clarabel then took a hundred times the time of the iteration or two
-/// that were wanting (5000 disks that collapse).
+/// The interior point used to stop where it was slow, often with a residual slightly above the
+/// tolerance. Polish and Clarabel then took a hundred times as long as the one or two missing
+/// iterations (collapse of 5000 disks).
 #[test]
 fn an_interior_point_that_is_not_enough_goes_on_near_its_goal() {
     let settings = InteriorSettings::default();
@@ -289,8 +289,8 @@ fn an_interior_point_that_is_not_enough_goes_on_near_its_goal() {
     assert!(went_on >= 10, "{went_on} went on");
 }
 
-/// Dynamic scenes without bonds need no more than what is accepted: the first such point near the
-/// goal ends the interior point, which goes on where it is not enough.
+/// In dynamic scenes without bonds the interior point ends at the first point within the tolerance,
+/// and continues up to it.
 #[test]
 fn the_first_point_that_is_enough_ends_the_interior_point() {
     let settings = InteriorSettings::default();

@@ -135,7 +135,7 @@ pub(in crate::scene) struct Found<'n> {
     pub depth: usize,
 }
 
-/// Follows a path as far as it exists.
+/// Walks along a path and stops at the first step that the text does not have.
 pub(in crate::scene) fn descend<'n>(root: &'n Node, text: &str, steps: &[Step]) -> Found<'n> {
     let mut found = Found { node: root, key: None, depth: 0 };
     for step in steps {

@@ -8,54 +8,11 @@ use super::Context;
 use super::findings::Findings;
 use super::specimen::index_exists;
 use super::thin_walls::one_piece;
-
-/// Columns that every history has.
-const COLUMNS: [&str; 40] = [
-    "increment",
-    "stage",
-    "time_s",
-    "axial_strain",
-    "lateral_strain",
-    "volumetric_strain",
-    "axial_stress_pa",
-    "lateral_stress_pa",
-    "contacts",
-    "bonds",
-    "broken_tension",
-    "broken_shear",
-    "broken_rolling",
-    "solver_iterations",
-    "residual_balance",
-    "residual_kinematics",
-    "residual_cone",
-    "residual_complementarity",
-    "status",
-    "fraction",
-    "potential_contacts",
-    "solves",
-    "motion_steps",
-    "kinetic_energy_j",
-    "coulomb_residual",
-    "motion_strain",
-    "caps",
-    "energy_external_j",
-    "energy_gravity_j",
-    "energy_kinetic_change_j",
-    "energy_elastic_j",
-    "energy_friction_j",
-    "energy_rolling_j",
-    "energy_dilation_j",
-    "energy_collision_j",
-    "energy_rupture_j",
-    "energy_motion_j",
-    "energy_turning_j",
-    "energy_numerical_j",
-    "energy_error_j",
-];
+use crate::history_columns::{COLUMNS, ENERGY_COLUMNS};
 
 /// Whether a column of the history has this name already.
-pub(crate) fn is_taken(name: &str) -> bool {
-    COLUMNS.contains(&name)
+fn is_taken(name: &str) -> bool {
+    COLUMNS.contains(&name) || ENERGY_COLUMNS.contains(&name)
 }
 
 pub(super) fn check(context: &Context, findings: &mut Findings) {

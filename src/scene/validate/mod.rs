@@ -27,8 +27,6 @@ use super::format::{Scene, Specimen, Stage};
 use super::memory;
 use super::specimen_file::StoredSpecimen;
 use findings::Findings;
-#[cfg(test)]
-pub(crate) use measures::is_taken;
 
 /// Checks a scene, with the stored specimen that it names. The scene need not come from a text.
 #[must_use]

@@ -1,0 +1,51 @@
+//! Columns that every `history.csv` has. The output writes them, and measures of a scene have other
+//! names.
+
+/// Columns before those of the probes.
+pub const COLUMNS: [&str; 27] = [
+    "increment",
+    "stage",
+    "time_s",
+    "axial_strain",
+    "lateral_strain",
+    "volumetric_strain",
+    "axial_stress_pa",
+    "lateral_stress_pa",
+    "contacts",
+    "bonds",
+    "broken_tension",
+    "broken_shear",
+    "broken_rolling",
+    "solver_iterations",
+    "residual_balance",
+    "residual_kinematics",
+    "residual_cone",
+    "residual_complementarity",
+    "status",
+    "fraction",
+    "potential_contacts",
+    "solves",
+    "motion_steps",
+    "kinetic_energy_j",
+    "coulomb_residual",
+    "motion_strain",
+    "caps",
+];
+
+/// Columns after those of the probes, if the scene requests the energy ledger. All are sums since
+/// the start except the elastic energy, which is the current value.
+pub const ENERGY_COLUMNS: [&str; 13] = [
+    "energy_external_j",
+    "energy_gravity_j",
+    "energy_kinetic_change_j",
+    "energy_elastic_j",
+    "energy_friction_j",
+    "energy_rolling_j",
+    "energy_dilation_j",
+    "energy_collision_j",
+    "energy_rupture_j",
+    "energy_motion_j",
+    "energy_turning_j",
+    "energy_numerical_j",
+    "energy_error_j",
+];
