@@ -90,7 +90,11 @@ fn findings(values: &BTreeMap<String, (&str, Shape)>, uses: &[Use]) -> Vec<Findi
         }
         let mut used = uses.iter().filter(|at| at.name == *name);
         let Some(mut first) = used.next() else {
-            let help = format!("write `{name}`, without quotes, for a number, or leave it out");
+            let others = values.keys().map(String::as_str).filter(|other| other != name);
+            let help = match suggest::nearest(name, others) {
+                Some(near) => format!("did you mean `{near}`? Else leave it out"),
+                None => format!("write `{name}`, without quotes, for a number, or leave it out"),
+            };
             findings.push(at_key(&path, format!("no number uses it (`{name}`)"), help));
             continue;
         };
