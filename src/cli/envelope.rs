@@ -13,19 +13,19 @@ use crate::output::directory::{self, default_directory};
 use crate::output::plots::history::History;
 use crate::output::plots::strength::megapascals;
 use crate::output::plots::{self, strength};
-use crate::scene::load_with;
 use crate::study::marks::marks;
+use crate::study::means::Spread;
 use crate::study::strength::{HoekBrown, MohrCoulomb, Strength};
 use crate::study::{Study, plan, table};
 
 use super::EnvelopeArgs;
 use super::exit::{Exit, Failure, say};
-use super::own_findings::own_findings;
-use super::resolve::resolve;
-use super::sweep::{Sweep, collect, jobs};
+use super::sweep::{self, Sweep, collect, jobs};
 
 /// Name of the confining stress among the settings of the study.
 const CONFINING: &str = "confining";
+/// Field that is the confining stress unless `--field` names others.
+pub const DEFAULT_FIELD: &str = "let.confining";
 /// Name of the seed.
 const SEED: &str = "seed";
 
@@ -33,8 +33,8 @@ const SEED: &str = "seed";
 pub fn envelope(args: &EnvelopeArgs, app: &App) -> Result<Exit, Failure> {
     let sweep = study(args, app)?;
     fs::create_dir_all(&sweep.folder).map_err(OutputError::at(&sweep.folder))?;
-    let all = (0..sweep.plan.runs.len()).collect();
-    let interrupted = jobs::run_all(&sweep, all, args.jobs, args.quiet)?;
+    let all: Vec<_> = (0..sweep.plan.runs.len()).collect();
+    let interrupted = jobs::run_all(&sweep, &all, args.jobs, args.quiet)?;
     let exit = collect::collect(&sweep)?;
     if interrupted {
         return Ok(Exit::Interrupted);
@@ -46,7 +46,11 @@ pub fn envelope(args: &EnvelopeArgs, app: &App) -> Result<Exit, Failure> {
 
 /// The runs: every confining stress with every seed.
 fn study(args: &EnvelopeArgs, app: &App) -> Result<Sweep, Failure> {
-    let scene = resolve(&args.scene)?;
+    if args.confining.iter().all(|stress| *stress == args.confining[0]) {
+        let message =
+            "--confining: an envelope needs two confining stresses or more, as in 0,5e6,10e6";
+        return Err(Failure { exit: Exit::Usage, message: message.to_owned() });
+    }
     let list = |values: &[f64]| {
         let values: Vec<_> = values.iter().map(|value| format!("{value:?}")).collect();
         values.join(", ")
@@ -57,13 +61,21 @@ fn study(args: &EnvelopeArgs, app: &App) -> Result<Sweep, Failure> {
     };
     let mut settings = format!("\"{CONFINING}\": [{}]", quoted(&args.fields));
     let mut axes = format!("\"{CONFINING}\": [{}]", list(&args.confining));
+    let mut of_preparation = String::new();
     if !args.seeds.is_empty() {
         let seeds: Vec<_> = args.seeds.iter().map(u64::to_string).collect();
-        settings += &format!(", \"{SEED}\": [{}]", quoted(&args.seed_fields));
         axes += &format!(", \"{SEED}\": [{}]", seeds.join(", "));
+        let of_seed = format!("\"{SEED}\": [{}]", quoted(&args.seed_fields));
+        match &args.prepare {
+            Some(_) => of_preparation = of_seed,
+            None => settings += &format!(", {of_seed}"),
+        }
     }
+    let prepare = args.prepare.as_ref().map_or(String::new(), |scene| {
+        format!("prepare: (scene: {scene:?}, settings: {{ {of_preparation} }}),")
+    });
     let text = format!(
-        "(version: 1, title: {:?}, scene: {:?}, set: [{}], settings: {{ {settings} }}, \
+        "(version: 1, title: {:?}, scene: {:?}, {prepare} set: [{}], settings: {{ {settings} }}, \
          runs: Grid({{ {axes} }}))",
         format!("strength of {}", args.scene.display()),
         args.scene,
@@ -74,11 +86,25 @@ fn study(args: &EnvelopeArgs, app: &App) -> Result<Sweep, Failure> {
         args.scene.file_stem().unwrap_or(args.scene.as_os_str()).to_string_lossy()
     ));
     let study = Study::read(&text, &args.scene)?;
-    let plan = plan(&study, &args.scene, |sets| {
-        load_with(&scene, sets, |scene| own_findings(scene, app))
+    let plan = plan(&study, &args.scene, |wanted| {
+        let is_prepared = args.prepare.as_deref() == Some(wanted.scene);
+        sweep::load(wanted, Path::new(""), app)
+            .map_err(|error| if is_prepared { error } else { with_field(error, args) })
     })?;
     let folder = args.out.clone().unwrap_or_else(|| default_directory(&name));
-    Ok(Sweep { scene, title: study.title, plan, folder })
+    Ok(Sweep { title: study.title, plan, average_over: study.average_over, folder })
+}
+
+/// An error of the scene, with what to do if it is that the default field is not there.
+fn with_field(error: String, args: &EnvelopeArgs) -> String {
+    let is_default = args.fields == [DEFAULT_FIELD];
+    if !(is_default && error.contains(DEFAULT_FIELD)) {
+        return error;
+    }
+    format!(
+        "{error}\nwrite the confining stress of the scene once, as a value `{CONFINING}` of `let`, or \
+         name the fields that are the confining stress with --field"
+    )
 }
 
 /// A run that has a peak.
@@ -174,7 +200,7 @@ fn report(sweep: &Sweep, points: &[Point]) -> Result<(), Failure> {
             }
         };
         let seeds: Vec<f64> = of_seeds.iter().filter_map(|fit| fit[k].ok()).collect();
-        let scatter = scatter(&seeds).map_or(String::new(), |s| {
+        let scatter = Spread::of(&seeds).deviation.map_or(String::new(), |s| {
             format!(", standard deviation over {} seeds {:.digits$}", seeds.len(), factor * s)
         });
         say(format_args!("  {name:9} {:.digits$} {unit}{scatter}", factor * value))?;
@@ -187,14 +213,6 @@ fn report(sweep: &Sweep, points: &[Point]) -> Result<(), Failure> {
         say(format_args!("drawn: {}", path.display()))?;
     }
     Ok(())
-}
-
-/// Standard deviation of a sample; `None` for fewer than two.
-fn scatter(values: &[f64]) -> Option<f64> {
-    let n = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / n;
-    let square = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0);
-    (values.len() > 1).then(|| square.sqrt())
 }
 
 fn write(sweep: &Sweep, points: &[Point]) -> Result<(), Failure> {

@@ -10,6 +10,7 @@ mod exit;
 mod interrupt;
 mod list;
 mod memory;
+mod new;
 mod own_findings;
 mod progress;
 mod resolve;
@@ -33,6 +34,7 @@ use self::threads::on_threads;
 const EXAMPLES: &str = "\
 Examples:
   clastic list                                  scenes that have a name
+  clastic new biaxial > my_rig.ron              a commented scene to start from
   clastic check uniaxial                        is the scene sound?
   clastic run uniaxial                          run it; results go to runs/uniaxial
   clastic compare runs/a runs/b                 their curves in one picture
@@ -69,6 +71,11 @@ enum Command {
     Check(CheckArgs),
     /// List the scenes that have a name: those in ./scenes and those that clastic ships
     List,
+    /// Print a commented scene to start from
+    New {
+        /// The rig; without it the names of all rigs
+        rig: Option<String>,
+    },
     /// Make the runs of a study, several at once, and write one table and one figure
     Sweep(SweepArgs),
     /// Find the strength at several confining stresses: Mohr circles, c and phi, sigma_ci and m_i
@@ -114,19 +121,24 @@ struct SweepArgs {
 struct EnvelopeArgs {
     /// A scene file, or the name of a scene in ./scenes or of one that clastic ships
     scene: PathBuf,
-    /// Confining stresses, Pa, compression positive: 0,5e6,10e6
+    /// Confining stresses, Pa, compression positive, two or more: 0,5e6,10e6
     #[arg(long, value_name = "PA,...", value_delimiter = ',', required = true)]
+    #[arg(value_parser = stress)]
     confining: Vec<f64>,
     /// Field of the scene that is the confining stress: a path, or PATH=VALUE with {} in the place
     /// of the stress; may be repeated
-    #[arg(long = "field", value_name = "PATH[=VALUE]", default_value = "let.confining")]
+    #[arg(long = "field", value_name = "PATH[=VALUE]", default_value = envelope::DEFAULT_FIELD)]
     fields: Vec<String>,
     /// Seeds of the specimen
-    #[arg(long, value_name = "N,...", value_delimiter = ',')]
+    #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = seed)]
     seeds: Vec<u64>,
     /// Field of the scene that is the seed; may be repeated
     #[arg(long = "seed-field", value_name = "PATH", default_value = "let.seed")]
     seed_fields: Vec<String>,
+    /// A scene whose state at the end is the specimen of all runs of a seed; --seed-field is then a
+    /// field of this scene
+    #[arg(long, value_name = "SCENE")]
+    prepare: Option<PathBuf>,
     /// Set a field of the scene for all runs; may be repeated
     #[arg(long = "set", value_name = "PATH=VALUE")]
     sets: Vec<String>,
@@ -139,6 +151,15 @@ struct EnvelopeArgs {
     /// No progress, only the result
     #[arg(short, long)]
     quiet: bool,
+}
+
+fn stress(text: &str) -> Result<f64, &'static str> {
+    let value = text.trim().parse().ok().filter(|value: &f64| value.is_finite());
+    value.ok_or("write numbers in Pa with commas between them, as in 0,5e6,10e6")
+}
+
+fn seed(text: &str) -> Result<u64, &'static str> {
+    text.trim().parse().map_err(|_| "write whole numbers with commas between them, as in 1,2,3")
 }
 
 /// Batch systems that a sweep can write jobs for.
@@ -263,6 +284,7 @@ fn execute<M>(command: Command, plugins: impl Plugins<M> + Send) -> ExitCode {
         }
         Command::Check(args) => check::check(&args, &program()),
         Command::List => list::list(),
+        Command::New { rig } => new::new(rig.as_deref()),
         Command::Sweep(args) => sweep::sweep(&args, &program()),
         Command::Envelope(args) => envelope::envelope(&args, &program()),
         Command::Compare { runs, out } => compare::compare(&runs, &out),

@@ -85,6 +85,34 @@ pub fn load_with(
     sets: &[String],
     further: impl FnOnce(&Scene) -> Vec<Finding>,
 ) -> Result<LoadedScene, LoadError> {
+    let base = path.parent().unwrap_or(Path::new(""));
+    load_file(path, sets, |specimen| read_specimen(base, specimen), further)
+}
+
+/// Like [`load_with`], for a scene whose saved state is still to be made. What depends on the state
+/// is not checked, and the scene that it returns has no specimen.
+///
+/// # Errors
+/// See [`LoadError`].
+pub fn load_unprepared(
+    path: &Path,
+    sets: &[String],
+    further: impl FnOnce(&Scene) -> Vec<Finding>,
+) -> Result<LoadedScene, LoadError> {
+    let base = path.parent().unwrap_or(Path::new(""));
+    let read = |specimen: &Specimen| match specimen {
+        Specimen::State { .. } => Ok(None),
+        _ => read_specimen(base, specimen),
+    };
+    load_file(path, sets, read, further)
+}
+
+fn load_file(
+    path: &Path,
+    sets: &[String],
+    read: impl FnOnce(&Specimen) -> Result<Option<StoredSpecimen>, ReadError>,
+    further: impl FnOnce(&Scene) -> Vec<Finding>,
+) -> Result<LoadedScene, LoadError> {
     let read_error = |source| LoadError::Read { path: path.to_owned(), source };
     let bytes = read_at_most(path, MAX_BYTES).map_err(read_error)?;
     let refuse = |text: &str, at, message: String, help| {
@@ -104,8 +132,7 @@ pub fn load_with(
         let message = format!("not UTF-8 text (byte 0x{byte:02x})");
         refuse(&text, at, message, "save the scene as UTF-8")
     })?;
-    let base = path.parent().unwrap_or(Path::new(""));
-    from_text(&text, path, sets, |specimen| read_specimen(base, specimen), further)
+    from_text(&text, path, sets, read, further)
 }
 
 /// Maximum size of a scene file, bytes. Reading it takes about twenty times as much memory.

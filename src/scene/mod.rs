@@ -32,7 +32,7 @@ mod values;
 
 pub use diagnostic::{Diagnostic, Finding, SceneErrors};
 pub use limits::{MAX_MEMORY, MAX_PARTICLES};
-pub use load::{LoadError, LoadedScene, from_str, from_str_with, load, load_with};
+pub use load::{LoadError, LoadedScene, from_str, from_str_with, load, load_unprepared, load_with};
 pub use overrides::SetError;
 pub use reader::spans;
 pub(crate) use reader::suggest;

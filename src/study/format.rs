@@ -34,8 +34,15 @@ pub struct Study {
     /// One line that says what the study shows.
     pub title: String,
     /// The scene: a file relative to that of the study, or the name of a scene that
-    /// `clastic list` shows.
-    pub scene: PathBuf,
+    /// `clastic list` shows. Either this or `scenes`.
+    #[serde(default)]
+    pub scene: Option<PathBuf>,
+    /// Several scenes, each with a name. The name [`SCENE`] of a run says which one it has.
+    #[serde(default)]
+    pub scenes: Ordered<PathBuf>,
+    /// The run whose saved state is the specimen of the runs.
+    #[serde(default)]
+    pub prepare: Option<Preparation>,
     /// Settings that all runs have, `PATH=VALUE` as after `--set`.
     #[serde(default)]
     pub set: Vec<String>,
@@ -43,8 +50,32 @@ pub struct Study {
     /// place of the value. A name without an entry is a path itself.
     #[serde(default)]
     pub settings: Ordered<Vec<String>>,
+    /// Names of the runs over which `study_means.csv` averages, such as the seed.
+    #[serde(default)]
+    pub average_over: Vec<String>,
     /// The runs.
     pub runs: Runs,
+}
+
+/// Name whose value is the scene of a run, in a study with several scenes.
+pub const SCENE: &str = "scene";
+
+/// A run whose saved state is the specimen of others. It is made once per combination of the values
+/// that it depends on.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Preparation {
+    /// The scene, as that of a study.
+    pub scene: PathBuf,
+    /// Name of the stage `Save` that keeps the state; without it the state at the end.
+    #[serde(default)]
+    pub state: Option<String>,
+    /// Settings that every preparation has.
+    #[serde(default)]
+    pub set: Vec<String>,
+    /// Names of the runs on which the preparation depends, with the fields of its scene.
+    #[serde(default)]
+    pub settings: Ordered<Vec<String>>,
 }
 
 /// The runs of a study. A value is any value of a scene, in RON.
@@ -56,6 +87,9 @@ pub enum Runs {
     List(Vec<Ordered<Box<RawValue>>>),
     /// One run per row of a CSV file, relative to that of the study. Its columns are names.
     Table(PathBuf),
+    /// The runs of each entry, one entry after the other. A run lacks the names that only other
+    /// entries have.
+    Several(Vec<Runs>),
 }
 
 /// Why a study cannot be run.
@@ -102,17 +136,18 @@ impl Study {
         }
         Ok(study)
     }
+}
 
-    /// Settings of the scene, `PATH=VALUE`, that give a name a value.
-    pub(super) fn sets(&self, name: &str, value: &str) -> Vec<String> {
-        let fields = self.settings.0.iter().find(|(known, _)| known == name);
-        let set = |field: &String| match field.split_once('=') {
-            Some((path, template)) => format!("{path}={}", template.replace("{}", value)),
-            None => format!("{field}={value}"),
-        };
-        match fields {
-            Some((_, fields)) => fields.iter().map(set).collect(),
-            None => vec![format!("{name}={value}")],
-        }
-    }
+/// Settings of a scene, `PATH=VALUE`, that give a name a value. `settings` has the fields of a name;
+/// `None` if it does not have the name.
+pub(super) fn sets(
+    settings: &Ordered<Vec<String>>,
+    name: &str,
+    value: &str,
+) -> Option<Vec<String>> {
+    let set = |field: &String| match field.split_once('=') {
+        Some((path, template)) => format!("{path}={}", template.replace("{}", value)),
+        None => format!("{field}={value}"),
+    };
+    settings.get(name).map(|fields| fields.iter().map(set).collect())
 }

@@ -8,12 +8,14 @@
 //! scene with its settings, and the stored specimen. A run that exists is therefore never made
 //! again, whichever study asks for it, and a study can be extended.
 
+mod combinations;
 pub mod format;
 pub mod marks;
+pub mod means;
 mod ordered;
 pub mod plan;
 pub mod strength;
 pub mod table;
 
 pub use format::{Study, StudyError};
-pub use plan::{Plan, PlannedRun, plan};
+pub use plan::{Plan, PlannedRun, Start, Wanted, plan};

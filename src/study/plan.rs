@@ -3,165 +3,287 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::format::{Runs, Study, StudyError};
+use super::combinations::Combinations;
+use super::format::{Preparation, SCENE, Study, StudyError, sets};
+use crate::output::directory;
 use crate::output::run_record::{CLASTIC_VERSION, sha256};
-use crate::scene::LoadedScene;
-use crate::scene::format::Specimen;
+use crate::scene::format::{Save, Scene, Specimen, Stage};
+use crate::scene::{LoadedScene, suggest};
 
 /// Number of hexadecimal digits of the hash that name a directory: two of a million runs have
 /// one name with a probability of 2e-3.
 const DIGITS: usize = 12;
 
 /// The runs of a study.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Plan {
     /// Names that differ between runs, in the order of the study.
     pub names: Vec<String>,
+    /// Runs whose state is the specimen of others, in the order in which they are needed.
+    pub preparations: Vec<PlannedRun>,
     /// The runs, in the order of the study.
     pub runs: Vec<PlannedRun>,
 }
 
 /// A run of a study.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct PlannedRun {
+    /// Path of its scene.
+    pub scene: PathBuf,
     /// Values in RON, in the order of [`Plan::names`]; empty where the run does not have the name.
     pub values: Vec<String>,
     /// Settings of the scene, `PATH=VALUE`.
     pub sets: Vec<String>,
+    /// The state from which it starts.
+    pub start: Option<Start>,
     /// Name of its directory: the hash of what runs.
     pub directory: String,
+}
+
+/// A state that a preparation leaves.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Start {
+    /// Index among [`Plan::preparations`].
+    pub preparation: usize,
+    /// Name of the file in the directory of the preparation.
+    pub file: String,
+}
+
+/// A scene that a plan asks for.
+#[derive(Clone, Copy, Debug)]
+pub struct Wanted<'a> {
+    /// The scene as the study names it.
+    pub scene: &'a Path,
+    /// Settings, `PATH=VALUE`.
+    pub sets: &'a [String],
+    /// Whether its saved state is still to be made, so that the scene is to be read without it.
+    pub is_unprepared: bool,
 }
 
 impl PlannedRun {
     /// The run in one line: its names and values.
     #[must_use]
     pub fn label(&self, names: &[String]) -> String {
-        let parts = names.iter().zip(&self.values).filter(|(_, value)| !value.is_empty());
+        self.label_without(names, &[])
+    }
+
+    /// The run in one line, without some of its names.
+    #[must_use]
+    pub fn label_without(&self, names: &[String], left_out: &[String]) -> String {
+        let parts = names.iter().zip(&self.values);
+        let parts = parts.filter(|(name, value)| !value.is_empty() && !left_out.contains(name));
         parts.map(|(name, value)| format!("{name} {value}")).collect::<Vec<_>>().join(", ")
     }
 }
 
-/// Plans a study. `file` is that of the study; `load` reads its scene with settings.
+/// Setting that gives a scene its saved state.
+#[must_use]
+pub fn state_at(path: &Path) -> String {
+    // A path in RON is a string, in which `\` begins an escape.
+    format!("specimen.path={:?}", path.display().to_string())
+}
+
+/// Plans a study. `file` is that of the study; `load` reads a scene with settings.
 ///
 /// # Errors
 /// If the table of a study cannot be read, if a setting leads nowhere or does not fit, if a scene
-/// with its settings is wrong, or if two runs are equal.
+/// with its settings is wrong, if it does not start from the state that is prepared for it, or if
+/// two runs are equal.
 pub fn plan<E: std::fmt::Display>(
     study: &Study,
     file: &Path,
-    load: impl Fn(&[String]) -> Result<LoadedScene, E>,
+    load: impl Fn(Wanted<'_>) -> Result<LoadedScene, E>,
 ) -> Result<Plan, StudyError> {
-    let Combinations { names, rows } = combinations(study, file)?;
-    for (name, fields) in &study.settings.0 {
-        if !names.contains(name) {
-            let message =
-                format!("settings: no run has `{name}`; give it values in `runs`, or leave it out");
-            return Err(StudyError::new(file, message));
+    let Combinations { names, rows } = Combinations::of(&study.runs, file)?;
+    let of_preparation =
+        study.prepare.iter().map(|prepare| ("prepare.settings", &prepare.settings));
+    for (place, settings) in [("settings", &study.settings)].into_iter().chain(of_preparation) {
+        for (name, fields) in &settings.0 {
+            check_setting(place, name, fields, &names)
+                .map_err(|message| StudyError::new(file, message))?;
         }
-        if fields.is_empty() {
-            let message = format!(
-                "settings.{name}: no field; name the fields of the scene that it stands for"
-            );
-            return Err(StudyError::new(file, message));
-        }
+    }
+    if let Some(name) = study.average_over.iter().find(|name| !names.contains(name)) {
+        let known: Vec<_> = names.iter().map(String::as_str).collect();
+        let help = suggest::help(name, &known, "names of the runs");
+        let message = format!("average_over: no run has `{name}`; {help}");
+        return Err(StudyError::new(file, message));
     }
     if rows.is_empty() {
         return Err(StudyError::new(file, "runs: there are none; give at least one"));
     }
-    let mut runs: Vec<PlannedRun> = Vec::new();
-    for (k, values) in rows.into_iter().enumerate() {
-        let mut sets = study.set.clone();
-        for (name, value) in names.iter().zip(&values).filter(|(_, value)| !value.is_empty()) {
-            sets.extend(study.sets(name, value));
+    let mut plan = Plan { names, ..Plan::default() };
+    let scenes = plan.names.iter().position(|name| name == SCENE && study.scene.is_none());
+    for (k, mut values) in rows.into_iter().enumerate() {
+        if let Some(at) = scenes {
+            values[at] = bare(&values[at]).to_owned();
         }
-        let mut run = PlannedRun { values, sets, directory: String::new() };
-        let what = || format!("run {} ({})", k + 1, run.label(&names));
-        let loaded = load(&run.sets)
-            .map_err(|error| StudyError::new(file, format!("{}:\n{error}", what())))?;
-        let directory = directory(&loaded)
-            .map_err(|error| StudyError::new(file, format!("{}: {error}", what())))?;
-        if let Some(twin) = runs.iter().position(|other| other.directory == directory) {
-            let message =
-                format!("{} is the same as run {}; leave one of them out", what(), twin + 1);
-            return Err(StudyError::new(file, message));
-        }
-        run.directory = directory;
-        runs.push(run);
+        let run = PlannedRun { values, ..PlannedRun::default() };
+        let what = format!("run {} ({})", k + 1, run.label(&plan.names));
+        let add = plan.add(run, study, &load);
+        add.map_err(|message| StudyError::new(file, format!("{what}{message}")))?;
     }
-    Ok(Plan { names, runs })
+    Ok(plan)
+}
+
+fn check_setting(
+    place: &str,
+    name: &str,
+    fields: &[String],
+    names: &[String],
+) -> Result<(), String> {
+    if !names.iter().any(|known| known == name) {
+        return Err(format!(
+            "{place}: no run has `{name}`; give it values in `runs`, or leave it out"
+        ));
+    }
+    if fields.is_empty() {
+        return Err(format!(
+            "{place}.{name}: no field; name the fields of the scene that it stands for"
+        ));
+    }
+    Ok(())
+}
+
+impl Plan {
+    /// Adds a run that has its values, and the preparation that it needs. An error begins with the
+    /// punctuation after the name of the run.
+    fn add<E: std::fmt::Display>(
+        &mut self,
+        mut run: PlannedRun,
+        study: &Study,
+        load: &impl Fn(Wanted<'_>) -> Result<LoadedScene, E>,
+    ) -> Result<(), String> {
+        let values = self.names.iter().zip(&run.values).filter(|(_, value)| !value.is_empty());
+        let values: Vec<_> = values.map(|(name, value)| (name.clone(), value.clone())).collect();
+        let scene = scene(study, &values)?;
+        run.sets.clone_from(&study.set);
+        for (name, value) in &values {
+            let is_of_preparation =
+                study.prepare.as_ref().is_some_and(|p| p.settings.get(name).is_some());
+            match sets(&study.settings, name, value) {
+                Some(sets) => run.sets.extend(sets),
+                // It chooses the scene, or belongs to the preparation alone.
+                None if is_of_preparation => {}
+                None if name == SCENE && study.scene.is_none() => {}
+                None => run.sets.push(format!("{name}={value}")),
+            }
+        }
+        let mut sets = run.sets.clone();
+        if let Some(prepare) = &study.prepare {
+            let start = self.prepared(prepare, &values, load)?;
+            let before = &self.preparations[start.preparation].directory;
+            sets.push(state_at(&Path::new(before).join(&start.file)));
+            run.start = Some(start);
+        }
+        let wanted = Wanted { scene, sets: &sets, is_unprepared: run.start.is_some() };
+        let loaded = load(wanted).map_err(|error| format!(":\n{error}"))?;
+        if run.start.is_some() && !matches!(loaded.scene.specimen, Specimen::State { .. }) {
+            return Err(format!(
+                ": scene `{}` does not start from the state that is prepared; give it \
+                 `specimen: State(path: \"...\")`, whose path the study sets",
+                scene.display()
+            ));
+        }
+        run.directory = hashed(&loaded).map_err(|error| format!(": {error}"))?;
+        run.scene = loaded.path;
+        if let Some(twin) = self.runs.iter().position(|r| r.directory == run.directory) {
+            return Err(format!(" is the same as run {}; leave one of them out", twin + 1));
+        }
+        self.runs.push(run);
+        Ok(())
+    }
+
+    /// The state that a run with some values starts from. Its preparation is added to the plan
+    /// unless it is there.
+    fn prepared<E: std::fmt::Display>(
+        &mut self,
+        prepare: &Preparation,
+        values: &[(String, String)],
+        load: &impl Fn(Wanted<'_>) -> Result<LoadedScene, E>,
+    ) -> Result<Start, String> {
+        let mut run = PlannedRun {
+            values: vec![String::new(); self.names.len()],
+            sets: prepare.set.clone(),
+            ..PlannedRun::default()
+        };
+        for (name, _) in &prepare.settings.0 {
+            let Some((_, value)) = values.iter().find(|(known, _)| known == name) else {
+                return Err(format!(": its preparation needs a value of `{name}`"));
+            };
+            run.sets.extend(sets(&prepare.settings, name, value).unwrap_or_default());
+            if let Some(at) = self.names.iter().position(|known| known == name) {
+                run.values[at].clone_from(value);
+            }
+        }
+        let wanted = Wanted { scene: &prepare.scene, sets: &run.sets, is_unprepared: false };
+        let loaded = load(wanted).map_err(|error| format!(", its preparation:\n{error}"))?;
+        let file = match &prepare.state {
+            None => directory::FINAL_STATE.to_owned(),
+            Some(state) => saved_as(&loaded.scene, state)?,
+        };
+        run.directory = hashed(&loaded).map_err(|error| format!(", its preparation: {error}"))?;
+        run.scene = loaded.path;
+        let there = self.preparations.iter().position(|p| p.directory == run.directory);
+        let preparation = there.unwrap_or_else(|| {
+            self.preparations.push(run);
+            self.preparations.len() - 1
+        });
+        Ok(Start { preparation, file })
+    }
+}
+
+/// The scene of a run with some values.
+fn scene<'a>(study: &'a Study, values: &[(String, String)]) -> Result<&'a Path, String> {
+    match (&study.scene, study.scenes.0.as_slice()) {
+        (Some(scene), []) => return Ok(scene),
+        (None, [_, ..]) => {}
+        _ => return Err(": give the study either `scene` or `scenes`".to_owned()),
+    }
+    let known: Vec<_> = study.scenes.0.iter().map(|(name, _)| name.as_str()).collect();
+    let Some((_, value)) = values.iter().find(|(name, _)| name == SCENE) else {
+        return Err(format!(": give it a `{SCENE}`: one of {}", known.join(", ")));
+    };
+    study.scenes.get(value).map(PathBuf::as_path).ok_or_else(|| {
+        let help = suggest::help(value, &known, "scenes of the study");
+        format!(": `scenes` has no `{value}`; {help}")
+    })
+}
+
+/// The name of a scene as a value. A table has the bare name, a list or grid a string in RON.
+fn bare(value: &str) -> &str {
+    value.trim_matches('"')
+}
+
+/// File of the state that a stage keeps.
+fn saved_as(scene: &Scene, state: &str) -> Result<String, String> {
+    let saves = || {
+        scene.stages.iter().filter_map(|stage| match stage {
+            Stage::Save(save) => Some(save),
+            _ => None,
+        })
+    };
+    let found = saves().find(|save| save.name == state).map(Save::file);
+    found.ok_or_else(|| {
+        let there: Vec<_> = saves().map(|save| save.name.as_str()).collect();
+        let help = suggest::help(state, &there, "states that the scene saves");
+        format!(", its preparation: prepare.state: no stage `Save` is named `{state}`; {help}")
+    })
 }
 
 /// Name of the directory of a run: a hash of the program's version, of the scene with its settings,
 /// and of the stored specimen.
-fn directory(loaded: &LoadedScene) -> std::io::Result<String> {
+fn hashed(loaded: &LoadedScene) -> std::io::Result<String> {
     let mut content = format!("clastic {CLASTIC_VERSION}\n{}\n", loaded.text).into_bytes();
-    if let Specimen::File { path, .. } = &loaded.scene.specimen {
+    if let Specimen::File { path, .. } | Specimen::State { path, .. } = &loaded.scene.specimen {
         let path = loaded.path.parent().unwrap_or(Path::new("")).join(path);
-        // A shipped specimen is part of the program and of its version.
+        // A shipped specimen is part of the program and of its version. A state that is prepared
+        // is not there yet; the directory of its preparation is part of the path.
         if path.exists() {
             content.extend(sha256(&fs::read(path)?).into_bytes());
         }
     }
     Ok(sha256(&content)[..DIGITS].to_owned())
-}
-
-struct Combinations {
-    names: Vec<String>,
-    rows: Vec<Vec<String>>,
-}
-
-fn combinations(study: &Study, file: &Path) -> Result<Combinations, StudyError> {
-    match &study.runs {
-        Runs::Grid(axes) => {
-            let names = axes.0.iter().map(|(name, _)| name.clone()).collect();
-            let mut rows = vec![Vec::new()];
-            for (_, values) in &axes.0 {
-                rows = rows
-                    .iter()
-                    .flat_map(|row| {
-                        values.iter().map(move |value| {
-                            let mut row = row.clone();
-                            row.push(value.get_ron().trim().to_owned());
-                            row
-                        })
-                    })
-                    .collect();
-            }
-            Ok(Combinations { names, rows })
-        }
-        Runs::List(list) => {
-            let mut names: Vec<String> = Vec::new();
-            for (name, _) in list.iter().flat_map(|run| &run.0) {
-                if !names.contains(name) {
-                    names.push(name.clone());
-                }
-            }
-            let value = |run: &super::ordered::Ordered<Box<ron::value::RawValue>>,
-                         name: &String| {
-                let entry = run.0.iter().find(|(known, _)| known == name);
-                entry.map(|(_, value)| value.get_ron().trim().to_owned()).unwrap_or_default()
-            };
-            let rows = list.iter().map(|run| names.iter().map(|n| value(run, n)).collect());
-            Ok(Combinations { rows: rows.collect(), names })
-        }
-        Runs::Table(path) => table(&file.parent().unwrap_or(Path::new("")).join(path)),
-    }
-}
-
-fn table(path: &PathBuf) -> Result<Combinations, StudyError> {
-    let wrong = |error: csv::Error| StudyError::new(path, error.to_string());
-    let mut reader =
-        csv::ReaderBuilder::new().trim(csv::Trim::All).from_path(path).map_err(wrong)?;
-    let names: Vec<String> = reader.headers().map_err(wrong)?.iter().map(str::to_owned).collect();
-    if let Some(twice) = names.iter().enumerate().find(|(k, name)| names[..*k].contains(name)) {
-        let message = format!("column `{}` stands twice; leave one of them out", twice.1);
-        return Err(StudyError::new(path, message));
-    }
-    let mut rows = Vec::new();
-    for record in reader.records() {
-        rows.push(record.map_err(wrong)?.iter().map(str::to_owned).collect());
-    }
-    Ok(Combinations { names, rows })
 }
 
 #[cfg(test)]
@@ -176,8 +298,8 @@ mod tests {
         stages: [Load(name: "load", increments: 1)],
     )"#;
 
-    fn load(sets: &[String]) -> Result<LoadedScene, LoadError> {
-        from_str(SCENE, Path::new("two.ron"), Path::new(""), sets)
+    fn load(wanted: Wanted<'_>) -> Result<LoadedScene, LoadError> {
+        from_str(SCENE, Path::new("two.ron"), Path::new(""), wanted.sets)
     }
 
     fn planned(runs: &str) -> Result<Plan, String> {

@@ -84,11 +84,14 @@ mod tests {
     fn a_run_that_was_not_made_has_a_row() -> Result<(), Box<dyn std::error::Error>> {
         let run = |value: &str, directory: &str| PlannedRun {
             values: vec![value.to_owned()],
-            sets: vec![],
             directory: directory.to_owned(),
+            ..PlannedRun::default()
         };
-        let plan =
-            Plan { names: vec!["mu".to_owned()], runs: vec![run("0.2", "a"), run("0.4", "b")] };
+        let plan = Plan {
+            names: vec!["mu".to_owned()],
+            runs: vec![run("0.2", "a"), run("0.4", "b")],
+            ..Plan::default()
+        };
         let record = json!({ "outcome": { "status": "completed" }, "increments": 4,
             "capped_increments": 0, "results": { "peak_stress_pa": 2.5, "bonds_intact": 3 } });
         let dir = tempfile::tempdir()?;

@@ -158,3 +158,152 @@ fn the_shipped_study_is_sound() {
     assert!(script.contains("#SBATCH --array=1-18\n"), "{script}");
     assert!(script.contains("# 18: cement 100.0e3, confining 200.0e3, seed 3"), "{script}");
 }
+
+/// Tests that branch from packings of a few disks: two loads on each of two packings.
+const BRANCHES: &str = r#"(
+    version: 1,
+    title: "two packings, two loads",
+    scenes: { "slow": "branch.ron", "fast": "branch.ron" },
+    prepare: (scene: "packing.ron", state: "packed", settings: { "seed": ["let.seed"] }),
+    settings: { "step": ["let.step"] },
+    average_over: ["seed"],
+    runs: Several([
+        Grid({ "scene": ["slow"], "step": [1.0e-6], "seed": [1, 2] }),
+        List([{ "scene": "fast", "step": 2.0e-6, "seed": 2 }]),
+    ]),
+)"#;
+
+const PACKING: &str = r#"(
+    version: 2, title: "packing", let: { "seed": 1 },
+    materials: { "m": (contact: (normal_stiffness: 1.0e8, tangential_stiffness: 1.0e8, friction: 0.5)) },
+    specimen: Packing(count: 16, columns: 4, spacing: 2.1e-2, sizes: Uniform(radius: (8.0e-3, 1.0e-2)), seed: seed),
+    walls: [
+        (name: "bottom", start: (0.0, 0.0), end: (0.085, 0.0), contact: (normal_stiffness: 1.0e8)),
+        (name: "top", start: (0.085, 0.1), end: (0.0, 0.1), contact: (normal_stiffness: 1.0e8)),
+        (name: "left", start: (0.0, 0.1), end: (0.0, 0.0), contact: (normal_stiffness: 1.0e8)),
+        (name: "right", start: (0.085, 0.0), end: (0.085, 0.1), contact: (normal_stiffness: 1.0e8)),
+    ],
+    stages: [
+        Compact(name: "compact", wall: "top", base: "bottom", target: Porosity(0.36), step: 2.0e-3),
+        Save(name: "packed"),
+    ],
+)"#;
+
+const BRANCH: &str = r#"(
+    version: 2, title: "branch", let: { "step": 1.0e-6 },
+    materials: { "m": (contact: (normal_stiffness: 1.0e8, tangential_stiffness: 1.0e8, friction: 0.5)) },
+    specimen: State(path: "set by the study"),
+    stages: [Load(name: "press", increments: 5, walls: { "top": Displacement(0.0, -step) })],
+    measures: [
+        (name: "axial_strain", of: Strain(Walls("bottom", "top"))),
+        (name: "axial_stress", of: Stress(Walls(walls: ["top"], length: Fixed(0.085)))),
+    ],
+)"#;
+
+fn branches() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in [("study.ron", BRANCHES), ("packing.ron", PACKING), ("branch.ron", BRANCH)]
+    {
+        fs::write(folder.path().join(name), text).unwrap();
+    }
+    folder
+}
+
+#[test]
+fn a_packing_is_made_once_and_branched() {
+    let folder = branches();
+    assert!(sweep(folder.path(), &[]).status().unwrap().success());
+    let text = table(folder.path());
+    let rows: Vec<_> = text.lines().collect();
+    assert_eq!(rows.len(), 4, "{text}");
+    assert!(rows[3].contains(",fast,2.0e-6,2,completed,"), "{text}");
+    let runs = fs::read_dir(folder.path().join("out")).unwrap();
+    let runs = runs.filter(|entry| entry.as_ref().unwrap().path().is_dir()).count();
+    assert_eq!(runs, 3 + 2, "three runs and two packings");
+    let means = fs::read_to_string(folder.path().join("out/study_means.csv")).unwrap();
+    let rows: Vec<_> = means.lines().collect();
+    assert!(rows[0].starts_with("scene,step,runs,marked_runs,"), "{means}");
+    assert!(rows[1].starts_with("slow,1.0e-6,2,0,") && rows.len() == 3, "{means}");
+    // The same study in another folder, by tasks of a job array, leaves the same table.
+    let other = branches();
+    for task in ["3", "1", "2"] {
+        sweep(other.path(), &["--only", task]).status().unwrap();
+    }
+    assert!(sweep(other.path(), &["--collect"]).status().unwrap().success());
+    assert_eq!(table(other.path()), text);
+}
+
+#[test]
+fn a_killed_sweep_with_preparations_goes_on_to_the_same_table() {
+    let whole = branches();
+    assert!(sweep(whole.path(), &[]).status().unwrap().success());
+    let killed = branches();
+    for pause in [30, 60, 90] {
+        let mut child = sweep(killed.path(), &[]).spawn().unwrap();
+        std::thread::sleep(Duration::from_millis(pause));
+        child.kill().unwrap();
+        child.wait().unwrap();
+    }
+    assert!(sweep(killed.path(), &[]).status().unwrap().success());
+    assert_eq!(table(killed.path()), table(whole.path()));
+}
+
+#[test]
+fn a_preparation_that_fails_leaves_its_runs_out_and_says_so() {
+    let folder = branches();
+    // No packing of these disks is that dense: the compaction ends without its target.
+    let packing = PACKING.replace("Porosity(0.36)", "Porosity(0.02)");
+    fs::write(folder.path().join("packing.ron"), packing).unwrap();
+    let out = sweep(folder.path(), &[]).stderr(Stdio::piped()).output().unwrap();
+    let said = String::from_utf8_lossy(&out.stderr).into_owned();
+    assert!(!out.status.success());
+    assert!(said.contains("preparation, seed 1: failed:"), "{said}");
+    assert!(said.contains("preparation, seed 2 was not completed"), "{said}");
+    assert!(table(folder.path()).contains(",slow,1.0e-6,1,not run,not run,"));
+}
+
+#[test]
+fn a_mistake_in_a_preparation_is_told_before_anything_runs() {
+    for (file, from, to, told) in [
+        ("study.ron", "\"packed\"", "\"paced\"", "did you mean `packed`?"),
+        ("study.ron", "\"seed\": [\"let.seed\"]", "\"seed\": [\"let.sed\"]", "let.sed"),
+        ("study.ron", "\"scene\": \"fast\"", "\"scene\": \"fasd\"", "did you mean `fast`?"),
+        (
+            "study.ron",
+            "average_over: [\"seed\"]",
+            "average_over: [\"sed\"]",
+            "did you mean `seed`?",
+        ),
+        (
+            "packing.ron",
+            "Porosity(0.36)",
+            "Porosity(1.36)",
+            "run 1 (scene slow, step 1.0e-6, seed 1)",
+        ),
+        ("branch.ron", "increments: 5", "increments: 0", "stages[0].increments"),
+        ("branch.ron", "State(path: \"set by the study\")", "Particles([])", "specimen"),
+    ] {
+        let folder = branches();
+        let path = folder.path().join(file);
+        let text = fs::read_to_string(&path).unwrap();
+        assert!(text.contains(from), "{from}");
+        fs::write(&path, text.replace(from, to)).unwrap();
+        let out = sweep(folder.path(), &[]).stderr(Stdio::piped()).output().unwrap();
+        let said = String::from_utf8_lossy(&out.stderr).into_owned();
+        assert!(said.contains(told), "{to}: {said}");
+        assert!(!folder.path().join("out").exists(), "{to}");
+    }
+}
+
+#[test]
+fn an_envelope_says_what_it_needs() {
+    for (arguments, told) in [
+        (vec!["--confining", "1e5"], "two confining stresses"),
+        (vec!["--confining", "1e5,2e5", "--seeds", "1,x"], "write whole numbers"),
+        (vec!["--confining", "1e5,2e5"], "--field"),
+    ] {
+        let arguments = [vec!["envelope", "biaxial_small"], arguments].concat();
+        let said = stderr(&clastic(&arguments).failure());
+        assert!(said.contains(told), "{said}");
+    }
+}

@@ -6,13 +6,15 @@ use crate::output::directory;
 use crate::output::plots::history::History;
 use crate::output::plots::{self, compare};
 use crate::study::marks::marks;
-use crate::study::table;
+use crate::study::{means, table};
 
 use super::Sweep;
 use crate::cli::exit::{Exit, Failure, say};
 
 /// Name of the table.
 const TABLE: &str = "study.csv";
+/// Name of the table of means.
+const MEANS: &str = "study_means.csv";
 /// Name of the figure.
 const FIGURE: &str = "study.svg";
 
@@ -24,6 +26,7 @@ pub fn collect(sweep: &Sweep) -> Result<Exit, Failure> {
     let path = folder.join(TABLE);
     table::write(&path, plan, &records)?;
     say(format_args!("written: {}", path.display()))?;
+    average(sweep, &records)?;
     draw(sweep, &records)?;
     let mut marked = 0;
     let mut missing = 0;
@@ -48,6 +51,45 @@ pub fn collect(sweep: &Sweep) -> Result<Exit, Failure> {
     })
 }
 
+/// Writes and prints the means, if the study asks for them.
+fn average(sweep: &Sweep, records: &[serde_json::Value]) -> Result<(), Failure> {
+    let path = sweep.folder.join(MEANS);
+    if sweep.average_over.is_empty() {
+        // The table may come from an earlier form of the study.
+        return Ok(directory::remove_if_there(&path)?);
+    }
+    let names = means::names(&sweep.plan, &sweep.average_over);
+    let groups = means::groups(&sweep.plan, records, &sweep.average_over);
+    means::write(&path, &names, &groups)?;
+    say(format_args!("written: {}", path.display()))?;
+    let peak = table::RESULTS.iter().position(|name| *name == "peak_stress_pa");
+    for group in &groups {
+        let values = names.iter().zip(&group.values).filter(|(_, value)| !value.is_empty());
+        let label: Vec<_> = values.map(|(name, value)| format!("{name} {value}")).collect();
+        let spread = peak.map(|peak| group.results[peak]).unwrap_or_default();
+        let stress = match (spread.mean, spread.deviation) {
+            (Some(mean), Some(sd)) => {
+                let (mean, sd) = (rounded(1e-6 * mean), rounded(1e-6 * sd));
+                format!("peak {mean} MPa, standard deviation {sd} MPa")
+            }
+            (Some(mean), None) => format!("peak {} MPa", rounded(1e-6 * mean)),
+            (None, _) => "no peak".to_owned(),
+        };
+        let marked = match group.marked {
+            0 => String::new(),
+            n => format!("; {n} with marks left out"),
+        };
+        say(format_args!("  {}: {stress}, {} runs{marked}", label.join(", "), group.runs))?;
+    }
+    Ok(())
+}
+
+/// A number with four significant digits.
+fn rounded(value: f64) -> String {
+    let digits = if value == 0.0 { 0.0 } else { 3.0 - value.abs().log10().floor() };
+    format!("{value:.0$}", digits.clamp(0.0, 12.0) as usize)
+}
+
 fn draw(sweep: &Sweep, records: &[serde_json::Value]) -> Result<(), Failure> {
     if !plots::DRAWN {
         return Ok(());
@@ -58,7 +100,7 @@ fn draw(sweep: &Sweep, records: &[serde_json::Value]) -> Result<(), Failure> {
         if !history.exists() {
             continue;
         }
-        let mut name = run.label(&sweep.plan.names);
+        let mut name = run.label_without(&sweep.plan.names, &sweep.average_over);
         let marks = marks(record);
         if !marks.is_empty() {
             name += &format!(" ({})", marks.join("; "));

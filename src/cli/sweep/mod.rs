@@ -2,7 +2,9 @@
 
 pub mod collect;
 pub mod jobs;
+mod show;
 mod slurm;
+mod task;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -11,8 +13,9 @@ use bevy_app::App;
 
 use crate::output::OutputError;
 use crate::output::directory::default_directory;
-use crate::scene::load_with;
-use crate::study::{Plan, Study, StudyError, plan};
+use crate::scene::format::Scene;
+use crate::scene::{LoadError, LoadedScene, load_unprepared, load_with};
+use crate::study::{Plan, Study, StudyError, Wanted, plan};
 
 use super::SweepArgs;
 use super::exit::{Exit, Failure, say};
@@ -27,12 +30,12 @@ impl From<StudyError> for Failure {
 
 /// A study whose runs are known and sound.
 pub struct Sweep {
-    /// Path of the scene.
-    pub scene: PathBuf,
     /// Title of the study.
     pub title: String,
     /// The runs.
     pub plan: Plan,
+    /// Names that the table of means averages over.
+    pub average_over: Vec<String>,
     /// Directory of the runs and of the table.
     pub folder: PathBuf,
 }
@@ -54,7 +57,7 @@ pub fn sweep(args: &SweepArgs, app: &App) -> Result<Exit, Failure> {
         None => (0..sweep.plan.runs.len()).collect(),
     };
     let interrupted =
-        if args.collect { false } else { jobs::run_all(&sweep, wanted, args.jobs, args.quiet)? };
+        if args.collect { false } else { jobs::run_all(&sweep, &wanted, args.jobs, args.quiet)? };
     let exit = collect::collect(&sweep)?;
     Ok(if interrupted { Exit::Interrupted } else { exit })
 }
@@ -66,10 +69,21 @@ fn read(file: &Path, out: Option<&Path>, app: &App) -> Result<Sweep, Failure> {
         message: format!("{}: cannot read the study: {error}", file.display()),
     })?;
     let study = Study::read(&text, file)?;
-    let beside = file.parent().unwrap_or(Path::new("")).join(&study.scene);
-    let scene = if beside.is_file() { beside } else { resolve(&study.scene)? };
-    let plan =
-        plan(&study, file, |sets| load_with(&scene, sets, |scene| own_findings(scene, app)))?;
+    let plan = plan(&study, file, |wanted| load(wanted, file, app))?;
     let folder = out.map_or_else(|| default_directory(file), Path::to_owned);
-    Ok(Sweep { scene, title: study.title, plan, folder })
+    Ok(Sweep { title: study.title, plan, average_over: study.average_over, folder })
+}
+
+/// Reads a scene of a study: a file beside that of the study, or a scene that has a name.
+pub fn load(wanted: Wanted<'_>, study: &Path, app: &App) -> Result<LoadedScene, String> {
+    let beside = study.parent().unwrap_or(Path::new("")).join(wanted.scene);
+    let resolved = if beside.is_file() { Ok(beside) } else { resolve(wanted.scene) };
+    let path = resolved.map_err(|failure| failure.message)?;
+    let further = |scene: &Scene| own_findings(scene, app);
+    let loaded = if wanted.is_unprepared {
+        load_unprepared(&path, wanted.sets, further)
+    } else {
+        load_with(&path, wanted.sets, further)
+    };
+    loaded.map_err(|error: LoadError| error.to_string())
 }

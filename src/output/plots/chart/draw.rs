@@ -1,5 +1,6 @@
 //! Draws charts with plotters.
 
+use std::collections::{HashMap, HashSet};
 use std::io;
 
 use plotters::coord::Shift;
@@ -52,14 +53,28 @@ impl Chart {
         Ok(text.replacen(&size(ZOOM), &size(1), 1))
     }
 
-    /// Names and styles of the lines for the legend; empty for a single line.
+    /// Names and styles of the lines for the legend, each name once; empty for a single line.
     fn legend(&self) -> Vec<(&str, ShapeStyle)> {
-        let lines = self.lines.iter().zip(COLORS.iter().cycle());
-        let lines = lines.map(|(line, color)| (line, color.stroke_width(2 * ZOOM)));
+        let mut lines: Vec<_> = self.lines.iter().zip(self.styles()).collect();
+        let mut known = HashSet::new();
+        lines.retain(|(line, _)| known.insert(&line.name));
         let second = self.second.iter().map(|line| (line, SECONDARY.stroke_width(ZOOM)));
-        let all: Vec<_> =
-            lines.chain(second).map(|(line, style)| (line.name.as_str(), style)).collect();
+        let all: Vec<_> = lines
+            .into_iter()
+            .chain(second)
+            .map(|(line, style)| (line.name.as_str(), style))
+            .collect();
         if all.len() > 1 { all } else { Vec::new() }
+    }
+
+    /// Styles of the lines. Lines with one name have one colour.
+    fn styles(&self) -> impl Iterator<Item = ShapeStyle> {
+        let mut known = HashMap::new();
+        self.lines.iter().map(move |line| {
+            let next = known.len();
+            let at = *known.entry(&line.name).or_insert(next);
+            COLORS[at % COLORS.len()].stroke_width(2 * ZOOM)
+        })
     }
 
     fn draw<'a>(
@@ -122,8 +137,7 @@ impl Chart {
             .x_label_formatter(&|v| tick(*v, x_span))
             .y_label_formatter(&|v| tick(*v, y_span))
             .draw()?;
-        for (line, color) in self.lines.iter().zip(COLORS.iter().cycle()) {
-            let style = color.stroke_width(2 * ZOOM);
+        for (line, style) in self.lines.iter().zip(self.styles()) {
             chart.draw_series(LineSeries::new(thin(&line.points), style))?;
         }
         if let Some(second) = &self.second {

@@ -8,7 +8,7 @@ use std::io;
 /// A line of a chart.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Line {
-    /// Name in the legend.
+    /// Name in the legend. Lines with one name have one colour and one entry.
     pub name: String,
     /// Points.
     pub points: Vec<(f64, f64)>,

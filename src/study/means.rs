@@ -1,0 +1,149 @@
+//! `study_means.csv`: key results as means over some of the names of a study, such as the seeds.
+
+use std::path::Path;
+
+use serde_json::Value;
+
+use super::marks::marks;
+use super::plan::Plan;
+use super::table::RESULTS;
+use crate::output::OutputError;
+use crate::output::atomic::write_atomic;
+use crate::output::csv_file::Row;
+
+/// Runs that differ in the names that are averaged over, and in nothing else.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Group {
+    /// Values of the other names, in their order; empty where the runs lack a name.
+    pub values: Vec<String>,
+    /// Number of runs without marks, which the means are of.
+    pub runs: usize,
+    /// Number of runs with marks, which are in no mean.
+    pub marked: usize,
+    /// Per result of [`RESULTS`]: mean and standard deviation.
+    pub results: Vec<Spread>,
+}
+
+/// Mean and scatter of a result.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Spread {
+    /// Mean; `None` if no run of the group defines the result.
+    pub mean: Option<f64>,
+    /// Standard deviation of the sample, with n - 1; `None` for fewer than two runs.
+    pub deviation: Option<f64>,
+}
+
+impl Spread {
+    /// Mean and scatter of a sample.
+    #[must_use]
+    pub fn of(values: &[f64]) -> Self {
+        let n = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / n;
+        let square = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0);
+        Self {
+            mean: (!values.is_empty()).then_some(mean),
+            deviation: (values.len() > 1).then(|| square.sqrt()),
+        }
+    }
+}
+
+/// Names that the groups differ in: all but `over`.
+#[must_use]
+pub fn names<'a>(plan: &'a Plan, over: &[String]) -> Vec<&'a str> {
+    plan.names.iter().filter(|name| !over.contains(name)).map(String::as_str).collect()
+}
+
+/// The groups of a plan in the order of their first runs. `records` are those of the runs.
+#[must_use]
+pub fn groups(plan: &Plan, records: &[Value], over: &[String]) -> Vec<Group> {
+    let mut groups: Vec<(Vec<String>, Vec<&Value>)> = Vec::new();
+    for (run, record) in plan.runs.iter().zip(records) {
+        let kept = plan.names.iter().zip(&run.values).filter(|(name, _)| !over.contains(name));
+        let values: Vec<String> = kept.map(|(_, value)| value.clone()).collect();
+        match groups.iter_mut().find(|(known, _)| *known == values) {
+            Some((_, records)) => records.push(record),
+            None => groups.push((values, vec![record])),
+        }
+    }
+    let group = |(values, records): (Vec<String>, Vec<&Value>)| {
+        let all = records.len();
+        let sound: Vec<_> = records.into_iter().filter(|r| marks(r).is_empty()).collect();
+        let result = |name: &&str| {
+            let values: Vec<_> = sound.iter().filter_map(|r| r["results"][name].as_f64()).collect();
+            Spread::of(&values)
+        };
+        let results = RESULTS.iter().map(result).collect();
+        Group { values, runs: sound.len(), marked: all - sound.len(), results }
+    };
+    groups.into_iter().map(group).collect()
+}
+
+/// Writes the table: per group its values, the number of runs that the means are of, the number of
+/// marked runs that they leave out, and mean and standard deviation of every key result.
+///
+/// # Errors
+/// If the file cannot be written.
+pub fn write(path: &Path, names: &[&str], groups: &[Group]) -> Result<(), OutputError> {
+    let header = names.iter().copied().chain(["runs", "marked_runs"]);
+    let mut row = header.fold(Row::default(), Row::text);
+    for name in RESULTS {
+        row = row.text(&format!("{name}_mean")).text(&format!("{name}_sd"));
+    }
+    let mut text = row.line();
+    for group in groups {
+        let mut row = group.values.iter().fold(Row::default(), |row, value| row.text(value));
+        row = row.count(group.runs as u64).count(group.marked as u64);
+        for Spread { mean, deviation } in &group.results {
+            row = row.optional(*mean).optional(*deviation);
+        }
+        text += &row.line();
+    }
+    write_atomic(path, text)
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+    use crate::study::PlannedRun;
+
+    /// Peaks of 1, 2 and 6 Pa of three seeds: mean 3, deviation sqrt(7). A run with marks counts
+    /// apart.
+    #[test]
+    fn runs_with_marks_are_in_no_mean() -> Result<(), Box<dyn std::error::Error>> {
+        let run = |strength: &str, seed: &str| PlannedRun {
+            values: vec![strength.to_owned(), seed.to_owned()],
+            ..PlannedRun::default()
+        };
+        let record = |status: &str, peak: f64| {
+            json!({ "outcome": { "status": status }, "increments": 1, "capped_increments": 0,
+                "results": { "peak_stress_pa": peak } })
+        };
+        let plan = Plan {
+            names: vec!["strength".to_owned(), "seed".to_owned()],
+            runs: ["1", "2", "3", "4"].map(|seed| run("weak", seed)).to_vec(),
+            ..Plan::default()
+        };
+        let records = [
+            record("completed", 1.0),
+            record("completed", 2.0),
+            record("undecided", 50.0),
+            record("collapsed", 6.0),
+        ];
+        let over = ["seed".to_owned()];
+        let found = groups(&plan, &records, &over);
+        assert_eq!((found.len(), found[0].runs, found[0].marked), (1, 3, 1));
+        let peak = RESULTS.iter().position(|name| *name == "peak_stress_pa").unwrap_or(0);
+        let Spread { mean, deviation } = found[0].results[peak];
+        assert!((mean.unwrap_or(0.0) - 3.0).abs() < 1e-12);
+        assert!((deviation.unwrap_or(0.0) - 7.0_f64.sqrt()).abs() < 1e-12);
+        let dir = tempfile::tempdir()?;
+        let path = dir.path().join("means.csv");
+        write(&path, &names(&plan, &over), &found)?;
+        let text = std::fs::read_to_string(path)?;
+        assert!(text.starts_with("strength,runs,marked_runs,youngs_modulus_pa_mean,"), "{text}");
+        assert!(text.contains("\nweak,3,1,"), "{text}");
+        Ok(())
+    }
+}
