@@ -47,6 +47,13 @@ pub enum Quantity {
         /// Its component.
         along: ForceComponent,
     },
+    /// Value of a membrane.
+    Membrane {
+        /// The membrane.
+        membrane: Entity,
+        /// The value.
+        value: MembraneValue,
+    },
     /// Time, s.
     Time,
     /// The value that a plugin provides under this name.
@@ -65,6 +72,18 @@ pub enum ForceComponent {
     X,
     /// Along y.
     Y,
+}
+
+/// Value of a membrane.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub enum MembraneValue {
+    /// Number of grains in its chains.
+    Grains,
+    /// Area that it encloses, through the centres of its grains, m^2.
+    Area,
+    /// Area over the distance of its two walls, m.
+    Width,
 }
 
 /// The measures in the order of the scene. `None` for a measure on a body that is not there.

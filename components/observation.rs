@@ -18,6 +18,8 @@ pub enum StrainMeasure {
     Walls(Entity, Entity),
     /// Engineering strain of the distance between the centres of two particles.
     Particles(Entity, Entity),
+    /// Engineering strain of the mean width of a membrane that covers both sides.
+    Membrane(Entity),
 }
 
 /// Source of a stress measure. Compression is positive.
@@ -47,6 +49,8 @@ pub enum StressMeasure {
         /// Upper right corner, m.
         max: DVec2,
     },
+    /// Pressure of a membrane.
+    Membrane(Entity),
 }
 
 /// Length in a wall stress.
@@ -57,6 +61,8 @@ pub enum MeasureLength {
     Fixed(f64),
     /// Current distance between two walls.
     Between(Entity, Entity),
+    /// Mean width of a membrane that covers both sides, at the start of the increment.
+    Membrane(Entity),
 }
 
 /// Area of an average stress.
@@ -67,6 +73,8 @@ pub enum MeasureArea {
     Fixed(f64),
     /// Product of two wall distances at the start of the increment.
     Box([Entity; 4]),
+    /// Area that a membrane encloses, through the centres of its grains.
+    Membrane(Entity),
 }
 
 /// Component of a plane stress tensor.

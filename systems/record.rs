@@ -15,6 +15,7 @@ use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::findings::{Corrections, EventSearch, Ruptures, Sliding};
 use clastic_components::increment::{Progress, RuptureOrder, RuptureRules};
 use clastic_components::measure::{NamedMeasures, Quantity, Readings};
+use clastic_components::membrane::MembraneShape;
 use clastic_components::observation::{
     Measures, Observation, ProbeReading, RuptureCount, StrainMeasure, StressMeasure,
 };
@@ -27,6 +28,7 @@ use crate::attempt::events;
 use crate::gather_bodies::gather_bodies;
 use crate::measures::stress::StressTables;
 use crate::measures::{NAMED, NamedState, read_end, read_start, strain_distance};
+use crate::membranes::renew_shapes;
 use crate::schedule::{Increment, IncrementSystems, lap};
 use crate::state::{RegisterState, StateOf};
 use clastic_cone::residuals::Carrying;
@@ -54,6 +56,7 @@ impl Plugin for RecordPlugin {
                 // gathered again.
                 (record_stress, read_start),
                 gather_bodies,
+                renew_shapes,
                 record_strain,
                 record_ruptures,
                 record_state,
@@ -101,15 +104,18 @@ fn record_stress(tables: StressTables, measures: Res<Measures>, mut out: ResMut<
 pub fn take_reference(
     walls: Query<(&Wall, &Position)>,
     particles: Query<&Position, With<Particle>>,
+    membranes: Query<&MembraneShape>,
     mut measures: ResMut<Measures>,
     mut named: ResMut<NamedMeasures>,
 ) {
     let of = |m: &Option<StrainMeasure>| {
-        m.as_ref().and_then(|m| strain_distance(m, &walls, &particles)).unwrap_or(f64::NAN)
+        m.as_ref()
+            .and_then(|m| strain_distance(m, &walls, &particles, &membranes))
+            .unwrap_or(f64::NAN)
     };
     measures.reference = Some([of(&measures.axial_strain), of(&measures.lateral_strain)]);
     let distance = |quantity: &Option<Quantity>| match quantity {
-        Some(Quantity::Strain(m)) => strain_distance(m, &walls, &particles),
+        Some(Quantity::Strain(m)) => strain_distance(m, &walls, &particles, &membranes),
         _ => None,
     };
     named.references = named.list.iter().map(|(_, quantity)| distance(quantity)).collect();
@@ -120,11 +126,12 @@ fn record_strain(
     measures: Res<Measures>,
     walls: Query<(&Wall, &Position)>,
     particles: Query<&Position, With<Particle>>,
+    membranes: Query<&MembraneShape>,
     mut out: ResMut<Observation>,
 ) {
     let strain = |measure: &Option<StrainMeasure>, k: usize| {
         let reference = measures.reference?[k];
-        let now = strain_distance(measure.as_ref()?, &walls, &particles)?;
+        let now = strain_distance(measure.as_ref()?, &walls, &particles, &membranes)?;
         Some((reference - now) / reference)
     };
     out.axial_strain = strain(&measures.axial_strain, 0);

@@ -73,6 +73,8 @@ impl Plugin for ReflectPlugin {
             material::ContactLaw,
             material::Materials,
             measure::NamedMeasures,
+            membrane::Membrane,
+            membrane::MembraneShape,
             measure::Readings,
             observation::Measures,
             observation::Observation,

@@ -7,13 +7,16 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::body::BodyId;
 use clastic_components::bond::RuptureMode;
-use clastic_components::measure::{ForceComponent, NamedMeasures, Quantity, Readings};
+use clastic_components::measure::{
+    ForceComponent, MembraneValue, NamedMeasures, Quantity, Readings,
+};
 use clastic_components::observation::{
     MeasureArea, MeasureLength, Measures, Observation, StrainMeasure, StressComponent,
     StressMeasure,
 };
 use clastic_components::particle::Particle;
 
+use super::membranes::find_membrane;
 use super::spawn::find_wall;
 use super::stages::Script;
 use crate::scene::format as scene;
@@ -151,6 +154,7 @@ fn strain(world: &mut World, measure: &scene::Strain) -> Option<StrainMeasure> {
         scene::Strain::Particles(a, b) => {
             StrainMeasure::Particles(particle(world, *a)?, particle(world, *b)?)
         }
+        scene::Strain::Membrane(name) => StrainMeasure::Membrane(find_membrane(world, name)?),
     })
 }
 
@@ -176,6 +180,14 @@ fn quantity(world: &mut World, of: &scene::Quantity) -> Option<Quantity> {
                 scene::Along::Y => ForceComponent::Y,
             },
         },
+        scene::Quantity::Membrane { membrane, value } => Quantity::Membrane {
+            membrane: find_membrane(world, membrane)?,
+            value: match value {
+                scene::MembraneValue::Grains => MembraneValue::Grains,
+                scene::MembraneValue::Area => MembraneValue::Area,
+                scene::MembraneValue::Width => MembraneValue::Width,
+            },
+        },
         scene::Quantity::Time => Quantity::Time,
         scene::Quantity::Custom(name) => Quantity::Custom(name.clone()),
     })
@@ -199,6 +211,7 @@ fn area(world: &mut World, area: &scene::Area) -> Option<MeasureArea> {
             find_wall(world, c)?,
             find_wall(world, d)?,
         ]),
+        scene::Area::Membrane(name) => MeasureArea::Membrane(find_membrane(world, name)?),
     })
 }
 
@@ -219,6 +232,9 @@ fn stress(world: &mut World, measure: &scene::Stress) -> Option<StressMeasure> {
                 scene::Length::Between(a, b) => {
                     MeasureLength::Between(find_wall(world, a)?, find_wall(world, b)?)
                 }
+                scene::Length::Membrane(name) => {
+                    MeasureLength::Membrane(find_membrane(world, name)?)
+                }
             },
         },
         scene::Stress::Average { component: of, area: over } => {
@@ -229,5 +245,6 @@ fn stress(world: &mut World, measure: &scene::Stress) -> Option<StressMeasure> {
             min: (*min).into(),
             max: (*max).into(),
         },
+        scene::Stress::Membrane(name) => StressMeasure::Membrane(find_membrane(world, name)?),
     })
 }

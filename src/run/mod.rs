@@ -12,6 +12,7 @@ pub mod compact;
 pub mod extend;
 pub mod load;
 pub mod measures;
+mod membranes;
 pub mod particles;
 pub mod plugin;
 mod rigid;

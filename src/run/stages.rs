@@ -10,7 +10,7 @@ use clastic_systems::stepping::Due;
 use super::measures::{self, MeasureKinds};
 use super::plugin::{BeginStage, EndStage, StageKinds};
 pub use super::script::{Collapse, CollapsedBy, EndedBy, Outcome, Script, StageEnd, Step};
-use super::{cement, compact, load, rigid, save, until};
+use super::{cement, compact, load, membranes, rigid, save, until};
 use crate::scene::format::Stage;
 
 /// The stage that begins, runs or ends.
@@ -71,7 +71,8 @@ fn refusal(world: &mut World, stage: &Stage) -> Option<String> {
     match stage {
         Stage::Load(load) => load::selects_nothing(world, load)
             .or_else(|| load::cuts_through(world, load))
-            .or_else(|| rigid::refusal(world, load)),
+            .or_else(|| rigid::refusal(world, load))
+            .or_else(|| membranes::refusal(world, load)),
         Stage::Custom(_) | Stage::Compact(_) | Stage::Cement(_) | Stage::Save(_) => None,
     }
 }
@@ -102,6 +103,7 @@ fn begin(world: &mut World, stage: Stage) {
     world.run_schedule(BeginStage);
     measures::resolve_measures(world);
     if is_reference {
+        membranes::renew(world);
         let _ = world.run_system_cached(take_reference);
     }
 }

@@ -14,7 +14,10 @@ use clastic_components::body::{ExternalForce, Position};
 use clastic_components::bond::RuptureMode;
 use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::increment::{Analysis, AnalysisKind};
-use clastic_components::measure::{ForceComponent, NamedMeasures, Quantity, Readings};
+use clastic_components::measure::{
+    ForceComponent, MembraneValue, NamedMeasures, Quantity, Readings,
+};
+use clastic_components::membrane::MembraneShape;
 use clastic_components::observation::{MeasureArea, Observation, StrainMeasure};
 use clastic_components::particle::Particle;
 use clastic_components::wall::Wall;
@@ -73,6 +76,7 @@ pub fn strain_distance(
     measure: &StrainMeasure,
     walls: &Query<(&Wall, &Position)>,
     particles: &Query<&Position, With<Particle>>,
+    membranes: &Query<&MembraneShape>,
 ) -> Option<f64> {
     let distance = match *measure {
         // Between walls of which one is gone there is no distance.
@@ -83,6 +87,7 @@ pub fn strain_distance(
         StrainMeasure::Particles(a, b) => {
             particles.get(a).ok()?.0.distance(particles.get(b).ok()?.0)
         }
+        StrainMeasure::Membrane(membrane) => membranes.get(membrane).ok()?.width()?,
     };
     Some(distance)
 }
@@ -113,6 +118,7 @@ pub struct EndTables<'w, 's> {
     walls: Query<'w, 's, (&'static Wall, &'static Position)>,
     particles: Query<'w, 's, &'static Position, With<Particle>>,
     forces: Query<'w, 's, (&'static Wall, &'static ExternalForce)>,
+    membranes: Query<'w, 's, &'static MembraneShape>,
 }
 
 impl EndTables<'_, '_> {
@@ -128,7 +134,7 @@ impl EndTables<'_, '_> {
         match quantity {
             Quantity::Strain(measure) => {
                 let reference = reference?;
-                let now = strain_distance(measure, &self.walls, &self.particles)?;
+                let now = strain_distance(measure, &self.walls, &self.particles, &self.membranes)?;
                 Some((reference - now) / reference)
             }
             // Read at the start, and by the plugin.
@@ -141,6 +147,9 @@ impl EndTables<'_, '_> {
                 let area = match area {
                     MeasureArea::Fixed(area) => *area,
                     MeasureArea::Box([a, b, c, d]) => distance(*a, *b)? * distance(*c, *d)?,
+                    MeasureArea::Membrane(membrane) => {
+                        self.membranes.get(*membrane).ok()?.area()?
+                    }
                 };
                 let disks: f64 = self.bodies.radii.iter().map(|r| PI * r * r).sum();
                 Some(1.0 - disks / area)
@@ -168,6 +177,14 @@ impl EndTables<'_, '_> {
                     ForceComponent::X => force.x,
                     ForceComponent::Y => force.y,
                 })
+            }
+            Quantity::Membrane { membrane, value } => {
+                let shape = self.membranes.get(*membrane).ok()?;
+                match value {
+                    MembraneValue::Grains => Some(shape.grains() as f64),
+                    MembraneValue::Area => shape.area(),
+                    MembraneValue::Width => shape.width(),
+                }
             }
             Quantity::Time => Some(self.observation.time),
         }

@@ -14,13 +14,15 @@ pub fn svg(now: &Snapshot, start: &Snapshot, title: &str, caption: &str) -> Opti
     let crack_width = (0.5 * mean_radius).clamp(1.0, 4.0);
     sheet.segments(&now.cracks, "#e00000", crack_width);
     sheet.walls(now);
+    sheet.segments(&now.membranes, "#0a7f3f", 1.2);
     let cracks = match now.cracks.len() {
         0 => String::new(),
         1 => "; red: the one broken bond".to_owned(),
         n => format!("; red: the {n} broken bonds"),
     };
+    let membrane = if now.membranes.is_empty() { "" } else { "; green: the membrane" };
     let top = format!("{} and more", with_prefix(colouring.top, colouring.unit));
-    sheet.legend(&top, &format!("blue: {}{cracks}", colouring.name));
+    sheet.legend(&top, &format!("blue: {}{cracks}{membrane}", colouring.name));
     Some(sheet.end())
 }
 
@@ -95,6 +97,7 @@ mod tests {
             walls: vec![[DVec2::ZERO, DVec2::X]],
             plates: Vec::new(),
             cracks: (1..n).map(|k| [cell(k - 1), cell(k)]).collect(),
+            membranes: Vec::new(),
         }
     }
 

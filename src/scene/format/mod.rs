@@ -7,6 +7,7 @@
 mod analysis;
 mod materials;
 mod measures;
+mod membranes;
 mod output;
 mod particle_control;
 mod rigid;
@@ -23,14 +24,17 @@ use serde::{Deserialize, Serialize};
 pub use clastic_components::increment::{
     Acceptance, Avalanche, Corrector, RollingLimit, RuptureOrder, RuptureRules as Rupture,
 };
+pub use clastic_components::membrane::Sides;
 
 use super::{repeats, unique_keys};
 
 pub use analysis::{Analysis, FrictionLaw};
 pub use materials::{Bond, Contact, Material};
 pub use measures::{
-    Along, Area, Component, Length, Measure, Measures, Modes, Quantity, ROLES, Strain, Stress,
+    Along, Area, Component, Length, Measure, Measures, MembraneValue, Modes, Quantity, ROLES,
+    Strain, Stress,
 };
+pub use membranes::MembraneControl;
 pub use output::{Output, Record};
 pub use particle_control::{Motion, ParticleControl, Select};
 pub use rigid::{RigidControl, Traction};

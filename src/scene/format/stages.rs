@@ -4,7 +4,9 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Analysis, Bond, ParticleControl, Record, RigidControl, Select, WallControl};
+use super::{
+    Analysis, Bond, MembraneControl, ParticleControl, Record, RigidControl, Select, WallControl,
+};
 use crate::scene::unique_keys;
 
 /// A stage. A text may also have `Repeat(times: n, stages: [...])`, which stands for its stages one
@@ -223,6 +225,17 @@ pub struct Load {
     /// Rigid groups that end at the start: their members move on their own.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub release: Vec<String>,
+    /// Flexible membranes by name. The first entry of a name makes a membrane, later ones change its
+    /// pressure. A membrane without an entry keeps its pressure.
+    #[serde(
+        default,
+        deserialize_with = "unique_keys::deserialize",
+        skip_serializing_if = "BTreeMap::is_empty"
+    )]
+    pub membranes: BTreeMap<String, MembraneControl>,
+    /// Membranes that are removed at the start.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub remove_membranes: Vec<String>,
     /// Conditions that end the stage early.
     #[serde(default)]
     pub stop: Vec<Stop>,

@@ -6,6 +6,7 @@ mod crossing;
 mod findings;
 mod materials;
 mod measures;
+mod membranes;
 mod parts;
 mod places;
 mod restitution;
@@ -67,6 +68,8 @@ struct Context<'a> {
     materials: Vec<&'a str>,
     walls: Vec<&'a str>,
     stages: Vec<&'a str>,
+    /// Names of the membranes that stages make.
+    membranes: Vec<&'a str>,
     /// Number of particles, if known.
     particles: Option<u64>,
 }
@@ -79,6 +82,7 @@ impl<'a> Context<'a> {
             materials: scene.materials.keys().map(String::as_str).collect(),
             walls: scene.walls.iter().map(|wall| wall.name.as_str()).collect(),
             stages: scene.stages.iter().map(Stage::name).collect(),
+            membranes: membranes::names(scene),
             particles: match &scene.specimen {
                 Specimen::File { .. } | Specimen::State { .. } if specimen.is_none() => None,
                 of => Some(memory::particles(of, specimen)),

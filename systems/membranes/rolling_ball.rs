@@ -1,0 +1,398 @@
+//! The outermost disks of an assembly: those that a ball touches which rolls along its outside.
+//!
+//! Disks that grow by the radius of the ball have the place of its centre as their outer boundary.
+//! It consists of arcs, and the ball goes from disk to disk where the arcs meet. It rolls with the
+//! assembly on its left. See Edelsbrunner, Kirkpatrick and Seidel (1983), "On the shape of a set of
+//! points in the plane", IEEE Transactions on Information Theory 29, 551-559: the chain is the outer
+//! boundary of their alpha shape, for points with radii.
+
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+use glam::DVec2;
+
+/// A rotation of the ball by less than this before a full turn is a touch at the place where it is:
+/// three disks that touch the ball at once, within rounding, rad.
+const AT_ONCE: f64 = 1e-9;
+
+/// A straight wall, which bounds the way of the ball.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Line {
+    /// A point of it, m.
+    pub point: DVec2,
+    /// Unit normal into the assembly.
+    pub inward: DVec2,
+}
+
+impl Line {
+    fn height(&self, x: DVec2) -> f64 {
+        (x - self.point).dot(self.inward)
+    }
+
+    /// Foot of the perpendicular from a point, m.
+    pub fn foot(&self, x: DVec2) -> DVec2 {
+        x - self.inward * self.height(x)
+    }
+}
+
+/// A ball that rolls along disks.
+pub(super) struct RollingBall<'a> {
+    positions: &'a [DVec2],
+    radii: &'a [f64],
+    ball: f64,
+    /// Edge of a cell: no disks that the ball touches at once are more than one cell apart, m.
+    edge: f64,
+    /// Cells (row, column) with their disks, in order.
+    cells: Vec<(i64, i64, usize)>,
+}
+
+/// What the ball meets first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Met {
+    Disk(usize),
+    First,
+    Second,
+    Nothing,
+}
+
+impl<'a> RollingBall<'a> {
+    /// A ball of radius `ball` (m). Without one it is the maximum radius of the disks.
+    pub fn new(positions: &'a [DVec2], radii: &'a [f64], ball: Option<f64>) -> Self {
+        let largest = radii.iter().copied().fold(0.0, f64::max);
+        let ball = ball.unwrap_or(largest);
+        let edge = 2.0 * (largest + ball);
+        let cell = |x: DVec2| ((x.y / edge).floor() as i64, (x.x / edge).floor() as i64);
+        let disks = positions.iter().enumerate();
+        let mut cells: Vec<_> = disks
+            .map(|(i, x)| {
+                let (row, column) = cell(*x);
+                (row, column, i)
+            })
+            .collect();
+        cells.sort_unstable();
+        Self { positions, radii, ball, edge, cells }
+    }
+
+    /// Distance of the centre of the ball from the centre of a disk that it touches, m.
+    fn reach(&self, disk: usize) -> f64 {
+        self.radii[disk] + self.ball
+    }
+
+    /// The disks that the ball can touch together with a disk.
+    fn neighbours(&self, disk: usize) -> impl Iterator<Item = usize> + '_ {
+        let x = self.positions[disk];
+        let row = (x.y / self.edge).floor() as i64;
+        let column = (x.x / self.edge).floor() as i64;
+        let slices = (row - 1..=row + 1).map(move |row| {
+            let start = self.cells.partition_point(|c| (c.0, c.1) < (row, column - 1));
+            let end = self.cells.partition_point(|c| (c.0, c.1) <= (row, column + 1));
+            &self.cells[start..end]
+        });
+        slices.flatten().map(|cell| cell.2).filter(move |other| {
+            let reach = self.reach(disk) + self.reach(*other);
+            *other != disk && x.distance_squared(self.positions[*other]) < reach * reach
+        })
+    }
+
+    /// The next disk that the ball meets as it rolls on `disk` from the polar angle `angle` of its
+    /// centre, with the rotation about the disk. `from` is the disk on which it came.
+    fn next_disk(&self, disk: usize, from: Option<usize>, angle: f64) -> Option<(usize, f64)> {
+        let (x, reach) = (self.positions[disk], self.reach(disk));
+        let mut next: Option<(usize, f64)> = None;
+        for other in self.neighbours(disk) {
+            let between = self.positions[other] - x;
+            let distance = between.length();
+            let beyond = self.reach(other);
+            let cosine =
+                (reach * reach + distance * distance - beyond * beyond) / (2.0 * reach * distance);
+            // Of two disks that lie within each other the ball touches one.
+            if !(cosine.abs() <= 1.0) {
+                continue;
+            }
+            let mut turn = (between.to_angle() - cosine.acos() - angle).rem_euclid(TAU);
+            if turn > TAU - AT_ONCE && from != Some(other) {
+                turn = 0.0;
+            }
+            if next.is_none_or(|(best, least)| (turn, other) < (least, best)) {
+                next = Some((other, turn));
+            }
+        }
+        next
+    }
+
+    /// Rotation about `disk` after which the ball touches a line.
+    fn to_line(&self, disk: usize, angle: f64, line: &Line) -> Option<f64> {
+        let cosine = (self.ball - line.height(self.positions[disk])) / self.reach(disk);
+        // Above its maximum the ball passes by. It came from above the line.
+        (cosine.abs() <= 1.0)
+            .then(|| (line.inward.to_angle() + cosine.acos() - angle).rem_euclid(TAU))
+    }
+
+    /// The closed chain around the largest piece of the assembly, anticlockwise. A piece are disks
+    /// between which the ball does not pass. `None` without disks.
+    pub fn around(&self) -> Option<Vec<usize>> {
+        let piece = self.largest_piece();
+        let lowest = |i: &usize| self.positions[*i].y - self.radii[*i];
+        let start = piece.into_iter().min_by(|i, j| lowest(i).total_cmp(&lowest(j)))?;
+        let (mut disk, mut from, mut angle) = (start, None, -FRAC_PI_2);
+        let mut chain = Vec::new();
+        while chain.len() <= self.most_links() {
+            chain.push(disk);
+            let next = self.next_disk(disk, from, angle);
+            // The start is the lowest point: the ball is back where it would roll over it again.
+            let to_start = (-FRAC_PI_2 - angle).rem_euclid(TAU);
+            if disk == start && chain.len() > 1 && next.is_none_or(|(_, turn)| to_start <= turn) {
+                chain.pop();
+                return Some(chain);
+            }
+            let Some((next, turn)) = next else { return Some(chain) };
+            (from, angle) = (Some(disk), self.angle_on(next, disk, angle + turn));
+            disk = next;
+        }
+        None
+    }
+
+    /// The open chain from the line `first` to the line `second`. The ball comes along `first` from
+    /// the outside, on the side to which the inward normal points when it is turned clockwise. Where
+    /// it comes back to `first`, the disks up to there lie outside of the chain. `None` if no chain
+    /// reaches `second`.
+    pub fn between(&self, first: &Line, second: &Line) -> Option<Vec<usize>> {
+        let along = -first.inward.perp();
+        // Where the ball on the line touches a disk as it comes from outside, largest first.
+        let mut starts: Vec<(f64, usize)> = (0..self.positions.len())
+            .filter_map(|i| {
+                let above = first.height(self.positions[i]) - self.ball;
+                let squared = self.reach(i).powi(2) - above * above;
+                let beside = (self.positions[i] - first.point).dot(along);
+                (squared > 0.0).then(|| (beside + squared.sqrt(), i))
+            })
+            .collect();
+        starts.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        let mut passed = vec![false; self.positions.len()];
+        let mut limit = f64::INFINITY;
+        for (place, start) in starts {
+            if passed[start] || place > limit + AT_ONCE * self.ball {
+                continue;
+            }
+            let centre = first.point + along * place + first.inward * self.ball;
+            let mut angle = (centre - self.positions[start]).to_angle();
+            let (mut disk, mut from) = (start, None);
+            let mut chain = Vec::new();
+            limit = loop {
+                chain.push(disk);
+                if chain.len() > self.most_links() {
+                    return None;
+                }
+                let (met, turn) = self.meets(disk, from, angle, first, second);
+                match met {
+                    Met::Second => return Some(chain),
+                    Met::Disk(next) => {
+                        (from, angle) = (Some(disk), self.angle_on(next, disk, angle + turn));
+                        disk = next;
+                    }
+                    Met::First => {
+                        let centre = self.positions[disk]
+                            + DVec2::from_angle(angle + turn) * self.reach(disk);
+                        break (centre - first.point).dot(along);
+                    }
+                    Met::Nothing => return None,
+                }
+            };
+            for disk in chain {
+                passed[disk] = true;
+            }
+        }
+        None
+    }
+
+    fn meets(
+        &self,
+        disk: usize,
+        from: Option<usize>,
+        angle: f64,
+        first: &Line,
+        second: &Line,
+    ) -> (Met, f64) {
+        let mut met = (Met::Nothing, f64::INFINITY);
+        if let Some((next, turn)) = self.next_disk(disk, from, angle) {
+            met = (Met::Disk(next), turn);
+        }
+        if let Some(turn) = self.to_line(disk, angle, first).filter(|turn| *turn < met.1) {
+            met = (Met::First, turn);
+        }
+        let over = |turn: &f64| if *turn > TAU - AT_ONCE { 0.0 } else { *turn };
+        let second = self.to_line(disk, angle, second).as_ref().map(over);
+        match second.filter(|turn| *turn <= met.1) {
+            Some(turn) => (Met::Second, turn),
+            None => met,
+        }
+    }
+
+    /// Polar angle on `next` of the ball that has the polar angle `angle` on `disk`.
+    fn angle_on(&self, next: usize, disk: usize, angle: f64) -> f64 {
+        let centre = self.positions[disk] + DVec2::from_angle(angle) * self.reach(disk);
+        (centre - self.positions[next]).to_angle()
+    }
+
+    /// A disk has at most one arc between two neighbours; pairs of neighbours are a planar graph.
+    fn most_links(&self) -> usize {
+        6 * self.positions.len() + 6
+    }
+
+    /// The piece with the most disks; of equal ones that with the first disk.
+    fn largest_piece(&self) -> Vec<usize> {
+        let mut largest = Vec::new();
+        let mut seen = vec![false; self.positions.len()];
+        for first in 0..self.positions.len() {
+            if std::mem::replace(&mut seen[first], true) {
+                continue;
+            }
+            let mut piece = vec![first];
+            let mut done = 0;
+            while let Some(disk) = piece.get(done).copied() {
+                done += 1;
+                for next in self.neighbours(disk) {
+                    if !std::mem::replace(&mut seen[next], true) {
+                        piece.push(next);
+                    }
+                }
+            }
+            if piece.len() > largest.len() {
+                largest = piece;
+            }
+        }
+        largest
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers between 0 and 1.
+    fn random(seed: u64) -> impl FnMut() -> f64 {
+        let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
+        move || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        }
+    }
+
+    /// Disks on a shaken grid, some of them missing.
+    fn loose(seed: u64, columns: usize, rows: usize) -> (Vec<DVec2>, Vec<f64>) {
+        let mut random = random(seed);
+        let mut disks = (Vec::new(), Vec::new());
+        for k in 0..columns * rows {
+            let radius = 0.3 + 0.2 * random();
+            let room = 0.5 - radius;
+            let shake = DVec2::new(random() - 0.5, random() - 0.5) * 2.0 * room;
+            if random() < 0.9 {
+                let place = DVec2::new((k % columns) as f64, (k / columns) as f64);
+                disks.0.push(place + DVec2::splat(0.5) + shake);
+                disks.1.push(radius);
+            }
+        }
+        disks
+    }
+
+    /// The ball, at rest between two disks of a chain, as two points; the one on the right of the
+    /// way from i to j.
+    fn ball_between(ball: &RollingBall, i: usize, j: usize) -> DVec2 {
+        let (x, y) = (ball.positions[i], ball.positions[j]);
+        let d = y - x;
+        let along = (ball.reach(i).powi(2) + d.length_squared() - ball.reach(j).powi(2))
+            / (2.0 * d.length());
+        let aside = (ball.reach(i).powi(2) - along * along).sqrt();
+        x + d.normalize() * along - d.normalize().perp() * aside
+    }
+
+    fn is_free(ball: &RollingBall, centre: DVec2) -> bool {
+        let near = |i: usize| centre.distance(ball.positions[i]) - ball.reach(i);
+        (0..ball.positions.len()).all(|i| near(i) > -1e-7)
+    }
+
+    #[test]
+    fn the_ball_cuts_no_disk_on_its_way() {
+        for seed in 0..40 {
+            let (positions, radii) = loose(seed, 12, 17);
+            let ball = RollingBall::new(&positions, &radii, None);
+            let bottom = Line { point: DVec2::ZERO, inward: DVec2::Y };
+            let top = Line { point: DVec2::new(0.0, 17.0), inward: DVec2::NEG_Y };
+            let around = ball.around().unwrap();
+            let right = ball.between(&bottom, &top).unwrap();
+            let left = ball.between(&top, &bottom).unwrap();
+            assert!(around.len() > 30 && right.len() > 10 && left.len() > 10, "seed {seed}");
+            for (i, j) in around.iter().zip(around.iter().cycle().skip(1)) {
+                assert!(is_free(&ball, ball_between(&ball, *i, *j)), "seed {seed}: {i} to {j}");
+            }
+            for chain in [&right, &left] {
+                for pair in chain.windows(2) {
+                    let centre = ball_between(&ball, pair[0], pair[1]);
+                    assert!(is_free(&ball, centre), "seed {seed}: {pair:?}");
+                    let free = ball.ball - 1e-7;
+                    assert!(bottom.height(centre) > free && top.height(centre) > free);
+                }
+            }
+            let middle = |chain: &[usize]| {
+                chain.iter().map(|i| positions[*i].x).sum::<f64>() / chain.len() as f64
+            };
+            assert!(middle(&left) < 1.5 && middle(&right) > 10.5, "seed {seed}");
+        }
+    }
+
+    #[test]
+    fn a_lattice_whose_disks_touch_the_ball_three_at_a_time_has_a_chain() {
+        // Where a row begins one disk further in, the ball lies in a site of the lattice.
+        let mut positions = Vec::new();
+        for row in 0..10 {
+            for column in (row / 3)..(12 - row % 2) {
+                let x = 2.0 * column as f64 + (row % 2) as f64;
+                positions.push(DVec2::new(x, 1.0 + row as f64 * 3.0_f64.sqrt()));
+            }
+        }
+        let radii = vec![1.0; positions.len()];
+        let ball = RollingBall::new(&positions, &radii, None);
+        let top = 2.0 + 9.0 * 3.0_f64.sqrt();
+        let bottom = Line { point: DVec2::ZERO, inward: DVec2::Y };
+        let top = Line { point: DVec2::new(0.0, top), inward: DVec2::NEG_Y };
+        assert_eq!(ball.between(&bottom, &top).map(|chain| chain.len()), Some(10));
+        let left = ball.between(&top, &bottom).unwrap();
+        assert!(left.len() >= 10, "{left:?}");
+        let around = ball.around().unwrap();
+        assert!(around.len() >= 12 + 10 + 8 + 10 - 4, "{around:?}");
+    }
+
+    #[test]
+    fn few_disks_and_spilled_ones() {
+        let at = |list: &[(f64, f64)]| list.iter().map(|x| DVec2::from(*x)).collect::<Vec<_>>();
+        let bottom = Line { point: DVec2::ZERO, inward: DVec2::Y };
+        let top = Line { point: DVec2::new(0.0, 6.0), inward: DVec2::NEG_Y };
+        let column = at(&[(0.0, 1.0), (0.0, 3.0), (0.0, 5.0), (9.0, 1.0), (7.0, 1.0), (5.0, 3.1)]);
+        let radii = [1.0; 6];
+        let ball = RollingBall::new(&column, &radii, None);
+        // The three disks on the right lie on the floor or in the air.
+        assert_eq!(ball.between(&bottom, &top), Some(vec![0, 1, 2]));
+        assert_eq!(ball.between(&top, &bottom), Some(vec![2, 1, 0]));
+        assert_eq!(ball.around(), Some(vec![0, 1, 2, 1]));
+        let one = RollingBall::new(&column[..1], &radii[..1], None);
+        assert_eq!(one.around(), Some(vec![0]));
+        assert_eq!(one.between(&bottom, &top), None);
+        assert_eq!(RollingBall::new(&[], &[], None).around(), None);
+    }
+
+    #[test]
+    fn a_disk_in_a_wide_notch_is_found_and_one_behind_others_is_not() {
+        // Disks on two columns; on the right the third disk of five is missing.
+        let mut positions: Vec<DVec2> =
+            (0..5).map(|k| DVec2::new(0.0, 1.0 + 2.0 * f64::from(k))).collect();
+        positions.extend([0, 1, 3, 4].map(|k| DVec2::new(2.0, 1.0 + 2.0 * f64::from(k))));
+        let radii = vec![1.0; positions.len()];
+        let bottom = Line { point: DVec2::ZERO, inward: DVec2::Y };
+        let top = Line { point: DVec2::new(0.0, 10.0), inward: DVec2::NEG_Y };
+        let chain =
+            |ball: f64| RollingBall::new(&positions, &radii, Some(ball)).between(&bottom, &top);
+        assert_eq!(chain(0.9), Some(vec![5, 6, 2, 7, 8]));
+        assert_eq!(chain(1.1), Some(vec![5, 6, 7, 8]));
+    }
+}
