@@ -53,7 +53,7 @@ pub(super) fn pairs(
         match at {
             Some(at) => rows[at].memory = Some(*memory),
             None => {
-                all.extend(row((a, b), NONE, 0).map(|pair| Pair { memory: Some(*memory), ..pair }))
+                all.extend(row((a, b), NONE, 0).map(|pair| Pair { memory: Some(*memory), ..pair }));
             }
         }
     }
