@@ -106,7 +106,8 @@ impl MembraneShape {
         Some(points.iter().zip(next).map(|(a, b)| 0.5 * (*a - first).perp_dot(*b - first)).sum())
     }
 
-    /// Mean width, m: area over the distance of the two walls. `None` unless both sides are covered.
+    /// Mean width, m: area over the distance of the two walls. `None` unless both sides are
+    /// covered.
     #[must_use]
     pub fn width(&self) -> Option<f64> {
         self.area().filter(|_| self.height > 0.0).map(|area| area / self.height)

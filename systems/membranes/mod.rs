@@ -1,12 +1,12 @@
 //! Flexible membranes: a pressure on the chains of the outermost grains, as a follower load.
 //!
 //! A link of a chain goes from x_a to x_b with the specimen on its left. The pressure p acts on it
-//! along the inward normal with the force `p h R (x_b - x_a)`, with the thickness h and the rotation
-//! R by +90 degrees. Each end takes half of it, which is the resultant and the moment of the uniform
-//! pressure. A link to a wall, along the normal of the wall, acts on its grain alone: a smooth wall
-//! would carry nothing along itself, and the specimen between two of them would have no equilibrium.
-//! The sum over a closed chain is zero, and over an open one that of the straight line from its
-//! first point to its last.
+//! along the inward normal with the force `p h R (x_b - x_a)`, with the thickness h and the
+//! rotation R by +90 degrees. Each end takes half of it, which is the resultant and the moment of
+//! the uniform pressure. A link to a wall, along the normal of the wall, acts on its grain alone: a
+//! smooth wall would carry nothing along itself, and the specimen between two of them would have no
+//! equilibrium. The sum over a closed chain is zero, and over an open one that of the straight line
+//! from its first point to its last.
 //!
 //! The plugin uses public sets only: [`Loads`], which runs for every trial, so that the chains and
 //! their forces are those of the place from which a halved increment or a step of a followed motion
@@ -125,8 +125,8 @@ pub fn renew_shapes(
         *shape = find_shape(membrane, shape.pressure, &bodies);
         if shape.chains.is_empty() {
             commands.insert_resource(Halted(format!(
-                "membrane `{0}` finds no chain of grains to press on: the specimen does not reach from one of \
-                 its walls to the other; end the stage earlier, or remove the membrane \
+                "membrane `{0}` finds no chain of grains to press on: the specimen does not reach \
+                 from one of its walls to the other; end the stage earlier, or remove the membrane \
                  (`remove_membranes: [\"{0}\"]`)",
                 membrane.name
             )));

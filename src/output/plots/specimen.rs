@@ -20,9 +20,9 @@ pub fn svg(now: &Snapshot, start: &Snapshot, title: &str, caption: &str) -> Opti
         1 => "; red: the one broken bond".to_owned(),
         n => format!("; red: the {n} broken bonds"),
     };
-    let membrane = if now.membranes.is_empty() { "" } else { "; green: the membrane" };
-    let top = format!("{} and more", with_prefix(colouring.top, colouring.unit));
-    sheet.legend(&top, &format!("blue: {}{cracks}{membrane}", colouring.name));
+    let membrane = if now.membranes.is_empty() { "" } else { "; green: membrane" };
+    let top = format!("{} and more{membrane}", with_prefix(colouring.top, colouring.unit));
+    sheet.legend(&top, &format!("blue: {}{cracks}", colouring.name));
     Some(sheet.end())
 }
 

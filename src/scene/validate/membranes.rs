@@ -32,8 +32,8 @@ pub(super) fn none(path: Arguments, what: &str, there: &[Skin], findings: &mut F
         && findings.is_sure_of("stages")
     {
         let help = format!(
-            "remove it in a loading stage before: `remove_membranes: [\"{name}\"]`, with walls in its \
-             place"
+            "remove it in a loading stage before: `remove_membranes: [\"{name}\"]`, with walls \
+             in its place"
         );
         findings.add(path, format!("{what} with a membrane (`{name}`)"), &help);
     }
