@@ -19,6 +19,8 @@ pub struct File {
     pub increment: u64,
     /// Whether it is that of the start, the peak or the end.
     pub is_always: bool,
+    /// Whether it is that of the start.
+    pub is_start: bool,
     /// The file.
     pub path: PathBuf,
 }
@@ -36,13 +38,15 @@ pub fn files(directory: &Path) -> Result<Vec<File>, OutputError> {
         };
         let always = [names::FRAME_START, names::FRAME_PEAK, names::FRAME_END];
         let is_always = path.file_name().is_some_and(|name| always.iter().any(|n| name == *n));
-        files.push(File { increment, is_always, path });
+        let is_start = path.ends_with(names::FRAME_START);
+        files.push(File { increment, is_always, is_start, path });
     }
     files.sort_by_key(|file| file.increment);
     // Of two files of one increment the first stays.
     files.dedup_by(|next, first| {
         let is_same = next.increment == first.increment;
         first.is_always |= is_same && next.is_always;
+        first.is_start |= is_same && next.is_start;
         is_same
     });
     Ok(files)

@@ -12,8 +12,11 @@ use flate2::Compression;
 use flate2::write::ZlibEncoder;
 use half::f16;
 
-/// Marks a row that is not in a frame, in columns of steps.
-pub const ABSENT: i16 = i16::MIN;
+/// Largest number of steps that fits into this number of bytes. Its opposite less one marks a row
+/// that is not in a frame.
+pub fn most_steps(width: usize) -> i32 {
+    (1 << (8 * width - 1)) - 1
+}
 
 /// Columns on their way into a page.
 #[derive(Default)]
@@ -47,15 +50,20 @@ impl Columns {
         self.planes(values.iter().map(half));
     }
 
-    /// Numbers in steps of `step`; not a number is [`ABSENT`]. Numbers beyond the range are at its
-    /// end.
-    pub fn steps(&mut self, values: &[f32], step: f64) {
+    /// Numbers in steps of `step`, of two or three bytes each. Not a number is a row that is not
+    /// there; numbers beyond the range are at its end.
+    pub fn steps(&mut self, values: &[f32], step: f64, width: usize) {
+        let most = most_steps(width);
         let steps = |x: &f32| {
-            let limit = f64::from(i16::MAX);
-            let steps = (f64::from(*x) / step).round().clamp(-limit, limit);
-            if x.is_nan() { ABSENT } else { steps as i16 }
+            let limit = f64::from(most);
+            let steps = (f64::from(*x) / step).round().clamp(-limit, limit) as i32;
+            let [a, b, c, _] = (if x.is_nan() { -most - 1 } else { steps }).to_le_bytes();
+            [a, b, c]
         };
-        self.planes(values.iter().map(|x| steps(x).to_le_bytes()));
+        match width {
+            2 => self.planes(values.iter().map(|x| [steps(x)[0], steps(x)[1]])),
+            _ => self.planes(values.iter().map(steps)),
+        }
     }
 
     /// The text in the page.

@@ -1,7 +1,7 @@
 //! The frames of a run as the page has them.
 //!
 //! Bodies and bonds have one row each over the whole run, so that a frame has only what changes:
-//! displacement in steps of 1/32767 of the largest, everything else in `float16` over a scale of
+//! displacement since the start of the test in steps, everything else in `float16` over a scale of
 //! the run. Contacts without a bond are listed anew in every frame.
 
 use std::collections::BTreeSet;
@@ -42,14 +42,18 @@ impl Movie {
             let frame = Frame::read(&file.path);
             frames.push(frame.map_err(|e| OutputError::at(&file.path)(io::Error::other(e)))?);
         }
-        Ok(Self::of(&frames))
+        let start = files.iter().position(|file| file.is_start).unwrap_or(0);
+        Ok(Self::of(frames, start))
     }
 
-    /// The frames of a run in the order of increments.
-    pub fn of(frames: &[Frame]) -> Option<Self> {
+    /// The frames of a run in the order of increments; the test starts at the one with the index
+    /// `start`.
+    pub fn of(mut frames: Vec<Frame>, start: usize) -> Option<Self> {
+        since(&mut frames, start);
+        let frames = frames.as_slice();
         let first = frames.first()?;
         let rows = Rows::of(frames);
-        let scales = Scales::of(frames);
+        let scales = Scales::of(frames, start);
         let mut still = Columns::default();
         rows.still(frames, first.origin_m, &mut still);
         let mut blocks = vec![still.text()];
@@ -76,8 +80,9 @@ impl Movie {
             "materials": first.materials,
             "groups": groups(frames),
             "scales": scales.json(),
-            "view": view(frames, first.origin_m),
+            "view": view(&frames[start.min(frames.len() - 1)..], first.origin_m),
             "states": STATES,
+            "start": start,
             "frames": described,
         });
         Some(Self { description, blocks })
@@ -150,8 +155,8 @@ impl Rows {
             at.iter().enumerate().for_each(|(row, k)| column[*k] = value(row));
             column
         };
-        to.steps(&column(&|row| of.displacement_m[row][0], f32::NAN), scales.step());
-        to.steps(&column(&|row| of.displacement_m[row][1], f32::NAN), scales.step());
+        to.steps(&column(&|row| of.displacement_m[row][0], f32::NAN), scales.step(), scales.width);
+        to.steps(&column(&|row| of.displacement_m[row][1], f32::NAN), scales.step(), scales.width);
         to.halves(&column(&|row| of.rotation_rad[row], 0.0), scale(scales.rotation));
         to.halves(&column(&|row| mean(of.stress_pa[row]), 0.0), scale(scales.stress));
         to.halves(&column(&|row| shear(of.stress_pa[row]), 0.0), scale(scales.stress));
@@ -190,6 +195,21 @@ impl Rows {
             to.halves(&force, of_kind[k]);
         }
         contacts.len()
+    }
+}
+
+/// Displacements and rotations since the start of the test, in place of those since the start of
+/// the run. Those of bodies that came later stay.
+fn since(frames: &mut [Frame], start: usize) {
+    let Some(from) = frames.get(start).cloned() else { return };
+    for frame in frames {
+        for row in 0..frame.bodies.id.len() {
+            let Some(then) = from.row(frame.bodies.id[row]) else { continue };
+            let moved = from.bodies.displacement_m[then];
+            let now = &mut frame.bodies.displacement_m[row];
+            *now = [now[0] - moved[0], now[1] - moved[1]];
+            frame.bodies.rotation_rad[row] -= from.bodies.rotation_rad[then];
+        }
     }
 }
 

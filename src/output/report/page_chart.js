@@ -2,9 +2,7 @@
 "use strict";
 (() => {
   const { make, format } = Report;
-  const WIDTH = 560,
-    HEIGHT = 300,
-    LEFT = 62,
+  const LEFT = 62,
     RIGHT = 14,
     TOP = 10,
     BOTTOM = 42;
@@ -30,7 +28,8 @@
 
   // `series`: {name, colour, x, y} with columns; null ends a stroke. `unit`: of y after scaling.
   class Chart {
-    constructor({ title, xName, yName, series, onPick }) {
+    constructor({ title, xName, yName, series, onPick, size = [560, 300] }) {
+      [this.width, this.height] = size;
       this.series = series;
       const all = (axis) =>
         series.flatMap((one) => one[axis].filter((_, k) => one.x[k] !== null && one.y[k] !== null));
@@ -40,7 +39,7 @@
       this.y = [low < 0 ? low - room : low, high > 0 ? high + room : high];
       this.names = make("div", { class: "names" });
       this.svg = make("svg", {
-        viewBox: `0 0 ${WIDTH} ${HEIGHT}`,
+        viewBox: `0 0 ${size.join(" ")}`,
         role: "img",
         "aria-label": `${title}: ${yName} against ${xName}`,
       });
@@ -52,7 +51,7 @@
         );
       }
       const line = (name) =>
-        make("line", { class: name, y1: TOP, y2: HEIGHT - BOTTOM, visibility: "hidden" });
+        make("line", { class: name, y1: TOP, y2: this.height - BOTTOM, visibility: "hidden" });
       this.now = line("now");
       this.cross = line("cross");
       this.dots = make("g");
@@ -67,18 +66,20 @@
     }
 
     px(x) {
-      return LEFT + ((x - this.x[0]) / (this.x[1] - this.x[0])) * (WIDTH - LEFT - RIGHT);
+      return LEFT + ((x - this.x[0]) / (this.x[1] - this.x[0])) * (this.width - LEFT - RIGHT);
     }
     py(y) {
       return (
-        HEIGHT - BOTTOM - ((y - this.y[0]) / (this.y[1] - this.y[0])) * (HEIGHT - TOP - BOTTOM)
+        this.height -
+        BOTTOM -
+        ((y - this.y[0]) / (this.y[1] - this.y[0])) * (this.height - TOP - BOTTOM)
       );
     }
 
     valueAt(event) {
       const box = this.svg.getBoundingClientRect();
-      const x = ((event.clientX - box.left) / box.width) * WIDTH;
-      return this.x[0] + ((x - LEFT) / (WIDTH - LEFT - RIGHT)) * (this.x[1] - this.x[0]);
+      const x = ((event.clientX - box.left) / box.width) * this.width;
+      return this.x[0] + ((x - LEFT) / (this.width - LEFT - RIGHT)) * (this.x[1] - this.x[0]);
     }
 
     path({ x, y }) {
@@ -96,13 +97,13 @@
     }
 
     axes(xName, yName) {
-      const bottom = HEIGHT - BOTTOM;
+      const bottom = this.height - BOTTOM;
       for (const y of ticks(...this.y, 5)) {
         this.svg.append(
           make("line", {
             class: y === 0 ? "axis" : "grid",
             x1: LEFT,
-            x2: WIDTH - RIGHT,
+            x2: this.width - RIGHT,
             y1: this.py(y),
             y2: this.py(y),
           }),
@@ -123,11 +124,11 @@
       }
       const middle = (TOP + bottom) / 2;
       this.svg.append(
-        make("line", { class: "axis", x1: LEFT, x2: WIDTH - RIGHT, y1: bottom, y2: bottom }),
+        make("line", { class: "axis", x1: LEFT, x2: this.width - RIGHT, y1: bottom, y2: bottom }),
         make("line", { class: "axis", x1: LEFT, x2: LEFT, y1: TOP, y2: bottom }),
         make(
           "text",
-          { x: (LEFT + WIDTH - RIGHT) / 2, y: HEIGHT - 6, "text-anchor": "middle" },
+          { x: (LEFT + this.width - RIGHT) / 2, y: this.height - 6, "text-anchor": "middle" },
           xName,
         ),
         make(

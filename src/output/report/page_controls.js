@@ -18,7 +18,7 @@
   }
   Report.play = (on = !state.isPlaying) => {
     state.isPlaying = on;
-    node("play").textContent = on ? "\u23f8" : "\u25b6";
+    node("play").textContent = on ? "\u275a\u275a" : "\u25b6";
     node("play").setAttribute("aria-label", on ? "Pause" : "Play");
     if (!on) return;
     if (state.frame + 1 >= movie.frames.length) Report.show(0);

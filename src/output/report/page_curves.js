@@ -42,9 +42,12 @@
           .filter((one) => one.y.some((y) => y !== null)),
       );
       if (!series.length) return;
-      const chart = new Report.Chart({ title, xName, yName, series, onPick: pick });
+      // The first curve stands beside the picture, whose time it shows.
+      const isBeside = movie && !Report.charts.length;
+      const size = isBeside ? [400, 270] : undefined;
+      const chart = new Report.Chart({ title, xName, yName, series, onPick: pick, size });
       Report.charts.push(chart);
-      node("curves").append(chart.node);
+      node(isBeside ? "beside" : "curves").append(chart.node);
     };
     const column = (name) => (run) => run.history[name];
     if (has("axial_stress_pa")) {

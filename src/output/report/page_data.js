@@ -12,8 +12,7 @@ Report.data = JSON.parse(document.getElementById("data").textContent);
 
 (() => {
   const movie = Report.data.movie;
-  const NONE = 0xffffffff,
-    ABSENT = -32768;
+  const NONE = 0xffffffff;
 
   // float16 by its bits.
   const HALF = new Float32Array(65536);
@@ -56,12 +55,18 @@ Report.data = JSON.parse(document.getElementById("data").textContent);
       for (let i = 0; i < n; i++) column[i] = scale * HALF[byte(i, 0) | (byte(i, 1) << 8)];
       return column;
     }
+    // Whole steps of two or three bytes.
     steps(n, step) {
-      const byte = this.planes(n, 2),
-        column = new Float32Array(n);
+      const { width } = movie.scales,
+        byte = this.planes(n, width),
+        column = new Float32Array(n),
+        beyond = 32 - 8 * width,
+        absent = -(2 ** (8 * width - 1));
       for (let i = 0; i < n; i++) {
-        const whole = ((byte(i, 0) | (byte(i, 1) << 8)) << 16) >> 16;
-        column[i] = whole === ABSENT ? NaN : step * whole;
+        let whole = 0;
+        for (let k = 0; k < width; k++) whole |= byte(i, k) << (8 * k);
+        whole = (whole << beyond) >> beyond;
+        column[i] = whole === absent ? NaN : step * whole;
       }
       return column;
     }

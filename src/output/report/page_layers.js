@@ -64,7 +64,7 @@
   // Ways to colour grains. `of(frame, before, row)` is a number, `unit` that of it.
   const COLOURS = {
     displacement: {
-      name: "displacement",
+      name: "displacement since the start of the test",
       unit: "m",
       range: ranges?.displacement,
       of: (f, b, i) => size(f, "ux", "uy", i),
@@ -83,7 +83,7 @@
       of: (f, b, i) => size(f, "vx", "vy", i),
     },
     rotation: {
-      name: "rotation (anticlockwise +)",
+      name: "rotation since the start (anticlockwise +)",
       unit: "rad",
       range: ranges?.rotation,
       signed: true,
@@ -258,20 +258,20 @@
         if (layers.cracks && state > 1) {
           const isFresh = kind === "bond" && before && before.state[row] === 1;
           (isFresh ? recent : cracks).push([
-            cx - 0.75 * r * ny,
-            cy + 0.75 * r * nx,
-            cx + 0.75 * r * ny,
-            cy - 0.75 * r * nx,
+            cx - 0.6 * r * ny,
+            cy + 0.6 * r * nx,
+            cx + 0.6 * r * ny,
+            cy - 0.6 * r * nx,
             r,
             modes[state],
           ]);
         }
       });
     for (const [x0, y0, x1, y1, r, colour] of cracks)
-      out.add(x0, y0, x1, y1, 0.12 * r, 1.3, colour);
+      out.add(x0, y0, x1, y1, 0.07 * r, 1.3, colour);
     for (const [x0, y0, x1, y1, r, colour] of recent) {
-      out.add(x0, y0, x1, y1, 0.4 * r, 5, fresh);
-      out.add(x0, y0, x1, y1, 0.14 * r, 1.6, colour);
+      out.add(x0, y0, x1, y1, 0.22 * r, 4.5, fresh);
+      out.add(x0, y0, x1, y1, 0.08 * r, 1.6, colour);
     }
     for (const { line } of frame.walls) {
       for (let k = 0; k + 3 < line.length; k += 2) out.add(...line.slice(k, k + 4), 0, 2.2, wall);

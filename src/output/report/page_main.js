@@ -65,7 +65,7 @@
       ),
     );
     node("slider").setAttribute("aria-valuetext", `increment ${told.increment}`);
-    const row = runs[0].history.increment?.indeReport.xOf(told.increment) ?? -1;
+    const row = runs[0].history.increment?.indexOf(told.increment) ?? -1;
     Report.charts.forEach((chart) => chart.mark(Report.xOf(state.frame), row));
     Report.tellPicked(frame);
     Report.drawRoses(frame);
@@ -135,7 +135,7 @@
           ),
         );
     };
-    jump("start", 0);
+    jump("start", movie.start);
     if (events.increment?.length)
       node("jumps").append(
         make(

@@ -127,7 +127,7 @@
         `Residual of ${RESIDUALS[kind]}`,
         value !== null && value <= limit,
         value === null ? "not a number" : format(value, 2),
-        `maximum, increment ${increment}; tolerance ${format(limit)}`,
+        `maximum, increment ${increment}; tolerance ${format(limit, 2)}`,
       );
     }
     const values = (name) => history[name] ?? [];

@@ -4,7 +4,7 @@
 
 use serde_json::{Value, json};
 
-use super::columns::scale;
+use super::columns::{most_steps, scale};
 use crate::frames::Frame;
 
 /// Part of the centres, of all frames, that the picture may leave out on each of its four sides.
@@ -12,6 +12,9 @@ const STRAY: f64 = 0.002;
 
 /// Part of values that lie beyond a colour scale.
 const BEYOND: f64 = 0.01;
+
+/// Minimum number of steps of a displacement in the range of its colours.
+const FINE: f32 = 2000.0;
 
 /// Mean stress in the plane, of xx, yy and xy.
 pub fn mean([xx, yy, _]: [f32; 3]) -> f32 {
@@ -27,6 +30,8 @@ pub fn shear([xx, yy, xy]: [f32; 3]) -> f32 {
 #[derive(Default)]
 pub struct Scales {
     displacement: f32,
+    /// Number of bytes of a displacement.
+    pub width: usize,
     /// Largest rotation, rad.
     pub rotation: f32,
     /// Largest mean or shear stress, Pa.
@@ -42,57 +47,54 @@ pub struct Scales {
 }
 
 impl Scales {
-    /// Scales of frames.
-    pub fn of(frames: &[Frame]) -> Self {
+    /// Scales of frames. Ranges of colours are those of the frames from `start` on.
+    pub fn of(frames: &[Frame], start: usize) -> Self {
         let mut scales = Self::default();
         let mut seen: [Vec<f32>; 6] = Default::default();
         let mut before: Option<&Frame> = None;
-        for frame in frames {
-            let (bodies, pairs) = (&frame.bodies, &frame.pairs);
-            let most = |all: &mut f32, x: f32| *all = all.max(x.abs());
-            for (row, u) in bodies.displacement_m.iter().enumerate() {
-                u.iter().for_each(|x| most(&mut scales.displacement, *x));
-                seen[0].push(u[0].hypot(u[1]));
-                let then = before.filter(|then| then.bodies.id.get(row) == bodies.id.get(row));
-                if let Some([x, y]) = then.map(|then| then.bodies.displacement_m[row]) {
-                    seen[1].push((u[0] - x).hypot(u[1] - y));
-                }
+        for (k, frame) in frames.iter().enumerate() {
+            scales.see(frame);
+            if k >= start {
+                see_values(&mut seen, frame, before);
+                before = Some(frame);
             }
-            bodies.velocity_m_s.iter().for_each(|[x, y]| {
-                most(&mut scales.velocity, x.hypot(*y));
-                seen[2].push(x.hypot(*y));
-            });
-            bodies.rotation_rad.iter().for_each(|x| most(&mut scales.rotation, *x));
-            seen[3].extend(bodies.rotation_rad.iter().map(|x| x.abs()));
-            for stress in &bodies.stress_pa {
-                most(&mut scales.stress, mean(*stress));
-                most(&mut scales.stress, shear(*stress));
-                seen[4].push(mean(*stress));
-            }
-            pairs.p_n.iter().chain(&pairs.q_n).for_each(|x| most(&mut scales.force, *x));
-            pairs.tau_nm.iter().for_each(|x| most(&mut scales.moment, *x));
-            let forces = pairs.p_n.iter().filter(|p| **p != 0.0);
-            seen[5].extend(forces.map(|p| p.abs()));
-            before = Some(frame);
         }
         let mut at = |k: usize, part: f64| quantile(&mut seen[k], part);
         let (low, high) = (BEYOND, 1.0 - BEYOND);
-        let turn = at(3, high);
+        let (turn, moved) = (at(3, high), at(0, high));
         scales.ranges = vec![
-            ("displacement", [0.0, at(0, high)]),
+            ("displacement", [0.0, moved]),
             ("motion", [0.0, at(1, high)]),
             ("velocity", [0.0, at(2, high)]),
             ("rotation", [-turn, turn]),
             ("stress", [at(4, low), at(4, high)]),
             ("force", [0.0, at(5, high)]),
         ];
+        // Two bytes, if the step is then a small part of the range of colours.
+        let is_fine = moved * most_steps(2) as f32 >= FINE * scales.displacement;
+        scales.width = if is_fine { 2 } else { 3 };
         scales
+    }
+
+    /// Largest magnitudes with those of a frame.
+    fn see(&mut self, frame: &Frame) {
+        let most = |all: &mut f32, x: f32| *all = all.max(x.abs());
+        let (bodies, pairs) = (&frame.bodies, &frame.pairs);
+        bodies.displacement_m.iter().flatten().for_each(|x| most(&mut self.displacement, *x));
+        bodies.velocity_m_s.iter().for_each(|[x, y]| most(&mut self.velocity, x.hypot(*y)));
+        bodies.rotation_rad.iter().for_each(|x| most(&mut self.rotation, *x));
+        for stress in &bodies.stress_pa {
+            most(&mut self.stress, mean(*stress));
+            most(&mut self.stress, shear(*stress));
+        }
+        pairs.p_n.iter().chain(&pairs.q_n).for_each(|x| most(&mut self.force, *x));
+        pairs.tau_nm.iter().for_each(|x| most(&mut self.moment, *x));
     }
 
     /// Step of displacements, m.
     pub fn step(&self) -> f64 {
         let largest = if self.displacement > 0.0 { self.displacement } else { 1.0 };
-        f64::from(largest) / f64::from(i16::MAX)
+        f64::from(largest) / f64::from(most_steps(self.width))
     }
 
     /// The scales as the page reads them.
@@ -101,6 +103,7 @@ impl Scales {
             self.ranges.iter().map(|(name, range)| ((*name).to_owned(), json!(range))).collect();
         json!({
             "step": self.step(),
+            "width": self.width,
             "rotation": scale(self.rotation),
             "stress": scale(self.stress),
             "velocity": if self.velocity > 0.0 { Some(scale(self.velocity)) } else { None },
@@ -109,6 +112,24 @@ impl Scales {
             "ranges": ranges,
         })
     }
+}
+
+/// Values of a frame for colours and widths: displacement, motion since the frame before, velocity,
+/// rotation, mean stress, normal force.
+fn see_values(seen: &mut [Vec<f32>; 6], frame: &Frame, before: Option<&Frame>) {
+    let bodies = &frame.bodies;
+    for (row, u) in bodies.displacement_m.iter().enumerate() {
+        seen[0].push(u[0].hypot(u[1]));
+        let then = before.filter(|then| then.bodies.id.get(row) == bodies.id.get(row));
+        if let Some([x, y]) = then.map(|then| then.bodies.displacement_m[row]) {
+            seen[1].push((u[0] - x).hypot(u[1] - y));
+        }
+    }
+    seen[2].extend(bodies.velocity_m_s.iter().map(|[x, y]| x.hypot(*y)));
+    seen[3].extend(bodies.rotation_rad.iter().map(|x| x.abs()));
+    seen[4].extend(bodies.stress_pa.iter().map(|stress| mean(*stress)));
+    let forces = frame.pairs.p_n.iter().filter(|p| **p != 0.0);
+    seen[5].extend(forces.map(|p| p.abs()));
 }
 
 /// Value that the given part of all values does not exceed; 0 without any.
@@ -120,8 +141,8 @@ fn quantile(values: &mut [f32], part: f64) -> f32 {
     *values.select_nth_unstable_by(at, f32::total_cmp).1
 }
 
-/// The box that shows the specimen in all frames without its stray grains: left, bottom, right, top
-/// from the origin, m.
+/// The box that shows the specimen in these frames without its stray grains: left, bottom, right,
+/// top from the origin, m.
 pub fn view(frames: &[Frame], origin: [f64; 2]) -> [f64; 4] {
     let mut sides: [Vec<f32>; 4] = Default::default();
     for frame in frames {

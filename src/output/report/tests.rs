@@ -10,7 +10,7 @@ use half::f16;
 use serde_json::Value;
 
 use super::choose::{File, choose};
-use super::columns::{ABSENT, Columns, scale};
+use super::columns::{Columns, most_steps, scale};
 use super::movie::Movie;
 use super::run::Run;
 use super::*;
@@ -29,18 +29,22 @@ fn columns_have_planes_and_stated_digits() {
     let largest = scale(3.14159e7);
     let mut columns = Columns::default();
     columns.halves(&values, largest);
-    columns.steps(&[0.5, f32::NAN, -9.0], 0.25);
+    columns.steps(&[0.5, f32::NAN, -9.0], 0.25, 2);
+    columns.steps(&[1e9, -70_000.0], 1.0, 3);
     columns.counts(&[0x0403_0201, NONE]);
     let bytes = unpacked(&columns.text());
-    assert_eq!(bytes.len(), 10 + 6 + 8);
+    assert_eq!(bytes.len(), 10 + 6 + 6 + 8);
     for (k, x) in values.into_iter().enumerate() {
         let half = f16::from_le_bytes([bytes[k], bytes[5 + k]]);
         let read = half.to_f64() * largest;
         assert!((read - f64::from(x)).abs() <= 5e-4 * f64::from(x).abs(), "{x}: {read}");
     }
     let steps = |k: usize| i16::from_le_bytes([bytes[10 + k], bytes[13 + k]]);
-    assert_eq!([steps(0), steps(1), steps(2)], [2, ABSENT, -36]);
-    assert_eq!(bytes[16..], [1, 255, 2, 255, 3, 255, 4, 255]);
+    assert_eq!([steps(0), steps(1), steps(2)], [2, i16::MIN, -36]);
+    let steps =
+        |k: usize| i32::from_le_bytes([0, bytes[16 + k], bytes[18 + k], bytes[20 + k]]) >> 8;
+    assert_eq!([steps(0), steps(1)], [most_steps(3), -70_000]);
+    assert_eq!(bytes[22..], [1, 255, 2, 255, 3, 255, 4, 255]);
 }
 
 fn run(strains: &[(u64, Option<f64>)], ruptures: &[(u64, usize)]) -> Run {
@@ -49,9 +53,9 @@ fn run(strains: &[(u64, Option<f64>)], ruptures: &[(u64, usize)]) -> Run {
 }
 
 fn files(number: u64, always: &[u64]) -> Vec<File> {
-    let file = |increment| {
+    let file = |increment: u64| {
         let path = PathBuf::from(increment.to_string());
-        File { increment, is_always: always.contains(&increment), path }
+        File { increment, is_always: always.contains(&increment), is_start: false, path }
     };
     (0..number).map(file).collect()
 }
@@ -113,7 +117,7 @@ fn frames() -> [Frame; 2] {
 
 #[test]
 fn bodies_and_bonds_have_a_row_over_the_whole_run() {
-    let movie = Movie::of(&frames()).unwrap();
+    let movie = Movie::of(frames().to_vec(), 0).unwrap();
     assert_eq!((&movie.description["bodies"], &movie.description["bonds"]), (&2.into(), &1.into()));
     assert_eq!(movie.description["frames"][1]["increment"], 5);
     assert_eq!(movie.blocks.len(), 3);
@@ -125,7 +129,7 @@ fn bodies_and_bonds_have_a_row_over_the_whole_run() {
     // four; the bond's state and two forces.
     assert_eq!(second.len(), 2 * (5 * 2 + 4) + 1 + 2 * 2);
     let step = |k: usize| i16::from_le_bytes([second[k], second[2 + k]]);
-    assert_eq!([step(0), step(1)], [i16::MAX, ABSENT]);
+    assert_eq!([step(0), step(1)], [i16::MAX, i16::MIN]);
     assert_eq!(second[28], 255, "the bond is not there");
 }
 
