@@ -15,6 +15,7 @@ pub mod measures;
 mod membranes;
 pub mod particles;
 pub mod plugin;
+pub mod remove;
 mod rigid;
 pub mod save;
 pub mod script;

@@ -53,6 +53,9 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
                 }
                 membranes::none(path, "a state", &skins, findings);
             }
+            Stage::Remove(stage) => {
+                select(context, format_args!("{path}.select"), &stage.select, findings);
+            }
             Stage::Load(stage) => {
                 load(context, path, (i, stage), &mut present, findings);
                 rigid::check(context, path, stage, &mut groups, findings);
