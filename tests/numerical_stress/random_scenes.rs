@@ -324,6 +324,8 @@ fn load(
         particles,
         rigid: Default::default(),
         release: Vec::new(),
+        membranes: Default::default(),
+        remove_membranes: Vec::new(),
         stop: Vec::new(),
     }
 }
