@@ -235,14 +235,17 @@ fn thin_walls_of_every_shape() {
     same_in_two("THIN", &["output=(energy: true)"], [first, second], parent.path());
 }
 
-/// Identities have gaps where particles were taken away before the state was saved.
+/// Identities have gaps where particles were taken away before the state was saved, and bonds that
+/// broke before name bodies that are gone.
 #[test]
 fn particles_that_were_taken_away() {
     let first = r#"Cement(name: "cement", length: 1.0e-4), Load(name: "stand", increments: 3),
-        Remove(name: "dig", select: Box(min: (0.03, 0.03), max: (1.0, 1.0)))"#;
-    let second = r#"Load(name: "stand again", increments: 3),
-        Remove(name: "more", select: Union([Index([3]), Box(min: (-1.0, 0.06), max: (1.0, 1.0))])),
-        Load(name: "fall", increments: 12, analysis: Dynamic(dt: 2.0e-3))"#;
+        Remove(name: "dig", select: Box(min: (0.03, 0.03), max: (1.0, 1.0))),
+        Load(name: "stand again", increments: 3),
+        Remove(name: "more", select: Union([Index([3, 6]), Box(min: (-1.0, 0.06), max: (1.0, 1.0))]))"#;
+    let second = r#"Load(name: "fall", increments: 12, analysis: Dynamic(dt: 2.0e-3))"#;
     let parent = tempfile::tempdir().unwrap();
     same_in_two("EXCAVATION", &["probes={}"], [first, second], parent.path());
+    let events = text(&parent.path().join("a").join(directory::EVENTS));
+    assert!(events.contains(",6,11,"), "no bond of particle 6 broke: {events}");
 }

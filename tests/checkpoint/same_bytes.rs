@@ -303,7 +303,7 @@ pub const EXCAVATION: &str = r#"(
     friction_law: ByAnalysis,
     materials: { "stone": (density: 2000.0,
         contact: (normal_stiffness: 1.0e6, tangential_stiffness: 1.0e6, friction: 0.4),
-        bond: (normal_stiffness: 1.0e6, tangential_stiffness: 1.0e6, cohesion: 50.0, tensile_strength: 50.0)) },
+        bond: (normal_stiffness: 1.0e6, tangential_stiffness: 1.0e6, cohesion: 300.0, tensile_strength: 300.0)) },
     specimen: Lattice(columns: 6, rows: 5, radius: 0.01),
     probes: { "low": 2, "gone": 20 },
     walls: [
@@ -315,7 +315,7 @@ pub const EXCAVATION: &str = r#"(
         Load(name: "stand", increments: 3),
         Remove(name: "dig", select: Box(min: (0.03, 0.03), max: (1.0, 1.0))),
         Load(name: "stand again", increments: 3),
-        Remove(name: "more", select: Union([Index([3]), Box(min: (-1.0, 0.06), max: (1.0, 1.0))])),
+        Remove(name: "more", select: Union([Index([3, 6]), Box(min: (-1.0, 0.06), max: (1.0, 1.0))])),
         Load(name: "fall", increments: 12, analysis: Dynamic(dt: 2.0e-3)),
     ],
     output: (frames_every: 3),

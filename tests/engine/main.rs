@@ -30,6 +30,7 @@ mod removal;
 mod rest;
 mod restitution;
 mod rigid_groups;
+mod rigs;
 mod rupture;
 mod stages;
 mod stress;
