@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use clastic_components::body::Drive;
-use clastic_components::contact::{Bodies, Contact, WallRow};
+use clastic_components::contact::{Bodies, Contact};
 use clastic_components::wall::WallDrive;
 use clastic_components::wall_shape::Curve;
 use clastic_cone::program::{ConeProgram, Dof, FreeDof, Interaction};

@@ -6,6 +6,8 @@ use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{Deserializer, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize};
 
+use super::Select;
+
 /// Definitions of strain and stress, and of further measures.
 ///
 /// Version 1 has `(axial_strain: ..., ...)`, version 2 a list of measures with names. The measures
