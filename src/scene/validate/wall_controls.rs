@@ -56,8 +56,10 @@ pub(super) fn control_of_wall(
                 let help = "give a smaller one, or a smaller dt: at most 0.2 rad in a time step";
                 findings.add(own, message, help);
             }
-            if timeless {
-                no_time(path, "an angular velocity", findings);
+            if timeless && findings.is_sure_of("analysis") {
+                let message = "an angular velocity in a static stage, which has no time";
+                let help = "use `Rotation`, in every increment, or a dynamic analysis";
+                findings.add(path, message, help);
             }
         }
         WallControl::Force(force) => {
