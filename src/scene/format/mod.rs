@@ -31,8 +31,8 @@ use super::{repeats, unique_keys};
 pub use analysis::{Analysis, FrictionLaw};
 pub use materials::{Bond, Contact, Material};
 pub use measures::{
-    Along, Area, Component, Length, Measure, Measures, MembraneValue, Modes, Quantity, ROLES,
-    Strain, Stress,
+    Along, Area, Component, GroupAlong, Length, Measure, Measures, MembraneValue, Modes, Quantity,
+    ROLES, Strain, Stress,
 };
 pub use membranes::MembraneControl;
 pub use output::{Output, Record};
