@@ -40,7 +40,7 @@ pub fn svg(mechanism: &Mechanism, now: &Snapshot, title: &str, caption: &str) ->
         .flat_map(|(from, shaft)| arrow(from, shaft))
         .collect();
     sheet.segments(&arrows, COLOR, 1.0);
-    sheet.legend("the greatest", "blue: magnitude of rotation; red: displacements, in proportion");
+    sheet.legend("the maximum", "blue: magnitude of rotation; red: displacements, in proportion");
     Some(sheet.end())
 }
 

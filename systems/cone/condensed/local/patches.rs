@@ -4,8 +4,8 @@ use super::super::scaled::Scaled;
 use super::super::settings::LocalSettings;
 use crate::adjacency::Adjacency;
 
-/// Whether a body has so many interactions that it counts as a wall. Walls touch bodies everywhere
-/// and would join all patches to one: they are held.
+/// Whether a body is treated as a wall: it has more than `max_interactions` interactions. A wall
+/// touches bodies everywhere and would join all patches to one, so that it is held.
 pub fn is_wall(adjacency: &Adjacency, settings: &LocalSettings, body: usize) -> bool {
     adjacency.of(body).len() > settings.max_interactions
 }
