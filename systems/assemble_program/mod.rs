@@ -1,6 +1,7 @@
 //! Assembly of the cone program: balance rows of bodies, interactions, expected magnitudes.
 
 pub mod balance;
+pub mod cell;
 pub mod groups;
 pub mod hits;
 pub mod interactions;
@@ -107,6 +108,7 @@ pub fn assemble_program(
     if search.active && attempt.effort().is_some() {
         lift_strengths(&contacts.0, &mut program.interactions);
     }
+    cell::set_images(&bodies, &mut program.interactions);
     groups::join(&bodies, &mut program.interactions);
     let balance = |program: &mut ConeProgram| {
         balance::assemble(
@@ -123,6 +125,11 @@ pub fn assemble_program(
         // The bodies of these contacts may have no other interaction, and then their motion is
         // known.
         balance(program);
+    }
+    let row = bodies.positions.len();
+    program.cell = bodies.cell.map(|cell| cell.in_program(row, bodies.mean_radius));
+    if analysis.kind == AnalysisKind::Static && attempt.motion().is_none() {
+        cell::hold_one(&bodies, history, program);
     }
     let count = contacts.0.len();
     program.scales = scales::estimate(

@@ -4,7 +4,9 @@ use std::borrow::Cow;
 
 use serde::{Deserialize, Serialize};
 
-use crate::program::{ConeProgram, ConeSolution, Interaction, ProgramBody, Scales};
+use crate::program::{
+    ConeProgram, ConeSolution, Interaction, ProgramBody, ProgramCell, Scales,
+};
 
 /// The description of the convex program that every dump contains.
 pub const FORMAT: &str = "\
@@ -84,6 +86,8 @@ struct Written<'a> {
     scales: Scales,
     bodies: Vec<Numbered>,
     interactions: Cow<'a, [Interaction]>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    cell: Option<ProgramCell>,
     solution: Cow<'a, ConeSolution>,
 }
 
@@ -133,6 +137,7 @@ pub fn to_json(
         scales: program.scales,
         bodies: program.bodies.iter().enumerate().map(numbered).collect(),
         interactions: Cow::Borrowed(&program.interactions),
+        cell: program.cell,
         solution: Cow::Borrowed(solution),
     })?;
     text.push('\n');
@@ -156,6 +161,7 @@ pub fn from_json(text: &str) -> Result<Dump, DumpError> {
             bodies: written.bodies.into_iter().map(|numbered| numbered.body).collect(),
             interactions: written.interactions.into_owned(),
             scales: written.scales,
+            cell: written.cell,
             ..ConeProgram::default()
         },
         solution: written.solution.into_owned(),

@@ -106,6 +106,7 @@ fn bond_of(tables: &Tables, released: &Released) -> Interaction {
         previous_shear: 0.0,
         limits: Limits::default(),
         dilation: 0.0,
+        image: DVec2::ZERO,
     }
 }
 

@@ -6,6 +6,8 @@ use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{Deserializer, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize};
 
+use super::CellStrain;
+
 /// Definitions of strain and stress, and of further measures.
 ///
 /// Version 1 has `(axial_strain: ..., ...)`, version 2 a list of measures with names. The measures
@@ -206,6 +208,8 @@ pub enum Strain {
     Walls(String, String),
     /// Distance between the centres of two particles, by index.
     Particles(u32, u32),
+    /// Strain of the periodic cell. Version 2.
+    Cell(CellStrain),
 }
 
 /// A stress.
@@ -254,6 +258,8 @@ pub enum Area {
     Fixed(f64),
     /// Area between two pairs of walls.
     Box((String, String), (String, String)),
+    /// The periodic cell. Version 2.
+    Cell,
 }
 
 /// Component of a stress tensor.
@@ -263,6 +269,8 @@ pub enum Component {
     Xx,
     /// sigma_yy.
     Yy,
-    /// sigma_xy.
+    /// sigma_xy, which is negative where the top is pushed along x.
     Xy,
+    /// Traction along x on a face whose outward normal is y: -sigma_xy. Version 2.
+    Shear,
 }
