@@ -40,7 +40,9 @@ impl Plugin for GatherBodiesPlugin {
             .add_systems(
                 Increment,
                 (
-                    (gather_bodies, refuse_small_cells, follow_rows).chain().in_set(IncrementSystems::Gather),
+                    (gather_bodies, refuse_small_cells, follow_rows)
+                        .chain()
+                        .in_set(IncrementSystems::Gather),
                     renumber_contacts.in_set(IncrementSystems::Renumber),
                     draft_history.in_set(IncrementSystems::Draft),
                 ),

@@ -81,6 +81,11 @@ scenes! {
         ("strain_at_peak", 0.0025),
     ];
     shear_box: "shear_box", COMPLETES, &[];
+    // Imposed stresses and moduli of a lattice are in tests/engine/periodic_cell.rs.
+    simple_shear_periodic: "simple_shear_periodic", COMPLETES, &[("porosity", 0.18938159194848847)];
+    simple_shear_periodic_undrained: "simple_shear_periodic_undrained", COMPLETES, &[
+        ("porosity", 0.18938159194848847),
+    ];
     #[ignore = "half a minute"]
     angle_of_repose: "angle_of_repose", COMPLETES, &[];
     #[ignore = "half a minute; a smaller one with its rate of flow is in tests/engine/hopper.rs"]

@@ -55,7 +55,8 @@ pub fn hold_one(bodies: &Bodies, history: &ContactHistory, program: &mut ConePro
             }
         }
     }
-    let is_free = |i: &usize| program.bodies[*i].dofs[..2].iter().all(|d| matches!(d, Dof::Free(_)));
+    let is_free =
+        |i: &usize| program.bodies[*i].dofs[..2].iter().all(|d| matches!(d, Dof::Free(_)));
     // Of equal ones the first.
     let most = (0..bodies.particles)
         .rev()

@@ -94,6 +94,8 @@ pub fn assemble_program(
     let history = &history.0;
     let (ruptures, corrections, pushed) = &changes;
     let findings = Findings { ruptures, corrections, pushed };
+    let row = bodies.positions.len();
+    program.cell = bodies.cell.map(|cell| cell.in_program(row, bodies.mean_radius));
     interactions::assemble(
         &bodies,
         &contacts.0,
@@ -126,8 +128,6 @@ pub fn assemble_program(
         // known.
         balance(program);
     }
-    let row = bodies.positions.len();
-    program.cell = bodies.cell.map(|cell| cell.in_program(row, bodies.mean_radius));
     if analysis.kind == AnalysisKind::Static && attempt.motion().is_none() {
         cell::hold_one(&bodies, history, program);
     }

@@ -129,7 +129,8 @@ pub(super) fn unlisted_pairs(
     }
     for wall in &bodies.walls {
         for pair in (0..bodies.particles as u32).map(|a| (a, wall.body)) {
-            if gap(bodies, (positions, cell), pair.0, pair.1) <= reach && !is_listed(contacts, pair) {
+            if gap(bodies, (positions, cell), pair.0, pair.1) <= reach && !is_listed(contacts, pair)
+            {
                 pairs.push(pair);
             }
         }

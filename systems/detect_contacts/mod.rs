@@ -72,8 +72,9 @@ pub fn detect_contacts(
     let (positions, radii) = (&bodies.positions[..n], &bodies.radii[..]);
     candidates.0.settings = settings.list;
     // The list of candidates knows no images: in a cell they are found anew.
-    let in_cell =
-        bodies.cell.map(|cell| periodic::pairs_within(&cell, positions, radii, expected.max_reach(n)));
+    let in_cell = bodies
+        .cell
+        .map(|cell| periodic::pairs_within(&cell, positions, radii, expected.max_reach(n)));
     if in_cell.is_none() {
         candidates.0.ensure(positions, radii, expected.max_reach(n));
     }

@@ -4,7 +4,9 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Analysis, Bond, CellControl, ParticleControl, Record, RigidControl, Select, WallControl};
+use super::{
+    Analysis, Bond, CellControl, ParticleControl, Record, RigidControl, Select, WallControl,
+};
 use crate::scene::unique_keys;
 
 /// A stage. A text may also have `Repeat(times: n, stages: [...])`, which stands for its stages one

@@ -57,11 +57,7 @@ impl Images {
         let interactions = program.interactions.iter().enumerate();
         let list: Vec<Image> = interactions
             .filter(|(_, c)| c.is_across())
-            .map(|(interaction, c)| Image {
-                of: place[c.b as usize],
-                interaction,
-                shift: c.image,
-            })
+            .map(|(interaction, c)| Image { of: place[c.b as usize], interaction, shift: c.image })
             .collect();
         let cell = place[law.body as usize];
         let mut of_interaction = Vec::new();
@@ -113,8 +109,7 @@ impl Images {
     /// Displacement of image `k` by that of the cell.
     fn by_cell(&self, k: usize, u: &[[f64; 3]]) -> DVec2 {
         let (cell, axis) = (&u[self.cell], self.axis);
-        let own: [f64; 3] =
-            std::array::from_fn(|d| if self.of_cell[d] { cell[d] } else { 0.0 });
+        let own: [f64; 3] = std::array::from_fn(|d| if self.of_cell[d] { cell[d] } else { 0.0 });
         let v = axis * own[0] + axis.perp() * own[1];
         self.law.shift(self.list[k].shift, [v.x, v.y, own[2]])
     }
@@ -125,8 +120,7 @@ impl Images {
         for (k, image) in self.list.iter().enumerate() {
             let shift = self.by_cell(k, u);
             let of = u[image.of];
-            let own: [f64; 3] =
-                std::array::from_fn(|d| if self.free[k][d] { of[d] } else { 0.0 });
+            let own: [f64; 3] = std::array::from_fn(|d| if self.free[k][d] { of[d] } else { 0.0 });
             u[self.bodies + k] = [own[0] + shift.x, own[1] + shift.y, own[2]];
         }
     }
@@ -171,8 +165,7 @@ impl Images {
 
     /// Known displacements of the cell in global axes.
     fn masked_cell(&self, known: &[f64; 3]) -> [f64; 3] {
-        let own: [f64; 3] =
-            std::array::from_fn(|d| if self.of_cell[d] { 0.0 } else { known[d] });
+        let own: [f64; 3] = std::array::from_fn(|d| if self.of_cell[d] { 0.0 } else { known[d] });
         let v = self.axis * own[0] + self.axis.perp() * own[1];
         [v.x, v.y, own[2]]
     }

@@ -66,9 +66,7 @@ impl Reduced {
                 .iter()
                 .map(|k| program.last_forces.get(*k).copied().unwrap_or_default())
                 .collect(),
-            cell: program
-                .cell
-                .map(|cell| ProgramCell { body: number[cell.body as usize], ..cell }),
+            cell: program.cell.map(|cell| ProgramCell { body: number[cell.body as usize], ..cell }),
         };
         Some(Self { program: part, bodies, interactions, at_rest })
     }

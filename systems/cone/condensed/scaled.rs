@@ -193,8 +193,7 @@ impl Scaled {
     #[must_use]
     pub fn with_known(&self, u: &[[f64; 3]]) -> Vec<[f64; 3]> {
         let of = |i: usize, k: usize| if self.free[i][k] { u[i][k] } else { self.known[i][k] };
-        let mut out: Vec<_> =
-            (0..self.free.len()).map(|i| [0, 1, 2].map(|k| of(i, k))).collect();
+        let mut out: Vec<_> = (0..self.free.len()).map(|i| [0, 1, 2].map(|k| of(i, k))).collect();
         self.images.extend(&mut out);
         out
     }

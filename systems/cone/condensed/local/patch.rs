@@ -50,8 +50,7 @@ fn balance(
     bodies.sort_unstable();
     bodies.dedup();
     let number = |i: usize| bodies.binary_search(&i).unwrap_or(usize::MAX);
-    let of_pair =
-        |k: &usize| program.pair(&program.locals[*k]).map(|i| number(i) as u32).into();
+    let of_pair = |k: &usize| program.pair(&program.locals[*k]).map(|i| number(i) as u32).into();
     let pairs: Vec<(u32, u32)> = used.iter().map(of_pair).collect();
     let mut matrix = BodyMatrix::new(bodies.len(), &pairs)?;
     let place = places(matrix.order());

@@ -78,8 +78,7 @@ impl Assembly<'_> {
         let left = times(rows, d);
         let start = self.diagonal[body as usize] - self.first;
         let block = &mut self.values[start..start + DIAGONAL];
-        for (k, (c, r)) in
-            [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].into_iter().enumerate()
+        for (k, (c, r)) in [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].into_iter().enumerate()
         {
             block[k] += dot(&left[c], &rows[r]);
         }

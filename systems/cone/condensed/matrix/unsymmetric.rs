@@ -10,8 +10,8 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::fronts::{Front, Fronts};
 use super::{layout, lu, ordering, places};
-use crate::condensed::images::Images;
 use crate::adjacency::Adjacency;
+use crate::condensed::images::Images;
 
 /// Numbers in the block of a body and in the two blocks of a pair.
 const BODY: usize = 9;
