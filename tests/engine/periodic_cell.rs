@@ -56,7 +56,8 @@ fn lattice(columns: u32, rows: u32, origin: [f64; 2]) -> (String, [f64; 2]) {
 
 /// xx, yy and shear of the stress (Pa) and of the strain after the last increment.
 fn state(simulation: &Simulation) -> [[f64; 3]; 2] {
-    let read = |name: &str| reading(simulation.world(), name).unwrap();
+    // Strains exist from the reference stage on.
+    let read = |name: &str| reading(simulation.world(), name).unwrap_or(f64::NAN);
     [
         ["lateral_stress", "axial_stress", "shear_stress"].map(read),
         ["lateral_strain", "axial_strain", "shear_strain"].map(read),
@@ -95,7 +96,7 @@ fn elastic(e: [f64; 3]) -> [f64; 3] {
 /// touching disks, and in further ones by their change. Contacts hold as rough ones.
 #[test]
 fn imposed_strains_of_a_lattice() {
-    let (disks, size) = lattice(6, 4, [0.0, 0.0]);
+    let (disks, size) = lattice(5, 6, [0.0, 0.0]);
     let e = 1.0e-3;
     let stages = format!(
         r#"Load(name: "a", increments: 1, cell: (xx: Strain({e:?}), yy: Strain({e:?}))),
@@ -143,8 +144,8 @@ fn a_lattice_anywhere_and_of_any_size() {
         let (disks, size) = lattice(columns, rows, origin);
         run(&scene(&disks, size, 0.5, "", stages))
     };
-    let expected = run(4, 4, [0.0, 0.0]);
-    for states in [run(4, 4, [0.0123, -7.31]), run(8, 8, [0.0, 0.0])] {
+    let expected = run(4, 6, [0.0, 0.0]);
+    for states in [run(4, 6, [0.0123, -7.31]), run(8, 12, [0.0, 0.0])] {
         for (found, expected) in states.iter().zip(&expected) {
             assert_near(found[0], expected[0], expected[0][1], 1e-9);
             assert_near(found[1], expected[1], 1e-3, 1e-9);

@@ -74,17 +74,18 @@ fn without(scene: &Scene, findings: &mut Findings) {
         return;
     }
     for (i, stage) in scene.stages.iter().enumerate() {
+        let path = format_args!("stages[{i}]");
         match stage {
             Stage::Load(stage) if stage.cell.is_some() => {
                 let help = "add `cell: (size: (WIDTH, HEIGHT))` to the scene";
-                findings.add(format_args!("stages[{i}].cell"), "no periodic cell", help);
+                findings.add(format_args!("{path}.cell"), "no periodic cell", help);
             }
             Stage::Compact(stage) => {
                 for (field, wall) in [("wall", &stage.wall), ("base", &stage.base)] {
-                    if wall.is_empty() && findings.is_sure_of("stages") {
+                    if wall.is_empty() && findings.is_sure_of_part(format_args!("{path}.{field}")) {
                         let message = format!("missing field `{field}`");
                         let help = format!("add `{field}: ...`");
-                        findings.add(format_args!("stages[{i}].{field}"), message, &help);
+                        findings.add(format_args!("{path}.{field}"), message, &help);
                     }
                 }
             }

@@ -201,7 +201,7 @@ impl Scaled {
     /// Number of bodies and images.
     #[must_use]
     pub fn places(&self) -> usize {
-        self.free.len() + self.images.len()
+        self.free.len() + self.images.count()
     }
 
     /// The bodies of an interaction, whether or not the second takes part as an image.

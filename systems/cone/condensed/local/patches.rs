@@ -56,7 +56,7 @@ impl<'a> Patches<'a> {
         let [a, b] = self.program.pair(l);
         let is_bonded = l.count == 3 && l.right[2] > 0.0;
         let is_near = is_bonded || self.e[k][0] - l.linear[0] > -self.settings.max_gap;
-        is_near.then(|| if a == i { b } else { a })
+        is_near.then_some(if a == i { b } else { a })
     }
 
     /// Adds the mobile bodies that are joined to those inside, ring by ring.
