@@ -86,6 +86,11 @@ impl Images {
         self.list.len()
     }
 
+    /// Whether this is the place of the cell.
+    pub fn is_cell(&self, place: usize) -> bool {
+        self.bodies > 0 && place == self.cell
+    }
+
     /// The image that takes part in an interaction, and the first of the two pairs that its bodies
     /// make with the cell.
     #[inline]

@@ -35,11 +35,10 @@ impl SlowPart {
         let place = ((settings.fast_quantile * sizes.len() as f64) as usize).min(last);
         let (_, quantile, _) = sizes.select_nth_unstable_by(place, f64::total_cmp);
         let threshold = settings.fast * *quantile;
-        // No interaction counts as one of the cell, which is as large as the specimen.
         let is_fast = |i: usize| {
             size(&du[i]) > threshold
                 && !is_wall(adjacency, settings, i)
-                && !adjacency.of(i).is_empty()
+                && !program.images.is_cell(i)
         };
         let fast: Vec<bool> = (0..bodies.len()).map(is_fast).collect();
         fast.contains(&true).then(|| {

@@ -44,9 +44,9 @@ impl<'a> Patches<'a> {
 
     fn is_mobile(&self, i: usize) -> bool {
         // A patch moves with the cell held.
-        !self.adjacency.of(i).is_empty()
-            && self.program.free[i].contains(&true)
+        self.program.free[i].contains(&true)
             && !is_wall(self.adjacency, self.settings, i)
+            && !self.program.images.is_cell(i)
     }
 
     /// The other body of interaction `k` if it joins it to body `i`: a bond does, and a contact
