@@ -165,8 +165,8 @@ mod tests {
                 let lattice = DVec2::new(n * cell.width + m * cell.tilt, m * cell.height);
                 let apart = short + lattice;
                 assert!((apart + cell.shift(apart) - short).length() < 1e-12, "{tilt} {k}");
-                let inside = cell.wrapped(apart);
-                assert!((inside - cell.wrapped(short)).length() < 1e-9);
+                let between = cell.wrapped(apart) - cell.wrapped(short);
+                assert!((between + cell.shift(between)).length() < 1e-9);
             }
         }
     }
