@@ -43,7 +43,7 @@ pub fn compare(directories: &[PathBuf], out: &Path) -> Result<Exit, Failure> {
     }
     let mut read = Vec::new();
     for (directory, run) in directories.iter().zip(&runs) {
-        read.push((run.label(), History::read(&directory.join(directory::HISTORY))?));
+        read.push((run.label(), History::of_run(directory)?));
     }
     say(format_args!("{}", table(&runs)))?;
     if !plots::DRAWN {
@@ -73,7 +73,7 @@ pub fn compare(directories: &[PathBuf], out: &Path) -> Result<Exit, Failure> {
 
 /// Ends of paths, each long enough to distinguish it from the others. A path that is given twice is
 /// numbered.
-fn names(paths: &[PathBuf]) -> Vec<String> {
+pub fn names(paths: &[PathBuf]) -> Vec<String> {
     // `..` and `.` are not names of directories.
     let whole = |path: &PathBuf| fs::canonicalize(path).unwrap_or_else(|_| path.clone());
     let paths: Vec<PathBuf> = paths.iter().map(whole).collect();

@@ -12,6 +12,7 @@ mod list;
 mod memory;
 mod new;
 mod own_findings;
+mod plot;
 mod progress;
 mod resolve;
 mod resume;
@@ -38,6 +39,7 @@ Examples:
   clastic check uniaxial                        is the scene sound?
   clastic run uniaxial                          run it; results go to runs/uniaxial
   clastic compare runs/a runs/b                 their curves in one picture
+  clastic plot runs/uniaxial --figure force-chains --out chains.pdf
   clastic run uniaxial --checkpoint-every 10    lose no more than 10 increments if it is killed
   clastic resume runs/uniaxial                  go on from there
   clastic resume runs/a --scene longer.ron      give a run that has ended more stages
@@ -80,6 +82,8 @@ enum Command {
     Sweep(SweepArgs),
     /// Find the strength at several confining stresses: Mohr circles, c and phi, sigma_ci and m_i
     Envelope(EnvelopeArgs),
+    /// Draw a figure for a paper: curves, fields, force chains, roses (docs/figures.md)
+    Plot(plot::PlotArgs),
     /// Draw the curves of several runs over one another and print their key results
     Compare {
         /// Directories of runs
@@ -287,6 +291,7 @@ fn execute<M>(command: Command, plugins: impl Plugins<M> + Send) -> ExitCode {
         Command::New { rig } => new::new(rig.as_deref()),
         Command::Sweep(args) => sweep::sweep(&args, &program()),
         Command::Envelope(args) => envelope::envelope(&args, &program()),
+        Command::Plot(args) => plot::plot(&args),
         Command::Compare { runs, out } => compare::compare(&runs, &out),
     };
     match done {

@@ -74,9 +74,11 @@ pub(super) fn write_wanted(
     let now = scenery.snapshot();
     let path = directory::frame(run.directory(), observation.increment);
     write_frame(&path, &now)?;
+    let (title, caption) = (&script.scene.title, caption(&observation));
+    let field = plots::specimen::Field::of(&script.scene);
     if moments.are_drawn
         && let Some(picture) =
-            plots::specimen::svg(&now, &moments.start, &script.scene.title, &caption(&observation))
+            plots::specimen::svg(&now, &moments.start, field, title, &caption, true)
     {
         let path = path.with_extension("svg");
         write_atomic(&path, picture)?;
