@@ -1,7 +1,5 @@
 //! Figures of the history: curves of one run or of several.
 
-use std::collections::BTreeMap;
-
 use super::FigureError;
 use super::run::Run;
 use crate::history_columns::ENERGY_COLUMNS;
@@ -144,25 +142,21 @@ pub fn mohr(runs: &[Run]) -> Result<Chart, FigureError> {
 
 /// Anisotropy of contacts and forces, and the coordination, in all frames.
 pub fn fabric(run: &Run) -> Result<Chart, FigureError> {
-    let strains: BTreeMap<u64, f64> = run
-        .history
-        .points("increment", "axial_strain")
-        .into_iter()
-        .map(|(increment, strain)| (increment as u64, 100.0 * strain))
-        .collect();
+    let all = run.all()?;
+    let is_strained = all.iter().any(|moment| moment.strain.is_some());
+    let first = all.iter().position(|moment| moment.strain.is_some()).unwrap_or(0);
     let names = ["contacts, a", "normal forces, a_n", "coordination 2 N_c / N"];
     let mut lines = names.map(|name| Line { name: name.to_owned(), points: Vec::new() });
     let is_strained = !strains.is_empty();
-    for moment in run.all()? {
-        let first = strains.keys().next().copied().unwrap_or(0);
-        let x = match strains.get(&moment.increment) {
-            Some(strain) => *strain,
+    for (row, moment) in all.iter().enumerate() {
+        let x = match moment.strain {
+            Some(strain) => 100.0 * strain,
             None if !is_strained => moment.increment as f64,
-            // The initial state.
-            None if moment.increment + 1 == first => 0.0,
+            // The frame of the start.
+            None if row + 1 == first => 0.0,
             None => continue,
         };
-        if let Some(fabric) = Fabric::of(&moment) {
+        if let Some(fabric) = Fabric::of(moment) {
             let values = [fabric.contact.0, fabric.force.0, fabric.coordination];
             for (line, value) in lines.iter_mut().zip(values) {
                 line.points.push((x, value));

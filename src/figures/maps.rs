@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use super::fields::{displacements, rotations, strains};
-use super::moment::Moment;
+use super::moment::{Disk, Moment};
 use crate::output::plots::page::Style;
 use crate::output::plots::scale::{KINDS, Scale};
 use crate::output::plots::sheet::{Sample, Sheet};
@@ -126,8 +126,8 @@ pub fn volumetric_strain(view: &View) -> Option<String> {
 
 /// Mean stress of every disk.
 pub fn stress(view: &View) -> Option<String> {
-    let stresses = view.now.stresses();
-    let values: Vec<_> = stresses.iter().map(|[xx, yy, _]| Some(0.5 * (xx + yy))).collect();
+    let mean = |disk: &Disk| Some(0.5 * (disk.stress[0] + disk.stress[1]));
+    let values: Vec<_> = view.now.disks.iter().map(mean).collect();
     let name = "mean stress of each disk, compression positive";
     let scale = Scale::of_signed(&there(&values), name, "Pa");
     field(view, &values, &scale)
@@ -229,11 +229,7 @@ pub fn layers(view: &View) -> Option<String> {
 pub fn fragments(view: &View) -> Option<String> {
     let shown = view.now.snapshot();
     let mut sheet = view.begin(&shown)?;
-    let fragments = view.now.fragments();
-    let mut sizes = vec![0_usize; fragments.iter().max()? + 1];
-    for fragment in &fragments {
-        sizes[*fragment] += 1;
-    }
+    let (fragments, sizes) = view.now.fragments();
     // The largest is grey, as the rest of the specimen; disks alone are white.
     let colors: Vec<&str> = ["#d9d9d9", "#fff"].into_iter().chain(KINDS).collect();
     let class = |row: usize| match fragments[row] {

@@ -12,10 +12,10 @@ pub mod pages;
 mod panels;
 pub mod roses;
 pub mod run;
-mod saved;
 
 use std::io;
 
+use crate::frames::FrameError;
 use crate::output::OutputError;
 use crate::output::plots::chart::Chart;
 use crate::output::plots::page::Style;
@@ -36,6 +36,9 @@ pub enum FigureError {
     /// A file cannot be read or written.
     #[error(transparent)]
     Output(#[from] OutputError),
+    /// A frame cannot be read.
+    #[error(transparent)]
+    Frame(#[from] FrameError),
     /// The figure cannot be drawn.
     #[error("the figure cannot be drawn: {0}")]
     Drawing(#[from] io::Error),

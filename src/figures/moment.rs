@@ -27,6 +27,10 @@ pub struct Disk {
     pub spin: f64,
     /// Index of the material.
     pub material: u32,
+    /// Mean stress, components xx, yy and xy, Pa, compression positive.
+    pub stress: [f64; 3],
+    /// Fragment: the lowest identity of the disks that intact bonds hold together.
+    pub fragment: u32,
 }
 
 /// A straight piece of a wall.
@@ -40,8 +44,8 @@ pub struct Piece {
     pub ends: [DVec2; 2],
     /// Whether the wall is an infinite line, which is drawn between these ends.
     pub is_line: bool,
-    /// Force on the wall that balances its contacts: x and y in N, moment in N m.
-    pub external_force: [f64; 3],
+    /// Force of the outside world on the wall: x and y in N, moment in N m.
+    pub force: [f64; 3],
 }
 
 /// A pair of bodies that carries force.
@@ -87,8 +91,8 @@ pub struct Moment {
     pub stage: String,
     /// Time, s.
     pub time: f64,
-    /// Out-of-plane thickness, m.
-    pub thickness: f64,
+    /// Axial strain, if the scene defines one; contraction is positive.
+    pub strain: Option<f64>,
     /// Names of the materials.
     pub materials: Vec<String>,
     /// Disks by identity.
@@ -100,9 +104,6 @@ pub struct Moment {
     /// Bonds by identity.
     pub bonds: Vec<Link>,
 }
-
-/// Stress of a disk, Pa, compression positive: xx, yy, and xy, which is the mean of xy and yx.
-pub type Stress = [f64; 3];
 
 impl Moment {
     /// The disk with an identity.
@@ -161,58 +162,20 @@ impl Moment {
         self.bonds.iter().filter_map(crack).collect()
     }
 
-    /// Mean stress of every disk (Love and Weber): sum over its contacts of branch times force, over
-    /// the volume of the disk.
+    /// Fragment of every disk, numbered by size from 0, those of one size by their first disk, and
+    /// the sizes.
     #[must_use]
-    pub fn stresses(&self) -> Vec<Stress> {
-        let mut stresses = vec![[0.0; 3]; self.disks.len()];
-        for pair in &self.pairs {
-            let n = pair.normal;
-            // Force on b from a. On a acts the opposite one, along the opposite branch.
-            let force = pair.normal_force * n + pair.shear_force * n.perp();
-            for body in [pair.a, pair.b] {
-                let Some(row) = self.row(body) else { continue };
-                let s = &mut stresses[row];
-                let radius = self.disks[row].radius;
-                let volume = std::f64::consts::PI * radius * radius * self.thickness;
-                let branch = n * (radius + 0.5 * pair.gap) / volume;
-                s[0] += branch.x * force.x;
-                s[1] += branch.y * force.y;
-                s[2] += 0.5 * (branch.x * force.y + branch.y * force.x);
-            }
+    pub fn fragments(&self) -> (Vec<usize>, Vec<usize>) {
+        let mut sizes: BTreeMap<u32, usize> = BTreeMap::new();
+        for disk in &self.disks {
+            *sizes.entry(disk.fragment).or_default() += 1;
         }
-        stresses
-    }
-
-    /// Fragment of every disk: disks that hang together by intact bonds. Fragments are numbered by
-    /// size from 0, those of one size by their first disk. Disks without a bond are fragments of one.
-    #[must_use]
-    pub fn fragments(&self) -> Vec<usize> {
-        let n = self.disks.len();
-        let mut root: Vec<usize> = (0..n).collect();
-        fn find(root: &mut [usize], mut k: usize) -> usize {
-            while root[k] != k {
-                root[k] = root[root[k]];
-                k = root[k];
-            }
-            k
-        }
-        for link in self.bonds.iter().filter(|link| link.broken.is_none()) {
-            if let (Some(a), Some(b)) = (self.row(link.a), self.row(link.b)) {
-                let (a, b) = (find(&mut root, a), find(&mut root, b));
-                root[a.max(b)] = a.min(b);
-            }
-        }
-        let roots: Vec<usize> = (0..n).map(|k| find(&mut root, k)).collect();
-        let mut sizes: BTreeMap<usize, usize> = BTreeMap::new();
-        for root in &roots {
-            *sizes.entry(*root).or_default() += 1;
-        }
-        let mut order: Vec<(usize, usize)> = sizes.into_iter().collect();
-        order.sort_by_key(|(root, size)| (std::cmp::Reverse(*size), *root));
-        let rank: BTreeMap<usize, usize> =
-            order.iter().enumerate().map(|(rank, (root, _))| (*root, rank)).collect();
-        roots.iter().map(|root| rank[root]).collect()
+        let mut order: Vec<(u32, usize)> = sizes.into_iter().collect();
+        order.sort_by_key(|(first, size)| (std::cmp::Reverse(*size), *first));
+        let ranks: BTreeMap<u32, usize> =
+            order.iter().enumerate().map(|(rank, (first, _))| (*first, rank)).collect();
+        let of_disks = self.disks.iter().map(|disk| ranks[&disk.fragment]).collect();
+        (of_disks, order.into_iter().map(|(_, size)| size).collect())
     }
 
     /// What pictures of a run draw of it.
@@ -258,14 +221,13 @@ pub(crate) mod tests {
             bond: None,
         };
         Moment {
-            thickness: 1.0,
             disks: (0..3).map(disk).collect(),
             walls: vec![Piece {
                 id: 7,
                 name: "floor".to_owned(),
                 ends: [DVec2::ZERO, DVec2::new(4.0, 0.0)],
                 is_line: true,
-                external_force: [0.0; 3],
+                force: [0.0; 3],
             }],
             pairs: vec![pair(0, 1, DVec2::X), pair(1, 7, DVec2::NEG_Y)],
             bonds: vec![
@@ -278,8 +240,12 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn fragments_hang_together_by_intact_bonds() {
-        assert_eq!(row_of_three().fragments(), [0, 0, 1]);
+    fn fragments_are_ranked_by_size() {
+        let mut moment = row_of_three();
+        for (disk, fragment) in moment.disks.iter_mut().zip([0, 1, 1]) {
+            disk.fragment = fragment;
+        }
+        assert_eq!(moment.fragments(), (vec![1, 0, 0], vec![2, 1]));
     }
 
     #[test]
@@ -288,16 +254,5 @@ pub(crate) mod tests {
         assert_eq!(cracks.len(), 2);
         assert_eq!(cracks[0].1.ends, [DVec2::new(3.0, 0.0), DVec2::new(3.0, 2.0)]);
         assert_eq!(cracks[1].1.ends, [DVec2::new(3.0, 0.0), DVec2::new(5.0, 0.0)]);
-    }
-
-    #[test]
-    fn stresses_are_sums_of_branch_times_force() {
-        let stresses = row_of_three().stresses();
-        let over_area = std::f64::consts::PI.recip();
-        assert!((stresses[0][0] - 2.0 * over_area).abs() < 1e-15);
-        assert!((stresses[0][2] - 0.5 * over_area).abs() < 1e-15);
-        // The second disk also rests on the floor.
-        assert!((stresses[1][1] - 2.0 * over_area).abs() < 1e-15);
-        assert_eq!(stresses[2], [0.0; 3]);
     }
 }

@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec2;
 
+use super::FigureError;
 use super::moment::Moment;
-use super::{FigureError, frames, saved};
+use crate::frames::Frame;
 use crate::output::plots::history::History;
 use crate::output::{OutputError, directory};
-use crate::tables::Tables;
 
 /// A moment of a run.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -21,8 +21,8 @@ pub enum At {
     End,
     /// After an increment of the run.
     Increment(u64),
-    /// A saved state.
-    State(PathBuf),
+    /// The frame in a file.
+    File(PathBuf),
 }
 
 impl At {
@@ -35,9 +35,9 @@ impl At {
             "start" => Ok(Self::Start),
             "peak" => Ok(Self::Peak),
             "end" => Ok(Self::End),
-            path if path.ends_with(".npz") => Ok(Self::State(path.into())),
+            path if path.ends_with(".npz") => Ok(Self::File(path.into())),
             number => number.parse().map(Self::Increment).map_err(|_| {
-                "write start, peak, end, the number of an increment, or the path of a saved state"
+                "write start, peak, end, the number of an increment, or the path of a frame (.npz)"
                     .to_owned()
             }),
         }
@@ -75,26 +75,52 @@ impl Run {
         })
     }
 
-    /// The state at a moment. Without a frame of the end it is that of `final_state.npz`.
+    /// The state at a moment.
     ///
     /// # Errors
-    /// If the run has no frame of it.
+    /// If the run has no frame of it; the message lists those that it has.
     pub fn at(&self, at: &At) -> Result<Moment, FigureError> {
-        match at {
-            At::State(path) => state(path),
-            At::End if frames::path(&self.directory, at).is_none() => {
-                state(&self.directory.join(directory::FINAL_STATE))
+        let frames = self.directory.join(directory::FRAMES);
+        let path = match at {
+            At::Start => frames.join(directory::FRAME_START),
+            At::Peak => frames.join(directory::FRAME_PEAK),
+            At::End => frames.join(directory::FRAME_END),
+            At::File(path) => path.clone(),
+            At::Increment(increment) => {
+                let all = self.all()?;
+                let found = all.iter().position(|moment| moment.increment == *increment);
+                return match found {
+                    Some(found) => Ok(all.into_iter().nth(found).unwrap_or_default()),
+                    None => Err(self.no_frame(&format!("increment {increment}"), &all)),
+                };
             }
-            at => frames::read(&self.directory, at),
+        };
+        if !path.exists() && !matches!(at, At::File(_)) {
+            let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            return Err(self.no_frame(&format!("the {name}"), &self.all()?));
         }
+        Ok(Moment::of_frame(&Frame::read(&path)?))
     }
 
-    /// All states that the run has kept, by increment.
+    /// All frames that the run has kept, by increment.
     ///
     /// # Errors
     /// If one cannot be read.
     pub fn all(&self) -> Result<Vec<Moment>, FigureError> {
-        frames::all(&self.directory)
+        let frames = crate::frames::series(&self.directory)?;
+        Ok(frames.iter().map(Moment::of_frame).collect())
+    }
+
+    fn no_frame(&self, of: &str, all: &[Moment]) -> FigureError {
+        let mut numbers: Vec<_> = all.iter().map(|moment| moment.increment.to_string()).collect();
+        if numbers.len() > 20 {
+            numbers.splice(10..numbers.len() - 10, ["...".to_owned()]);
+        }
+        let kept = match numbers.is_empty() {
+            true => "it has none; run the scene again with this clastic".to_owned(),
+            false => format!("it has frames of the increments {}", numbers.join(", ")),
+        };
+        FigureError::Absent(format!("{}: no frame of {of}; {kept}", self.directory.display()))
     }
 
     /// Normals and modes (0 tension, 1 shear, 2 rolling) of the bonds that broke up to an increment.
@@ -126,12 +152,4 @@ impl Run {
         }
         Ok(list)
     }
-}
-
-/// A saved state.
-fn state(path: &Path) -> Result<Moment, FigureError> {
-    let bytes = std::fs::read(path).map_err(OutputError::at(path))?;
-    let wrong = |what: String| FigureError::Absent(format!("{}: {what}", path.display()));
-    let tables = Tables::decode(&bytes).map_err(|error| wrong(error.to_string()))?;
-    saved::moment(&tables).map_err(|error| wrong(error.to_string()))
 }
