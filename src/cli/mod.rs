@@ -7,6 +7,7 @@ mod check;
 mod compare;
 mod envelope;
 mod exit;
+mod export;
 mod interrupt;
 mod list;
 mod memory;
@@ -84,6 +85,8 @@ enum Command {
     Envelope(EnvelopeArgs),
     /// Draw a figure for a paper: curves, fields, force chains, roses (docs/figures.md)
     Plot(plot::PlotArgs),
+    /// Write the frames of a run for ParaView (VTK) or as tables (CSV)
+    Export(export::ExportArgs),
     /// Draw the curves of several runs over one another and print their key results
     Compare {
         /// Directories of runs
@@ -291,6 +294,7 @@ fn execute<M>(command: Command, plugins: impl Plugins<M> + Send) -> ExitCode {
         Command::New { rig } => new::new(rig.as_deref()),
         Command::Sweep(args) => sweep::sweep(&args, &program()),
         Command::Envelope(args) => envelope::envelope(&args, &program()),
+        Command::Export(args) => export::export(&args),
         Command::Plot(args) => plot::plot(&args),
         Command::Compare { runs, out } => compare::compare(&runs, &out),
     };

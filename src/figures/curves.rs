@@ -147,7 +147,6 @@ pub fn fabric(run: &Run) -> Result<Chart, FigureError> {
     let first = all.iter().position(|moment| moment.strain.is_some()).unwrap_or(0);
     let names = ["contacts, a", "normal forces, a_n", "coordination 2 N_c / N"];
     let mut lines = names.map(|name| Line { name: name.to_owned(), points: Vec::new() });
-    let is_strained = !strains.is_empty();
     for (row, moment) in all.iter().enumerate() {
         let x = match moment.strain {
             Some(strain) => 100.0 * strain,
