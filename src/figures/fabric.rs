@@ -53,8 +53,8 @@ impl Fabric {
     /// The fabric of a moment; `None` without contacts between disks.
     ///
     /// The anisotropy of contacts follows from F = mean of n (x) n by a = 2 (F_1 - F_2), that of
-    /// forces from the means of the sectors by a_n = 2 |mean of f(t) exp(2 i t)| / f_0, where f_0 is
-    /// the mean over the sectors (Rothenburg and Bathurst 1989).
+    /// forces from the means of the sectors by a_n = 2 |mean of f(t) exp(2 i t)| / f_0, where f_0
+    /// is the mean over the sectors (Rothenburg and Bathurst 1989).
     #[must_use]
     pub fn of(moment: &Moment) -> Option<Self> {
         let double = |angle: f64| DVec2::from_angle(2.0 * angle);

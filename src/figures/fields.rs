@@ -46,10 +46,10 @@ impl HasPosition for Corner {
 }
 
 /// Strain of every disk of `now` since `from`. The displacement is linear in the triangles of the
-/// Delaunay triangulation of the centres in `from`, so that each has one small strain, the symmetric
-/// part of its gradient. A disk has the mean of its triangles by area. Triangles with a side across
-/// a gap wider than the mean diameter bridge a void or the outline of the specimen and do not count;
-/// a disk without a triangle has no strain.
+/// Delaunay triangulation of the centres in `from`, so that each has one small strain, the
+/// symmetric part of its gradient. A disk has the mean of its triangles by area. Triangles with a
+/// side across a gap wider than the mean diameter bridge a void or the outline of the specimen and
+/// do not count; a disk without a triangle has no strain.
 #[must_use]
 pub fn strains(now: &Moment, from: &Moment) -> Vec<Option<Strain>> {
     let moved = displacements(now, from);

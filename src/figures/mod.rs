@@ -97,7 +97,7 @@ pub const FIGURES: [Figure; 20] = [
     figure(
         "stress-strain",
         Kind::Curves(curves::stress),
-        "axial and lateral stress and broken bonds against axial strain; several runs: axial stress",
+        "stresses and broken bonds against axial strain; of several runs the axial stress",
     ),
     figure("volumetric", Kind::Curves(curves::volumetric), "volumetric against axial strain"),
     figure(

@@ -118,15 +118,7 @@ impl Moment {
         self.disks.binary_search_by_key(&id, |disk| disk.id).ok()
     }
 
-    /// Point of contact of a pair, m: half-way between the two surfaces. `None` if the disk is gone.
-    #[must_use]
-    pub fn contact_point(&self, pair: &Pair) -> Option<DVec2> {
-        let a = self.disk(pair.a)?;
-        Some(a.position + (a.radius + 0.5 * pair.gap) * pair.normal)
-    }
-
-    /// Where a line to body `b` of a pair of `a` ends, m: the centre of a disk, the nearest point of
-    /// a wall.
+    /// Where a line from `a` to body `b` ends, m: the centre of a disk, the nearest point of a wall.
     #[must_use]
     pub fn far_end(&self, a: u32, b: u32) -> Option<DVec2> {
         match self.disk(b) {

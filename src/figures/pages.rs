@@ -30,8 +30,8 @@ impl Format {
         };
         if format != Self::Svg && !cfg!(feature = "pages") {
             return Err(FigureError::Usage(
-                "this build of clastic writes figures as .svg only; for .pdf and .png build it with \
-                 `--features pages`"
+                "this build of clastic writes figures as .svg only; for .pdf and .png build it \
+                 with `--features pages`"
                     .to_owned(),
             ));
         }
@@ -72,8 +72,8 @@ mod converted {
     use resvg::usvg::fontdb::Database;
     use resvg::usvg::{Options, Tree};
 
-    /// Liberation Sans 2.1.5, under the SIL Open Font License 1.1 beside it. Its letters are as wide
-    /// as those of Arial and Helvetica.
+    /// Liberation Sans 2.1.5, under the SIL Open Font License 1.1 beside it. Its letters are as
+    /// wide as those of Arial and Helvetica.
     const FONT: &[u8] = include_bytes!("fonts/LiberationSans-Regular.ttf");
     /// pt in a pixel of SVG, of which an inch has 96.
     const PT: f32 = 0.75;

@@ -123,7 +123,7 @@ impl Run {
         FigureError::Absent(format!("{}: no frame of {of}; {kept}", self.directory.display()))
     }
 
-    /// Normals and modes (0 tension, 1 shear, 2 rolling) of the bonds that broke up to an increment.
+    /// Normals and modes (0 tension, 1 shear, 2 rolling) of bonds that broke up to an increment.
     ///
     /// # Errors
     /// If `events.csv` cannot be read.

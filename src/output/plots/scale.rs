@@ -19,7 +19,7 @@ pub struct Scale {
     pub low: f64,
     /// Upper end.
     pub high: f64,
-    /// Colours from the lower to the upper end. The first and the last one also show what is beyond.
+    /// Colours from the lower to the upper end. The first and the last also show what is beyond.
     pub colors: &'static [&'static str],
     /// Quantity, without its unit.
     pub name: String,
