@@ -5,7 +5,7 @@ use glam::DVec2;
 use super::fields::{displacements, rotations, strains};
 use super::moment::{Disk, Moment};
 use crate::output::plots::page::Style;
-use crate::output::plots::scale::{KINDS, Scale};
+use crate::output::plots::scale::{KINDS, Scale, with_unit};
 use crate::output::plots::sheet::{Sample, Sheet};
 use crate::output::plots::specimen::{crack_samples, draw_cracks};
 use crate::output::snapshot::Snapshot;
@@ -129,7 +129,13 @@ pub fn stress(view: &View) -> Option<String> {
     let mean = |disk: &Disk| Some(0.5 * (disk.stress[0] + disk.stress[1]));
     let values: Vec<_> = view.now.disks.iter().map(mean).collect();
     let name = "mean stress of each disk, compression positive";
-    let scale = Scale::of_signed(&there(&values), name, "Pa");
+    let all = there(&values);
+    let [low, high] = [f64::min, f64::max].map(|of| all.iter().copied().fold(0.0, of));
+    // Few disks are in tension where a specimen is pressed.
+    let scale = match low < -0.02 * high {
+        true => Scale::of_signed(&all, name, "Pa"),
+        false => Scale::of_magnitudes(&all, name, "Pa"),
+    };
     field(view, &values, &scale)
 }
 
@@ -192,14 +198,13 @@ pub fn force_chains(view: &View) -> Option<String> {
         sheet.segments(lines, color, width(class % WIDTHS));
     }
     sheet.walls(&shown);
-    let labels = end.labels();
-    let unit =
-        labels.1.split(", ").nth(1).unwrap_or("N").split(';').next().unwrap_or("N").to_owned();
-    let sample = |color, text: &str| Sample { color, stroke: Some(widest), text: text.to_owned() };
-    let full = format!("{} {unit}", labels.0[2]);
-    let mut samples = vec![sample(COMPRESSION, &format!("normal force of {full} in compression"))];
+    // The sample is not wider than a line of the legend.
+    let parts = (widest / (1.2 * view.style.font)).log2().ceil().max(0.0).exp2();
+    let sample = |color, text: String| Sample { color, stroke: Some(widest / parts), text };
+    let full = with_unit(end.high / parts, "N");
+    let mut samples = vec![sample(COMPRESSION, format!("normal force of {full} in compression"))];
     if lines[WIDTHS..].iter().any(|lines| !lines.is_empty()) {
-        samples.push(sample(TENSION, &format!("of {full} in tension")));
+        samples.push(sample(TENSION, format!("of {full} in tension")));
     }
     sheet.samples(&samples);
     let more = if end.exceeded { "; larger forces are not wider" } else { "" };

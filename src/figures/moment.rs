@@ -118,7 +118,7 @@ impl Moment {
         self.disks.binary_search_by_key(&id, |disk| disk.id).ok()
     }
 
-    /// Where a line from `a` to body `b` ends, m: the centre of a disk, the nearest point of a wall.
+    /// End of a line from `a` to body `b`, m: the centre of a disk, the nearest point of a wall.
     #[must_use]
     pub fn far_end(&self, a: u32, b: u32) -> Option<DVec2> {
         match self.disk(b) {

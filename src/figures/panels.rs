@@ -41,6 +41,9 @@ pub fn localisation(run: &Run, title: &str, request: &Request) -> Result<String,
         top += 1.6 * style.font;
         page::text(&mut svg, DVec2::new(0.0, top), 1.2 * style.font, "start", "#222", &line);
     }
+    if top > 0.0 {
+        top += 0.5 * style.font;
+    }
     let heads = names.map(|name| page::wrapped(name, style.font, width));
     let rows = heads.iter().map(Vec::len).max().unwrap_or(1);
     let begin = top + 1.35 * style.font * rows as f64 + 0.3 * style.font;

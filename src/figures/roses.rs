@@ -8,7 +8,7 @@ use glam::DVec2;
 use super::fabric::{Fabric, SECTORS, roses, sector};
 use super::moment::Moment;
 use crate::output::plots::page::{self, Style};
-use crate::output::plots::scale::round_up;
+use crate::output::plots::scale::{round_up, with_unit};
 
 const GREY: &str = "#555";
 /// Points of a fitted curve.
@@ -56,23 +56,10 @@ pub fn forces(moment: &Moment) -> Option<Rose> {
         fit: Some(Box::new(move |t| 1.0 + a * (2.0 * (t - angle)).cos())),
         notes: vec![
             "mean normal force by direction of the normal, over its mean".to_owned(),
-            format!(
-                "mean: {}; line: 1 + a_n cos 2(t - t_n), a_n = {a:.3}, t_n = {:.1}°",
-                newtons(overall),
-                angle.to_degrees()
-            ),
+            format!("mean: {}", with_unit(overall, "N")),
+            format!("line: 1 + a_n cos 2(t - t_n), a_n = {a:.3}, t_n = {:.1}°", angle.to_degrees()),
         ],
     })
-}
-
-fn newtons(force: f64) -> String {
-    let (unit, size) = match force {
-        f if f >= 1e6 => ("MN", 1e6),
-        f if f >= 1e3 => ("kN", 1e3),
-        f if f >= 1.0 => ("N", 1.0),
-        _ => ("mN", 1e-3),
-    };
-    format!("{:.3} {unit}", force / size)
 }
 
 /// The rose of cracks: direction of the stroke, by mode. `None` without cracks.

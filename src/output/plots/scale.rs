@@ -69,10 +69,22 @@ impl Scale {
         };
         let unit = format!("{prefix}{}", self.unit);
         let unit = if unit.is_empty() { String::new() } else { format!(", {unit}") };
-        let beyond = if self.exceeded { "; last colour: and more" } else { "" };
+        let beyond = match (self.exceeded, self.low < 0.0) {
+            (false, _) => "",
+            (true, false) => "; last colour: and more",
+            (true, true) => "; end colours: and beyond",
+        };
         let middle = 0.5 * (self.low + self.high);
         ([self.low, middle, self.high].map(number), format!("{}{unit}{beyond}", self.name))
     }
+}
+
+/// A value with its unit and a suitable prefix, without digits of round-off.
+#[must_use]
+pub fn with_unit(value: f64, unit: &str) -> String {
+    let (prefix, size) = prefix(value, unit);
+    let value: f64 = format!("{:.3e}", value / size).parse().unwrap_or(value);
+    format!("{value} {prefix}{unit}")
 }
 
 /// The value that 98 % do not exceed.

@@ -169,7 +169,10 @@ impl Sheet {
             let middle = y + 0.5 * font;
             let [y_middle, thin] = [middle, 0.023 * font].map(page::short);
             let _ = if let Some(stroke) = sample.stroke {
-                let [from, to, stroke] = [x + 0.2 * font, x + 1.4 * font, stroke].map(page::short);
+                // Round ends are half as long as the stroke is wide.
+                let end = (0.2 * font).max(0.5 * stroke);
+                let (from, to) = (x + end, (x + 1.6 * font - end).max(x + end + 0.1));
+                let [from, to, stroke] = [from, to, stroke].map(page::short);
                 writeln!(
                     self.svg,
                     "<path stroke=\"{}\" stroke-width=\"{stroke}\" stroke-linecap=\"round\" \

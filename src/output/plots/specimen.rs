@@ -87,11 +87,10 @@ pub fn draw_cracks(sheet: &mut Sheet, now: &Snapshot) {
 pub fn crack_samples(cracks: &[Crack], style: &Style) -> Vec<Sample> {
     let entry = |mode: RuptureMode| {
         let n = cracks.iter().filter(|crack| crack.mode == mode).count();
-        let bonds = if n == 1 { "bond" } else { "bonds" };
         (n > 0).then(|| Sample {
             color: color(mode),
             stroke: Some(0.15 * style.font),
-            text: format!("{n} {bonds} broken in {}", mode.name()),
+            text: format!("{n} broken in {}", mode.name()),
         })
     };
     MODES.into_iter().filter_map(entry).collect()
@@ -149,8 +148,8 @@ mod tests {
         assert!(picture.len() < 1_000_000, "{} bytes", picture.len());
         assert_eq!(picture.matches("<circle").count(), 7380);
         assert!(picture.contains("a &lt; b"));
-        assert!(picture.contains("3689 bonds broken in tension"), "one mode in two");
-        assert!(picture.contains("3690 bonds broken in shear"));
+        assert!(picture.contains("3689 broken in tension"), "one mode in two");
+        assert!(picture.contains("3690 broken in shear"));
         assert_eq!(picture, draw(true));
         assert!(!draw(false).contains("broken"));
     }

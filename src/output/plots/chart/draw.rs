@@ -176,8 +176,8 @@ impl Chart {
         let (x_span, y_span, second_span) = (span(&x), span(&y), span(&second_range));
         let mut chart =
             builder.build_cartesian_2d(x.clone(), y)?.set_secondary_coord(x, second_range);
-        // A label takes about five letters and the space beside it.
-        let labels = (wide / 5.5).clamp(3.0, 10.0) as usize;
+        // A label takes about four letters and the space beside it.
+        let labels = (wide / 3.5).clamp(3.0, 10.0) as usize;
         chart
             .configure_mesh()
             .light_line_style(WHITE)
