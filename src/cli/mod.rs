@@ -15,6 +15,8 @@ mod new;
 mod own_findings;
 mod plot;
 mod progress;
+#[cfg(feature = "report")]
+mod report;
 mod resolve;
 mod resume;
 mod run;
@@ -39,6 +41,7 @@ Examples:
   clastic new biaxial > my_rig.ron              a commented scene to start from
   clastic check uniaxial                        is the scene sound?
   clastic run uniaxial                          run it; results go to runs/uniaxial
+  clastic report runs/uniaxial                  a page to look at it: animation, curves, key results
   clastic compare runs/a runs/b                 their curves in one picture
   clastic plot runs/uniaxial --figure force-chains --out chains.pdf
   clastic run uniaxial --checkpoint-every 10    lose no more than 10 increments if it is killed
@@ -87,6 +90,17 @@ enum Command {
     Plot(plot::PlotArgs),
     /// Write the frames of a run for ParaView (VTK) or as tables (CSV)
     Export(export::ExportArgs),
+    /// Write a run as a page for a browser: curves, animation, key results; of several runs their
+    /// curves over one another and a table
+    #[cfg(feature = "report")]
+    Report {
+        /// Directories of runs
+        #[arg(required = true, value_name = "DIR")]
+        runs: Vec<PathBuf>,
+        /// The page [default: DIR/report.html of one run, runs/report.html of several]
+        #[arg(long, value_name = "FILE")]
+        out: Option<PathBuf>,
+    },
     /// Draw the curves of several runs over one another and print their key results
     Compare {
         /// Directories of runs
@@ -296,6 +310,8 @@ fn execute<M>(command: Command, plugins: impl Plugins<M> + Send) -> ExitCode {
         Command::Envelope(args) => envelope::envelope(&args, &program()),
         Command::Export(args) => export::export(&args),
         Command::Plot(args) => plot::plot(&args),
+        #[cfg(feature = "report")]
+        Command::Report { runs, out } => report::report(&runs, out),
         Command::Compare { runs, out } => compare::compare(&runs, &out),
     };
     match done {

@@ -135,6 +135,8 @@ pub fn mohr(runs: &[Run]) -> Result<Chart, FigureError> {
         let strain = axial.iter().find(|p| p.1 == peak).map_or(f64::NAN, |p| p.0);
         // A specimen without lateral walls has no confining stress.
         let confining = lateral.iter().find(|p| p.0 == strain).map_or(0.0, |p| p.1);
+        // A legend has no room for the residual of the increment.
+        let confining = format!("{confining:.4e}").parse().unwrap_or(confining);
         strengths.push(Strength { confining, peak });
     }
     Ok(strength::mohr(&strengths, ""))

@@ -12,6 +12,8 @@ mod exit_codes;
 mod figures;
 mod files;
 mod new;
+#[cfg(feature = "report")]
+mod report;
 mod results;
 mod states;
 mod stopped;
