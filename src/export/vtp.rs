@@ -49,10 +49,10 @@ impl PolyData {
         let are_lines = !self.lines.is_empty();
         let points = self.points.len();
         let (vertices, lines) = if are_lines { (0, self.lines.len()) } else { (points, 0) };
-        let mut text = format!(
+        let mut text = String::from(
             "<?xml version=\"1.0\"?>\n\
              <VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" \
-             header_type=\"UInt64\">\n<PolyData>\n<FieldData>\n"
+             header_type=\"UInt64\">\n<PolyData>\n<FieldData>\n",
         );
         let time = Values::Scalars(vec![time]);
         array(&mut text, "TimeValue", &time, " NumberOfTuples=\"1\"");
