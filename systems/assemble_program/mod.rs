@@ -10,6 +10,7 @@ pub mod loose;
 pub mod rebounds;
 pub mod scales;
 pub mod taut;
+pub mod turning;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
@@ -111,6 +112,7 @@ pub fn assemble_program(
         lift_strengths(&contacts.0, &mut program.interactions);
     }
     cell::set_images(&bodies, &mut program.interactions);
+    turning::carry(&bodies, &contacts.0, corrections, progress.fraction, &mut program.interactions);
     groups::join(&bodies, &mut program.interactions);
     let balance = |program: &mut ConeProgram| {
         balance::assemble(

@@ -60,7 +60,7 @@ fn displacement(bodies: &Bodies, analysis: &Analysis, progress: &Progress) -> f6
         Drive::Imposed(u) => f * u.abs(),
         Drive::Free => 0.0,
     });
-    let walls = bodies.walls.iter().map(|w| f * bodies.wall_drive(w).imposed(w.tangent()).length());
+    let walls = bodies.walls.iter().map(|w| f * bodies.wall_travel(w, bodies.wall_drive(w)));
     let groups = bodies.groups.iter().map(|group| f * bodies.imposed_motion(group));
     // Of a body across the cell.
     let cell = bodies.cell.filter(|_| !bodies.resting).map(|cell| f * cell.imposed());

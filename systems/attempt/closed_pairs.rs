@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::cell::PeriodicCell;
-use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::contact::{Bodies, Contacts, WallRow};
 use clastic_components::findings::AddedPairs;
 use clastic_components::increment::Acceptance;
 use clastic_cone::program::{ConeProgram, ConeSolution};
@@ -53,7 +53,10 @@ pub(super) fn add_closed(
     let positions = moved_positions(bodies, program, solution);
     let cell = moved_cell(bodies, program, solution);
     let after = (&positions[..], cell.as_ref());
-    let missed = |reach: f64| unlisted_pairs(bodies, candidates, contacts, after, reach);
+    let rotations = |body: u32| solution.displacements.get(body as usize).map_or(0.0, |u| u[2]);
+    let walls: Vec<WallRow> =
+        bodies.walls.iter().map(|wall| wall.turned(rotations(wall.body))).collect();
+    let missed = |reach: f64| unlisted_pairs(bodies, &walls, candidates, contacts, after, reach);
     if missed(-tolerance).is_empty() {
         return false;
     }
@@ -61,7 +64,7 @@ pub(super) fn add_closed(
     let near = |(a, b): &(u32, u32)| {
         let reach =
             COMPANY * bodies.mean_radius + COMPANY_OF_MOTION * (motion(*a) - motion(*b)).length();
-        gap(bodies, after, *a, *b) <= reach
+        gap(bodies, &walls, after, *a, *b) <= reach
     };
     add(pairs, missed(FURTHEST * bodies.mean_radius).into_iter().filter(near));
     true
@@ -77,13 +80,28 @@ pub(super) fn add(pairs: &mut AddedPairs, new: impl Iterator<Item = (u32, u32)>)
 /// Positions of all bodies, m, and the periodic cell.
 pub(super) type Places<'a> = (&'a [DVec2], Option<&'a PeriodicCell>);
 
-/// Gap between a particle and a particle or wall at the given places, m.
-pub(super) fn gap(bodies: &Bodies, (positions, cell): Places, a: u32, b: u32) -> f64 {
+/// Gap between a particle and a particle or wall at the given places, m. `walls` are those of
+/// `bodies`, turned as they are there.
+pub(super) fn gap(
+    bodies: &Bodies,
+    walls: &[WallRow],
+    (positions, cell): Places,
+    a: u32,
+    b: u32,
+) -> f64 {
     let (x, r) = (positions[a as usize], bodies.radii[a as usize]);
-    match bodies.walls.iter().find(|w| w.body == b) {
+    match walls.iter().find(|w| w.body == b) {
         Some(wall) => {
             let from = |places: &[DVec2]| places[a as usize] - places[b as usize];
-            let way = [from(&bodies.positions), from(positions)];
+            let mut way = [from(&bodies.positions), from(positions)];
+            // The way is that in the axes of the wall as it is at the end.
+            if let Some(before) = bodies.walls.iter().find(|w| w.body == b)
+                && before.inward != wall.inward
+            {
+                let by =
+                    DVec2::new(before.inward.dot(wall.inward), before.inward.perp_dot(wall.inward));
+                way[0] = by.rotate(way[0]);
+            }
             if wall.shape.is_crossed(wall.inward, wall.half_length, way) {
                 // The centre has gone through: it is on the other side, and not free.
                 -r - way[0].distance(way[1])
@@ -103,6 +121,7 @@ pub(super) fn gap(bodies: &Bodies, (positions, cell): Places, a: u32, b: u32) ->
 /// for new candidates runs only if bodies have left the neighbourhood of the present ones.
 pub(super) fn unlisted_pairs(
     bodies: &Bodies,
+    walls: &[WallRow],
     Candidates(candidates): &Candidates,
     contacts: &Contacts,
     (positions, cell): Places,
@@ -129,8 +148,8 @@ pub(super) fn unlisted_pairs(
     }
     for wall in &bodies.walls {
         for pair in (0..bodies.particles as u32).map(|a| (a, wall.body)) {
-            if gap(bodies, (positions, cell), pair.0, pair.1) <= reach && !is_listed(contacts, pair)
-            {
+            let near = gap(bodies, walls, (positions, cell), pair.0, pair.1) <= reach;
+            if near && !is_listed(contacts, pair) {
                 pairs.push(pair);
             }
         }

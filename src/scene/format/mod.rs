@@ -31,7 +31,8 @@ pub use analysis::{Analysis, FrictionLaw};
 pub use cell::{Cell, CellControl, CellStrain, CellTarget};
 pub use materials::{Bond, Contact, Material};
 pub use measures::{
-    Along, Area, Component, Length, Measure, Measures, Modes, Quantity, ROLES, Strain, Stress,
+    Along, Area, Component, GroupAlong, Length, Measure, Measures, Modes, Quantity, ROLES, Strain,
+    Stress,
 };
 pub use output::{Output, Record};
 pub use particle_control::{Motion, ParticleControl, Select};
