@@ -11,6 +11,7 @@ use clastic_components::body::{
     AngularVelocity, BodyId, ExternalForce, Origin, Position, Probe, Rotation, Velocity,
 };
 use clastic_components::bond::{BondState, Rupture};
+use clastic_components::cell::PeriodicCell;
 use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::findings::{Corrections, EventSearch, Ruptures, Sliding};
 use clastic_components::increment::{Progress, RuptureOrder, RuptureRules};
@@ -20,13 +21,13 @@ use clastic_components::observation::{
 };
 use clastic_components::particle::Particle;
 use clastic_components::rigid_group::ContactForce;
-use clastic_components::wall::Wall;
+use clastic_components::wall::{Wall, WallRotation};
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use crate::attempt::events;
 use crate::gather_bodies::gather_bodies;
 use crate::measures::stress::StressTables;
-use crate::measures::{NAMED, NamedState, read_end, read_start, strain_distance};
+use crate::measures::{NAMED, NamedState, read_end, read_start, strain_distance, strain_since};
 use crate::schedule::{Increment, IncrementSystems, lap};
 use crate::state::{RegisterState, StateOf};
 use clastic_cone::residuals::Carrying;
@@ -101,15 +102,17 @@ fn record_stress(tables: StressTables, measures: Res<Measures>, mut out: ResMut<
 pub fn take_reference(
     walls: Query<(&Wall, &Position)>,
     particles: Query<&Position, With<Particle>>,
+    cell: Option<Res<PeriodicCell>>,
     mut measures: ResMut<Measures>,
     mut named: ResMut<NamedMeasures>,
 ) {
+    let cell = cell.as_deref();
     let of = |m: &Option<StrainMeasure>| {
-        m.as_ref().and_then(|m| strain_distance(m, &walls, &particles)).unwrap_or(f64::NAN)
+        m.as_ref().and_then(|m| strain_distance(m, &walls, &particles, cell)).unwrap_or(f64::NAN)
     };
     measures.reference = Some([of(&measures.axial_strain), of(&measures.lateral_strain)]);
     let distance = |quantity: &Option<Quantity>| match quantity {
-        Some(Quantity::Strain(m)) => strain_distance(m, &walls, &particles),
+        Some(Quantity::Strain(m)) => strain_distance(m, &walls, &particles, cell),
         _ => None,
     };
     named.references = named.list.iter().map(|(_, quantity)| distance(quantity)).collect();
@@ -120,12 +123,14 @@ fn record_strain(
     measures: Res<Measures>,
     walls: Query<(&Wall, &Position)>,
     particles: Query<&Position, With<Particle>>,
+    cell: Option<Res<PeriodicCell>>,
     mut out: ResMut<Observation>,
 ) {
     let strain = |measure: &Option<StrainMeasure>, k: usize| {
         let reference = measures.reference?[k];
-        let now = strain_distance(measure.as_ref()?, &walls, &particles)?;
-        Some((reference - now) / reference)
+        let measure = measure.as_ref()?;
+        let now = strain_distance(measure, &walls, &particles, cell.as_deref())?;
+        Some(strain_since(measure, reference, now))
     };
     out.axial_strain = strain(&measures.axial_strain, 0);
     out.lateral_strain = strain(&measures.lateral_strain, 1);
@@ -220,6 +225,7 @@ fn record_probes(
         &Position,
         &Origin,
         Option<&Rotation>,
+        Option<&WallRotation>,
         &ExternalForce,
         Option<&ContactForce>,
     )>,
@@ -227,11 +233,12 @@ fn record_probes(
 ) {
     let mut rows: Vec<(BodyId, ProbeReading, DVec2)> = probes
         .iter()
-        .map(|(id, probe, x, origin, rotation, force, of_contacts)| {
+        .map(|(id, probe, x, origin, rotation, of_wall, force, of_contacts)| {
             // A group records the force on its boundary.
             let force = of_contacts.map_or(force.0, |force| force.0);
             let d = x.0 - origin.0;
-            let motion = [d.x, d.y, rotation.map_or(0.0, |r| r.0)];
+            let turned = rotation.map(|r| r.0).or(of_wall.map(|r| r.0));
+            let motion = [d.x, d.y, turned.unwrap_or(0.0)];
             (*id, ProbeReading { name: probe.0.clone(), motion, force }, x.0)
         })
         .collect();

@@ -6,10 +6,12 @@
 
 mod advice;
 mod before;
+mod cell;
 pub mod cement;
 pub mod changes;
 pub mod compact;
 pub mod extend;
+mod group_members;
 pub mod load;
 pub mod measures;
 pub mod particles;

@@ -92,6 +92,10 @@ pub fn expected_motion(
         if let WallDrive::Imposed(u) = drive {
             displacement[wall.body as usize] = f * u;
             imposed = imposed.max(f * u.length());
+        } else if let WallDrive::Turning { .. } = drive {
+            // The contact point may move more than the wall's position: the margin covers it.
+            displacement[wall.body as usize] = DVec2::ZERO;
+            imposed = imposed.max(f * bodies.wall_travel(wall, drive));
         } else if let WallDrive::Sliding { along, .. } = drive {
             imposed = imposed.max(f * along.abs());
             if let AnalysisKind::Dynamic { .. } = analysis.kind {
@@ -100,6 +104,9 @@ pub fn expected_motion(
         } else if let AnalysisKind::Dynamic { .. } = analysis.kind {
             displacement[wall.body as usize] = DVec2::ZERO;
         }
+    }
+    if let Some(cell) = bodies.cell.filter(|_| !bodies.resting) {
+        imposed = imposed.max(f * cell.imposed());
     }
     let (hit, floor) = match analysis.kind {
         AnalysisKind::Dynamic { .. } => (settings.hit, settings.min_in_dynamics),

@@ -13,6 +13,7 @@ use clastic_components::wall::Wall;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 use clastic_cone::residuals::{displacement_scale, force_scale};
 
+use super::groups;
 use crate::control_walls::wall_distance;
 
 type Geometry<'w, 's> = Query<'w, 's, (&'static Wall, &'static Position)>;
@@ -86,6 +87,7 @@ fn component(stress: [[f64; 2]; 2], component: StressComponent) -> f64 {
         StressComponent::Xx => stress[0][0],
         StressComponent::Yy => stress[1][1],
         StressComponent::Xy => 0.5 * (stress[0][1] + stress[1][0]),
+        StressComponent::Shear => -0.5 * (stress[0][1] + stress[1][0]),
     }
 }
 
@@ -103,13 +105,25 @@ pub struct StressTables<'w, 's> {
 }
 
 impl StressTables<'_, '_> {
+    /// Whether the last solution has physical forces. Those of a compaction come from its
+    /// regularisation and give no stress.
+    fn carries(&self) -> bool {
+        !matches!(self.analysis.kind, AnalysisKind::LeastMotion { .. })
+            && matches!(self.attempt.status, IncrementStatus::Solved | IncrementStatus::Capped)
+    }
+
+    /// Force (N) and moment (N m) of the contacts on these particles; `None` where nothing carries
+    /// them.
+    #[must_use]
+    pub fn force_on(&self, members: &[BodyId]) -> Option<[f64; 3]> {
+        let Self { bodies, contacts, solution, .. } = self;
+        self.carries().then(|| groups::force_on(members, bodies, contacts, solution)).flatten()
+    }
+
     /// A stress, Pa; `None` where a wall is not there or nothing carries it.
     #[must_use]
     pub fn stress(&self, measure: &StressMeasure) -> Option<f64> {
-        // The forces of a compaction come from its regularisation and give no stress.
-        let carried = !matches!(self.analysis.kind, AnalysisKind::LeastMotion { .. })
-            && matches!(self.attempt.status, IncrementStatus::Solved | IncrementStatus::Capped);
-        if !carried {
+        if !self.carries() {
             return None;
         }
         let thickness = self.analysis.thickness;
@@ -129,6 +143,7 @@ impl StressTables<'_, '_> {
             StressMeasure::Average { component: of, area } => {
                 let area = match area {
                     MeasureArea::Fixed(area) => *area,
+                    MeasureArea::Cell => self.bodies.cell?.area(),
                     MeasureArea::Box([a, b, c, d]) => {
                         self.distance(*a, *b)? * self.distance(*c, *d)?
                     }
@@ -198,6 +213,7 @@ pub fn stress_error(
             let area = match area {
                 MeasureArea::Fixed(area) => *area,
                 MeasureArea::Box([a, b, c, d]) => distance(*a, *b) * distance(*c, *d),
+                MeasureArea::Cell => bodies.cell.map_or(f64::NAN, |cell| cell.area()),
             };
             let error = |(contact, error): (&Contact, f64)| error * branch(&bodies, contact).abs();
             (errors.map(error).sum(), area)

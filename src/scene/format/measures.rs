@@ -6,6 +6,8 @@ use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{Deserializer, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize};
 
+use super::{CellStrain, Select};
+
 /// Definitions of strain and stress, and of further measures.
 ///
 /// Version 1 has `(axial_strain: ..., ...)`, version 2 a list of measures with names. The measures
@@ -166,10 +168,34 @@ pub enum Quantity {
         #[serde(default)]
         along: Along,
     },
+    /// Force or moment of the contacts that cross the boundary of a group, N or N m.
+    GroupForce {
+        /// The particles.
+        select: Select,
+        /// Component of the force, or the moment.
+        #[serde(default)]
+        along: GroupAlong,
+        /// Whether the particles are selected anew in every increment, and not only when a stage
+        /// begins.
+        #[serde(default)]
+        live: bool,
+    },
     /// Time, s.
     Time,
     /// The value that a plugin provides under this name.
     Custom(String),
+}
+
+/// Component of the force on a group.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+pub enum GroupAlong {
+    /// Along x.
+    #[default]
+    X,
+    /// Along y.
+    Y,
+    /// Moment about the centre of mass.
+    Moment,
 }
 
 /// Modes in which bonds break.
@@ -206,6 +232,8 @@ pub enum Strain {
     Walls(String, String),
     /// Distance between the centres of two particles, by index.
     Particles(u32, u32),
+    /// Strain of the periodic cell. Version 2.
+    Cell(CellStrain),
 }
 
 /// A stress.
@@ -254,6 +282,8 @@ pub enum Area {
     Fixed(f64),
     /// Area between two pairs of walls.
     Box((String, String), (String, String)),
+    /// The periodic cell. Version 2.
+    Cell,
 }
 
 /// Component of a stress tensor.
@@ -263,6 +293,8 @@ pub enum Component {
     Xx,
     /// sigma_yy.
     Yy,
-    /// sigma_xy.
+    /// sigma_xy, which is negative where the top is pushed along x.
     Xy,
+    /// Traction along x on a face whose outward normal is y: -sigma_xy. Version 2.
+    Shear,
 }

@@ -85,9 +85,11 @@ fn compact(
     findings: &mut Findings,
 ) {
     let Compact { wall, base, target, step, agitation, .. } = stage;
-    let wall_path = format_args!("{path}.wall");
-    let moving = wall_there(context, wall_path, wall, present, findings);
-    let fixed = wall_there(context, format_args!("{path}.base"), base, present, findings);
+    let mut find = |field: &str, wall: &String| {
+        let path = format_args!("{path}.{field}");
+        if wall.is_empty() { None } else { wall_there(context, path, wall, present, findings) }
+    };
+    let (moving, fixed) = (find("wall", wall), find("base", base));
     for (field, wall) in [("wall", moving), ("base", fixed)] {
         if let Some(wall) = wall.filter(|wall| !wall.shape.is_straight()) {
             let message = format!("wall `{}` is not straight", wall.name);
@@ -197,7 +199,8 @@ fn load(
     if let Some(gravity) = stage.gravity {
         findings.vector(format_args!("{path}.gravity"), gravity, "an acceleration in m/s^2");
     }
-    let timeless = stage.analysis.unwrap_or(context.scene.analysis) == Analysis::Static;
+    let analysis = stage.analysis.unwrap_or(context.scene.analysis);
+    let timeless = analysis == Analysis::Static;
     for (field, names, there) in
         [("remove_walls", &stage.remove_walls, false), ("add_walls", &stage.add_walls, true)]
     {
@@ -218,7 +221,7 @@ fn load(
         let walls = format!("{path}.walls");
         let control_path = join(&walls, name);
         let control_path = format_args!("{control_path}");
-        control_of_wall(context, control_path, (name, control), (present, timeless), findings);
+        control_of_wall(context, control_path, (name, control), (present, analysis), findings);
     }
     for (i, control) in stage.particles.iter().enumerate() {
         let path = format_args!("{path}.particles[{i}]");
