@@ -51,9 +51,11 @@ pub fn finish(world: &mut World, ending: &Ending) -> Result<Results, OutputError
         save_the_end(world)?;
     }
     states::write_final(world)?;
+    frames::write_peak(world)?;
+    frames::write_end(world)?;
     let last = Snapshot::take(world);
     world.resource_scope(|world, mut run: Mut<RunDirectory>| {
-        frames::write_frame(&run.path(names::FINAL_PARTICLES), &last)?;
+        frames::write_particles(&run.path(names::FINAL_PARTICLES), &last)?;
         // The avalanche of an interrupted run continues after it is resumed.
         if ending.outcome().is_some()
             && let Some(avalanche) = world.resource_mut::<CurrentAvalanche>().0.take()

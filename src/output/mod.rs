@@ -9,7 +9,9 @@
 //! | `avalanches.csv` | one row per avalanche |
 //! | `timings.csv` | wall-clock times; all other files have equal bytes in every run |
 //! | `specimen.csv` | the prepared specimen, in the format of stored specimens; see below |
-//! | `frames/frame_000123.csv` | all particles after increment 123, if the scene requests frames |
+//! | `frames/frame_000123.npz` | frame: the state after increment 123, if the scene requests frames |
+//! | `frames/start.npz`, `peak.npz`, `end.npz` | frames before the reference stage, at the peak, at the end |
+//! | `frames/frame_000123.csv` | the particles of the frame |
 //! | `frames/frame_000123.svg` | picture of the frame |
 //! | `final_particles.csv` | all particles at the end, in the format of stored specimens |
 //! | `state_NAME.npz` | the state that stage `NAME`, a `Save`, has kept |

@@ -26,3 +26,9 @@ pub const CHECKPOINT: &str = "checkpoint.bin";
 pub const FINAL_CHECKPOINT: &str = "final_checkpoint.bin";
 /// Directory of the frames.
 pub const FRAMES: &str = "frames";
+/// Frame before the first increment of the reference stage.
+pub const FRAME_START: &str = "start.npz";
+/// Frame at the peak.
+pub const FRAME_PEAK: &str = "peak.npz";
+/// Frame at the end.
+pub const FRAME_END: &str = "end.npz";

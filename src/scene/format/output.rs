@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Output {
-    /// Number of increments between frames (CSV of all particles); 0 writes only the last one.
+    /// Number of increments between frames; 0 writes only those of the start, the peak and the end.
     pub frames_every: u32,
     /// Pictures (SVG) of curves and specimen.
     pub plots: bool,
