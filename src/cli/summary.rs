@@ -86,7 +86,7 @@ pub fn summary(of: &Summary) -> String {
     lines.extend(warnings(&script.ends));
     let has_bonds = results.bonds_created > 0;
     let reason = has_bonds.then(|| one_round(&script.scene)).flatten();
-    lines.extend(reason.map(|reason| format!("WARNING: {}", in_one_round(&reason))));
+    lines.extend(reason.map(|reason| format!("note: {}", in_one_round(&reason))));
     lines.extend(peak_error(results));
     lines.extend(not_defined(script, ending, results));
     if !parts.is_empty() {

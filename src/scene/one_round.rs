@@ -14,8 +14,10 @@ pub fn one_round(scene: &Scene) -> Option<String> {
     if !cemented && scene.bonds.is_empty() {
         return None;
     }
-    let materials = scene.materials.iter().map(|(name, m)| (format!("of material {}", label(name)), m.bond));
-    let walls = scene.walls.iter().map(|wall| (format!("of wall {}", label(&wall.name)), wall.bond));
+    let materials =
+        scene.materials.iter().map(|(name, m)| (format!("of material {}", label(name)), m.bond));
+    let walls =
+        scene.walls.iter().map(|wall| (format!("of wall {}", label(&wall.name)), wall.bond));
     let stages = scene.stages.iter().filter_map(|stage| match stage {
         Stage::Cement(cement) => Some((format!("of stage {}", label(&cement.name)), cement.bond)),
         _ => None,
@@ -26,7 +28,8 @@ pub fn one_round(scene: &Scene) -> Option<String> {
     };
     let bonds = materials.chain(walls).chain(stages).find_map(of_bond);
     bonds.or_else(|| {
-        let is_unbonded = |stage: &&Stage| scene.bonds.is_empty() && !matches!(stage, Stage::Cement(_));
+        let is_unbonded =
+            |stage: &&Stage| scene.bonds.is_empty() && !matches!(stage, Stage::Cement(_));
         let bonded = scene.stages.iter().skip_while(is_unbonded);
         bonded.into_iter().find_map(|stage| dynamic(stage, scene.analysis))
     })

@@ -11,9 +11,9 @@
 //! - as many of those that follow as were on a limit: they are broken in the next state although
 //!   they should carry load.
 //!
-//! So about as many bonds break early as late, and the first-order error cancels. Where more than the share `MAX_SHARE` of
-//! the bonds would break, the increment is shortened. It is one by one again after an increment
-//! that broke at most one bond.
+//! So about as many bonds break early as late, and the first-order error cancels. Where more than
+//! the share `MAX_SHARE` of the bonds would break, the increment is shortened. Bonds break one by
+//! one again after an increment that broke at most one.
 
 use std::collections::HashSet;
 
@@ -36,11 +36,6 @@ const MARGIN: f64 = 1.25;
 /// Minimum fraction of an increment that [`MAX_SHARE`] leads to.
 const MIN_FRACTION: f64 = 0.1;
 
-fn cfg(key: &str, default: f64) -> f64 {
-    let s = std::env::var("CLASTIC_DENSE").unwrap_or_default();
-    s.split(',').find_map(|x| x.strip_prefix(key)?.strip_prefix('=')).and_then(|x| x.parse().ok()).unwrap_or(default)
-}
-
 /// Run condition: bonds break together.
 pub fn is_dense(search: Res<EventSearch>) -> bool {
     search.dense
@@ -61,20 +56,15 @@ pub fn judge(
     let contacts = &contacts.0;
     let (increment, fraction) = (progress.increment, progress.fraction);
     let known: HashSet<BondId> = ruptures.list.iter().map(|r| r.bond).collect();
-    let mut found = find_ruptures(
-        &rules,
-        Met::Slack,
-        increment,
-        &bodies,
-        contacts,
-        &program,
-        &solution,
-    );
+    let mut found =
+        find_ruptures(&rules, Met::Slack, increment, &bodies, contacts, &program, &solution);
     found.retain(|r| !known.contains(&r.bond));
     let on_limit: HashSet<BondId> = found.iter().map(|r| r.bond).collect();
     let late = found.len();
+    let moved = search.moved;
     let soon = |next: f64| -> Vec<Rupture> {
-        if fraction == 0.0 || next == 0.0 {
+        // The rate of a motion that was followed says nothing of the next increment.
+        if fraction == 0.0 || next == 0.0 || moved {
             return Vec::new();
         }
         let forces = program.last_forces.iter().copied().chain(std::iter::repeat([0.0; 3]));
@@ -89,15 +79,14 @@ pub fn judge(
             .filter(|(distance, _)| *distance <= 2.0 * next)
             .filter_map(|(distance, o)| {
                 let forces = &solution.forces[o.contact];
-                let rupture =
-                    rupture(increment, &bodies, &contacts[o.contact], forces, o.mode)?;
+                let rupture = rupture(increment, &bodies, &contacts[o.contact], forces, o.mode)?;
                 let is_new = !known.contains(&rupture.bond) && !on_limit.contains(&rupture.bond);
                 is_new.then_some((distance, rupture))
             })
             .collect();
         due.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.bond.cmp(&b.1.bond)));
-        let within = due.iter().filter(|(distance, _)| *distance <= next * cfg("ahead", 1.0)).count();
-        due.truncate(within + (late as f64 * cfg("match", 1.0)) as usize);
+        let within = due.iter().filter(|(distance, _)| *distance <= next).count();
+        due.truncate(within + late);
         due.into_iter().map(|(_, rupture)| rupture).collect()
     };
     // Loads change with the stage, so nothing is known of the increment after its end.
@@ -105,24 +94,22 @@ pub fn judge(
     let is_last = left < 1e-9;
     let goes_on = if is_last { 0.0 } else { fraction };
     let share = (found.len() + soon(goes_on).len()) as f64 / bodies.bonds.len().max(1) as f64;
-    let max_share = cfg("share", MAX_SHARE);
-    if share > MARGIN * max_share && fraction > MIN_FRACTION && search.trials < 2 {
+    let may_shorten = fraction > MIN_FRACTION && search.trials < 2 && !moved;
+    if share > MARGIN * MAX_SHARE && may_shorten {
         search.trials += 1;
-        search.target = (fraction * max_share / share).max(MIN_FRACTION);
+        search.target = (fraction * MAX_SHARE / share).max(MIN_FRACTION);
         attempt.verdict = Verdict::Overloaded;
         return;
     }
     // Length of the next increment, and equal parts of what is left of the whole one.
-    let growth = (max_share / share.max(f64::MIN_POSITIVE)).clamp(0.5, 2.0);
+    let growth = (MAX_SHARE / share.max(f64::MIN_POSITIVE)).clamp(0.5, 2.0);
     let wanted = (growth * fraction).min(1.0);
     let end = (progress.done + fraction).fract();
     let rest = if end < 1e-9 || end > 1.0 - 1e-9 { 1.0 } else { 1.0 - end };
     let next = if is_last { 0.0 } else { rest / (rest / wanted.max(1e-3) - 0.3).ceil().max(1.0) };
     progress.tried = if is_last { 0.5 } else { 0.5 * next };
     found.extend(soon(next));
-    if cfg("log", 0.0) > 0.0 {
-        eprintln!("DENSE inc {} done {:.4} f {fraction:.3} next {next:.3} change {:.4} at {late} soon {} share {share:.3} bonds {}", progress.increment, progress.done, super::events::change(&program, &solution), found.len() - late, bodies.bonds.len());
-    }
+    search.late = late as f64 / found.len().max(1) as f64;
     if found.len() <= 1 {
         progress.dense = false;
         search.leaves = true;

@@ -20,8 +20,10 @@ use clastic_components::increment::{
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use crate::event_search::{Decision, GroupRules, Now, at_constant_load, decide, maximum};
+use crate::rupture_bonds::{
+    BuiltInRule, Overload, UNLIMITED, overloads, restore_strengths, rupture,
+};
 use crate::rupture_density::density;
-use crate::rupture_bonds::{BuiltInRule, Overload, UNLIMITED, overloads, restore_strengths, rupture};
 use clastic_cone::residuals::residuals;
 
 /// Run condition: bonds break from event to event.
@@ -47,8 +49,10 @@ pub fn begin(world: &mut World) {
         && world.contains_resource::<BuiltInRule>()
         && !bodies.bonds.is_empty()
         && bodies.bonds.iter().all(is_elastic);
-    let dense = active && rules.avalanche != Avalanche::Dynamic && world.resource::<Progress>().dense;
-    *world.resource_mut::<EventSearch>() = EventSearch { active: active && !dense, dense, ..EventSearch::default() };
+    let dense =
+        active && rules.avalanche != Avalanche::Dynamic && world.resource::<Progress>().dense;
+    *world.resource_mut::<EventSearch>() =
+        EventSearch { active: active && !dense, dense, ..EventSearch::default() };
 }
 
 /// Whether the motion that the last ruptures released must still be followed.
@@ -118,18 +122,16 @@ pub fn judge(
             EventTrial { change: 0.0, is_solved: false, ..of_bonds(&found, 0.0) }
         };
         let below = search.below.clone().unwrap_or_else(start);
-        let may_be_dense = search.trials == 0 && avalanche != Avalanche::Dynamic;
-        if may_be_dense && search.overload >= 1.0 && progress.fraction > 0.0 {
-            let found = density(&below, &trial);
-            if std::env::var("CLASTIC_DENSE").unwrap_or_default().contains("log") {
-                eprintln!("DENSITY inc {} done {:.4} f {:.2e} max {:.3} change {:.4} density {found:.4} bonds {}", progress.increment, progress.done, progress.fraction, search.overload, change, bodies.bonds.len());
-            }
-            if found >= rules.density {
-                (search.active, search.dense, progress.dense) = (false, true, true);
-                search.target = progress.fraction;
-                attempt.verdict = Verdict::Overloaded;
-                return;
-            }
+        let may_be_dense = search.trials == 0
+            && search.overload >= 1.0
+            && progress.fraction > 0.0
+            && avalanche != Avalanche::Dynamic;
+        if may_be_dense && density(&below, &trial) >= rules.density {
+            // The same fraction again, with the strengths of the bonds.
+            (search.active, search.dense, progress.dense) = (false, true, true);
+            search.target = progress.fraction;
+            attempt.verdict = Verdict::Overloaded;
+            return;
         }
         decide(&below, search.above.as_ref(), now, search.trials, search.in_a_row, group)
     };
