@@ -23,7 +23,7 @@ use super::wanted::Wanted;
 use super::{OutputError, ResumeError, directory, events, history, names, plots, states, timings};
 use crate::run::stages::Script;
 use crate::scene::LoadedScene;
-use crate::scene::format::{Record, Scene, Stage};
+use crate::scene::format::Scene;
 
 /// Begins the output of a scene. `world` is the state before the first stage, and has
 /// [`OutputPlugin`](super::OutputPlugin). Inserts [`RunDirectory`] and the resources that follow
@@ -221,10 +221,7 @@ fn whole_files<'a>(world: &World) -> Vec<&'a str> {
 }
 
 fn make_frames(directory: &Path, scene: &Scene) -> Result<(), OutputError> {
-    let asks = |record: &Record| record.frames_every > Some(0) || !record.frames.is_empty();
-    let is_asked =
-        scene.output.frames_every > 0 || scene.stages.iter().filter_map(Stage::record).any(asks);
-    if is_asked || frames::ARE_ARRAYS {
+    if scene.asks_for_frames() || frames::ARE_ARRAYS {
         let path = directory.join(names::FRAMES);
         fs::create_dir_all(&path).map_err(OutputError::at(&path))?;
     }

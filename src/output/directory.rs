@@ -9,7 +9,7 @@ use super::atomic::PART;
 pub use super::names::*;
 
 /// Files of the end of a run besides its pictures.
-const OF_THE_END: [&str; 3] = [FINAL_PARTICLES, FINAL_STATE, FINAL_CHECKPOINT];
+const OF_THE_END: [&str; 4] = [FINAL_PARTICLES, FINAL_STATE, FINAL_CHECKPOINT, REPORT];
 
 /// Frames of moments that have no number.
 const OF_MOMENTS: [&str; 3] = [FRAME_START, FRAME_PEAK, FRAME_END];

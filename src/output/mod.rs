@@ -18,6 +18,7 @@
 //! | `final_state.npz` | the state at the end |
 //! | `program_000123.json` | cone program and solution of increment 123, if requested |
 //! | `mechanism.csv` | the mechanism of the first collapse |
+//! | `report.html` | curves, animation and key results as a page, written at the end |
 //! | `*.svg` | pictures, drawn at the end; that of the mechanism at the collapse |
 //! | `final_checkpoint.bin` | state from which more stages or increments continue |
 //! | `checkpoint.bin` | state between two increments, if requested or if a run stops early |
@@ -51,6 +52,8 @@ pub mod plots;
 mod plugin;
 pub mod porosity;
 pub mod prepared;
+#[cfg(feature = "report")]
+pub mod report;
 pub mod run_directory;
 pub mod run_record;
 mod save;

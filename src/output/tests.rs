@@ -92,6 +92,8 @@ fn two_runs_leave_the_same_bytes() -> Result<(), Box<dyn Error>> {
         "history.csv",
         "probes.svg",
         "program_000003.json",
+        #[cfg(feature = "report")]
+        "report.html",
         "run.json",
         "scene.ron",
         "specimen.csv",

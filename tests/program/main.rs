@@ -11,6 +11,8 @@ mod dumps;
 mod exit_codes;
 mod files;
 mod new;
+#[cfg(feature = "report")]
+mod report;
 mod results;
 mod states;
 mod stopped;
