@@ -214,7 +214,7 @@ impl RuptureRules {
 
 /// Whether it is what a scene has that does not say: records of such scenes do not say either.
 fn is_usual_density(density: &f64) -> bool {
-    *density == RuptureRules::DENSITY
+    density.total_cmp(&RuptureRules::DENSITY).is_eq()
 }
 
 impl Default for RuptureRules {

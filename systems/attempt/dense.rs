@@ -13,7 +13,7 @@
 //!
 //! So about as many bonds break early as late, and the first-order error cancels. Where more than
 //! the share `MAX_SHARE` of the bonds would break, the increment is shortened. Bonds break one by
-//! one again after an increment that broke at most one.
+//! one again after an increment that would break at most one.
 
 use std::collections::HashSet;
 
@@ -64,7 +64,7 @@ pub fn judge(
     let moved = search.moved;
     let soon = |next: f64| -> Vec<Rupture> {
         // The rate of a motion that was followed says nothing of the next increment.
-        if fraction == 0.0 || next == 0.0 || moved {
+        if fraction == 0.0 || moved {
             return Vec::new();
         }
         let forces = program.last_forces.iter().copied().chain(std::iter::repeat([0.0; 3]));
@@ -89,11 +89,7 @@ pub fn judge(
         due.truncate(within + late);
         due.into_iter().map(|(_, rupture)| rupture).collect()
     };
-    // Loads change with the stage, so nothing is known of the increment after its end.
-    let left = progress.total - progress.done - fraction;
-    let is_last = left < 1e-9;
-    let goes_on = if is_last { 0.0 } else { fraction };
-    let share = (found.len() + soon(goes_on).len()) as f64 / bodies.bonds.len().max(1) as f64;
+    let share = (late + soon(fraction).len()) as f64 / bodies.bonds.len().max(1) as f64;
     let may_shorten = fraction > MIN_FRACTION && search.trials < 2 && !moved;
     if share > MARGIN * MAX_SHARE && may_shorten {
         search.trials += 1;
@@ -105,14 +101,17 @@ pub fn judge(
     let growth = (MAX_SHARE / share.max(f64::MIN_POSITIVE)).clamp(0.5, 2.0);
     let wanted = (growth * fraction).min(1.0);
     let end = (progress.done + fraction).fract();
-    let rest = if end < 1e-9 || end > 1.0 - 1e-9 { 1.0 } else { 1.0 - end };
-    let next = if is_last { 0.0 } else { rest / (rest / wanted.max(1e-3) - 0.3).ceil().max(1.0) };
-    progress.tried = if is_last { 0.5 } else { 0.5 * next };
-    found.extend(soon(next));
-    search.late = late as f64 / found.len().max(1) as f64;
-    if found.len() <= 1 {
+    let rest = if end.min(1.0 - end) < 1e-9 { 1.0 } else { 1.0 - end };
+    let next = rest / (rest / wanted.max(1e-3) - 0.3).ceil().max(1.0);
+    progress.tried = 0.5 * next;
+    let soon = soon(next);
+    if late + soon.len() <= 1 {
+        // What has not reached its limit breaks there, one by one.
         progress.dense = false;
         search.leaves = true;
+    } else {
+        found.extend(soon);
     }
+    search.late = late as f64 / found.len().max(1) as f64;
     ruptures.list.extend(found);
 }
