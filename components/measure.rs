@@ -6,6 +6,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::reflect::ReflectResource;
 use serde::{Deserialize, Serialize};
 
+use crate::body::BodyId;
 use crate::bond::RuptureMode;
 use crate::observation::{MeasureArea, StrainMeasure, StressMeasure};
 
@@ -46,6 +47,14 @@ pub enum Quantity {
         wall: Entity,
         /// Its component.
         along: ForceComponent,
+    },
+    /// Force or moment of the contacts and bonds that cross the boundary of a group, on the group,
+    /// N or N m.
+    GroupForce {
+        /// Its particles, in the order of identities.
+        members: Vec<BodyId>,
+        /// 0 and 1 for the force along x and y, 2 for the moment about the centre of mass.
+        component: usize,
     },
     /// Time, s.
     Time,

@@ -315,5 +315,6 @@ fn chart(problem: &Captured, points: &[Point]) -> Chart {
         lines: Kind::ALL.map(line).to_vec(),
         second: None,
         equal: false,
+        window: None,
     }
 }

@@ -1,5 +1,6 @@
 //! Reads the named measures of a scene. A scene without any costs nothing here.
 
+pub mod groups;
 pub mod stress;
 
 use std::f64::consts::PI;
@@ -87,17 +88,20 @@ pub fn strain_distance(
     Some(distance)
 }
 
-/// Reads the stresses, which refer to the geometry at the start of the increment.
+/// Reads stresses and forces on groups, which refer to the geometry at the start of the increment.
 pub fn read_start(tables: StressTables, named: Res<NamedMeasures>, mut out: ResMut<Readings>) {
     if named.list.is_empty() {
         return;
     }
-    let stress = |quantity: &Option<Quantity>| match quantity {
+    let read = |quantity: &Option<Quantity>| match quantity {
         Some(Quantity::Stress(measure)) => tables.stress(measure),
+        Some(Quantity::GroupForce { members, component }) => {
+            tables.force_on(members).map(|force| force[*component])
+        }
         _ => None,
     };
     out.0.clear();
-    out.0.extend(named.list.iter().map(|(_, quantity)| stress(quantity)));
+    out.0.extend(named.list.iter().map(|(_, quantity)| read(quantity)));
 }
 
 /// What the readings at the end of an increment follow from.
@@ -132,7 +136,7 @@ impl EndTables<'_, '_> {
                 Some((reference - now) / reference)
             }
             // Read at the start, and by the plugin.
-            Quantity::Stress(_) | Quantity::Custom(_) => None,
+            Quantity::Stress(_) | Quantity::GroupForce { .. } | Quantity::Custom(_) => None,
             Quantity::Porosity(area) => {
                 let distance = |a: Entity, b: Entity| {
                     let there = self.walls.contains(a) && self.walls.contains(b);
@@ -199,7 +203,7 @@ impl EndTables<'_, '_> {
 pub fn read_end(tables: EndTables, named: Res<NamedMeasures>, mut out: ResMut<Readings>) {
     for (k, (_, quantity)) in named.list.iter().enumerate() {
         let Some(quantity) = quantity else { continue };
-        if matches!(quantity, Quantity::Stress(_)) {
+        if matches!(quantity, Quantity::Stress(_) | Quantity::GroupForce { .. }) {
             continue;
         }
         let reference = named.references.get(k).copied().flatten();

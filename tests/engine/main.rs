@@ -36,3 +36,4 @@ mod stages;
 mod stress;
 mod swinging;
 mod thin_walls;
+mod turning_walls;

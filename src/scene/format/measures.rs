@@ -6,6 +6,8 @@ use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{Deserializer, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize};
 
+use super::Select;
+
 /// Definitions of strain and stress, and of further measures.
 ///
 /// Version 1 has `(axial_strain: ..., ...)`, version 2 a list of measures with names. The measures
@@ -166,10 +168,34 @@ pub enum Quantity {
         #[serde(default)]
         along: Along,
     },
+    /// Force or moment of the contacts that cross the boundary of a group, N or N m.
+    GroupForce {
+        /// The particles.
+        select: Select,
+        /// Component of the force, or the moment.
+        #[serde(default)]
+        along: GroupAlong,
+        /// Whether the particles are selected anew in every increment, and not only when a stage
+        /// begins.
+        #[serde(default)]
+        live: bool,
+    },
     /// Time, s.
     Time,
     /// The value that a plugin provides under this name.
     Custom(String),
+}
+
+/// Component of the force on a group.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+pub enum GroupAlong {
+    /// Along x.
+    #[default]
+    X,
+    /// Along y.
+    Y,
+    /// Moment about the centre of mass.
+    Moment,
 }
 
 /// Modes in which bonds break.

@@ -29,7 +29,8 @@ use super::{repeats, unique_keys};
 pub use analysis::{Analysis, FrictionLaw};
 pub use materials::{Bond, Contact, Material};
 pub use measures::{
-    Along, Area, Component, Length, Measure, Measures, Modes, Quantity, ROLES, Strain, Stress,
+    Along, Area, Component, GroupAlong, Length, Measure, Measures, Modes, Quantity, ROLES, Strain,
+    Stress,
 };
 pub use output::{Output, Record};
 pub use particle_control::{Motion, ParticleControl, Select};

@@ -6,6 +6,7 @@ use crate::scene::format::{Area, Length, Measure, Quantity, ROLES, Strain, Stres
 
 use super::Context;
 use super::findings::Findings;
+use super::select::select;
 use super::specimen::index_exists;
 use super::thin_walls::one_piece;
 use crate::history_columns::{COLUMNS, ENERGY_COLUMNS};
@@ -77,6 +78,9 @@ fn check_list(context: &Context, list: &[Measure], findings: &mut Findings) {
             Quantity::Porosity(of) => area(context, path, of, findings),
             Quantity::WallForce { wall: name, .. } => {
                 wall(context, format_args!("{path}.wall"), name, findings);
+            }
+            Quantity::GroupForce { select: of, .. } => {
+                select(context, format_args!("{path}.select"), of, findings);
             }
             Quantity::Custom(name) if name.trim().is_empty() => {
                 let help = "name a measure that a plugin of the program provides";
