@@ -18,6 +18,12 @@ pub enum StrainMeasure {
     Walls(Entity, Entity),
     /// Engineering strain of the distance between the centres of two particles.
     Particles(Entity, Entity),
+    /// Engineering strain of the width of the periodic cell.
+    CellWidth,
+    /// Engineering strain of the height of the periodic cell.
+    CellHeight,
+    /// Shear strain of the periodic cell: the sum of `du_x/dy` over the increments.
+    CellShear,
 }
 
 /// Source of a stress measure. Compression is positive.
@@ -67,6 +73,8 @@ pub enum MeasureArea {
     Fixed(f64),
     /// Product of two wall distances at the start of the increment.
     Box([Entity; 4]),
+    /// The periodic cell at the start of the increment.
+    Cell,
 }
 
 /// Component of a plane stress tensor.
@@ -79,6 +87,8 @@ pub enum StressComponent {
     Yy,
     /// sigma_xy.
     Xy,
+    /// Traction along x on a face whose outward normal is y: -sigma_xy.
+    Shear,
 }
 
 /// The strains and stresses of a rig.

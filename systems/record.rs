@@ -11,6 +11,7 @@ use clastic_components::body::{
     AngularVelocity, BodyId, ExternalForce, Origin, Position, Probe, Rotation, Velocity,
 };
 use clastic_components::bond::{BondState, Rupture};
+use clastic_components::cell::PeriodicCell;
 use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::findings::{Corrections, EventSearch, Ruptures, Sliding};
 use clastic_components::increment::{Progress, RuptureOrder, RuptureRules};
@@ -26,7 +27,7 @@ use clastic_cone::program::{ConeProgram, ConeSolution};
 use crate::attempt::events;
 use crate::gather_bodies::gather_bodies;
 use crate::measures::stress::StressTables;
-use crate::measures::{NAMED, NamedState, read_end, read_start, strain_distance};
+use crate::measures::{NAMED, NamedState, read_end, read_start, strain_distance, strain_since};
 use crate::schedule::{Increment, IncrementSystems, lap};
 use crate::state::{RegisterState, StateOf};
 use clastic_cone::residuals::Carrying;
@@ -101,15 +102,17 @@ fn record_stress(tables: StressTables, measures: Res<Measures>, mut out: ResMut<
 pub fn take_reference(
     walls: Query<(&Wall, &Position)>,
     particles: Query<&Position, With<Particle>>,
+    cell: Option<Res<PeriodicCell>>,
     mut measures: ResMut<Measures>,
     mut named: ResMut<NamedMeasures>,
 ) {
+    let cell = cell.as_deref();
     let of = |m: &Option<StrainMeasure>| {
-        m.as_ref().and_then(|m| strain_distance(m, &walls, &particles)).unwrap_or(f64::NAN)
+        m.as_ref().and_then(|m| strain_distance(m, &walls, &particles, cell)).unwrap_or(f64::NAN)
     };
     measures.reference = Some([of(&measures.axial_strain), of(&measures.lateral_strain)]);
     let distance = |quantity: &Option<Quantity>| match quantity {
-        Some(Quantity::Strain(m)) => strain_distance(m, &walls, &particles),
+        Some(Quantity::Strain(m)) => strain_distance(m, &walls, &particles, cell),
         _ => None,
     };
     named.references = named.list.iter().map(|(_, quantity)| distance(quantity)).collect();
@@ -120,12 +123,14 @@ fn record_strain(
     measures: Res<Measures>,
     walls: Query<(&Wall, &Position)>,
     particles: Query<&Position, With<Particle>>,
+    cell: Option<Res<PeriodicCell>>,
     mut out: ResMut<Observation>,
 ) {
     let strain = |measure: &Option<StrainMeasure>, k: usize| {
         let reference = measures.reference?[k];
-        let now = strain_distance(measure.as_ref()?, &walls, &particles)?;
-        Some((reference - now) / reference)
+        let measure = measure.as_ref()?;
+        let now = strain_distance(measure, &walls, &particles, cell.as_deref())?;
+        Some(strain_since(measure, reference, now))
     };
     out.axial_strain = strain(&measures.axial_strain, 0);
     out.lateral_strain = strain(&measures.lateral_strain, 1);

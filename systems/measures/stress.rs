@@ -87,6 +87,7 @@ fn component(stress: [[f64; 2]; 2], component: StressComponent) -> f64 {
         StressComponent::Xx => stress[0][0],
         StressComponent::Yy => stress[1][1],
         StressComponent::Xy => 0.5 * (stress[0][1] + stress[1][0]),
+        StressComponent::Shear => -0.5 * (stress[0][1] + stress[1][0]),
     }
 }
 
@@ -142,6 +143,7 @@ impl StressTables<'_, '_> {
             StressMeasure::Average { component: of, area } => {
                 let area = match area {
                     MeasureArea::Fixed(area) => *area,
+                    MeasureArea::Cell => self.bodies.cell?.area(),
                     MeasureArea::Box([a, b, c, d]) => {
                         self.distance(*a, *b)? * self.distance(*c, *d)?
                     }
@@ -211,6 +213,7 @@ pub fn stress_error(
             let area = match area {
                 MeasureArea::Fixed(area) => *area,
                 MeasureArea::Box([a, b, c, d]) => distance(*a, *b) * distance(*c, *d),
+                MeasureArea::Cell => bodies.cell.map_or(f64::NAN, |cell| cell.area()),
             };
             let error = |(contact, error): (&Contact, f64)| error * branch(&bodies, contact).abs();
             (errors.map(error).sum(), area)

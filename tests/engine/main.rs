@@ -26,6 +26,7 @@ mod invariance;
 mod language;
 mod lids;
 mod limit_load;
+mod periodic_cell;
 mod removal;
 mod rest;
 mod restitution;

@@ -6,7 +6,7 @@ use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{Deserializer, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize};
 
-use super::Select;
+use super::{CellStrain, Select};
 
 /// Definitions of strain and stress, and of further measures.
 ///
@@ -232,6 +232,8 @@ pub enum Strain {
     Walls(String, String),
     /// Distance between the centres of two particles, by index.
     Particles(u32, u32),
+    /// Strain of the periodic cell. Version 2.
+    Cell(CellStrain),
 }
 
 /// A stress.
@@ -280,6 +282,8 @@ pub enum Area {
     Fixed(f64),
     /// Area between two pairs of walls.
     Box((String, String), (String, String)),
+    /// The periodic cell. Version 2.
+    Cell,
 }
 
 /// Component of a stress tensor.
@@ -289,6 +293,8 @@ pub enum Component {
     Xx,
     /// sigma_yy.
     Yy,
-    /// sigma_xy.
+    /// sigma_xy, which is negative where the top is pushed along x.
     Xy,
+    /// Traction along x on a face whose outward normal is y: -sigma_xy. Version 2.
+    Shear,
 }
