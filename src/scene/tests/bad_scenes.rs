@@ -258,6 +258,11 @@ fn settings() {
         ),
         (
             VERSION,
+            "version: 1, rupture: (density: 0.0)",
+            "2:36: rupture.density: zero (0.0); give a share of the bonds per relative change of force, above 0",
+        ),
+        (
+            VERSION,
             "version: 1, rupture: (order: OneRound, avalanche: Dynamic)",
             "2:55: rupture.avalanche: `Dynamic` has no effect: with `order: OneRound` there are no avalanches; \
              give `order: Events`, or leave `avalanche` out",
