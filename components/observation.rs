@@ -20,6 +20,12 @@ pub enum StrainMeasure {
     Particles(Entity, Entity),
     /// Engineering strain of the mean width of a membrane that covers both sides.
     Membrane(Entity),
+    /// Engineering strain of the width of the periodic cell.
+    CellWidth,
+    /// Engineering strain of the height of the periodic cell.
+    CellHeight,
+    /// Shear strain of the periodic cell: the sum of `du_x/dy` over the increments.
+    CellShear,
 }
 
 /// Source of a stress measure. Compression is positive.
@@ -75,6 +81,8 @@ pub enum MeasureArea {
     Box([Entity; 4]),
     /// Area that a membrane encloses, through the centres of its grains.
     Membrane(Entity),
+    /// The periodic cell at the start of the increment.
+    Cell,
 }
 
 /// Component of a plane stress tensor.
@@ -87,6 +95,8 @@ pub enum StressComponent {
     Yy,
     /// sigma_xy.
     Xy,
+    /// Traction along x on a face whose outward normal is y: -sigma_xy.
+    Shear,
 }
 
 /// The strains and stresses of a rig.

@@ -11,6 +11,7 @@ use clastic_components::body::{
     AngularVelocity, BodyId, ExternalForce, Origin, Position, Probe, Rotation, Velocity,
 };
 use clastic_components::bond::{BondState, Rupture};
+use clastic_components::cell::PeriodicCell;
 use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::findings::{Corrections, EventSearch, Ruptures, Sliding};
 use clastic_components::increment::{Progress, RuptureOrder, RuptureRules};
@@ -27,7 +28,7 @@ use clastic_cone::program::{ConeProgram, ConeSolution};
 use crate::attempt::events;
 use crate::gather_bodies::gather_bodies;
 use crate::measures::stress::StressTables;
-use crate::measures::{NAMED, NamedState, read_end, read_start, strain_distance};
+use crate::measures::{NAMED, NamedState, read_end, read_start, strain_distance, strain_since};
 use crate::membranes::renew_shapes;
 use crate::schedule::{Increment, IncrementSystems, lap};
 use crate::state::{RegisterState, StateOf};
@@ -105,17 +106,19 @@ pub fn take_reference(
     walls: Query<(&Wall, &Position)>,
     particles: Query<&Position, With<Particle>>,
     membranes: Query<&MembraneShape>,
+    cell: Option<Res<PeriodicCell>>,
     mut measures: ResMut<Measures>,
     mut named: ResMut<NamedMeasures>,
 ) {
+    let cell = cell.as_deref();
     let of = |m: &Option<StrainMeasure>| {
         m.as_ref()
-            .and_then(|m| strain_distance(m, &walls, &particles, &membranes))
+            .and_then(|m| strain_distance(m, &walls, &particles, &membranes, cell))
             .unwrap_or(f64::NAN)
     };
     measures.reference = Some([of(&measures.axial_strain), of(&measures.lateral_strain)]);
     let distance = |quantity: &Option<Quantity>| match quantity {
-        Some(Quantity::Strain(m)) => strain_distance(m, &walls, &particles, &membranes),
+        Some(Quantity::Strain(m)) => strain_distance(m, &walls, &particles, &membranes, cell),
         _ => None,
     };
     named.references = named.list.iter().map(|(_, quantity)| distance(quantity)).collect();
@@ -127,12 +130,15 @@ fn record_strain(
     walls: Query<(&Wall, &Position)>,
     particles: Query<&Position, With<Particle>>,
     membranes: Query<&MembraneShape>,
+    cell: Option<Res<PeriodicCell>>,
     mut out: ResMut<Observation>,
 ) {
     let strain = |measure: &Option<StrainMeasure>, k: usize| {
         let reference = measures.reference?[k];
-        let now = strain_distance(measure.as_ref()?, &walls, &particles, &membranes)?;
-        Some((reference - now) / reference)
+        let measure = measure.as_ref()?;
+        let cell = cell.as_deref();
+        let now = strain_distance(measure, &walls, &particles, &membranes, cell)?;
+        Some(strain_since(measure, reference, now))
     };
     out.axial_strain = strain(&measures.axial_strain, 0);
     out.lateral_strain = strain(&measures.lateral_strain, 1);
@@ -188,6 +194,7 @@ fn record_state(
         let change = events::change(&program, &solution);
         match (order.0.order, order.1.active) {
             (RuptureOrder::Events, true) => (order.1.overload - 1.0).max(order.0.tolerance),
+            _ if order.1.dense => order.1.late * change,
             _ => change,
         }
     };

@@ -35,6 +35,7 @@ pub fn begin(world: &mut World, stage: &scene::Load) {
         }
     }
     control_walls(world, stage);
+    super::cell::control(world, stage);
     control_particles(world, stage, &analysis);
     rigid::control_groups(world, stage, &analysis);
     membranes::control_membranes(world, stage, confining);
@@ -181,6 +182,7 @@ pub fn end_early(world: &mut World) {
     let progress = world.resource::<Progress>().clone();
     let reached = |from: f64, to: f64| progress.ramp(from, to).from;
     end(world);
+    super::cell::end_early(world);
     let mut walls = world.query::<&mut WallControl>();
     for mut control in walls.iter_mut(world) {
         match &mut *control {

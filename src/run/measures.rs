@@ -161,6 +161,9 @@ fn strain(world: &mut World, measure: &scene::Strain) -> Option<StrainMeasure> {
             StrainMeasure::Particles(particle(world, *a)?, particle(world, *b)?)
         }
         scene::Strain::Membrane(name) => StrainMeasure::Membrane(find_membrane(world, name)?),
+        scene::Strain::Cell(scene::CellStrain::Width) => StrainMeasure::CellWidth,
+        scene::Strain::Cell(scene::CellStrain::Height) => StrainMeasure::CellHeight,
+        scene::Strain::Cell(scene::CellStrain::Shear) => StrainMeasure::CellShear,
     })
 }
 
@@ -224,6 +227,7 @@ fn mode(modes: scene::Modes) -> Option<RuptureMode> {
 fn area(world: &mut World, area: &scene::Area) -> Option<MeasureArea> {
     Some(match area {
         scene::Area::Fixed(area) => MeasureArea::Fixed(*area),
+        scene::Area::Cell => MeasureArea::Cell,
         scene::Area::Box((a, b), (c, d)) => MeasureArea::Box([
             find_wall(world, a)?,
             find_wall(world, b)?,
@@ -239,6 +243,7 @@ fn component(component: scene::Component) -> StressComponent {
         scene::Component::Xx => StressComponent::Xx,
         scene::Component::Yy => StressComponent::Yy,
         scene::Component::Xy => StressComponent::Xy,
+        scene::Component::Shear => StressComponent::Shear,
     }
 }
 

@@ -51,6 +51,8 @@ static FILES: &[(&str, &[u8])] = &files! {
     "rotating_drum.ron"
     "rotating_drum_small.ron"
     "shear_box.ron"
+    "simple_shear_periodic.ron"
+    "simple_shear_periodic_undrained.ron"
     "stack.ron"
     "tension.ron"
     "three_point_bending.ron"

@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 use clastic_components::attempt::{Attempt, IncrementStatus};
 use clastic_components::body::{ExternalForce, Position};
 use clastic_components::bond::RuptureMode;
+use clastic_components::cell::PeriodicCell;
 use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::increment::{Analysis, AnalysisKind};
 use clastic_components::measure::{
@@ -71,15 +72,28 @@ pub fn elastic_energy(program: &ConeProgram, solution: &ConeSolution) -> f64 {
     energies.sum()
 }
 
-/// Current value of the distance of a strain measure, m.
+/// Strain since the reference value `then` of a measure.
+#[must_use]
+pub fn strain_since(measure: &StrainMeasure, then: f64, now: f64) -> f64 {
+    match measure {
+        StrainMeasure::CellShear => now - then,
+        _ => (then - now) / then,
+    }
+}
+
+/// Current value of the distance of a strain measure, m; of a shear the strain itself.
 #[must_use]
 pub fn strain_distance(
     measure: &StrainMeasure,
     walls: &Query<(&Wall, &Position)>,
     particles: &Query<&Position, With<Particle>>,
     membranes: &Query<&MembraneShape>,
+    cell: Option<&PeriodicCell>,
 ) -> Option<f64> {
     let distance = match *measure {
+        StrainMeasure::CellWidth => cell?.width,
+        StrainMeasure::CellHeight => cell?.height,
+        StrainMeasure::CellShear => cell?.shear,
         // Between walls of which one is gone there is no distance.
         StrainMeasure::Walls(a, b) if walls.contains(a) && walls.contains(b) => {
             wall_distance(a, b, walls)
@@ -123,6 +137,7 @@ pub struct EndTables<'w, 's> {
     particles: Query<'w, 's, &'static Position, With<Particle>>,
     forces: Query<'w, 's, (&'static Wall, &'static ExternalForce)>,
     membranes: Query<'w, 's, &'static MembraneShape>,
+    cell: Option<Res<'w, PeriodicCell>>,
 }
 
 impl EndTables<'_, '_> {
@@ -138,8 +153,10 @@ impl EndTables<'_, '_> {
         match quantity {
             Quantity::Strain(measure) => {
                 let reference = reference?;
-                let now = strain_distance(measure, &self.walls, &self.particles, &self.membranes)?;
-                Some((reference - now) / reference)
+                let cell = self.cell.as_deref();
+                let now =
+                    strain_distance(measure, &self.walls, &self.particles, &self.membranes, cell)?;
+                Some(strain_since(measure, reference, now))
             }
             // Read at the start, and by the plugin.
             Quantity::Stress(_) | Quantity::GroupForce { .. } | Quantity::Custom(_) => None,
@@ -150,6 +167,7 @@ impl EndTables<'_, '_> {
                 };
                 let area = match area {
                     MeasureArea::Fixed(area) => *area,
+                    MeasureArea::Cell => self.cell.as_ref()?.area(),
                     MeasureArea::Box([a, b, c, d]) => distance(*a, *b)? * distance(*c, *d)?,
                     MeasureArea::Membrane(membrane) => {
                         self.membranes.get(*membrane).ok()?.area()?

@@ -88,6 +88,7 @@ fn component(stress: [[f64; 2]; 2], component: StressComponent) -> f64 {
         StressComponent::Xx => stress[0][0],
         StressComponent::Yy => stress[1][1],
         StressComponent::Xy => 0.5 * (stress[0][1] + stress[1][0]),
+        StressComponent::Shear => -0.5 * (stress[0][1] + stress[1][0]),
     }
 }
 
@@ -147,6 +148,7 @@ impl StressTables<'_, '_> {
             StressMeasure::Average { component: of, area } => {
                 let area = match area {
                     MeasureArea::Fixed(area) => *area,
+                    MeasureArea::Cell => self.bodies.cell?.area(),
                     MeasureArea::Box([a, b, c, d]) => {
                         self.distance(*a, *b)? * self.distance(*c, *d)?
                     }
@@ -228,6 +230,7 @@ pub fn stress_error(
                 MeasureArea::Membrane(membrane) => {
                     shape(*membrane).and_then(MembraneShape::area).unwrap_or(f64::NAN)
                 }
+                MeasureArea::Cell => bodies.cell.map_or(f64::NAN, |cell| cell.area()),
             };
             let error = |(contact, error): (&Contact, f64)| error * branch(&bodies, contact).abs();
             (errors.map(error).sum(), area)

@@ -27,6 +27,7 @@ mod language;
 mod lids;
 mod limit_load;
 mod membranes;
+mod periodic_cell;
 mod removal;
 mod rest;
 mod restitution;

@@ -68,6 +68,7 @@ pub fn random_scene(seed: u64, maximum: u32) -> Scene {
         },
         corrector: None,
         probes: BTreeMap::new(),
+        cell: None,
         solver: if r.chance(0.05) {
             Solver::Clarabel { tolerance: 1e-10, max_iterations: 200 }
         } else {
@@ -326,6 +327,7 @@ fn load(
         release: Vec::new(),
         membranes: Default::default(),
         remove_membranes: Vec::new(),
+        cell: None,
         stop: Vec::new(),
     }
 }

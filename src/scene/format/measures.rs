@@ -6,7 +6,7 @@ use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{Deserializer, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize};
 
-use super::Select;
+use super::{CellStrain, Select};
 
 /// Definitions of strain and stress, and of further measures.
 ///
@@ -252,6 +252,8 @@ pub enum Strain {
     Particles(u32, u32),
     /// Mean width of a membrane that covers both sides.
     Membrane(String),
+    /// Strain of the periodic cell. Version 2.
+    Cell(CellStrain),
 }
 
 /// A stress.
@@ -306,6 +308,8 @@ pub enum Area {
     Box((String, String), (String, String)),
     /// Area that a membrane encloses.
     Membrane(String),
+    /// The periodic cell. Version 2.
+    Cell,
 }
 
 /// Component of a stress tensor.
@@ -315,6 +319,8 @@ pub enum Component {
     Xx,
     /// sigma_yy.
     Yy,
-    /// sigma_xy.
+    /// sigma_xy, which is negative where the top is pushed along x.
     Xy,
+    /// Traction along x on a face whose outward normal is y: -sigma_xy. Version 2.
+    Shear,
 }

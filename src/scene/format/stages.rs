@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Analysis, Bond, MembraneControl, ParticleControl, Record, RigidControl, Select, WallControl,
+    Analysis, Bond, CellControl, MembraneControl, ParticleControl, Record, RigidControl, Select,
+    WallControl,
 };
 use crate::scene::unique_keys;
 
@@ -99,13 +100,16 @@ pub struct CustomStage {
 pub struct Compact {
     /// Name.
     pub name: String,
-    /// The wall that moves, along its inward normal.
+    /// The wall that moves, along its inward normal. A periodic cell has none: it shrinks along both
+    /// of its vectors.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
     pub wall: String,
     /// The fixed wall opposite, which is the reference of the height.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
     pub base: String,
     /// Target that ends the compaction.
     pub target: CompactTarget,
-    /// Maximum motion of the wall in an increment, m.
+    /// Maximum motion of the wall, or change of the width or height of a cell, in an increment, m.
     pub step: f64,
     /// Reference motion of particles that nothing pushes.
     #[serde(default)]
@@ -127,7 +131,7 @@ pub struct Compact {
 pub enum CompactTarget {
     /// Distance between the two walls, m.
     Height(f64),
-    /// Porosity between the two walls over the length of the base.
+    /// Porosity between the two walls over the length of the base, or of the cell.
     Porosity(f64),
 }
 
@@ -250,6 +254,9 @@ pub struct Load {
     /// Membranes that are removed at the start.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub remove_membranes: Vec<String>,
+    /// Control of the periodic cell.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cell: Option<CellControl>,
     /// Conditions that end the stage early.
     #[serde(default)]
     pub stop: Vec<Stop>,
