@@ -10,9 +10,12 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use glam::DVec2;
 
-/// A rotation of the ball by less than this before a full turn is a touch at the place where it is:
-/// three disks that touch the ball at once, within rounding, rad.
+/// Rotations of the ball that differ by less than this are one: three disks that touch the ball at
+/// once, within rounding, rad.
 const AT_ONCE: f64 = 1e-9;
+/// A ball passes between two disks into which it reaches by less than this, over the distance of
+/// their centres: it just fits, within rounding. Above it rotations are exact to [`AT_ONCE`].
+const FITS: f64 = 1e-12;
 
 /// A straight wall, which bounds the way of the ball.
 #[derive(Clone, Copy, Debug)]
@@ -88,7 +91,7 @@ impl<'a> RollingBall<'a> {
             &self.cells[start..end]
         });
         slices.flatten().map(|cell| cell.2).filter(move |other| {
-            let reach = self.reach(disk) + self.reach(*other);
+            let reach = (self.reach(disk) + self.reach(*other)) * (1.0 - FITS);
             *other != disk && x.distance_squared(self.positions[*other]) < reach * reach
         })
     }
@@ -98,6 +101,8 @@ impl<'a> RollingBall<'a> {
     fn next_disk(&self, disk: usize, from: Option<usize>, angle: f64) -> Option<(usize, f64)> {
         let (x, reach) = (self.positions[disk], self.reach(disk));
         let mut next: Option<(usize, f64)> = None;
+        // Cosine of the angle at the centre of the ball between `disk` and the next one.
+        let mut nearest = -1.0;
         for other in self.neighbours(disk) {
             let between = self.positions[other] - x;
             let distance = between.length();
@@ -112,8 +117,14 @@ impl<'a> RollingBall<'a> {
             if turn > TAU - AT_ONCE && from != Some(other) {
                 turn = 0.0;
             }
-            if next.is_none_or(|(best, least)| (turn, other) < (least, best)) {
+            let beside =
+                (reach * reach + beyond * beyond - distance * distance) / (2.0 * reach * beyond);
+            // Of disks that it meets at once the chain takes each, in order around the ball.
+            if next.is_none_or(|(_, least)| {
+                turn < least - AT_ONCE || (turn <= least + AT_ONCE && beside > nearest)
+            }) {
                 next = Some((other, turn));
+                nearest = beside;
             }
         }
         next

@@ -101,13 +101,17 @@ fn few_disks_and_spilled_ones() {
     let at = |list: &[(f64, f64)]| list.iter().map(|x| DVec2::from(*x)).collect::<Vec<_>>();
     let bottom = Line { point: DVec2::ZERO, inward: DVec2::Y };
     let top = Line { point: DVec2::new(0.0, 6.0), inward: DVec2::NEG_Y };
-    let column = at(&[(0.0, 1.0), (0.0, 3.0), (0.0, 5.0), (9.0, 1.0), (7.0, 1.0), (5.0, 3.1)]);
+    let column = at(&[(0.0, 1.0), (0.0, 3.0), (0.0, 5.0), (9.0, 1.0), (7.0, 1.0), (5.0, 2.9)]);
     let radii = [1.0; 6];
     let ball = RollingBall::new(&column, &radii, None);
-    // The three disks on the right lie on the floor or in the air.
+    // The three disks on the right lie on the floor or in the air; the ball passes above them.
     assert_eq!(ball.between(&bottom, &top), Some(vec![0, 1, 2]));
     assert_eq!(ball.between(&top, &bottom), Some(vec![2, 1, 0]));
     assert_eq!(ball.around(), Some(vec![0, 1, 2, 1]));
+    // Where it does not fit between the upper one and the plate, they are the outermost.
+    let high = at(&[(0.0, 1.0), (0.0, 3.0), (0.0, 5.0), (9.0, 1.0), (7.0, 1.0), (5.0, 3.1)]);
+    let ball = RollingBall::new(&high, &radii, None);
+    assert_eq!(ball.between(&bottom, &top), Some(vec![3, 4, 5]));
     let one = RollingBall::new(&column[..1], &radii[..1], None);
     assert_eq!(one.around(), Some(vec![0]));
     assert_eq!(one.between(&bottom, &top), None);
