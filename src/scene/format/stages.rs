@@ -254,9 +254,9 @@ pub struct Load {
     /// Membranes that are removed at the start.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub remove_membranes: Vec<String>,
-    /// Control of the periodic cell.
+    /// Control of the periodic cell, boxed since few stages have one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub cell: Option<CellControl>,
+    pub cell: Option<Box<CellControl>>,
     /// Conditions that end the stage early.
     #[serde(default)]
     pub stop: Vec<Stop>,
