@@ -13,7 +13,7 @@ use clastic_components::wall::WallControl;
 
 use super::spawn::find_walls;
 use super::state::StateView;
-use crate::scene::format::{Load, Measures, Scene, Stage, WallControl as Wanted};
+use crate::scene::format::{CellTarget, Load, Measures, Scene, Stage, WallControl as Wanted};
 
 /// Changes in `new` that are not permitted when a run under `old` has reached `state`, each with a
 /// reason.
@@ -96,7 +96,11 @@ fn stage_under_way(old: &Load, new: &Load, state: &StateView) -> Option<&'static
     if f64::from(new.increments) < state.progress.done {
         return Some("it is under way and has made more increments than that");
     }
-    (state.ramps && old.increments != new.increments).then_some(
+    let aims = |target: CellTarget| target != CellTarget::Fixed;
+    let cell = old.cell.as_deref();
+    let cell_moves =
+        cell.is_some_and(|cell| [cell.xx, cell.yy, cell.shear].into_iter().flatten().any(aims));
+    ((state.ramps || cell_moves) && old.increments != new.increments).then_some(
         "a load is on its way to its target over the `increments` of this stage, which is under way",
     )
 }

@@ -160,3 +160,25 @@ fn what_would_not_be_a_run_in_one_piece_is_refused() {
     let text = text.replace("measures: (", "measures: (reference_stage: \"hold\",");
     assert_eq!(extend(parent.path(), &text), [""; 0]);
 }
+
+/// Strains and stresses of a cell are reached over the increments of their stage. With more of them
+/// the increments before would have been others.
+#[test]
+fn a_cell_on_its_way_to_a_strain_takes_no_more_increments() {
+    let sets = [
+        "specimen.count=64",
+        "specimen.columns=8",
+        "cell.size=(0.0808, 0.0808)",
+        "stages.compact.step=4.0e-3",
+        "stages.confine.increments=2",
+        "stages.shear.increments=3",
+    ];
+    let short = load("simple_shear_periodic", &sets);
+    let parent = tempfile::tempdir().unwrap();
+    run(&short, parent.path(), 0, |_| {});
+    let long =
+        short.text.replace("name: \"shear\", increments: 3", "name: \"shear\", increments: 4");
+    assert_ne!(short.text, long);
+    let said = extend(parent.path(), &long).join("\n");
+    assert!(said.contains("on its way to its target"), "{said}");
+}

@@ -2,7 +2,7 @@
 //!
 //! Of one run the page has key results, curves, the specimen as an animation over its frames, roses
 //! and a section on how far the numbers can be trusted. Of several runs it has their curves over
-//! one another and a table. Numbers travel as base64 of compressed columns ([`columns`]); what
+//! one another and a table. Numbers travel as base64 of compressed columns (`columns`); what
 //! shows them is in the files `page.*` beside this one, plain JavaScript without a build step.
 
 mod choose;

@@ -37,7 +37,9 @@
     [140, 140, 150],
   ];
 
+  // A body that is not in the frame has no number; it is not drawn.
   const mapped = (points, part) => {
+    if (Number.isNaN(part)) return points[0];
     const at = Math.min(1, Math.max(0, part)) * (points.length - 1);
     const k = Math.min(points.length - 2, Math.floor(at));
     return points[k].map((low, i) => low + (at - k) * (points[k + 1][i] - low));
