@@ -14,6 +14,7 @@ pub mod load;
 pub mod measures;
 pub mod particles;
 pub mod plugin;
+mod resolve_measures;
 mod rigid;
 pub mod save;
 pub mod script;

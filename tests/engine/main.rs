@@ -26,6 +26,7 @@ mod invariance;
 mod language;
 mod lids;
 mod limit_load;
+mod measures;
 mod rest;
 mod restitution;
 mod rigid_groups;

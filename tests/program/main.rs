@@ -10,6 +10,7 @@ mod compare;
 mod dumps;
 mod exit_codes;
 mod files;
+mod measures;
 mod new;
 mod results;
 mod states;

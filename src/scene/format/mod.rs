@@ -9,6 +9,7 @@ mod materials;
 mod measures;
 mod output;
 mod particle_control;
+mod quantities;
 mod rigid;
 mod solver;
 mod specimen;
@@ -28,11 +29,13 @@ use super::{repeats, unique_keys};
 
 pub use analysis::{Analysis, FrictionLaw};
 pub use materials::{Bond, Contact, Material};
-pub use measures::{
-    Along, Area, Component, Length, Measure, Measures, Modes, Quantity, ROLES, Strain, Stress,
-};
+pub use measures::{Measure, Measures, ROLES};
 pub use output::{Output, Record};
 pub use particle_control::{Motion, ParticleControl, Select};
+pub use quantities::{
+    Along, Area, Component, Cracks, Energy, FabricComponent, Fragments, Length, Modes, Network,
+    Quantity, Strain, StrainComponent, Stress,
+};
 pub use rigid::{RigidControl, Traction};
 #[cfg(test)]
 pub(super) use solver::CONDENSED_FIELDS;

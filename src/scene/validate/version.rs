@@ -2,7 +2,7 @@
 
 use std::fmt::Arguments;
 
-use crate::scene::format::{Measures, Stage, Stop, Stress};
+use crate::scene::format::{Measures, Stage, Stop, Strain, Stress};
 
 use super::Context;
 use super::findings::Findings;
@@ -59,6 +59,15 @@ fn of_two(context: &Context, findings: &mut Findings) {
     ];
     for (path, stress) in stresses {
         if let (Some(Stress::Region { .. }), None) = (stress, &scene.measures.list) {
+            add(path, "`Region` is");
+        }
+    }
+    let strains = [
+        ("measures.axial_strain", &scene.measures.axial_strain),
+        ("measures.lateral_strain", &scene.measures.lateral_strain),
+    ];
+    for (path, strain) in strains {
+        if let (Some(Strain::Region { .. }), None) = (strain, &scene.measures.list) {
             add(path, "`Region` is");
         }
     }
