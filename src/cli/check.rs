@@ -2,7 +2,7 @@
 
 use bevy_app::App;
 
-use crate::run::particles::particles;
+use crate::run::minerals::specimen;
 use crate::scene::load_with;
 use crate::scene::shown::label;
 use crate::scene::upgrade::upgrade;
@@ -33,7 +33,7 @@ pub fn check(args: &CheckArgs, app: &App) -> Result<Exit, Failure> {
     say(format_args!(
         "ok: {}, {}, {}, {}",
         label(&scene.title),
-        number(particles(&scene.specimen, loaded.specimen.as_ref()).len(), "particle"),
+        number(specimen(scene, loaded.specimen.as_ref()).len(), "particle"),
         number(scene.walls.len(), "wall"),
         number(scene.stages.len(), "stage"),
     ))?;

@@ -31,6 +31,7 @@ mod rest;
 mod restitution;
 mod rigid_groups;
 mod rupture;
+mod specimens;
 mod stages;
 mod stress;
 mod swinging;

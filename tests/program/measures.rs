@@ -248,7 +248,7 @@ fn check(cohesion: &str) {
     let lateral = 0.5 * (forces[wall("left")][0] - forces[wall("right")][0]) / height;
     within("s_xx", lateral);
     within("s_yy", axial);
-    within("axial_stress", axial);
+    within("axial_stress_pa", axial);
 
     // Porosity, volume, dilation and energy.
     let area: f64 = disks.r.iter().map(|r| std::f64::consts::PI * r * r).sum();

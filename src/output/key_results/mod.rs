@@ -7,6 +7,7 @@ mod definitions;
 mod observe;
 mod results;
 mod stiffness;
+mod thresholds;
 
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -65,10 +66,26 @@ struct Point {
     stress: f64,
     /// Whether the status is `solved`; false if a maximum number of passes was reached.
     solved: bool,
+    /// Lateral strain.
+    lateral_strain: Option<f64>,
+    /// Volumetric strain.
+    volumetric: Option<f64>,
+    /// Lateral stress, Pa.
+    lateral_stress: Option<f64>,
+    /// Bonds broken so far.
+    broken: usize,
 }
 
 /// A start without stress.
-const FREE: Point = Point { strain: 0.0, stress: 0.0, solved: true };
+const FREE: Point = Point {
+    strain: 0.0,
+    stress: 0.0,
+    solved: true,
+    lateral_strain: Some(0.0),
+    volumetric: Some(0.0),
+    lateral_stress: Some(0.0),
+    broken: 0,
+};
 
 impl KeyResults {
     /// Results before the run of a scene.
@@ -161,10 +178,20 @@ impl KeyResults {
             return false;
         }
         let Some(stress) = o.axial_stress else { return false };
-        let point = Point { strain: o.axial_strain.unwrap_or_default(), stress, solved };
+        let point = Point {
+            strain: o.axial_strain.unwrap_or_default(),
+            stress,
+            solved,
+            lateral_strain: o.lateral_strain,
+            volumetric: o.volumetric_strain,
+            lateral_stress: o.lateral_stress,
+            broken: tension + shear + rolling,
+        };
         self.last = Some(point);
         if phase == Phase::Loading {
-            self.start = Point { strain: 0.0, ..point };
+            // Strains count from here.
+            let zero = Some(0.0);
+            self.start = Point { strain: 0.0, lateral_strain: zero, volumetric: zero, ..point };
             self.is_start_unknown = false;
             return false;
         }

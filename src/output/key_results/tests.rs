@@ -161,3 +161,86 @@ fn bonds_are_counted() {
     assert_eq!(results.bonds_broken, BrokenBonds { tension: 1, shear: 2, rolling: 3 });
     assert_eq!(results.solver_iterations, 7);
 }
+
+/// Rows of a compression at constant lateral stress: strain, lateral strain, stress, broken bonds.
+fn compressed(rows: &[(f64, f64, f64, usize)], lateral_stress: Option<f64>) -> Results {
+    let mut key = KeyResults::new(false).with_stiffness(1e6);
+    let start = Observation { lateral_stress, ..at(1, None, Some(100.0)) };
+    key.observe(&start, Phase::Loading);
+    for (k, (strain, lateral, stress, broken)) in rows.iter().enumerate() {
+        let row = Observation {
+            lateral_strain: Some(*lateral),
+            volumetric_strain: Some(1.0 - (1.0 - strain) * (1.0 - lateral)),
+            lateral_stress,
+            broken: [*broken, 0, 0],
+            ..at(2 + k as u64, Some(*strain), Some(*stress))
+        };
+        key.observe(&row, Phase::Reference);
+    }
+    key.results()
+}
+
+/// A test that is elastic at first, cracks, dilates, peaks at 500 Pa and ends at 300 Pa.
+fn whole_test() -> Vec<(f64, f64, f64, usize)> {
+    let mut rows = vec![
+        (0.01, -0.002, 200.0, 0),
+        (0.02, -0.004, 300.0, 1),
+        (0.03, -0.008, 400.0, 3),
+        (0.04, -0.020, 480.0, 60),
+        (0.05, -0.045, 500.0, 300),
+        (0.06, -0.060, 350.0, 900),
+    ];
+    rows.extend((7..=20).map(|k| {
+        let e = 0.01 * f64::from(k);
+        (e, -1.1 * e, 300.0 + if k % 2 == 0 { 5.0 } else { -5.0 }, 1000)
+    }));
+    rows
+}
+
+#[test]
+fn thresholds_of_a_strength_test() {
+    let results = compressed(&whole_test(), Some(100.0));
+    near(results.peak_stress_pa, 500.0);
+    // Half of the rise is at 300 Pa, where the lateral strain is a fifth of the axial one.
+    near(results.poissons_ratio, 0.2);
+    // Three of the 300 bonds that break up to the peak.
+    near(results.crack_initiation_stress_pa, 400.0);
+    // The volume is smallest at 3 %: 0.0222 there, 0.0208 at 4 %.
+    near(results.crack_damage_stress_pa, 400.0);
+    near(results.friction_angle_rad, (400.0_f64 / 600.0).asin());
+    let residual = results.residual_stress_pa.unwrap();
+    assert!((residual - 300.0).abs() < 2.0, "{residual}");
+}
+
+#[test]
+fn thresholds_that_are_not_defined_have_a_reason() {
+    let reason = |results: &Results, name: &str| results.not_defined[name].clone();
+    let rows = whole_test();
+    // Up to the peak only, without confinement.
+    let short = compressed(&rows[..5], Some(0.0));
+    assert_eq!((short.residual_stress_pa, short.friction_angle_rad), (None, None));
+    assert!(reason(&short, "residual_stress_pa").contains("twice the strain"));
+    assert!(reason(&short, "friction_angle_rad").contains("not compressive"));
+    // Elastic to the end.
+    let elastic = compressed(&rows[..2], None);
+    near(elastic.poissons_ratio, 0.2);
+    assert!(reason(&elastic, "crack_damage_stress_pa").contains("shrinks up to the peak"));
+    assert!(reason(&elastic, "friction_angle_rad").contains("no lateral stress"));
+    near(elastic.crack_initiation_stress_pa, 300.0);
+    let whole: Vec<_> = rows.iter().map(|(e, l, s, _)| (*e, *l, *s, 0)).collect();
+    assert!(
+        reason(&compressed(&whole, None), "crack_initiation_stress_pa").contains("no bond broke")
+    );
+    // A stress that still falls, and a lateral strain beyond elasticity.
+    let falls: Vec<_> = (1..=30)
+        .map(|k| (0.01 * f64::from(k), -0.03 * f64::from(k), 600.0 - 15.0 * f64::from(k), 0));
+    let falls = compressed(&falls.collect::<Vec<_>>(), Some(100.0));
+    assert!(reason(&falls, "residual_stress_pa").contains("still changes"), "{falls:?}");
+    assert!(reason(&falls, "poissons_ratio").contains("not elastic"));
+    assert!(reason(&falls, "crack_damage_stress_pa").contains("grows from the start"));
+    // No curve at all.
+    let none = KeyResults::new(false).results();
+    for name in ["poissons_ratio", "crack_initiation_stress_pa", "residual_stress_pa"] {
+        assert!(reason(&none, name).contains("both an axial strain"), "{name}");
+    }
+}

@@ -7,10 +7,12 @@
 mod analysis;
 mod materials;
 mod measures;
+mod minerals;
 mod output;
 mod particle_control;
 mod quantities;
 mod rigid;
+mod scatter;
 mod solver;
 mod specimen;
 mod stages;
@@ -30,6 +32,7 @@ use super::{repeats, unique_keys};
 pub use analysis::{Analysis, FrictionLaw};
 pub use materials::{Bond, Contact, Material};
 pub use measures::{Measure, Measures, ROLES};
+pub use minerals::{Clusters, Mineral};
 pub use output::{Output, Record};
 pub use particle_control::{Motion, ParticleControl, Select};
 pub use quantities::{
@@ -37,6 +40,7 @@ pub use quantities::{
     Quantity, Strain, StrainComponent, Stress,
 };
 pub use rigid::{RigidControl, Traction};
+pub use scatter::{Scatter, Spread};
 #[cfg(test)]
 pub(super) use solver::CONDENSED_FIELDS;
 pub use solver::Solver;
@@ -96,6 +100,13 @@ pub struct Scene {
     pub materials: BTreeMap<String, Material>,
     /// The particles.
     pub specimen: Specimen,
+    /// Layers and minerals: materials of particles of the specimen, where several select one the
+    /// last. Version 2.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub minerals: Vec<Mineral>,
+    /// Particles of the specimen that the run has; all if left out. Indices count these. Version 2.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub keep: Option<Select>,
     /// Bonds at the start, free of stress. Cementing stages add more.
     #[serde(default)]
     pub bonds: Vec<ExplicitBond>,

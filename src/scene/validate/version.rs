@@ -50,6 +50,12 @@ fn of_two(context: &Context, findings: &mut Findings) {
     if scene.reference_stage.is_some() {
         add("reference_stage", "this place is");
     }
+    if !scene.minerals.is_empty() {
+        add("minerals", "layers and minerals are");
+    }
+    if scene.keep.is_some() {
+        add("keep", "cuts are");
+    }
     if scene.measures.list.is_some() {
         add("measures", "a list of measures is");
     }
