@@ -41,6 +41,7 @@ pub use clastic_systems as systems;
 
 #[cfg(feature = "cli")]
 pub mod cli;
+pub mod frames;
 mod history_columns;
 pub mod output;
 pub mod run;

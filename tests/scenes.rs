@@ -80,6 +80,36 @@ scenes! {
         ("peak_stress_pa", 20.0e3),
         ("strain_at_peak", 0.0025),
     ];
+    // Closed forms of these five are in tests/engine/rigs.rs.
+    direct_tension: "direct_tension", COMPLETES, &[
+        ("porosity", 0.205),
+        ("bonds_created", 878.0),
+        ("youngs_modulus_pa", 17472935596.561012),
+        ("first_crack_stress_pa", -4374997.073670646),
+        ("peak_stress_pa", -5227458.035404763),
+        ("strain_at_peak", -0.00031838143563812487),
+    ];
+    three_point_bending: "three_point_bending", COMPLETES, &[
+        ("bonds_created", 1496.0),
+        ("first_crack_stress_pa", 516703.47794846253),
+        ("peak_stress_pa", 537472.0855940069),
+        ("strain_at_peak", 0.053389520319312274),
+    ];
+    oedometer: "oedometer", COMPLETES, &[
+        ("porosity", 0.21),
+        ("youngs_modulus_secant_half_peak_pa", 21517121.96147945),
+        ("peak_stress_pa", 400.0e3),
+        ("strain_at_peak", 0.016146922401426796),
+    ];
+    brazilian: "brazilian", COMPLETES, &[
+        ("bonds_created", 1322.0),
+        ("first_crack_stress_pa", 4336093.344027744),
+        ("peak_stress_pa", 4336093.344027744),
+        ("strain_at_peak", 0.0008983166505818546),
+    ];
+    retaining_wall: "retaining_wall", COMPLETES, &[
+        ("porosity", 0.20470607381128514),
+    ];
     shear_box: "shear_box", COMPLETES, &[];
     // The strains of the layers, the strengths of the bonds and the place of the first crack are in
     // tests/engine/specimens.rs.

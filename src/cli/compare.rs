@@ -73,7 +73,7 @@ pub fn compare(directories: &[PathBuf], out: &Path) -> Result<Exit, Failure> {
 
 /// Ends of paths, each long enough to distinguish it from the others. A path that is given twice is
 /// numbered.
-fn names(paths: &[PathBuf]) -> Vec<String> {
+pub(super) fn names(paths: &[PathBuf]) -> Vec<String> {
     // `..` and `.` are not names of directories.
     let whole = |path: &PathBuf| fs::canonicalize(path).unwrap_or_else(|_| path.clone());
     let paths: Vec<PathBuf> = paths.iter().map(whole).collect();

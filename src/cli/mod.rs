@@ -13,6 +13,8 @@ mod memory;
 mod new;
 mod own_findings;
 mod progress;
+#[cfg(feature = "report")]
+mod report;
 mod resolve;
 mod resume;
 mod run;
@@ -37,6 +39,7 @@ Examples:
   clastic new biaxial > my_rig.ron              a commented scene to start from
   clastic check uniaxial                        is the scene sound?
   clastic run uniaxial                          run it; results go to runs/uniaxial
+  clastic report runs/uniaxial                  a page to look at it: animation, curves, key results
   clastic compare runs/a runs/b                 their curves in one picture
   clastic run uniaxial --checkpoint-every 10    lose no more than 10 increments if it is killed
   clastic resume runs/uniaxial                  go on from there
@@ -80,6 +83,17 @@ enum Command {
     Sweep(SweepArgs),
     /// Find the strength at several confining stresses: Mohr circles, c and phi, sigma_ci and m_i
     Envelope(EnvelopeArgs),
+    /// Write a run as a page for a browser: curves, animation, key results; of several runs their
+    /// curves over one another and a table
+    #[cfg(feature = "report")]
+    Report {
+        /// Directories of runs
+        #[arg(required = true, value_name = "DIR")]
+        runs: Vec<PathBuf>,
+        /// The page [default: DIR/report.html of one run, runs/report.html of several]
+        #[arg(long, value_name = "FILE")]
+        out: Option<PathBuf>,
+    },
     /// Draw the curves of several runs over one another and print their key results
     Compare {
         /// Directories of runs
@@ -287,6 +301,8 @@ fn execute<M>(command: Command, plugins: impl Plugins<M> + Send) -> ExitCode {
         Command::New { rig } => new::new(rig.as_deref()),
         Command::Sweep(args) => sweep::sweep(&args, &program()),
         Command::Envelope(args) => envelope::envelope(&args, &program()),
+        #[cfg(feature = "report")]
+        Command::Report { runs, out } => report::report(&runs, out),
         Command::Compare { runs, out } => compare::compare(&runs, &out),
     };
     match done {

@@ -12,6 +12,7 @@ use super::atomic::{write_atomic, write_durable};
 use super::avalanches::{self, CurrentAvalanche};
 use super::checkpoint::{Checkpoint, WHOLE};
 use super::csv_file::CsvFile;
+use super::frames::{self, FrameMoments};
 use super::key_results::KeyResults;
 use super::prepared::{Prepared, PreparedSpecimen};
 use super::run_directory::{RunDirectory, RunOptions, Tables};
@@ -22,7 +23,7 @@ use super::wanted::Wanted;
 use super::{OutputError, ResumeError, directory, events, history, names, plots, states, timings};
 use crate::run::stages::Script;
 use crate::scene::LoadedScene;
-use crate::scene::format::{Record, Scene, Stage};
+use crate::scene::format::Scene;
 
 /// Begins the output of a scene. `world` is the state before the first stage, and has
 /// [`OutputPlugin`](super::OutputPlugin). Inserts [`RunDirectory`] and the resources that follow
@@ -84,6 +85,8 @@ pub fn begin(
         start: prepared.snapshot.clone(),
         peak: None,
     });
+    let frames = FrameMoments::take(world, false);
+    world.insert_resource(frames);
     world.insert_resource(PreparedSpecimen { waiting: Some(prepared), written: None });
     world.insert_resource(CurrentAvalanche::default());
     let saves = options.checkpoint_every > 0;
@@ -161,6 +164,8 @@ pub fn resume(
     let kept = states::kept_before(&loaded.scene, &next.world);
     let mut there = whole_files(world);
     there.extend(kept.iter().map(String::as_str));
+    let has_begun = world.resource::<PreparedSpecimen>().waiting.is_none();
+    there.extend(frames::kept(directory, increment, has_begun));
     directory::rewind(directory, increment, &there)?;
     make_frames(directory, &loaded.scene)?;
     let reference_stage = Script::new(&loaded.scene).reference_stage();
@@ -168,6 +173,9 @@ pub fn resume(
     record.write(&directory.join(names::RUN))?;
     record.increments = states::increments(&next.world);
     tables.cut()?;
+    let _ = world.run_system_cached(gather_bodies);
+    let frames = FrameMoments::take(world, has_begun);
+    world.insert_resource(frames);
     world.resource_mut::<Moments>().are_drawn = loaded.scene.output.plots && plots::DRAWN;
     let options = RunOptions {
         directory: directory.to_owned(),
@@ -213,8 +221,7 @@ fn whole_files<'a>(world: &World) -> Vec<&'a str> {
 }
 
 fn make_frames(directory: &Path, scene: &Scene) -> Result<(), OutputError> {
-    let frames = |record: &Record| record.frames_every > Some(0) || !record.frames.is_empty();
-    if scene.output.frames_every > 0 || scene.stages.iter().filter_map(Stage::record).any(frames) {
+    if scene.asks_for_frames() || frames::ARE_ARRAYS {
         let path = directory.join(names::FRAMES);
         fs::create_dir_all(&path).map_err(OutputError::at(&path))?;
     }

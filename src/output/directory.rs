@@ -9,7 +9,10 @@ use super::atomic::PART;
 pub use super::names::*;
 
 /// Files of the end of a run besides its pictures.
-const OF_THE_END: [&str; 3] = [FINAL_PARTICLES, FINAL_STATE, FINAL_CHECKPOINT];
+const OF_THE_END: [&str; 4] = [FINAL_PARTICLES, FINAL_STATE, FINAL_CHECKPOINT, REPORT];
+
+/// Frames of moments that have no number.
+const OF_MOMENTS: [&str; 3] = [FRAME_START, FRAME_PEAK, FRAME_END];
 
 /// Default directory for the results of a scene: `runs/<name of the scene>`.
 #[must_use]
@@ -58,7 +61,7 @@ pub fn claim(directory: &Path, force: bool) -> Result<File, OutputError> {
     for name in names.iter().filter(|name| is_ours(name) && *name != HISTORY) {
         remove(&directory.join(name))?;
     }
-    remove_frames(directory, |_| true)?;
+    remove_frames(directory, |_| true, &OF_MOMENTS)?;
     Ok(history)
 }
 
@@ -89,18 +92,27 @@ pub fn rewind(directory: &Path, increment: u64, there: &[&str]) -> Result<(), Ou
             remove(&directory.join(&name))?;
         }
     }
-    remove_frames(directory, |number| number > increment)
+    let gone: Vec<_> = OF_MOMENTS.into_iter().filter(|name| !there.contains(name)).collect();
+    remove_frames(directory, |number| number > increment, &gone)
 }
 
-/// Removes frames by number, and incomplete frames.
-fn remove_frames(directory: &Path, which: impl Fn(u64) -> bool) -> Result<(), OutputError> {
+/// Removes frames by number, those of the named moments, and incomplete frames.
+fn remove_frames(
+    directory: &Path,
+    which: impl Fn(u64) -> bool,
+    moments: &[&str],
+) -> Result<(), OutputError> {
     let frames = directory.join(FRAMES);
     if frames.is_dir() {
         for name in entries(&frames)? {
             let part = name.strip_suffix(PART);
             let name_of = |extension| numbered(part.unwrap_or(&name), "frame_", extension);
-            let number = name_of(".csv").or_else(|| name_of(".svg"));
-            if number.is_some_and(|number| part.is_some() || which(number)) {
+            let number = [".csv", ".svg", ".npz"].into_iter().find_map(name_of);
+            let of_moment = match part {
+                Some(name) => OF_MOMENTS.contains(&name),
+                None => moments.contains(&&*name),
+            };
+            if of_moment || number.is_some_and(|number| part.is_some() || which(number)) {
                 remove(&frames.join(&name))?;
             }
         }

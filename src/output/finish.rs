@@ -51,9 +51,11 @@ pub fn finish(world: &mut World, ending: &Ending) -> Result<Results, OutputError
         save_the_end(world)?;
     }
     states::write_final(world)?;
+    frames::write_peak(world)?;
+    frames::write_end(world)?;
     let last = Snapshot::take(world);
     world.resource_scope(|world, mut run: Mut<RunDirectory>| {
-        frames::write_frame(&run.path(names::FINAL_PARTICLES), &last)?;
+        frames::write_particles(&run.path(names::FINAL_PARTICLES), &last)?;
         // The avalanche of an interrupted run continues after it is resumed.
         if ending.outcome().is_some()
             && let Some(avalanche) = world.resource_mut::<CurrentAvalanche>().0.take()
@@ -66,6 +68,7 @@ pub fn finish(world: &mut World, ending: &Ending) -> Result<Results, OutputError
         // The pictures come last, so that the numbers are complete if a picture fails.
         write_record(&mut run, world, ending.outcome(), &results)?;
         draw(&run, world, &last)?;
+        write_report(&run, world)?;
         if has_ended {
             // The checkpoint is removed last, because a run with a checkpoint counts as not ended.
             directory::remove_if_there(&run.path(names::CHECKPOINT))?;
@@ -103,6 +106,23 @@ fn write_record(
     }
     record.results = results.clone();
     record.write(&path)
+}
+
+/// Writes the page, if the scene asks for it.
+#[cfg(feature = "report")]
+fn write_report(run: &RunDirectory, world: &World) -> Result<(), OutputError> {
+    let scene = &world.resource::<Script>().scene;
+    if !scene.has_report() {
+        return Ok(());
+    }
+    let named = (scene.title.clone(), run.directory().to_owned());
+    super::report::write(&[named], &run.path(names::REPORT))
+}
+
+/// This build writes no page.
+#[cfg(not(feature = "report"))]
+fn write_report(_: &RunDirectory, _: &World) -> Result<(), OutputError> {
+    Ok(())
 }
 
 fn draw(run: &RunDirectory, world: &World, last: &Snapshot) -> Result<(), OutputError> {

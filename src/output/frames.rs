@@ -1,10 +1,12 @@
-//! All particles at one moment as CSV, and the prepared specimen in the format of stored specimens.
+//! Frames: the state at one moment as arrays, its particles as CSV, and the prepared specimen in
+//! the format of stored specimens.
 
 use std::path::Path;
 
 use bevy_ecs::prelude::*;
 
 use clastic_components::contact::Bodies;
+use clastic_components::increment::Progress;
 use clastic_components::material::Materials;
 use clastic_components::observation::Observation;
 
@@ -14,18 +16,22 @@ use super::csv_file::Row;
 use super::run_directory::RunDirectory;
 use super::snapshot::{Moments, Scenery, Snapshot};
 use super::wanted::Wanted;
-use super::{OutputError, directory, plots};
+use super::{OutputError, directory, names, plots};
+use crate::frames::{Frame, FrameTables};
 use crate::run::stages::Script;
 use crate::scene::specimen_file::{self, StoredParticle};
 
-/// Columns of a frame. Displacements are relative to the start of the stage list.
+/// Columns of a frame as CSV. Displacements are relative to the start of the stage list.
 pub const COLUMNS: [&str; 7] = ["id", "x_m", "y_m", "radius_m", "rotation_rad", "ux_m", "uy_m"];
 
-/// Writes a frame.
+/// Whether this build writes frames as arrays.
+pub(super) const ARE_ARRAYS: bool = cfg!(feature = "npz");
+
+/// Writes the particles of a frame as CSV.
 ///
 /// # Errors
 /// If the file cannot be written.
-pub fn write_frame(path: &Path, snapshot: &Snapshot) -> Result<(), OutputError> {
+pub fn write_particles(path: &Path, snapshot: &Snapshot) -> Result<(), OutputError> {
     let mut text = COLUMNS.join(",") + "\n";
     for (i, x) in snapshot.positions.iter().enumerate() {
         let row = Row::default()
@@ -66,6 +72,7 @@ pub(super) fn write_wanted(
     wanted: Res<Wanted>,
     (script, observation): (Res<Script>, Res<Observation>),
     (scenery, moments): (Scenery, Res<Moments>),
+    tables: FrameTables,
     mut run: ResMut<RunDirectory>,
 ) -> Result<(), OutputError> {
     if !wanted.frame {
@@ -73,7 +80,10 @@ pub(super) fn write_wanted(
     }
     let now = scenery.snapshot();
     let path = directory::frame(run.directory(), observation.increment);
-    write_frame(&path, &now)?;
+    write_particles(&path, &now)?;
+    if ARE_ARRAYS {
+        write(&mut run, &path.with_extension("npz"), &tables.frame())?;
+    }
     if moments.are_drawn
         && let Some(picture) =
             plots::specimen::svg(&now, &moments.start, &script.scene.title, &caption(&observation))
@@ -84,4 +94,80 @@ pub(super) fn write_wanted(
     }
     run.is_fresh(path);
     Ok(())
+}
+
+/// Frames that may have to be written later. A checkpoint does not have them: they follow from the
+/// world, or are on the disk by then.
+#[derive(Resource, Debug, Default)]
+pub struct FrameMoments {
+    /// State after the last increment, until the reference stage begins.
+    before: Option<Frame>,
+    /// State at the peak so far, unless it is on the disk.
+    pub(super) peak: Option<Frame>,
+}
+
+impl FrameMoments {
+    /// Frames of a run whose reference stage is yet to begin, or has begun.
+    pub(super) fn take(world: &mut World, has_begun: bool) -> Self {
+        let before = (ARE_ARRAYS && !has_begun).then(|| Frame::take(world));
+        Self { before, peak: None }
+    }
+}
+
+/// System: follows the specimen up to the reference stage, and writes its frame when that stage
+/// begins.
+pub(super) fn write_start(
+    (script, progress): (Res<Script>, Res<Progress>),
+    tables: FrameTables,
+    mut frames: ResMut<FrameMoments>,
+    mut run: ResMut<RunDirectory>,
+) -> Result<(), OutputError> {
+    if progress.stage < script.reference_stage() {
+        frames.before = ARE_ARRAYS.then(|| tables.frame());
+    } else if let Some(frame) = frames.before.take() {
+        let path = run.path(names::FRAMES).join(names::FRAME_START);
+        write(&mut run, &path, &frame)?;
+    }
+    Ok(())
+}
+
+/// Writes the frame of the peak so far, unless it is on the disk.
+pub(super) fn write_peak(world: &mut World) -> Result<(), OutputError> {
+    let peak = world.get_resource_mut::<FrameMoments>().and_then(|mut frames| frames.peak.take());
+    let Some(frame) = peak else { return Ok(()) };
+    let mut run = world.resource_mut::<RunDirectory>();
+    let path = run.path(names::FRAMES).join(names::FRAME_PEAK);
+    write(&mut run, &path, &frame)
+}
+
+/// Writes the frame of the end.
+pub(super) fn write_end(world: &mut World) -> Result<(), OutputError> {
+    if !ARE_ARRAYS {
+        return Ok(());
+    }
+    let frame = Frame::take(world);
+    let mut run = world.resource_mut::<RunDirectory>();
+    let path = run.path(names::FRAMES).join(names::FRAME_END);
+    write(&mut run, &path, &frame)
+}
+
+fn write(run: &mut RunDirectory, path: &Path, frame: &Frame) -> Result<(), OutputError> {
+    let bytes = frame.encode().map_err(std::io::Error::other).map_err(OutputError::at(path))?;
+    write_atomic(path, bytes)?;
+    run.is_fresh(path.to_owned());
+    Ok(())
+}
+
+/// Frames of a run that is resumed after `increment` which it does not write again.
+pub(super) fn kept(directory: &Path, increment: u64, has_begun: bool) -> Vec<&'static str> {
+    let mut kept = Vec::new();
+    if has_begun {
+        kept.push(names::FRAME_START);
+    }
+    // A run that was killed between the frame and its checkpoint leaves a later peak.
+    let peak = Frame::read(&directory.join(names::FRAMES).join(names::FRAME_PEAK));
+    if peak.is_ok_and(|frame| frame.increment <= increment) {
+        kept.push(names::FRAME_PEAK);
+    }
+    kept
 }

@@ -9,13 +9,16 @@
 //! | `avalanches.csv` | one row per avalanche |
 //! | `timings.csv` | wall-clock times; all other files have equal bytes in every run |
 //! | `specimen.csv` | the prepared specimen, in the format of stored specimens; see below |
-//! | `frames/frame_000123.csv` | all particles after increment 123, if the scene requests frames |
+//! | `frames/frame_000123.npz` | frame: the state after increment 123, if the scene requests frames |
+//! | `frames/start.npz`, `peak.npz`, `end.npz` | frames before the reference stage, at the peak, at the end |
+//! | `frames/frame_000123.csv` | the particles of the frame |
 //! | `frames/frame_000123.svg` | picture of the frame |
 //! | `final_particles.csv` | all particles at the end, in the format of stored specimens |
 //! | `state_NAME.npz` | the state that stage `NAME`, a `Save`, has kept |
 //! | `final_state.npz` | the state at the end |
 //! | `program_000123.json` | cone program and solution of increment 123, if requested |
 //! | `mechanism.csv` | the mechanism of the first collapse |
+//! | `report.html` | curves, animation and key results as a page, written at the end |
 //! | `*.svg` | pictures, drawn at the end; that of the mechanism at the collapse |
 //! | `final_checkpoint.bin` | state from which more stages or increments continue |
 //! | `checkpoint.bin` | state between two increments, if requested or if a run stops early |
@@ -49,6 +52,8 @@ pub mod plots;
 mod plugin;
 pub mod porosity;
 pub mod prepared;
+#[cfg(feature = "report")]
+pub mod report;
 pub mod run_directory;
 pub mod run_record;
 mod save;

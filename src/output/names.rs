@@ -24,5 +24,13 @@ pub const MECHANISM: &str = "mechanism.csv";
 pub const CHECKPOINT: &str = "checkpoint.bin";
 /// The state of a run that has ended, from which more stages or increments continue.
 pub const FINAL_CHECKPOINT: &str = "final_checkpoint.bin";
+/// The run as a page for a browser.
+pub const REPORT: &str = "report.html";
 /// Directory of the frames.
 pub const FRAMES: &str = "frames";
+/// Frame before the first increment of the reference stage.
+pub const FRAME_START: &str = "start.npz";
+/// Frame at the peak.
+pub const FRAME_PEAK: &str = "peak.npz";
+/// Frame at the end.
+pub const FRAME_END: &str = "end.npz";

@@ -46,7 +46,7 @@ impl Plugin for OutputPlugin {
                     events::write.pipe(halt),
                     avalanches::write_ended.pipe(halt),
                     history::write_wanted.pipe(halt),
-                    prepared::prepare.pipe(halt),
+                    (prepared::prepare.pipe(halt), frames::write_start.pipe(halt)).chain(),
                     observe_increment,
                     mechanism::write_first.pipe(halt),
                     frames::write_wanted.pipe(halt),

@@ -11,7 +11,7 @@ use clastic_components::observation::Observation;
 use clastic_systems::schedule::PROGRESS;
 
 use super::run_directory::RunDirectory;
-use super::{OutputError, names};
+use super::{OutputError, frames, names};
 use crate::run::state::{StateError, WorldState, capture};
 
 /// Run condition: the increment is undecided.
@@ -28,6 +28,8 @@ pub fn is_checkpoint_due(observation: Res<Observation>, run: Res<RunDirectory>) 
 /// Writes a checkpoint. Exclusive, because it reads everything that plugins have registered.
 pub fn save(world: &mut World) -> Result<(), OutputError> {
     let clock = Instant::now();
+    // The checkpoint does not have it.
+    frames::write_peak(world)?;
     let (increment, state) = state(world, names::CHECKPOINT)?;
     let mut run = world.resource_mut::<RunDirectory>();
     run.save(increment, state)?;

@@ -263,7 +263,16 @@ fn control_particles(world: &mut World, stage: &scene::Load, analysis: &Analysis
 pub fn selects_nothing(world: &mut World, stage: &scene::Load) -> Option<String> {
     let empty = |control: &scene::ParticleControl| selected(world, &control.select).is_empty();
     let k = stage.particles.iter().position(empty)?;
-    let (what, remedy) = match &stage.particles[k].select {
+    let (what, remedy) = why_empty(&stage.particles[k].select);
+    Some(format!(
+        "stage `{}` cannot begin: particles[{k}].select selects no particle: {what}; {remedy}",
+        stage.name
+    ))
+}
+
+/// Why a selection has no particle, and what to do.
+pub(super) fn why_empty(select: &scene::Select) -> (String, String) {
+    match select {
         scene::Select::All => {
             ("the specimen has no particles".to_owned(), "leave the entry out".to_owned())
         }
@@ -285,11 +294,7 @@ pub fn selects_nothing(world: &mut World, stage: &scene::Load) -> Option<String>
             "no particle is in it".to_owned(),
             "give one that has particles where they are by then".to_owned(),
         ),
-    };
-    Some(format!(
-        "stage `{}` cannot begin: particles[{k}].select selects no particle: {what}; {remedy}",
-        stage.name
-    ))
+    }
 }
 
 /// A thin wall that comes where a particle is. The stage is refused, because the side of the

@@ -15,6 +15,7 @@ pub mod measures;
 pub mod minerals;
 pub mod particles;
 pub mod plugin;
+pub mod remove;
 mod resolve_measures;
 mod rigid;
 pub mod save;

@@ -11,7 +11,7 @@ use super::measures::MeasureKinds;
 use super::plugin::{BeginStage, EndStage, StageKinds};
 use super::resolve_measures::resolve_measures;
 pub use super::script::{Collapse, CollapsedBy, EndedBy, Outcome, Script, StageEnd, Step};
-use super::{cement, compact, load, rigid, save, until};
+use super::{cement, compact, load, remove, rigid, save, until};
 use crate::scene::format::Stage;
 
 /// The stage that begins, runs or ends.
@@ -73,6 +73,7 @@ fn refusal(world: &mut World, stage: &Stage) -> Option<String> {
         Stage::Load(load) => load::selects_nothing(world, load)
             .or_else(|| load::cuts_through(world, load))
             .or_else(|| rigid::refusal(world, load)),
+        Stage::Remove(stage) => remove::refusal(world, stage),
         Stage::Custom(_) | Stage::Compact(_) | Stage::Cement(_) | Stage::Save(_) => None,
     }
 }
@@ -124,6 +125,7 @@ pub(super) fn begin_built_in(world: &mut World) {
         Stage::Compact(stage) => compact::begin(world, &stage),
         Stage::Cement(stage) => cement::cement(world, &stage),
         Stage::Save(stage) => save::save(world, &stage),
+        Stage::Remove(stage) => remove::remove(world, &stage),
         Stage::Load(stage) => load::begin(world, &stage),
         Stage::Custom(stage) => load::begin_custom(world, &stage),
     }
@@ -134,6 +136,6 @@ pub(super) fn end_built_in(world: &mut World) {
     match world.resource::<CurrentStage>().0 {
         Stage::Compact(_) => compact::end(world),
         Stage::Load(_) => load::end(world),
-        Stage::Cement(_) | Stage::Custom(_) | Stage::Save(_) => {}
+        Stage::Cement(_) | Stage::Custom(_) | Stage::Save(_) | Stage::Remove(_) => {}
     }
 }

@@ -76,8 +76,14 @@ pub(super) fn read(
     let mut sorted = bodies.to_vec();
     sorted.sort_unstable();
     let ends = [tables.u32("bonds.a", &[n])?, tables.u32("bonds.b", &[n])?];
+    let codes = tables.u8("bonds.state", &[n])?;
     for (name, ends) in ["bonds.a", "bonds.b"].into_iter().zip(ends) {
-        if let Some(row) = ends.iter().position(|id| sorted.binary_search(id).is_err()) {
+        // A bond that broke stays in the record when its body goes.
+        let is_lost = |row: &usize| {
+            STATES.get(usize::from(codes[*row])) == Some(&BondState::Intact)
+                && sorted.binary_search(&ends[*row]).is_err()
+        };
+        if let Some(row) = (0..n).find(is_lost) {
             let what = format!("body {} in row {row}, which is not there", ends[row]);
             return Err(bad(name, what));
         }
@@ -89,7 +95,6 @@ pub(super) fn read(
     for name in LAW {
         law.push(tables.f64(name, &[n])?);
     }
-    let codes = tables.u8("bonds.state", &[n])?;
     let (mut bonds, mut states) = (Vec::with_capacity(n), Vec::with_capacity(n));
     for k in 0..n {
         let id = BondId(ids[k]);

@@ -4,7 +4,7 @@
 use serde::{Deserialize, Deserializer};
 
 use super::diagnostic::Finding;
-use super::format::{Cement, Compact, CustomStage, Load, Save, Stage};
+use super::format::{Cement, Compact, CustomStage, Load, Remove, Save, Stage};
 use super::scan::{Node, Shape, scan};
 use super::spans::unwrapped;
 
@@ -18,6 +18,7 @@ enum Item {
     Compact(Compact),
     Cement(Cement),
     Save(Save),
+    Remove(Remove),
     Load(Load),
     Custom(CustomStage),
     Repeat(Repeat),
@@ -46,6 +47,7 @@ fn add(item: &Item, suffix: &str, stages: &mut Vec<Stage>) {
         Item::Compact(stage) => Stage::Compact(stage.clone()),
         Item::Cement(stage) => Stage::Cement(stage.clone()),
         Item::Save(stage) => Stage::Save(stage.clone()),
+        Item::Remove(stage) => Stage::Remove(stage.clone()),
         Item::Load(stage) => Stage::Load(stage.clone()),
         Item::Custom(stage) => Stage::Custom(stage.clone()),
         Item::Repeat(Repeat { times, stages: items }) => {

@@ -5,6 +5,8 @@
 pub enum Data {
     /// `float64`.
     F64(Vec<f64>),
+    /// `float32`.
+    F32(Vec<f32>),
     /// `uint32`.
     U32(Vec<u32>),
     /// `uint64`.
@@ -24,6 +26,7 @@ impl Data {
     pub fn len(&self) -> usize {
         match self {
             Self::F64(v) => v.len(),
+            Self::F32(v) => v.len(),
             Self::U32(v) => v.len(),
             Self::U64(v) => v.len(),
             Self::U8(v) => v.len(),
@@ -43,6 +46,7 @@ impl Data {
     pub fn name(&self) -> &'static str {
         match self {
             Self::F64(_) => "float64",
+            Self::F32(_) => "float32",
             Self::U32(_) => "uint32",
             Self::U64(_) => "uint64",
             Self::U8(_) => "uint8",
@@ -70,6 +74,18 @@ impl Array {
     #[must_use]
     pub fn f64(values: Vec<f64>) -> Self {
         Self::column(Data::F64(values))
+    }
+
+    /// A column of numbers of single precision.
+    #[must_use]
+    pub fn f32(values: Vec<f32>) -> Self {
+        Self::column(Data::F32(values))
+    }
+
+    /// A table with `N` numbers of single precision a row.
+    #[must_use]
+    pub fn f32_rows<const N: usize>(rows: &[[f32; N]]) -> Self {
+        Self { shape: vec![rows.len(), N], data: Data::F32(rows.as_flattened().to_vec()) }
     }
 
     /// A column of 32-bit counts.

@@ -116,6 +116,7 @@ macro_rules! getter {
 
 impl Tables {
     getter!(f64, F64, f64, "float64");
+    getter!(f32, F32, f32, "float32");
     getter!(u32, U32, u32, "uint32");
     getter!(u64, U64, u64, "uint64");
     getter!(u8, U8, u8, "uint8");
@@ -133,6 +134,18 @@ impl Tables {
     ) -> Result<Vec<[f64; N]>, TableError> {
         Ok(self.f64(name, &[rows, N])?.as_chunks().0.to_vec())
     }
+
+    /// Rows of `N` numbers of single precision each: an array of the shape (`rows`, `N`).
+    ///
+    /// # Errors
+    /// If the array is missing or has another type or shape.
+    pub fn f32_rows<const N: usize>(
+        &self,
+        name: &str,
+        rows: usize,
+    ) -> Result<Vec<[f32; N]>, TableError> {
+        Ok(self.f32(name, &[rows, N])?.as_chunks().0.to_vec())
+    }
 }
 
 #[cfg(test)]
@@ -144,6 +157,7 @@ mod tests {
         tables.put("time_s", Array::value(0.1 + 0.2));
         tables.put("x_m", Array::vectors([[f64::NAN, -0.0], [f64::MIN_POSITIVE / 3.0, 1e300]]));
         tables.put("id", Array::u32(vec![0, u32::MAX]));
+        tables.put("force_n", Array::f32_rows(&[[1.0 / 3.0, -0.0], [f32::MIN_POSITIVE, 1e38]]));
         tables.put("increment", Array::count(u64::MAX));
         tables.put("held", Array::bool(vec![true, false, true]));
         tables.put("kind", Array::u8(vec![0, 255]));

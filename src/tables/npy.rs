@@ -19,6 +19,7 @@ pub(super) fn encode(array: &Array) -> Vec<u8> {
     };
     let kind = match &array.data {
         Data::F64(_) => "<f8".to_owned(),
+        Data::F32(_) => "<f4".to_owned(),
         Data::U32(_) => "<u4".to_owned(),
         Data::U64(_) => "<u8".to_owned(),
         Data::U8(_) => "|u1".to_owned(),
@@ -39,6 +40,7 @@ pub(super) fn encode(array: &Array) -> Vec<u8> {
     bytes.extend_from_slice(header.as_bytes());
     match &array.data {
         Data::F64(v) => v.iter().for_each(|x| bytes.extend_from_slice(&x.to_le_bytes())),
+        Data::F32(v) => v.iter().for_each(|x| bytes.extend_from_slice(&x.to_le_bytes())),
         Data::U32(v) => v.iter().for_each(|x| bytes.extend_from_slice(&x.to_le_bytes())),
         Data::U64(v) => v.iter().for_each(|x| bytes.extend_from_slice(&x.to_le_bytes())),
         Data::U8(v) => bytes.extend_from_slice(v),
@@ -77,12 +79,12 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Array, String> {
     let kind = kind.ok_or("a header without one type")?;
     let size = match (kind, kind.strip_prefix("<U").and_then(|n| n.parse::<usize>().ok())) {
         ("<f8" | "<u8", _) => 8,
-        ("<u4", _) => 4,
+        ("<f4" | "<u4", _) => 4,
         ("|u1" | "|b1", _) => 1,
         (_, Some(width)) => width.saturating_mul(CHARACTER),
         _ => {
             return Err(format!(
-                "type `{kind}`, where float64, uint32, uint64, uint8, bool or str is expected"
+                "type `{kind}`, where float64, float32, uint32, uint64, uint8, bool or str is expected"
             ));
         }
     };
@@ -92,6 +94,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Array, String> {
     }
     let data = match kind {
         "<f8" => Data::F64(values.as_chunks().0.iter().map(|b| f64::from_le_bytes(*b)).collect()),
+        "<f4" => Data::F32(values.as_chunks().0.iter().map(|b| f32::from_le_bytes(*b)).collect()),
         "<u4" => Data::U32(values.as_chunks().0.iter().map(|b| u32::from_le_bytes(*b)).collect()),
         "<u8" => Data::U64(values.as_chunks().0.iter().map(|b| u64::from_le_bytes(*b)).collect()),
         "|u1" => Data::U8(values.to_vec()),

@@ -9,7 +9,7 @@ use clastic::scene::{self, LoadedScene};
 
 use crate::common::files;
 use crate::resumed::{COULOMB, run, same_from_anywhere};
-use crate::same_bytes::THIN;
+use crate::same_bytes::{EXCAVATION, THIN};
 
 /// A scene of `scenes/`, or a text, under settings.
 fn scene_of(rig: &str, sets: &[String]) -> LoadedScene {
@@ -17,6 +17,7 @@ fn scene_of(rig: &str, sets: &[String]) -> LoadedScene {
     let loaded = match rig {
         "COULOMB" => scene::from_str(COULOMB, Path::new("rig.ron"), Path::new(""), sets),
         "THIN" => scene::from_str(THIN, Path::new("rig.ron"), Path::new(""), sets),
+        "EXCAVATION" => scene::from_str(EXCAVATION, Path::new("rig.ron"), Path::new(""), sets),
         _ => scene::load(Path::new(&path), sets),
     };
     loaded.unwrap_or_else(|e| panic!("{e}"))
@@ -232,4 +233,19 @@ fn thin_walls_of_every_shape() {
             walls: { "lid": Lid(load: Stress(stress: 200.0), slide: Displacement(1.0e-5)) }),
         Load(name: "flow", increments: 20, remove_walls: ["gate", "lid"])"#;
     same_in_two("THIN", &["output=(energy: true)"], [first, second], parent.path());
+}
+
+/// Identities have gaps where particles were taken away before the state was saved, and bonds that
+/// broke before name bodies that are gone.
+#[test]
+fn particles_that_were_taken_away() {
+    let first = r#"Cement(name: "cement", length: 1.0e-4), Load(name: "stand", increments: 3),
+        Remove(name: "dig", select: Box(min: (0.03, 0.03), max: (1.0, 1.0))),
+        Load(name: "stand again", increments: 3),
+        Remove(name: "more", select: Union([Index([3, 6]), Box(min: (-1.0, 0.06), max: (1.0, 1.0))]))"#;
+    let second = r#"Load(name: "fall", increments: 12, analysis: Dynamic(dt: 2.0e-3))"#;
+    let parent = tempfile::tempdir().unwrap();
+    same_in_two("EXCAVATION", &["probes={}"], [first, second], parent.path());
+    let events = text(&parent.path().join("a").join(directory::EVENTS));
+    assert!(events.contains(",6,11,"), "no bond of particle 6 broke: {events}");
 }

@@ -294,3 +294,37 @@ fn thin_walls_lids_and_tables() {
     let flow = records.last().unwrap();
     assert!(flow.contacts > 10, "{} contacts", flow.contacts);
 }
+
+/// A heap in a box from which particles are taken away twice, with bonds and without.
+pub const EXCAVATION: &str = r#"(
+    version: 2,
+    title: "Excavation of a bonded and of a loose heap",
+    gravity: (0.0, -9.81),
+    friction_law: ByAnalysis,
+    materials: { "stone": (density: 2000.0,
+        contact: (normal_stiffness: 1.0e6, tangential_stiffness: 1.0e6, friction: 0.4),
+        bond: (normal_stiffness: 1.0e6, tangential_stiffness: 1.0e6, cohesion: 300.0, tensile_strength: 300.0)) },
+    specimen: Lattice(columns: 6, rows: 5, radius: 0.01),
+    probes: { "low": 2, "gone": 20 },
+    walls: [
+        (name: "floor", start: (-1.0, -0.01), end: (1.0, -0.01), probe: "floor",
+            contact: (normal_stiffness: 1.0e6, tangential_stiffness: 1.0e6, friction: 0.4)),
+    ],
+    stages: [
+        Cement(name: "cement", length: 1.0e-4),
+        Load(name: "stand", increments: 3),
+        Remove(name: "dig", select: Box(min: (0.03, 0.03), max: (1.0, 1.0))),
+        Load(name: "stand again", increments: 3),
+        Remove(name: "more", select: Union([Index([3, 6]), Box(min: (-1.0, 0.06), max: (1.0, 1.0))])),
+        Load(name: "fall", increments: 12, analysis: Dynamic(dt: 2.0e-3)),
+    ],
+    output: (frames_every: 3),
+)"#;
+
+#[test]
+fn particles_that_are_taken_away() {
+    let records = same_from_anywhere(&parse(EXCAVATION), |_| true);
+    let bonds = |stage: &str| records.iter().find(|o| o.stage == stage).unwrap().bonds;
+    assert!(bonds("stand") > bonds("stand again") && bonds("stand again") > bonds("fall"));
+    assert!(records.iter().all(|o| o.status == IncrementStatus::Solved));
+}

@@ -12,6 +12,8 @@ mod exit_codes;
 mod files;
 mod measures;
 mod new;
+#[cfg(feature = "report")]
+mod report;
 mod results;
 mod states;
 mod stopped;

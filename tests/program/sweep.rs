@@ -159,6 +159,42 @@ fn the_shipped_study_is_sound() {
     assert!(script.contains("# 18: cement 100.0e3, confining 200.0e3, seed 3"), "{script}");
 }
 
+/// A rock of the shipped series, seed 4: the elastic modulus is that of tension and of compression.
+/// Smooth side walls that were cemented to the rock doubled it in compression once.
+#[test]
+fn side_walls_of_the_shipped_rock_do_not_stiffen_it() {
+    let folder = tempfile::tempdir().unwrap();
+    for scene in ["rock_packing", "rock_tension", "rock_compression"] {
+        let name = format!("{scene}.ron");
+        let shipped = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/studies")).join(&name);
+        fs::copy(shipped, folder.path().join(name)).unwrap();
+    }
+    let study = r#"(
+        version: 1,
+        title: "one modulus",
+        scenes: { "tension": "rock_tension.ron", "compression": "rock_compression.ron" },
+        prepare: (scene: "rock_packing.ron", state: "packed", set: ["let.seed=4"]),
+        // No bond breaks in the first two increments.
+        set: ["stages.load.increments=2"],
+        runs: Grid({ "scene": ["tension", "compression"] }),
+    )"#;
+    fs::write(folder.path().join("study.ron"), study).unwrap();
+    assert!(sweep(folder.path(), &[]).status().unwrap().success());
+    let text = table(folder.path());
+    let mut lines = text.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let header = lines.next().unwrap();
+    let at = header.iter().position(|name| *name == "youngs_modulus_pa").unwrap();
+    let moduli: Vec<f64> = lines.map(|row| row[at].parse().unwrap()).collect();
+    assert!((moduli[0] / moduli[1] - 1.0).abs() < 1e-6, "{text}");
+}
+
+#[test]
+fn the_rock_series_is_sound() {
+    let study = concat!(env!("CARGO_MANIFEST_DIR"), "/studies/rock_series.ron");
+    let script = stdout(&clastic(&["sweep", study, "--emit", "slurm"]).code(0));
+    assert!(script.contains("scene compression, seed 3, confining 50.0e6"), "{script}");
+}
+
 /// Tests that branch from packings of a few disks: two loads on each of two packings.
 const BRANCHES: &str = r#"(
     version: 1,

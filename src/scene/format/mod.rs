@@ -47,7 +47,7 @@ pub use solver::Solver;
 pub(super) use solver::WITHOUT_BRACKETS;
 pub use specimen::{ExplicitBond, Particle, Sizes, Specimen};
 pub use stages::{
-    Cement, Compact, CompactRest, CompactTarget, CustomStage, Load, Save, Stage, Stop,
+    Cement, Compact, CompactRest, CompactTarget, CustomStage, Load, Remove, Save, Stage, Stop,
 };
 pub use walls::{LidLoad, Slide, Table, Wall, WallControl, WallShape};
 

@@ -2,21 +2,40 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::{Scene, Stage};
+
 /// Output in addition to the history.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Output {
-    /// Number of increments between frames (CSV of all particles); 0 writes only the last one.
+    /// Number of increments between frames; 0 writes only those of the start, the peak and the end.
     pub frames_every: u32,
     /// Pictures (SVG) of curves and specimen.
     pub plots: bool,
+    /// Whether the run writes `report.html`. By default a run does whose scene asks for frames.
+    pub report: Option<bool>,
     /// Whether the history contains the energy ledger.
     pub energy: bool,
 }
 
 impl Default for Output {
     fn default() -> Self {
-        Self { frames_every: 0, plots: true, energy: false }
+        Self { frames_every: 0, plots: true, report: None, energy: false }
+    }
+}
+
+impl Scene {
+    /// Whether the scene asks for frames beside those of start, peak and end.
+    #[must_use]
+    pub fn asks_for_frames(&self) -> bool {
+        let asks = |record: &Record| record.frames_every > Some(0) || !record.frames.is_empty();
+        self.output.frames_every > 0 || self.stages.iter().filter_map(Stage::record).any(asks)
+    }
+
+    /// Whether the run writes a page.
+    #[must_use]
+    pub fn has_report(&self) -> bool {
+        self.output.report.unwrap_or_else(|| self.asks_for_frames())
     }
 }
 

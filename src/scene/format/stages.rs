@@ -20,6 +20,8 @@ pub enum Stage {
     Cement(Cement),
     /// Keeps the state as a file from which another scene starts. It has no increments.
     Save(Save),
+    /// Takes particles away. It has no increments.
+    Remove(Remove),
     /// Increments with controlled walls and particles.
     Load(Load),
     /// A stage of a kind that a plugin provides.
@@ -34,6 +36,7 @@ impl Stage {
             Self::Compact(s) => &s.name,
             Self::Cement(s) => &s.name,
             Self::Save(s) => &s.name,
+            Self::Remove(s) => &s.name,
             Self::Load(s) => &s.name,
             Self::Custom(s) => &s.name,
         }
@@ -44,6 +47,7 @@ impl Stage {
         match self {
             Self::Compact(s) => &mut s.name,
             Self::Save(s) => &mut s.name,
+            Self::Remove(s) => &mut s.name,
             Self::Cement(s) => &mut s.name,
             Self::Load(s) => &mut s.name,
             Self::Custom(s) => &mut s.name,
@@ -55,7 +59,7 @@ impl Stage {
     pub fn record(&self) -> Option<&Record> {
         match self {
             Self::Compact(s) => Some(&s.record),
-            Self::Cement(_) | Self::Save(_) => None,
+            Self::Cement(_) | Self::Save(_) | Self::Remove(_) => None,
             Self::Load(s) => Some(&s.record),
             Self::Custom(s) => Some(&s.record),
         }
@@ -182,6 +186,16 @@ impl Save {
         let name: String = self.name.chars().map(|c| if fits(c) { c } else { '_' }).collect();
         format!("state_{name}.npz")
     }
+}
+
+/// See [`Stage::Remove`].
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Remove {
+    /// Name.
+    pub name: String,
+    /// Particles that are taken away, with their contacts and bonds.
+    pub select: Select,
 }
 
 /// See [`Stage::Load`].

@@ -37,7 +37,7 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
         scene.stages.iter().enumerate().filter_map(|(i, stage)| match stage {
             Stage::Load(load) => Some((i, load.analysis)),
             Stage::Custom(stage) => Some((i, stage.analysis)),
-            Stage::Compact(_) | Stage::Cement(_) | Stage::Save(_) => None,
+            Stage::Compact(_) | Stage::Cement(_) | Stage::Save(_) | Stage::Remove(_) => None,
         })
     };
     if loads().any(|(_, analysis)| analysis.is_none()) {

@@ -1,8 +1,8 @@
 //! Regions and sets that select no particle, so that a control of particles would have no effect.
 //!
-//! Positions are known until a stage moves the particles. The check therefore covers the first
-//! loading stage, if only cementing precedes it. For later stages the run makes this check when
-//! they begin.
+//! Positions are known until a stage moves the particles, and the particles until one is removed.
+//! The check therefore covers the first stage that loads or removes. For later stages the run makes
+//! this check when they begin.
 
 use std::collections::BTreeMap;
 
@@ -11,14 +11,14 @@ use super::findings::Findings;
 use crate::run::minerals::specimen;
 use crate::run::particles::ParticleSeed;
 use crate::run::select::{Candidate, selects};
-use crate::scene::format::{Load, Select, Specimen, Stage};
+use crate::scene::format::{Select, Specimen, Stage};
 use crate::scene::spans::join;
 
 pub(super) fn check(context: &Context, findings: &mut Findings) {
     let scene = context.scene;
     let moves = |stage: &Stage| !matches!(stage, Stage::Cement(_) | Stage::Save(_));
     let unmoved = scene.stages.iter().position(moves);
-    let Some((i, Stage::Load(stage))) = unmoved.map(|i| (i, &scene.stages[i])) else { return };
+    let Some((i, stage)) = unmoved.map(|i| (i, &scene.stages[i])) else { return };
     let is_read = match &scene.specimen {
         Specimen::File { .. } => context.specimen.is_some(),
         Specimen::State { .. } => context.starts_here(),
@@ -29,7 +29,7 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
     }
     // An invalid recipe makes no particles.
     let parts = ["specimen", "groups", "materials", "minerals", "keep"];
-    let fields = ["particles", "rigid"].map(|field| format!("stages[{i}].{field}"));
+    let fields = ["particles", "rigid", "select"].map(|field| format!("stages[{i}].{field}"));
     if !parts.iter().all(|part| findings.is_sound(part))
         || !fields.iter().all(|field| findings.is_sound(field))
     {
@@ -52,7 +52,7 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
             selects(select, &scene.groups, &of)
         };
         if !seeds.iter().zip(0..).any(has) {
-            let path = format_args!("stages[{i}].{entry}.select");
+            let path = format_args!("stages[{i}].{entry}");
             if let Select::Box { .. } = select {
                 let message = "selects no particle: no centre is in the box";
                 findings.add(path, message, &bounds("a box that holds some", &centres));
@@ -65,7 +65,7 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
 
 /// Entries of a stage whose particles depend on places or on sets: place and selection.
 fn regions<'a>(
-    stage: &'a Load,
+    stage: &'a Stage,
     groups: &'a BTreeMap<String, Select>,
 ) -> impl Iterator<Item = (String, &'a Select)> {
     let of = |select: &Select| match select {
@@ -73,12 +73,15 @@ fn regions<'a>(
         Select::Group(name) => groups.contains_key(name),
         _ => true,
     };
-    let controls = stage.particles.iter().enumerate();
-    let controls = controls.map(|(k, control)| (format!("particles[{k}]"), &control.select));
-    let rigid = stage.rigid.iter();
-    let rigid =
-        rigid.filter_map(|(name, control)| Some((join("rigid", name), control.select.as_ref()?)));
-    controls.chain(rigid).filter(move |(_, select)| of(select))
+    let load = if let Stage::Load(load) = stage { Some(load) } else { None };
+    let controls = load.into_iter().flat_map(|load| load.particles.iter().enumerate());
+    let controls = controls.map(|(k, control)| (format!("particles[{k}].select"), &control.select));
+    let rigid = load.into_iter().flat_map(|load| &load.rigid).filter_map(|(name, control)| {
+        Some((format!("{}.select", join("rigid", name)), control.select.as_ref()?))
+    });
+    let removed = if let Stage::Remove(stage) = stage { Some(&stage.select) } else { None };
+    let removed = removed.map(|select| ("select".to_owned(), select));
+    controls.chain(rigid).chain(removed).filter(move |(_, select)| of(select))
 }
 
 /// What to give instead, with the range of the centres.

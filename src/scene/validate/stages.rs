@@ -50,6 +50,9 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
                     findings.add(path, "a state with rigid groups", help);
                 }
             }
+            Stage::Remove(stage) => {
+                select(context, format_args!("{path}.select"), &stage.select, findings);
+            }
             Stage::Load(stage) => {
                 load(context, path, (i, stage), &mut present, findings);
                 rigid::check(context, path, stage, &mut groups, findings);

@@ -1,0 +1,156 @@
+//! Frames against quantities that the engine keeps otherwise: forces of walls, average stress,
+//! the saved state.
+
+use std::path::Path;
+
+use bevy_ecs::prelude::*;
+use clastic_components::body::Position;
+use clastic_components::contact::Bodies;
+use clastic_systems::measures::stress::average_stress;
+
+use super::*;
+use crate::run::Simulation;
+use crate::scene::load;
+
+/// 400 cemented disks under uniaxial compression, at the end of the test: some bonds are broken.
+fn compressed() -> (Simulation, Frame) {
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/uniaxial_small.ron");
+    let loaded = load(Path::new(scene), &[]).unwrap();
+    let mut simulation = Simulation::new(&loaded.scene, None);
+    simulation.run();
+    let frame = Frame::take(simulation.world_mut());
+    (simulation, frame)
+}
+
+#[test]
+fn a_frame_has_the_bodies_forces_and_stresses_of_the_engine() {
+    let (mut simulation, frame) = compressed();
+    let world = simulation.world_mut();
+    let bodies = world.resource::<Bodies>().clone();
+    assert_eq!(frame.bodies.id.len(), 400);
+    // Centres to half a unit in the last place of the distance from the origin.
+    for i in 0..400 {
+        let place = bodies.positions[i];
+        let [x, y] = frame.centre(i);
+        let size = (place.x - frame.origin_m[0]).hypot(place.y - frame.origin_m[1]);
+        assert!((x - place.x).hypot(y - place.y) <= 1e-7 * size, "{i}");
+    }
+    let mut places = world.query::<&Position>();
+    assert!(places.iter(world).count() >= 400);
+
+    // The forces of the contacts at a wall are what it exerts, which the record has from elsewhere.
+    let largest = frame.walls.force.iter().flatten().fold(0.0_f64, |a, b| a.max(b.abs()));
+    assert!(largest > 0.0);
+    for (wall, id) in frame.walls.id.iter().enumerate() {
+        let mut sum = [0.0_f64; 2];
+        for k in (0..frame.pairs.a.len()).filter(|k| frame.pairs.b[*k] == *id) {
+            let (p, q) = (f64::from(frame.pairs.p_n[k]), f64::from(frame.pairs.q_n[k]));
+            let (sin, cos) = f64::from(frame.pairs.angle_rad[k]).sin_cos();
+            sum[0] += p * cos - q * sin;
+            sum[1] += p * sin + q * cos;
+        }
+        for k in 0..2 {
+            let outside = frame.walls.force[wall][k];
+            assert!((sum[k] + outside).abs() <= 1e-5 * largest, "{wall} {k}: {sum:?} {outside}");
+        }
+    }
+
+    // Mean stress of the grains by volume: that of all contacts. The two differ by the motion in
+    // one increment, since the engine's average refers to its start.
+    let thickness = frame.thickness_m;
+    let mut sum = [0.0_f64; 3];
+    for (stress, r) in frame.bodies.stress_pa.iter().zip(&frame.bodies.radius_m) {
+        let volume = std::f64::consts::PI * f64::from(*r).powi(2) * thickness;
+        (0..3).for_each(|k| sum[k] += volume * f64::from(stress[k]));
+    }
+    let all = world
+        .run_system_cached(
+            |bodies: Res<Bodies>,
+             contacts: Res<clastic_components::contact::Contacts>,
+             solution: Res<clastic_cone::program::ConeSolution>| {
+                average_stress(&bodies, &contacts, &solution, 1.0, 1.0)
+            },
+        )
+        .unwrap();
+    let expected = [all[0][0], all[1][1], 0.5 * (all[0][1] + all[1][0])];
+    for k in 0..3 {
+        assert!((sum[k] - expected[k]).abs() < 1e-3 * expected[1].abs(), "{sum:?} {expected:?}");
+    }
+}
+
+#[test]
+fn bonds_and_fragments_are_those_of_the_world() {
+    let (mut simulation, frame) = compressed();
+    let world = simulation.world_mut();
+    let mut query = world.query::<(
+        &clastic_components::bond::BondId,
+        &clastic_components::bond::Bond,
+        &clastic_components::bond::BondState,
+    )>();
+    let mut expected: Vec<_> =
+        query.iter(world).map(|(id, b, s)| (id.0, b.a.0, b.b.0, pairs::code(*s))).collect();
+    expected.sort_unstable();
+    let pairs = &frame.pairs;
+    let rows = (0..pairs.a.len()).filter(|k| pairs.bond[*k] != NONE);
+    let mut found: Vec<_> =
+        rows.map(|k| (pairs.bond[k], pairs.a[k], pairs.b[k], pairs.state[k])).collect();
+    found.sort_unstable();
+    assert_eq!(found, expected);
+    assert!(expected.iter().any(|(.., state)| *state > 1), "no bond broke");
+
+    // Spread the lowest identity along intact bonds until nothing changes.
+    let mut lowest: Vec<u32> = (0..400).collect();
+    loop {
+        let before = lowest.clone();
+        for (_, a, b, _) in expected.iter().filter(|(.., b, state)| *state == 1 && *b < 400) {
+            let least = lowest[*a as usize].min(lowest[*b as usize]);
+            (lowest[*a as usize], lowest[*b as usize]) = (least, least);
+        }
+        if before == lowest {
+            break;
+        }
+    }
+    assert_eq!(frame.bodies.fragment, lowest);
+}
+
+#[test]
+fn a_frame_without_anything_reads_back() {
+    let empty = Frame {
+        walls: FrameWalls { first_point: vec![0], ..FrameWalls::default() },
+        axial_strain: Some(0.25),
+        ..Frame::default()
+    };
+    assert_eq!(Frame::from_tables(&empty.tables()).unwrap(), empty);
+}
+
+#[cfg(feature = "npz")]
+#[test]
+fn a_frame_reads_back_and_damage_is_named() {
+    let (_, frame) = compressed();
+    let bytes = frame.encode().unwrap();
+    assert_eq!(Frame::decode(&bytes).unwrap(), frame);
+    let said = |tables: &crate::tables::Tables| Frame::from_tables(tables).unwrap_err().to_string();
+    let mut tables = frame.tables();
+    tables.put("pairs.state", crate::tables::Array::u8(vec![9; frame.pairs.a.len()]));
+    assert_eq!(said(&tables), "array `pairs.state`: a value in row 0 is of nothing");
+    tables.put("format", crate::tables::Array::word("clastic state 1"));
+    assert!(said(&tables).starts_with("not a frame"), "{}", said(&tables));
+    tables.put("format", crate::tables::Array::word("clastic frame 9"));
+    assert!(said(&tables).contains("format 9"), "{}", said(&tables));
+}
+
+#[test]
+fn frames_are_listed_in_order() {
+    let run = tempfile::tempdir().unwrap();
+    assert!(list(run.path()).unwrap().is_empty());
+    let frames = run.path().join("frames");
+    std::fs::create_dir(&frames).unwrap();
+    let names = ["end.npz", "frame_1000000.npz", "peak.npz", "frame_000020.npz", "start.npz"];
+    for name in names.into_iter().chain(["frame_000020.csv", "end.npz.part", "notes.npz"]) {
+        std::fs::write(frames.join(name), "").unwrap();
+    }
+    let listed = list(run.path()).unwrap();
+    let listed: Vec<_> = listed.iter().map(|path| path.file_name().unwrap()).collect();
+    let expected = ["start.npz", "frame_000020.npz", "frame_1000000.npz", "peak.npz", "end.npz"];
+    assert_eq!(listed, expected);
+}

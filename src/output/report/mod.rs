@@ -1,0 +1,104 @@
+//! `report.html`: one or several runs as a page that needs nothing else, neither files nor network.
+//!
+//! Of one run the page has key results, curves, the specimen as an animation over its frames, roses
+//! and a section on how far the numbers can be trusted. Of several runs it has their curves over
+//! one another and a table. Numbers travel as base64 of compressed columns ([`columns`]); what
+//! shows them is in the files `page.*` beside this one, plain JavaScript without a build step.
+
+mod choose;
+mod columns;
+mod movie;
+mod run;
+mod scales;
+
+use std::path::{Path, PathBuf};
+
+use serde_json::json;
+
+use super::OutputError;
+use super::atomic::write_atomic;
+
+const PAGE: &str = include_str!("page.html");
+const STYLE: &str = include_str!("page.css");
+const SCRIPTS: [&str; 10] = [
+    include_str!("page_data.js"),
+    include_str!("page_chart.js"),
+    include_str!("page_curves.js"),
+    include_str!("page_roses.js"),
+    include_str!("page_layers.js"),
+    include_str!("page_view.js"),
+    include_str!("page_text.js"),
+    include_str!("page_pick.js"),
+    include_str!("page_controls.js"),
+    include_str!("page_main.js"),
+];
+
+/// Maximum size of the frames in a page, bytes. With it a page stays below 30 MB.
+const MAX_FRAMES_SIZE: usize = 28_000_000;
+
+/// Maximum number of frames in a page.
+const MAX_FRAMES: usize = 200;
+
+/// Writes the page of one or several runs. `names` are what the page calls them.
+///
+/// # Errors
+/// If a directory holds no run, one of its files is damaged, or the page cannot be written.
+pub fn write(runs: &[(String, PathBuf)], out: &Path) -> Result<(), OutputError> {
+    let mut read = Vec::new();
+    for (name, directory) in runs {
+        read.push(run::Run::read(name, directory)?);
+    }
+    let movie = match (runs, read.as_slice()) {
+        ([(_, directory)], [run]) => movie_of(directory, run)?,
+        _ => None,
+    };
+    let described = movie.as_ref().map(|movie| movie.description.clone());
+    let records: Vec<_> = read.into_iter().map(|run| run.value).collect();
+    let data = json!({ "runs": records, "movie": described });
+    write_atomic(out, page(&data, movie.as_ref()))
+}
+
+/// The animation of a run: as many frames as fit into the page.
+fn movie_of(directory: &Path, run: &run::Run) -> Result<Option<movie::Movie>, OutputError> {
+    let files = choose::files(directory)?;
+    let mut most = MAX_FRAMES;
+    loop {
+        let chosen = choose::choose(&files, run, most);
+        let Some(movie) = movie::Movie::read(&chosen)? else { return Ok(None) };
+        let size = movie.blocks.iter().map(String::len).sum::<usize>();
+        if size <= MAX_FRAMES_SIZE || chosen.len() <= 2 {
+            return Ok(Some(movie));
+        }
+        most = (chosen.len() * MAX_FRAMES_SIZE / size).clamp(2, chosen.len() - 1);
+    }
+}
+
+fn page(data: &serde_json::Value, movie: Option<&movie::Movie>) -> String {
+    let titles = data["runs"].as_array().into_iter().flatten();
+    let titles: Vec<_> = titles.filter_map(|run| run["record"]["title"].as_str()).collect();
+    let title = match titles.as_slice() {
+        [one] => escaped(one),
+        several => format!("{} runs", several.len()),
+    };
+    // Within a script no text may look like the end of it.
+    let data = data.to_string().replace('<', "\\u003c");
+    let mut blocks = format!("<script type=\"application/json\" id=\"data\">{data}</script>\n");
+    for (k, block) in movie.iter().flat_map(|movie| &movie.blocks).enumerate() {
+        let name = k.checked_sub(1).map_or("still".to_owned(), |k| format!("frame{k}"));
+        blocks += &format!("<script type=\"text/plain\" id=\"{name}\">{block}</script>\n");
+    }
+    for script in SCRIPTS {
+        blocks += &format!("<script>\n{script}</script>\n");
+    }
+    let (before, after) = PAGE.split_once("{{scripts}}").unwrap_or((PAGE, ""));
+    let before = before.replacen("{{title}}", &title, 1).replacen("{{style}}", STYLE, 1);
+    [before, blocks, after.to_owned()].concat()
+}
+
+/// Text within HTML.
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,237 @@
+//! The frames of a run as the page has them.
+//!
+//! Bodies and bonds have one row each over the whole run, so that a frame has only what changes:
+//! displacement since the start of the test in steps, everything else in `float16` over a scale of
+//! the run. Contacts without a bond are listed anew in every frame.
+
+use std::collections::BTreeSet;
+use std::io;
+
+use serde_json::{Value, json};
+
+use super::choose::File;
+use super::columns::{Columns, scale};
+use super::scales::{Scales, mean, shear, view};
+use crate::frames::{Frame, NONE, STATES};
+use crate::output::OutputError;
+
+/// State of a bond that is not in a frame.
+const NO_BOND: u8 = 255;
+
+/// Frames in a page.
+pub struct Movie {
+    /// What the columns are, scales, times.
+    pub description: Value,
+    /// Columns of what does not change, then those of every frame.
+    pub blocks: Vec<String>,
+}
+
+/// Rows of a page, from all frames.
+struct Rows {
+    bodies: Vec<u32>,
+    walls: Vec<u32>,
+    /// Bodies and bond.
+    bonds: Vec<(u32, u32, u32)>,
+}
+
+impl Movie {
+    /// Reads frames; `None` if there are none.
+    pub fn read(files: &[File]) -> Result<Option<Self>, OutputError> {
+        let mut frames = Vec::new();
+        for file in files {
+            let frame = Frame::read(&file.path);
+            frames.push(frame.map_err(|e| OutputError::at(&file.path)(io::Error::other(e)))?);
+        }
+        let start = files.iter().position(|file| file.is_start).unwrap_or(0);
+        Ok(Self::of(frames, start))
+    }
+
+    /// The frames of a run in the order of increments; the test starts at the one with the index
+    /// `start`.
+    pub fn of(mut frames: Vec<Frame>, start: usize) -> Option<Self> {
+        since(&mut frames, start);
+        let frames = frames.as_slice();
+        let first = frames.first()?;
+        let rows = Rows::of(frames);
+        let scales = Scales::of(frames, start);
+        let mut still = Columns::default();
+        rows.still(frames, first.origin_m, &mut still);
+        let mut blocks = vec![still.text()];
+        let mut described = Vec::new();
+        for frame in frames {
+            let mut columns = Columns::default();
+            let contacts = rows.frame(frame, &scales, &mut columns);
+            blocks.push(columns.text());
+            described.push(json!({
+                "increment": frame.increment,
+                "stage": frame.stage,
+                "time": frame.time_s,
+                "strain": frame.axial_strain,
+                "stress": frame.axial_stress_pa,
+                "contacts": contacts,
+                "walls": walls(frame, first.origin_m),
+            }));
+        }
+        let description = json!({
+            "bodies": rows.bodies.len(),
+            "bonds": rows.bonds.len(),
+            "walls": rows.walls,
+            "origin": first.origin_m,
+            "materials": first.materials,
+            "groups": groups(frames),
+            "scales": scales.json(),
+            "view": view(&frames[start.min(frames.len() - 1)..], first.origin_m),
+            "states": STATES,
+            "start": start,
+            "frames": described,
+        });
+        Some(Self { description, blocks })
+    }
+}
+
+impl Rows {
+    fn of(frames: &[Frame]) -> Self {
+        let (mut bodies, mut walls, mut bonds) =
+            (BTreeSet::new(), BTreeSet::new(), BTreeSet::new());
+        for frame in frames {
+            bodies.extend(&frame.bodies.id);
+            walls.extend(&frame.walls.id);
+            let pairs = &frame.pairs;
+            let rows = (0..pairs.a.len()).filter(|k| pairs.bond[*k] != NONE);
+            bonds.extend(rows.map(|k| (pairs.a[k], pairs.b[k], pairs.bond[k])));
+        }
+        let (bodies, walls) = (bodies.into_iter().collect(), walls.into_iter().collect());
+        Self { bodies, walls, bonds: bonds.into_iter().collect() }
+    }
+
+    /// Index of a body in the page: particles, then walls.
+    fn index(&self, id: u32) -> u32 {
+        let particle = self.bodies.binary_search(&id).ok();
+        let wall = || self.walls.binary_search(&id).ok().map(|k| self.bodies.len() + k);
+        particle.or_else(wall).map_or(NONE, |k| k as u32)
+    }
+
+    /// What does not change: of bodies place without displacement, radius, identity, material,
+    /// group; of bonds bodies and identity.
+    fn still(&self, frames: &[Frame], origin: [f64; 2], to: &mut Columns) {
+        let n = self.bodies.len();
+        let mut places = [vec![0.0_f32; n], vec![0.0_f32; n]];
+        let mut radii = vec![0.0_f32; n];
+        let (mut materials, mut groups) = (vec![0_u32; n], vec![NONE; n]);
+        let names = self::groups(frames);
+        // The first frame with a body decides.
+        for frame in frames.iter().rev() {
+            for (row, id) in frame.bodies.id.iter().enumerate() {
+                let k = self.index(*id) as usize;
+                let (centre, moved) = (frame.centre(row), frame.bodies.displacement_m[row]);
+                for axis in 0..2 {
+                    let place = centre[axis] - origin[axis] - f64::from(moved[axis]);
+                    places[axis][k] = place as f32;
+                }
+                radii[k] = frame.bodies.radius_m[row];
+                materials[k] = frame.bodies.material[row];
+                let group = frame.groups.get(frame.bodies.group[row] as usize);
+                let group = group.and_then(|group| names.iter().position(|name| name == group));
+                groups[k] = group.map_or(NONE, |k| k as u32);
+            }
+        }
+        places.iter().for_each(|place| to.numbers(place));
+        to.numbers(&radii);
+        to.counts(&self.bodies);
+        to.counts(&materials);
+        to.counts(&groups);
+        to.counts(&self.bonds.iter().map(|bond| self.index(bond.0)).collect::<Vec<_>>());
+        to.counts(&self.bonds.iter().map(|bond| self.index(bond.1)).collect::<Vec<_>>());
+        to.counts(&self.bonds.iter().map(|bond| bond.2).collect::<Vec<_>>());
+    }
+
+    /// What changes. Returns the number of contacts without a bond.
+    fn frame(&self, frame: &Frame, scales: &Scales, to: &mut Columns) -> usize {
+        let n = self.bodies.len();
+        let of = &frame.bodies;
+        let at: Vec<usize> = of.id.iter().map(|id| self.index(*id) as usize).collect();
+        let column = |value: &dyn Fn(usize) -> f32, none: f32| {
+            let mut column = vec![none; n];
+            at.iter().enumerate().for_each(|(row, k)| column[*k] = value(row));
+            column
+        };
+        to.steps(&column(&|row| of.displacement_m[row][0], f32::NAN), scales.step(), scales.width);
+        to.steps(&column(&|row| of.displacement_m[row][1], f32::NAN), scales.step(), scales.width);
+        to.halves(&column(&|row| of.rotation_rad[row], 0.0), scale(scales.rotation));
+        to.halves(&column(&|row| mean(of.stress_pa[row]), 0.0), scale(scales.stress));
+        to.halves(&column(&|row| shear(of.stress_pa[row]), 0.0), scale(scales.stress));
+        if scales.velocity > 0.0 {
+            for axis in 0..2 {
+                let velocity = column(&|row| of.velocity_m_s[row][axis], 0.0);
+                to.halves(&velocity, scale(scales.velocity));
+            }
+        }
+        let mut fragments = vec![0; n];
+        at.iter().zip(&of.fragment).for_each(|(k, id)| fragments[*k] = self.index(*id));
+        to.counts(&fragments);
+
+        let pairs = &frame.pairs;
+        let mut states = vec![NO_BOND; self.bonds.len()];
+        let mut forces = [0, 1, 2].map(|_| vec![0.0_f32; self.bonds.len()]);
+        let mut contacts = Vec::new();
+        for k in 0..pairs.a.len() {
+            let force = [pairs.p_n[k], pairs.q_n[k], pairs.tau_nm[k]];
+            match self.bonds.binary_search(&(pairs.a[k], pairs.b[k], pairs.bond[k])) {
+                Ok(bond) => {
+                    states[bond] = pairs.state[k];
+                    forces.iter_mut().zip(force).for_each(|(column, f)| column[bond] = f);
+                }
+                Err(_) => contacts.push((pairs.a[k], pairs.b[k], force)),
+            }
+        }
+        to.bytes(&states);
+        let kinds = if scales.moment > 0.0 { 3 } else { 2 };
+        let of_kind = [scales.force, scales.force, scales.moment].map(scale);
+        (0..kinds).for_each(|k| to.halves(&forces[k], of_kind[k]));
+        to.counts(&contacts.iter().map(|contact| self.index(contact.0)).collect::<Vec<_>>());
+        to.counts(&contacts.iter().map(|contact| self.index(contact.1)).collect::<Vec<_>>());
+        for k in 0..kinds {
+            let force: Vec<f32> = contacts.iter().map(|contact| contact.2[k]).collect();
+            to.halves(&force, of_kind[k]);
+        }
+        contacts.len()
+    }
+}
+
+/// Displacements and rotations since the start of the test, in place of those since the start of
+/// the run. Those of bodies that came later stay.
+fn since(frames: &mut [Frame], start: usize) {
+    let Some(from) = frames.get(start).cloned() else { return };
+    for frame in frames {
+        for row in 0..frame.bodies.id.len() {
+            let Some(then) = from.row(frame.bodies.id[row]) else { continue };
+            let moved = from.bodies.displacement_m[then];
+            let now = &mut frame.bodies.displacement_m[row];
+            *now = [now[0] - moved[0], now[1] - moved[1]];
+            frame.bodies.rotation_rad[row] -= from.bodies.rotation_rad[then];
+        }
+    }
+}
+
+/// Names of the groups of all frames.
+fn groups(frames: &[Frame]) -> Vec<&str> {
+    let names: BTreeSet<&str> =
+        frames.iter().flat_map(|frame| frame.groups.iter().map(String::as_str)).collect();
+    names.into_iter().collect()
+}
+
+/// The walls of a frame, with the points of their lines from the origin, m.
+fn walls(frame: &Frame, origin: [f64; 2]) -> Vec<Value> {
+    let point = |x: &[f64; 2]| [(x[0] - origin[0]) as f32, (x[1] - origin[1]) as f32];
+    let wall = |k: usize| {
+        let line: Vec<f32> = frame.wall_line(k).iter().flat_map(point).collect();
+        json!({
+            "id": frame.walls.id[k],
+            "name": frame.walls.name[k],
+            "thin": frame.walls.is_thin[k],
+            "force": frame.walls.force[k].map(|f| f as f32),
+            "line": line,
+        })
+    };
+    (0..frame.walls.id.len()).map(wall).collect()
+}

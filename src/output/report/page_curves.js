@@ -1,0 +1,126 @@
+// Curves of all runs, and the frame that belongs to a place on them.
+"use strict";
+(() => {
+  const { runs, movie } = Report.data;
+  const node = (id) => document.getElementById(id);
+  Report.charts = [];
+
+  // Curves of all runs over the axial strain, or over the increments where none is defined.
+  Report.drawCurves = (pick) => {
+    const strained = runs.some((run) => run.history.axial_strain?.some((x) => x !== null));
+    Report.isStrained = strained;
+    const x = (run) =>
+      strained
+        ? run.history.axial_strain.map((e) => (e === null ? null : 100 * e))
+        : run.history.increment;
+    const xName = strained ? "axial strain, %" : "increment";
+    const colour = (k) => `var(--series-${k % 8})`;
+    const has = (name) => runs.some((run) => run.history[name]?.some((y) => y !== null));
+    const scaled = (name, unit) => {
+      const size = runs.reduce(
+        (most, run) =>
+          (run.history[name] ?? []).reduce((a, y) => Math.max(a, Math.abs(y ?? 0)), most),
+        0,
+      );
+      const [scale, letter] = size > 0 ? Report.prefix(size) : [1, ""];
+      return {
+        unit: letter + unit,
+        of: (y) => (y === null || y === undefined ? null : y / scale),
+        size,
+      };
+    };
+    const draw = (title, yName, columns) => {
+      const series = runs.flatMap((run, r) =>
+        columns
+          .map(([name, of, column], k) => ({
+            name:
+              runs.length === 1 ? name : columns.length === 1 ? run.name : `${run.name}, ${name}`,
+            colour: colour(runs.length === 1 ? k : r * columns.length + k),
+            x: x(run),
+            y: (column(run) ?? []).map(of),
+          }))
+          .filter((one) => one.y.some((y) => y !== null)),
+      );
+      if (!series.length) return;
+      // The first curve stands beside the picture, whose time it shows.
+      const isBeside = movie && !Report.charts.length;
+      const size = isBeside ? [400, 270] : undefined;
+      const chart = new Report.Chart({ title, xName, yName, series, onPick: pick, size });
+      Report.charts.push(chart);
+      node(isBeside ? "beside" : "curves").append(chart.node);
+    };
+    const column = (name) => (run) => run.history[name];
+    if (has("axial_stress_pa")) {
+      const { unit, of } = scaled("axial_stress_pa", "Pa");
+      const lateral =
+        runs.length === 1 && has("lateral_stress_pa")
+          ? [["lateral", of, column("lateral_stress_pa")]]
+          : [];
+      draw("Stress", `stress, ${unit}`, [["axial", of, column("axial_stress_pa")], ...lateral]);
+    }
+    if (has("volumetric_strain"))
+      draw("Volume", "volumetric strain, %", [
+        ["volumetric strain", (y) => (y === null ? null : 100 * y), column("volumetric_strain")],
+      ]);
+    const broken = ["broken_tension", "broken_shear", "broken_rolling"].filter((name) =>
+      runs.some((run) => run.history[name]?.some((y) => y > 0)),
+    );
+    if (runs.length === 1 && broken.length) {
+      draw(
+        "Broken bonds",
+        "number",
+        broken.map((name) => [name.slice(7), (y) => y, column(name)]),
+      );
+    } else if (broken.length) {
+      const all = (run) =>
+        run.history.increment.map((_, k) =>
+          broken.reduce((sum, name) => sum + (run.history[name]?.[k] ?? 0), 0),
+        );
+      draw("Broken bonds", "number", [["broken", (y) => y, all]]);
+    }
+    const energies = Object.keys(Report.ENERGIES).filter(
+      (name) => name !== "energy_external_j" && name !== "energy_gravity_j",
+    );
+    if (runs.length === 1 && has("energy_external_j")) {
+      const { unit, size } = scaled("energy_external_j", "J");
+      const [scale] = size > 0 ? Report.prefix(size) : [1];
+      const is = (name) =>
+        (runs[0].history[name] ?? []).some((y) => Math.abs(y ?? 0) > 0.005 * size);
+      draw(
+        "Energies",
+        `energy, ${unit}`,
+        ["energy_external_j", "energy_gravity_j", ...energies]
+          .filter(is)
+          .map((name) => [
+            Report.ENERGIES[name],
+            (y) => (y === null ? null : y / scale),
+            column(name),
+          ]),
+      );
+    }
+    if (!Report.charts.length && has("kinetic_energy_j")) {
+      const { unit, of } = scaled("kinetic_energy_j", "J");
+      draw("Kinetic energy", `energy, ${unit}`, [
+        ["kinetic energy", of, column("kinetic_energy_j")],
+      ]);
+    }
+    if (Report.charts.length < 2)
+      draw("Contacts", "number", [["contacts", (y) => y, column("contacts")]]);
+  };
+
+  Report.xOf = (k) => {
+    const frame = movie.frames[k];
+    if (!Report.isStrained) return frame.increment;
+    return frame.strain === null ? null : 100 * frame.strain;
+  };
+
+  // The frame that is nearest to a place on a curve.
+  Report.nearestFrame = (x) => {
+    let best = 0;
+    movie.frames.forEach((_, k) => {
+      const far = (k) => (Report.xOf(k) === null ? Infinity : Math.abs(Report.xOf(k) - x));
+      if (far(k) < far(best)) best = k;
+    });
+    return best;
+  };
+})();

@@ -1,0 +1,216 @@
+// The data of the page: what is known at once, and frames that are unpacked when they are needed.
+"use strict";
+const Report = {};
+Report.state = {
+  frame: -1,
+  colour: "displacement",
+  layers: {},
+  picked: null,
+  isPlaying: false,
+};
+Report.data = JSON.parse(document.getElementById("data").textContent);
+
+(() => {
+  const movie = Report.data.movie;
+  const NONE = 0xffffffff;
+
+  // float16 by its bits.
+  const HALF = new Float32Array(65536);
+  for (let bits = 0; bits < 65536; bits++) {
+    const exponent = (bits >> 10) & 31,
+      fraction = bits & 1023;
+    const size = exponent === 0 ? fraction * 2 ** -24 : (1024 + fraction) * 2 ** (exponent - 25);
+    HALF[bits] = (bits & 32768 ? -1 : 1) * (exponent === 31 ? (fraction ? NaN : Infinity) : size);
+  }
+
+  // Reads columns one after the other. Their bytes lie in planes, the lowest bytes first.
+  class Reader {
+    constructor(bytes) {
+      this.bytes = bytes;
+      this.at = 0;
+    }
+    planes(n, width) {
+      const from = this.at;
+      this.at += n * width;
+      return (row, plane) => this.bytes[from + plane * n + row];
+    }
+    bytesOf(n) {
+      this.at += n;
+      return this.bytes.slice(this.at - n, this.at);
+    }
+    counts(n) {
+      const byte = this.planes(n, 4),
+        column = new Uint32Array(n);
+      for (let i = 0; i < n; i++) {
+        column[i] = byte(i, 0) | (byte(i, 1) << 8) | (byte(i, 2) << 16) | (byte(i, 3) << 24);
+      }
+      return column;
+    }
+    numbers(n) {
+      return new Float32Array(this.counts(n).buffer);
+    }
+    halves(n, scale) {
+      const byte = this.planes(n, 2),
+        column = new Float32Array(n);
+      for (let i = 0; i < n; i++) column[i] = scale * HALF[byte(i, 0) | (byte(i, 1) << 8)];
+      return column;
+    }
+    // Whole steps of two or three bytes.
+    steps(n, step) {
+      const { width } = movie.scales,
+        byte = this.planes(n, width),
+        column = new Float32Array(n),
+        beyond = 32 - 8 * width,
+        absent = -(2 ** (8 * width - 1));
+      for (let i = 0; i < n; i++) {
+        let whole = 0;
+        for (let k = 0; k < width; k++) whole |= byte(i, k) << (8 * k);
+        whole = (whole << beyond) >> beyond;
+        column[i] = whole === absent ? NaN : step * whole;
+      }
+      return column;
+    }
+  }
+
+  async function unpack(name) {
+    const text = atob(document.getElementById(name).textContent);
+    const packed = new Uint8Array(text.length);
+    for (let i = 0; i < text.length; i++) packed[i] = text.charCodeAt(i);
+    const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
+    return new Reader(new Uint8Array(await new Response(stream).arrayBuffer()));
+  }
+
+  async function readStill() {
+    const from = await unpack("still"),
+      { bodies: n, bonds: b } = movie;
+    return {
+      x: from.numbers(n),
+      y: from.numbers(n),
+      radius: from.numbers(n),
+      id: from.counts(n),
+      material: from.counts(n),
+      group: from.counts(n),
+      a: from.counts(b),
+      b: from.counts(b),
+      bond: from.counts(b),
+    };
+  }
+
+  async function readFrame(k) {
+    const from = await unpack("frame" + k),
+      { bodies: n, bonds: b, scales } = movie;
+    const c = movie.frames[k].contacts;
+    const frame = {
+      ux: from.steps(n, scales.step),
+      uy: from.steps(n, scales.step),
+      rotation: from.halves(n, scales.rotation),
+      mean: from.halves(n, scales.stress),
+      shear: from.halves(n, scales.stress),
+    };
+    if (scales.velocity !== null) {
+      frame.vx = from.halves(n, scales.velocity);
+      frame.vy = from.halves(n, scales.velocity);
+    }
+    frame.fragment = from.counts(n);
+    frame.state = from.bytesOf(b);
+    const forces = (rows) => ({
+      p: from.halves(rows, scales.force),
+      q: from.halves(rows, scales.force),
+      tau: scales.moment === null ? null : from.halves(rows, scales.moment),
+    });
+    frame.bonds = forces(b);
+    frame.a = from.counts(c);
+    frame.b = from.counts(c);
+    frame.contacts = forces(c);
+    // Where bodies are.
+    frame.x = frame.ux.map((u, i) => Report.still.x[i] + u);
+    frame.y = frame.uy.map((u, i) => Report.still.y[i] + u);
+    frame.walls = movie.frames[k].walls;
+    return frame;
+  }
+
+  const frames = [];
+  Report.NONE = NONE;
+  Report.frame = (k) => (frames[k] ??= readFrame(k));
+  Report.loadStill = async () => {
+    Report.still = await readStill();
+  };
+
+  // The end of a pair of bodies on the second one: its centre, or the nearest point of the wall.
+  Report.otherEnd = (frame, a, b) => {
+    const n = movie.bodies;
+    if (b < n) return [frame.x[b], frame.y[b]];
+    const wall = frame.walls.find((wall) => wall.id === movie.walls[b - n]);
+    if (!wall) return [NaN, NaN];
+    const [x, y] = [frame.x[a], frame.y[a]];
+    let best = [NaN, NaN],
+      nearest = Infinity;
+    for (let k = 0; k + 3 < wall.line.length; k += 2) {
+      const [x0, y0, x1, y1] = wall.line.slice(k, k + 4);
+      const [dx, dy] = [x1 - x0, y1 - y0];
+      let t = ((x - x0) * dx + (y - y0) * dy) / (dx * dx + dy * dy);
+      if (wall.thin) t = Math.min(1, Math.max(0, t));
+      const point = [x0 + t * dx, y0 + t * dy];
+      const far = Math.hypot(point[0] - x, point[1] - y);
+      if (far < nearest) [nearest, best] = [far, point];
+    }
+    return best;
+  };
+
+  // Calls `see(a, b, state, p, q, tau, kind, row)` for every bond and contact of a frame.
+  Report.eachPair = (frame, see) => {
+    const { still } = Report,
+      tau = (of, k) => (of.tau ? of.tau[k] : 0);
+    for (let k = 0; k < frame.state.length; k++) {
+      if (frame.state[k] === 255) continue;
+      const of = frame.bonds;
+      see(still.a[k], still.b[k], frame.state[k], of.p[k], of.q[k], tau(of, k), "bond", k);
+    }
+    for (let k = 0; k < frame.a.length; k++) {
+      const of = frame.contacts;
+      see(frame.a[k], frame.b[k], 0, of.p[k], of.q[k], tau(of, k), "contact", k);
+    }
+  };
+})();
+
+// Numbers as text.
+Report.format = (x, digits = 4) => {
+  if (x === null || x === undefined || Number.isNaN(x)) return "\u2013";
+  if (Number.isInteger(x) && Math.abs(x) < 1e7) return String(x);
+  const text =
+    Math.abs(x) >= 1e5 || (x !== 0 && Math.abs(x) < 1e-3)
+      ? x.toExponential(digits - 1).replace("e+", "e")
+      : String(Number(x.toPrecision(digits)));
+  return text.replace("-", "\u2212");
+};
+Report.PREFIXES = [
+  [1e9, "G"],
+  [1e6, "M"],
+  [1e3, "k"],
+  [1, ""],
+  [1e-3, "m"],
+  [1e-6, "\u00b5"],
+  [1e-9, "n"],
+];
+// Scale and prefix for numbers up to this size.
+Report.prefix = (size) =>
+  Report.PREFIXES.find(([scale]) => Math.abs(size) >= scale * 0.9999) ?? [1, ""];
+Report.si = (x, unit, digits = 4) => {
+  if (x === null || x === undefined || Number.isNaN(x)) return "\u2013";
+  const [scale, letter] = x === 0 ? [1, ""] : Report.prefix(x);
+  return `${Report.format(x / scale, digits)} ${letter}${unit}`;
+};
+Report.make = (tag, attributes = {}, ...children) => {
+  const svg = ["svg", "path", "line", "text", "g", "circle", "rect", "title"].includes(tag);
+  const node = svg
+    ? document.createElementNS("http://www.w3.org/2000/svg", tag)
+    : document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) {
+    if (name.startsWith("on")) node.addEventListener(name.slice(2), value);
+    else if (value !== null && value !== false)
+      node.setAttribute(name, value === true ? "" : value);
+  }
+  node.append(...children);
+  return node;
+};
+Report.colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();

@@ -1,0 +1,199 @@
+// The page: curves, the frame that is shown, and what the reader does.
+"use strict";
+(() => {
+  const { make, format, si, state } = Report;
+  const { runs, movie } = Report.data;
+  const node = (id) => document.getElementById(id);
+
+  // Shows a frame. Calls that come while one is unpacked replace each other.
+  let wanted = null;
+  Report.isBusy = false;
+  Report.show = async (k = state.frame) => {
+    wanted = Math.max(0, Math.min(movie.frames.length - 1, k));
+    node("slider").value = wanted;
+    if (Report.isBusy) return;
+    Report.isBusy = true;
+    try {
+      while (wanted !== null) {
+        const at = wanted;
+        wanted = null;
+        const [frame, before] = await Promise.all([
+          Report.frame(at),
+          at > 0 ? Report.frame(at - 1) : null,
+        ]);
+        state.frame = at;
+        if (state.picked?.kind === "contact" && state.picked.at !== at) state.picked = null;
+        Report.paint(frame, before);
+      }
+    } finally {
+      Report.isBusy = false;
+    }
+  };
+
+  Report.paint = (frame, before) => {
+    [state.now, state.before] = [frame, before];
+    const colours = Report.grainColours(frame, before, state.colour);
+    Report.view.setFrame(
+      frame,
+      colours,
+      Report.strokes(frame, before, state.layers, state.picked),
+      state.layers.spokes,
+    );
+    const told = movie.frames[state.frame];
+    const facts = [
+      ["Frame", `${state.frame + 1} of ${movie.frames.length}`],
+      ["Increment", format(told.increment)],
+      ["Stage", told.stage || "\u2013"],
+    ];
+    if (told.time !== 0) facts.push(["Time", si(told.time, "s")]);
+    if (told.strain !== null) facts.push(["Axial strain", `${format(100 * told.strain)} %`]);
+    if (told.stress !== null) facts.push(["Axial stress", si(told.stress, "Pa")]);
+    if (movie.bonds > 0) {
+      const broken = frame.state.reduce((sum, s) => sum + (s > 1 && s < 255), 0);
+      const fresh = before
+        ? frame.state.reduce((sum, s, k) => sum + (s > 1 && s < 255 && before.state[k] === 1), 0)
+        : 0;
+      facts.push([
+        "Broken bonds",
+        `${format(broken)}${fresh ? `, ${format(fresh)} since the frame before` : ""}`,
+      ]);
+    }
+    node("moment").replaceChildren(
+      Report.table(
+        ["", ""],
+        facts.map(([name, text]) => [name, Report.numeric(text)]),
+      ),
+    );
+    node("slider").setAttribute("aria-valuetext", `increment ${told.increment}`);
+    const row = runs[0].history.increment?.indexOf(told.increment) ?? -1;
+    Report.charts.forEach((chart) => chart.mark(Report.xOf(state.frame), row));
+    Report.tellPicked(frame);
+    Report.drawRoses(frame);
+  };
+
+  Report.restyle = () => {
+    Report.drawLegend(state.colour, state.layers);
+    Report.paint(state.now, state.before);
+  };
+
+  function offer() {
+    const { frames, scales } = movie;
+    for (const [key, way] of Object.entries(Report.COLOURS)) {
+      const isThere =
+        key === "velocity"
+          ? scales.velocity !== null
+          : key === "fragment"
+            ? movie.bonds > 0
+            : key === "material"
+              ? movie.materials.length > 1
+              : key === "group"
+                ? movie.groups.length > 0
+                : true;
+      if (isThere) node("colour").append(make("option", { value: key }, way.name));
+    }
+    const layers =
+      movie.bonds > 0
+        ? [
+            ["cracks", "broken bonds", true],
+            ["bonds", "bonds", false],
+          ]
+        : [];
+    layers.push(
+      ["chains", "force chains", movie.bonds === 0],
+      ["normals", "contact normals", false],
+      ["spokes", "rotation marks", false],
+    );
+    for (const [key, name, on] of layers) {
+      state.layers[key] = on;
+      const box = make("input", {
+        type: "checkbox",
+        id: `layer-${key}`,
+        checked: on,
+        onchange: (event) => {
+          state.layers[key] = event.target.checked;
+          Report.restyle();
+        },
+      });
+      node("layers").append(make("label", {}, box, name));
+    }
+    node("slider").max = frames.length - 1;
+    // Frames worth a jump.
+    const { record, events } = runs[0],
+      at = (increment) => frames.findIndex((frame) => frame.increment >= increment);
+    const jump = (text, k) => {
+      if (k >= 0)
+        node("jumps").append(
+          make(
+            "button",
+            {
+              onclick: () => {
+                Report.play(false);
+                Report.show(k);
+              },
+            },
+            text,
+          ),
+        );
+    };
+    jump("start", movie.start);
+    if (events.increment?.length)
+      node("jumps").append(
+        make(
+          "button",
+          { onclick: () => Report.showBond(events.bond[0], events.increment[0]) },
+          "first rupture",
+        ),
+      );
+    const stress = record.results.peak_stress_pa;
+    const peak =
+      stress === null
+        ? -1
+        : frames.findIndex(
+            (frame) => frame.stress !== null && Math.abs(frame.stress / stress - 1) < 1e-6,
+          );
+    jump("peak", peak);
+    jump("end", frames.length - 1);
+    Report.peakFrame = peak;
+  }
+
+  async function begin() {
+    Report.writeHeader(runs);
+    Report.drawCurves(
+      movie
+        ? (x) => {
+            Report.play(false);
+            Report.show(Report.nearestFrame(x));
+          }
+        : null,
+    );
+    if (runs.length === 1) {
+      const parts = [
+        Report.credibility(runs[0]),
+        Report.ledger(runs[0]),
+        Report.ruptures(runs[0], movie ? Report.showBond : null),
+        Report.scene(runs[0]),
+      ];
+      node("more").append(...parts.filter(Boolean));
+    }
+    if (!movie) return;
+    node("movie").hidden = false;
+    await Report.loadStill();
+    const { radius } = Report.still;
+    Report.meanRadius = radius.reduce((a, b) => a + b, 0) / Math.max(1, radius.length);
+    Report.hasRolling = (runs[0].record.results.bonds_broken.rolling ?? 0) > 0;
+    offer();
+    Report.view = new Report.View(node("canvas"));
+    Report.drawLegend(state.colour, state.layers);
+    await Report.show(Report.peakFrame >= 0 ? Report.peakFrame : movie.frames.length - 1);
+    Report.listen();
+    // The rest is unpacked while nothing else is to be done.
+    (async () => {
+      for (let k = 0; k < movie.frames.length; k++) await Report.frame(k);
+    })();
+  }
+
+  Report.ready = begin().catch((error) => {
+    node("message").textContent = error.message;
+    throw error;
+  });
+})();

@@ -1,0 +1,305 @@
+// Words and tables: key results, credibility, ledger, ruptures, scene.
+"use strict";
+(() => {
+  const { make, format, si } = Report;
+  const percent = (x, digits = 4) =>
+    x === null || x === undefined ? "\u2013" : `${format(100 * x, digits)} %`;
+  const count = (n, one, several) => `${format(n)} ${n === 1 ? one : several}`;
+  const row = (cells, tag = "td") =>
+    make(
+      "tr",
+      {},
+      ...cells.map((cell) => {
+        const is = typeof cell === "object" && !(cell instanceof Node);
+        return make(tag, is ? { class: cell.class } : {}, is ? cell.text : cell);
+      }),
+    );
+  const n = (text) => ({ class: "n", text: String(text) });
+  const table = (head, rows) =>
+    make(
+      "table",
+      {},
+      make("thead", {}, row(head, "th")),
+      make("tbody", {}, ...rows.map((cells) => row(cells))),
+    );
+  Report.table = table;
+  Report.numeric = n;
+
+  // Key results: name, text of a run, where defined.
+  const RESULTS = [
+    ["Peak stress", (r) => r.peak_stress_pa !== null && si(r.peak_stress_pa, "Pa")],
+    ["Strain at peak", (r) => r.strain_at_peak !== null && percent(r.strain_at_peak)],
+    ["Young\u2019s modulus", (r) => r.youngs_modulus_pa !== null && si(r.youngs_modulus_pa, "Pa")],
+    [
+      "Secant modulus at half the peak",
+      (r) =>
+        r.youngs_modulus_secant_half_peak_pa !== null &&
+        si(r.youngs_modulus_secant_half_peak_pa, "Pa"),
+    ],
+    [
+      "Stress at first crack",
+      (r) => r.first_crack_stress_pa !== null && si(r.first_crack_stress_pa, "Pa"),
+    ],
+    ["Limit load", (r) => r.limit_load_pa !== null && si(r.limit_load_pa, "Pa")],
+    ["Porosity", (r) => r.porosity !== null && format(r.porosity)],
+    [
+      "Broken bonds",
+      (r) => r.bonds_created > 0 && `${format(broken(r))} of ${format(r.bonds_created)}`,
+    ],
+    [
+      "in tension, shear, rolling",
+      (r) =>
+        broken(r) > 0 &&
+        [r.bonds_broken.tension, r.bonds_broken.shear, r.bonds_broken.rolling].join(", "),
+    ],
+  ];
+  const broken = (r) => r.bonds_broken.tension + r.bonds_broken.shear + r.bonds_broken.rolling;
+
+  const outcome = (record) => {
+    const { status, increment, message } = record.outcome;
+    const told =
+      {
+        completed: "completed",
+        collapsed: "the specimen collapsed",
+        interrupted: "interrupted",
+        undecided: "undecided",
+        running: "not ended",
+        refused: "stopped: a stage cannot begin",
+      }[status] ?? status;
+    return (
+      `${told} after ${count(record.increments, "increment", "increments")}` +
+      (message ? ` (increment ${increment}: ${message})` : "")
+    );
+  };
+
+  Report.writeHeader = (runs) => {
+    const [{ record }] = runs;
+    document.getElementById("title").textContent =
+      runs.length === 1 ? record.title : `${runs.length} runs`;
+    document.getElementById("subtitle").textContent =
+      runs.length === 1
+        ? `${[record.scene_file, ...record.overrides].join(", ")}: ${outcome(record)}`
+        : [...new Set(runs.map((run) => run.record.title))].join("; ");
+    document.getElementById("footer").textContent =
+      `clastic ${record.clastic_version}. Stress is positive in compression, strain in ` +
+      "contraction, rotation anticlockwise.";
+    const results = document.getElementById("results");
+    if (runs.length > 1) {
+      results.style.display = "block";
+      const head = ["", ...runs.map((run) => ({ class: "n", text: run.name }))];
+      const rows = [["Outcome", ...runs.map((run) => n(run.record.outcome.status))]];
+      for (const [name, text] of RESULTS) {
+        const cells = runs.map((run) => text(run.record.results));
+        if (cells.some(Boolean)) rows.push([name, ...cells.map((cell) => n(cell || "\u2013"))]);
+      }
+      results.append(make("div", { class: "scroll" }, table(head, rows)));
+      return;
+    }
+    for (const [name, text] of RESULTS) {
+      const value = text(record.results);
+      if (value)
+        results.append(
+          make("div", { class: "card" }, make("b", {}, value), make("span", {}, name)),
+        );
+    }
+  };
+
+  const panel = (title, ...content) => make("div", {}, make("h2", {}, title), ...content);
+  const verdict = (good, text) => make("span", { class: good ? "good" : "warn" }, text);
+
+  const RESIDUALS = {
+    balance: "the balance",
+    kinematics: "the kinematics",
+    cone: "the limits",
+    complementarity: "complementarity",
+  };
+
+  // How far the numbers can be trusted.
+  Report.credibility = ({ record, history, avalanches, events }) => {
+    const r = record.results,
+      limit = record.settings.acceptance.residual,
+      rows = [];
+    const add = (name, good, text, note = "") =>
+      rows.push([name, good === null ? text : verdict(good, text), note]);
+    for (const kind of Object.keys(RESIDUALS)) {
+      const { value, increment } = r.worst_residuals[kind];
+      add(
+        `Residual of ${RESIDUALS[kind]}`,
+        value !== null && value <= limit,
+        value === null ? "not a number" : format(value, 2),
+        `maximum, increment ${increment}; tolerance ${format(limit, 2)}`,
+      );
+    }
+    const values = (name) => history[name] ?? [];
+    const all = values("increment").length;
+    const shorter = values("fraction").filter((f) => f !== null && f < 1).length;
+    const moved = values("motion_steps").filter((steps) => steps > 0).length;
+    const capped = values("caps").filter((text) => text !== "").length;
+    add(
+      "Capped increments",
+      record.capped_increments === 0,
+      format(record.capped_increments),
+      "not converged: Coulomb\u2019s law to 1e-4 only",
+    );
+    add("Loops at their caps", capped === 0, format(capped), "rows whose column caps names a loop");
+    add(
+      "Shorter increments",
+      null,
+      format(shorter),
+      `rows of ${format(all)}; halved, or ended by a rupture`,
+    );
+    add(
+      "Followed motions",
+      null,
+      format(moved),
+      "rows in which the specimen moved to another equilibrium",
+    );
+    const solves = values("solves").filter((s) => s !== null);
+    if (solves.length)
+      add(
+        "Solves per increment",
+        null,
+        format(solves.reduce((a, b) => a + b, 0) / solves.length, 3),
+        `mean; maximum ${format(solves.reduce((a, b) => Math.max(a, b), 0))}`,
+      );
+    const sizes = sizesOf(avalanches, events);
+    if (sizes.length) {
+      const largest = sizes.at(-1),
+        share = largest / r.bonds_created;
+      add(
+        "Bonds per event",
+        share < 0.05,
+        `median ${format(sizes[Math.floor(sizes.length / 2)])}, largest ${format(largest)}`,
+        `${count(sizes.length, "event", "events")}; ` +
+          `the largest broke ${percent(share, 3)} of all bonds`,
+      );
+    }
+    if (r.peak_error_estimate !== null) {
+      add(
+        "Error of the peak",
+        r.peak_error_estimate <= 0.02,
+        percent(r.peak_error_estimate, 2),
+        "estimate: how late bonds broke up to the peak",
+      );
+    }
+    const errors = values("energy_error_j").filter((e) => e !== null);
+    if (errors.length) {
+      const work = Math.max(
+        ...["energy_external_j", "energy_gravity_j"].map((name) =>
+          values(name).reduce((a, b) => Math.max(a, Math.abs(b ?? 0)), 0),
+        ),
+      );
+      const worst = errors.reduce((a, b) => Math.max(a, Math.abs(b)), 0);
+      add(
+        "Error of the energy",
+        worst <= 0.01 * work,
+        work > 0 ? percent(worst / work, 2) : si(worst, "J"),
+        "maximum, over the maximum work of loads and gravity",
+      );
+    } else {
+      add(
+        "Error of the energy",
+        null,
+        "not measured",
+        "the ledger is kept with output: (energy: true)",
+      );
+    }
+    for (const [name, reason] of Object.entries(r.not_defined))
+      rows.push([name, "not defined", reason]);
+    return panel("Can it be trusted?", make("div", { class: "scroll" }, table(["", "", ""], rows)));
+  };
+
+  // Bonds broken by event, ascending: by avalanche, or by increment where there is none.
+  function sizesOf(avalanches, events) {
+    const modes = ["broken_tension", "broken_shear", "broken_rolling"].map(
+      (name) => avalanches[name] ?? [],
+    );
+    let sizes = modes[0].map((_, k) => modes.reduce((sum, mode) => sum + mode[k], 0));
+    if (!sizes.length) {
+      const by = new Map();
+      for (const increment of events.increment ?? [])
+        by.set(increment, (by.get(increment) ?? 0) + 1);
+      sizes = [...by.values()];
+    }
+    return sizes.sort((a, b) => a - b);
+  }
+
+  Report.ENERGIES = {
+    energy_external_j: "work of loads",
+    energy_gravity_j: "work of gravity",
+    energy_kinetic_change_j: "kinetic",
+    energy_elastic_j: "elastic",
+    energy_friction_j: "friction",
+    energy_rolling_j: "rolling",
+    energy_dilation_j: "dilation",
+    energy_collision_j: "collisions",
+    energy_rupture_j: "rupture",
+    energy_motion_j: "followed motions",
+    energy_turning_j: "turning normals",
+    energy_numerical_j: "numerical",
+    energy_error_j: "error of the ledger",
+  };
+  Report.ledger = ({ history }) => {
+    const rows = Object.entries(Report.ENERGIES)
+      .filter(([name]) => history[name]?.length)
+      .map(([name, text]) => [text, n(si(history[name].at(-1), "J"))]);
+    return rows.length ? panel("Energies at the end", table(["", ""], rows)) : null;
+  };
+
+  // All ruptures in their order; a button shows the bond in the picture.
+  Report.ruptures = ({ events, history }, show) => {
+    const number = events.increment?.length ?? 0;
+    if (!number) return null;
+    const strains = new Map(
+      (history.increment ?? []).map((increment, k) => [increment, history.axial_strain?.[k]]),
+    );
+    const MOST = 500;
+    const rows = [];
+    for (let k = 0; k < Math.min(number, MOST); k++) {
+      const increment = events.increment[k];
+      const button = show
+        ? make("button", { onclick: () => show(events.bond[k], increment) }, "show")
+        : "";
+      rows.push([
+        n(k + 1),
+        n(increment),
+        n(percent(strains.get(increment) ?? null)),
+        n(events.bond[k]),
+        events.mode[k],
+        n(si(events.p_n[k], "N", 3)),
+        n(si(events.q_n[k], "N", 3)),
+        button,
+      ]);
+    }
+    const head = [n("#"), n("increment"), n("strain"), n("bond"), "mode", n("p"), n("q"), ""];
+    const note =
+      number > MOST
+        ? [
+            make(
+              "p",
+              { class: "hint" },
+              `The first ${MOST} of ${format(number)}; all are in events.csv.`,
+            ),
+          ]
+        : [];
+    return panel(
+      "Ruptures in their order",
+      make("div", { class: "scroll" }, table(head, rows)),
+      ...note,
+    );
+  };
+
+  Report.scene = ({ scene, record }) => {
+    const node = make(
+      "div",
+      { class: "wide" },
+      make(
+        "details",
+        {},
+        make("summary", {}, `Scene (${record.scene_file})`),
+        make("pre", {}, scene),
+      ),
+    );
+    return node;
+  };
+})();

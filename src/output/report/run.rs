@@ -1,0 +1,97 @@
+//! What a page shows of a run besides its frames: record, scene, curves, ruptures.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use serde_json::{Map, Value, json};
+
+use crate::output::history::{COLUMNS, ENERGY_COLUMNS};
+use crate::output::{OutputError, avalanches, directory, events, names};
+
+/// Columns of texts.
+const TEXTS: [&str; 4] = ["stage", "status", "caps", "mode"];
+
+/// A run that a page shows.
+pub struct Run {
+    /// Its data, as the page reads them.
+    pub value: Value,
+    /// Increments of the rows of the history with the axial strain, if the scene defines one.
+    pub strains: Vec<(u64, Option<f64>)>,
+    /// Number of ruptures by increment.
+    pub ruptures: BTreeMap<u64, usize>,
+}
+
+impl Run {
+    /// Reads a run.
+    pub fn read(name: &str, path: &Path) -> Result<Self, OutputError> {
+        let record = directory::record(path)?;
+        let scene_file = path.join(names::SCENE);
+        let scene = fs::read_to_string(&scene_file).map_err(OutputError::at(&scene_file))?;
+        let measured = |name: &str| !COLUMNS.contains(&name) && !name.contains('.');
+        let is_shown = |name: &str| {
+            COLUMNS.contains(&name) || ENERGY_COLUMNS.contains(&name) || measured(name)
+        };
+        let history = table(&path.join(names::HISTORY), is_shown)?;
+        let broken = table(&path.join(names::EVENTS), |name| {
+            events::COLUMNS.contains(&name) && !name.starts_with("normal") && name != "stage"
+        })?;
+        let released = table(&path.join(names::AVALANCHES), |name| {
+            avalanches::COLUMNS.contains(&name) && name != "stage"
+        })?;
+        let numbers = |table: &Map<String, Value>, name: &str| -> Vec<Option<f64>> {
+            let column = table.get(name).and_then(Value::as_array);
+            column.map(|values| values.iter().map(Value::as_f64).collect()).unwrap_or_default()
+        };
+        let increments = numbers(&history, "increment").into_iter();
+        let strains = increments.zip(numbers(&history, "axial_strain"));
+        let strains = strains.filter_map(|(n, strain)| Some((n? as u64, strain))).collect();
+        let mut ruptures = BTreeMap::new();
+        for increment in numbers(&broken, "increment").into_iter().flatten() {
+            *ruptures.entry(increment as u64).or_default() += 1;
+        }
+        let value = json!({
+            "name": name,
+            "record": record,
+            "scene": scene,
+            "history": history,
+            "events": broken,
+            "avalanches": released,
+        });
+        Ok(Self { value, strains, ruptures })
+    }
+}
+
+/// The columns of a CSV file with these names. Empty fields are null. A file that is not there has
+/// none.
+fn table(path: &Path, is_read: impl Fn(&str) -> bool) -> Result<Map<String, Value>, OutputError> {
+    let mut columns = Map::new();
+    if !path.exists() {
+        return Ok(columns);
+    }
+    let mut reader = csv::Reader::from_path(path).map_err(OutputError::at(path))?;
+    let header = reader.headers().map_err(OutputError::at(path))?.clone();
+    let mut values: Vec<Vec<Value>> = vec![Vec::new(); header.len()];
+    for row in reader.records() {
+        let row = row.map_err(OutputError::at(path))?;
+        for ((name, field), column) in header.iter().zip(row.iter()).zip(&mut values) {
+            if is_read(name) {
+                column.push(if TEXTS.contains(&name) { field.into() } else { number(field) });
+            }
+        }
+    }
+    for (name, column) in header.iter().zip(values).filter(|(name, _)| is_read(name)) {
+        columns.insert(name.to_owned(), column.into());
+    }
+    Ok(columns)
+}
+
+/// A number as the page has it: null if it is none, whole if it can be, otherwise with seven
+/// significant digits.
+fn number(field: &str) -> Value {
+    let Some(x) = field.parse::<f64>().ok().filter(|x| x.is_finite()) else { return Value::Null };
+    if x == x.trunc() && x.abs() < 9.0e15 {
+        return json!(x as i64);
+    }
+    format!("{x:.6e}").parse::<f64>().map_or(Value::Null, Value::from)
+}

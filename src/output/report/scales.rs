@@ -1,0 +1,161 @@
+//! Scales of a run: of its numbers in a page, of colours and widths, and of the picture. They are
+//! those of all frames, so that nothing jumps from one to the next. A stray grain or a few large
+//! values do not decide about them.
+
+use serde_json::{Value, json};
+
+use super::columns::{most_steps, scale};
+use crate::frames::Frame;
+
+/// Part of the centres, of all frames, that the picture may leave out on each of its four sides.
+const STRAY: f64 = 0.002;
+
+/// Part of values that lie beyond a colour scale.
+const BEYOND: f64 = 0.01;
+
+/// Minimum number of steps of a displacement in the range of its colours.
+const FINE: f32 = 2000.0;
+
+/// Mean stress in the plane, of xx, yy and xy.
+pub fn mean([xx, yy, _]: [f32; 3]) -> f32 {
+    0.5 * (xx + yy)
+}
+
+/// Maximum shear stress in the plane.
+pub fn shear([xx, yy, xy]: [f32; 3]) -> f32 {
+    (0.5 * (xx - yy)).hypot(xy)
+}
+
+/// Largest magnitudes of a run, for `float16`, and quantiles, for colours and widths.
+#[derive(Default)]
+pub struct Scales {
+    displacement: f32,
+    /// Number of bytes of a displacement.
+    pub width: usize,
+    /// Largest rotation, rad.
+    pub rotation: f32,
+    /// Largest mean or shear stress, Pa.
+    pub stress: f32,
+    /// Largest velocity, m/s; 0 in static analysis.
+    pub velocity: f32,
+    /// Largest normal or shear force, N.
+    pub force: f32,
+    /// Largest rolling moment, N m; 0 without any.
+    pub moment: f32,
+    /// Ranges of colours by name.
+    ranges: Vec<(&'static str, [f32; 2])>,
+}
+
+impl Scales {
+    /// Scales of frames. Ranges of colours are those of the frames from `start` on.
+    pub fn of(frames: &[Frame], start: usize) -> Self {
+        let mut scales = Self::default();
+        let mut seen: [Vec<f32>; 6] = Default::default();
+        let mut before: Option<&Frame> = None;
+        for (k, frame) in frames.iter().enumerate() {
+            scales.see(frame);
+            if k >= start {
+                see_values(&mut seen, frame, before);
+                before = Some(frame);
+            }
+        }
+        let mut at = |k: usize, part: f64| quantile(&mut seen[k], part);
+        let (low, high) = (BEYOND, 1.0 - BEYOND);
+        let (turn, moved) = (at(3, high), at(0, high));
+        scales.ranges = vec![
+            ("displacement", [0.0, moved]),
+            ("motion", [0.0, at(1, high)]),
+            ("velocity", [0.0, at(2, high)]),
+            ("rotation", [-turn, turn]),
+            ("stress", [at(4, low), at(4, high)]),
+            ("force", [0.0, at(5, high)]),
+        ];
+        // Two bytes, if the step is then a small part of the range of colours.
+        let is_fine = moved * most_steps(2) as f32 >= FINE * scales.displacement;
+        scales.width = if is_fine { 2 } else { 3 };
+        scales
+    }
+
+    /// Largest magnitudes with those of a frame.
+    fn see(&mut self, frame: &Frame) {
+        let most = |all: &mut f32, x: f32| *all = all.max(x.abs());
+        let (bodies, pairs) = (&frame.bodies, &frame.pairs);
+        bodies.displacement_m.iter().flatten().for_each(|x| most(&mut self.displacement, *x));
+        bodies.velocity_m_s.iter().for_each(|[x, y]| most(&mut self.velocity, x.hypot(*y)));
+        bodies.rotation_rad.iter().for_each(|x| most(&mut self.rotation, *x));
+        for stress in &bodies.stress_pa {
+            most(&mut self.stress, mean(*stress));
+            most(&mut self.stress, shear(*stress));
+        }
+        pairs.p_n.iter().chain(&pairs.q_n).for_each(|x| most(&mut self.force, *x));
+        pairs.tau_nm.iter().for_each(|x| most(&mut self.moment, *x));
+    }
+
+    /// Step of displacements, m.
+    pub fn step(&self) -> f64 {
+        let largest = if self.displacement > 0.0 { self.displacement } else { 1.0 };
+        f64::from(largest) / f64::from(most_steps(self.width))
+    }
+
+    /// The scales as the page reads them.
+    pub fn json(&self) -> Value {
+        let ranges: serde_json::Map<_, _> =
+            self.ranges.iter().map(|(name, range)| ((*name).to_owned(), json!(range))).collect();
+        json!({
+            "step": self.step(),
+            "width": self.width,
+            "rotation": scale(self.rotation),
+            "stress": scale(self.stress),
+            "velocity": if self.velocity > 0.0 { Some(scale(self.velocity)) } else { None },
+            "force": scale(self.force),
+            "moment": if self.moment > 0.0 { Some(scale(self.moment)) } else { None },
+            "ranges": ranges,
+        })
+    }
+}
+
+/// Values of a frame for colours and widths: displacement, motion since the frame before, velocity,
+/// rotation, mean stress, normal force.
+fn see_values(seen: &mut [Vec<f32>; 6], frame: &Frame, before: Option<&Frame>) {
+    let bodies = &frame.bodies;
+    for (row, u) in bodies.displacement_m.iter().enumerate() {
+        seen[0].push(u[0].hypot(u[1]));
+        let then = before.filter(|then| then.bodies.id.get(row) == bodies.id.get(row));
+        if let Some([x, y]) = then.map(|then| then.bodies.displacement_m[row]) {
+            seen[1].push((u[0] - x).hypot(u[1] - y));
+        }
+    }
+    seen[2].extend(bodies.velocity_m_s.iter().map(|[x, y]| x.hypot(*y)));
+    seen[3].extend(bodies.rotation_rad.iter().map(|x| x.abs()));
+    seen[4].extend(bodies.stress_pa.iter().map(|stress| mean(*stress)));
+    let forces = frame.pairs.p_n.iter().filter(|p| **p != 0.0);
+    seen[5].extend(forces.map(|p| p.abs()));
+}
+
+/// Value that the given part of all values does not exceed; 0 without any.
+fn quantile(values: &mut [f32], part: f64) -> f32 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let at = (part * (values.len() - 1) as f64).round() as usize;
+    *values.select_nth_unstable_by(at, f32::total_cmp).1
+}
+
+/// The box that shows the specimen in these frames without its stray grains: left, bottom, right,
+/// top from the origin, m.
+pub fn view(frames: &[Frame], origin: [f64; 2]) -> [f64; 4] {
+    let mut sides: [Vec<f32>; 4] = Default::default();
+    for frame in frames {
+        for row in 0..frame.bodies.id.len() {
+            let (centre, r) = (frame.centre(row), f64::from(frame.bodies.radius_m[row]));
+            for axis in 0..2 {
+                sides[axis].push((centre[axis] - origin[axis] - r) as f32);
+                sides[axis + 2].push((centre[axis] - origin[axis] + r) as f32);
+            }
+        }
+    }
+    [0, 1, 2, 3].map(|k| {
+        let part = if k < 2 { STRAY } else { 1.0 - STRAY };
+        f64::from(quantile(&mut sides[k], part))
+    })
+}

@@ -1,0 +1,44 @@
+//! `Remove` stages: particles that are taken away, for excavations and for specimens that are cut
+//! out of a packing.
+
+use bevy_ecs::prelude::*;
+
+use clastic_components::body::BodyId;
+use clastic_components::particle::Particle;
+use clastic_components::rigid_group::RigidGroup;
+
+use super::load::why_empty;
+use super::select::selected;
+use crate::scene::format::Remove;
+
+/// Takes the selected particles away. Their bonds and the memory of their contacts go with them, by
+/// the hooks of [`BodyId`]. Bonds that broke before stay in the record.
+pub fn remove(world: &mut World, stage: &Remove) {
+    for (_, entity) in selected(world, &stage.select) {
+        world.despawn(entity);
+    }
+}
+
+/// Why the particles cannot be taken away; `None` if they can.
+pub fn refusal(world: &mut World, stage: &Remove) -> Option<String> {
+    let because = |what: String| Some(format!("stage `{}` cannot begin: {what}", stage.name));
+    let ids: Vec<BodyId> = selected(world, &stage.select).into_iter().map(|(id, _)| id).collect();
+    if ids.is_empty() {
+        let (what, remedy) = why_empty(&stage.select);
+        return because(format!("select selects no particle: {what}; {remedy}"));
+    }
+    if ids.len() == world.query::<&Particle>().iter(world).len() {
+        let what = "select selects every particle, so that nothing is left; select fewer";
+        return because(what.to_owned());
+    }
+    let mut groups = world.query::<&RigidGroup>();
+    let member = |group: &RigidGroup| {
+        let id = group.members.iter().find(|id| ids.binary_search(id).is_ok())?;
+        Some((id.0, group.name.clone()))
+    };
+    let (id, group) = groups.iter(world).filter_map(member).min()?;
+    because(format!(
+        "select selects particle {id}, which is a member of the rigid group `{group}`; select others, \
+         or release `{group}` in a loading stage before"
+    ))
+}

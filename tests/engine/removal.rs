@@ -1,0 +1,110 @@
+//! `Remove` stages: what is left stands, falls and keeps its bonds.
+
+use std::f64::consts::PI;
+
+use crate::common::*;
+use clastic::components::bond::{Bond, BondState};
+use clastic::run::{Outcome, Simulation};
+use clastic::scene::format::{FrictionLaw, Scene};
+
+const MASS: f64 = 2000.0 * PI * 0.01 * 0.01;
+
+/// Disks stay on the line of their column.
+const UPRIGHT: &str = "particles: [(select: All, x: Held, rotation: Held)]";
+
+/// A column of four disks on a floor, each bonded to the next where `cement` is a stage.
+fn column(analysis: &str, stages: &str) -> Scene {
+    let disks = (0..4).map(|k| {
+        let y = 0.02 * f64::from(k) + 0.01;
+        format!("(position: (0.0, {y:?}), radius: 0.01, probe: \"{k}\")")
+    });
+    parse(&format!(
+        "(version: 2, title: \"column\", analysis: {analysis}, gravity: (0.0, -9.81),
+          materials: {{ \"m\": (density: 2000.0,
+            contact: (normal_stiffness: 1e6, tangential_stiffness: 1e6, friction: 0.5),
+            bond: (normal_stiffness: 1e6, tangential_stiffness: 1e6, cohesion: 1e6, tensile_strength: 1e6)) }},
+          specimen: Particles([{}]),
+          walls: [(name: \"floor\", start: (-1.0, 0.0), end: (1.0, 0.0), probe: \"floor\",
+            contact: (normal_stiffness: 1e6))],
+          stages: [{stages}])",
+        disks.collect::<Vec<_>>().join(", ")
+    ))
+}
+
+/// The floor carries what is left, under both laws, and the record of what went is empty.
+#[test]
+fn the_floor_carries_what_is_left() {
+    let stages = format!(
+        "Load(name: \"before\", increments: 2, {UPRIGHT}),
+         Remove(name: \"top\", select: Probe(\"3\")),
+         Load(name: \"after\", increments: 2, {UPRIGHT}),
+         Remove(name: \"more\", select: Layer(normal: (0.0, 1.0), from: 0.04, to: 1.0)),
+         Load(name: \"last\", increments: 2, {UPRIGHT})"
+    );
+    for law in [FrictionLaw::Associated, FrictionLaw::COULOMB] {
+        let mut scene = column("Static", &stages);
+        scene.friction_law = law;
+        let (records, outcome) = run(&scene);
+        assert_eq!(outcome, Outcome::Completed);
+        for (record, count) in records.iter().zip([4.0, 4.0, 3.0, 3.0, 2.0, 2.0]) {
+            assert_relative(probe(record, "floor").force[1], count * MASS * 9.81, 1e-7);
+            let there = record.probes.iter().filter(|p| p.name != "floor").count();
+            assert_eq!(there as f64, count);
+        }
+    }
+}
+
+/// What was supported falls freely. With theta = 1 it falls by g dt^2 n(n + 1)/2 in n increments.
+#[test]
+fn what_loses_its_support_falls() {
+    let stages = format!(
+        "Load(name: \"rest\", increments: 40, {UPRIGHT}),
+         Remove(name: \"base\", select: Range(0, 2)),
+         Load(name: \"fall\", increments: 20, {UPRIGHT})"
+    );
+    let (records, _) = run(&column("Dynamic(dt: 1e-3)", &stages));
+    let at = |k: usize| probe(&records[k], "3").motion[1];
+    let (rest, last_step) = (at(39), at(39) - at(38));
+    for n in 1..=20_u32 {
+        let n_f = f64::from(n);
+        // What is left of the settling goes on.
+        let expected = rest + n_f * last_step - 9.81e-6 * n_f * (n_f + 1.0) / 2.0;
+        assert_within(at(39 + n as usize), expected, 1e-12);
+    }
+}
+
+/// Bonds go with their particles. They count neither as intact nor as broken.
+#[test]
+fn bonds_end_with_their_particles() {
+    let stages = "Cement(name: \"cement\", length: 1e-6),
+        Load(name: \"before\", increments: 1),
+        Remove(name: \"middle\", select: Index([1])),
+        Load(name: \"after\", increments: 1, particles: [(select: Index([2, 3]), y: Held)])";
+    let mut simulation = Simulation::new(&column("Static", stages), None);
+    let bonds: Vec<_> = std::iter::from_fn(|| next(&mut simulation)).map(|o| o.bonds).collect();
+    assert_eq!(bonds, [3, 1]);
+    let world = simulation.world_mut();
+    let mut query = world.query::<(&Bond, &BondState)>();
+    let left: Vec<_> = query.iter(world).map(|(b, state)| (b.a.0, b.b.0, *state)).collect();
+    assert_eq!(left, [(2, 3, BondState::Intact)]);
+}
+
+#[test]
+fn what_cannot_be_removed_is_refused_when_the_stage_begins() {
+    let refused = |stages: &str| {
+        let mut simulation = Simulation::new(&column("Static", stages), None);
+        while next(&mut simulation).is_some() {}
+        match simulation.run() {
+            Outcome::Refused { message, .. } => message,
+            other => panic!("{other:?}"),
+        }
+    };
+    let rest = "Load(name: \"rest\", increments: 1, rigid: { \"clump\": (select: Index([0, 1])) })";
+    let say = |select: &str| refused(&format!("{rest}, Remove(name: \"out\", select: {select})"));
+    let empty = say("Circle(centre: (5.0, 0.0), radius: 0.1)");
+    assert!(empty.contains("stage `out` cannot begin: select selects no particle"), "{empty}");
+    let all = say("All");
+    assert!(all.contains("selects every particle"), "{all}");
+    let member = say("Index([1, 2])");
+    assert!(member.contains("particle 1") && member.contains("rigid group `clump`"), "{member}");
+}
