@@ -6,6 +6,7 @@
 mod definitions;
 mod observe;
 mod results;
+mod sanity;
 mod stiffness;
 mod thresholds;
 
@@ -20,6 +21,7 @@ use crate::scene::format::{Scene, Specimen};
 pub use self::definitions::RIGID;
 pub(super) use self::observe::observe_increment;
 pub use self::results::{BrokenBonds, MechanismRecord, PEAK_ERROR, Results, Worst, WorstResiduals};
+pub use self::sanity::warnings as sanity_warnings;
 
 /// Part of a run to which an increment belongs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,6 +40,10 @@ pub struct KeyResults {
     rigid: bool,
     /// Stress that the stiffest contact would have at a strain of 1, Pa.
     stiffness: f64,
+    /// Minimum normal stiffness of contacts between particles over the thickness, Pa.
+    softest: Option<f64>,
+    /// Strains after the last increment of the reference stage: axial and lateral.
+    last_strains: Option<[f64; 2]>,
     /// Delay of ruptures in the last increment with ruptures.
     lag: Option<f64>,
     /// Start of the reference stage.
@@ -94,7 +100,8 @@ impl KeyResults {
         let stiffness = stiffness::maximum(scene) / scene.thickness;
         let is_start_unknown = matches!(scene.specimen, Specimen::State { .. });
         let results = Self::new(stiffness::is_rigid(scene)).with_stiffness(stiffness);
-        Self { is_start_unknown, ..results }
+        let softest = stiffness::minimum(scene).map(|k| k / scene.thickness);
+        Self { is_start_unknown, softest, ..results }
     }
 
     /// Results before the run. `rigid` means that nothing in the specimen is elastic.
@@ -103,6 +110,8 @@ impl KeyResults {
         Self {
             rigid,
             stiffness: 0.0,
+            softest: None,
+            last_strains: None,
             lag: None,
             start: FREE,
             is_start_unknown: false,

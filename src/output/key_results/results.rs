@@ -30,6 +30,14 @@ pub struct Results {
     pub friction_angle_rad: Option<f64>,
     /// Residual strength: mean axial stress of the last quarter of the strain after the peak.
     pub residual_stress_pa: Option<f64>,
+    /// Minimum of k / (p h) under load: k the minimum normal stiffness of contacts between
+    /// particles, p the mean of axial and lateral stress, or the axial one alone.
+    pub stiffness_over_pressure: Option<f64>,
+    /// Maximum elastic overlap of a contact over the smaller radius.
+    pub overlap_over_radius: Option<f64>,
+    /// Maximum inertial number in dynamic stages, `|d e_a/dt - d e_l/dt| sqrt(m / (p h))` with the
+    /// mean mass m (da Cruz et al. 2005).
+    pub inertial_number: Option<f64>,
     /// Axial stress with the maximum difference from that at the start of the reference stage.
     pub peak_stress_pa: Option<f64>,
     /// Axial strain at the peak.
