@@ -153,9 +153,24 @@ impl Bodies {
     #[must_use]
     pub fn wall_drive(&self, wall: &WallRow) -> WallDrive {
         match wall.drive {
-            WallDrive::Imposed(_) if self.resting => WallDrive::default(),
+            WallDrive::Imposed(_) | WallDrive::Turning { .. } if self.resting => {
+                WallDrive::default()
+            }
             WallDrive::Sliding { load, .. } if self.resting => WallDrive::Loaded(load),
             drive => drive,
+        }
+    }
+
+    /// Maximum displacement of a drawn point of a wall that a drive imposes on it in a whole
+    /// increment, m.
+    #[must_use]
+    pub fn wall_travel(&self, wall: &WallRow, drive: WallDrive) -> f64 {
+        match drive {
+            WallDrive::Turning { about, angle } => {
+                let arm = self.positions[wall.body as usize].distance(about);
+                angle.abs() * (arm + wall.extent())
+            }
+            other => other.imposed(wall.tangent()).length(),
         }
     }
 
@@ -281,6 +296,24 @@ impl WallRow {
     #[must_use]
     pub fn nearest(&self, position: DVec2, place: DVec2) -> Nearest {
         self.shape.nearest(self.inward, self.half_length, place - position)
+    }
+
+    /// The wall turned about its position by an angle, rad.
+    #[must_use]
+    pub fn turned(&self, angle: f64) -> Self {
+        if angle == 0.0 {
+            return *self;
+        }
+        let by = DVec2::from_angle(angle);
+        Self { inward: by.rotate(self.inward).normalize(), shape: self.shape.turned(by), ..*self }
+    }
+
+    /// No drawn point of the wall is further from its position, m.
+    fn extent(&self) -> f64 {
+        match self.shape {
+            WallShape::Arc { centre, radius, .. } => centre.length() + radius,
+            WallShape::Line | WallShape::Segment { .. } => self.half_length,
+        }
     }
 
     /// Unit vector from the start to the end of the drawn segment.

@@ -79,6 +79,14 @@ pub enum Quantity {
         /// Its component.
         along: ForceComponent,
     },
+    /// Force or moment of the contacts and bonds that cross the boundary of a group, on the group,
+    /// N or N m.
+    GroupForce {
+        /// Its particles, in the order of identities.
+        members: Vec<BodyId>,
+        /// 0 and 1 for the force along x and y, 2 for the moment about the centre of mass.
+        component: usize,
+    },
     /// Time, s.
     Time,
     /// The value that a plugin provides under this name.

@@ -16,7 +16,7 @@ use crate::material::ContactLaw;
 ///
 /// Its [`Position`] is the middle of the drawn segment; of an arc its middle, of a whole circle its
 /// centre. Material lies on the left of the way from start to end: the inward normal is the tangent
-/// turned by +90 degrees. A wall does not rotate.
+/// turned by +90 degrees.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 #[component(on_add = body_added)]
@@ -34,7 +34,19 @@ impl Wall {
     pub fn inward(&self) -> DVec2 {
         self.tangent.perp()
     }
+
+    /// The wall turned about its position. `by` is the unit vector (cos, sin) of the angle.
+    #[must_use]
+    pub fn turned(&self, by: DVec2) -> Self {
+        Self { tangent: by.rotate(self.tangent).normalize(), ..*self }
+    }
 }
+
+/// Rotation of a wall since the start of the stage list, rad. A wall has it from the first stage
+/// that turns it.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
+pub struct WallRotation(pub f64);
 
 /// Name of a wall in the scene.
 #[derive(Component, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -53,6 +65,20 @@ pub enum WallControl {
     Displacement(DVec2),
     /// It moves with this velocity (m/s); dynamic analysis only.
     Velocity(DVec2),
+    /// It turns about a point by an angle in every increment.
+    Rotation {
+        /// The point, which does not move, m.
+        about: DVec2,
+        /// Angle, rad, anticlockwise.
+        angle: f64,
+    },
+    /// It turns about a point; dynamic analysis only.
+    Spin {
+        /// The point, which does not move, m.
+        about: DVec2,
+        /// Angular velocity, rad/s.
+        rate: f64,
+    },
     /// A force (N) along the inward normal, positive into the specimen. It varies linearly over the
     /// stage from `from` to `to`.
     Force {
@@ -181,6 +207,13 @@ pub enum WallDrive {
         /// Displacement along the tangent over the increment, m.
         along: f64,
     },
+    /// Rotation over the increment.
+    Turning {
+        /// The point about which it turns, m.
+        about: DVec2,
+        /// Angle, rad.
+        angle: f64,
+    },
 }
 
 impl WallDrive {
@@ -188,17 +221,18 @@ impl WallDrive {
     #[must_use]
     pub fn load(&self) -> Option<Ramp> {
         match *self {
-            Self::Imposed(_) => None,
+            Self::Imposed(_) | Self::Turning { .. } => None,
             Self::Loaded(load) | Self::Sliding { load, .. } => Some(load),
         }
     }
 
-    /// Imposed displacement over the increment, m. `tangent` is that of the wall.
+    /// Imposed translation over the increment, m; zero where the wall turns. `tangent` is that of
+    /// the wall.
     #[must_use]
     pub fn imposed(&self, tangent: DVec2) -> DVec2 {
         match *self {
             Self::Imposed(u) => u,
-            Self::Loaded(_) => DVec2::ZERO,
+            Self::Loaded(_) | Self::Turning { .. } => DVec2::ZERO,
             Self::Sliding { along, .. } => along * tangent,
         }
     }

@@ -166,6 +166,24 @@ impl WallShape {
         }
     }
 
+    /// The shape turned about the wall's position. `by` is the unit vector (cos, sin) of the angle.
+    #[must_use]
+    pub fn turned(self, by: DVec2) -> Self {
+        let direction = |unit: DVec2| by.rotate(unit).normalize();
+        match self {
+            Self::Line => Self::Line,
+            Self::Segment { ends } => Self::Segment {
+                ends: ends.map(|end| match end {
+                    WallEnd::Corner(next) => WallEnd::Corner(direction(next)),
+                    other => other,
+                }),
+            },
+            Self::Arc { centre, radius, axis, half_angle } => {
+                Self::Arc { centre: by.rotate(centre), radius, axis: direction(axis), half_angle }
+            }
+        }
+    }
+
     /// Radius (m) and half the opening angle (rad) of an arc.
     #[must_use]
     pub fn circle(&self) -> Option<(f64, f64)> {

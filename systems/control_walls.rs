@@ -8,7 +8,7 @@ use clastic_components::body::{BodyId, Position, Ramp};
 use clastic_components::contact::Bodies;
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::wall::{
-    LoadedLength, TableOf, Wall, WallControl, WallDrive, WallSlide, WallTable,
+    LoadedLength, TableOf, Wall, WallControl, WallDrive, WallRotation, WallSlide, WallTable,
 };
 use glam::DVec2;
 
@@ -27,7 +27,8 @@ impl Plugin for ControlWallsPlugin {
         app.register_state::<ControlStates>(WALL_CONTROL)
             .register_component::<BodyId, WallDrive>("wall_drive")
             .register_component::<BodyId, WallSlide>("wall_slide")
-            .register_component::<BodyId, WallTable>("wall_table");
+            .register_component::<BodyId, WallTable>("wall_table")
+            .register_component::<BodyId, WallRotation>("wall_rotation");
         app.add_systems(ControlWalls, control_walls.in_set(ControlSystems::BuiltIn)).add_systems(
             Increment,
             (
@@ -63,6 +64,10 @@ pub fn control_walls(
             WallControl::Velocity(v) => {
                 dt.map_or_else(WallDrive::default, |dt| WallDrive::Imposed(v * dt))
             }
+            WallControl::Rotation { about, angle } => WallDrive::Turning { about, angle },
+            WallControl::Spin { about, rate } => dt.map_or_else(WallDrive::default, |dt| {
+                WallDrive::Turning { about, angle: rate * dt }
+            }),
             WallControl::Force { from, to } => WallDrive::Loaded(progress.ramp(from, to)),
             WallControl::Stress { length: LoadedLength::Between(a, b), .. }
             | WallControl::Table(TableOf::Stress(LoadedLength::Between(a, b)))

@@ -118,9 +118,14 @@ pub fn paths(
                     let distance = (bodies.positions[b] - bodies.positions[a] + moved).length();
                     distance - bodies.radii[a] - radius
                 }
-                None => match bodies.walls.iter().find(|w| w.body as usize == b && !w.is_line()) {
+                None => match bodies
+                    .walls
+                    .iter()
+                    .find(|w| w.body as usize == b && (!w.is_line() || out[b][2] != 0.0))
+                {
                     Some(wall) => {
                         let place = bodies.positions[a] - moved;
+                        let wall = wall.turned(out[b][2]);
                         wall.nearest(bodies.positions[b], place).distance - bodies.radii[a]
                     }
                     None => contact.gap + contact.normal.dot(moved),

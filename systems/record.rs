@@ -22,6 +22,7 @@ use clastic_components::observation::{
 };
 use clastic_components::particle::Particle;
 use clastic_components::rigid_group::ContactForce;
+use clastic_components::wall::WallRotation;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use crate::attempt::events;
@@ -203,6 +204,7 @@ fn record_probes(
         &Position,
         &Origin,
         Option<&Rotation>,
+        Option<&WallRotation>,
         &ExternalForce,
         Option<&ContactForce>,
     )>,
@@ -210,11 +212,12 @@ fn record_probes(
 ) {
     let mut rows: Vec<(BodyId, ProbeReading, DVec2)> = probes
         .iter()
-        .map(|(id, probe, x, origin, rotation, force, of_contacts)| {
+        .map(|(id, probe, x, origin, rotation, of_wall, force, of_contacts)| {
             // A group records the force on its boundary.
             let force = of_contacts.map_or(force.0, |force| force.0);
             let d = x.0 - origin.0;
-            let motion = [d.x, d.y, rotation.map_or(0.0, |r| r.0)];
+            let turned = rotation.map(|r| r.0).or(of_wall.map(|r| r.0));
+            let motion = [d.x, d.y, turned.unwrap_or(0.0)];
             (*id, ProbeReading { name: probe.0.clone(), motion, force }, x.0)
         })
         .collect();

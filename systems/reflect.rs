@@ -89,6 +89,7 @@ impl Plugin for ReflectPlugin {
             wall::WallName,
             wall::WallControl,
             wall::WallDrive,
+            wall::WallRotation,
             wall::WallSlide,
             wall::WallTable,
             wall_shape::WallShape,

@@ -21,7 +21,8 @@ use clastic_components::increment::{
 use clastic_components::loads::TrialLoads;
 use clastic_components::particle::{Particle, Swinging};
 use clastic_components::rigid_group::{ContactForce, GroupRow, RigidGroup};
-use clastic_components::wall::Wall;
+use clastic_components::wall::{Wall, WallRotation};
+use clastic_components::wall_shape::WallShape;
 use clastic_cone::program::{ConeProgram, ConeSolution, Dof};
 
 use crate::paths::paths;
@@ -179,6 +180,21 @@ type GroupsOfWorld<'w, 's> = Query<
     (With<RigidGroup>, Without<Particle>, Without<Wall>),
 >;
 
+/// The walls of the world.
+type WallsOfWorld<'w, 's> = Query<
+    'w,
+    's,
+    (
+        &'static BodyId,
+        &'static mut Position,
+        &'static mut LastMotion,
+        &'static mut Wall,
+        Option<&'static mut WallShape>,
+        Option<&'static mut WallRotation>,
+    ),
+    (With<Wall>, Without<Particle>),
+>;
+
 /// Moves particles, walls and rigid groups and updates velocities.
 pub fn move_bodies(
     bodies: Res<Bodies>,
@@ -200,7 +216,7 @@ pub fn move_bodies(
         ),
         With<Particle>,
     >,
-    mut walls: Query<(&BodyId, &mut Position, &mut LastMotion), (With<Wall>, Without<Particle>)>,
+    mut walls: WallsOfWorld,
     mut groups: GroupsOfWorld,
 ) {
     // Displacements that separate rigid overlaps move bodies and give no velocity.
@@ -244,11 +260,21 @@ pub fn move_bodies(
             spin.0 = next(u[2], spin.0, imposed[2]);
         }
     }
-    for (id, mut x, mut last) in &mut walls {
+    for (id, mut x, mut last, mut wall, shape, rotation) in &mut walls {
         let Some(i) = bodies.row(*id) else { continue };
         let u = program.bodies[i].to_global(motion[i]);
         x.0 = bodies.positions[i] + DVec2::new(u[0], u[1]);
         last.0 = u;
+        if u[2] != 0.0 {
+            let by = DVec2::from_angle(u[2]);
+            *wall = wall.turned(by);
+            if let Some(mut shape) = shape {
+                *shape = shape.turned(by);
+            }
+            if let Some(mut rotation) = rotation {
+                rotation.0 += u[2];
+            }
+        }
     }
     for (id, group, mut x, mut rotation, mut last) in &mut groups {
         let Some(i) = bodies.row(*id) else { continue };

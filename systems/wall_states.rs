@@ -38,6 +38,10 @@ pub enum ControlState {
     ForceTable,
     /// Stress from a table.
     StressTable(LengthState),
+    /// Rotation about a point in every increment, rad.
+    Rotation(DVec2, f64),
+    /// Angular velocity about a point, rad/s.
+    Spin(DVec2, f64),
 }
 
 /// A [`LoadedLength`] that names walls by identity.
@@ -73,6 +77,8 @@ impl ControlState {
             WallControl::Force { from, to } => Self::Force(from, to),
             WallControl::Stress { from, to, length } => Self::Stress(from, to, of(length)),
             WallControl::Custom => Self::Custom,
+            WallControl::Rotation { about, angle } => Self::Rotation(about, angle),
+            WallControl::Spin { about, rate } => Self::Spin(about, rate),
             WallControl::Table(TableOf::Displacement) => Self::DisplacementTable,
             WallControl::Table(TableOf::Force) => Self::ForceTable,
             WallControl::Table(TableOf::Stress(length)) => Self::StressTable(of(length)),
@@ -94,6 +100,8 @@ impl ControlState {
             Self::Force(from, to) => WallControl::Force { from, to },
             Self::Stress(from, to, length) => WallControl::Stress { from, to, length: of(length) },
             Self::Custom => WallControl::Custom,
+            Self::Rotation(about, angle) => WallControl::Rotation { about, angle },
+            Self::Spin(about, rate) => WallControl::Spin { about, rate },
             Self::DisplacementTable => WallControl::Table(TableOf::Displacement),
             Self::ForceTable => WallControl::Table(TableOf::Force),
             Self::StressTable(length) => WallControl::Table(TableOf::Stress(of(length))),

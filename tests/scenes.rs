@@ -110,7 +110,6 @@ scenes! {
     retaining_wall: "retaining_wall", COMPLETES, &[
         ("porosity", 0.20470607381128514),
     ];
-    shear_box: "shear_box", COMPLETES, &[];
     // The strains of the layers, the strengths of the bonds and the place of the first crack are in
     // tests/engine/specimens.rs.
     two_layers: "two_layers", COMPLETES, &[
@@ -127,10 +126,20 @@ scenes! {
     ];
     notched_beam: "notched_beam", COMPLETES, &[("bonds_created", 979.0)];
     sieve_curve: "sieve_curve", COMPLETES, &[("porosity", 0.22), ("peak_stress_pa", 100.0e3)];
+    // In the box around the disks, as the scene measures no strain of walls.
+    shear_box: "shear_box", COMPLETES, &[
+        ("porosity", 0.21501464344176735),
+    ];
+    // At rest, before the sides are lifted.
     #[ignore = "half a minute"]
-    angle_of_repose: "angle_of_repose", COMPLETES, &[];
+    angle_of_repose: "angle_of_repose", COMPLETES, &[
+        ("porosity", 0.28833816845906135),
+    ];
     #[ignore = "half a minute; a smaller one with its rate of flow is in tests/engine/hopper.rs"]
-    hopper: "hopper", COMPLETES, &[];
+    hopper: "hopper", COMPLETES, &[
+        // At rest on the plate.
+        ("porosity", 0.3260124195672741),
+    ];
     #[ignore = "half a minute"]
     column_collapse_small: "column_collapse_small", COMPLETES, &[];
 

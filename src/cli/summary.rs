@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::output::key_results::{PEAK_ERROR, RIGID, sanity_warnings};
+use crate::output::key_results::{PEAK_ERROR, RIGID};
 use crate::output::{Ending, Results};
 use crate::run::stages::Script;
 use crate::run::{Collapse, Outcome, StageEnd};
@@ -63,12 +63,6 @@ pub fn summary(of: &Summary) -> String {
     if r.peak_stress_pa.is_some() {
         parts.extend(r.porosity.map(|n| format!("porosity {n:.4}")));
     }
-    if let (Some(ratio), Some(overlap)) = (r.stiffness_over_pressure, r.overlap_over_radius) {
-        parts.push(format!(
-            "k/(p h) {ratio:.0} or more, overlaps up to {:.2} % of a radius",
-            100.0 * overlap
-        ));
-    }
     if r.bonds_created > 0 {
         let b = r.bonds_broken;
         parts.push(format!(
@@ -90,7 +84,6 @@ pub fn summary(of: &Summary) -> String {
     lines.extend(script.ends.iter().filter_map(stage));
     lines.extend(warnings(&script.ends));
     lines.extend(peak_error(results));
-    lines.extend(sanity_warnings(results).iter().map(|warning| format!("WARNING: {warning}")));
     lines.extend(not_defined(script, ending, results));
     if !parts.is_empty() {
         lines.push(parts.join("; "));

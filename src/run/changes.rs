@@ -106,6 +106,12 @@ fn motion(control: &Wanted) -> Option<WallControl> {
     match *control {
         Wanted::Displacement(x, y) => Some(WallControl::Displacement(DVec2::new(x, y))),
         Wanted::Velocity(x, y) => Some(WallControl::Velocity(DVec2::new(x, y))),
+        Wanted::Rotation { about, angle } => {
+            Some(WallControl::Rotation { about: about.into(), angle })
+        }
+        Wanted::Spin { about, angular_velocity } => {
+            Some(WallControl::Spin { about: about.into(), rate: angular_velocity })
+        }
         _ => None,
     }
 }

@@ -8,7 +8,7 @@ use clastic_components::body::{BodyId, Drive, Drives, ExternalForce, LoadControl
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::particle::Particle;
 use clastic_components::wall::{
-    LoadedLength, TableOf, Wall, WallControl, WallName, WallSlide, WallTable,
+    LoadedLength, TableOf, Wall, WallControl, WallName, WallRotation, WallSlide, WallTable,
 };
 use clastic_systems::control_walls::loaded_length;
 
@@ -97,6 +97,12 @@ fn control_walls(world: &mut World, stage: &scene::Load) {
                 WallControl::Displacement(DVec2::new(*x, *y))
             }
             Some(scene::WallControl::Velocity(x, y)) => WallControl::Velocity(DVec2::new(*x, *y)),
+            Some(scene::WallControl::Rotation { about, angle }) => {
+                WallControl::Rotation { about: (*about).into(), angle: *angle }
+            }
+            Some(scene::WallControl::Spin { about, angular_velocity }) => {
+                WallControl::Spin { about: (*about).into(), rate: *angular_velocity }
+            }
             Some(scene::WallControl::Force(to)) => force(*to),
             Some(scene::WallControl::Stress { stress: to, .. }) => stress(*to),
             Some(scene::WallControl::Lid { load: scene::LidLoad::Force(to), .. }) => force(*to),
@@ -122,6 +128,9 @@ fn control_walls(world: &mut World, stage: &scene::Load) {
             }
             Some(scene::WallControl::Follow(table)) => {
                 entity.insert(points(table));
+            }
+            Some(scene::WallControl::Rotation { .. } | scene::WallControl::Spin { .. }) => {
+                entity.entry::<WallRotation>().or_default();
             }
             _ => {}
         }

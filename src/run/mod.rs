@@ -10,6 +10,7 @@ pub mod cement;
 pub mod changes;
 pub mod compact;
 pub mod extend;
+mod group_members;
 pub mod load;
 pub mod measures;
 pub mod minerals;

@@ -13,6 +13,7 @@ use clastic_systems::state::RegisterState;
 use clastic_systems::stepping::{Advance, AdvanceSystems, is_due};
 
 use super::before::{Before, take_down};
+use super::group_members::{GROUP_MEMBERS, GroupMembers, are_measured, begin_increment};
 use super::measures::{MeasureKinds, read_custom};
 use super::script::Script;
 use super::stages::{CurrentStage, begin_built_in, change_stages, end_built_in};
@@ -136,6 +137,8 @@ impl Plugin for ScenePlugin {
             .register_state::<MaterialNames>(MATERIALS)
             .register_state::<FirstWall>(FIRST_WALL)
             .register_state::<InheritedWalls>(INHERITED_WALLS)
+            // The script resolves the measures, which have these particles.
+            .register_resource::<GroupMembers>(GROUP_MEMBERS)
             .register_state::<ScriptState>(SCRIPT)
             .register_state::<Approach>(APPROACH)
             .init_resource::<StageKinds>()
@@ -147,7 +150,11 @@ impl Plugin for ScenePlugin {
             .add_systems(
                 Advance,
                 (
-                    (change_stages, take_down.run_if(is_due))
+                    (
+                        change_stages,
+                        begin_increment.run_if(is_due).run_if(are_measured),
+                        take_down.run_if(is_due),
+                    )
                         .chain()
                         .in_set(AdvanceSystems::Begin)
                         .run_if(runs_scene),

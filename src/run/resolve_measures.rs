@@ -14,6 +14,7 @@ use clastic_components::observation::{
 };
 use clastic_components::particle::Particle;
 
+use super::group_members::{self, GroupMembers};
 use super::spawn::find_wall;
 use super::stages::Script;
 use crate::scene::format as scene;
@@ -28,8 +29,13 @@ pub fn resolve_measures(world: &mut World) {
     let lateral_strain = wanted.lateral_strain.and_then(|m| strain(world, &m));
     let axial_stress = wanted.axial_stress.and_then(|m| stress(world, &m));
     let lateral_stress = wanted.lateral_stress.and_then(|m| stress(world, &m));
-    let list =
-        list.into_iter().map(|measure| (measure.name, quantity(world, &measure.of))).collect();
+    let list = list
+        .into_iter()
+        .map(|scene::Measure { name, of }| {
+            let quantity = quantity(world, &name, &of);
+            (name, quantity)
+        })
+        .collect();
     world.resource_mut::<NamedMeasures>().list = list;
     keep_what_is_needed(world, [axial_strain, lateral_strain]);
     let mut measures = world.resource_mut::<Measures>();
@@ -93,8 +99,21 @@ fn strain(world: &mut World, measure: &scene::Strain) -> Option<StrainMeasure> {
     })
 }
 
-fn quantity(world: &mut World, of: &scene::Quantity) -> Option<Quantity> {
+fn quantity(world: &mut World, name: &str, of: &scene::Quantity) -> Option<Quantity> {
     Some(match of {
+        scene::Quantity::GroupForce { select, along, .. } => {
+            let kept = world.get_resource::<GroupMembers>().and_then(|kept| kept.0.get(name));
+            let members = match kept.cloned() {
+                Some(members) => members,
+                None => group_members::members(world, select),
+            };
+            let component = match along {
+                scene::GroupAlong::X => 0,
+                scene::GroupAlong::Y => 1,
+                scene::GroupAlong::Moment => 2,
+            };
+            Quantity::GroupForce { members, component }
+        }
         scene::Quantity::Strain(of) => Quantity::Strain(strain(world, of)?),
         scene::Quantity::Stress(of) => Quantity::Stress(stress(world, of)?),
         scene::Quantity::Porosity(of) => Quantity::Porosity(area(world, of)?),

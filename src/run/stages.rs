@@ -11,7 +11,7 @@ use super::measures::MeasureKinds;
 use super::plugin::{BeginStage, EndStage, StageKinds};
 use super::resolve_measures::resolve_measures;
 pub use super::script::{Collapse, CollapsedBy, EndedBy, Outcome, Script, StageEnd, Step};
-use super::{cement, compact, load, remove, rigid, save, until};
+use super::{cement, compact, group_members, load, remove, rigid, save, until};
 use crate::scene::format::Stage;
 
 /// The stage that begins, runs or ends.
@@ -102,6 +102,7 @@ fn begin(world: &mut World, stage: Stage) {
     }
     world.insert_resource(CurrentStage(stage));
     world.run_schedule(BeginStage);
+    group_members::begin_stage(world);
     resolve_measures(world);
     if is_reference {
         let _ = world.run_system_cached(take_reference);

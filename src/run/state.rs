@@ -234,12 +234,20 @@ impl StateView {
             let material = materials.0.get(index.0 as usize).cloned();
             Some(StoredParticle { x: place.x, y: place.y, r: particle.radius, material })
         });
+        // Walls follow the particles that the run had at its start.
+        let FirstWall(first) = state.get(FIRST_WALL)?;
+        let last = particles.last().map_or(0, |(id, _)| id.0 + 1);
+        let specimen = StoredSpecimen {
+            rows: rows.collect(),
+            indices: u64::from(first.max(last)),
+            state: Some(stored_state(state)?),
+        };
         Ok(Self {
             progress: state.get(PROGRESS)?,
             begun: state.get::<ScriptState>(SCRIPT)?.begun,
             ramps: controls.0.iter().any(|(_, control)| control.is_ramp())
                 || loads.iter().any(|(_, load)| load.0.iter().any(|(from, to)| from != to)),
-            specimen: StoredSpecimen { rows: rows.collect(), state: Some(stored_state(state)?) },
+            specimen,
         })
     }
 

@@ -80,10 +80,17 @@ fn set_end(shape: &mut WallShape, k: usize, end: WallEnd) {
     }
 }
 
-/// The wall with all its points moved.
+/// The wall with all its points moved, from a place to another, and turned about it. `by` is the unit
+/// vector (cos, sin) of the angle.
 #[must_use]
-pub fn moved(wall: &scene::Wall, by: DVec2) -> scene::Wall {
-    let shift = |(x, y): (f64, f64)| (x + by.x, y + by.y);
+pub fn moved(wall: &scene::Wall, from: DVec2, by: DVec2, to: DVec2) -> scene::Wall {
+    let shift = |(x, y): (f64, f64)| {
+        if by == DVec2::X {
+            let by = to - from;
+            return (x + by.x, y + by.y);
+        }
+        (to + by.rotate(DVec2::new(x, y) - from)).into()
+    };
     let mut wall = wall.clone();
     (wall.start, wall.end) = (shift(wall.start), shift(wall.end));
     match &mut wall.shape {

@@ -44,9 +44,10 @@ const AS_ARRAYS: [&[&str]; 5] =
 
 /// Entries that a scene which starts from the state has of its own: its place among its stages, its
 /// settings, its output, and what the next increment makes anew.
-const OF_THE_SCENE: [&str; 16] = [
+const OF_THE_SCENE: [&str; 17] = [
     "analysis",
     "materials.names",
+    "measures.groups",
     "measures.named",
     "measures.path",
     "measures.reference",

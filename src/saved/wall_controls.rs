@@ -32,7 +32,10 @@ pub(super) fn write(
     let mut rows = Vec::new();
     for control in ids.iter().map(control) {
         rows.push(match control {
-            ControlState::Fixed => ("fixed", [0.0; 2], [NONE; 2]),
+            // What turned in its stage stands still until another one turns it.
+            ControlState::Fixed | ControlState::Rotation(..) | ControlState::Spin(..) => {
+                ("fixed", [0.0; 2], [NONE; 2])
+            }
             ControlState::Displacement(u) => ("displacement", u.to_array(), [NONE; 2]),
             ControlState::Velocity(v) => ("velocity", v.to_array(), [NONE; 2]),
             ControlState::Force(from, to) => ("force", reached(from, to), [NONE; 2]),
@@ -63,6 +66,7 @@ pub(super) fn write(
     let drives = of::<WallDrive>(state, "wall_drive", ids)?;
     let drives = drives.iter().map(|drive| match drive.unwrap_or_default() {
         WallDrive::Imposed(u) => ((false, f64::NAN), u.to_array()),
+        WallDrive::Turning { .. } => ((false, f64::NAN), [0.0; 2]),
         WallDrive::Loaded(ramp) => ((true, f64::NAN), [ramp.from, ramp.to]),
         WallDrive::Sliding { load, along } => ((true, along), [load.from, load.to]),
     });

@@ -266,10 +266,16 @@ pub(super) fn now(
             (wall.start, wall.end) = ((middle.0 - half).into(), (middle.0 + half).into());
             wall
         }
-        (Some(_), Some(middle)) => {
-            let drawn = pieces(wall).first().map_or(middle.0, |piece| piece.position);
-            moved(wall, middle.0 - drawn)
-        }
+        (Some(now), Some(middle)) => match pieces(wall).first() {
+            Some(drawn) => {
+                let tangent = drawn.wall.tangent;
+                let by = DVec2::new(tangent.dot(now.tangent), tangent.perp_dot(now.tangent));
+                // A wall that has not turned keeps its digits.
+                let by = if tangent == now.tangent { DVec2::X } else { by };
+                moved(wall, drawn.position, by, middle.0)
+            }
+            None => wall.clone(),
+        },
         _ => wall.clone(),
     });
     Ok(now.collect())

@@ -84,9 +84,7 @@ pub(super) fn particles(specimen: &Specimen, stored: Option<&StoredSpecimen>) ->
             (columns * rows).saturating_sub(rows / 2)
         }
         Specimen::Packing { count, .. } => u64::from(*count),
-        Specimen::File { .. } | Specimen::State { .. } => {
-            stored.map_or(0, |stored| stored.rows.len() as u64)
-        }
+        Specimen::File { .. } | Specimen::State { .. } => stored.map_or(0, |stored| stored.indices),
     }
 }
 

@@ -14,6 +14,9 @@ use crate::saved::SavedState;
 pub struct StoredSpecimen {
     /// Its particles.
     pub rows: Vec<StoredParticle>,
+    /// Number of indices of particles, in use or not: more than rows where particles were taken
+    /// away before the state was stored.
+    pub indices: u64,
     /// What a saved state has besides.
     pub state: Option<StoredState>,
 }
@@ -22,7 +25,7 @@ impl StoredSpecimen {
     /// Particles at rest and free of stress.
     #[must_use]
     pub fn of(rows: Vec<StoredParticle>) -> Self {
-        Self { rows, state: None }
+        Self { indices: rows.len() as u64, rows, state: None }
     }
 
     /// Whether these are the particles of a run that is resumed, which its scene has cut already.

@@ -44,10 +44,11 @@ fn stored(saved: SavedState) -> Result<StoredSpecimen, SavedError> {
         Some(StoredParticle { x, y, r: particle.radius, material })
     });
     let rows = rows.collect();
+    let indices = particles.last().map_or(0, |(id, _)| u64::from(id.0) + 1);
     let walls = saved.walls_now()?;
     let saved = Arc::new(saved);
     let state = StoredState::of(&saved.world, walls, Some(Arc::clone(&saved)))?;
-    Ok(StoredSpecimen { rows, state: Some(state) })
+    Ok(StoredSpecimen { rows, indices, state: Some(state) })
 }
 
 impl StoredState {

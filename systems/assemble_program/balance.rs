@@ -10,6 +10,7 @@ use clastic_components::body::Drive;
 use clastic_components::contact::Bodies;
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::loads::TrialLoads;
+use clastic_components::rigid_group::GroupRow;
 use clastic_components::wall::WallDrive;
 use clastic_cone::program::{Dof, FreeDof, Interaction, ProgramBody};
 
@@ -77,6 +78,17 @@ pub fn assemble(
                 Dof::Fixed(fraction * u.dot(wall.inward.perp())),
                 Dof::Fixed(0.0),
             ],
+            WallDrive::Turning { about, angle } => {
+                let angle = fraction * angle;
+                let arm = bodies.positions[wall.body as usize] - about;
+                let [x, y, _] = GroupRow::carried([0.0, 0.0, angle], arm);
+                let u = DVec2::new(x, y);
+                [
+                    Dof::Fixed(u.dot(wall.inward)),
+                    Dof::Fixed(u.dot(wall.inward.perp())),
+                    Dof::Fixed(angle),
+                ]
+            }
             WallDrive::Loaded(force) | WallDrive::Sliding { load: force, .. } => {
                 let [x, y, _] = added(wall.body as usize).map(|load| load.force);
                 let load = force.at(fraction) + wall.inward.dot(DVec2::new(x, y));

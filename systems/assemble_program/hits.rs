@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use clastic_components::body::Drive;
-use clastic_components::contact::{Bodies, Contact, WallRow};
+use clastic_components::contact::{Bodies, Contact};
 use clastic_components::wall::WallDrive;
 use clastic_components::wall_shape::Curve;
 use clastic_cone::program::{ConeProgram, Dof, FreeDof, Interaction};
@@ -64,6 +64,11 @@ impl Motion {
         let wall = bodies.walls.iter().find(|wall| wall.body as usize == i)?;
         match bodies.wall_drive(wall) {
             WallDrive::Imposed(u) => Some(Self { velocity: u / whole, ..Self::default() }),
+            WallDrive::Turning { about, angle } => {
+                let spin = angle / whole;
+                let velocity = spin * (bodies.positions[i] - about).perp();
+                Some(Self { velocity, spin, ..Self::default() })
+            }
             WallDrive::Loaded(_) | WallDrive::Sliding { .. } => None,
         }
     }
@@ -168,7 +173,9 @@ impl Approach {
         let [mut time, speed] = self.hit(dt)?;
         let (a, b) = (c.a as usize, c.b as usize);
         let wall = bodies.walls.iter().find(|wall| wall.body as usize == b);
-        if wall.is_some_and(WallRow::is_line) {
+        // The path of a point of a wall that turns is straight to first order.
+        let turns = motions[b].is_some_and(|motion| motion.spin != 0.0);
+        if wall.is_some_and(|wall| wall.is_line() || turns) {
             let Self { acceleration, .. } = *self;
             return Some(Hit { time, speed, acceleration, normal: contact.normal });
         }

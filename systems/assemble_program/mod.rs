@@ -9,6 +9,7 @@ pub mod loose;
 pub mod rebounds;
 pub mod scales;
 pub mod taut;
+pub mod turning;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
@@ -107,6 +108,7 @@ pub fn assemble_program(
     if search.active && attempt.effort().is_some() {
         lift_strengths(&contacts.0, &mut program.interactions);
     }
+    turning::carry(&bodies, &contacts.0, corrections, progress.fraction, &mut program.interactions);
     groups::join(&bodies, &mut program.interactions);
     let balance = |program: &mut ConeProgram| {
         balance::assemble(

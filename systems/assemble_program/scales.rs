@@ -60,7 +60,7 @@ fn displacement(bodies: &Bodies, analysis: &Analysis, progress: &Progress) -> f6
         Drive::Imposed(u) => f * u.abs(),
         Drive::Free => 0.0,
     });
-    let walls = bodies.walls.iter().map(|w| f * bodies.wall_drive(w).imposed(w.tangent()).length());
+    let walls = bodies.walls.iter().map(|w| f * bodies.wall_travel(w, bodies.wall_drive(w)));
     let groups = bodies.groups.iter().map(|group| f * bodies.imposed_motion(group));
     let moved = bodies.last_motion.iter().map(|u| f * DVec2::new(u[0], u[1]).length());
     let maximum = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);

@@ -5,7 +5,7 @@ use bevy_ecs::prelude::*;
 use glam::DVec2;
 
 use clastic_components::attempt::{Attempt, Verdict};
-use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::contact::{Bodies, Contacts, WallRow};
 use clastic_components::findings::AddedPairs;
 use clastic_components::increment::Acceptance;
 use clastic_cone::program::{ConeProgram, ConeSolution};
@@ -49,7 +49,11 @@ pub(super) fn add_closed(
 ) -> bool {
     let tolerance = acceptance.overlap * bodies.mean_radius;
     let positions = moved_positions(bodies, program, solution);
-    let missed = |reach: f64| unlisted_pairs(bodies, candidates, contacts, &positions, reach);
+    let rotations = |body: u32| solution.displacements.get(body as usize).map_or(0.0, |u| u[2]);
+    let walls: Vec<WallRow> =
+        bodies.walls.iter().map(|wall| wall.turned(rotations(wall.body))).collect();
+    let missed =
+        |reach: f64| unlisted_pairs(bodies, &walls, candidates, contacts, &positions, reach);
     if missed(-tolerance).is_empty() {
         return false;
     }
@@ -57,7 +61,7 @@ pub(super) fn add_closed(
     let near = |(a, b): &(u32, u32)| {
         let reach =
             COMPANY * bodies.mean_radius + COMPANY_OF_MOTION * (motion(*a) - motion(*b)).length();
-        gap(bodies, &positions, *a, *b) <= reach
+        gap(bodies, &walls, &positions, *a, *b) <= reach
     };
     add(pairs, missed(FURTHEST * bodies.mean_radius).into_iter().filter(near));
     true
@@ -70,13 +74,22 @@ pub(super) fn add(pairs: &mut AddedPairs, new: impl Iterator<Item = (u32, u32)>)
     pairs.0.dedup();
 }
 
-/// Gap between a particle and a particle or wall at the given positions, m.
-pub(super) fn gap(bodies: &Bodies, positions: &[DVec2], a: u32, b: u32) -> f64 {
+/// Gap between a particle and a particle or wall at the given positions, m. `walls` are those of
+/// `bodies`, turned as they are there.
+pub(super) fn gap(bodies: &Bodies, walls: &[WallRow], positions: &[DVec2], a: u32, b: u32) -> f64 {
     let (x, r) = (positions[a as usize], bodies.radii[a as usize]);
-    match bodies.walls.iter().find(|w| w.body == b) {
+    match walls.iter().find(|w| w.body == b) {
         Some(wall) => {
             let from = |places: &[DVec2]| places[a as usize] - places[b as usize];
-            let way = [from(&bodies.positions), from(positions)];
+            let mut way = [from(&bodies.positions), from(positions)];
+            // The way is that in the axes of the wall as it is at the end.
+            if let Some(before) = bodies.walls.iter().find(|w| w.body == b)
+                && before.inward != wall.inward
+            {
+                let by =
+                    DVec2::new(before.inward.dot(wall.inward), before.inward.perp_dot(wall.inward));
+                way[0] = by.rotate(way[0]);
+            }
             if wall.shape.is_crossed(wall.inward, wall.half_length, way) {
                 // The centre has gone through: it is on the other side, and not free.
                 -r - way[0].distance(way[1])
@@ -92,6 +105,7 @@ pub(super) fn gap(bodies: &Bodies, positions: &[DVec2], a: u32, b: u32) -> f64 {
 /// for new candidates runs only if bodies have left the neighbourhood of the present ones.
 pub(super) fn unlisted_pairs(
     bodies: &Bodies,
+    walls: &[WallRow],
     Candidates(candidates): &Candidates,
     contacts: &Contacts,
     positions: &[DVec2],
@@ -116,7 +130,8 @@ pub(super) fn unlisted_pairs(
     }
     for wall in &bodies.walls {
         for pair in (0..bodies.particles as u32).map(|a| (a, wall.body)) {
-            if gap(bodies, positions, pair.0, pair.1) <= reach && !is_listed(contacts, pair) {
+            let near = gap(bodies, walls, positions, pair.0, pair.1) <= reach;
+            if near && !is_listed(contacts, pair) {
                 pairs.push(pair);
             }
         }

@@ -50,11 +50,13 @@ pub fn judge(
     let moved: Vec<DVec2> =
         bodies.positions.iter().zip(&motion).map(|(x, u)| *x + scale * *u).collect();
     let closes = |(a, b): &(u32, u32)| {
-        let closing = gap(&bodies, &bodies.positions, *a, *b) - gap(&bodies, &moved, *a, *b);
+        let at = |positions: &[DVec2]| gap(&bodies, &bodies.walls, positions, *a, *b);
+        let closing = at(&bodies.positions) - at(&moved);
         closing > CLOSES * scale * maximum
     };
     let reach = 2.0 * acceptance.throw * bodies.mean_radius;
-    let near = unlisted_pairs(&bodies, &candidates, &contacts, &bodies.positions, reach);
+    let places = &bodies.positions;
+    let near = unlisted_pairs(&bodies, &bodies.walls, &candidates, &contacts, places, reach);
     let touched = |wall: u32| history.0.0.iter().any(|m| m.b == wall && m.p > 0.0);
     let coming = bodies.walls.iter().filter(|w| motion[w.body as usize] != DVec2::ZERO);
     let coming = coming.filter(|w| !touched(w.body));
@@ -64,7 +66,7 @@ pub fn judge(
     if !closing.is_empty() {
         // The next solution moves by about the smallest of these gaps, and not by as much as the
         // last one.
-        let gaps = closing.iter().map(|(a, b)| gap(&bodies, &bodies.positions, *a, *b));
+        let gaps = closing.iter().map(|(a, b)| gap(&bodies, &bodies.walls, places, *a, *b));
         let nearest = gaps.fold(f64::INFINITY, f64::min).max(1e-3 * bodies.mean_radius);
         attempt.magnitudes = Some((nearest.max(program.scales.displacement), program.scales.force));
         add(&mut pairs, closing.into_iter());

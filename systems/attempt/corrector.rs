@@ -23,6 +23,7 @@ use clastic_components::contact::{Bodies, Contact, Contacts};
 use clastic_components::findings::{Correction, Corrections};
 use clastic_components::increment::{Analysis, AnalysisKind, Corrector};
 use clastic_components::rigid_group::GroupRow;
+use clastic_components::wall::WallDrive;
 use clastic_components::wall_shape::Curve;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
@@ -152,10 +153,14 @@ fn of_pair(bodies: &Bodies, [a, b]: [usize; 2], [start, at, finish]: [DVec2; 3])
     })
 }
 
-/// A particle and a wall with curves or ends. The normal of a line is constant.
+/// A particle and a wall with curves or ends. The normal of a line is constant. A wall that turns is
+/// left to [`turning`](crate::assemble_program::turning).
 fn of_wall(bodies: &Bodies, contact: &Contact, way: [DVec2; 3]) -> Option<Exact> {
     let k = bodies.walls.binary_search_by_key(&contact.b, |w| w.body).ok()?;
     let wall = bodies.walls.get(k).filter(|wall| !wall.is_line())?;
+    if matches!(bodies.wall_drive(wall), WallDrive::Turning { .. }) {
+        return None;
+    }
     let radius = bodies.radii[contact.a as usize];
     let [start, at, finish] = way.map(|to_wall| wall.nearest(to_wall, DVec2::ZERO));
     let normal = -at.outward;

@@ -44,7 +44,7 @@ fn snapped(
         Drive::Imposed(u) => Some(u.abs()),
         Drive::Free => None,
     });
-    let walls = bodies.walls.iter().map(|w| w.drive.imposed(w.tangent()).length());
+    let walls = bodies.walls.iter().map(|w| bodies.wall_travel(w, w.drive));
     let groups = bodies.groups.iter().map(|group| bodies.imposed_motion(group));
     let imposed = progress.fraction * imposed.chain(walls).chain(groups).fold(0.0, f64::max);
     let n = bodies.particles;

@@ -92,6 +92,10 @@ pub fn expected_motion(
         if let WallDrive::Imposed(u) = drive {
             displacement[wall.body as usize] = f * u;
             imposed = imposed.max(f * u.length());
+        } else if let WallDrive::Turning { .. } = drive {
+            // The contact point may move more than the wall's position: the margin covers it.
+            displacement[wall.body as usize] = DVec2::ZERO;
+            imposed = imposed.max(f * bodies.wall_travel(wall, drive));
         } else if let WallDrive::Sliding { along, .. } = drive {
             imposed = imposed.max(f * along.abs());
             if let AnalysisKind::Dynamic { .. } = analysis.kind {

@@ -30,6 +30,13 @@ pub struct Tables<'a> {
     pub end: &'a [DVec2],
 }
 
+impl Tables<'_> {
+    /// Rotation of a wall in the increment, rad.
+    fn turned(&self, wall: usize) -> f64 {
+        self.solution.displacements.get(wall).map_or(0.0, |u| u[2])
+    }
+}
+
 /// An interaction of the program with its stored energy.
 pub struct Part<'a> {
     /// Index among the interactions.
@@ -106,7 +113,7 @@ pub fn book(
         ends += finish;
         state += if breaks && is_bond {
             let law = contact_law(bodies, tables.materials, tables.analysis, contact);
-            let gap = gap_at(bodies, tables.end, contact);
+            let gap = gap_at(tables, contact);
             let remembered = tables.history.get(contact.a, contact.b).map_or(0.0, |m| m.q);
             pressed(law.normal_compliance, gap, false)
                 + 0.5 * law.tangential_compliance * remembered * remembered
@@ -152,7 +159,7 @@ fn part<'a>(
         let at_limit = 0.5 * compliance * p * p;
         [pressed(compliance, start, true), at_limit, at_limit]
     } else {
-        let end = gap_at(bodies, tables.end, contact) - born;
+        let end = gap_at(tables, contact) - born;
         [start, gaps[1], end].map(|gap| pressed(compliance, gap, is_bond))
     };
     let tangential = theta * c.tangential_compliance;
@@ -178,15 +185,19 @@ fn part<'a>(
     }
 }
 
-/// Gap of a contact at the given positions, m.
-pub fn gap_at(bodies: &Bodies, positions: &[DVec2], contact: &Contact) -> f64 {
+/// Gap of a contact at the end, m.
+pub fn gap_at(tables: &Tables, contact: &Contact) -> f64 {
+    let (bodies, positions) = (tables.bodies, tables.end);
     let (a, b) = (contact.a as usize, contact.b as usize);
     match bodies.radii.get(b) {
         Some(radius) => positions[a].distance(positions[b]) - bodies.radii[a] - radius,
-        None => match bodies.walls.iter().find(|w| w.body as usize == b && !w.is_line()) {
-            Some(wall) => wall.nearest(positions[b], positions[a]).distance - bodies.radii[a],
+        None => match bodies.walls.iter().find(|w| w.body as usize == b) {
+            Some(wall) if !wall.is_line() || tables.turned(b) != 0.0 => {
+                let near = wall.turned(tables.turned(b)).nearest(positions[b], positions[a]);
+                near.distance - bodies.radii[a]
+            }
             // The normal of a wall contact points from the particle to the wall.
-            None => (positions[b] - positions[a]).dot(contact.normal) - bodies.radii[a],
+            _ => (positions[b] - positions[a]).dot(contact.normal) - bodies.radii[a],
         },
     }
 }

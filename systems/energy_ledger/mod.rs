@@ -155,7 +155,7 @@ pub fn book_energies(solved: Solved, moved: Moved, mut ledger: ResMut<EnergyLedg
     let mut release = |part: &Part| {
         if part.breaks && part.is_bond {
             let contact = part.contact;
-            let gap = gap_at(bodies, &end, contact);
+            let gap = gap_at(&tables, contact);
             let left = after_rupture(&tables, contact, gap, part.forces);
             let forces = [0, 1, 2].map(|k| part.forces[k] - left[k]);
             released.push(Released { a: contact.a, b: contact.b, forces });

@@ -3,7 +3,9 @@
 use glam::DVec2;
 
 use clastic_components::body::Ramp;
+use clastic_components::contact::WallRow;
 use clastic_components::energy::{Energies, Released};
+use clastic_components::wall::WallDrive;
 use clastic_cone::program::{ConeProgram, Dof, Interaction, Limits};
 
 use super::dynamic::turned_work;
@@ -92,7 +94,7 @@ fn bond_of(tables: &Tables, released: &Released) -> Interaction {
         None => (apart.normalize(), apart.dot(apart.normalize())),
     };
     let half_gap = 0.5 * (distance - bodies.radii[a] - other);
-    Interaction {
+    let c = Interaction {
         a: released.a,
         b: released.b,
         normal,
@@ -106,7 +108,13 @@ fn bond_of(tables: &Tables, released: &Released) -> Interaction {
         previous_shear: 0.0,
         limits: Limits::default(),
         dilation: 0.0,
+    };
+    let turns = |wall: &WallRow| matches!(bodies.wall_drive(wall), WallDrive::Turning { .. });
+    if wall.is_some_and(turns) {
+        let lever = normal * (bodies.radii[a] + half_gap) - apart;
+        return c.carried_by(false, released.b, lever);
     }
+    c
 }
 
 /// Adds the forces of an interaction to the resistance of its bodies.

@@ -3,6 +3,7 @@
 pub mod cracks;
 pub mod fabric;
 pub mod fragments;
+pub mod groups;
 pub mod principal;
 pub mod strain;
 pub mod stress;
@@ -74,17 +75,20 @@ pub fn elastic_energy(program: &ConeProgram, solution: &ConeSolution) -> f64 {
     energies.sum()
 }
 
-/// Reads the stresses, which refer to the geometry at the start of the increment.
+/// Reads stresses and forces on groups, which refer to the geometry at the start of the increment.
 pub fn read_start(tables: StressTables, named: Res<NamedMeasures>, mut out: ResMut<Readings>) {
     if named.list.is_empty() {
         return;
     }
-    let stress = |quantity: &Option<Quantity>| match quantity {
+    let read = |quantity: &Option<Quantity>| match quantity {
         Some(Quantity::Stress(measure)) => tables.stress(measure),
+        Some(Quantity::GroupForce { members, component }) => {
+            tables.force_on(members).map(|force| force[*component])
+        }
         _ => None,
     };
     out.0.clear();
-    out.0.extend(named.list.iter().map(|(_, quantity)| stress(quantity)));
+    out.0.extend(named.list.iter().map(|(_, quantity)| read(quantity)));
 }
 
 /// What the readings at the end of an increment follow from.
@@ -117,7 +121,7 @@ impl EndTables<'_, '_> {
         match quantity {
             Quantity::Strain(measure) => self.strains.strain(measure, reference),
             // Read at the start, and by the plugin.
-            Quantity::Stress(_) | Quantity::Custom(_) => None,
+            Quantity::Stress(_) | Quantity::GroupForce { .. } | Quantity::Custom(_) => None,
             Quantity::Porosity(area) => {
                 let area = match area {
                     MeasureArea::Fixed(area) => *area,
@@ -214,7 +218,7 @@ fn energy(ledger: &EnergyLedger, term: EnergyTerm) -> f64 {
 pub fn read_end(tables: EndTables, named: Res<NamedMeasures>, mut out: ResMut<Readings>) {
     for (k, (_, quantity)) in named.list.iter().enumerate() {
         let Some(quantity) = quantity else { continue };
-        if matches!(quantity, Quantity::Stress(_)) {
+        if matches!(quantity, Quantity::Stress(_) | Quantity::GroupForce { .. }) {
             continue;
         }
         let reference = named.references.get(k).copied().flatten();

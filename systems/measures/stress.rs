@@ -13,6 +13,7 @@ use clastic_components::wall::Wall;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 use clastic_cone::residuals::{displacement_scale, force_scale};
 
+use super::groups;
 use super::principal::Principal;
 use crate::control_walls::wall_distance;
 
@@ -108,13 +109,25 @@ pub struct StressTables<'w, 's> {
 }
 
 impl StressTables<'_, '_> {
+    /// Whether the last solution has physical forces. Those of a compaction come from its
+    /// regularisation and give no stress.
+    fn carries(&self) -> bool {
+        !matches!(self.analysis.kind, AnalysisKind::LeastMotion { .. })
+            && matches!(self.attempt.status, IncrementStatus::Solved | IncrementStatus::Capped)
+    }
+
+    /// Force (N) and moment (N m) of the contacts on these particles; `None` where nothing carries
+    /// them.
+    #[must_use]
+    pub fn force_on(&self, members: &[BodyId]) -> Option<[f64; 3]> {
+        let Self { bodies, contacts, solution, .. } = self;
+        self.carries().then(|| groups::force_on(members, bodies, contacts, solution)).flatten()
+    }
+
     /// A stress, Pa; `None` where a wall is not there or nothing carries it.
     #[must_use]
     pub fn stress(&self, measure: &StressMeasure) -> Option<f64> {
-        // The forces of a compaction come from its regularisation and give no stress.
-        let carried = !matches!(self.analysis.kind, AnalysisKind::LeastMotion { .. })
-            && matches!(self.attempt.status, IncrementStatus::Solved | IncrementStatus::Capped);
-        if !carried {
+        if !self.carries() {
             return None;
         }
         let thickness = self.analysis.thickness;

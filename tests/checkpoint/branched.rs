@@ -9,7 +9,7 @@ use clastic::scene::{self, LoadedScene};
 
 use crate::common::files;
 use crate::resumed::{COULOMB, run, same_from_anywhere};
-use crate::same_bytes::{EXCAVATION, THIN};
+use crate::same_bytes::{EXCAVATION, THIN, TURNING};
 
 /// A scene of `scenes/`, or a text, under settings.
 fn scene_of(rig: &str, sets: &[String]) -> LoadedScene {
@@ -17,6 +17,7 @@ fn scene_of(rig: &str, sets: &[String]) -> LoadedScene {
     let loaded = match rig {
         "COULOMB" => scene::from_str(COULOMB, Path::new("rig.ron"), Path::new(""), sets),
         "THIN" => scene::from_str(THIN, Path::new("rig.ron"), Path::new(""), sets),
+        "TURNING" => scene::from_str(TURNING, Path::new("rig.ron"), Path::new(""), sets),
         "EXCAVATION" => scene::from_str(EXCAVATION, Path::new("rig.ron"), Path::new(""), sets),
         _ => scene::load(Path::new(&path), sets),
     };
@@ -248,4 +249,20 @@ fn particles_that_were_taken_away() {
     same_in_two("EXCAVATION", &["probes={}"], [first, second], parent.path());
     let events = text(&parent.path().join("a").join(directory::EVENTS));
     assert!(events.contains(",6,11,"), "no bond of particle 6 broke: {events}");
+}
+
+/// A wall that has turned, its shape and its rotation are in the state.
+#[test]
+fn walls_that_have_turned() {
+    let first = r#"Cement(name: "cement", length: 1.0e-4, walls: true),
+        Load(name: "tilt", increments: 4,
+            walls: { "plate": Rotation(about: (-0.05, -0.01), angle: 2.0e-3) }),
+        Load(name: "spin", increments: 10, analysis: Dynamic(dt: 2.0e-3), walls: {
+            "flap": Spin(about: (0.125, 0.06), angular_velocity: 1.0),
+            "drum": Spin(about: (0.0, 0.0), angular_velocity: 3.0) })"#;
+    let second = r#"Load(name: "on", increments: 10, analysis: Dynamic(dt: 2.0e-3), walls: {
+            "plate": Spin(about: (0.05, 0.0), angular_velocity: -2.0),
+            "drum": Spin(about: (0.0, 0.0), angular_velocity: 3.0) })"#;
+    let parent = tempfile::tempdir().unwrap();
+    same_in_two("TURNING", &[], [first, second], parent.path());
 }

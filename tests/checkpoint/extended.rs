@@ -86,6 +86,19 @@ fn by_more_increments_of_the_last_stage() {
     same_as_in_one_piece(&with(4), &with(9));
 }
 
+/// The indices of a stored specimen are those of its file, also where particles were taken away.
+#[test]
+fn of_a_stored_specimen_from_which_particles_were_taken_away() {
+    let with = |increments: u32| {
+        let stages = format!(
+            r#"stages=[Remove(name: "cut", select: Range(0, 300)), Load(name: "load",
+                increments: {increments}, particles: [(select: Index([399]), y: Displacement(1.0e-5))])]"#
+        );
+        load("biaxial_small", &[r#"probes={"last": 399}"#, &stages])
+    };
+    same_as_in_one_piece(&with(2), &with(4));
+}
+
 #[test]
 fn by_more_increments_and_stages_of_a_dynamic_run() {
     let with = |increments: u32, more: &str| {

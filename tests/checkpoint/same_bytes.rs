@@ -328,3 +328,51 @@ fn particles_that_are_taken_away() {
     assert!(bonds("stand") > bonds("stand again") && bonds("stand again") > bonds("fall"));
     assert!(records.iter().all(|o| o.status == IncrementStatus::Solved));
 }
+
+/// A bonded heap on a plate that turns, beside a polyline that spins, and a drum below; groups whose
+/// force is measured.
+pub const TURNING: &str = r#"(
+    version: 2,
+    title: "Walls that turn",
+    gravity: (0.0, -9.81),
+    friction_law: ByAnalysis,
+    materials: { "stone": (density: 2000.0,
+        contact: (normal_stiffness: 1.0e6, tangential_stiffness: 1.0e6, friction: 0.4),
+        bond: (normal_stiffness: 1.0e6, tangential_stiffness: 1.0e6, cohesion: 1.0e4, tensile_strength: 1.0e4)) },
+    specimen: Lattice(columns: 6, rows: 4, radius: 0.01),
+    walls: [
+        (name: "plate", shape: Segment, start: (-0.05, -0.01), end: (0.15, -0.01), probe: "plate",
+            contact: (normal_stiffness: 1.0e6, tangential_stiffness: 1.0e6, friction: 0.4)),
+        (name: "flap", shape: Polyline([(0.125, 0.02)]), start: (0.115, -0.005), end: (0.125, 0.06), probe: "flap",
+            contact: (normal_stiffness: 1.0e6)),
+        (name: "drum", shape: Arc(through: (0.0, 0.5)), start: (0.0, -0.5), end: (0.0, -0.5), probe: "drum",
+            contact: (normal_stiffness: 1.0e6, friction: 0.4)),
+    ],
+    stages: [
+        Cement(name: "cement", length: 1.0e-4, select: Layer(normal: (0.0, 1.0), from: -1.0, to: 0.02), walls: true),
+        Load(name: "tilt", increments: 4,
+            walls: { "plate": Rotation(about: (-0.05, -0.01), angle: 2.0e-3) }),
+        Load(name: "spin", increments: 20, analysis: Dynamic(dt: 2.0e-3), walls: {
+            "plate": Spin(about: (0.05, 0.0), angular_velocity: -2.0),
+            "flap": Spin(about: (0.125, 0.06), angular_velocity: 1.0),
+            "drum": Spin(about: (0.0, 0.0), angular_velocity: 3.0) }),
+        Load(name: "hold", increments: 5, analysis: Dynamic(dt: 2.0e-3)),
+    ],
+    measures: [
+        (name: "fixed_n", of: GroupForce(select: Box(min: (0.0, 0.03), max: (0.06, 1.0)), along: Y)),
+        (name: "live_n", of: GroupForce(select: Box(min: (0.0, 0.03), max: (0.06, 1.0)), along: Y, live: true)),
+        (name: "moment_nm", of: GroupForce(select: Range(0, 7), along: Moment)),
+    ],
+    output: (energy: true),
+)"#;
+
+#[test]
+fn walls_that_turn_and_groups_whose_force_is_measured() {
+    let records = same_from_anywhere(&parse(TURNING), |k| k % 3 == 1);
+    let last = records.last().unwrap();
+    let turned =
+        |name: &str| last.probes.iter().find(|p| p.name == name).map_or(f64::NAN, |p| p.motion[2]);
+    for (name, angle) in [("plate", 8e-3 - 0.08), ("flap", 0.04), ("drum", 0.12)] {
+        assert!((turned(name) - angle).abs() < 1e-14, "{name}: {}", turned(name));
+    }
+}

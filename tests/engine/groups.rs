@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use crate::common::*;
 use clastic::components::bond::Bond;
+use clastic::components::measure::Readings;
 use clastic::run::Simulation;
 use clastic::scene::format::Scene;
 
@@ -115,4 +116,76 @@ fn cement_takes_a_selection_and_a_law() {
     assert!(
         strong.iter().all(|bond| bond.law.cohesion == 3e6 && bond.law.normal_compliance == 0.0)
     );
+}
+
+/// Values of the named measures after every increment.
+fn readings(scene: &Scene) -> Vec<(Vec<Option<f64>>, Vec<[f64; 3]>)> {
+    let mut simulation = Simulation::new(scene, None);
+    let mut rows = Vec::new();
+    while let Some(record) = next(&mut simulation) {
+        let probes = record.probes.iter().map(|probe| probe.force).collect();
+        rows.push((simulation.world().resource::<Readings>().0.clone(), probes));
+    }
+    rows
+}
+
+/// The boundary of a group carries its weight, and force and moment on a rigid group are those of
+/// its members, in statics and in dynamics.
+#[test]
+fn the_force_on_a_group_is_that_on_its_boundary() {
+    for analysis in ["Static", "Dynamic(dt: 1e-3)"] {
+        let scene = parse(&format!(
+            "(version: 2, title: \"groups\", analysis: {analysis}, gravity: (0.0, -9.81),
+              materials: {{ \"m\": (density: 2000.0,
+                contact: (normal_stiffness: 1e7, tangential_stiffness: 1e7, friction: 0.5)) }},
+              specimen: Lattice(columns: 5, rows: 4, radius: 0.01),
+              walls: [(name: \"floor\", start: (-1.0, -0.01), end: (1.0, -0.01),
+                contact: (normal_stiffness: 1e7, tangential_stiffness: 1e7, friction: 0.5))],
+              stages: [Load(name: \"push\", increments: 4, rigid: {{
+                \"clump\": (select: Index([9, 10, 14]), force: (2.0, -3.0), moment: 0.01) }})],
+              measures: [
+                (name: \"x\", of: GroupForce(select: Index([9, 10, 14]))),
+                (name: \"y\", of: GroupForce(select: Index([9, 10, 14]), along: Y)),
+                (name: \"m\", of: GroupForce(select: Index([9, 10, 14]), along: Moment, live: true)),
+                (name: \"all\", of: GroupForce(select: All, along: Y)),
+                (name: \"none\", of: GroupForce(select: Circle(centre: (9.0, 9.0), radius: 0.1), live: true)),
+              ])"
+        ));
+        let mass = 2000.0 * std::f64::consts::PI * 1e-4;
+        for (values, probes) in readings(&scene) {
+            for k in 0..3 {
+                assert_within(values[k].unwrap(), probes[0][k], 1e-9);
+            }
+            if analysis == "Static" {
+                // The floor carries 18 disks and what the load of the clump has reached.
+                let weight = 18.0 * mass * 9.81;
+                let load = values[3].unwrap() - weight;
+                assert!((0.7..3.1).contains(&load), "{load}");
+                assert_within(values[1].unwrap(), 3.0 * mass * 9.81 + load, 1e-6 * weight);
+            }
+            assert_eq!(values[4], None);
+        }
+    }
+}
+
+/// A fixed group keeps its particles, a live one has those that are in its region.
+#[test]
+fn a_live_group_has_the_particles_that_are_there() {
+    let scene = parse(
+        "(version: 2, title: \"fall\", analysis: Dynamic(dt: 1e-2), gravity: (0.0, -9.81),
+          materials: { \"m\": (density: 2000.0) },
+          specimen: Particles([(position: (0.0, 0.01), radius: 0.01), (position: (0.5, 0.5), radius: 0.01)]),
+          walls: [(name: \"floor\", start: (-1.0, 0.0), end: (1.0, 0.0))],
+          stages: [Load(name: \"fall\", increments: 60)],
+          measures: [
+            (name: \"fixed\", of: GroupForce(select: Box(min: (-1.0, 0.0), max: (1.0, 0.1)), along: Y)),
+            (name: \"live\", of: GroupForce(select: Box(min: (-1.0, 0.0), max: (1.0, 0.1)), along: Y, live: true)),
+          ])",
+    );
+    let weight = 2000.0 * std::f64::consts::PI * 1e-4 * 9.81;
+    let rows = readings(&scene);
+    assert_relative(rows[2].0[1].unwrap(), weight, 1e-6);
+    let last = &rows.last().unwrap().0;
+    assert_relative(last[0].unwrap(), weight, 1e-6);
+    assert_relative(last[1].unwrap(), 2.0 * weight, 1e-6);
 }

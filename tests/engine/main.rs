@@ -38,3 +38,4 @@ mod stages;
 mod stress;
 mod swinging;
 mod thin_walls;
+mod turning_walls;

@@ -124,3 +124,23 @@ fn shipped_scenes_are_found_anywhere() {
         assert!(nowhere.contains(place), "no `{place}` in {nowhere}");
     }
 }
+
+/// A recipe that writes a scene into `scenes/` leaves one there that the program does not list and
+/// that has no stored reference, so that the tests fail afterwards.
+#[test]
+fn no_recipe_of_the_docs_writes_into_the_scenes() {
+    let root = Path::new(ROOT);
+    let pages = fs::read_dir(root.join("docs")).unwrap().map(|entry| entry.unwrap().path());
+    let pages = pages.chain(["README.md", "CONTRIBUTING.md"].map(|page| root.join(page)));
+    let mut commands = 0;
+    for page in pages.filter(|page| page.extension().is_some_and(|e| e == "md")) {
+        // Blocks of commands are indented by four spaces.
+        for line in fs::read_to_string(&page).unwrap().lines().filter(|l| l.starts_with("    ")) {
+            commands += usize::from(line.contains("scenes/"));
+            let writes = ["> scenes/", ">scenes/", "--out scenes", "-o scenes/"];
+            let found = writes.iter().any(|write| line.contains(write));
+            assert!(!found, "{}: {line}", page.display());
+        }
+    }
+    assert!(commands > 0, "{commands} lines name a scene: are blocks still indented?");
+}

@@ -79,6 +79,84 @@ fn a_run_reads_the_final_particles_of_another_one() {
     assert_eq!(json(again.path(), "run.json")["specimen_sha256"].as_str().map(str::len), Some(64));
 }
 
+/// Grains that are poured into a box, and its end under equal stress on all sides.
+fn poured(seed: u64) -> String {
+    format!(
+        r#"(
+        version: 1,
+        title: "poured bed",
+        analysis: Dynamic(dt: 2.0e-3, theta: 1.0),
+        gravity: (0.0, -9.81),
+        materials: {{ "sand": (density: 2650.0, contact: (friction: 0.5)) }},
+        specimen: Packing(
+            count: 120, columns: 10, spacing: 12.5e-3, origin: (4.0e-3, 4.0e-3),
+            sizes: Uniform(radius: (4.0e-3, 6.0e-3)), seed: {seed},
+        ),
+        walls: [
+            (name: "floor", start: (0.0, 0.0), end: (0.132, 0.0)),
+            (name: "left", start: (0.0, 0.5), end: (0.0, 0.0)),
+            (name: "right", start: (0.132, 0.0), end: (0.132, 0.5)),
+        ],
+        stages: [Load(name: "pour", increments: 400)],
+    )"#
+    )
+}
+
+fn confined(specimen: &Path) -> String {
+    let stiff = "contact: (normal_stiffness: 60.0e6)";
+    let [axial, lateral] = [r#""left", "right""#, r#""floor", "lid""#]
+        .map(|between| format!("Stress(stress: 100.0e3, between: ({between}))"));
+    format!(
+        r#"(
+        version: 1,
+        title: "poured bed under equal stress",
+        materials: {{
+            "sand": (contact: (normal_stiffness: 60.0e6, tangential_stiffness: 30.0e6, friction: 0.5)),
+        }},
+        specimen: File(path: {specimen:?}),
+        walls: [
+            (name: "floor", start: (0.0, 0.0), end: (0.132, 0.0), {stiff}),
+            (name: "lid", start: (0.132, 0.14), end: (0.0, 0.14), {stiff}),
+            (name: "left", start: (0.0, 0.14), end: (0.0, 0.0), {stiff}),
+            (name: "right", start: (0.132, 0.0), end: (0.132, 0.14), {stiff}),
+        ],
+        stages: [Load(name: "confine", increments: 10, walls: {{
+            "floor": {axial}, "lid": {axial}, "left": {lateral}, "right": {lateral},
+        }})],
+        measures: (
+            axial_stress: Walls(walls: ["floor", "lid"], length: Between("left", "right")),
+            lateral_stress: Walls(walls: ["left", "right"], length: Between("floor", "lid")),
+        ),
+    )"#
+    )
+}
+
+/// The grains of the surface carry nothing, and the lid begins far above them: no static state lies
+/// near the first stress, and the run was undecided in its first increment.
+#[test]
+fn a_poured_bed_that_is_read_again_is_confined() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = |name: &str| directory.path().join(name);
+    let run = |scene: &str, text: String| {
+        fs::write(path(scene), text).unwrap();
+        let out = path(scene).with_extension("");
+        let [scene, to] = [&path(scene), &out].map(|path| path.to_str().unwrap().to_owned());
+        clastic(&["run", &scene, "--out", &to, "--force", "--set", "output.plots=false"]).code(0);
+        out
+    };
+    for seed in [3, 4] {
+        let bed = run("pour.ron", poured(seed));
+        let out = run("confine.ron", confined(&bed.join("final_particles.csv")));
+        let history = rows(&out, "history.csv");
+        assert!(history.iter().all(|row| row["status"] == "solved"), "seed {seed}");
+        let last = history.last().unwrap();
+        for stress in ["axial_stress_pa", "lateral_stress_pa"] {
+            let reached: f64 = last[stress].parse().unwrap();
+            assert!((reached / 100e3 - 1.0).abs() < 1e-7, "seed {seed}: {stress} {reached}");
+        }
+    }
+}
+
 #[test]
 fn headers_are_the_documented_ones() {
     let (done, out) = run("tension", &["--quiet", "--set", "stages.pull.increments=1"]);

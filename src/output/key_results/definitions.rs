@@ -17,7 +17,7 @@ const UNKNOWN_START: &str = "the run starts from a saved state, whose stress no 
                              put a loading stage of one increment before it";
 /// Reason why a rigid specimen has no modulus.
 pub const RIGID: &str = "nothing is elastic";
-pub(super) const CAPPED_BEFORE: &str = "an increment that it would come from is capped";
+const CAPPED_BEFORE: &str = "an increment that it would come from is capped";
 
 impl KeyResults {
     /// The results so far.
@@ -43,18 +43,6 @@ impl KeyResults {
             &["youngs_modulus_secant_half_peak_pa"],
             peak.and_then(|peak| self.secant(peak)),
         );
-        results.poissons_ratio =
-            defined(&["poissons_ratio"], peak.and_then(|peak| self.poisson(peak)));
-        results.crack_initiation_stress_pa = defined(
-            &["crack_initiation_stress_pa"],
-            peak.and_then(|peak| self.crack_initiation(peak)),
-        );
-        results.crack_damage_stress_pa =
-            defined(&["crack_damage_stress_pa"], peak.and_then(|peak| self.crack_damage(peak)));
-        results.friction_angle_rad =
-            defined(&["friction_angle_rad"], peak.and_then(|peak| self.friction_angle(peak)));
-        results.residual_stress_pa =
-            defined(&["residual_stress_pa"], peak.and_then(|peak| self.residual(peak)));
         results.limit_load_pa = defined(&["limit_load_pa"], self.limit_load(peak));
         results.first_crack_stress_pa = defined(&["first_crack_stress_pa"], self.first_crack());
         let _ = defined(

@@ -6,9 +6,7 @@
 mod definitions;
 mod observe;
 mod results;
-mod sanity;
 mod stiffness;
-mod thresholds;
 
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -21,7 +19,6 @@ use crate::scene::format::{Scene, Specimen};
 pub use self::definitions::RIGID;
 pub(super) use self::observe::observe_increment;
 pub use self::results::{BrokenBonds, MechanismRecord, PEAK_ERROR, Results, Worst, WorstResiduals};
-pub use self::sanity::warnings as sanity_warnings;
 
 /// Part of a run to which an increment belongs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,10 +37,6 @@ pub struct KeyResults {
     rigid: bool,
     /// Stress that the stiffest contact would have at a strain of 1, Pa.
     stiffness: f64,
-    /// Minimum normal stiffness of contacts between particles over the thickness, Pa.
-    softest: Option<f64>,
-    /// Strains after the last increment of the reference stage: axial and lateral.
-    last_strains: Option<[f64; 2]>,
     /// Delay of ruptures in the last increment with ruptures.
     lag: Option<f64>,
     /// Start of the reference stage.
@@ -72,26 +65,10 @@ struct Point {
     stress: f64,
     /// Whether the status is `solved`; false if a maximum number of passes was reached.
     solved: bool,
-    /// Lateral strain.
-    lateral_strain: Option<f64>,
-    /// Volumetric strain.
-    volumetric: Option<f64>,
-    /// Lateral stress, Pa.
-    lateral_stress: Option<f64>,
-    /// Bonds broken so far.
-    broken: usize,
 }
 
 /// A start without stress.
-const FREE: Point = Point {
-    strain: 0.0,
-    stress: 0.0,
-    solved: true,
-    lateral_strain: Some(0.0),
-    volumetric: Some(0.0),
-    lateral_stress: Some(0.0),
-    broken: 0,
-};
+const FREE: Point = Point { strain: 0.0, stress: 0.0, solved: true };
 
 impl KeyResults {
     /// Results before the run of a scene.
@@ -100,8 +77,7 @@ impl KeyResults {
         let stiffness = stiffness::maximum(scene) / scene.thickness;
         let is_start_unknown = matches!(scene.specimen, Specimen::State { .. });
         let results = Self::new(stiffness::is_rigid(scene)).with_stiffness(stiffness);
-        let softest = stiffness::minimum(scene).map(|k| k / scene.thickness);
-        Self { is_start_unknown, softest, ..results }
+        Self { is_start_unknown, ..results }
     }
 
     /// Results before the run. `rigid` means that nothing in the specimen is elastic.
@@ -110,8 +86,6 @@ impl KeyResults {
         Self {
             rigid,
             stiffness: 0.0,
-            softest: None,
-            last_strains: None,
             lag: None,
             start: FREE,
             is_start_unknown: false,
@@ -187,20 +161,10 @@ impl KeyResults {
             return false;
         }
         let Some(stress) = o.axial_stress else { return false };
-        let point = Point {
-            strain: o.axial_strain.unwrap_or_default(),
-            stress,
-            solved,
-            lateral_strain: o.lateral_strain,
-            volumetric: o.volumetric_strain,
-            lateral_stress: o.lateral_stress,
-            broken: tension + shear + rolling,
-        };
+        let point = Point { strain: o.axial_strain.unwrap_or_default(), stress, solved };
         self.last = Some(point);
         if phase == Phase::Loading {
-            // Strains count from here.
-            let zero = Some(0.0);
-            self.start = Point { strain: 0.0, lateral_strain: zero, volumetric: zero, ..point };
+            self.start = Point { strain: 0.0, ..point };
             self.is_start_unknown = false;
             return false;
         }

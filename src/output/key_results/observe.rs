@@ -2,14 +2,10 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::attempt::IncrementStatus;
-use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::identity::Identities;
-use clastic_components::increment::{Analysis, Progress};
+use clastic_components::increment::Progress;
 use clastic_components::observation::Observation;
-use clastic_cone::program::{ConeProgram, ConeSolution};
 
-use super::sanity::overlap;
 use super::{KeyResults, Phase};
 use crate::frames::FrameTables;
 use crate::output::caption::caption;
@@ -24,8 +20,6 @@ pub fn observe_increment(
     (script, progress): (Res<Script>, Res<Progress>),
     observation: Res<Observation>,
     identities: Res<Identities>,
-    (bodies, contacts, analysis): (Res<Bodies>, Res<Contacts>, Res<Analysis>),
-    (program, solution): (Res<ConeProgram>, Res<ConeSolution>),
     (scenery, tables): (Scenery, FrameTables),
     mut results: ResMut<KeyResults>,
     mut moments: ResMut<Moments>,
@@ -39,11 +33,6 @@ pub fn observe_increment(
     };
     results.see_bonds(identities.next().bond as usize);
     let is_peak = results.observe(&observation, phase);
-    if matches!(observation.status, IncrementStatus::Solved | IncrementStatus::Capped) {
-        let masses = bodies.masses.iter().sum::<f64>() / bodies.masses.len().max(1) as f64;
-        let overlap = overlap(&bodies, &contacts, &program, &solution);
-        results.see_limits(&observation, phase, &analysis, (overlap, masses));
-    }
     if is_peak && ARE_ARRAYS {
         frames.peak = Some(tables.frame());
     }

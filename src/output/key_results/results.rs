@@ -16,28 +16,6 @@ pub struct Results {
     pub youngs_modulus_pa: Option<f64>,
     /// Secant modulus from the start of the reference stage to half the peak.
     pub youngs_modulus_secant_half_peak_pa: Option<f64>,
-    /// Poisson's ratio of the plane, `-e_l / e_a` from the start of the reference stage to half the
-    /// peak, at constant lateral stress.
-    pub poissons_ratio: Option<f64>,
-    /// Crack initiation: axial stress at which 1 % of the bonds that break up to the peak are broken
-    /// (Potyondy and Cundall 2004).
-    pub crack_initiation_stress_pa: Option<f64>,
-    /// Crack damage: axial stress at the maximum of the volumetric strain before the peak (Martin
-    /// and Chandler 1994).
-    pub crack_damage_stress_pa: Option<f64>,
-    /// Friction angle of this one test at the peak, `sin phi = |s_a - s_l| / (s_a + s_l)`, rad: what
-    /// cohesion carries counts as friction.
-    pub friction_angle_rad: Option<f64>,
-    /// Residual strength: mean axial stress of the last quarter of the strain after the peak.
-    pub residual_stress_pa: Option<f64>,
-    /// Minimum of k / (p h) under load: k the minimum normal stiffness of contacts between
-    /// particles, p the mean of axial and lateral stress, or the axial one alone.
-    pub stiffness_over_pressure: Option<f64>,
-    /// Maximum elastic overlap of a contact over the smaller radius.
-    pub overlap_over_radius: Option<f64>,
-    /// Maximum inertial number in dynamic stages, `|d e_a/dt - d e_l/dt| sqrt(m / (p h))` with the
-    /// mean mass m (da Cruz et al. 2005).
-    pub inertial_number: Option<f64>,
     /// Axial stress with the maximum difference from that at the start of the reference stage.
     pub peak_stress_pa: Option<f64>,
     /// Axial strain at the peak.

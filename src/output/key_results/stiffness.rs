@@ -15,14 +15,6 @@ pub fn maximum(scene: &Scene) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// Minimum normal stiffness of the contacts of particles with each other, N/m; `None` where one of
-/// the materials is rigid.
-pub fn minimum(scene: &Scene) -> Option<f64> {
-    let mut stiffnesses = scene.materials.values().map(|m| m.contact.normal_stiffness);
-    let first = stiffnesses.next()??;
-    stiffnesses.try_fold(first, |minimum, k| Some(minimum.min(k?)))
-}
-
 /// Whether nothing in a scene is elastic.
 pub fn is_rigid(scene: &Scene) -> bool {
     let rigid = |c: &Contact| c.normal_stiffness.is_none() && c.tangential_stiffness.is_none();

@@ -36,8 +36,8 @@ pub use minerals::{Clusters, Mineral};
 pub use output::{Output, Record};
 pub use particle_control::{Motion, ParticleControl, Select};
 pub use quantities::{
-    Along, Area, Component, Cracks, Energy, FabricComponent, Fragments, Length, Modes, Network,
-    Quantity, Strain, StrainComponent, Stress,
+    Along, Area, Component, Cracks, Energy, FabricComponent, Fragments, GroupAlong, Length, Modes,
+    Network, Quantity, Strain, StrainComponent, Stress,
 };
 pub use rigid::{RigidControl, Traction};
 pub use scatter::{Scatter, Spread};

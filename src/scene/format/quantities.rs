@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::Select;
+
 /// What is measured.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
@@ -64,6 +66,18 @@ pub enum Quantity {
         #[serde(default)]
         along: Along,
     },
+    /// Force or moment of the contacts that cross the boundary of a group, N or N m.
+    GroupForce {
+        /// The particles.
+        select: Select,
+        /// Component of the force, or the moment.
+        #[serde(default)]
+        along: GroupAlong,
+        /// Whether the particles are selected anew in every increment, and not only when a stage
+        /// begins.
+        #[serde(default)]
+        live: bool,
+    },
     /// Time, s.
     Time,
     /// The value that a plugin provides under this name.
@@ -96,6 +110,18 @@ pub enum Along {
     X,
     /// Along y.
     Y,
+}
+
+/// Component of the force on a group.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+pub enum GroupAlong {
+    /// Along x.
+    #[default]
+    X,
+    /// Along y.
+    Y,
+    /// Moment about the centre of mass.
+    Moment,
 }
 
 /// A strain since the start of the reference stage.

@@ -76,6 +76,20 @@ pub enum WallControl {
     Displacement(f64, f64),
     /// Velocity (x, y), m/s.
     Velocity(f64, f64),
+    /// Rotation about a point in every increment.
+    Rotation {
+        /// The point, which does not move, m.
+        about: (f64, f64),
+        /// Angle, rad, anticlockwise.
+        angle: f64,
+    },
+    /// Rotation about a point with an angular velocity.
+    Spin {
+        /// The point, which does not move, m.
+        about: (f64, f64),
+        /// Angular velocity, rad/s, anticlockwise.
+        angular_velocity: f64,
+    },
     /// Force along the inward normal at the end of the stage, N.
     Force(f64),
     /// Stress along the inward normal at the end of the stage, Pa.

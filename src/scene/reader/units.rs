@@ -65,9 +65,9 @@ const WRITTEN: [(&str, &str, f64); 53] = [
 pub(in crate::scene) fn unit_of(name: &str, around: Option<&'static str>) -> Option<&'static str> {
     Some(match name {
         "position" | "radius" | "limits" | "spacing" | "origin" | "start" | "end" | "min"
-        | "max" | "length" | "step" | "thickness" | "Height" => "m",
+        | "max" | "about" | "length" | "step" | "thickness" | "Height" => "m",
         "x" | "y" => "m",
-        "rotation" => "rad",
+        "rotation" | "angle" => "rad",
         "Displacement" => around.unwrap_or("m"),
         "Velocity" if around == Some("rad") => "rad/s",
         "Velocity" | "velocity" | "Rest" => "m/s",

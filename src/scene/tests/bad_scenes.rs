@@ -177,7 +177,7 @@ fn fields() {
         (r#"(position: (2.0, 1.0), radius: 1.0)"#, r#"(position: {2.0, 1.0}, radius: 1.0)"#,
          "12:20: specimen[1].position: expected 2 values in round brackets `(...)`, found `{2.0, 1.0}`"),
         (FORCE, "Push(1.0)",
-         "22:28: stages[0].walls.top: unknown variant `Push`; there are the variants `Fixed`, `Displacement`, `Velocity`, `Force`, `Stress`, `Custom`, `Lid`, `Follow`"),
+         "22:28: stages[0].walls.top: unknown variant `Push`; there are the variants `Fixed`, `Displacement`, `Velocity`, `Rotation`, `Spin`, `Force`, `Stress`, `Custom`, `Lid`, `Follow`"),
         (r#""grain": ("#, r#""grain": Grain("#,
          "5:18: materials.grain: expected `(density: ...)`, found `Grain(...)`"),
         (r#""top": Force(1.0)"#, r#""top": Force(1.0), "top": Fixed"#,

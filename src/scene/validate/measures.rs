@@ -6,6 +6,7 @@ use crate::scene::format::{Area, Length, Measure, Quantity, ROLES, Strain, Stres
 
 use super::Context;
 use super::findings::Findings;
+use super::select::select;
 use super::specimen::index_exists;
 use super::thin_walls::one_piece;
 use crate::history_columns::{COLUMNS, ENERGY_COLUMNS};
@@ -90,6 +91,9 @@ fn check_list(context: &Context, list: &[Measure], findings: &mut Findings) {
                     let help = "set `output: (energy: true)`";
                     findings.add(path, "the run keeps no energy ledger", help);
                 }
+            }
+            Quantity::GroupForce { select: of, .. } => {
+                select(context, format_args!("{path}.select"), of, findings);
             }
             Quantity::Custom(name) if name.trim().is_empty() => {
                 let help = "name a measure that a plugin of the program provides";

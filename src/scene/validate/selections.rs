@@ -24,7 +24,10 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
         Specimen::State { .. } => context.starts_here(),
         _ => true,
     };
-    if !is_read || regions(stage, &scene.groups).next().is_none() {
+    // Rows are not indices where particles were taken away before.
+    let has_gaps =
+        context.specimen.is_some_and(|stored| stored.indices != stored.rows.len() as u64);
+    if !is_read || has_gaps || regions(stage, &scene.groups).next().is_none() {
         return;
     }
     // An invalid recipe makes no particles.

@@ -197,7 +197,8 @@ fn load(
     if let Some(gravity) = stage.gravity {
         findings.vector(format_args!("{path}.gravity"), gravity, "an acceleration in m/s^2");
     }
-    let timeless = stage.analysis.unwrap_or(context.scene.analysis) == Analysis::Static;
+    let analysis = stage.analysis.unwrap_or(context.scene.analysis);
+    let timeless = analysis == Analysis::Static;
     for (field, names, there) in
         [("remove_walls", &stage.remove_walls, false), ("add_walls", &stage.add_walls, true)]
     {
@@ -218,7 +219,7 @@ fn load(
         let walls = format!("{path}.walls");
         let control_path = join(&walls, name);
         let control_path = format_args!("{control_path}");
-        control_of_wall(context, control_path, (name, control), (present, timeless), findings);
+        control_of_wall(context, control_path, (name, control), (present, analysis), findings);
     }
     for (i, control) in stage.particles.iter().enumerate() {
         let path = format_args!("{path}.particles[{i}]");

@@ -2,7 +2,7 @@
 
 use std::fmt::Arguments;
 
-use crate::scene::format::{LidLoad, Slide, Table, WallControl};
+use crate::scene::format::{Analysis, LidLoad, Slide, Table, WallControl};
 use crate::scene::suggest;
 
 use super::Context;
@@ -10,14 +10,20 @@ use super::findings::Findings;
 use super::parts::{no_time, wall_there};
 use super::thin_walls::one_piece;
 
-/// Checks the control of a wall in a stage that may have no time.
+/// Maximum rotation of a wall in an increment, rad. Gaps are those of the rotation to first order
+/// for a disk that moves with the wall, whose error is that share squared of its motion.
+const MAX_TURN: f64 = 0.2;
+
+/// Checks the control of a wall in a stage, which may have no time.
 pub(super) fn control_of_wall(
     context: &Context,
     path: Arguments,
     (name, control): (&str, &WallControl),
-    (present, timeless): (&[bool], bool),
+    (present, analysis): (&[bool], Analysis),
     findings: &mut Findings,
 ) {
+    let timeless = analysis == Analysis::Static;
+    let dt = if let Analysis::Dynamic { dt, .. } = analysis { Some(dt) } else { None };
     if context.walls.contains(&name) {
         wall_there(context, path, name, present, findings);
     } else if findings.is_sure_of("walls") {
@@ -33,6 +39,27 @@ pub(super) fn control_of_wall(
             findings.vector(path, (*x, *y), "a velocity in m/s");
             if timeless {
                 no_time(path, "a velocity", findings);
+            }
+        }
+        WallControl::Rotation { about, angle } => {
+            findings.vector(format_args!("{path}.about"), *about, "a place in m");
+            let what = "an angle of one increment in rad, at most 0.2 (11 degrees)";
+            let allowed = |angle: f64| angle.abs() <= MAX_TURN;
+            findings.number(format_args!("{path}.angle"), *angle, allowed, what);
+        }
+        WallControl::Spin { about, angular_velocity } => {
+            findings.vector(format_args!("{path}.about"), *about, "a place in m");
+            let own = format_args!("{path}.angular_velocity");
+            findings.finite(own, *angular_velocity, "an angular velocity in rad/s");
+            if let Some(dt) = dt.filter(|dt| (angular_velocity * dt).abs() > MAX_TURN) {
+                let message = format!("a turn of {:?} rad in a time step", angular_velocity * dt);
+                let help = "give a smaller one, or a smaller dt: at most 0.2 rad in a time step";
+                findings.add(own, message, help);
+            }
+            if timeless && findings.is_sure_of("analysis") {
+                let message = "an angular velocity in a static stage, which has no time";
+                let help = "use `Rotation`, in every increment, or a dynamic analysis";
+                findings.add(path, message, help);
             }
         }
         WallControl::Force(force) => {

@@ -1,0 +1,76 @@
+//! Contacts with walls that turn in the increment: arms of the forces about the wall's position, and
+//! offsets with which the gap at the end is exact for a disk that stays.
+//!
+//! A wall turns about a point by a finite angle, and its program has the rotation to first order.
+//! At a distance L from the wall's position the two differ by `L alpha^2/2`. The difference is
+//! known and goes into the offset, so that a disk in front of a wall does not overlap with it after
+//! the rotation.
+
+use glam::DVec2;
+
+use clastic_components::contact::{Bodies, Contact, WallRow};
+use clastic_components::findings::Corrections;
+use clastic_components::rigid_group::GroupRow;
+use clastic_components::wall::WallDrive;
+use clastic_cone::program::Interaction;
+
+/// A wall that turns in a trial.
+struct Turning<'a> {
+    wall: &'a WallRow,
+    /// Displacement of its position, m, and its rotation, rad.
+    motion: (DVec2, f64),
+}
+
+/// Gives the contacts of walls that turn in this fraction of the increment their arms and offsets.
+/// Other interactions stay as they are.
+pub fn carry(
+    bodies: &Bodies,
+    contacts: &[Contact],
+    corrections: &Corrections,
+    fraction: f64,
+    interactions: &mut [Interaction],
+) {
+    let turning: Vec<Turning> = bodies
+        .walls
+        .iter()
+        .filter_map(|wall| {
+            let WallDrive::Turning { about, angle } = bodies.wall_drive(wall) else { return None };
+            let angle = fraction * angle;
+            let arm = bodies.positions[wall.body as usize] - about;
+            let [x, y, _] = GroupRow::carried([0.0, 0.0, angle], arm);
+            Some(Turning { wall, motion: (DVec2::new(x, y), angle) })
+        })
+        .collect();
+    if turning.is_empty() {
+        return;
+    }
+    for (contact, c) in contacts.iter().zip(interactions) {
+        let Ok(k) = turning.binary_search_by_key(&contact.b, |t| t.wall.body) else { continue };
+        let at = bodies.positions[contact.b as usize];
+        let lever = contact.point(bodies) - at;
+        *c = c.carried_by(false, contact.b, lever);
+        // The corrector has the exact gap already.
+        if corrections.of((contact.a, contact.b)).is_none() {
+            c.offset += turning[k].beyond_first_order(bodies, contact, lever).unwrap_or(0.0);
+        }
+    }
+}
+
+impl Turning<'_> {
+    /// Gap at the end of the trial between the turned wall and a disk that stays, less the gap to
+    /// first order, m. `None` where the disk leaves this wall or the wall passes over its centre.
+    fn beyond_first_order(&self, bodies: &Bodies, contact: &Contact, lever: DVec2) -> Option<f64> {
+        let (u, angle) = self.motion;
+        let Self { wall, .. } = self;
+        let a = contact.a as usize;
+        let start = bodies.positions[a] - bodies.positions[contact.b as usize];
+        let finish = start - u;
+        let back = DVec2::from_angle(-angle).rotate(finish);
+        if wall.shape.is_crossed(wall.inward, wall.half_length, [start, back]) {
+            return None;
+        }
+        let near = wall.turned(angle).nearest(DVec2::ZERO, finish);
+        let linear = contact.gap + contact.normal.dot(u + angle * lever.perp());
+        near.is_own.then_some(near.distance - bodies.radii[a] - linear)
+    }
+}
