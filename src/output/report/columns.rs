@@ -79,7 +79,7 @@ impl Columns {
 const LEVEL: u32 = 1;
 
 /// A scale with which `float16` holds numbers up to `largest`: a power of two, so that it changes
-/// no digit. Numbers down to 1e-9 of the largest keep three digits.
+/// no digit. Numbers down to 2e-9 of the largest keep three digits.
 pub fn scale(largest: f32) -> f64 {
     if largest > 0.0 && largest.is_finite() {
         2.0_f64.powi(f64::from(largest).log2().ceil() as i32 - 15)

@@ -19,12 +19,13 @@ use super::OutputError;
 use super::atomic::write_atomic;
 
 const PAGE: &str = include_str!("page.html");
-const STYLE: &str = include_str!("page.css");
-const SCRIPTS: [&str; 10] = [
+const STYLES: [&str; 2] = [include_str!("page.css"), include_str!("page_parts.css")];
+const SCRIPTS: [&str; 11] = [
     include_str!("page_data.js"),
     include_str!("page_chart.js"),
     include_str!("page_curves.js"),
     include_str!("page_roses.js"),
+    include_str!("page_colours.js"),
     include_str!("page_layers.js"),
     include_str!("page_view.js"),
     include_str!("page_text.js"),
@@ -91,7 +92,7 @@ fn page(data: &serde_json::Value, movie: Option<&movie::Movie>) -> String {
         blocks += &format!("<script>\n{script}</script>\n");
     }
     let (before, after) = PAGE.split_once("{{scripts}}").unwrap_or((PAGE, ""));
-    let before = before.replacen("{{title}}", &title, 1).replacen("{{style}}", STYLE, 1);
+    let before = before.replacen("{{title}}", &title, 1).replacen("{{style}}", &STYLES.concat(), 1);
     [before, blocks, after.to_owned()].concat()
 }
 

@@ -44,7 +44,7 @@
       if (!series.length) return;
       // The first curve stands beside the picture, whose time it shows.
       const isBeside = movie && !Report.charts.length;
-      const size = isBeside ? [400, 270] : undefined;
+      const size = isBeside || window.innerWidth < 600 ? [400, 270] : undefined;
       const chart = new Report.Chart({ title, xName, yName, series, onPick: pick, size });
       Report.charts.push(chart);
       node(isBeside ? "beside" : "curves").append(chart.node);
@@ -104,6 +104,9 @@
         ["kinetic energy", of, column("kinetic_energy_j")],
       ]);
     }
+    // Measures that the scene defines beside strain and stress, in the units of their columns.
+    const measures = [...new Set(runs.flatMap((run) => run.measures ?? []))];
+    for (const name of measures.filter(has)) draw(name, name, [[name, (y) => y, column(name)]]);
     if (Report.charts.length < 2)
       draw("Contacts", "number", [["contacts", (y) => y, column("contacts")]]);
   };

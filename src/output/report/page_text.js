@@ -290,16 +290,7 @@
   };
 
   Report.scene = ({ scene, record }) => {
-    const node = make(
-      "div",
-      { class: "wide" },
-      make(
-        "details",
-        {},
-        make("summary", {}, `Scene (${record.scene_file})`),
-        make("pre", {}, scene),
-      ),
-    );
-    return node;
+    const summary = make("summary", {}, `Scene (${record.scene_file})`);
+    return make("div", { class: "wide" }, make("details", {}, summary, make("pre", {}, scene)));
   };
 })();

@@ -28,11 +28,10 @@ impl Run {
         let record = directory::record(path)?;
         let scene_file = path.join(names::SCENE);
         let scene = fs::read_to_string(&scene_file).map_err(OutputError::at(&scene_file))?;
-        let measured = |name: &str| !COLUMNS.contains(&name) && !name.contains('.');
-        let is_shown = |name: &str| {
-            COLUMNS.contains(&name) || ENERGY_COLUMNS.contains(&name) || measured(name)
-        };
-        let history = table(&path.join(names::HISTORY), is_shown)?;
+        // Columns of probes have a dot in their names.
+        let history = table(&path.join(names::HISTORY), |name| !name.contains('.'))?;
+        let is_further = |name: &str| !COLUMNS.contains(&name) && !ENERGY_COLUMNS.contains(&name);
+        let measures: Vec<_> = history.keys().filter(|name| is_further(name)).cloned().collect();
         let broken = table(&path.join(names::EVENTS), |name| {
             events::COLUMNS.contains(&name) && !name.starts_with("normal") && name != "stage"
         })?;
@@ -55,6 +54,7 @@ impl Run {
             "record": record,
             "scene": scene,
             "history": history,
+            "measures": measures,
             "events": broken,
             "avalanches": released,
         });

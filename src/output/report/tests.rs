@@ -25,7 +25,7 @@ fn unpacked(text: &str) -> Vec<u8> {
 
 #[test]
 fn columns_have_planes_and_stated_digits() {
-    let values = [0.0_f32, 1.0, -3.14159e7, 6.6e4, 1.234e-2];
+    let values = [0.0_f32, 1.0, -3.14159e7, 6.6e4, 6.4321e-2];
     let largest = scale(3.14159e7);
     let mut columns = Columns::default();
     columns.halves(&values, largest);

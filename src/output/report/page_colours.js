@@ -1,0 +1,201 @@
+// A colour for every grain of a frame, and the legend.
+"use strict";
+(() => {
+  const { movie } = Report.data;
+  const { make } = Report;
+
+  // Colour maps through a few points, from low to high: viridis, and blue to red through a neutral.
+  const SEQUENTIAL = [
+    [68, 1, 84],
+    [71, 44, 122],
+    [59, 81, 139],
+    [44, 113, 142],
+    [33, 144, 141],
+    [39, 173, 129],
+    [92, 200, 99],
+    [170, 220, 50],
+    [253, 231, 37],
+  ];
+  const DIVERGING = [
+    [33, 84, 160],
+    [84, 143, 200],
+    [163, 200, 226],
+    [226, 229, 232],
+    [244, 190, 160],
+    [222, 116, 92],
+    [170, 24, 44],
+  ];
+  const LARGEST = [168, 176, 186];
+  const KINDS = [
+    [91, 142, 196],
+    [226, 150, 72],
+    [104, 172, 110],
+    [176, 122, 190],
+    [196, 178, 90],
+    [92, 178, 178],
+    [208, 116, 140],
+    [140, 140, 150],
+  ];
+
+  const mapped = (points, part) => {
+    const at = Math.min(1, Math.max(0, part)) * (points.length - 1);
+    const k = Math.min(points.length - 2, Math.floor(at));
+    return points[k].map((low, i) => low + (at - k) * (points[k + 1][i] - low));
+  };
+  // A colour for a number of a fragment: neighbours in number differ.
+  const hashed = (id) => {
+    const hue = ((id * 0.61803398875) % 1) * 6,
+      k = Math.floor(hue) % 6,
+      f = hue - Math.floor(hue);
+    const [low, high] = [96, 214],
+      [up, down] = [low + f * (high - low), high - f * (high - low)];
+    return [
+      [high, up, low],
+      [down, high, low],
+      [low, high, up],
+      [low, down, high],
+      [up, low, high],
+      [high, low, down],
+    ][k];
+  };
+  const listed = (k) => (k === Report.NONE ? [150, 155, 160] : KINDS[k % KINDS.length]);
+
+  const { ranges } = movie?.scales ?? {};
+  const size = (f, x, y, i) => Math.hypot(f[x][i], f[y][i]);
+  // Ways to colour grains. `of(frame, before, row)` is a number, `unit` that of it.
+  const COLOURS = {
+    displacement: {
+      name: "displacement since the start of the test",
+      unit: "m",
+      range: ranges?.displacement,
+      of: (f, b, i) => size(f, "ux", "uy", i),
+    },
+    motion: {
+      name: "motion since the frame before",
+      unit: "m",
+      range: ranges?.motion,
+      of: (f, b, i) => (b ? Math.hypot(f.ux[i] - b.ux[i], f.uy[i] - b.uy[i]) : 0),
+    },
+    velocity: {
+      name: "velocity",
+      unit: "m/s",
+      range: ranges?.velocity,
+      needs: "vx",
+      of: (f, b, i) => size(f, "vx", "vy", i),
+    },
+    rotation: {
+      name: "rotation since the start (anticlockwise +)",
+      unit: "rad",
+      range: ranges?.rotation,
+      signed: true,
+      of: (f, b, i) => f.rotation[i],
+    },
+    stress: {
+      name: "mean stress in the grain (compression +)",
+      unit: "Pa",
+      range: ranges?.stress,
+      of: (f, b, i) => f.mean[i],
+    },
+    fragment: {
+      name: "fragment (grains held together by bonds)",
+      kinds: (f, i) => (f.fragment[i] === f.largest ? LARGEST : hashed(f.fragment[i])),
+    },
+    material: {
+      name: "material",
+      names: () => movie.materials,
+      kinds: (f, i) => listed(Report.still.material[i]),
+    },
+    group: {
+      name: "group",
+      names: () => movie.groups,
+      kinds: (f, i) => listed(Report.still.group[i]),
+    },
+  };
+  // A scale about zero is drawn with two colours.
+  for (const way of Object.values(COLOURS)) {
+    if (way.range && !way.kinds && way.range[0] < 0) {
+      const most = Math.max(...way.range.map(Math.abs));
+      if (way.range[1] > 0 && -way.range[0] > 0.05 * most)
+        [way.range, way.signed] = [[-most, most], true];
+    }
+  }
+  Report.COLOURS = COLOURS;
+
+  // The fragment with the most grains, which is drawn in grey.
+  const largest = (frame) => {
+    const sizes = new Uint32Array(movie.bodies);
+    for (const fragment of frame.fragment) sizes[fragment]++;
+    return sizes.indexOf(sizes.reduce((a, b) => Math.max(a, b), 0));
+  };
+
+  // Colours of all grains, four bytes each.
+  Report.grainColours = (frame, before, key) => {
+    const way = COLOURS[key],
+      n = movie.bodies,
+      out = new Uint8Array(4 * n);
+    const map = way.signed ? DIVERGING : SEQUENTIAL;
+    if (key === "fragment") frame.largest ??= largest(frame);
+    const [low, high] = way.range ?? [0, 1],
+      width = high - low || 1;
+    for (let i = 0; i < n; i++) {
+      const rgb = way.kinds
+        ? way.kinds(frame, i)
+        : mapped(map, (way.of(frame, before, i) - low) / width);
+      out.set(rgb, 4 * i);
+      out[4 * i + 3] = Number.isNaN(frame.ux[i]) ? 0 : 255;
+    }
+    return out;
+  };
+
+  Report.drawLegend = (key, layers) => {
+    const way = COLOURS[key],
+      parts = [];
+    if (way.kinds) {
+      const names = way.names?.() ?? [];
+      const note = key === "fragment" ? ", the largest in grey" : names.length ? ":" : "";
+      parts.push(make("span", {}, way.name + note));
+      names.forEach((name, k) =>
+        parts.push(
+          make(
+            "span",
+            {},
+            make("i", { class: "block", style: `background: rgb(${listed(k)})` }),
+            name,
+          ),
+        ),
+      );
+    } else {
+      const bar = make("canvas", { width: 190, height: 1 }),
+        ink = bar.getContext("2d");
+      const map = way.signed ? DIVERGING : SEQUENTIAL;
+      for (let x = 0; x < 190; x++) {
+        ink.fillStyle = `rgb(${mapped(map, x / 189).map(Math.round)})`;
+        ink.fillRect(x, 0, 1, 1);
+      }
+      const [low, high] = way.range;
+      parts.push(
+        make("span", {}, way.name),
+        make(
+          "span",
+          { class: "scale" },
+          bar,
+          make("span", {}, Report.si(low, way.unit, 3)),
+          make("span", {}, Report.si(high, way.unit, 3)),
+        ),
+      );
+    }
+    const key2 = (colour, text) =>
+      make("span", {}, make("i", { style: `background: var(${colour})` }), text);
+    if (layers.cracks) {
+      parts.push(key2("--tension", "broken in tension"), key2("--shear", "in shear"));
+      if (Report.hasRolling) parts.push(key2("--rolling", "in rolling"));
+      parts.push(key2("--picked", "since the frame before"));
+    }
+    if (layers.chains)
+      parts.push(
+        key2("--push", `compression, ${Report.si(ranges.force[1], "N", 3)} at full width`),
+        key2("--pull", "tension"),
+      );
+    document.getElementById("legend").replaceChildren(...parts);
+  };
+})();
