@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::body::{BodyId, Drive, Ramp};
 use crate::bond::BondId;
+use crate::cell::PeriodicCell;
 use crate::material::{BondLaw, ContactLaw};
 use crate::rigid_group::GroupRow;
 use crate::wall::{WallControl, WallDrive};
@@ -65,6 +66,9 @@ pub struct Bodies {
     pub broken: Vec<BondRow>,
     /// Mean radius of the particles, m; 1 without particles.
     pub mean_radius: f64,
+    /// The periodic cell of the specimen, if it is in one. In the program its row follows those of
+    /// all bodies.
+    pub cell: Option<PeriodicCell>,
     /// Whether imposed motions stand still because a motion is followed. Loads then have their
     /// values at the end of the trial.
     pub resting: bool,
@@ -75,12 +79,34 @@ impl Bodies {
     #[must_use]
     pub fn name(&self, row: usize) -> String {
         match row.checked_sub(self.particles) {
+            _ if row >= self.ids.len() => "the periodic cell".to_owned(),
             None => format!("particle {}", self.ids[row].0),
             Some(_) if row >= self.ids.len() - self.group_count => {
                 format!("rigid group (body {})", self.ids[row].0)
             }
             Some(_) => format!("wall (body {})", self.ids[row].0),
         }
+    }
+
+    /// Shift of the image of particle b with which particle a may have a contact, m; zero without a
+    /// cell.
+    #[must_use]
+    pub fn shift(&self, a: usize, b: usize) -> DVec2 {
+        let apart = || self.positions[b] - self.positions[a];
+        self.cell.as_ref().map_or(DVec2::ZERO, |cell| cell.shift(apart()))
+    }
+
+    /// Way from particle a to the nearest image of particle b, m.
+    #[must_use]
+    pub fn way(&self, a: usize, b: usize) -> DVec2 {
+        let apart = self.positions[b] - self.positions[a];
+        self.cell.as_ref().map_or(apart, |cell| apart + cell.shift(apart))
+    }
+
+    /// Number of rows in the program.
+    #[must_use]
+    pub fn rows_in_program(&self) -> usize {
+        self.positions.len() + usize::from(self.cell.is_some())
     }
 
     /// The row of a body; `None` if it is not in the table.
@@ -205,9 +231,13 @@ impl Bodies {
         sum
     }
 
-    /// Moves the bodies by displacements (m, m, rad), one entry per body.
+    /// Moves the bodies by displacements (m, m, rad), one entry per body, then one for the cell.
     pub fn move_by(&mut self, displacements: impl Iterator<Item = [f64; 3]>) {
         for (i, u) in displacements.enumerate() {
+            if i == self.positions.len() {
+                self.cell = self.cell.map(|cell| cell.deformed(u, self.mean_radius));
+                break;
+            }
             self.positions[i] += DVec2::new(u[0], u[1]);
             if let Some(rotation) = self.rotations.get_mut(i) {
                 *rotation += u[2];

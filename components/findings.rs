@@ -60,6 +60,14 @@ pub struct EventSearch {
     /// Whether bonds break from event to event in this increment. Trials are then solved with bonds
     /// of unlimited strength.
     pub active: bool,
+    /// Whether many bonds reach their limits soon after each other, so that the increment breaks
+    /// them together at its end. Trials are then solved with the strengths of the bonds.
+    pub dense: bool,
+    /// With `dense`: share of the ruptures of bonds that were on a limit, which the increment
+    /// before did not expect.
+    pub late: f64,
+    /// Whether the next increment breaks bonds one by one again.
+    pub leaves: bool,
     /// The last trial whose maximum overload is below 1 - tolerance. Initially it is the start of
     /// the increment.
     pub below: Option<EventTrial>,

@@ -189,6 +189,10 @@ pub struct RuptureRules {
     /// With `Events`: bonds break together that reach their limit while the bond forces change by
     /// this fraction after the first; 0: one by one.
     pub group: f64,
+    /// With `Events`: from this density of ruptures on, a share of the bonds per relative change of
+    /// force, many bonds break together at the end of an increment; above 20: never.
+    #[serde(skip_serializing_if = "is_usual_density")]
+    pub density: f64,
     /// With `AllAtOnce`: maximum number of rounds.
     pub rounds: u32,
     /// With `Events`: what happens after the first bond of an avalanche.
@@ -203,6 +207,16 @@ pub struct RuptureRules {
     pub multiplier: f64,
 }
 
+impl RuptureRules {
+    /// Default of [`density`](Self::density).
+    pub const DENSITY: f64 = 0.1;
+}
+
+/// Whether it is what a scene has that does not say: records of such scenes do not say either.
+fn is_usual_density(density: &f64) -> bool {
+    density.total_cmp(&RuptureRules::DENSITY).is_eq()
+}
+
 impl Default for RuptureRules {
     fn default() -> Self {
         Self {
@@ -210,6 +224,7 @@ impl Default for RuptureRules {
             order: RuptureOrder::default(),
             tolerance: 5e-4,
             group: 0.0,
+            density: Self::DENSITY,
             rounds: 200,
             avalanche: Avalanche::default(),
             slack: 1e-7,
@@ -289,6 +304,9 @@ pub struct Progress {
     pub tried: f64,
     /// Whether bonds have just broken: the specimen comes to equilibrium at constant load first.
     pub relaxing: bool,
+    /// Whether many bonds reach their limits soon after each other, so that
+    /// [`Events`](RuptureOrder::Events) breaks them together.
+    pub dense: bool,
     /// Time, s.
     pub time: f64,
 }
@@ -304,6 +322,7 @@ impl Default for Progress {
             fraction: 1.0,
             tried: 1.0,
             relaxing: false,
+            dense: false,
             time: 0.0,
         }
     }

@@ -10,6 +10,7 @@
 pub mod attempt;
 pub mod body;
 pub mod bond;
+pub mod cell;
 pub mod contact;
 pub mod energy;
 pub mod findings;

@@ -29,6 +29,12 @@ pub enum StrainMeasure {
         /// Upper right corner, m.
         max: DVec2,
     },
+    /// Engineering strain of the width of the periodic cell.
+    CellWidth,
+    /// Engineering strain of the height of the periodic cell.
+    CellHeight,
+    /// Shear strain of the periodic cell: the sum of `du_x/dy` over the increments.
+    CellShear,
 }
 
 /// Component of a strain `-(H + H^T) / 2`, or of the rotation that belongs to it.
@@ -98,6 +104,8 @@ pub enum MeasureArea {
     Fixed(f64),
     /// Product of two wall distances at the start of the increment.
     Box([Entity; 4]),
+    /// The periodic cell at the start of the increment.
+    Cell,
 }
 
 /// Component of a plane stress tensor.
@@ -116,6 +124,8 @@ pub enum StressComponent {
     Major,
     /// Minimum principal stress.
     Minor,
+    /// Traction along x on a face whose outward normal is y: -sigma_xy.
+    Shear,
 }
 
 /// The strains and stresses of a rig.

@@ -41,6 +41,8 @@ pub use clastic_systems as systems;
 
 #[cfg(feature = "cli")]
 pub mod cli;
+pub mod export;
+pub mod figures;
 pub mod frames;
 mod history_columns;
 pub mod output;

@@ -10,6 +10,7 @@ use clastic_components::body::{
     Rotation, Velocity,
 };
 use clastic_components::bond::{Bond, BondId, BondState};
+use clastic_components::cell::PeriodicCell;
 use clastic_components::contact::{
     Bodies, BondRow, ContactHistory, DraftHistory, KeptRows, WallRow,
 };
@@ -23,6 +24,7 @@ use clastic_components::wall_shape::WallShape;
 use crate::rigid_groups::{self, GroupQuery};
 use crate::schedule::{Increment, IncrementSystems};
 use crate::state::{RegisterState, StateOf};
+use crate::stepping::Halted;
 
 /// Adds [`gather_bodies`] and [`draft_history`].
 pub struct GatherBodiesPlugin;
@@ -38,7 +40,9 @@ impl Plugin for GatherBodiesPlugin {
             .add_systems(
                 Increment,
                 (
-                    (gather_bodies, follow_rows).chain().in_set(IncrementSystems::Gather),
+                    (gather_bodies, refuse_small_cells, follow_rows)
+                        .chain()
+                        .in_set(IncrementSystems::Gather),
                     renumber_contacts.in_set(IncrementSystems::Renumber),
                     draft_history.in_set(IncrementSystems::Draft),
                 ),
@@ -69,6 +73,7 @@ fn register_bodies(app: &mut App) {
         .register_component::<BodyId, ContactForce>("contact_force")
         .register_component::<BondId, Bond>("bond")
         .register_component::<BondId, BondState>("bond_state")
+        .register_resource::<PeriodicCell>("periodic_cell")
         .register_state::<RowIds>("contact_history.rows")
         .register_resource::<ContactHistory>("contact_history");
 }
@@ -142,6 +147,7 @@ pub fn gather_bodies(
     walls: WallQuery,
     groups: GroupQuery,
     bonds: Query<(Entity, &BondId, &Bond, &BondState)>,
+    cell: Option<Res<PeriodicCell>>,
 ) {
     let bodies = &mut *bodies;
     let n = particles.iter().len();
@@ -223,6 +229,7 @@ pub fn gather_bodies(
     bodies.walls.sort_unstable_by_key(|w| w.body);
     rigid_groups::gather(bodies, &groups);
 
+    bodies.cell = cell.map(|cell| *cell);
     bodies.broken.clear();
     bodies.resting = false;
     let mut rows = std::mem::take(&mut bodies.bonds);
@@ -241,6 +248,25 @@ pub fn gather_bodies(
     bodies.bonds = rows;
     bodies.bonds.sort_unstable_by_key(|b| (b.a, b.b, b.id));
 }
+
+/// Halts a run in whose periodic cell two particles could touch twice.
+fn refuse_small_cells(bodies: Res<Bodies>, mut commands: Commands) {
+    let Some(cell) = &bodies.cell else { return };
+    let largest = bodies.radii.iter().copied().fold(0.0, f64::max);
+    if cell.max_branch() < MIN_CELL * 2.0 * largest {
+        commands.insert_resource(Halted(format!(
+            "the periodic cell is {:.4e} m wide and {:.4e} m high, less than {} times the maximum \
+             diameter: two particles could touch twice; begin with a larger cell and more particles",
+            cell.width,
+            cell.height,
+            2.0 * MIN_CELL
+        )));
+    }
+}
+
+/// Minimum of the maximum length of a contact in a periodic cell, in maximum diameters: contacts are
+/// found a quarter of a diameter before they close.
+const MIN_CELL: f64 = 1.25;
 
 /// Records the new rows of persistent tables.
 pub fn follow_rows(bodies: Res<Bodies>, mut kept: ResMut<KeptRows>) {

@@ -36,6 +36,11 @@ pub fn relative_masses(bodies: &Bodies) -> Vec<[f64; 2]> {
             [n, 0.5 * n * group.extent.max(bodies.mean_radius).powi(2)]
         };
     }
+    if bodies.cell.is_some() {
+        // A cell under a stress moves with the specimen, as a wall under a load does.
+        let all = n.max(1) as f64;
+        masses.push([all, all * bodies.mean_radius.powi(2)]);
+    }
     masses
 }
 

@@ -21,6 +21,7 @@ pub mod record;
 pub mod reflect;
 pub mod rigid_groups;
 pub mod rupture_bonds;
+pub mod rupture_density;
 pub mod schedule;
 pub mod solve_program;
 pub mod state;

@@ -165,6 +165,7 @@ fn record_state(
         let change = events::change(&program, &solution);
         match (order.0.order, order.1.active) {
             (RuptureOrder::Events, true) => (order.1.overload - 1.0).max(order.0.tolerance),
+            _ if order.1.dense => order.1.late * change,
             _ => change,
         }
     };

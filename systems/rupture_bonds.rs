@@ -104,7 +104,7 @@ pub fn rupture(
 
 /// Factor by which trials of the event search increase the strengths. As a power of two it can be
 /// divided out without round-off.
-const UNLIMITED: f64 = 8192.0;
+pub const UNLIMITED: f64 = 8192.0;
 
 /// Increases the strengths of intact bonds so that no trial reaches them. The limit of a yielding
 /// rolling moment does not change.
@@ -155,6 +155,7 @@ pub fn overloads(
     contacts: &[Contact],
     program: &ConeProgram,
     solution: &ConeSolution,
+    factor: f64,
 ) -> Vec<Overload> {
     let is_complete = solution.displacements.len() == program.bodies.len();
     let interactions = program.interactions.iter().zip(&solution.forces).enumerate();
@@ -170,8 +171,8 @@ pub fn overloads(
             } else {
                 0.0
             };
-            let tension = UNLIMITED * (beyond - p) / l.tension;
-            let shear = UNLIMITED * (q.abs() - l.friction * p) / l.cohesion;
+            let tension = factor * (beyond - p) / l.tension;
+            let shear = factor * (q.abs() - l.friction * p) / l.cohesion;
             let (value, mode) = if shear > tension {
                 (shear, RuptureMode::Shear)
             } else {

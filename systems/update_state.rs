@@ -11,6 +11,7 @@ use glam::DVec2;
 use clastic_components::body::{
     AngularVelocity, BodyId, Drive, ExternalForce, LastMotion, Position, Rotation, Velocity,
 };
+use clastic_components::cell::PeriodicCell;
 use clastic_components::contact::{Bodies, ContactHistory, ContactMemory, Contacts, DraftHistory};
 use clastic_components::findings::{
     Corrections, EventSearch, Impacts, Pushed, Restraints, Ruptures,
@@ -218,6 +219,7 @@ pub fn move_bodies(
     >,
     mut walls: WallsOfWorld,
     mut groups: GroupsOfWorld,
+    cell: Option<ResMut<PeriodicCell>>,
 ) {
     // Displacements that separate rigid overlaps move bodies and give no velocity.
     let (pushed, impacts) = findings;
@@ -275,6 +277,15 @@ pub fn move_bodies(
                 rotation.0 += u[2];
             }
         }
+    }
+    if let (Some(mut cell), Some(start), Some(of)) = (cell, &bodies.cell, &program.cell) {
+        let row = of.body as usize;
+        *cell = start.deformed(program.bodies[row].to_global(motion[row]), bodies.mean_radius);
+        let mut rows = vec![[0.0; 3]; program.bodies.len()];
+        program.add_forces(&solution.forces, &mut rows);
+        let resisted = program.bodies[row].to_global(rows[row]);
+        let loads = start.loads(bodies.mean_radius, analysis.thickness);
+        cell.stress = [0, 1, 2].map(|k| resisted[k] / loads[k]);
     }
     for (id, group, mut x, mut rotation, mut last) in &mut groups {
         let Some(i) = bodies.row(*id) else { continue };
@@ -373,7 +384,7 @@ pub fn advance_progress(
         (RuptureOrder::Events, Avalanche::Dynamic) => ruptures.on_the_way,
         _ => 0,
     };
-    progress.relaxing = search.active && ruptures.list.len() > is_settled;
+    progress.relaxing = (search.active || search.leaves) && ruptures.list.len() > is_settled;
     let fraction = progress.fraction;
     progress.done += fraction;
     if (progress.done - progress.done.round()).abs() < 1e-9 {

@@ -119,6 +119,7 @@ fn program(case: u64) -> ConeProgram {
                 r.or_zero(60, -4.0, -3.0),
             ),
             dilation: 1.0,
+            image: DVec2::ZERO,
         });
     }
     ConeProgram {
@@ -127,6 +128,7 @@ fn program(case: u64) -> ConeProgram {
         scales: Scales { length: 0.005, displacement: 1e-5, force: 100.0 },
         tolerance: 0.0,
         last_forces: Vec::new(),
+        cell: None,
     }
 }
 

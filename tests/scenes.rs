@@ -130,6 +130,11 @@ scenes! {
     shear_box: "shear_box", COMPLETES, &[
         ("porosity", 0.21501464344176735),
     ];
+    // Imposed stresses and moduli of a lattice are in tests/engine/periodic_cell.rs.
+    simple_shear_periodic: "simple_shear_periodic", COMPLETES, &[("porosity", 0.18938159194848847)];
+    simple_shear_periodic_undrained: "simple_shear_periodic_undrained", COMPLETES, &[
+        ("porosity", 0.18938159194848847),
+    ];
     // At rest, before the sides are lifted.
     #[ignore = "half a minute"]
     angle_of_repose: "angle_of_repose", COMPLETES, &[

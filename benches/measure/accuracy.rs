@@ -206,6 +206,7 @@ mod tests {
             previous_shear: 0.0,
             limits: Limits::default(),
             dilation: 1.0,
+            image: DVec2::ZERO,
         };
         let program = ConeProgram {
             bodies: vec![body(Dof::Free(load)), body(Dof::Fixed(1e-3))],

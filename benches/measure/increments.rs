@@ -189,6 +189,7 @@ fn chart(test: &Test, curves: Vec<Curve>) -> Chart {
         lines: lines.collect(),
         second: None,
         equal: false,
+        window: None,
     }
 }
 

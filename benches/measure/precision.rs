@@ -159,7 +159,7 @@ pub fn run(scenes: &Scenes, extent: Extent) -> Result<Part, BenchError> {
     table.in_summary = false;
     let mut levels = Table::new(
         "precision_levels",
-        "Least time (ms) to a maximum error, and the error at the default tolerance",
+        "Minimum time (ms) to a maximum error, and the error at the default tolerance",
         &[
             "problem",
             "bodies",
@@ -315,5 +315,6 @@ fn chart(problem: &Captured, points: &[Point]) -> Chart {
         lines: Kind::ALL.map(line).to_vec(),
         second: None,
         equal: false,
+        window: None,
     }
 }

@@ -82,6 +82,7 @@ pub fn run() -> Result<Part, BenchError> {
         lines,
         second: None,
         equal: false,
+        window: None,
     };
     Ok(Part {
         name: "theta",

@@ -141,7 +141,7 @@ class Problem:
             "cpu_s": cpu,
             "violation_m": self.violation(r),
             "error": norm(difference) / norm(self.motion),
-            "greatest_error": abs(difference).max() / abs(self.motion).max(),
+            "maximum_error": abs(difference).max() / abs(self.motion).max(),
         }
 
     def matrix(self):

@@ -4,6 +4,7 @@ use bevy_app::App;
 
 use crate::run::minerals::specimen;
 use crate::scene::load_with;
+use crate::scene::one_round::one_round;
 use crate::scene::shown::label;
 use crate::scene::upgrade::upgrade;
 
@@ -12,6 +13,7 @@ use super::exit::{Exit, Failure, say};
 use super::memory::fits;
 use super::own_findings::own_findings;
 use super::resolve::resolve;
+use super::summary::in_one_round;
 
 /// Checks a scene.
 pub fn check(args: &CheckArgs, app: &App) -> Result<Exit, Failure> {
@@ -37,6 +39,9 @@ pub fn check(args: &CheckArgs, app: &App) -> Result<Exit, Failure> {
         number(scene.walls.len(), "wall"),
         number(scene.stages.len(), "stage"),
     ))?;
+    if let Some(reason) = one_round(scene) {
+        say(format_args!("note: {}", in_one_round(&reason)))?;
+    }
     Ok(Exit::Ok)
 }
 

@@ -43,7 +43,7 @@ pub fn compare(directories: &[PathBuf], out: &Path) -> Result<Exit, Failure> {
     }
     let mut read = Vec::new();
     for (directory, run) in directories.iter().zip(&runs) {
-        read.push((run.label(), History::read(&directory.join(directory::HISTORY))?));
+        read.push((run.label(), History::of_run(directory)?));
     }
     say(format_args!("{}", table(&runs)))?;
     if !plots::DRAWN {

@@ -7,11 +7,13 @@ mod check;
 mod compare;
 mod envelope;
 mod exit;
+mod export;
 mod interrupt;
 mod list;
 mod memory;
 mod new;
 mod own_findings;
+mod plot;
 mod progress;
 #[cfg(feature = "report")]
 mod report;
@@ -41,6 +43,7 @@ Examples:
   clastic run uniaxial                          run it; results go to runs/uniaxial
   clastic report runs/uniaxial                  a page to look at it: animation, curves, key results
   clastic compare runs/a runs/b                 their curves in one picture
+  clastic plot runs/uniaxial --figure force-chains --out chains.pdf
   clastic run uniaxial --checkpoint-every 10    lose no more than 10 increments if it is killed
   clastic resume runs/uniaxial                  go on from there
   clastic resume runs/a --scene longer.ron      give a run that has ended more stages
@@ -83,6 +86,10 @@ enum Command {
     Sweep(SweepArgs),
     /// Find the strength at several confining stresses: Mohr circles, c and phi, sigma_ci and m_i
     Envelope(EnvelopeArgs),
+    /// Draw a figure for a paper: curves, fields, force chains, roses (docs/figures.md)
+    Plot(plot::PlotArgs),
+    /// Write the frames of a run for ParaView (VTK) or as tables (CSV)
+    Export(export::ExportArgs),
     /// Write a run as a page for a browser: curves, animation, key results; of several runs their
     /// curves over one another and a table
     #[cfg(feature = "report")]
@@ -301,6 +308,8 @@ fn execute<M>(command: Command, plugins: impl Plugins<M> + Send) -> ExitCode {
         Command::New { rig } => new::new(rig.as_deref()),
         Command::Sweep(args) => sweep::sweep(&args, &program()),
         Command::Envelope(args) => envelope::envelope(&args, &program()),
+        Command::Export(args) => export::export(&args),
+        Command::Plot(args) => plot::plot(&args),
         #[cfg(feature = "report")]
         Command::Report { runs, out } => report::report(&runs, out),
         Command::Compare { runs, out } => compare::compare(&runs, &out),

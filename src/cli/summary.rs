@@ -6,6 +6,7 @@ use crate::output::key_results::{PEAK_ERROR, RIGID};
 use crate::output::{Ending, Results};
 use crate::run::stages::Script;
 use crate::run::{Collapse, Outcome, StageEnd};
+use crate::scene::one_round::one_round;
 use crate::scene::shown::label;
 
 /// Data of the summary.
@@ -83,6 +84,9 @@ pub fn summary(of: &Summary) -> String {
     let mut lines = vec![outcome];
     lines.extend(script.ends.iter().filter_map(stage));
     lines.extend(warnings(&script.ends));
+    let has_bonds = results.bonds_created > 0;
+    let reason = has_bonds.then(|| one_round(&script.scene)).flatten();
+    lines.extend(reason.map(|reason| format!("note: {}", in_one_round(&reason))));
     lines.extend(peak_error(results));
     lines.extend(not_defined(script, ending, results));
     if !parts.is_empty() {
@@ -114,6 +118,14 @@ fn warnings(stages: &[StageEnd]) -> Vec<String> {
         );
     }
     lines
+}
+
+/// What it means that `rupture.order: Events` does not hold for a scene.
+pub(super) fn in_one_round(reason: &str) -> String {
+    format!(
+        "`rupture.order: Events` does not hold here: {reason}; bonds break as with `OneRound`, and strength depends \
+         on the increment"
+    )
 }
 
 /// Warning about a peak that depends on the size of the increments.

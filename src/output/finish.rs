@@ -132,16 +132,19 @@ fn draw(run: &RunDirectory, world: &World, last: &Snapshot) -> Result<(), Output
     }
     let title = &world.resource::<Script>().scene.title;
     let dir = run.directory();
-    let history = plots::history::History::read(&run.path(names::HISTORY))?;
+    let history =
+        plots::history::History::read(&run.path(names::HISTORY))?.after(run.record.increments);
     plots::curves(dir, title, &history)?;
     let caption = caption(world.resource::<Observation>());
+    let peak = moments.peak.as_ref().map(|(snapshot, caption)| (snapshot, caption.as_str()));
     plots::specimens(
         dir,
         title,
         &moments.start,
-        [
-            (plots::SPECIMEN_PEAK, moments.peak.as_ref().map(|(s, c)| (s, c.as_str()))),
-            (plots::SPECIMEN, Some((last, caption.as_str()))),
+        plots::specimen::Field::of(&world.resource::<Script>().scene),
+        &[
+            ([plots::SPECIMEN_PEAK, plots::FIELD_PEAK], peak),
+            ([plots::SPECIMEN, plots::FIELD], Some((last, caption.as_str()))),
         ],
     )
 }

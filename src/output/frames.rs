@@ -84,9 +84,11 @@ pub(super) fn write_wanted(
     if ARE_ARRAYS {
         write(&mut run, &path.with_extension("npz"), &tables.frame())?;
     }
+    let (title, caption) = (&script.scene.title, caption(&observation));
+    let field = plots::specimen::Field::of(&script.scene);
     if moments.are_drawn
         && let Some(picture) =
-            plots::specimen::svg(&now, &moments.start, &script.scene.title, &caption(&observation))
+            plots::specimen::svg(&now, &moments.start, field, title, &caption, true)
     {
         let path = path.with_extension("svg");
         write_atomic(&path, picture)?;

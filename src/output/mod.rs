@@ -37,6 +37,7 @@ pub mod avalanches;
 mod begin;
 mod caption;
 pub mod checkpoint;
+pub mod crack;
 pub mod csv_file;
 pub mod directory;
 pub mod dump;

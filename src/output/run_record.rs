@@ -175,9 +175,9 @@ const CONVENTIONS: Conventions = Conventions {
     stress: "positive in compression; Pa, over the out-of-plane thickness",
     rotation: "positive anticlockwise",
     units: "SI, as the names say; null and empty fields are values that the scene does not define",
-    residuals: "greatest over all rows, without dimension: balance over the greatest force, or 1 % \
+    residuals: "maximum over all rows, without dimension: balance over the maximum force, or 1 % \
                 of the expected one if that is more (moments: force x mean radius), kinematics over \
-                the greatest displacement, violation of a limit over that force, slack x multiplier \
+                the maximum displacement, violation of a limit over that force, slack x multiplier \
                 over force x displacement",
 };
 

@@ -10,6 +10,8 @@ use clastic_components::bond::{Bond, BondId, BondState};
 use clastic_components::contact::{Bodies, WallRow};
 use clastic_components::wall::Wall;
 
+use super::crack::Crack;
+
 /// State of a run at one moment. Tables by particle are in the order of identities.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Snapshot {
@@ -27,9 +29,8 @@ pub struct Snapshot {
     pub walls: Vec<[DVec2; 2]>,
     /// Straight pieces of the thin walls, m; many for an arc.
     pub plates: Vec<[DVec2; 2]>,
-    /// Broken bonds as segments from centre to centre, or to the foot of the perpendicular on the
-    /// wall, m.
-    pub cracks: Vec<[DVec2; 2]>,
+    /// Broken bonds, in the order of creation.
+    pub cracks: Vec<Crack>,
 }
 
 impl Snapshot {
@@ -122,28 +123,28 @@ impl Scenery<'_, '_> {
         bodies.walls.iter().filter(|row| !row.is_line()).flat_map(pieces).collect()
     }
 
-    fn cracks(&self) -> Vec<[DVec2; 2]> {
-        let broken = self.bonds.iter().filter(|(.., state)| **state != BondState::Intact);
-        let mut broken: Vec<_> = broken.map(|(id, bond, _)| (*id, bond.a, bond.b)).collect();
+    fn cracks(&self) -> Vec<Crack> {
+        let mode = |state: &BondState| match state {
+            BondState::Intact => None,
+            BondState::Broken(mode) => Some(*mode),
+        };
+        let broken =
+            self.bonds.iter().filter_map(|(id, bond, state)| Some((*id, bond, mode(state)?)));
+        let mut broken: Vec<_> = broken.collect();
         broken.sort_unstable_by_key(|(id, ..)| *id);
 
         let bodies = &*self.bodies;
-        let place = |i: usize, from: DVec2| match bodies.walls.iter().find(|w| w.body as usize == i)
-        {
-            Some(wall) if wall.is_line() => {
-                from - wall.inward * (from - bodies.positions[i]).dot(wall.inward)
-            }
-            Some(wall) => {
-                let near = wall.nearest(bodies.positions[i], from);
-                from - near.outward * near.distance
-            }
-            None => bodies.positions[i],
-        };
         // A removed body has no position.
-        let crack = |a: BodyId, b: BodyId| {
-            let from = bodies.positions[bodies.row(a)?];
-            Some([from, place(bodies.row(b)?, from)])
+        let crack = |a: BodyId, b: BodyId, mode| {
+            let (a, b) = (bodies.row(a)?, bodies.row(b)?);
+            let disk = (bodies.positions[a], *bodies.radii.get(a)?);
+            let Some(wall) = bodies.walls.iter().find(|wall| wall.body as usize == b) else {
+                let other = (bodies.positions[b], *bodies.radii.get(b)?);
+                return Some(Crack::between_disks(disk, other, mode));
+            };
+            let near = wall.nearest(bodies.positions[b], disk.0);
+            Some(Crack::at_wall(disk, disk.0 - near.outward * near.distance, mode))
         };
-        broken.into_iter().filter_map(|(_, a, b)| crack(a, b)).collect()
+        broken.into_iter().filter_map(|(_, bond, mode)| crack(bond.a, bond.b, mode)).collect()
     }
 }

@@ -98,6 +98,7 @@ fn two_runs_leave_the_same_bytes() -> Result<(), Box<dyn Error>> {
         "scene.ron",
         "specimen.csv",
         "specimen.svg",
+        "specimen_field.svg",
         "start.npz",
     ];
     assert_eq!(names, expected);

@@ -10,11 +10,13 @@ use glam::DVec2;
 use clastic_components::body::{
     AngularVelocity, BodyId, ExternalForce, LastMotion, Position, Velocity,
 };
+use clastic_components::cell::PeriodicCell;
 use clastic_components::contact::ContactHistory;
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::particle::Particle;
 use clastic_components::wall::{Wall, WallControl};
 
+use super::cell;
 use super::spawn::find_wall;
 use crate::scene::format::{Compact, CompactRest, CompactTarget};
 
@@ -26,6 +28,14 @@ pub fn begin(world: &mut World, stage: &Compact) {
         agitation: stage.agitation * mean_radius,
         seed: stage.seed,
     };
+    if let CompactTarget::Porosity(porosity) = stage.target
+        && world.contains_resource::<PeriodicCell>()
+    {
+        if let Some(steps) = cell::compact(world, area, porosity, stage.step) {
+            world.resource_mut::<Progress>().total = steps;
+        }
+        return;
+    }
     let (Some(wall), Some(base)) = (find_wall(world, &stage.wall), find_wall(world, &stage.base))
     else {
         return;
@@ -52,6 +62,9 @@ pub fn begin(world: &mut World, stage: &Compact) {
 /// Height (m) and porosity of the packing between the walls of the stage, as its target defines
 /// them.
 pub fn reached(world: &mut World, stage: &Compact) -> Option<(f64, f64)> {
+    if let Some(cell) = world.get_resource::<PeriodicCell>().copied() {
+        return Some((cell.height, 1.0 - disks(world).0 / cell.area()));
+    }
     let (wall, base) = (find_wall(world, &stage.wall)?, find_wall(world, &stage.base)?);
     let (height, length) = extent(world, wall, base);
     let (area, _) = disks(world);
@@ -80,6 +93,7 @@ fn disks(world: &mut World) -> (f64, f64) {
 /// Sets the packing to rest without stress. The forces of the compaction come from its
 /// regularisation and have no physical meaning.
 pub fn end(world: &mut World) {
+    cell::end_compaction(world);
     world.resource_mut::<ContactHistory>().0.clear();
     let mut bodies = world.query::<(
         &mut LastMotion,

@@ -34,6 +34,7 @@ pub fn begin(world: &mut World, stage: &scene::Load) {
         }
     }
     control_walls(world, stage);
+    super::cell::control(world, stage);
     control_particles(world, stage, &analysis);
     rigid::control_groups(world, stage, &analysis);
 }
@@ -179,6 +180,7 @@ pub fn end_early(world: &mut World) {
     let progress = world.resource::<Progress>().clone();
     let reached = |from: f64, to: f64| progress.ramp(from, to).from;
     end(world);
+    super::cell::end_early(world);
     let mut walls = world.query::<&mut WallControl>();
     for mut control in walls.iter_mut(world) {
         match &mut *control {

@@ -6,6 +6,7 @@
 
 mod advice;
 mod before;
+mod cell;
 pub mod cement;
 pub mod changes;
 pub mod compact;

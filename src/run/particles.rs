@@ -6,7 +6,7 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 
 use super::sieve;
 use crate::scene::format::{Sizes, Specimen};
-use crate::scene::specimen_file::StoredSpecimen;
+use crate::scene::specimen_file::{StoredParticle, StoredSpecimen};
 
 /// Name of the group of the outermost particles of a lattice.
 pub const BOUNDARY: &str = "boundary";
@@ -91,12 +91,15 @@ pub fn particles(specimen: &Specimen, stored: Option<&StoredSpecimen>) -> Vec<Pa
 
 /// Particles of a file.
 fn rows(stored: Option<&StoredSpecimen>, default: Option<&String>) -> Vec<ParticleSeed> {
-    let rows = stored.iter().flat_map(|stored| &stored.rows);
-    rows.map(|row| {
+    let Some(stored) = stored else { return Vec::new() };
+    let seed = |(k, row): (usize, &StoredParticle)| {
         let material = row.material.as_ref().or(default);
-        ParticleSeed::still(DVec2::new(row.x, row.y), row.r, material)
-    })
-    .collect()
+        ParticleSeed {
+            group: stored.groups.get(k).cloned().flatten(),
+            ..ParticleSeed::still(DVec2::new(row.x, row.y), row.r, material)
+        }
+    };
+    stored.rows.iter().enumerate().map(seed).collect()
 }
 
 fn lattice(

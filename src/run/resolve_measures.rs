@@ -83,6 +83,9 @@ fn strain(world: &mut World, measure: &scene::Strain) -> Option<StrainMeasure> {
         scene::Strain::Particles(a, b) => {
             StrainMeasure::Particles(particle(world, *a)?, particle(world, *b)?)
         }
+        scene::Strain::Cell(scene::CellStrain::Width) => StrainMeasure::CellWidth,
+        scene::Strain::Cell(scene::CellStrain::Height) => StrainMeasure::CellHeight,
+        scene::Strain::Cell(scene::CellStrain::Shear) => StrainMeasure::CellShear,
         scene::Strain::Region { component, min, max } => StrainMeasure::Region {
             component: match component {
                 scene::StrainComponent::Xx => StrainComponent::Xx,
@@ -198,6 +201,7 @@ fn energy(term: scene::Energy) -> EnergyTerm {
 fn area(world: &mut World, area: &scene::Area) -> Option<MeasureArea> {
     Some(match area {
         scene::Area::Fixed(area) => MeasureArea::Fixed(*area),
+        scene::Area::Cell => MeasureArea::Cell,
         scene::Area::Box((a, b), (c, d)) => MeasureArea::Box([
             find_wall(world, a)?,
             find_wall(world, b)?,
@@ -215,6 +219,7 @@ fn component(component: scene::Component) -> StressComponent {
         scene::Component::Mean => StressComponent::Mean,
         scene::Component::Major => StressComponent::Major,
         scene::Component::Minor => StressComponent::Minor,
+        scene::Component::Shear => StressComponent::Shear,
     }
 }
 

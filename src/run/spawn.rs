@@ -138,6 +138,9 @@ pub fn spawn_scene(world: &mut World, scene: &scene::Scene, stored: Option<&Stor
         }
     }
 
+    if let Some(cell) = &scene.cell {
+        super::cell::spawn(world, cell);
+    }
     for wall in scene.walls.iter().filter(|w| w.present) {
         spawn_wall(world, &wall.name);
     }

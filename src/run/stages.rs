@@ -86,6 +86,7 @@ fn begin(world: &mut World, stage: Stage) {
     progress.fraction = 1.0;
     progress.tried = 1.0;
     progress.relaxing = false;
+    progress.dense = false;
     let index = progress.stage;
     let mut script = world.resource_mut::<Script>();
     script.begun = true;

@@ -240,6 +240,7 @@ impl StateView {
         let specimen = StoredSpecimen {
             rows: rows.collect(),
             indices: u64::from(first.max(last)),
+            groups: Vec::new(),
             state: Some(stored_state(state)?),
         };
         Ok(Self {

@@ -15,6 +15,7 @@ pub mod format;
 mod limits;
 pub mod load;
 pub mod memory;
+pub mod one_round;
 pub mod overrides;
 mod reader;
 mod repeats;

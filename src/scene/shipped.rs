@@ -52,6 +52,8 @@ static FILES: &[(&str, &[u8])] = &files! {
     "scatter.ron"
     "shear_box.ron"
     "sieve_curve.ron"
+    "simple_shear_periodic.ron"
+    "simple_shear_periodic_undrained.ron"
     "stack.ron"
     "tension.ron"
     "three_point_bending.ron"

@@ -1,5 +1,5 @@
-//! Stored specimens: CSV with the columns `x_m`, `y_m`, `radius_m` and optionally `material`, in
-//! any order. Other columns of `final_particles.csv` and of frames are permitted and ignored.
+//! Stored specimens: CSV with the columns `x_m`, `y_m`, `radius_m` and optionally `material` and
+//! `group`, in any order. Other columns of `final_particles.csv` and of frames are permitted and ignored.
 //!
 //! Lines that begin with `#` are comments. Names of materials contain no commas or quotes.
 
@@ -18,6 +18,9 @@ pub use super::stored::{ReadError, StoredParticle, StoredSpecimen};
 const MAX_BYTES: u64 = 500_000_000;
 
 const COLUMNS: [&str; 4] = ["x_m", "y_m", "radius_m", "material"];
+
+/// Column with the name of a group, which selections take; empty for a particle of none.
+const GROUP: &str = "group";
 
 /// Columns of the engine's own files that are ignored. A specimen begins at rest and free of
 /// stress, with particles numbered row by row.
@@ -51,7 +54,7 @@ pub fn read(path: &Path) -> Result<StoredSpecimen, ReadError> {
         }
     }
     if reading.placed.is_empty() {
-        Ok(StoredSpecimen::of(reading.rows))
+        Ok(StoredSpecimen { groups: reading.groups, ..StoredSpecimen::of(reading.rows) })
     } else {
         Err(ReadError::Rows(SceneErrors::new(path, &EditedText::of(&text), reading.placed)))
     }
@@ -89,12 +92,14 @@ struct Columns {
     /// Indices of `x_m`, `y_m` and `radius_m`.
     numbers: [usize; 3],
     material: Option<usize>,
+    group: Option<usize>,
 }
 
 impl Columns {
     /// Columns of a header, or its mistake.
     fn of(header: &[&str]) -> Result<Self, &'static str> {
-        let known = |name: &&str| COLUMNS.contains(name) || NOT_READ.contains(name);
+        let known =
+            |name: &&str| COLUMNS.contains(name) || NOT_READ.contains(name) || *name == GROUP;
         if !header.iter().all(known) {
             return Err("unknown columns");
         }
@@ -106,13 +111,15 @@ impl Columns {
         let [Some(x), Some(y), Some(r)] = numbers else {
             return Err("`x_m`, `y_m` or `radius_m` is missing in the columns");
         };
-        Ok(Self { number: header.len(), numbers: [x, y, r], material: place(COLUMNS[3]) })
+        let (material, group) = (place(COLUMNS[3]), place(GROUP));
+        Ok(Self { number: header.len(), numbers: [x, y, r], material, group })
     }
 }
 
 #[derive(Default)]
 struct Reading {
     rows: Vec<StoredParticle>,
+    groups: Vec<Option<String>>,
     /// Byte at which each row begins.
     starts: Vec<usize>,
     placed: Vec<Placed>,
@@ -201,8 +208,14 @@ impl Reading {
         }
         if self.placed.len() == before {
             let [x, y, r] = numbers;
-            let name = columns.material.and_then(|k| fields.get(k)).filter(|name| !name.is_empty());
-            let material = name.map(|name| (*name).to_owned());
+            let text = |column: Option<usize>| {
+                let name = column.and_then(|k| fields.get(k)).filter(|name| !name.is_empty());
+                name.map(|name| (*name).to_owned())
+            };
+            let material = text(columns.material);
+            if columns.group.is_some() {
+                self.groups.push(text(columns.group));
+            }
             self.rows.push(StoredParticle { x, y, r, material });
             self.starts.push(start);
         }

@@ -17,6 +17,8 @@ pub struct StoredSpecimen {
     /// Number of indices of particles, in use or not: more than rows where particles were taken
     /// away before the state was stored.
     pub indices: u64,
+    /// Group of every particle; empty where the file has no column for it.
+    pub groups: Vec<Option<String>>,
     /// What a saved state has besides.
     pub state: Option<StoredState>,
 }
@@ -25,7 +27,7 @@ impl StoredSpecimen {
     /// Particles at rest and free of stress.
     #[must_use]
     pub fn of(rows: Vec<StoredParticle>) -> Self {
-        Self { indices: rows.len() as u64, rows, state: None }
+        Self { indices: rows.len() as u64, rows, groups: Vec::new(), state: None }
     }
 
     /// Whether these are the particles of a run that is resumed, which its scene has cut already.

@@ -48,7 +48,7 @@ fn stored(saved: SavedState) -> Result<StoredSpecimen, SavedError> {
     let walls = saved.walls_now()?;
     let saved = Arc::new(saved);
     let state = StoredState::of(&saved.world, walls, Some(Arc::clone(&saved)))?;
-    Ok(StoredSpecimen { rows, indices, state: Some(state) })
+    Ok(StoredSpecimen { rows, indices, groups: Vec::new(), state: Some(state) })
 }
 
 impl StoredState {

@@ -7,6 +7,7 @@
 use glam::DVec2;
 
 use clastic_components::body::Drive;
+use clastic_components::cell::CellControl;
 use clastic_components::contact::Bodies;
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::loads::TrialLoads;
@@ -106,6 +107,9 @@ pub fn assemble(
         };
         out[wall.body as usize] = ProgramBody { axis: wall.inward, dofs };
     }
+    if let Some(cell) = &bodies.cell {
+        out.push(super::cell::body(bodies, cell, analysis, progress));
+    }
 }
 
 fn particle_dof(
@@ -151,17 +155,28 @@ fn shake(seed: u64, increment: u64, body: usize, dof: usize) -> f64 {
     (bits >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
 }
 
-/// Mean motion of a compaction: zero at the fixed walls, the motion of the wall at the moving wall,
+/// Mean motion of a compaction: that of the periodic cell; else zero at the fixed walls, the motion of the wall at the moving wall,
 /// and linear in between.
 struct Affine {
     moving: Option<(DVec2, DVec2, DVec2, f64)>,
+    /// Displacement gradient of a periodic cell: width, height and shear.
+    cell: Option<[f64; 3]>,
 }
 
 impl Affine {
     fn of(bodies: &Bodies, analysis: &Analysis, fraction: f64) -> Self {
         let AnalysisKind::LeastMotion { affine: true, .. } = analysis.kind else {
-            return Self { moving: None };
+            return Self { moving: None, cell: None };
         };
+        if let Some(cell) = &bodies.cell {
+            let gradient = |k: usize, length: f64| match cell.controls[k] {
+                CellControl::Imposed(u) => fraction * u / length,
+                CellControl::Stress { .. } => 0.0,
+            };
+            let along = [cell.width, cell.height, cell.height];
+            let cell = Some([0, 1, 2].map(|k| gradient(k, along[k])));
+            return Self { moving: None, cell };
+        }
         let moving = bodies.walls.iter().find_map(|wall| match wall.drive {
             WallDrive::Imposed(u) if u != DVec2::ZERO => Some((wall, fraction * u)),
             _ => None,
@@ -178,10 +193,13 @@ impl Affine {
             let height = (x - bodies.positions[base.body as usize]).dot(base.inward);
             (height > 0.0).then_some((bodies.positions[base.body as usize], base.inward, u, height))
         });
-        Self { moving }
+        Self { moving, cell: None }
     }
 
     fn displacement(&self, x: DVec2) -> DVec2 {
+        if let Some([xx, yy, xy]) = self.cell {
+            return DVec2::new(xx * x.x + xy * x.y, yy * x.y);
+        }
         self.moving.map_or(DVec2::ZERO, |(base, inward, u, height)| {
             u * ((x - base).dot(inward) / height).clamp(0.0, 1.0)
         })

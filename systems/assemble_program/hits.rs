@@ -273,6 +273,7 @@ mod tests {
                 previous_shear: 0.0,
                 limits: Default::default(),
                 dilation: 1.0,
+                image: DVec2::ZERO,
             };
             let hit = Approach::of(&motions, &contact, &c)
                 .and_then(|x| x.impact(&bodies, &motions, (&contact, &c), 2.0));

@@ -11,6 +11,8 @@
 //! program is the average over the increment. A rigid interaction keeps g, so that it does not
 //! penetrate at the end.
 
+use glam::DVec2;
+
 use clastic_components::body::Drive;
 use clastic_components::contact::{Bodies, BondRow, Contact, ContactHistory};
 use clastic_components::findings::{Corrections, Pushed, Ruptures};
@@ -208,6 +210,7 @@ fn interaction(
         previous_shear: if tangential > 0.0 { memory + shift } else { 0.0 },
         limits,
         dilation: 1.0,
+        image: DVec2::ZERO,
     }
 }
 

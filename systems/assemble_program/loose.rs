@@ -153,7 +153,11 @@ pub fn find_loose(
         }
     }
     let mut loose = vec![false; n];
-    let freedom: Vec<usize> = (0..n).map(|i| free_dofs(program, i)).collect();
+    let mut freedom: Vec<usize> = (0..n).map(|i| free_dofs(program, i)).collect();
+    // The cell is no body that could be loose.
+    if let Some(cell) = &program.cell {
+        freedom[cell.body as usize] = 0;
+    }
     let mut queue: Vec<usize> = (0..n).filter(|i| constraints[*i] < freedom[*i]).collect();
     while let Some(i) = queue.pop() {
         if std::mem::replace(&mut loose[i], true) {
@@ -169,9 +173,18 @@ pub fn find_loose(
         }
     }
     for cluster in clusters(program, &stiff, &loose, &freedom) {
+        // One particle is held, and what is periodic does not turn.
+        let is_held = |i: &usize| program.bodies[*i].dofs[..2].iter().all(is_fixed);
+        if program.cell.is_some() && cluster.iter().any(is_held) {
+            continue;
+        }
         hold_cluster(bodies, program, &stiff, &adjacency, &freedom, &cluster, &mut loose);
     }
     loose
+}
+
+fn is_fixed(dof: &Dof) -> bool {
+    matches!(dof, Dof::Fixed(_))
 }
 
 /// Connected clusters of bodies with free degrees of freedom.

@@ -1,6 +1,7 @@
 //! Assembly of the cone program: balance rows of bodies, interactions, expected magnitudes.
 
 pub mod balance;
+pub mod cell;
 pub mod groups;
 pub mod hits;
 pub mod interactions;
@@ -94,6 +95,8 @@ pub fn assemble_program(
     let history = &history.0;
     let (ruptures, corrections, pushed) = &changes;
     let findings = Findings { ruptures, corrections, pushed };
+    let row = bodies.positions.len();
+    program.cell = bodies.cell.map(|cell| cell.in_program(row, bodies.mean_radius));
     interactions::assemble(
         &bodies,
         &contacts.0,
@@ -108,6 +111,7 @@ pub fn assemble_program(
     if search.active && attempt.effort().is_some() {
         lift_strengths(&contacts.0, &mut program.interactions);
     }
+    cell::set_images(&bodies, &mut program.interactions);
     turning::carry(&bodies, &contacts.0, corrections, progress.fraction, &mut program.interactions);
     groups::join(&bodies, &mut program.interactions);
     let balance = |program: &mut ConeProgram| {
@@ -125,6 +129,9 @@ pub fn assemble_program(
         // The bodies of these contacts may have no other interaction, and then their motion is
         // known.
         balance(program);
+    }
+    if analysis.kind == AnalysisKind::Static && attempt.motion().is_none() {
+        cell::hold_one(&bodies, history, program);
     }
     let count = contacts.0.len();
     program.scales = scales::estimate(

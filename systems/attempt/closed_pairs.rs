@@ -5,6 +5,7 @@ use bevy_ecs::prelude::*;
 use glam::DVec2;
 
 use clastic_components::attempt::{Attempt, Verdict};
+use clastic_components::cell::PeriodicCell;
 use clastic_components::contact::{Bodies, Contacts, WallRow};
 use clastic_components::findings::AddedPairs;
 use clastic_components::increment::Acceptance;
@@ -13,6 +14,7 @@ use clastic_cone::program::{ConeProgram, ConeSolution};
 use crate::detect_contacts::Candidates;
 use crate::detect_contacts::gaps::wall_gap;
 use crate::detect_contacts::grid::pairs_within;
+use crate::detect_contacts::periodic;
 
 /// Pairs that are about to close are added together with those that close. They are this many mean
 /// radii apart, or this fraction of their relative motion.
@@ -49,11 +51,12 @@ pub(super) fn add_closed(
 ) -> bool {
     let tolerance = acceptance.overlap * bodies.mean_radius;
     let positions = moved_positions(bodies, program, solution);
+    let cell = moved_cell(bodies, program, solution);
+    let after = (&positions[..], cell.as_ref());
     let rotations = |body: u32| solution.displacements.get(body as usize).map_or(0.0, |u| u[2]);
     let walls: Vec<WallRow> =
         bodies.walls.iter().map(|wall| wall.turned(rotations(wall.body))).collect();
-    let missed =
-        |reach: f64| unlisted_pairs(bodies, &walls, candidates, contacts, &positions, reach);
+    let missed = |reach: f64| unlisted_pairs(bodies, &walls, candidates, contacts, after, reach);
     if missed(-tolerance).is_empty() {
         return false;
     }
@@ -61,7 +64,7 @@ pub(super) fn add_closed(
     let near = |(a, b): &(u32, u32)| {
         let reach =
             COMPANY * bodies.mean_radius + COMPANY_OF_MOTION * (motion(*a) - motion(*b)).length();
-        gap(bodies, &walls, &positions, *a, *b) <= reach
+        gap(bodies, &walls, after, *a, *b) <= reach
     };
     add(pairs, missed(FURTHEST * bodies.mean_radius).into_iter().filter(near));
     true
@@ -74,9 +77,18 @@ pub(super) fn add(pairs: &mut AddedPairs, new: impl Iterator<Item = (u32, u32)>)
     pairs.0.dedup();
 }
 
-/// Gap between a particle and a particle or wall at the given positions, m. `walls` are those of
+/// Positions of all bodies, m, and the periodic cell.
+pub(super) type Places<'a> = (&'a [DVec2], Option<&'a PeriodicCell>);
+
+/// Gap between a particle and a particle or wall at the given places, m. `walls` are those of
 /// `bodies`, turned as they are there.
-pub(super) fn gap(bodies: &Bodies, walls: &[WallRow], positions: &[DVec2], a: u32, b: u32) -> f64 {
+pub(super) fn gap(
+    bodies: &Bodies,
+    walls: &[WallRow],
+    (positions, cell): Places,
+    a: u32,
+    b: u32,
+) -> f64 {
     let (x, r) = (positions[a as usize], bodies.radii[a as usize]);
     match walls.iter().find(|w| w.body == b) {
         Some(wall) => {
@@ -97,7 +109,11 @@ pub(super) fn gap(bodies: &Bodies, walls: &[WallRow], positions: &[DVec2], a: u3
                 wall_gap(wall, positions[b as usize], x, r)
             }
         }
-        None => x.distance(positions[b as usize]) - r - bodies.radii[b as usize],
+        None => {
+            let apart = positions[b as usize] - x;
+            let way = cell.map_or(apart, |cell| apart + cell.shift(apart));
+            way.length() - r - bodies.radii[b as usize]
+        }
     }
 }
 
@@ -108,11 +124,13 @@ pub(super) fn unlisted_pairs(
     walls: &[WallRow],
     Candidates(candidates): &Candidates,
     contacts: &Contacts,
-    positions: &[DVec2],
+    (positions, cell): Places,
     reach: f64,
 ) -> Vec<(u32, u32)> {
     let (disks, radii) = (&positions[..bodies.particles], &bodies.radii);
-    let mut pairs = if candidates.is_complete(disks, radii, reach) {
+    let mut pairs = if let Some(cell) = cell {
+        periodic::pairs_within(cell, disks, radii, reach)
+    } else if candidates.is_complete(disks, radii, reach) {
         candidates.within(disks, radii, reach).collect()
     } else {
         let mut found = Vec::new();
@@ -130,7 +148,7 @@ pub(super) fn unlisted_pairs(
     }
     for wall in &bodies.walls {
         for pair in (0..bodies.particles as u32).map(|a| (a, wall.body)) {
-            let near = gap(bodies, walls, positions, pair.0, pair.1) <= reach;
+            let near = gap(bodies, walls, (positions, cell), pair.0, pair.1) <= reach;
             if near && !is_listed(contacts, pair) {
                 pairs.push(pair);
             }
@@ -142,6 +160,17 @@ pub(super) fn unlisted_pairs(
 /// Whether a pair is in the program.
 pub(super) fn is_listed(contacts: &Contacts, pair: (u32, u32)) -> bool {
     contacts.0.binary_search_by_key(&pair, |c| (c.a, c.b)).is_ok()
+}
+
+/// The periodic cell after the displacements of the solution.
+pub fn moved_cell(
+    bodies: &Bodies,
+    program: &ConeProgram,
+    solution: &ConeSolution,
+) -> Option<PeriodicCell> {
+    let row = program.cell?.body as usize;
+    let u = program.bodies[row].to_global(solution.displacements[row]);
+    bodies.cell.map(|cell| cell.deformed(u, bodies.mean_radius))
 }
 
 /// Positions of all bodies after the displacements of the solution, m.

@@ -11,7 +11,7 @@ use clastic_components::findings::AddedPairs;
 use clastic_components::increment::Acceptance;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
-use super::closed_pairs::{add, gap, is_listed, unlisted_pairs};
+use super::closed_pairs::{Places, add, gap, is_listed, unlisted_pairs};
 use crate::detect_contacts::Candidates;
 
 /// A pair closes if its closing exceeds this fraction of the maximum motion.
@@ -49,14 +49,20 @@ pub fn judge(
     let scale = 1e-6 * bodies.mean_radius / maximum;
     let moved: Vec<DVec2> =
         bodies.positions.iter().zip(&motion).map(|(x, u)| *x + scale * *u).collect();
+    let start = (&bodies.positions[..], bodies.cell.as_ref());
+    let row = bodies.positions.len();
+    let deformed = bodies.cell.map(|cell| {
+        let u = program.bodies[row].to_global(certificate.mechanism[row]);
+        cell.deformed(u.map(|u| scale * u), bodies.mean_radius)
+    });
+    let after = (&moved[..], deformed.as_ref());
     let closes = |(a, b): &(u32, u32)| {
-        let at = |positions: &[DVec2]| gap(&bodies, &bodies.walls, positions, *a, *b);
-        let closing = at(&bodies.positions) - at(&moved);
+        let at = |places: Places| gap(&bodies, &bodies.walls, places, *a, *b);
+        let closing = at(start) - at(after);
         closing > CLOSES * scale * maximum
     };
     let reach = 2.0 * acceptance.throw * bodies.mean_radius;
-    let places = &bodies.positions;
-    let near = unlisted_pairs(&bodies, &bodies.walls, &candidates, &contacts, places, reach);
+    let near = unlisted_pairs(&bodies, &bodies.walls, &candidates, &contacts, start, reach);
     let touched = |wall: u32| history.0.0.iter().any(|m| m.b == wall && m.p > 0.0);
     let coming = bodies.walls.iter().filter(|w| motion[w.body as usize] != DVec2::ZERO);
     let coming = coming.filter(|w| !touched(w.body));
@@ -66,7 +72,7 @@ pub fn judge(
     if !closing.is_empty() {
         // The next solution moves by about the smallest of these gaps, and not by as much as the
         // last one.
-        let gaps = closing.iter().map(|(a, b)| gap(&bodies, &bodies.walls, places, *a, *b));
+        let gaps = closing.iter().map(|(a, b)| gap(&bodies, &bodies.walls, start, *a, *b));
         let nearest = gaps.fold(f64::INFINITY, f64::min).max(1e-3 * bodies.mean_radius);
         attempt.magnitudes = Some((nearest.max(program.scales.displacement), program.scales.force));
         add(&mut pairs, closing.into_iter());

@@ -117,7 +117,7 @@ fn runaway(program: &ConeProgram, solution: &ConeSolution) -> Option<usize> {
 /// Whether a solution that did not converge moves a grain very far. The grain then lacks support,
 /// and other scales do not help.
 fn is_unsupported(bodies: &Bodies, program: &ConeProgram, solution: &ConeSolution) -> bool {
-    solution.displacements.len() == bodies.positions.len()
+    solution.displacements.len() == bodies.rows_in_program()
         && furthest(bodies, program, solution).is_some_and(|(_, far)| far > UNSUPPORTED)
 }
 
@@ -175,7 +175,8 @@ fn keep_closest(
 fn place(bodies: &Bodies, program: &ConeProgram, solution: &ConeSolution) -> String {
     let Some([a, b]) = worst_bodies(program, solution) else { return String::new() };
     let partner = if a == b { String::new() } else { format!(" and {}", bodies.name(b)) };
-    let at = bodies.positions[a];
+    // The cell is nowhere.
+    let Some(at) = bodies.positions.get(a) else { return format!(", worst at {}", bodies.name(a)) };
     format!(", worst at {}{partner} near ({:.4e}, {:.4e}) m", bodies.name(a), at.x, at.y)
 }
 

@@ -20,7 +20,10 @@ use clastic_components::increment::{
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use crate::event_search::{Decision, GroupRules, Now, at_constant_load, decide, maximum};
-use crate::rupture_bonds::{BuiltInRule, Overload, overloads, restore_strengths, rupture};
+use crate::rupture_bonds::{
+    BuiltInRule, Overload, UNLIMITED, overloads, restore_strengths, rupture,
+};
+use crate::rupture_density::density;
 use clastic_cone::residuals::residuals;
 
 /// Run condition: bonds break from event to event.
@@ -46,7 +49,10 @@ pub fn begin(world: &mut World) {
         && world.contains_resource::<BuiltInRule>()
         && !bodies.bonds.is_empty()
         && bodies.bonds.iter().all(is_elastic);
-    *world.resource_mut::<EventSearch>() = EventSearch { active, ..EventSearch::default() };
+    let dense =
+        active && rules.avalanche != Avalanche::Dynamic && world.resource::<Progress>().dense;
+    *world.resource_mut::<EventSearch>() =
+        EventSearch { active: active && !dense, dense, ..EventSearch::default() };
 }
 
 /// Whether the motion that the last ruptures released must still be followed.
@@ -78,7 +84,7 @@ pub fn judge(
     }
     let share = if avalanche == Avalanche::Together { f64::INFINITY } else { group };
     let group = GroupRules { tolerance, group, share };
-    let found = overloads(&contacts.0, &program, &solution);
+    let found = overloads(&contacts.0, &program, &solution, UNLIMITED);
     let bond = |o: &Overload| contacts.0[o.contact].bond.map_or(0, |k| k as usize);
     let sum = sum(&solution.forces).max(f64::MIN_POSITIVE);
     let mut shares = vec![0.0; bodies.bonds.len()];
@@ -112,10 +118,21 @@ pub fn judge(
             let last = |k: usize| program.last_forces.get(k).copied().unwrap_or_default();
             let forces = forces.map(|(k, _)| last(k)).collect();
             let start = ConeSolution { forces, ..ConeSolution::default() };
-            let found = overloads(&contacts.0, &program, &start);
+            let found = overloads(&contacts.0, &program, &start, UNLIMITED);
             EventTrial { change: 0.0, is_solved: false, ..of_bonds(&found, 0.0) }
         };
         let below = search.below.clone().unwrap_or_else(start);
+        let may_be_dense = search.trials == 0
+            && search.overload >= 1.0
+            && progress.fraction > 0.0
+            && avalanche != Avalanche::Dynamic;
+        if may_be_dense && density(&below, &trial) >= rules.density {
+            // The same fraction again, with the strengths of the bonds.
+            (search.active, search.dense, progress.dense) = (false, true, true);
+            search.target = progress.fraction;
+            attempt.verdict = Verdict::Overloaded;
+            return;
+        }
         decide(&below, search.above.as_ref(), now, search.trials, search.in_a_row, group)
     };
     match decision {

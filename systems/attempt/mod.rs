@@ -16,6 +16,7 @@ pub mod closing_mechanism;
 pub mod converged;
 pub mod corrector;
 pub mod coulomb;
+pub mod dense;
 pub mod events;
 pub mod motion;
 pub mod next;
@@ -87,7 +88,11 @@ impl Plugin for AttemptPlugin {
                     snaps::judge.run_if(in_equilibrium),
                     push_out::judge.run_if(in_equilibrium),
                     corrector::judge.run_if(in_equilibrium),
-                    cascade::judge.run_if(in_equilibrium).run_if(not(events::searches)),
+                    cascade::judge
+                        .run_if(in_equilibrium)
+                        .run_if(not(events::searches))
+                        .run_if(not(dense::is_dense)),
+                    dense::judge.run_if(in_equilibrium).run_if(dense::is_dense),
                 )
                     .chain()
                     .in_set(AttemptSystems::Judge),
@@ -194,7 +199,11 @@ pub fn run_attempts(world: &mut World) {
                     progress.tried = progress.fraction;
                     // An increment that fell back to one round stays in this mode.
                     let mut search = world.resource_mut::<EventSearch>();
-                    *search = EventSearch { active: search.active, ..EventSearch::default() };
+                    *search = EventSearch {
+                        active: search.active,
+                        dense: search.dense,
+                        ..EventSearch::default()
+                    };
                 } else {
                     progress.tried =
                         (1.0 - progress.done.fract()).min(progress.total - progress.done);

@@ -92,7 +92,7 @@ pub fn begin(world: &mut World, cause: Cause, repeated: bool) {
         weight: first_weight,
         stiffness,
         masses: kinetic_damping::relative_masses(bodies),
-        velocities: vec![[0.0; 3]; bodies.positions.len()],
+        velocities: vec![[0.0; 3]; bodies.rows_in_program()],
         goal: if repeated { 0.5 * goal } else { goal },
         repeated,
         ..Motion::default()

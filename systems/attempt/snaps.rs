@@ -46,7 +46,9 @@ fn snapped(
     });
     let walls = bodies.walls.iter().map(|w| bodies.wall_travel(w, w.drive));
     let groups = bodies.groups.iter().map(|group| bodies.imposed_motion(group));
-    let imposed = progress.fraction * imposed.chain(walls).chain(groups).fold(0.0, f64::max);
+    let imposed = imposed.chain(walls).chain(groups);
+    let imposed = imposed.chain(bodies.cell.map(|cell| cell.imposed()));
+    let imposed = progress.fraction * imposed.fold(0.0, f64::max);
     let n = bodies.particles;
     let (low, high) = bodies.positions[..n]
         .iter()

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use serde::{Deserialize, Serialize};
 
-use crate::program::{ConeProgram, ConeSolution, Interaction, ProgramBody, Scales};
+use crate::program::{ConeProgram, ConeSolution, Interaction, ProgramBody, ProgramCell, Scales};
 
 /// The description of the convex program that every dump contains.
 pub const FORMAT: &str = "\
@@ -41,6 +41,12 @@ scales are the magnitudes that a solver may divide by; they change no solution. 
 Tables: bodies[i] is body i; solution.forces[k] = (p, q, tau) belongs to interactions[k]; \
 solution.displacements[i] = (first translation, second translation, rotation) to bodies[i]. \
 null stands for a number that is not finite.";
+
+/// What is added to [`FORMAT`] for a program with a periodic cell.
+pub const OF_CELL: &str = " cell.body is the row of the body that stands for the deformation of a \
+periodic cell: with its translations U along the global axes and its rotation T, body b of an \
+interaction with image = (x, y) moves by u_b + (x U_x + y cell.arm T, y U_y), and the transpose of \
+this gives the force on that body.";
 
 /// The first words of the formats that [`from_json`] reads. Version 2 had no arms of normal forces;
 /// such a dump reads as one in which they are 0.
@@ -84,6 +90,8 @@ struct Written<'a> {
     scales: Scales,
     bodies: Vec<Numbered>,
     interactions: Cow<'a, [Interaction]>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    cell: Option<ProgramCell>,
     solution: Cow<'a, ConeSolution>,
 }
 
@@ -125,7 +133,11 @@ pub fn to_json(
 ) -> Result<String, serde_json::Error> {
     let numbered = |(id, body): (usize, &ProgramBody)| Numbered { id, body: *body };
     let mut text = serde_json::to_string(&Written {
-        format: FORMAT.into(),
+        format: if program.cell.is_some() {
+            format!("{FORMAT}{OF_CELL}").into()
+        } else {
+            FORMAT.into()
+        },
         increment,
         stage: stage.into(),
         fraction,
@@ -133,6 +145,7 @@ pub fn to_json(
         scales: program.scales,
         bodies: program.bodies.iter().enumerate().map(numbered).collect(),
         interactions: Cow::Borrowed(&program.interactions),
+        cell: program.cell,
         solution: Cow::Borrowed(solution),
     })?;
     text.push('\n');
@@ -156,6 +169,7 @@ pub fn from_json(text: &str) -> Result<Dump, DumpError> {
             bodies: written.bodies.into_iter().map(|numbered| numbered.body).collect(),
             interactions: written.interactions.into_owned(),
             scales: written.scales,
+            cell: written.cell,
             ..ConeProgram::default()
         },
         solution: written.solution.into_owned(),

@@ -84,6 +84,11 @@ pub(super) fn lower(program: &ConeProgram) -> Lowered {
                 touched[body][k] |= (0..3).any(|f| has[f] && rows[k][f] != 0.0);
             }
         }
+        if let Some((cell, rows)) = program.rows_of_cell(c) {
+            for k in 0..3 {
+                touched[cell][k] |= (0..3).any(|f| has[f] && rows[k][f] != 0.0);
+            }
+        }
     }
     for (i, body) in program.bodies.iter().enumerate() {
         for k in 0..3 {
@@ -108,8 +113,11 @@ pub(super) fn lower(program: &ConeProgram) -> Lowered {
             let k = low.linear.len();
             low.linear.push(linear);
             low.quadratic.push(quadratic);
-            for (body, first) in [(c.a as usize, true), (c.b as usize, false)] {
-                let rows = c.rows(program.bodies[body].axis, first);
+            let of = |body: u32, first| {
+                (body as usize, c.rows(program.bodies[body as usize].axis, first))
+            };
+            let cell = program.rows_of_cell(c);
+            for (body, rows) in [of(c.a, true), of(c.b, false)].into_iter().chain(cell) {
                 for dof in 0..3 {
                     if let Some(row) = low.rows[body][dof] {
                         // Units of moments and arms: rows are divided by df, columns multiplied.

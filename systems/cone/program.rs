@@ -22,6 +22,10 @@
 //! `e_a = (x_c - x_a) x n`, `l_a = (x_c - x_a) x t`, and with the opposite sign on the other side
 //! `e_b = -(x_c - x_b) x n`, `l_b = -(x_c - x_b) x t`. Between disks the normal passes through both
 //! centres, and `e_a = e_b = 0`.
+//!
+//! In a periodic cell b may be the image of a body: the body, shifted by a vector s of the lattice.
+//! With H the displacement gradient of the cell it moves by `u_b + H s`, and the force on it acts on
+//! the cell as well: [`ProgramCell`].
 
 #[cfg(all(feature = "bevy", feature = "reflect"))]
 use bevy_ecs::reflect::ReflectResource;
@@ -166,11 +170,65 @@ pub struct Interaction {
     /// `a (mu |slip| + mu_r r |d_r|)`. 1 for the associated law, 0 for Coulomb's.
     #[serde(default = "associated")]
     pub dilation: f64,
+    /// Shift s of the image of b in the [cell](ProgramCell), over the length of the cell; zero where
+    /// b takes part itself.
+    #[serde(default, skip_serializing_if = "is_none")]
+    pub image: DVec2,
+}
+
+/// The deformation of a periodic cell as a body of the program.
+///
+/// With the translations U (in global axes) and the rotation T of that body, and l the length of the
+/// cell, the displacement gradient is `H = [[U_x/l, arm T/l], [0, U_y/l]]`: an image with the shift s
+/// moves by `u_b + H s`. The loads on the body are `-sigma_xx A h/l`, `-sigma_yy A h/l` and
+/// `-sigma_xy A h arm/l`, with A the area, h the thickness and sigma the average stress (compression
+/// positive), since the sum of the forces on images times their shifts is `sigma A h`.
+#[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub struct ProgramCell {
+    /// Row of the body.
+    pub body: u32,
+    /// Displacement over the length of the cell per unit of rotation, m.
+    pub arm: f64,
+}
+
+impl ProgramCell {
+    /// Displacement of an image in excess of that of its body, m, for the displacements of the cell
+    /// in global axes.
+    #[must_use]
+    pub fn shift(&self, image: DVec2, u: [f64; 3]) -> DVec2 {
+        DVec2::new(image.x * u[0] + image.y * self.arm * u[2], image.y * u[1])
+    }
+
+    /// Coefficients of the forces in the rows of the cell, in the axes of its body, for the rows of
+    /// the image along x and y.
+    #[must_use]
+    pub fn rows<const F: usize>(
+        &self,
+        image: DVec2,
+        axis: DVec2,
+        of: &[[f64; F]; 2],
+    ) -> [[f64; F]; 3] {
+        let perp = axis.perp();
+        let row = |of_x: f64, of_y: f64| -> [f64; F] {
+            std::array::from_fn(|f| of_x * of[0][f] + of_y * of[1][f])
+        };
+        [
+            row(axis.x * image.x, axis.y * image.y),
+            row(perp.x * image.x, perp.y * image.y),
+            row(self.arm * image.y, 0.0),
+        ]
+    }
 }
 
 /// The dilation of a dump that does not state it.
 fn associated() -> f64 {
     1.0
+}
+
+/// Whether a dump leaves a shift out.
+fn is_none(shift: &DVec2) -> bool {
+    *shift == DVec2::ZERO
 }
 
 /// Whether a dump leaves a number out.
@@ -215,7 +273,14 @@ impl Interaction {
             previous_shear: 0.0,
             limits: Limits::default(),
             dilation: 1.0,
+            image: DVec2::ZERO,
         }
+    }
+
+    /// Whether b takes part as an image, so that the cell takes part too.
+    #[must_use]
+    pub fn is_across(&self) -> bool {
+        self.image != DVec2::ZERO
     }
 
     /// Coefficients of (p, q, tau) in the three balance rows of body `a` (`first`) or `b`, in the
@@ -287,6 +352,8 @@ pub struct ConeProgram {
     /// interactions beyond the end of the list carried none. They are a guess of the solution and
     /// no part of the problem.
     pub last_forces: Vec<[f64; 3]>,
+    /// The deformation of the periodic cell, if the bodies are in one.
+    pub cell: Option<ProgramCell>,
 }
 
 impl ConeProgram {
@@ -297,7 +364,13 @@ impl ConeProgram {
         let (a, b) = (c.a as usize, c.b as usize);
         let ua = self.bodies[a].to_global(u[a]);
         let ub = self.bodies[b].to_global(u[b]);
-        let (d, t) = (DVec2::new(ua[0] - ub[0], ua[1] - ub[1]), c.normal.perp());
+        let (mut d, t) = (DVec2::new(ua[0] - ub[0], ua[1] - ub[1]), c.normal.perp());
+        if c.is_across()
+            && let Some(cell) = &self.cell
+        {
+            let row = cell.body as usize;
+            d -= cell.shift(c.image, self.bodies[row].to_global(u[row]));
+        }
         [
             c.normal.dot(d) + c.normal_arm_a * ua[2] + c.normal_arm_b * ub[2],
             t.dot(d) + c.arm_a * ua[2] + c.arm_b * ub[2],
@@ -314,7 +387,28 @@ impl ConeProgram {
                     *row += g[0] * f[0] + g[1] * f[1] + g[2] * f[2];
                 }
             }
+            if let Some((cell, g)) = self.rows_of_cell(c) {
+                for (row, g) in rows[cell].iter_mut().zip(&g) {
+                    *row += g[0] * f[0] + g[1] * f[1] + g[2] * f[2];
+                }
+            }
         }
+    }
+
+    /// Row of the body of the cell and coefficients of (p, q, tau) in its balance rows; `None` for an
+    /// interaction in which no image takes part.
+    #[must_use]
+    pub fn rows_of_cell(&self, c: &Interaction) -> Option<(usize, [[f64; 3]; 3])> {
+        let cell = self.cell.as_ref().filter(|_| c.is_across())?;
+        let body = cell.body as usize;
+        let [x, y, _] = c.rows(DVec2::X, false);
+        Some((body, cell.rows(c.image, self.bodies[body].axis, &[x, y])))
+    }
+
+    /// Whether the deformation of the cell is not known.
+    #[must_use]
+    pub fn has_free_cell(&self) -> bool {
+        self.cell.is_some_and(|cell| self.bodies[cell.body as usize].is_free())
     }
 
     /// Replaces the displacements of degrees of freedom with inertia by `u = (load - G f)/inertia`,

@@ -1,5 +1,7 @@
 //! The interface of solvers of cone programs, and the check for malformed programs.
 
+use glam::DVec2;
+
 use crate::program::{ConeProgram, ConeSolution, Dof};
 
 /// A program that no solver can read: an error of the code that assembled it.
@@ -52,7 +54,21 @@ pub fn check(program: &ConeProgram) -> Result<(), MalformedProgram> {
             )));
         }
     }
+    if let Some(cell) = &program.cell
+        && !(cell.arm.is_finite() && (cell.body as usize) < n)
+    {
+        return Err(MalformedProgram(format!("the cell is body {} of {n}", cell.body)));
+    }
     for (k, c) in program.interactions.iter().enumerate() {
+        // The image of a body moves along the global axes.
+        let is_wrong = |b: usize| program.cell.is_none() || program.bodies[b].axis != DVec2::X;
+        if c.is_across() && ((c.b as usize) < n && is_wrong(c.b as usize)) {
+            return Err(MalformedProgram(format!(
+                "interaction {k} has an image of body {} without a cell or along other axes than x \
+                 and y",
+                c.b
+            )));
+        }
         if c.a as usize >= n || c.b as usize >= n || c.a == c.b {
             return Err(MalformedProgram(format!(
                 "interaction {k} joins bodies {} and {} of {n}",
@@ -76,6 +92,8 @@ pub fn check(program: &ConeProgram) -> Result<(), MalformedProgram> {
             l.tension,
             l.rolling,
             l.moment,
+            c.image.x,
+            c.image.y,
         ];
         if numbers.iter().any(|x| !x.is_finite()) {
             return Err(MalformedProgram(format!(

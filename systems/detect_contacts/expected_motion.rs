@@ -105,6 +105,9 @@ pub fn expected_motion(
             displacement[wall.body as usize] = DVec2::ZERO;
         }
     }
+    if let Some(cell) = bodies.cell.filter(|_| !bodies.resting) {
+        imposed = imposed.max(f * cell.imposed());
+    }
     let (hit, floor) = match analysis.kind {
         AnalysisKind::Dynamic { .. } => (settings.hit, settings.min_in_dynamics),
         AnalysisKind::Static | AnalysisKind::LeastMotion { .. } => (0.0, settings.min),

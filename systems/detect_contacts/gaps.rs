@@ -4,11 +4,12 @@ use glam::DVec2;
 
 use clastic_components::contact::{Bodies, Contact, WallRow};
 
-/// Normal from a to b and gap `g_0 = |x_b - x_a| - (r_a + r_b)` of two particles.
+/// Normal from a to b and gap `g_0 = |x_b - x_a| - (r_a + r_b)` of two particles; in a cell b is its
+/// nearest image.
 #[must_use]
 pub fn pair_contact(bodies: &Bodies, a: u32, b: u32) -> Contact {
     let (i, j) = (a as usize, b as usize);
-    let d = bodies.positions[j] - bodies.positions[i];
+    let d = bodies.way(i, j);
     let length = d.length();
     // Coincident centres have no normal; any fixed one pushes them apart.
     let normal = if length > 0.0 { d / length } else { DVec2::X };

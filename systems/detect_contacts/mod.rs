@@ -10,6 +10,7 @@ pub mod candidates;
 pub mod delaunay;
 pub mod gaps;
 pub mod grid;
+pub mod periodic;
 pub mod settings;
 #[cfg(test)]
 mod test_packings;
@@ -70,7 +71,14 @@ pub fn detect_contacts(
     let n = bodies.particles;
     let (positions, radii) = (&bodies.positions[..n], &bodies.radii[..]);
     candidates.0.settings = settings.list;
-    candidates.0.ensure(positions, radii, expected.max_reach(n));
+    // The list of candidates knows no images: in a cell they are found anew.
+    let in_cell = bodies
+        .cell
+        .map(|cell| periodic::pairs_within(&cell, positions, radii, expected.max_reach(n)));
+    if in_cell.is_none() {
+        candidates.0.ensure(positions, radii, expected.max_reach(n));
+    }
+    let near = in_cell.as_deref().unwrap_or(candidates.0.pairs());
 
     let list = &mut contacts.0;
     list.clear();
@@ -93,12 +101,12 @@ pub fn detect_contacts(
         }
     };
     let is_grouped = !bodies.groups.is_empty();
-    for (a, b) in merged_pairs(&bodies, &added.0, candidates.0.pairs(), settings.reach.wall) {
+    for (a, b) in merged_pairs(&bodies, &added.0, near, settings.reach.wall) {
         if is_grouped && bodies.are_joined(a, b) {
             continue;
         }
         let wanted = if (b as usize) < n {
-            let d = bodies.positions[b as usize] - bodies.positions[a as usize];
+            let d = bodies.way(a as usize, b as usize);
             d.length() - radii[a as usize] - radii[b as usize] <= expected.pair_reach(a, b)
         } else {
             match bodies.walls.binary_search_by_key(&b, |w| w.body) {

@@ -108,6 +108,7 @@ fn bond_of(tables: &Tables, released: &Released) -> Interaction {
         previous_shear: 0.0,
         limits: Limits::default(),
         dilation: 0.0,
+        image: DVec2::ZERO,
     };
     let turns = |wall: &WallRow| matches!(bodies.wall_drive(wall), WallDrive::Turning { .. });
     if wall.is_some_and(turns) {

@@ -27,8 +27,7 @@ pub fn fabric(
     }
     let [mut xx, mut yy, mut xy] = [0.0; 3];
     for k in &counted {
-        let [a, b] = [contacts.0[*k].a, contacts.0[*k].b].map(|row| bodies.positions[row as usize]);
-        let n = (b - a).normalize();
+        let n = bodies.way(contacts.0[*k].a as usize, contacts.0[*k].b as usize).normalize();
         xx += n.x * n.x;
         yy += n.y * n.y;
         xy += n.x * n.y;

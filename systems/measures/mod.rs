@@ -125,6 +125,7 @@ impl EndTables<'_, '_> {
             Quantity::Porosity(area) => {
                 let area = match area {
                     MeasureArea::Fixed(area) => *area,
+                    MeasureArea::Cell => self.bodies.cell?.area(),
                     MeasureArea::Box([a, b, c, d]) => {
                         self.strains.between(*a, *b)? * self.strains.between(*c, *d)?
                     }

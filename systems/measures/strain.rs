@@ -6,6 +6,7 @@ use glam::DVec2;
 
 use clastic_components::attempt::{Attempt, IncrementStatus};
 use clastic_components::body::{BodyId, Position};
+use clastic_components::cell::PeriodicCell;
 use clastic_components::measure::{NamedMeasures, Quantity, StrainPath, StrainReference};
 use clastic_components::observation::{Measures, Observation, StrainComponent, StrainMeasure};
 use clastic_components::particle::Particle;
@@ -21,12 +22,13 @@ use crate::state::StateOf;
 pub struct StrainTables<'w, 's> {
     walls: Query<'w, 's, (&'static Wall, &'static Position)>,
     particles: Query<'w, 's, (&'static BodyId, &'static Position), With<Particle>>,
+    cell: Option<Res<'w, PeriodicCell>>,
     start: Option<Res<'w, StrainReference>>,
 }
 
 impl StrainTables<'_, '_> {
-    /// Current value of the distance of a strain measure, m; `None` for one that compares none, or
-    /// whose bodies are not all there.
+    /// Current value of the distance of a strain measure, m; of a shear of the periodic cell the
+    /// strain itself. `None` for one that compares no distance, or whose bodies are not all there.
     #[must_use]
     pub fn distance(&self, measure: &StrainMeasure) -> Option<f64> {
         match *measure {
@@ -35,6 +37,9 @@ impl StrainTables<'_, '_> {
                 let place = |particle| self.particles.get(particle).ok().map(|(_, x)| x.0);
                 Some(place(a)?.distance(place(b)?))
             }
+            StrainMeasure::CellWidth => Some(self.cell.as_ref()?.width),
+            StrainMeasure::CellHeight => Some(self.cell.as_ref()?.height),
+            StrainMeasure::CellShear => Some(self.cell.as_ref()?.shear),
             StrainMeasure::Region { .. } => None,
         }
     }
@@ -57,8 +62,11 @@ impl StrainTables<'_, '_> {
     #[must_use]
     pub fn strain(&self, measure: &StrainMeasure, reference: Option<f64>) -> Option<f64> {
         let StrainMeasure::Region { component, min, max } = *measure else {
-            let reference = reference?;
-            return Some((reference - self.distance(measure)?) / reference);
+            let (then, now) = (reference?, self.distance(measure)?);
+            return Some(match measure {
+                StrainMeasure::CellShear => now - then,
+                _ => (then - now) / then,
+            });
         };
         let start = self.start.as_ref()?;
         let now = self.places();

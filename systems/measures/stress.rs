@@ -92,6 +92,7 @@ fn component(stress: [[f64; 2]; 2], component: StressComponent) -> f64 {
         StressComponent::Mean => 0.5 * (xx + yy),
         StressComponent::Major => Principal::of(xx, yy, xy).major,
         StressComponent::Minor => Principal::of(xx, yy, xy).minor,
+        StressComponent::Shear => -xy,
     }
 }
 
@@ -147,6 +148,7 @@ impl StressTables<'_, '_> {
             StressMeasure::Average { component: of, area } => {
                 let area = match area {
                     MeasureArea::Fixed(area) => *area,
+                    MeasureArea::Cell => self.bodies.cell?.area(),
                     MeasureArea::Box([a, b, c, d]) => {
                         self.distance(*a, *b)? * self.distance(*c, *d)?
                     }
@@ -216,6 +218,7 @@ pub fn stress_error(
             let area = match area {
                 MeasureArea::Fixed(area) => *area,
                 MeasureArea::Box([a, b, c, d]) => distance(*a, *b) * distance(*c, *d),
+                MeasureArea::Cell => bodies.cell.map_or(f64::NAN, |cell| cell.area()),
             };
             let error = |(contact, error): (&Contact, f64)| error * branch(&bodies, contact).abs();
             (errors.map(error).sum(), area)

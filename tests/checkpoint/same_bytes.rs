@@ -33,6 +33,7 @@ fn from_event_to_event_and_within_avalanches() {
         &[
             "rupture.order=Events",
             "rupture.group=0.003",
+            "rupture.density=30.0",
             "stages.confine.increments=2",
             "stages.load.increments=3",
             "stages.load.walls.top[1]=-0.45e-3",
@@ -204,6 +205,25 @@ fn coulomb_cascade_and_walls_that_come_and_go() {
     assert!(records.iter().any(|o| !o.ruptures.is_empty()), "no bond broke");
     assert!(records.iter().any(|o| o.coulomb_residual > 0.0), "Coulomb's law made no difference");
     assert!(records.iter().any(|o| o.stage == "hold"), "{:?}", records.last());
+}
+
+/// A periodic cell is state: its size, its shear, its stresses and what a stage does with it.
+#[test]
+fn a_periodic_cell_under_both_laws() {
+    for law in ["Associated", "Coulomb()"] {
+        let law = format!("friction_law={law}");
+        let sets = [
+            law.as_str(),
+            "specimen.count=64",
+            "specimen.columns=8",
+            "cell.size=(0.0808, 0.0808)",
+            "stages.compact.step=4.0e-3",
+            "stages.confine.increments=2",
+            "stages.shear.increments=5",
+        ];
+        let records = same_from_anywhere(&load("simple_shear_periodic", &sets), |k| k % 2 == 1);
+        assert!(records.iter().any(|o| o.stage == "shear" && o.fraction == 1.0));
+    }
 }
 
 /// Rigid groups are state: who belongs to them, where they are, and what is done to them. A

@@ -396,7 +396,7 @@ fn theta_method_is_second_order_at_one_half_and_first_order_elsewhere() {
 }
 
 #[test]
-fn linear_spring_impact_has_its_contact_time_and_greatest_overlap() {
+fn linear_spring_impact_has_its_contact_time_and_maximum_overlap() {
     // dt such that the trapezoidal rule turns the phase by pi/2 in n increments: n of them to the
     // maximum overlap v sqrt(m*/k), n more to the last touch.
     let contact_time = |n: u32| {

@@ -189,3 +189,27 @@ fn a_live_group_has_the_particles_that_are_there() {
     assert_relative(last[0].unwrap(), weight, 1e-6);
     assert_relative(last[1].unwrap(), 2.0 * weight, 1e-6);
 }
+
+/// A specimen file names groups; a misspelt one is refused.
+#[test]
+fn a_specimen_file_gives_its_particles_groups() {
+    let folder = tempfile::tempdir().unwrap();
+    let csv = "x_m,y_m,group,radius_m\n0.0,0.01,,0.01\n0.1,0.01,jaw,0.01\n0.2,0.01,jaw,0.01\n";
+    std::fs::write(folder.path().join("p.csv"), csv).unwrap();
+    let read = |group: &str| {
+        let text = format!(
+            "(version: 2, title: \"file\", materials: {{ \"m\": (density: 2000.0) }},
+              specimen: File(path: \"p.csv\"), probes: {{ \"a\": 0, \"b\": 1, \"c\": 2 }},
+              stages: [Load(name: \"go\", increments: 1, particles: [
+                (select: All, x: Held, y: Held), (select: Group(\"{group}\"), x: Displacement(1.0e-3))])])"
+        );
+        clastic::scene::from_str(&text, "s.ron".as_ref(), folder.path(), &[])
+    };
+    let loaded = read("jaw").unwrap_or_else(|e| panic!("{e}"));
+    let mut simulation = Simulation::new(&loaded.scene, loaded.specimen.as_ref());
+    let record = next(&mut simulation).unwrap();
+    let moved = ["a", "b", "c"].map(|name| probe(&record, name).motion[0] > 0.5e-3);
+    assert_eq!(moved, [false, true, true]);
+    let error = read("jav").unwrap_err().to_string();
+    assert!(error.contains("unknown group (`jav`)") && error.contains("`jaw`"), "{error}");
+}

@@ -27,6 +27,7 @@ mod language;
 mod lids;
 mod limit_load;
 mod measures;
+mod periodic_cell;
 mod removal;
 mod rest;
 mod restitution;

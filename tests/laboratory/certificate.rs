@@ -164,6 +164,7 @@ mod tests {
             previous_shear: 0.0,
             limits: Limits { friction: 0.5, tension, ..Limits::default() },
             dilation: 1.0,
+            image: DVec2::ZERO,
         };
         ConeProgram {
             bodies: vec![disk, wall],

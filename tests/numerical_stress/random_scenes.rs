@@ -70,6 +70,7 @@ pub fn random_scene(seed: u64, maximum: u32) -> Scene {
         },
         corrector: None,
         probes: BTreeMap::new(),
+        cell: None,
         solver: if r.chance(0.05) {
             Solver::Clarabel { tolerance: 1e-10, max_iterations: 200 }
         } else {
@@ -327,6 +328,7 @@ fn load(
         particles,
         rigid: Default::default(),
         release: Vec::new(),
+        cell: None,
         stop: Vec::new(),
     }
 }

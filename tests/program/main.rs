@@ -9,6 +9,7 @@ mod commands;
 mod compare;
 mod dumps;
 mod exit_codes;
+mod figures;
 mod files;
 mod measures;
 mod new;

@@ -193,6 +193,7 @@ fn the_rock_series_is_sound() {
     let study = concat!(env!("CARGO_MANIFEST_DIR"), "/studies/rock_series.ron");
     let script = stdout(&clastic(&["sweep", study, "--emit", "slurm"]).code(0));
     assert!(script.contains("scene compression, seed 3, confining 50.0e6"), "{script}");
+    assert!(script.contains("scene brazilian, seed 1"), "{script}");
 }
 
 /// Tests that branch from packings of a few disks: two loads on each of two packings.

@@ -110,6 +110,7 @@ fn disk_on_plate() -> (ConeProgram, Vec<[f64; 3]>, Vec<[f64; 3]>) {
             previous_shear: 0.0,
             limits: Limits::new(0.0, 0.5, 0.0, 1e-3),
             dilation: 1.0,
+            image: DVec2::ZERO,
         }],
         scales: Scales { length: 0.01, displacement: 1e-4, force: 100.0 },
         ..Default::default()

@@ -105,7 +105,8 @@ fn draw(sweep: &Sweep, records: &[serde_json::Value]) -> Result<(), Failure> {
         if !marks.is_empty() {
             name += &format!(" ({})", marks.join("; "));
         }
-        runs.push((name, History::read(&history)?));
+        let made = record["increments"].as_u64().unwrap_or(0);
+        runs.push((name, History::read(&history)?.after(made)));
     }
     let path = sweep.folder.join(FIGURE);
     match compare::stress(&runs) {

@@ -25,7 +25,7 @@ pub fn volumetric(runs: &Runs) -> Option<Chart> {
 fn lines(runs: &Runs, column: &str) -> Vec<Line> {
     let line = |(name, history): &(String, History)| Line {
         name: name.clone(),
-        points: history.points("axial_strain", column),
+        points: history.curve(column),
     };
     // Runs without the column keep an empty line, so that the colour of a run is equal in all
     // pictures.
@@ -49,5 +49,6 @@ fn chart(title: &str, y: String, lines: Vec<Line>) -> Option<Chart> {
         lines,
         second: None,
         equal: false,
+        window: None,
     })
 }

@@ -76,6 +76,7 @@ fn worked(title: &str, history: &History) -> Option<Chart> {
         lines: lines.into_iter().map(scaled).collect(),
         second: None,
         equal: false,
+        window: None,
     })
 }
 
@@ -102,6 +103,7 @@ fn moved(title: &str, history: &History) -> Option<Chart> {
         lines,
         second: None,
         equal: false,
+        window: None,
     })
 }
 

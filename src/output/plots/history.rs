@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use crate::output::OutputError;
 use crate::output::history::PROBE_COLUMNS;
+use crate::output::{OutputError, directory, names};
 
 /// Numbers of a history by column. Texts and empty fields are `None`.
 #[derive(Clone, Debug, Default)]
@@ -12,9 +12,29 @@ pub struct History {
     rows: Vec<Vec<Option<f64>>>,
     /// First row of the last stage.
     last_stage: usize,
+    /// Whether other runs led here, whose last row would be the state before the first row.
+    is_continued: bool,
 }
 
 impl History {
+    /// Reads the history of a run directory.
+    ///
+    /// # Errors
+    /// If it has no run, or the history cannot be read.
+    pub fn of_run(directory: &Path) -> Result<Self, OutputError> {
+        let record = directory::record(directory)?;
+        let history = Self::read(&directory.join(names::HISTORY))?;
+        Ok(history.after(record["increments"].as_u64().unwrap_or(0)))
+    }
+
+    /// States how many increments the run has made by itself. Increments count over all runs that
+    /// led here, as they do for a scene that starts from a saved state.
+    #[must_use]
+    pub fn after(self, made: u64) -> Self {
+        let last = self.column("increment").into_iter().flatten().fold(0.0, f64::max);
+        Self { is_continued: last > made as f64, ..self }
+    }
+
     /// Reads a history.
     ///
     /// # Errors
@@ -35,7 +55,7 @@ impl History {
             let number = |field: &str| field.parse().ok().filter(|x: &f64| x.is_finite());
             rows.push(row.iter().map(number).collect());
         }
-        Ok(Self { names, rows, last_stage: last_stage.1 })
+        Ok(Self { names, rows, last_stage: last_stage.1, is_continued: false })
     }
 
     /// A column; empty if the history does not have it.
@@ -52,6 +72,25 @@ impl History {
         pairs.filter_map(|(x, y)| Some((x?, y?))).collect()
     }
 
+    /// Points of a column against the axial strain from the initial state on, at which the strain
+    /// is 0. The value there is that of the row before the first strain, and 0 where that row has
+    /// none or does not exist. The initial state of a run that goes on from a saved state is not in
+    /// its history.
+    #[must_use]
+    pub fn curve(&self, column: &str) -> Vec<(f64, f64)> {
+        let mut points = self.points("axial_strain", column);
+        let first = self.column("axial_strain").iter().position(Option::is_some);
+        let Some(first) = first.filter(|_| !points.is_empty()) else { return points };
+        let before = first.checked_sub(1).map(|row| self.column(column)[row].unwrap_or(0.0));
+        // Strains count from the initial state, whatever led there.
+        let of_strain = column.ends_with("strain").then_some(0.0);
+        let free = (!self.is_continued).then_some(0.0);
+        if let Some(start) = of_strain.or(before).or(free) {
+            points.insert(0, (0.0, start));
+        }
+        points
+    }
+
     /// First row of the last stage.
     #[must_use]
     pub fn last_stage(&self) -> usize {
@@ -62,5 +101,35 @@ impl History {
     #[must_use]
     pub fn probes(&self) -> Vec<&str> {
         self.names.iter().filter_map(|name| name.strip_suffix(PROBE_COLUMNS[0])).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn history(rows: &str) -> Result<History, std::io::Error> {
+        let file = tempfile::NamedTempFile::new()?;
+        let header =
+            "increment,stage,axial_strain,volumetric_strain,axial_stress_pa,broken_shear\n";
+        std::fs::write(file.path(), format!("{header}{rows}"))?;
+        History::read(file.path()).map_err(std::io::Error::other)
+    }
+
+    #[test]
+    fn curves_start_at_the_initial_state() -> Result<(), std::io::Error> {
+        let loaded = history("1,press,,,5,1\n2,load,0.1,0.2,7,2\n")?;
+        assert_eq!(loaded.curve("axial_stress_pa"), [(0.0, 5.0), (0.1, 7.0)]);
+        assert_eq!(loaded.curve("broken_shear"), [(0.0, 1.0), (0.1, 2.0)]);
+        assert_eq!(loaded.curve("volumetric_strain"), [(0.0, 0.0), (0.1, 0.2)]);
+        let compacted = history("1,compact,,,,0\n2,load,0.1,0.2,7,2\n")?;
+        assert_eq!(compacted.curve("axial_stress_pa"), [(0.0, 0.0), (0.1, 7.0)]);
+        let fresh = history("9,load,0.1,0.2,7,2\n")?;
+        assert_eq!(fresh.curve("axial_stress_pa"), [(0.0, 0.0), (0.1, 7.0)]);
+        let branch = fresh.after(3);
+        assert_eq!(branch.curve("axial_stress_pa"), [(0.1, 7.0)]);
+        assert_eq!(branch.curve("volumetric_strain"), [(0.0, 0.0), (0.1, 0.2)]);
+        assert_eq!(branch.curve("no_such_column"), []);
+        Ok(())
     }
 }

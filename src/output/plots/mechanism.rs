@@ -2,7 +2,8 @@
 
 use glam::DVec2;
 
-use super::sheet::{Sheet, class};
+use super::scale::Scale;
+use super::sheet::{Sample, Sheet};
 use crate::output::mechanism::Mechanism;
 use crate::output::snapshot::Snapshot;
 
@@ -23,10 +24,14 @@ const SPREAD: f64 = 0.45;
 pub fn svg(mechanism: &Mechanism, now: &Snapshot, title: &str, caption: &str) -> Option<String> {
     let mut sheet = Sheet::new(now, title, caption)?;
     let rows = &mechanism.rows;
-    let rotations = || rows.iter().take(now.positions.len()).map(|row| row.rotation.abs());
-    let top = rotations().fold(0.0, f64::max);
-    let classes: Vec<_> = rotations().map(|rotation| class(rotation, top)).collect();
-    sheet.disks(now, |i| classes.get(i).copied().unwrap_or(0));
+    let rotations = rows.iter().take(now.positions.len()).map(|row| row.rotation.abs());
+    let rotations: Vec<f64> = rotations.collect();
+    let top = rotations.iter().copied().fold(0.0, f64::max);
+    let relative: Vec<f64> =
+        rotations.iter().map(|r| if top > 0.0 { r / top } else { 0.0 }).collect();
+    let name = "magnitude of rotation, over the maximum";
+    let scale = Scale { high: 1.0, exceeded: false, ..Scale::of_magnitudes(&relative, name, "") };
+    sheet.disks(now, scale.colors, |i| scale.class(relative.get(i).copied().unwrap_or(0.0)));
     sheet.walls(now);
 
     let mean_radius = now.radii.iter().sum::<f64>() / now.radii.len() as f64;
@@ -40,7 +45,9 @@ pub fn svg(mechanism: &Mechanism, now: &Snapshot, title: &str, caption: &str) ->
         .flat_map(|(from, shaft)| arrow(from, shaft))
         .collect();
     sheet.segments(&arrows, COLOR, 1.0);
-    sheet.legend("the greatest", "blue: magnitude of rotation; red: displacements, in proportion");
+    sheet.bar(&scale);
+    let text = "displacements, in proportion".to_owned();
+    sheet.samples(&[Sample { color: COLOR, stroke: Some(1.0), text }]);
     Some(sheet.end())
 }
 
@@ -77,7 +84,7 @@ mod tests {
         let arrows = |mechanism: &Mechanism| {
             let svg = svg(mechanism, &now, "", "").unwrap_or_default();
             assert_eq!(svg.matches("<circle").count(), 2);
-            svg.matches('M').count() / 3
+            svg.matches('M').count().saturating_sub(1) / 3
         };
         assert_eq!(arrows(&mechanism), 1);
         mechanism.rows[1].displacement = DVec2::ZERO;

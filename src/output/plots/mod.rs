@@ -6,7 +6,9 @@ pub mod compare;
 pub mod force_displacement;
 pub mod history;
 pub mod mechanism;
-mod sheet;
+pub mod page;
+pub mod scale;
+pub mod sheet;
 pub mod specimen;
 pub mod strength;
 pub mod stress_strain;
@@ -28,10 +30,15 @@ pub const PROBES: &str = "probes.svg";
 pub const SPECIMEN: &str = "specimen.svg";
 /// The specimen at the peak of the axial stress.
 pub const SPECIMEN_PEAK: &str = "specimen_peak.svg";
+/// The same without the broken bonds, where there are some.
+pub const FIELD: &str = "specimen_field.svg";
+/// The same at the peak.
+pub const FIELD_PEAK: &str = "specimen_peak_field.svg";
 /// The mechanism of the first collapse, drawn when it happens.
 pub const MECHANISM: &str = "mechanism.svg";
 /// All pictures.
-pub const FILES: [&str; 6] = [CURVES, VOLUMETRIC, PROBES, SPECIMEN, SPECIMEN_PEAK, MECHANISM];
+pub const FILES: [&str; 8] =
+    [CURVES, VOLUMETRIC, PROBES, SPECIMEN, SPECIMEN_PEAK, FIELD, FIELD_PEAK, MECHANISM];
 
 /// Whether this build draws pictures.
 pub const DRAWN: bool = cfg!(feature = "plots");
@@ -53,21 +60,29 @@ pub fn curves(directory: &Path, title: &str, history: &History) -> Result<(), Ou
     Ok(())
 }
 
-/// Draws specimens, each with its caption. Rotations are relative to `start`.
+/// A specimen to draw: the names of its pictures with and without broken bonds, the state, and its
+/// caption.
+pub type Picture<'a> = ([&'static str; 2], Option<(&'a Snapshot, &'a str)>);
+
+/// Draws specimens. Rotations and displacements are relative to `start`.
 ///
 /// # Errors
 /// If a picture cannot be written.
-pub fn specimens<const N: usize>(
+pub fn specimens(
     directory: &Path,
     title: &str,
     start: &Snapshot,
-    pictures: [(&str, Option<(&Snapshot, &str)>); N],
+    field: specimen::Field,
+    pictures: &[Picture],
 ) -> Result<(), OutputError> {
-    for (name, picture) in pictures {
-        if let Some(svg) =
-            picture.and_then(|(now, caption)| specimen::svg(now, start, title, caption))
-        {
-            write_atomic(&directory.join(name), svg)?;
+    for (names, picture) in pictures {
+        let Some((now, caption)) = picture else { continue };
+        for (name, cracks) in names.iter().zip([true, false]) {
+            if (cracks || !now.cracks.is_empty())
+                && let Some(svg) = specimen::svg(now, start, field, title, caption, cracks)
+            {
+                write_atomic(&directory.join(name), svg)?;
+            }
         }
     }
     Ok(())

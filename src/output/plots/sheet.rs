@@ -5,79 +5,89 @@ use std::fmt::Write as _;
 
 use glam::DVec2;
 
+use super::page::{self, Style};
+use super::scale::Scale;
 use crate::output::snapshot::Snapshot;
 
-/// Colours of the classes, by increasing value.
-pub(super) const COLORS: [&str; 8] =
-    ["#f2f0eb", "#dde3e6", "#c3d0da", "#a5bacd", "#84a1bf", "#6286af", "#426a9b", "#274e83"];
-/// Maximum size of the drawn specimen, px.
-const FIT: DVec2 = DVec2::new(900.0, 820.0);
-pub(super) const MARGIN: f64 = 24.0;
-const HEAD: f64 = 60.0;
-const FOOT: f64 = 64.0;
-const NARROWEST: f64 = 620.0;
 /// A disk counts as touching a wall if the distance of its centre is below this, in radii.
 const TOUCHING: f64 = 1.05;
+/// Colours of texts.
+const DARK: &str = "#222";
+const GREY: &str = "#555";
 
 /// A picture that is being drawn.
-pub(super) struct Sheet {
-    /// SVG written so far.
-    pub svg: String,
-    /// px per m.
+pub struct Sheet {
+    /// Elements so far, without the root.
+    svg: String,
+    /// Units of the page per m.
     pub scale: f64,
-    /// Upper edge of the foot, px.
-    pub foot: f64,
+    /// Size and letters.
+    pub style: Style,
+    width: f64,
+    /// Lower end of what is drawn.
+    bottom: f64,
     corner: DVec2,
-    /// Upper left corner of the specimen, m.
+    /// Upper left corner of what is drawn, m.
     origin: DVec2,
 }
 
 impl Sheet {
-    /// Begins the picture of a specimen; `None` without disks.
+    /// Begins the picture of a specimen; `None` without disks. Title and caption may be empty.
+    #[must_use]
     pub fn new(now: &Snapshot, title: &str, caption: &str) -> Option<Self> {
-        let (low, high) = now.bounds()?;
-        let size = high - low;
-        let scale = (FIT / size).min_element();
-        let width = (size.x * scale + 2.0 * MARGIN).max(NARROWEST);
-        let height = HEAD + size.y * scale + 2.0 * MARGIN + FOOT;
-        let corner = DVec2::new(0.5 * (width - size.x * scale), HEAD + MARGIN);
-        let mut svg = String::new();
-        // Writing to a string cannot fail.
-        let _ = writeln!(
-            svg,
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width:.0}\" height=\"{height:.0}\" \
-             viewBox=\"0 0 {width:.0} {height:.0}\" font-family=\"sans-serif\">\n\
-             <rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n\
-             <text x=\"{MARGIN}\" y=\"28\" font-size=\"18\">{}</text>\n\
-             <text x=\"{MARGIN}\" y=\"50\" font-size=\"13\" fill=\"#555\">{}</text>",
-            escape(title),
-            escape(caption),
-        );
-        let _ = writeln!(
-            svg,
-            "<clipPath id=\"c\"><rect x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\"/></clipPath>",
-            corner.x - 0.7 * MARGIN,
-            corner.y - 0.7 * MARGIN,
-            size.x * scale + 1.4 * MARGIN,
-            size.y * scale + 1.4 * MARGIN,
-        );
-        let origin = DVec2::new(low.x, high.y);
-        Some(Self { svg, scale, foot: height - FOOT, corner, origin })
+        Some(Self::of_box(now.bounds()?, title, caption, Style::SCREEN))
     }
 
-    /// Position of a point on the sheet, px.
+    /// Begins a picture of what is between two corners, m.
+    #[must_use]
+    pub fn of_box((low, high): (DVec2, DVec2), title: &str, caption: &str, style: Style) -> Self {
+        let size = (high - low).max(DVec2::splat(f64::MIN_POSITIVE));
+        let scale = (style.fit / size).min_element();
+        let (margin, font) = (style.margin, style.font);
+        let width = (size.x * scale + 2.0 * margin).max(style.narrowest);
+        let mut svg = String::new();
+        let mut at = DVec2::new(margin, margin);
+        for (what, font, color) in [(title, 1.35 * font, DARK), (caption, font, GREY)] {
+            for line in page::wrapped(what, font, width - 2.0 * margin) {
+                at.y += font;
+                page::text(&mut svg, at, font, "start", color, &line);
+                at.y += 0.45 * font;
+            }
+        }
+        let corner = DVec2::new(0.5 * (width - size.x * scale), at.y + 0.9 * margin);
+        let size = size * scale;
+        let clip = DVec2::splat(0.7 * margin);
+        let _ = writeln!(
+            svg,
+            "<clipPath id=\"c\"><rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/></clipPath>",
+            page::short(corner.x - clip.x),
+            page::short(corner.y - clip.y),
+            page::short(size.x + 2.0 * clip.x),
+            page::short(size.y + 2.0 * clip.y),
+        );
+        // Walls may reach to the edge of the clip.
+        let bottom = corner.y + size.y + 0.5 * margin;
+        Self { svg, scale, style, width, bottom, corner, origin: DVec2::new(low.x, high.y) }
+    }
+
+    /// Position of a point on the page.
+    #[must_use]
     pub fn place(&self, x: DVec2) -> DVec2 {
         self.corner + DVec2::new(x.x - self.origin.x, self.origin.y - x.y) * self.scale
     }
 
-    /// Draws all disks in the colours of their classes, with one SVG group per class.
-    pub fn disks(&mut self, now: &Snapshot, class_of: impl Fn(usize) -> usize) {
-        for (class, color) in COLORS.iter().enumerate() {
+    /// Draws the disks in the colours of their classes, with one SVG group per class.
+    pub fn disks(&mut self, now: &Snapshot, colors: &[&str], class_of: impl Fn(usize) -> usize) {
+        let line = page::short(0.023 * self.style.font);
+        for (class, color) in colors.iter().enumerate() {
             let mut members = (0..now.positions.len()).filter(|i| class_of(*i) == class).peekable();
             if members.peek().is_none() {
                 continue;
             }
-            let _ = writeln!(self.svg, "<g fill=\"{color}\" stroke=\"#777\" stroke-width=\".3\">");
+            let _ = writeln!(
+                self.svg,
+                "<g clip-path=\"url(#c)\" fill=\"{color}\" stroke=\"#777\" stroke-width=\"{line}\">"
+            );
             for i in members {
                 let (c, r) = (self.place(now.positions[i]), now.radii[i] * self.scale);
                 let _ = writeln!(
@@ -93,19 +103,21 @@ impl Sheet {
     /// Draws the walls: lines extended to all disks that touch them, thin walls as they are.
     pub fn walls(&mut self, now: &Snapshot) {
         let walls: Vec<_> = now.walls.iter().map(|wall| enclosing(*wall, now)).collect();
-        self.segments(&walls, "#222", 2.0);
-        self.segments(&now.plates, "#222", 2.0);
+        let width = 0.15 * self.style.font;
+        self.segments(&walls, DARK, width);
+        self.segments(&now.plates, DARK, width);
     }
 
-    /// Draws segments (m) as one path.
+    /// Draws segments (m) as one path, their width in units of the page.
     pub fn segments(&mut self, list: &[[DVec2; 2]], color: &str, width: f64) {
         if list.is_empty() {
             return;
         }
         let _ = write!(
             self.svg,
-            "<path clip-path=\"url(#c)\" fill=\"none\" stroke=\"{color}\" stroke-width=\"{width:.1}\" \
-             stroke-linecap=\"round\" d=\""
+            "<path clip-path=\"url(#c)\" fill=\"none\" stroke=\"{color}\" stroke-width=\"{}\" \
+             stroke-linecap=\"round\" d=\"",
+            page::short(width)
         );
         for [a, b] in list {
             let (a, b) = (self.place(*a), self.place(*b));
@@ -114,43 +126,108 @@ impl Sheet {
         let _ = writeln!(self.svg, "\"/>");
     }
 
-    /// Draws the colours of the classes, up to `top`, with an explanation.
-    pub fn legend(&mut self, top: &str, text: &str) {
-        let swatch = 40.0;
-        for (class, color) in COLORS.iter().enumerate() {
+    /// Adds the colours of a scale with their numbers and their meaning, below what is drawn.
+    pub fn bar(&mut self, scale: &Scale) {
+        let (font, margin) = (self.style.font, self.style.margin);
+        let ([low, middle, high], name) = scale.labels();
+        let n = scale.colors.len() as f64;
+        // Space for half of a number on either side.
+        let left = margin.max(0.5 * page::width(&low, font));
+        let room = self.width - left - margin.max(0.5 * page::width(&high, font));
+        let swatch = (3.0 * font).min(room / n);
+        let top = self.below(0.7 * font);
+        for (class, color) in scale.colors.iter().enumerate() {
             let _ = writeln!(
                 self.svg,
-                "<rect x=\"{:.0}\" y=\"{:.0}\" width=\"{swatch}\" height=\"12\" fill=\"{color}\" \
-                 stroke=\"#777\" stroke-width=\".3\"/>",
-                MARGIN + swatch * class as f64,
-                self.foot + 8.0,
+                "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"{color}\" \
+                 stroke=\"#777\" stroke-width=\"{}\"/>",
+                page::short(left + swatch * class as f64),
+                page::short(top),
+                page::short(swatch),
+                page::short(font),
+                page::short(0.023 * font),
             );
         }
-        let end = MARGIN + swatch * COLORS.len() as f64 + 8.0;
-        let _ = writeln!(
-            self.svg,
-            "<g font-size=\"12\" fill=\"#333\"><text x=\"{end}\" y=\"{:.0}\">0 to {top}</text>\
-             <text x=\"{MARGIN}\" y=\"{:.0}\">{text}</text></g>",
-            self.foot + 18.0,
-            self.foot + 40.0,
-        );
+        let base = top + 2.1 * font;
+        for (share, label) in [(0.0, low), (0.5, middle), (1.0, high)] {
+            let at = DVec2::new(left + swatch * n * share, base);
+            page::text(&mut self.svg, at, font, "middle", DARK, &label);
+        }
+        self.bottom = base + 0.2 * font;
+        self.note(&name);
+    }
+
+    /// Adds samples of strokes or disks with their meaning, in as many rows as they need.
+    pub fn samples(&mut self, list: &[Sample]) {
+        let (font, margin) = (self.style.font, self.style.margin);
+        let (mut x, mut y) = (margin, self.below(0.7 * font));
+        for sample in list {
+            let size = 1.9 * font + page::width(&sample.text, font);
+            if x > margin && x + size > self.width - margin {
+                (x, y) = (margin, y + 1.5 * font);
+            }
+            let middle = y + 0.5 * font;
+            let [y_middle, thin] = [middle, 0.023 * font].map(page::short);
+            let _ = if let Some(stroke) = sample.stroke {
+                // Round ends are half as long as the stroke is wide.
+                let end = (0.2 * font).max(0.5 * stroke);
+                let (from, to) = (x + end, (x + 1.6 * font - end).max(x + end + 0.1));
+                let [from, to, stroke] = [from, to, stroke].map(page::short);
+                writeln!(
+                    self.svg,
+                    "<path stroke=\"{}\" stroke-width=\"{stroke}\" stroke-linecap=\"round\" \
+                     d=\"M{from} {y_middle}H{to}\"/>",
+                    sample.color,
+                )
+            } else {
+                let [x, r] = [x + 0.7 * font, 0.5 * font].map(page::short);
+                writeln!(
+                    self.svg,
+                    "<circle cx=\"{x}\" cy=\"{y_middle}\" r=\"{r}\" fill=\"{}\" stroke=\"#777\" \
+                     stroke-width=\"{thin}\"/>",
+                    sample.color,
+                )
+            };
+            let at = DVec2::new(x + 1.9 * font, y + 0.85 * font);
+            page::text(&mut self.svg, at, font, "start", DARK, &sample.text);
+            x += size + 1.5 * font;
+        }
+        self.bottom = y + font;
+    }
+
+    /// Adds a line of text below what is drawn so far, in as many lines as it needs.
+    pub fn note(&mut self, what: &str) {
+        let (font, margin) = (self.style.font, self.style.margin);
+        for line in page::wrapped(what, font, self.width - 2.0 * margin) {
+            let at = DVec2::new(margin, self.below(0.4 * font) + 0.85 * font);
+            page::text(&mut self.svg, at, font, "start", DARK, &line);
+            self.bottom = at.y + 0.15 * font;
+        }
+    }
+
+    /// Upper end of what comes next.
+    fn below(&self, gap: f64) -> f64 {
+        self.bottom + gap
     }
 
     /// The whole picture.
-    pub fn end(mut self) -> String {
-        self.svg.push_str("</svg>\n");
-        self.svg
+    #[must_use]
+    pub fn end(self) -> String {
+        let size =
+            DVec2::new(self.width, self.bottom + self.style.margin.max(0.6 * self.style.font));
+        format!("{}{}</svg>\n", self.style.root(size), self.svg)
     }
 }
 
-/// Class of a value between 0 and `top`. The last class also contains larger values.
-pub(super) fn class(value: f64, top: f64) -> usize {
-    let last = COLORS.len() - 1;
-    if value > 0.0 && top > 0.0 {
-        ((value / top * COLORS.len() as f64) as usize).min(last)
-    } else {
-        0
-    }
+/// An entry of a legend.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sample {
+    /// Colour.
+    pub color: &'static str,
+    /// Width of the stroke, in units of the page; `None` for a disk.
+    pub stroke: Option<f64>,
+    /// Meaning.
+    pub text: String,
 }
 
 /// A wall segment extended to all disks that touch the wall. For contact a wall is an infinite
@@ -165,10 +242,6 @@ fn enclosing([start, end]: [DVec2; 2], now: &Snapshot) -> [DVec2; 2] {
     });
     let ends = touching.fold((0.0_f64, length), |(low, high), (l, h)| (low.min(l), high.max(h)));
     [start + along * ends.0, start + along * ends.1]
-}
-
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 
 #[cfg(test)]
@@ -186,5 +259,16 @@ mod tests {
         };
         let floor = enclosing([DVec2::new(-0.5, 0.0), DVec2::new(0.5, 0.0)], &now);
         assert_eq!(floor, [DVec2::new(-4.0, 0.0), DVec2::new(5.0, 0.0)]);
+    }
+
+    #[test]
+    fn long_titles_have_several_lines_and_stay_on_the_page() {
+        let now = Snapshot { positions: vec![DVec2::ZERO], radii: vec![1.0], ..Default::default() };
+        let title = "a title that is far too long for one line of the picture ".repeat(4);
+        let svg = Sheet::new(&now, &title, "caption").map(Sheet::end).unwrap_or_default();
+        let lines = svg.matches("font-size=\"17.55\"").count();
+        assert!(lines > 3, "{svg}");
+        let place = |text: &str| svg.find(text).unwrap_or(usize::MAX);
+        assert!(place("caption") < place("clipPath"));
     }
 }

@@ -1,91 +1,130 @@
-//! A specimen to scale: disks coloured by rotation or displacement, walls, broken bonds in red.
+//! A specimen to scale: disks coloured by rotation or displacement, walls, broken bonds as strokes.
 
-use super::sheet::{Sheet, class};
+use glam::DVec2;
+
+use clastic_components::bond::RuptureMode;
+
+use super::page::Style;
+use super::scale::Scale;
+use super::sheet::{Sample, Sheet};
+use crate::output::crack::Crack;
 use crate::output::snapshot::Snapshot;
+use crate::scene::format::Scene;
+
+/// Width of a crack over the mean radius.
+const CRACK: f64 = 0.13;
+/// Minimum width of a crack over the size of the font.
+const THINNEST: f64 = 0.06;
+
+/// What the colours of the disks show.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Field {
+    /// Magnitude of the rotation, which shows shear bands best.
+    Rotation,
+    /// Magnitude of the displacement, for grains that roll and fall.
+    Displacement,
+}
+
+impl Field {
+    /// The field of the pictures of a run: rotations where the scene measures an axial strain, since
+    /// a specimen is tested there, and displacements where grains flow.
+    #[must_use]
+    pub fn of(scene: &Scene) -> Self {
+        if scene.measures.axial_strain.is_some() { Self::Rotation } else { Self::Displacement }
+    }
+}
 
 /// Draws the specimen `now`; `None` without disks. Rotations and displacements are relative to
 /// `start`.
 #[must_use]
-pub fn svg(now: &Snapshot, start: &Snapshot, title: &str, caption: &str) -> Option<String> {
+pub fn svg(
+    now: &Snapshot,
+    start: &Snapshot,
+    field: Field,
+    title: &str,
+    caption: &str,
+    cracks: bool,
+) -> Option<String> {
     let mut sheet = Sheet::new(now, title, caption)?;
-    let colouring = Colouring::of(now, start);
-    sheet.disks(now, |i| colouring.class(i));
-    let mean_radius = now.radii.iter().sum::<f64>() / now.radii.len() as f64 * sheet.scale;
-    let crack_width = (0.5 * mean_radius).clamp(1.0, 4.0);
-    sheet.segments(&now.cracks, "#e00000", crack_width);
+    let (scale, values) = colouring(now, start, field);
+    sheet.disks(now, scale.colors, |i| scale.class(values.get(i).copied().unwrap_or(0.0)));
+    if cracks {
+        draw_cracks(&mut sheet, now);
+    }
     sheet.walls(now);
-    let cracks = match now.cracks.len() {
-        0 => String::new(),
-        1 => "; red: the one broken bond".to_owned(),
-        n => format!("; red: the {n} broken bonds"),
-    };
-    let top = format!("{} and more", with_prefix(colouring.top, colouring.unit));
-    sheet.legend(&top, &format!("blue: {}{cracks}", colouring.name));
+    sheet.bar(&scale);
+    if cracks {
+        sheet.samples(&crack_samples(&now.cracks, &sheet.style));
+    }
     Some(sheet.end())
 }
 
-/// A number with three digits in the unit with a suitable prefix.
-fn with_prefix(value: f64, unit: &str) -> String {
-    let (prefix, size) = match value.abs() {
-        0.0 => ("", 1.0),
-        v if v >= 999.5 => ("k", 1e3),
-        v if v >= 0.9995 => ("", 1.0),
-        v if v >= 0.9995e-3 => ("m", 1e-3),
-        v if v >= 0.9995e-6 => ("µ", 1e-6),
-        _ => ("n", 1e-9),
+/// Colour of a crack.
+#[must_use]
+pub fn color(mode: RuptureMode) -> &'static str {
+    match mode {
+        RuptureMode::Tension => "#d7191c",
+        RuptureMode::Shear => "#1a1a1a",
+        RuptureMode::Rolling => "#d68a00",
+    }
+}
+
+const MODES: [RuptureMode; 3] = [RuptureMode::Tension, RuptureMode::Shear, RuptureMode::Rolling];
+
+/// Draws the broken bonds by mode.
+pub fn draw_cracks(sheet: &mut Sheet, now: &Snapshot) {
+    let mean = now.radii.iter().sum::<f64>() / now.radii.len().max(1) as f64;
+    let width = (CRACK * mean * sheet.scale).max(THINNEST * sheet.style.font);
+    for mode in MODES {
+        let of_mode = now.cracks.iter().filter(|crack| crack.mode == mode);
+        let strokes: Vec<[DVec2; 2]> = of_mode.map(|crack| crack.ends).collect();
+        sheet.segments(&strokes, color(mode), width);
+    }
+}
+
+/// Entries of the legend: how many bonds broke in each mode.
+#[must_use]
+pub fn crack_samples(cracks: &[Crack], style: &Style) -> Vec<Sample> {
+    let entry = |mode: RuptureMode| {
+        let n = cracks.iter().filter(|crack| crack.mode == mode).count();
+        (n > 0).then(|| Sample {
+            color: color(mode),
+            stroke: Some(0.15 * style.font),
+            text: format!("{n} broken in {}", mode.name()),
+        })
     };
-    let value = value / size;
-    let digits = if value < 9.995 { 2 } else { usize::from(value < 99.95) };
-    format!("{value:.digits$} {prefix}{unit}")
+    MODES.into_iter().filter_map(entry).collect()
 }
 
-/// Meaning and scale of the colours.
-struct Colouring {
-    name: &'static str,
-    unit: &'static str,
-    /// Upper end of the scale. The last class also contains larger values.
-    top: f64,
-    values: Vec<f64>,
-}
-
-impl Colouring {
-    /// Rotations, which show shear bands best, or displacements if no disk has rotated.
-    fn of(now: &Snapshot, start: &Snapshot) -> Self {
+/// Scale and values of the colours.
+fn colouring(now: &Snapshot, start: &Snapshot, field: Field) -> (Scale, Vec<f64>) {
+    let since = "since the start of the reference stage";
+    if field == Field::Rotation {
         let before = |i: usize| start.rotations.get(i).copied().unwrap_or(0.0);
         let rotations: Vec<_> =
             now.rotations.iter().enumerate().map(|(i, r)| (r - before(i)).abs()).collect();
-        let turned = rotations.iter().any(|r| *r > 1e-12);
-        let (name, unit, values) = if turned {
-            ("magnitude of rotation since the start of the reference stage", "rad", rotations)
-        } else {
-            let moved = now.positions.iter().zip(&start.positions).map(|(x, x0)| x.distance(*x0));
-            (
-                "magnitude of displacement since the start of the reference stage",
-                "m",
-                moved.collect(),
-            )
-        };
-        let mut sorted: Vec<f64> = values.clone();
-        sorted.sort_unstable_by(f64::total_cmp);
-        // The quantile keeps a few spinning rattlers from determining the scale.
-        let top = sorted.get(sorted.len() * 49 / 50).or(sorted.last()).copied().unwrap_or(0.0);
-        Self { name, unit, top, values }
+        if rotations.iter().any(|r| *r > 1e-12) {
+            let name = format!("magnitude of rotation {since}");
+            return (Scale::of_magnitudes(&rotations, &name, "rad"), rotations);
+        }
     }
-
-    fn class(&self, particle: usize) -> usize {
-        class(self.values.get(particle).copied().unwrap_or(0.0), self.top)
-    }
+    let moved = now.positions.iter().zip(&start.positions).map(|(x, x0)| x.distance(*x0));
+    let moved: Vec<f64> = moved.collect();
+    let name = format!("magnitude of displacement {since}");
+    (Scale::of_magnitudes(&moved, &name, "m"), moved)
 }
 
 #[cfg(test)]
 mod tests {
-    use glam::DVec2;
-
     use super::*;
 
     fn grid(columns: usize, rows: usize) -> Snapshot {
         let cell = |k: usize| DVec2::new((k % columns) as f64, (k / columns) as f64) * 1e-3;
         let n = columns * rows;
+        let crack = |k: usize| {
+            let mode = MODES[k % 2];
+            Crack::between_disks((cell(k - 1), 0.5e-3), (cell(k), 0.5e-3), mode)
+        };
         Snapshot {
             ids: (0..n as u32).collect(),
             positions: (0..n).map(cell).collect(),
@@ -94,29 +133,30 @@ mod tests {
             displacements: vec![DVec2::ZERO; n],
             walls: vec![[DVec2::ZERO, DVec2::X]],
             plates: Vec::new(),
-            cracks: (1..n).map(|k| [cell(k - 1), cell(k)]).collect(),
+            cracks: (1..n).map(crack).collect(),
         }
     }
 
     #[test]
     fn a_full_size_specimen_stays_small_and_its_bytes_are_fixed() {
         let (now, start) = (grid(41, 180), Snapshot::default());
-        let svg = svg(&now, &start, "a < b", "caption").unwrap_or_default();
-        assert!(svg.len() < 1_000_000, "{} bytes", svg.len());
-        assert_eq!(svg.matches("<circle").count(), 7380);
-        assert!(svg.contains("a &lt; b"));
-        assert_eq!(Some(svg), super::svg(&now, &start, "a < b", "caption"));
-    }
-
-    #[test]
-    fn legend_numbers_are_readable() {
-        let said = [41.5, 0.0123, 4.15e-5, 1234.0, 0.0, 0.9996].map(|v| with_prefix(v, "rad"));
-        let expected = ["41.5 rad", "12.3 mrad", "41.5 µrad", "1.23 krad", "0.00 rad", "1.00 rad"];
-        assert_eq!(said, expected);
+        let draw = |cracks| {
+            let svg = svg(&now, &start, Field::Rotation, "a < b", "caption", cracks);
+            svg.unwrap_or_default()
+        };
+        let picture = draw(true);
+        assert!(picture.len() < 1_000_000, "{} bytes", picture.len());
+        assert_eq!(picture.matches("<circle").count(), 7380);
+        assert!(picture.contains("a &lt; b"));
+        assert!(picture.contains("3689 broken in tension"), "one mode in two");
+        assert!(picture.contains("3690 broken in shear"));
+        assert_eq!(picture, draw(true));
+        assert!(!draw(false).contains("broken"));
     }
 
     #[test]
     fn nothing_is_drawn_without_disks() {
-        assert_eq!(svg(&Snapshot::default(), &Snapshot::default(), "", ""), None);
+        let nothing = Snapshot::default();
+        assert_eq!(svg(&nothing, &nothing, Field::Rotation, "", "", true), None);
     }
 }

@@ -42,6 +42,7 @@ pub fn mohr(strengths: &[Strength], title: &str) -> Chart {
         lines,
         second: None,
         equal: true,
+        window: None,
     }
 }
 

@@ -3,14 +3,16 @@
 use super::chart::{Chart, Line};
 use super::history::History;
 
-pub(super) const SIGNS: &str = "compression and contraction positive";
-pub(super) const STRAIN: &str = "axial strain, %";
+/// Sign conventions, for captions.
+pub const SIGNS: &str = "compression and contraction positive";
+/// Label of the axis of strain.
+pub const STRAIN: &str = "axial strain, %";
 
 /// Stress and broken bonds against axial strain, if stress and strain are defined.
 #[must_use]
 pub fn stress(title: &str, history: &History) -> Option<Chart> {
-    let axial = history.points("axial_strain", "axial_stress_pa");
-    let lateral = history.points("axial_strain", "lateral_stress_pa");
+    let axial = history.curve("axial_stress_pa");
+    let lateral = history.curve("lateral_stress_pa");
     if axial.is_empty() {
         return None;
     }
@@ -30,6 +32,7 @@ pub fn stress(title: &str, history: &History) -> Option<Chart> {
         lines,
         second: broken(history),
         equal: false,
+        window: None,
     })
 }
 
@@ -42,20 +45,15 @@ pub(super) fn stress_unit(stresses: impl Iterator<Item = f64>) -> (&'static str,
     }
 }
 
-/// Broken bonds against axial strain; `None` if no bond has broken.
+/// Broken bonds of all modes against axial strain; `None` if no bond has broken.
 fn broken(history: &History) -> Option<Line> {
-    let strain = history.column("axial_strain");
     let modes =
-        ["broken_tension", "broken_shear", "broken_rolling"].map(|name| history.column(name));
-    let points: Vec<_> = strain
-        .iter()
-        .enumerate()
-        .filter_map(|(row, strain)| {
-            let broken: Option<f64> =
-                modes.iter().map(|mode| mode.get(row).copied().flatten()).sum();
-            Some((100.0 * (*strain)?, broken?))
-        })
-        .collect();
+        ["broken_tension", "broken_shear", "broken_rolling"].map(|mode| history.curve(mode));
+    let of_row = |(row, point): (usize, &(f64, f64))| {
+        let broken: Option<f64> = modes.iter().map(|mode| mode.get(row).map(|p| p.1)).sum();
+        Some((100.0 * point.0, broken?))
+    };
+    let points: Vec<_> = modes[0].iter().enumerate().filter_map(of_row).collect();
     let any = points.iter().any(|p| p.1 > 0.0);
     any.then(|| Line { name: "broken bonds".to_owned(), points })
 }
@@ -63,7 +61,7 @@ fn broken(history: &History) -> Option<Line> {
 /// Volumetric strain against axial strain.
 #[must_use]
 pub fn volumetric(title: &str, history: &History) -> Option<Chart> {
-    let points = history.points("axial_strain", "volumetric_strain");
+    let points = history.curve("volumetric_strain");
     let points: Vec<_> = points.into_iter().map(|(a, v)| (100.0 * a, 100.0 * v)).collect();
     let line = Line { name: "volumetric strain".to_owned(), points };
     (!line.points.is_empty()).then(|| Chart {
@@ -74,5 +72,6 @@ pub fn volumetric(title: &str, history: &History) -> Option<Chart> {
         lines: vec![line],
         second: None,
         equal: false,
+        window: None,
     })
 }

@@ -5,6 +5,7 @@
 //! pair of parentheses. Unknown fields are errors.
 
 mod analysis;
+mod cell;
 mod materials;
 mod measures;
 mod minerals;
@@ -30,6 +31,7 @@ pub use clastic_components::increment::{
 use super::{repeats, unique_keys};
 
 pub use analysis::{Analysis, FrictionLaw};
+pub use cell::{Cell, CellControl, CellStrain, CellTarget};
 pub use materials::{Bond, Contact, Material};
 pub use measures::{Measure, Measures, ROLES};
 pub use minerals::{Clusters, Mineral};
@@ -121,6 +123,9 @@ pub struct Scene {
         skip_serializing_if = "BTreeMap::is_empty"
     )]
     pub groups: BTreeMap<String, Select>,
+    /// Periodic cell of the specimen, instead of walls. Version 2.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cell: Option<Cell>,
     /// Walls.
     #[serde(default)]
     pub walls: Vec<Wall>,

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Select;
+use super::{CellStrain, Select};
 
 /// What is measured.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
@@ -132,6 +132,8 @@ pub enum Strain {
     Walls(String, String),
     /// Distance between the centres of two particles, by index.
     Particles(u32, u32),
+    /// Strain of the periodic cell. Version 2.
+    Cell(CellStrain),
     /// Of the displacement gradient that fits best the displacements of the particles whose centres
     /// lie in a rectangle at the start of the reference stage. Version 2.
     Region {
@@ -287,6 +289,8 @@ pub enum Area {
     Fixed(f64),
     /// Area between two pairs of walls.
     Box((String, String), (String, String)),
+    /// The periodic cell. Version 2.
+    Cell,
 }
 
 /// Component of a stress tensor.
@@ -296,7 +300,7 @@ pub enum Component {
     Xx,
     /// sigma_yy.
     Yy,
-    /// sigma_xy.
+    /// sigma_xy, which is negative where the top is pushed along x.
     Xy,
     /// Mean of the principal stresses.
     Mean,
@@ -304,4 +308,6 @@ pub enum Component {
     Major,
     /// Minimum principal stress.
     Minor,
+    /// Traction along x on a face whose outward normal is y: -sigma_xy. Version 2.
+    Shear,
 }

@@ -4,7 +4,9 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Analysis, Bond, ParticleControl, Record, RigidControl, Select, WallControl};
+use super::{
+    Analysis, Bond, CellControl, ParticleControl, Record, RigidControl, Select, WallControl,
+};
 use crate::scene::unique_keys;
 
 /// A stage. A text may also have `Repeat(times: n, stages: [...])`, which stands for its stages one
@@ -97,13 +99,16 @@ pub struct CustomStage {
 pub struct Compact {
     /// Name.
     pub name: String,
-    /// The wall that moves, along its inward normal.
+    /// The wall that moves, along its inward normal. A periodic cell has none: it shrinks along both
+    /// of its vectors.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
     pub wall: String,
     /// The fixed wall opposite, which is the reference of the height.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
     pub base: String,
     /// Target that ends the compaction.
     pub target: CompactTarget,
-    /// Maximum motion of the wall in an increment, m.
+    /// Maximum motion of the wall, or change of the width or height of a cell, in an increment, m.
     pub step: f64,
     /// Reference motion of particles that nothing pushes.
     #[serde(default)]
@@ -125,7 +130,7 @@ pub struct Compact {
 pub enum CompactTarget {
     /// Distance between the two walls, m.
     Height(f64),
-    /// Porosity between the two walls over the length of the base.
+    /// Porosity between the two walls over the length of the base, or of the cell.
     Porosity(f64),
 }
 
@@ -237,6 +242,9 @@ pub struct Load {
     /// Rigid groups that end at the start: their members move on their own.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub release: Vec<String>,
+    /// Control of the periodic cell.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cell: Option<CellControl>,
     /// Conditions that end the stage early.
     #[serde(default)]
     pub stop: Vec<Stop>,

@@ -64,8 +64,8 @@ const WRITTEN: [(&str, &str, f64); 53] = [
 /// that of a number.
 pub(in crate::scene) fn unit_of(name: &str, around: Option<&'static str>) -> Option<&'static str> {
     Some(match name {
-        "position" | "radius" | "limits" | "spacing" | "origin" | "start" | "end" | "min"
-        | "max" | "about" | "length" | "step" | "thickness" | "Height" => "m",
+        "position" | "size" | "tilt" | "radius" | "limits" | "spacing" | "origin" | "start"
+        | "end" | "min" | "max" | "about" | "length" | "step" | "thickness" | "Height" => "m",
         "x" | "y" => "m",
         "rotation" | "angle" => "rad",
         "Displacement" => around.unwrap_or("m"),

@@ -192,8 +192,8 @@ fn fields() {
             increments: 4,
             walls: {"top": Force(1.0)},
         )"#, r#"Compact(name: "c", wall: "tpo", step: -1.0)"#,
-         "19:9: stages[0].base: missing field `base`; add `base: ...`
-19:9: stages[0].target: missing field `target`; add `target: ...`
+         "19:9: stages[0].target: missing field `target`; add `target: ...`
+19:9: stages[0].base: missing field `base`; add `base: ...`
 19:34: stages[0].wall: unknown wall (`tpo`); did you mean `top`? there are the walls `bottom`, `top`
 19:47: stages[0].step: negative (-1.0); give a step in m greater than 0"),
     ]);
@@ -255,6 +255,11 @@ fn settings() {
             VERSION,
             "version: 1, rupture: (rounds: 0)",
             "2:35: rupture.rounds: zero (0); give a number of rounds of 1 or more",
+        ),
+        (
+            VERSION,
+            "version: 1, rupture: (density: 0.0)",
+            "2:36: rupture.density: zero (0.0); give a share of the bonds per relative change of force, above 0",
         ),
         (
             VERSION,

@@ -2,7 +2,7 @@
 
 use std::fmt::Arguments;
 
-use crate::scene::format::{Area, Length, Measure, Quantity, ROLES, Strain, Stress};
+use crate::scene::format::{Area, CellStrain, Length, Measure, Quantity, ROLES, Strain, Stress};
 
 use super::Context;
 use super::findings::Findings;
@@ -61,6 +61,11 @@ fn check_list(context: &Context, list: &[Measure], findings: &mut Findings) {
             Some(_) => matches!(of, Quantity::Stress(_)),
             None => true,
         };
+        let is_shear = matches!(of, Quantity::Strain(Strain::Cell(CellStrain::Shear)));
+        if role.is_some() && is_shear && findings.is_sure_of_part(path) {
+            let help = "measure it under another name, such as `shear_strain`";
+            findings.add(path, format!("a shear strain as `{name}`"), help);
+        }
         if !fits && findings.is_sure_of_part(path) {
             let kind = if name.ends_with("strain") { "Strain" } else { "Stress" };
             let message = format!("`{name}` is the name of a {}", kind.to_lowercase());
@@ -123,6 +128,7 @@ fn strain(context: &Context, path: Arguments, strain: &Strain, findings: &mut Fi
             findings.pair(path, (a, b), "particle");
         }
         Strain::Region { min, max, .. } => rectangle(path, *min, *max, findings),
+        Strain::Cell(_) => has_cell(context, path, findings),
     }
 }
 
@@ -177,10 +183,18 @@ fn area(context: &Context, path: Arguments, area: &Area, findings: &mut Findings
         Area::Fixed(area) => {
             findings.positive(format_args!("{path}[0]"), *area, "an area in m^2");
         }
+        Area::Cell => has_cell(context, path, findings),
         Area::Box(a, b) => {
             two_walls(context, format_args!("{path}[0]"), (&a.0, &a.1), findings);
             two_walls(context, format_args!("{path}[1]"), (&b.0, &b.1), findings);
         }
+    }
+}
+
+fn has_cell(context: &Context, path: Arguments, findings: &mut Findings) {
+    if context.scene.cell.is_none() && findings.is_sure_of("cell") {
+        let help = "add `cell: (size: (WIDTH, HEIGHT))` to the scene";
+        findings.add(path, "no periodic cell", help);
     }
 }
 

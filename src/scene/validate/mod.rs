@@ -2,6 +2,7 @@
 //!
 //! Every check adds a [`Finding`] and goes on, so that one run reports everything.
 
+mod cell;
 mod crossing;
 mod cuts;
 mod findings;
@@ -49,6 +50,7 @@ pub(super) fn findings(
     version::check(&context, &mut findings);
     materials::check(&context, &mut findings);
     walls::check(&context, &mut findings);
+    cell::check(&context, &mut findings);
     specimen::check(&context, &mut findings);
     cuts::check(&context, &mut findings);
     thin_walls::check(&context, &mut findings);

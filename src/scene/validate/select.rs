@@ -37,6 +37,9 @@ pub(super) fn select(context: &Context, path: Arguments, select: &Select, findin
             if matches!(context.scene.specimen, Specimen::Lattice { .. }) {
                 names.push("boundary");
             }
+            names.extend(
+                context.specimen.iter().flat_map(|s| &s.groups).flatten().map(String::as_str),
+            );
             let state = context.specimen.and_then(|stored| stored.state.as_ref());
             names.extend(state.iter().flat_map(|state| &state.groups).map(String::as_str));
             names.sort_unstable();
@@ -132,6 +135,9 @@ pub(super) fn groups(context: &Context, findings: &mut Findings) {
                 list.iter().any(|particle| particle.group.as_deref() == Some(name))
             }
             Specimen::Lattice { .. } => name == BOUNDARY,
+            Specimen::File { .. } => context
+                .specimen
+                .is_some_and(|stored| stored.groups.iter().flatten().any(|group| group == name)),
             _ => false,
         };
         if taken {

@@ -32,6 +32,8 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
     let what = "a relative change of force from 0 to 0.1";
     let allowed = |value: f64| (0.0..=0.1).contains(&value);
     findings.number(format_args!("rupture.group"), rupture.group, allowed, what);
+    let what = "a share of the bonds per relative change of force, above 0";
+    findings.number(format_args!("rupture.density"), rupture.density, |value| value > 0.0, what);
     if rupture.order != RuptureOrder::Events && rupture.avalanche != Avalanche::default() {
         let message = format!(
             "`{:?}` has no effect: with `order: {:?}` there are no avalanches",

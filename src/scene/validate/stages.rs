@@ -85,9 +85,11 @@ fn compact(
     findings: &mut Findings,
 ) {
     let Compact { wall, base, target, step, agitation, .. } = stage;
-    let wall_path = format_args!("{path}.wall");
-    let moving = wall_there(context, wall_path, wall, present, findings);
-    let fixed = wall_there(context, format_args!("{path}.base"), base, present, findings);
+    let mut find = |field: &str, wall: &String| {
+        let path = format_args!("{path}.{field}");
+        if wall.is_empty() { None } else { wall_there(context, path, wall, present, findings) }
+    };
+    let (moving, fixed) = (find("wall", wall), find("base", base));
     for (field, wall) in [("wall", moving), ("base", fixed)] {
         if let Some(wall) = wall.filter(|wall| !wall.shape.is_straight()) {
             let message = format!("wall `{}` is not straight", wall.name);

@@ -98,7 +98,7 @@ fn of<'a>(measures: &'a Measures, name: &str) -> Option<Of<'a>> {
 fn walls<'a>(of: &Of<'a>) -> Vec<&'a String> {
     let area = |area: &'a Area| match area {
         Area::Box((a, b), (c, d)) => vec![a, b, c, d],
-        Area::Fixed(_) => Vec::new(),
+        Area::Fixed(_) | Area::Cell => Vec::new(),
     };
     match *of {
         Of::Strain(Strain::Walls(a, b)) => vec![a, b],

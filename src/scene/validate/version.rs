@@ -47,6 +47,9 @@ fn of_two(context: &Context, findings: &mut Findings) {
     if !scene.values.is_empty() {
         add("let", "values with names are");
     }
+    if scene.cell.is_some() {
+        add("cell", "a periodic cell is");
+    }
     if scene.reference_stage.is_some() {
         add("reference_stage", "this place is");
     }

@@ -80,6 +80,7 @@ impl<'a> Attempt<'a> {
         let order = matrix.order().to_vec();
         let has_branches = !matrix.branches().is_empty();
         let scaled = Scaled::new(program, &order);
+        matrix.set_images(&scaled.images);
         let is_undamped = !scaled.is_damped() && !program.is_dynamic();
         Self { program, settings, matrix, demand, order, has_branches, scaled, is_undamped }
     }

@@ -23,7 +23,7 @@ pub fn line_search(
     };
     let slope = dot(gradient, du);
     let (mut linear, mut quadratic) = (0.0, 0.0);
-    for i in 0..u.len() {
+    for i in 0..program.free.len() {
         for k in (0..3).filter(|k| program.free[i][*k]) {
             linear += (program.weight[i][k] * u[i][k] - program.right[i][k]) * du[i][k];
             quadratic += program.weight[i][k] * du[i][k] * du[i][k];

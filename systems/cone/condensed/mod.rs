@@ -17,6 +17,7 @@
 //! [`settings`] has every number that steers these steps.
 
 mod attempt;
+pub mod images;
 pub mod interior;
 mod line_search;
 mod local;
@@ -84,10 +85,11 @@ impl Condensed {
     /// Brings the pattern of the matrix up to date; `None` if no order of elimination is found.
     fn prepare(&mut self, program: &ConeProgram) -> Option<()> {
         let bodies = program.bodies.len();
-        let known = program.interactions.iter().map(|c| (c.a, c.b)).eq(self.pairs.iter().copied())
+        let pairs = images::pairs(program);
+        let known = pairs.clone().eq(self.pairs.iter().copied())
             && self.matrix.as_ref().is_some_and(|m| m.bodies() == bodies);
         if !known {
-            self.pairs = program.interactions.iter().map(|c| (c.a, c.b)).collect();
+            self.pairs = pairs.collect();
             self.matrix = BodyMatrix::new(bodies, &self.pairs);
         }
         self.matrix.as_ref().map(|_| ())

@@ -108,7 +108,9 @@ pub fn iterate(
         tiny_steps = if step.length < settings.tiny_step { tiny_steps + 1 } else { 0 };
         point.make(&step);
     }
-    Newton { s: point.forces(), u: point.u, iterations }
+    let s = point.forces();
+    point.u.truncate(program.free.len());
+    Newton { s, u: point.u, iterations }
 }
 
 /// The bodies of an interaction and the rows of its two forces.
@@ -133,11 +135,11 @@ pub struct Point {
     springs: Vec<Spring>,
     arms: Vec<Arms>,
     responses: Vec<Response>,
-    /// Displacements by body.
+    /// Displacements by body, then by image.
     pub u: Vec<[f64; 3]>,
     /// Kinematics by interaction.
     pub e: Vec<[f64; 2]>,
-    /// Out-of-balance forces by body: the gradient of the energy.
+    /// Out-of-balance forces by body, zero for images: the gradient of the energy.
     pub gradient: Vec<[f64; 3]>,
     /// Maximum force of the interactions, and at least the minimum of the settings.
     pub force: f64,
@@ -147,7 +149,7 @@ pub struct Point {
 
 /// A step of the iteration.
 pub struct Step {
-    /// Newton step of the displacements.
+    /// Newton step of the displacements by body, then by image.
     pub du: Vec<[f64; 3]>,
     /// The kinematics that belong to it.
     pub de: Vec<[f64; 2]>,
@@ -157,7 +159,7 @@ pub struct Step {
 
 impl Step {
     fn new(program: &Scaled) -> Self {
-        let du = vec![[0.0; 3]; program.free.len()];
+        let du = vec![[0.0; 3]; program.places()];
         Self { du, de: vec![[0.0; 2]; program.locals.len()], length: 0.0 }
     }
 }
@@ -171,7 +173,7 @@ impl Point {
             responses: vec![Response::default(); count],
             u: program.with_known(start),
             e: vec![[0.0; 2]; count],
-            gradient: vec![[0.0; 3]; program.free.len()],
+            gradient: vec![[0.0; 3]; program.places()],
             force: 0.0,
             unbalance: 0.0,
         }
@@ -179,6 +181,7 @@ impl Point {
 
     /// Computes forces and out-of-balance forces from the displacements.
     fn evaluate(&mut self, program: &Scaled, min_force: f64) {
+        program.images.spread(&mut self.u);
         program.balance_of_bodies(&self.u, &mut self.gradient);
         let mut force = min_force;
         for (k, (spring, arms)) in self.springs.iter().zip(&self.arms).enumerate() {
@@ -188,6 +191,7 @@ impl Point {
             add_forces(arms.bodies, &arms.rows, &[p, q], 1.0, &mut self.gradient);
             force = force.max(p.abs()).max(q.abs());
         }
+        program.images.fold(&mut self.gradient);
         self.force = force;
         self.unbalance = self.gradient.iter().flatten().map(|g| g.abs()).fold(0.0, f64::max);
     }
@@ -221,7 +225,7 @@ impl Point {
         for (du, g) in step.du.iter_mut().zip(&self.gradient) {
             *du = g.map(|g| -g);
         }
-        if !matrix.factorise_shifted_and_solve(&mut step.du) {
+        if !matrix.factorise_shifted_and_solve(&mut step.du[..program.free.len()]) {
             return false;
         }
         for (du, free) in step.du.iter_mut().zip(&program.free) {
@@ -229,6 +233,7 @@ impl Point {
                 du[k] = 0.0;
             }
         }
+        program.images.spread(&mut step.du);
         for (de, arms) in step.de.iter_mut().zip(&self.arms) {
             *de = arms.kinematics(&step.du);
         }

@@ -5,7 +5,7 @@
 //! its trial onto its limits. The free bodies and their neighbours remain, so that a few grains
 //! that settle in a large specimen cost as much as a few grains.
 
-use crate::program::{ConeProgram, ConeSolution, Dof, Interaction};
+use crate::program::{ConeProgram, ConeSolution, Dof, Interaction, ProgramCell};
 
 use super::scaled::Scaled;
 use super::spring::Spring;
@@ -30,7 +30,8 @@ impl Reduced {
             program.bodies.iter().zip(&at_rest).map(|(b, rests)| b.is_free() && !rests).collect();
         let stays = |c: &Interaction| {
             let [a, b] = [c.a as usize, c.b as usize];
-            free[a] || free[b] || !(at_rest[a] || at_rest[b] || is_known(program, c))
+            let deforms = c.is_across() && program.has_free_cell();
+            free[a] || free[b] || deforms || !(at_rest[a] || at_rest[b] || is_known(program, c))
         };
         if program.interactions.iter().all(stays) {
             return None;
@@ -41,6 +42,9 @@ impl Reduced {
             wanted[c.a as usize] = true;
             wanted[c.b as usize] = true;
             interactions.push(k);
+        }
+        if let Some(cell) = &program.cell {
+            wanted[cell.body as usize] = true;
         }
         let bodies: Vec<usize> = (0..wanted.len()).filter(|i| wanted[*i]).collect();
         let mut number = vec![0; wanted.len()];
@@ -62,6 +66,7 @@ impl Reduced {
                 .iter()
                 .map(|k| program.last_forces.get(*k).copied().unwrap_or_default())
                 .collect(),
+            cell: program.cell.map(|cell| ProgramCell { body: number[cell.body as usize], ..cell }),
         };
         Some(Self { program: part, bodies, interactions, at_rest })
     }
@@ -114,13 +119,17 @@ fn alone(program: &ConeProgram, c: &Interaction) -> [f64; 3] {
     let mut single = Interaction { a: 0, b: 1, ..*c };
     single.limits.rolling = 0.0;
     single.limits.moment = 0.0;
+    let cell = program.cell.filter(|_| c.is_across());
+    let of_cell = cell.map(|cell| program.bodies[cell.body as usize]);
     let pair = ConeProgram {
-        bodies: vec![program.bodies[a], program.bodies[b]],
+        bodies: [program.bodies[a], program.bodies[b]].into_iter().chain(of_cell).collect(),
+        cell: cell.map(|cell| ProgramCell { body: 2, ..cell }),
         interactions: vec![single],
         scales: program.scales,
         ..ConeProgram::default()
     };
     let (_, df) = super::super::lowering::units(program);
-    let s = Spring::new(&Scaled::new(&pair, &[0, 1]).locals[0]).respond([0.0; 2]).s;
+    let order: Vec<usize> = (0..pair.bodies.len()).collect();
+    let s = Spring::new(&Scaled::new(&pair, &order).locals[0]).respond([0.0; 2]).s;
     [s[0] * df[0], s[1] * df[0], 0.0]
 }

@@ -8,7 +8,7 @@
 //! A cluster wakes without further rules. A body that comes near is a contact that joins it to
 //! moving bodies. Residuals of its balance add up in the velocities, and residuals of its limits in
 //! the gaps, until they exceed the threshold. Imposed slip adds up in neither, so that any slip
-//! wakes it.
+//! wakes it. In a periodic cell no body sleeps.
 //!
 //! Only programs with inertia have sleeping bodies. In statics all displacements may vanish, and
 //! relative to them the round-off of a gap is not small.
@@ -28,7 +28,7 @@ pub fn find(
     settings: &RestSettings,
 ) -> Option<Vec<bool>> {
     let forces = &program.last_forces;
-    if forces.is_empty() || !program.is_dynamic() {
+    if forces.is_empty() || !program.is_dynamic() || program.cell.is_some() {
         return None;
     }
     let units = Units::of(program, forces, moved);

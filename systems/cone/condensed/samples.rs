@@ -39,8 +39,10 @@ pub fn column(count: u32, compliance: f64) -> ConeProgram {
 
 /// A program in the order of its matrix, and the place of every body.
 pub fn posed(program: &ConeProgram) -> (Scaled, BodyMatrix, Vec<usize>) {
-    let pairs: Vec<_> = program.interactions.iter().map(|c| (c.a, c.b)).collect();
-    let matrix = BodyMatrix::new(program.bodies.len(), &pairs).unwrap();
+    let pairs: Vec<_> = super::images::pairs(program).collect();
+    let mut matrix = BodyMatrix::new(program.bodies.len(), &pairs).unwrap();
     let place = super::matrix::places(matrix.order());
-    (Scaled::new(program, matrix.order()), matrix, place)
+    let scaled = Scaled::new(program, matrix.order());
+    matrix.set_images(&scaled.images);
+    (scaled, matrix, place)
 }

@@ -7,6 +7,7 @@
 use crate::program::{ConeProgram, Dof};
 
 use super::super::lowering::units;
+use super::images::Images;
 use super::matrix::places;
 
 /// Maximum number of limits of an interaction: two of shear and two of rolling, which imply that of
@@ -32,7 +33,7 @@ pub enum Kind {
 /// One interaction.
 #[derive(Clone, Debug)]
 pub struct Local {
-    /// Bodies, by their places in the order of elimination.
+    /// Bodies, by their places in the order of elimination; images come after all bodies.
     pub bodies: [usize; 2],
     /// Its forces and limits.
     pub kind: Kind,
@@ -65,6 +66,8 @@ pub struct Scaled {
     pub right: Vec<[f64; 3]>,
     /// Known displacements; zero where free.
     pub known: Vec<[f64; 3]>,
+    /// Images of bodies in a periodic cell.
+    pub images: Images,
 }
 
 impl Scaled {
@@ -95,9 +98,10 @@ impl Scaled {
             out.right.push(right);
             out.known.push(known);
         }
+        out.images = Images::of(program, &place, &out.free);
         // Entries are large: a vector that grows would copy them.
         out.locals.reserve_exact(program.interactions.len());
-        for c in &program.interactions {
+        for (number, c) in program.interactions.iter().enumerate() {
             let l = &c.limits;
             let has = [true, l.has_shear(), l.has_rolling()];
             let bodies = [c.a, c.b].map(|i| place[i as usize]);
@@ -125,8 +129,22 @@ impl Scaled {
                     }
                 }
             }
+            let mut places = bodies;
+            if let Some((k, _)) = out.images.at(number) {
+                let raw = c.rows(program.bodies[c.b as usize].axis, false);
+                let row = |k: usize, f: usize| {
+                    let unit = if f == 2 { df[2] } else { df[0] };
+                    if has[f] { raw[k][f] * unit / df[k] } else { 0.0 }
+                };
+                let of_image = std::array::from_fn(|k| std::array::from_fn(|f| row(k, f)));
+                let by_cell = out.images.known_by_cell(k, &out.known, &of_image);
+                for f in 0..3 {
+                    fixed[f] += by_cell[f];
+                }
+                (places[1], rows[1]) = (out.free.len() + k, of_image);
+            }
             let mut local = Local {
-                bodies,
+                bodies: places,
                 kind,
                 rows,
                 has,
@@ -170,11 +188,42 @@ impl Scaled {
         out
     }
 
-    /// The displacements `u` of free degrees of freedom and the known ones of all others.
+    /// The displacements `u` of free degrees of freedom and the known ones of all others; those of
+    /// the images come after them.
     #[must_use]
     pub fn with_known(&self, u: &[[f64; 3]]) -> Vec<[f64; 3]> {
         let of = |i: usize, k: usize| if self.free[i][k] { u[i][k] } else { self.known[i][k] };
-        (0..self.free.len()).map(|i| [0, 1, 2].map(|k| of(i, k))).collect()
+        let mut out: Vec<_> = (0..self.free.len()).map(|i| [0, 1, 2].map(|k| of(i, k))).collect();
+        self.images.extend(&mut out);
+        out
+    }
+
+    /// Number of bodies and images.
+    #[must_use]
+    pub fn places(&self) -> usize {
+        self.free.len() + self.images.count()
+    }
+
+    /// The bodies of an interaction, whether or not the second takes part as an image.
+    #[must_use]
+    pub fn pair(&self, local: &Local) -> [usize; 2] {
+        [local.bodies[0], self.images.body(local.bodies[1])]
+    }
+
+    /// An interaction between two bodies for what is left of one with an image, if the cell is held
+    /// at the displacements `u`.
+    #[must_use]
+    pub fn with_cell_held(&self, local: &Local, u: &[[f64; 3]]) -> Local {
+        let mut out = local.clone();
+        if let Some(k) = self.images.number(local.bodies[1]) {
+            let by_cell = self.images.kinematics_by_cell(k, u, &local.rows[1]);
+            for f in 0..3 {
+                out.linear[f] -= by_cell[f];
+            }
+            out.bodies = self.pair(local);
+            (out.rows[1], _) = self.images.rows(k, &local.rows[1]);
+        }
+        out
     }
 
     /// Whether every free degree of freedom has a weight: inertia or regularisation.
@@ -187,7 +236,8 @@ impl Scaled {
     /// Sets `out` to `m u - f` on free degrees of freedom: the balance without the forces of the
     /// interactions.
     pub fn balance_of_bodies(&self, u: &[[f64; 3]], out: &mut [[f64; 3]]) {
-        for (i, out) in out.iter_mut().enumerate() {
+        out[self.free.len()..].fill([0.0; 3]);
+        for (i, out) in out[..self.free.len()].iter_mut().enumerate() {
             for k in 0..3 {
                 out[k] = if self.free[i][k] {
                     self.weight[i][k] * u[i][k] - self.right[i][k]

@@ -20,7 +20,8 @@ impl Condensed {
         iterations: &mut u32,
     ) -> Option<ConeSolution> {
         // Nothing moved before: the last forces are not those of a motion that goes on.
-        if program.last_forces.is_empty() || !has_momentum(program) {
+        // Sweeps know no images.
+        if program.last_forces.is_empty() || !has_momentum(program) || program.cell.is_some() {
             return None;
         }
         let natural: Vec<usize> = (0..program.bodies.len()).collect();
@@ -80,6 +81,7 @@ impl Condensed {
             scales: program.scales,
             tolerance: program.tolerance,
             last_forces: Vec::new(),
+            cell: None,
         };
         self.prepare(&part)?;
         let matrix = self.matrix.as_mut()?;

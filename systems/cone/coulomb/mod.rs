@@ -22,6 +22,7 @@ use crate::program::{ConeProgram, ConeSolution, SolveStatus};
 
 pub use self::settings::{ArcSettings, CoulombInteriorSettings, CoulombSettings};
 use self::system::System;
+use super::condensed::images;
 use super::condensed::matrix::UnsymmetricMatrix;
 use super::lowering::units;
 use super::residuals::{applied_force, natural_map, regularised_residuals};
@@ -95,7 +96,7 @@ impl Coulomb {
 
     /// Brings the pattern of the matrix up to date; whether an order of elimination was found.
     fn prepare(&mut self, program: &ConeProgram) -> bool {
-        let pairs = program.interactions.iter().map(|c| (c.a, c.b));
+        let pairs = images::pairs(program);
         if self.bodies != program.bodies.len() || !pairs.clone().eq(self.pairs.iter().copied()) {
             self.pairs = pairs.collect();
             self.bodies = program.bodies.len();

@@ -64,6 +64,7 @@ impl<'a> System<'a> {
         settings: &CoulombSettings,
     ) -> Self {
         let scaled = Scaled::new(program, matrix.order());
+        matrix.set_images(&scaled.images);
         let (length, force) = (program.scales.length, program.scales.force);
         let cells: Vec<Cell> = scaled
             .locals
@@ -77,7 +78,7 @@ impl<'a> System<'a> {
             .iter()
             .map(|cell| {
                 if damped {
-                    of_weights(cell, &scaled.weight)
+                    of_weights(cell, &scaled)
                 } else {
                     let own = cell.normal_compliance();
                     [if own > 0.0 { own } else { compliance }; 3]
@@ -112,8 +113,10 @@ impl<'a> System<'a> {
     /// The point near forces and displacements with all products `product`.
     pub fn near(&self, u: &[[f64; 3]], s: &[[f64; 3]], product: f64) -> Vector {
         let cells = self.cells.iter().zip(s);
-        let cells = cells.map(|(cell, s)| cell.near(*s, &self.kinematics(cell, u), product));
-        Vector { cells: cells.collect(), u: u.to_vec() }
+        let mut u = u[..self.program.free.len()].to_vec();
+        self.program.images.extend(&mut u);
+        let cells = cells.map(|(cell, s)| cell.near(*s, &self.kinematics(cell, &u), product));
+        Vector { cells: cells.collect(), u }
     }
 
     /// The residual: balance, stationarity of the forces, limits and products.
@@ -124,6 +127,7 @@ impl<'a> System<'a> {
             add_forces(cell.bodies, &cell.rows, &x.s, 1.0, &mut out.u);
             *r = cell.residual(x, &self.kinematics(cell, &z.u));
         }
+        self.program.images.fold(&mut out.u);
         out
     }
 
@@ -154,6 +158,7 @@ impl<'a> System<'a> {
             let s = cell.forces_at_rest(linear, x, r);
             add_forces(cell.bodies, &cell.rows, &s, -1.0, &mut right);
         }
+        self.program.images.fold(&mut right);
         for (right, free) in right.iter_mut().zip(&self.program.free) {
             for k in 0..3 {
                 if !free[k] {
@@ -172,7 +177,9 @@ impl<'a> System<'a> {
     /// Solves the condensed system, with refinement.
     fn solve_bodies(&mut self, right: Vec<[f64; 3]>) -> Vec<[f64; 3]> {
         let mut x = right.clone();
-        self.matrix.solve(&mut x);
+        let n = self.program.free.len();
+        self.matrix.solve(&mut x[..n]);
+        self.program.images.spread(&mut x);
         let scale = max_magnitude(&right);
         let mut last = f64::INFINITY;
         for _ in 0..self.max_refinements {
@@ -186,12 +193,14 @@ impl<'a> System<'a> {
                 let s = times(&linear.stiffness, &self.kinematics(cell, &x));
                 add_forces(cell.bodies, &cell.rows, &s, -1.0, &mut defect);
             }
+            self.program.images.fold(&mut defect);
             let size = max_magnitude(&defect);
             if size <= self.refined * scale || size >= 0.5 * last || size.is_nan() {
                 break;
             }
             last = size;
-            self.matrix.solve(&mut defect);
+            self.matrix.solve(&mut defect[..n]);
+            self.program.images.spread(&mut defect);
             for (x, d) in x.iter_mut().zip(&defect) {
                 for k in 0..3 {
                     x[k] += d[k];
@@ -211,10 +220,11 @@ fn typical_compliance(cells: &[Cell]) -> f64 {
 }
 
 /// Compliance that the weights of its bodies give an interaction: the diagonal of `G' M^-1 G`.
-fn of_weights(cell: &Cell, weights: &[[f64; 3]]) -> [f64; 3] {
+fn of_weights(cell: &Cell, program: &Scaled) -> [f64; 3] {
     let mut out = [0.0; 3];
     for (rows, body) in cell.rows.iter().zip(cell.bodies) {
-        for (row, weight) in rows.iter().zip(weights[body as usize]) {
+        let body = program.images.body(body as usize);
+        for (row, weight) in rows.iter().zip(program.weight[body]) {
             if weight > 0.0 {
                 for f in 0..3 {
                     out[f] += row[f] * row[f] / weight;

@@ -8,14 +8,19 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::Chart;
+use crate::output::plots::page::{self, Style};
 
 /// Maximum number of points of a line. Closer points cannot be distinguished.
 const MAX_POINTS: usize = 2000;
 
-const SIZE: (u32, u32) = (760, 520);
+/// Size on a screen, and the size of its font.
+const SIZE: (f64, f64) = (760.0, 520.0);
+const FONT: f64 = 13.0;
+/// Height over width of a printed chart.
+const ASPECT: f64 = 0.72;
 /// Plotters draws on whole pixels, which shows as steps in a straight line, so the drawing is
 /// magnified.
-const ZOOM: u32 = 8;
+const ZOOM: f64 = 8.0;
 const COLORS: [RGBColor; 10] = [
     RGBColor(31, 73, 125),
     RGBColor(214, 130, 20),
@@ -30,35 +35,73 @@ const COLORS: [RGBColor; 10] = [
 ];
 const SECONDARY: RGBColor = RGBColor(200, 40, 40);
 
-/// Space for the axes and around the chart, px.
-const MARGIN: u32 = 12;
-const LEFT: u32 = 64;
-const BOTTOM: u32 = 44;
-/// Space for an entry of the legend, px: the sample of the line, and each character.
-const SAMPLE: u32 = 18;
-const CHARACTER: f64 = 7.0;
-const LEGEND_ROW: u32 = 19;
+/// Space around the chart and for the axes, in sizes of the font.
+const MARGIN: f64 = 0.9;
+const LEFT: f64 = 4.9;
+const BOTTOM: f64 = 3.4;
+const SECOND: f64 = 4.6;
+/// Space for an entry of the legend, in sizes of the font.
+const SAMPLE: f64 = 1.4;
+const LEGEND_ROW: f64 = 1.46;
+
+/// Lengths of a chart in units of the drawing.
+#[derive(Clone, Copy)]
+struct Measures {
+    /// Width and height of the page in its own units.
+    page: (f64, f64),
+    /// Size of the font in its own units.
+    font: f64,
+}
+
+impl Measures {
+    fn of(style: &Style) -> Self {
+        if style.width_mm.is_none() {
+            return Self { page: SIZE, font: FONT };
+        }
+        Self { page: (style.narrowest, ASPECT * style.narrowest), font: style.font }
+    }
+
+    /// A number of sizes of the font.
+    fn em(&self, number: f64) -> u32 {
+        (number * self.font * ZOOM).round() as u32
+    }
+
+    /// Size of the drawing.
+    fn size(&self) -> (u32, u32) {
+        let units = |x: f64| (x * ZOOM).round() as u32;
+        (units(self.page.0), units(self.page.1))
+    }
+
+    fn letters(&self, number: f64) -> TextStyle<'static> {
+        ("sans-serif", self.em(number)).into_font().into()
+    }
+}
 
 impl Chart {
     /// Draws the chart.
-    pub(super) fn drawn(&self) -> io::Result<String> {
+    pub(super) fn drawn(&self, style: &Style) -> io::Result<String> {
         let mut text = String::new();
+        let measures = Measures::of(style);
+        let size = measures.size();
         {
-            let root = SVGBackend::with_string(&mut text, (SIZE.0 * ZOOM, SIZE.1 * ZOOM));
-            let drawn = self.draw(&root.into_drawing_area());
+            let root = SVGBackend::with_string(&mut text, size);
+            let drawn = self.draw(&root.into_drawing_area(), measures);
             drawn.map_err(|error| io::Error::other(error.to_string()))?;
         }
-        // The view box keeps the magnified drawing, which is shown at its nominal size.
-        let size = |zoom| format!("width=\"{}\" height=\"{}\"", SIZE.0 * zoom, SIZE.1 * zoom);
-        Ok(text.replacen(&size(ZOOM), &size(1), 1))
+        // The drawing is magnified within a page of its own size.
+        let body = text.split_once('>').map_or("", |(_, body)| body);
+        let body =
+            body.strip_suffix("</svg>\n").unwrap_or(body).replace("\"sans-serif\"", "\"inherit\"");
+        let root = style.root(measures.page.into());
+        Ok(format!("{root}<g transform=\"scale({})\">{body}</g>\n</svg>\n", ZOOM.recip()))
     }
 
     /// Names and styles of the lines for the legend, each name once; empty for a single line.
-    fn legend(&self) -> Vec<(&str, ShapeStyle)> {
-        let mut lines: Vec<_> = self.lines.iter().zip(self.styles()).collect();
+    fn legend(&self, line: u32) -> Vec<(&str, ShapeStyle)> {
+        let mut lines: Vec<_> = self.lines.iter().zip(self.styles(line)).collect();
         let mut known = HashSet::new();
         lines.retain(|(line, _)| known.insert(&line.name));
-        let second = self.second.iter().map(|line| (line, SECONDARY.stroke_width(ZOOM)));
+        let second = self.second.iter().map(|l| (l, SECONDARY.stroke_width(line / 2)));
         let all: Vec<_> = lines
             .into_iter()
             .chain(second)
@@ -68,118 +111,127 @@ impl Chart {
     }
 
     /// Styles of the lines. Lines with one name have one colour.
-    fn styles(&self) -> impl Iterator<Item = ShapeStyle> {
+    fn styles(&self, line: u32) -> impl Iterator<Item = ShapeStyle> {
         let mut known = HashMap::new();
+        let width = line;
         self.lines.iter().map(move |line| {
             let next = known.len();
             let at = *known.entry(&line.name).or_insert(next);
-            COLORS[at % COLORS.len()].stroke_width(2 * ZOOM)
+            COLORS[at % COLORS.len()].stroke_width(width)
         })
     }
 
     fn draw<'a>(
         &self,
         root: &DrawingArea<SVGBackend<'a>, Shift>,
+        m: Measures,
     ) -> Result<(), DrawingAreaErrorKind<<SVGBackend<'a> as DrawingBackend>::ErrorType>> {
-        root.fill(&WHITE)?;
-        let room = 10 * ZOOM as i32;
-        let area = root
-            .margin(room, 0, 0, 0)
-            .titled(&self.title, font(18))?
-            .margin(room / 2, 0, 0, 0)
-            .titled(&self.caption, font(13).color(&RGBColor(90, 90, 90)))?;
-        let right = if self.second.is_some() { 60 } else { 12 };
-        let legend = arranged(self.legend(), SIZE.0 - 2 * MARGIN - LEFT - right);
-        let rows = legend.last().map_or(0, |entry| entry.row + 1);
+        let (line, thin_line) = (m.em(0.15), m.em(0.075));
+        let room = m.page.0 - 2.0 * MARGIN * m.font;
+        let mut area = root.margin(m.em(0.5), 0, 0, 0);
+        let grey = RGBColor(90, 90, 90);
+        for (what, size, color) in [(&self.title, 1.35, BLACK), (&self.caption, 1.0, grey)] {
+            area = area.margin(if what.is_empty() { 0 } else { m.em(0.35) }, 0, 0, 0);
+            for words in page::wrapped(what, size * m.font, room) {
+                area = area.titled(&words, m.letters(size).color(&color))?;
+            }
+        }
+        let right = if self.second.is_some() { SECOND } else { MARGIN };
+        let wide = m.page.0 / m.font - 2.0 * MARGIN - LEFT - right;
+        let legend = arranged(self.legend(line), wide);
+        let rows = legend.last().map_or(0.0, |entry| entry.row + 1.0);
         // The legend is above the chart, because curves can reach every point inside it.
-        let (strip, area) = area.split_vertically(rows * LEGEND_ROW * ZOOM);
+        let (strip, area) = area.split_vertically(m.em(rows * LEGEND_ROW));
         for entry in legend {
-            let px = |at: u32| (at * ZOOM) as i32;
+            let px = |at: f64| m.em(at) as i32;
             let x = px(MARGIN + LEFT + entry.x);
-            let y = px(entry.row * LEGEND_ROW + LEGEND_ROW / 2 + 4);
+            let y = px(entry.row * LEGEND_ROW + LEGEND_ROW / 2.0 + 0.3);
             strip.draw(&PathElement::new([(x, y), (x + px(SAMPLE), y)], entry.style))?;
             let place = Pos::new(HPos::Left, VPos::Center);
-            strip.draw(&Text::new(entry.name, (x + px(SAMPLE + 6), y), font(13).pos(place)))?;
+            let font = m.letters(1.0).pos(place);
+            strip.draw(&Text::new(entry.name, (x + px(SAMPLE + 0.5), y), font))?;
         }
         let all = || self.lines.iter().chain(&self.second).flat_map(|line| &line.points);
         let x = range(all().map(|p| p.0));
         let y = range(self.lines.iter().flat_map(|line| &line.points).map(|p| p.1));
-        let (x, y) = if self.equal {
-            // Without the labels of the axes, as below.
-            let width = SIZE.0 - 2 * MARGIN - LEFT - right;
-            let height = area.dim_in_pixel().1 / ZOOM - 2 * MARGIN - BOTTOM;
-            equal(x, y, f64::from(width) / f64::from(height))
-        } else {
-            (x, y)
+        let (x, y) = match self.window {
+            Some([[x0, y0], [x1, y1]]) => (x0..x1, y0..y1),
+            None if self.equal => {
+                // Without the labels of the axes, as below.
+                let height = f64::from(area.dim_in_pixel().1) / f64::from(m.em(1.0));
+                equal(x, y, wide / (height - 2.0 * MARGIN - BOTTOM))
+            }
+            None => (x, y),
         };
         let mut builder = ChartBuilder::on(&area);
         builder
-            .margin(MARGIN * ZOOM)
-            .x_label_area_size(BOTTOM * ZOOM)
-            .y_label_area_size(LEFT * ZOOM)
-            .right_y_label_area_size(right * ZOOM);
+            .margin(m.em(MARGIN))
+            .x_label_area_size(m.em(BOTTOM))
+            .y_label_area_size(m.em(LEFT))
+            .right_y_label_area_size(m.em(right));
         let second = self.second.clone().unwrap_or_default();
-        let second_range = range(second.points.iter().map(|p| p.1));
+        let inside = |p: &&(f64, f64)| x.contains(&p.0) || p.0 == x.end;
+        let second_range = range(second.points.iter().filter(inside).map(|p| p.1));
         let span = |r: &std::ops::Range<f64>| r.end - r.start;
         let (x_span, y_span, second_span) = (span(&x), span(&y), span(&second_range));
         let mut chart =
             builder.build_cartesian_2d(x.clone(), y)?.set_secondary_coord(x, second_range);
+        // A label takes about four letters and the space beside it.
+        let labels = (wide / 3.5).clamp(3.0, 10.0) as usize;
         chart
             .configure_mesh()
             .light_line_style(WHITE)
-            .bold_line_style(RGBColor(225, 225, 225).stroke_width(ZOOM))
-            .axis_style(BLACK.stroke_width(ZOOM))
-            .set_all_tick_mark_size(5 * ZOOM)
+            .bold_line_style(RGBColor(225, 225, 225).stroke_width(m.em(0.075)))
+            .axis_style(BLACK.stroke_width(thin_line))
+            .set_all_tick_mark_size(m.em(0.38))
+            .x_labels(labels)
             .x_desc(&self.x)
             .y_desc(&self.y)
-            .axis_desc_style(font(14))
-            .label_style(font(12))
+            .axis_desc_style(m.letters(1.08))
+            .label_style(m.letters(0.93))
             .x_label_formatter(&|v| tick(*v, x_span))
             .y_label_formatter(&|v| tick(*v, y_span))
             .draw()?;
-        for (line, style) in self.lines.iter().zip(self.styles()) {
-            chart.draw_series(LineSeries::new(thin(&line.points), style))?;
+        for (points, style) in self.lines.iter().zip(self.styles(line)) {
+            chart.draw_series(LineSeries::new(thin(&points.points), style))?;
         }
         if let Some(second) = &self.second {
             chart
                 .configure_secondary_axes()
-                .axis_style(BLACK.stroke_width(ZOOM))
-                .set_all_tick_mark_size(5 * ZOOM)
+                .axis_style(BLACK.stroke_width(thin_line))
+                .set_all_tick_mark_size(m.em(0.38))
                 .y_desc(&second.name)
-                .axis_desc_style(font(14))
-                .label_style(font(12))
+                .axis_desc_style(m.letters(1.08))
+                .label_style(m.letters(0.93))
                 .y_label_formatter(&|v| tick(*v, second_span))
                 .draw()?;
-            let style = SECONDARY.stroke_width(ZOOM);
+            let style = SECONDARY.stroke_width(line / 2);
             chart.draw_secondary_series(LineSeries::new(thin(&second.points), style))?;
         }
         root.present()
     }
 }
 
-fn font(size: u32) -> TextStyle<'static> {
-    ("sans-serif", size * ZOOM).into_font().into()
-}
-
-/// An entry of the legend and its position: px from the left end of the axis, and row.
+/// An entry of the legend and its position: sizes of the font from the left end of the axis, and
+/// row.
 struct Entry<'a> {
     name: &'a str,
     style: ShapeStyle,
-    x: u32,
-    row: u32,
+    x: f64,
+    row: f64,
 }
 
-/// Arranges the entries of a legend in rows of a given width, px.
-fn arranged(entries: Vec<(&str, ShapeStyle)>, width: u32) -> Vec<Entry<'_>> {
-    let (mut x, mut row) = (0, 0);
+/// Arranges the entries of a legend in rows of a given width, in sizes of the font.
+fn arranged(entries: Vec<(&str, ShapeStyle)>, width: f64) -> Vec<Entry<'_>> {
+    let (mut x, mut row) = (0.0, 0.0);
     let mut arranged = Vec::with_capacity(entries.len());
     for (name, style) in entries {
-        let size = SAMPLE + 6 + (CHARACTER * name.chars().count() as f64).ceil() as u32;
-        if x > 0 && x + size > width {
-            (x, row) = (0, row + 1);
+        let size = SAMPLE + 0.5 + page::width(name, 1.0);
+        if x > 0.0 && x + size > width {
+            (x, row) = (0.0, row + 1.0);
         }
         arranged.push(Entry { name, style, x, row });
-        x += size + 20;
+        x += size + 1.5;
     }
     arranged
 }
@@ -291,7 +343,7 @@ mod tests {
         assert_eq!(curves.len(), 3 * zigzag.len());
         let top = curves.iter().copied().fold(f64::INFINITY, f64::min);
         // One of the texts is the label of the second axis, which is beside the chart.
-        let above = texts.iter().filter(|y| **y + 4.0 * f64::from(ZOOM) < top).count();
+        let above = texts.iter().filter(|y| **y + 4.0 * ZOOM < top).count();
         assert_eq!((texts.len(), above), (4, 3), "{texts:?}, {top}");
 
         // Long names take as many rows as they need.

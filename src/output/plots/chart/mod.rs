@@ -5,6 +5,8 @@ mod draw;
 
 use std::io;
 
+use super::page::Style;
+
 /// A line of a chart.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Line {
@@ -31,16 +33,27 @@ pub struct Chart {
     pub second: Option<Line>,
     /// Whether one length on the two axes is one value.
     pub equal: bool,
+    /// Lower left and upper right corner of what is shown, in values of the axes; `None` shows all.
+    pub window: Option<[[f64; 2]; 2]>,
 }
 
 impl Chart {
-    /// The chart as SVG.
+    /// The chart as SVG, for a screen.
     ///
     /// # Errors
     /// If the chart cannot be drawn, as in a build without the feature `plots`.
     pub fn svg(&self) -> io::Result<String> {
+        self.svg_in(&Style::SCREEN)
+    }
+
+    /// The chart as SVG.
+    ///
+    /// # Errors
+    /// As [`svg`](Self::svg).
+    #[cfg_attr(not(feature = "plots"), allow(unused_variables))]
+    pub fn svg_in(&self, style: &Style) -> io::Result<String> {
         #[cfg(feature = "plots")]
-        return self.drawn();
+        return self.drawn(style);
         #[cfg(not(feature = "plots"))]
         Err(io::Error::new(
             io::ErrorKind::Unsupported,

@@ -59,7 +59,7 @@ impl<'a> Iteration<'a> {
             groups = Groups::new(program, matrix, &u, settings);
         }
         let limits: usize = program.locals.iter().map(|l| l.count).sum();
-        let zeros = vec![[0.0; 3]; n];
+        let zeros = vec![[0.0; 3]; program.places()];
         Self {
             program,
             matrix,
@@ -88,6 +88,7 @@ impl<'a> Iteration<'a> {
             for_each!(cell of cells => cell.evaluate(*length, u, balance, &mut size));
             size
         });
+        self.program.images.fold(&mut self.balance);
         self.sizes = sizes.into_iter().fold(Sizes::default(), Sizes::and);
         self.mu = self.sizes.products / self.limits;
         self.unbalance = max_magnitude(&self.balance);
@@ -119,7 +120,8 @@ impl<'a> Iteration<'a> {
     /// Copies the point.
     pub fn store(&mut self, to: &mut Option<Interior>) {
         let point = to.get_or_insert_with(|| Interior::of(self.program));
-        point.u.clone_from(&self.u);
+        point.u.clear();
+        point.u.extend_from_slice(&self.u[..self.program.free.len()]);
         point.merit = self.merit();
         for cells in self.groups.all() {
             for_each!(cell of cells => cell.store(&mut point.s, &mut point.lambda));
@@ -145,12 +147,16 @@ impl<'a> Iteration<'a> {
         groups.condense(matrix, right, |cells, values, right| {
             for_each!(cell of cells => cell.condense(values, right));
         });
+        program.images.fold(right);
     }
 
     /// Solves for the step of the predictor; whether the matrix has a factor.
     pub fn predict(&mut self) -> bool {
         self.du.clone_from(&self.right);
-        self.matrix.factorise_shifted_and_solve(&mut self.du)
+        let n = self.program.free.len();
+        let solved = self.matrix.factorise_shifted_and_solve(&mut self.du[..n]);
+        self.program.images.spread(&mut self.du);
+        solved
     }
 
     /// The mean product that the corrector aims at: the third power of what the predictor would
@@ -167,8 +173,10 @@ impl<'a> Iteration<'a> {
         self.groups.scatter(&mut self.right, |cells, right| {
             for_each!(cell of cells => cell.aim(Aim::Target(target), right));
         });
+        self.program.images.fold(&mut self.right);
         self.du.clone_from(&self.right);
-        self.matrix.solve(&mut self.du);
+        self.matrix.solve(&mut self.du[..self.program.free.len()]);
+        self.program.images.spread(&mut self.du);
         self.refine();
     }
 
@@ -182,6 +190,7 @@ impl<'a> Iteration<'a> {
                 u[k] += self.length * du[k];
             }
         }
+        self.program.images.spread(&mut self.u);
     }
 
     /// Steps of forces, slacks and multipliers that belong to the steps of the displacements.
@@ -200,7 +209,9 @@ impl<'a> Iteration<'a> {
         let Self { program, matrix, settings, groups, weight, right, du, defect, .. } = self;
         let scale = max_magnitude(right);
         for _ in 0..settings.max_refinements {
-            for (i, defect) in defect.iter_mut().enumerate() {
+            let n = program.free.len();
+            defect[n..].fill([0.0; 3]);
+            for (i, defect) in defect[..n].iter_mut().enumerate() {
                 for k in 0..3 {
                     let is_free = program.free[i][k];
                     defect[k] = if is_free { right[i][k] - weight[i][k] * du[i][k] } else { 0.0 };
@@ -209,10 +220,12 @@ impl<'a> Iteration<'a> {
             groups.scatter(defect, |cells, defect| {
                 for_each!(cell of cells => cell.take_away(du, defect));
             });
+            program.images.fold(defect);
             if max_magnitude(defect) <= settings.refined * scale {
                 return;
             }
-            matrix.solve(defect);
+            matrix.solve(&mut defect[..n]);
+            program.images.spread(defect);
             for (du, d) in du.iter_mut().zip(&*defect) {
                 for k in 0..3 {
                     du[k] += d[k];

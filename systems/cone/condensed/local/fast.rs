@@ -29,17 +29,23 @@ impl SlowPart {
     ) -> Option<Self> {
         let Step { du, de, .. } = step;
         let size = |du: &[f64; 3]| du[0].hypot(du[1]).max(du[2].abs());
-        let mut sizes: Vec<f64> = du.iter().map(size).collect();
+        let bodies = &du[..program.free.len()];
+        let mut sizes: Vec<f64> = bodies.iter().map(size).collect();
         let last = sizes.len() - 1;
         let place = ((settings.fast_quantile * sizes.len() as f64) as usize).min(last);
         let (_, quantile, _) = sizes.select_nth_unstable_by(place, f64::total_cmp);
         let threshold = settings.fast * *quantile;
-        let is_fast = |i: usize| size(&du[i]) > threshold && !is_wall(adjacency, settings, i);
-        let fast: Vec<bool> = (0..du.len()).map(is_fast).collect();
+        let is_fast = |i: usize| {
+            size(&du[i]) > threshold
+                && !is_wall(adjacency, settings, i)
+                && !program.images.is_cell(i)
+        };
+        let fast: Vec<bool> = (0..bodies.len()).map(is_fast).collect();
         fast.contains(&true).then(|| {
             let slow = |(du, fast): (&[f64; 3], &bool)| if *fast { [0.0; 3] } else { *du };
-            let both_slow = |l: &Local| !l.bodies.iter().any(|i| fast[*i]);
-            let du = du.iter().zip(&fast).map(slow).collect();
+            let both_slow = |l: &Local| !program.pair(l).iter().any(|i| fast[*i]);
+            let mut du: Vec<_> = du.iter().zip(&fast).map(slow).collect();
+            program.images.extend(&mut du);
             let counted = |(de, l): (&[f64; 2], &Local)| if both_slow(l) { *de } else { [0.0; 2] };
             let de = de.iter().zip(&program.locals).map(counted).collect();
             Self { fast, du, de }

@@ -37,7 +37,7 @@ pub fn solve(
     let patience = if program.is_damped() { newton.max_iterations } else { newton.patience };
     let newton = NewtonSettings { patience, ..*newton };
     let goal = Goal { relative: goal, absolute: 0.0 };
-    let pairs = program.locals.iter().map(|l| l.bodies);
+    let pairs = program.locals.iter().map(|l| program.pair(l));
     let adjacency = Adjacency::new(program.free.len(), pairs);
     let mut elimination = Elimination {
         adjacency,
@@ -101,7 +101,8 @@ impl Elimination<'_> {
     /// moved.
     fn eliminate(&self, program: &Scaled, point: &mut Point) -> bool {
         let of_body = |g: &[f64; 3]| g.iter().fold(0.0_f64, |m, g| m.max(g.abs()));
-        let unbalance: Vec<f64> = point.gradient.iter().map(of_body).collect();
+        let n = program.free.len();
+        let unbalance: Vec<f64> = point.gradient[..n].iter().map(of_body).collect();
         let maximum = unbalance.iter().copied().fold(0.0, f64::max);
         let settings = self.settings;
         let is_seed =

@@ -44,13 +44,13 @@ fn balance(
     used.dedup();
     let mut bodies: Vec<usize> = used
         .iter()
-        .flat_map(|k| program.locals[*k].bodies)
+        .flat_map(|k| program.pair(&program.locals[*k]))
         .chain(members.iter().copied())
         .collect();
     bodies.sort_unstable();
     bodies.dedup();
     let number = |i: usize| bodies.binary_search(&i).unwrap_or(usize::MAX);
-    let of_pair = |k: &usize| program.locals[*k].bodies.map(|i| number(i) as u32).into();
+    let of_pair = |k: &usize| program.pair(&program.locals[*k]).map(|i| number(i) as u32).into();
     let pairs: Vec<(u32, u32)> = used.iter().map(of_pair).collect();
     let mut matrix = BodyMatrix::new(bodies.len(), &pairs)?;
     let place = places(matrix.order());
@@ -66,7 +66,7 @@ fn balance(
         part.known.push(start[i]);
     }
     let with_others_held = |&k: &usize| {
-        let mut l = program.locals[k].clone();
+        let mut l = program.with_cell_held(&program.locals[k], start);
         for side in (0..2).filter(|side| !is_member(l.bodies[*side])) {
             let rows = std::mem::take(&mut l.rows[side]);
             for (row, u) in rows.iter().zip(&start[l.bodies[side]]) {

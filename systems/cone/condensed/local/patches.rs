@@ -4,8 +4,8 @@ use super::super::scaled::Scaled;
 use super::super::settings::LocalSettings;
 use crate::adjacency::Adjacency;
 
-/// Whether a body has so many interactions that it counts as a wall. Walls touch bodies everywhere
-/// and would join all patches to one: they are held.
+/// Whether a body is treated as a wall: it has more than `max_interactions` interactions. A wall
+/// touches bodies everywhere and would join all patches to one, so that it is held.
 pub fn is_wall(adjacency: &Adjacency, settings: &LocalSettings, body: usize) -> bool {
     adjacency.of(body).len() > settings.max_interactions
 }
@@ -43,16 +43,20 @@ impl<'a> Patches<'a> {
     }
 
     fn is_mobile(&self, i: usize) -> bool {
-        self.program.free[i].contains(&true) && !is_wall(self.adjacency, self.settings, i)
+        // A patch moves with the cell held.
+        self.program.free[i].contains(&true)
+            && !is_wall(self.adjacency, self.settings, i)
+            && !self.program.images.is_cell(i)
     }
 
     /// The other body of interaction `k` if it joins it to body `i`: a bond does, and a contact
     /// that is closed or nearly so.
     fn neighbour(&self, k: usize, i: usize) -> Option<usize> {
         let l = &self.program.locals[k];
+        let [a, b] = self.program.pair(l);
         let is_bonded = l.count == 3 && l.right[2] > 0.0;
         let is_near = is_bonded || self.e[k][0] - l.linear[0] > -self.settings.max_gap;
-        is_near.then(|| if l.bodies[0] == i { l.bodies[1] } else { l.bodies[0] })
+        is_near.then_some(if a == i { b } else { a })
     }
 
     /// Adds the mobile bodies that are joined to those inside, ring by ring.

@@ -1,6 +1,7 @@
 //! Adds blocks of bodies and pairs to the values of the matrix.
 
 use super::{DIAGONAL, PAIR};
+use crate::condensed::images::Images;
 
 /// Place of a pair (a, b) in the values of the matrix.
 #[derive(Clone, Copy, Debug, Default)]
@@ -21,6 +22,7 @@ pub struct Assembly<'a> {
     pub(super) first: usize,
     pub(super) diagonal: &'a [usize],
     pub(super) pairs: &'a [PairPlace],
+    pub(super) images: &'a Images,
 }
 
 impl Assembly<'_> {
@@ -32,7 +34,8 @@ impl Assembly<'_> {
     }
 
     /// Adds `G D G'` of a pair. `G` has `F` columns, in the rows of its two bodies in the order of
-    /// the pair in the pattern. `D` is symmetric.
+    /// the pair in the pattern. `D` is symmetric. With an image as the second body the cell takes
+    /// part too.
     #[inline]
     pub fn add<const F: usize>(
         &mut self,
@@ -40,23 +43,61 @@ impl Assembly<'_> {
         rows: &[[[f64; F]; 3]; 2],
         d: &[[f64; F]; F],
     ) {
-        let PairPlace { start, forward, bodies } = self.pairs[pair];
-        for (rows, body) in rows.iter().zip(bodies) {
-            let left = times(rows, d);
-            let start = self.diagonal[body as usize] - self.first;
-            let block = &mut self.values[start..start + DIAGONAL];
-            for (k, (c, r)) in
-                [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].into_iter().enumerate()
-            {
-                block[k] += dot(&left[c], &rows[r]);
-            }
+        if let Some((image, with_cell)) = self.images.at(pair) {
+            self.add_with_cell(pair, with_cell, image, rows, d);
+            return;
         }
+        for (rows, body) in rows.iter().zip(self.pairs[pair].bodies) {
+            self.add_body(body, rows, d);
+        }
+        self.add_pair(pair, [&rows[0], &rows[1]], d);
+    }
+
+    #[cold]
+    fn add_with_cell<const F: usize>(
+        &mut self,
+        pair: usize,
+        with_cell: usize,
+        image: usize,
+        rows: &[[[f64; F]; 3]; 2],
+        d: &[[f64; F]; F],
+    ) {
+        let (of_b, of_cell) = self.images.rows(image, &rows[1]);
+        let [a, b] = self.pairs[pair].bodies;
+        let [_, cell] = self.pairs[with_cell].bodies;
+        for (rows, body) in [(&rows[0], a), (&of_b, b), (&of_cell, cell)] {
+            self.add_body(body, rows, d);
+        }
+        self.add_pair(pair, [&rows[0], &of_b], d);
+        self.add_pair(with_cell, [&rows[0], &of_cell], d);
+        self.add_pair(with_cell + 1, [&of_b, &of_cell], d);
+    }
+
+    #[inline]
+    fn add_body<const F: usize>(&mut self, body: u32, rows: &[[f64; F]; 3], d: &[[f64; F]; F]) {
+        let left = times(rows, d);
+        let start = self.diagonal[body as usize] - self.first;
+        let block = &mut self.values[start..start + DIAGONAL];
+        for (k, (c, r)) in [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].into_iter().enumerate()
+        {
+            block[k] += dot(&left[c], &rows[r]);
+        }
+    }
+
+    #[inline]
+    fn add_pair<const F: usize>(
+        &mut self,
+        pair: usize,
+        rows: [&[[f64; F]; 3]; 2],
+        d: &[[f64; F]; F],
+    ) {
+        let PairPlace { start, forward, .. } = self.pairs[pair];
         let [of_columns, of_rows] = if forward { [0, 1] } else { [1, 0] };
-        let left = times(&rows[of_columns], d);
+        let left = times(rows[of_columns], d);
         let start = start - self.first;
         let block = &mut self.values[start..start + PAIR];
         for (left, column) in left.iter().zip(block.chunks_exact_mut(3)) {
-            for (value, row) in column.iter_mut().zip(&rows[of_rows]) {
+            for (value, row) in column.iter_mut().zip(rows[of_rows]) {
                 *value += dot(left, row);
             }
         }

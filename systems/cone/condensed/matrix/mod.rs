@@ -28,6 +28,7 @@ use self::fronts::Fronts;
 use self::numeric::{Backward, Eliminate, Forward, Part};
 pub(super) use self::ordering::places;
 pub use self::unsymmetric::UnsymmetricMatrix;
+use super::images::Images;
 use super::parallel::{in_parallel, split};
 use crate::adjacency::Adjacency;
 
@@ -50,6 +51,7 @@ pub struct BodyMatrix {
     pattern: Pattern,
     branches: Vec<Part>,
     trunk: Part,
+    images: Images,
     instructions: Arch,
 }
 
@@ -118,6 +120,7 @@ impl BodyMatrix {
             branches: fronts.branches.iter().map(|b| Part::new(&fronts, b, in_trunk)).collect(),
             trunk: Part::new(&fronts, &fronts.trunk, 0),
             pattern: Pattern { fronts, starts, targets, target_starts },
+            images: Images::default(),
             instructions: Arch::new(),
         })
     }
@@ -141,6 +144,11 @@ impl BodyMatrix {
         self.pattern.fronts.branches.iter().map(|branch| branch.places.clone()).collect()
     }
 
+    /// Takes over the images of a program, which [`Assembly::add`] needs for interactions with them.
+    pub fn set_images(&mut self, images: &Images) {
+        self.images.clone_from(images);
+    }
+
     /// Sets all values to zero.
     pub fn clear(&mut self) {
         self.values.fill(0.0);
@@ -148,13 +156,13 @@ impl BodyMatrix {
 
     /// Access to all values, to add to them.
     pub fn assembly(&mut self) -> Assembly<'_> {
-        let Self { values, diagonal, pairs, .. } = self;
-        Assembly { values, first: 0, diagonal, pairs }
+        let Self { values, diagonal, pairs, images, .. } = self;
+        Assembly { values, first: 0, diagonal, pairs, images }
     }
 
     /// Access to the values of each of the [branches](Self::branches), to add to them.
     pub fn assemblies(&mut self) -> Vec<Assembly<'_>> {
-        let Self { values, pattern, diagonal, pairs, .. } = self;
+        let Self { values, pattern, diagonal, pairs, images, .. } = self;
         let fronts = pattern.fronts.branches.iter().map(|branch| &branch.fronts);
         let ranges = fronts.map(|fronts| pattern.starts[fronts.start]..pattern.starts[fronts.end]);
         let (pieces, _) = split(values, ranges.clone());
@@ -164,6 +172,7 @@ impl BodyMatrix {
             first: range.start,
             diagonal,
             pairs,
+            images,
         };
         pieces.map(assembly).collect()
     }

@@ -98,7 +98,7 @@ mod tests {
     use super::super::dense;
     use super::*;
 
-    /// A trapezoid that is diagonally dominant, of so many pivots and rows.
+    /// A trapezoid that is diagonally dominant, of a number of pivots and rows.
     fn trapezoid(pivots: usize, bodies: usize) -> (usize, Vec<f64>) {
         let height = (3 * bodies + LANES - 1).next_multiple_of(LANES);
         let mut panel = vec![0.0; 3 * pivots * height];

@@ -11,6 +11,7 @@ use pulp::{Arch, Simd, WithSimd};
 use super::fronts::{Front, Fronts};
 use super::{layout, lu, ordering, places};
 use crate::adjacency::Adjacency;
+use crate::condensed::images::Images;
 
 /// Numbers in the block of a body and in the two blocks of a pair.
 const BODY: usize = 9;
@@ -28,6 +29,7 @@ pub struct UnsymmetricMatrix {
     /// The pairs of every front, with the rows at which their bodies start in it.
     in_front: Vec<Vec<(u32, [u32; 2])>>,
     factor: Factor,
+    images: Images,
     instructions: Arch,
 }
 
@@ -111,6 +113,7 @@ impl UnsymmetricMatrix {
             in_front,
             fronts,
             factor,
+            images: Images::default(),
             instructions: Arch::new(),
         })
     }
@@ -119,6 +122,11 @@ impl UnsymmetricMatrix {
     #[must_use]
     pub fn order(&self) -> &[usize] {
         &self.fronts.order
+    }
+
+    /// Takes over the images of a program, which [`add`](Self::add) needs for interactions with them.
+    pub fn set_images(&mut self, images: &Images) {
+        self.images.clone_from(images);
     }
 
     /// Sets all values to zero.
@@ -134,8 +142,26 @@ impl UnsymmetricMatrix {
     }
 
     /// Adds `G T G'` of a pair, with `G` in the rows of its two bodies in the order of the pair in
-    /// the pattern.
+    /// the pattern. With an image as the second body the cell takes part too.
     pub fn add(&mut self, pair: usize, rows: &[[[f64; 3]; 3]; 2], t: &[[f64; 3]; 3]) {
+        let Some((image, with_cell)) = self.images.at(pair) else {
+            self.add_blocks(pair, rows, t, [true, true]);
+            return;
+        };
+        let (of_b, of_cell) = self.images.rows(image, &rows[1]);
+        self.add_blocks(pair, &[rows[0], of_b], t, [true, true]);
+        self.add_blocks(with_cell, &[rows[0], of_cell], t, [false, true]);
+        self.add_blocks(with_cell + 1, &[of_b, of_cell], t, [false, false]);
+    }
+
+    /// Adds the blocks of a pair, and those of its bodies where `with_own` says so.
+    fn add_blocks(
+        &mut self,
+        pair: usize,
+        rows: &[[[f64; 3]; 3]; 2],
+        t: &[[f64; 3]; 3],
+        with_own: [bool; 2],
+    ) {
         let times = |rows: &[[f64; 3]; 3]| {
             rows.map(|row| {
                 std::array::from_fn::<f64, 3, _>(|g| (0..3).map(|f| row[f] * t[f][g]).sum())
@@ -148,7 +174,9 @@ impl UnsymmetricMatrix {
             let both = &mut self.pairs[pair][9 * side..9 * side + 9];
             for i in 0..3 {
                 for j in 0..3 {
-                    own[3 * i + j] += dot(&left[side][i], &rows[side][j]);
+                    if with_own[side] {
+                        own[3 * i + j] += dot(&left[side][i], &rows[side][j]);
+                    }
                     both[3 * i + j] += dot(&left[side][i], &rows[1 - side][j]);
                 }
             }

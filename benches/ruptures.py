@@ -1,0 +1,121 @@
+#!/usr/bin/env python3
+"""Peak of cemented sand against rule of rupture and increment, on five packings of 900 disks.
+
+    cargo build --release
+    python3 benches/ruptures.py [--out bench/ruptures] [--seeds 11,12,13,14,15]
+
+The packings are made as by scenes/prepare_biaxial.ron, in proportion and without the last leg; the
+packing is that of the last leg that does not jam. Laws are those of scenes/biaxial_10kPa.ron, and
+an increment of 1 is its 0.074 % strain. The table has the mean error of q at 0.5 % and 1 % strain
+and of the peak against `OneRound` at 1/64 of the increment, the errors of the peak of single packings, solves to the peak, and processor seconds.
+"""
+
+import argparse
+import csv
+import re
+import resource
+import subprocess
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+PROGRAM = ROOT / "target/release/clastic"
+COUNT, STRAIN, END = 900, 0.000741, 0.022
+RUNS = [("OneRound", m) for m in (1 / 64, 1 / 16, 1.0)] + [
+    ("Events", m) for m in (1.0, 2.0, 10 / 3)
+]
+
+
+def prepare(seed, out):
+    """Runs the compaction in proportion to COUNT."""
+    text = (ROOT / "scenes/prepare_biaxial.ron").read_text()
+    k = (COUNT / 6160) ** 0.5
+    text = text.replace("count: 6160", f"count: {COUNT}").replace("columns: 59", "columns: 22")
+    text = re.sub(r"(?<![\d.])0\.6(?=[,)])", f"{0.6 * k:.6g}", text)
+    text = re.sub(r"(?<![\d.])1\.05(?=[,)])", "0.43", text)
+    text = re.sub(r"Height\(([\d.]+)\)", lambda m: f"Height({float(m[1]) * k:.6g})", text)
+    text = re.sub(r".*\"leg 9\".*\n", "", text)
+    text = text.replace("seed: 1,\n    ),", f"seed: {seed},\n    ),")
+    scene = out / f"prepare_{seed}.ron"
+    scene.write_text(text)
+    run(scene, out / f"prepare_{seed}")
+    return out / f"prepare_{seed}/specimen.csv"
+
+
+def biaxial(seed, specimen, out):
+    """The scene with this specimen between its walls, and half of the closing of an increment."""
+    with open(specimen) as file:
+        disks = [[float(x) for x in row] for row in list(csv.reader(file))[1:]]
+    width = max(x + r for x, _, r in disks) + 1e-7
+    height = max(y + r for _, y, r in disks) + 1e-7
+    text = (ROOT / "scenes/biaxial_small.ron").read_text()
+    text = text.replace("specimens/biaxial_400.csv", str(specimen.resolve()))
+    text = text.replace("0.2147896", f"{height:.7f}").replace("0.121", f"{width:.7f}")
+    text = text.replace("50.0e3", "10.0e3").replace("AxialStrain(0.12)", f"AxialStrain({END})")
+    scene = out / f"biaxial_{seed}.ron"
+    scene.write_text(text)
+    return scene, height * STRAIN / 2
+
+
+def run(scene, out, sets=()):
+    command = [PROGRAM, "run", scene, "--out", out, "--force", "--threads", "1"]
+    command += [word for value in sets for word in ("--set", value)]
+    before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+    subprocess.run([str(word) for word in command], capture_output=True, check=False)
+    return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
+
+
+def measured(out):
+    """q at 0.5 % and 1 % strain, its peak, and the solves up to the peak."""
+    with open(out / "history.csv") as file:
+        rows = list(csv.DictReader(file))
+    curve, solves = [(0.0, 0.0, 0)], 0
+    for row in rows:
+        solves += int(row["solves"])
+        if row["stage"] == "load":
+            q = float(row["axial_stress_pa"]) - float(row["lateral_stress_pa"])
+            curve.append((float(row["axial_strain"]), q, solves))
+
+    def at(strain):
+        a, b = next(pair for pair in zip(curve, curve[1:]) if pair[1][0] >= strain)
+        return a[1] + (strain - a[0]) / (b[0] - a[0]) * (b[1] - a[1])
+
+    peak = max(curve, key=lambda point: point[1])
+    return [at(0.005), at(0.01), peak[1], peak[2]]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--out", type=Path, default=ROOT / "bench/ruptures")
+    parser.add_argument("--seeds", default="11,12,13,14,15")
+    args = parser.parse_args()
+    args.out.mkdir(parents=True, exist_ok=True)
+    found = {}
+    for seed in args.seeds.split(","):
+        scene, closing = biaxial(seed, prepare(seed, args.out), args.out)
+        for order, m in RUNS:
+            sets = [
+                f"rupture.order={order}",
+                f"stages.load.increments={int(165 / m)}",
+                f"stages.load.walls.top=Displacement(0.0, {-closing * m:.9e})",
+                f"stages.load.walls.bottom=Displacement(0.0, {closing * m:.9e})",
+            ]
+            out = args.out / f"{seed}_{order}_{m:.4f}"
+            cpu = run(scene, out, sets)
+            found.setdefault((order, m), []).append([*measured(out), cpu])
+    print("| rule | increment | q 0.5 % | q 1 % | peak | peaks | solves | CPU s |")
+    print("|---|---|---|---|---|---|---|---|")
+    reference = found[RUNS[0]]
+    for (order, m), rows in found.items():
+        errors = [
+            [100 * (row[k] / exact[k] - 1) for row, exact in zip(rows, reference)]
+            for k in range(3)
+        ]
+        mean = [f"{sum(e) / len(e):+.1f}" for e in errors]
+        single = ", ".join(f"{e:+.1f}" for e in errors[2])
+        solves, cpu = (sum(row[k] for row in rows) / len(rows) for k in (3, 4))
+        cells = [f"`{order}`", f"{m:.3g}", *mean, single, f"{solves:.0f}", f"{cpu:.1f}"]
+        print("| " + " | ".join(cells) + " |")
+
+
+if __name__ == "__main__":
+    main()

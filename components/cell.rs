@@ -1,0 +1,173 @@
+//! A periodic cell: the specimen repeats along two vectors, and no wall holds it.
+
+use bevy_ecs::prelude::*;
+#[cfg(feature = "reflect")]
+use bevy_ecs::reflect::ReflectResource;
+use clastic_cone::program::ProgramCell;
+use glam::DVec2;
+use serde::{Deserialize, Serialize};
+
+/// A periodic cell with the vectors `(width, 0)` and `(tilt, height)`.
+///
+/// Particles are never put back into the cell: a contact is between a particle and the nearest image
+/// of another, which is the only one within reach (a cell is at least twice as wide and as high as a
+/// contact is long). The shift of that image follows from the places of both and needs no memory.
+#[derive(Resource, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
+pub struct PeriodicCell {
+    /// Length of the vector along x, m.
+    pub width: f64,
+    /// Distance of the rows of images, along y, m.
+    pub height: f64,
+    /// Component along x of the second vector, m.
+    pub tilt: f64,
+    /// Shear strain since the start of the run: the sum of all increments of `du_x/dy`.
+    pub shear: f64,
+    /// Stress in the last increment, Pa: sigma_xx, sigma_yy, and the traction along x on a face whose
+    /// outward normal is y.
+    pub stress: [f64; 3],
+    /// Controls of the width, the height and the shear.
+    pub controls: [CellControl; 3],
+}
+
+/// Control of one component of the deformation of a cell during a stage.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub enum CellControl {
+    /// Change of the width, change of the height, or displacement along x of the top over the
+    /// bottom, in every increment, m.
+    Imposed(f64),
+    /// Average stress, Pa, linear over the stage: sigma_xx, sigma_yy (compression positive), or the
+    /// traction along x on a face whose outward normal is y.
+    Stress {
+        /// Value at the start of the stage, Pa.
+        from: f64,
+        /// Value at the end of the stage, Pa.
+        to: f64,
+    },
+}
+
+impl Default for CellControl {
+    fn default() -> Self {
+        Self::Imposed(0.0)
+    }
+}
+
+impl PeriodicCell {
+    /// Area, m^2.
+    #[must_use]
+    pub fn area(&self) -> f64 {
+        self.width * self.height
+    }
+
+    /// The length that makes displacements of the cell lengths: the root of the area, m.
+    #[must_use]
+    pub fn length(&self) -> f64 {
+        self.area().sqrt()
+    }
+
+    /// Maximum length of a contact: of a longer one there could be two between the same particles.
+    #[must_use]
+    pub fn max_branch(&self) -> f64 {
+        0.5 * self.width.min(self.height)
+    }
+
+    /// Shift of the image of b that is nearest to a, for `apart` the way from a to b, m.
+    #[must_use]
+    pub fn shift(&self, apart: DVec2) -> DVec2 {
+        let rows = (apart.y / self.height).round();
+        let x = apart.x - rows * self.tilt;
+        let columns = (x / self.width).round();
+        // Without a shift, exactly none.
+        if rows == 0.0 && columns == 0.0 {
+            return DVec2::ZERO;
+        }
+        -DVec2::new(columns * self.width + rows * self.tilt, rows * self.height)
+    }
+
+    /// The place in the cell of a place, m.
+    #[must_use]
+    pub fn wrapped(&self, place: DVec2) -> DVec2 {
+        let rows = (place.y / self.height).floor();
+        let x = place.x - rows * self.tilt;
+        DVec2::new(x - (x / self.width).floor() * self.width, place.y - rows * self.height)
+    }
+
+    /// The body of the program that stands for the cell, which has this row.
+    #[must_use]
+    pub fn in_program(&self, row: usize, mean_radius: f64) -> ProgramCell {
+        ProgramCell { body: row as u32, arm: mean_radius }
+    }
+
+    /// Displacements of that body for changes of the width and the height and a displacement of the
+    /// top, m; the factors of its loads.
+    #[must_use]
+    pub fn factors(&self, arm: f64) -> [f64; 3] {
+        let length = self.length();
+        [length / self.width, length / self.height, length / (self.height * arm)]
+    }
+
+    /// Loads of that body by unit of stress, N/Pa, N/Pa and N m/Pa. Compression is positive for
+    /// sigma_xx and sigma_yy, and shortens; the traction along x on the top moves it along x.
+    #[must_use]
+    pub fn loads(&self, arm: f64, thickness: f64) -> [f64; 3] {
+        let by_length = self.area() * thickness / self.length();
+        [-by_length, -by_length, by_length * arm]
+    }
+
+    /// The cell after a displacement (m, m, rad) of the body that stands for it.
+    #[must_use]
+    pub fn deformed(&self, u: [f64; 3], arm: f64) -> Self {
+        let length = self.length();
+        let (xx, yy, xy) = (u[0] / length, u[1] / length, arm * u[2] / length);
+        Self {
+            width: self.width + xx * self.width,
+            height: self.height + yy * self.height,
+            tilt: self.tilt + xx * self.tilt + xy * self.height,
+            shear: self.shear + xy,
+            stress: self.stress,
+            controls: self.controls,
+        }
+    }
+
+    /// Maximum displacement of a side that is imposed in an increment, m.
+    #[must_use]
+    pub fn imposed(&self) -> f64 {
+        let imposed = self.controls.iter().map(|control| match control {
+            CellControl::Imposed(u) => u.abs(),
+            CellControl::Stress { .. } => 0.0,
+        });
+        imposed.fold(0.0, f64::max)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of all images within two cells the shifted one is the nearest, wherever it is within reach,
+    /// in cells of any tilt.
+    #[test]
+    fn the_shifted_image_is_the_nearest() {
+        for tilt in [0.0, 0.3, -1.7, 5.2] {
+            let cell = PeriodicCell {
+                width: 1.0,
+                height: 0.8,
+                tilt,
+                shear: 0.0,
+                stress: [0.0; 3],
+                controls: [CellControl::default(); 3],
+            };
+            for k in 0..400 {
+                let angle = f64::from(k);
+                let short = 0.0099 * f64::from(k % 40) * DVec2::from_angle(angle);
+                let (n, m) = (f64::from(k % 5) - 2.0, f64::from(k % 7) - 3.0);
+                let lattice = DVec2::new(n * cell.width + m * cell.tilt, m * cell.height);
+                let apart = short + lattice;
+                assert!((apart + cell.shift(apart) - short).length() < 1e-12, "{tilt} {k}");
+                let between = cell.wrapped(apart) - cell.wrapped(short);
+                assert!((between + cell.shift(between)).length() < 1e-9);
+            }
+        }
+    }
+}

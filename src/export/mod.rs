@@ -1,0 +1,70 @@
+//! Frames for other programs: VTK XML for ParaView, and CSV. `docs/figures.md` has the fields.
+
+mod tables;
+pub mod vtp;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::figures::FigureError;
+use crate::figures::moment::Moment;
+use crate::output::OutputError;
+use crate::output::atomic::write_atomic;
+
+/// Kinds of files, one of each for every frame.
+pub const KINDS: [&str; 5] = ["bodies", "contacts", "bonds", "walls", "cracks"];
+
+/// Writes the moments of a run as VTK files, and a series for ParaView (`.pvd`) for each kind.
+///
+/// # Errors
+/// If a file cannot be written.
+pub fn vtk(moments: &[Moment], folder: &Path) -> Result<(), FigureError> {
+    fs::create_dir_all(folder).map_err(OutputError::at(folder))?;
+    let times = times(moments);
+    let mut series = KINDS.map(|_| String::new());
+    for (moment, time) in moments.iter().zip(&times) {
+        let all = tables::of(moment);
+        for ((kind, data), series) in KINDS.into_iter().zip(all).zip(&mut series) {
+            let name = file(kind, moment.increment, "vtp");
+            *series += &format!(
+                "<DataSet timestep=\"{time:?}\" part=\"0\" file=\"{}\"/>\n",
+                name.display()
+            );
+            write_atomic(&folder.join(&name), data.encode(*time))?;
+        }
+    }
+    for (kind, series) in KINDS.into_iter().zip(series) {
+        let text = format!(
+            "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" \
+             byte_order=\"LittleEndian\">\n<Collection>\n{series}</Collection>\n</VTKFile>\n"
+        );
+        write_atomic(&folder.join(kind).with_extension("pvd"), text)?;
+    }
+    Ok(())
+}
+
+/// Writes the moments of a run as CSV files.
+///
+/// # Errors
+/// If a file cannot be written.
+pub fn csv(moments: &[Moment], folder: &Path) -> Result<(), FigureError> {
+    fs::create_dir_all(folder).map_err(OutputError::at(folder))?;
+    for moment in moments {
+        for (kind, data) in KINDS.into_iter().zip(tables::of(moment)) {
+            let path = folder.join(file(kind, moment.increment, "csv"));
+            write_atomic(&path, tables::csv(&data))?;
+        }
+    }
+    Ok(())
+}
+
+fn file(kind: &str, increment: u64, ending: &str) -> PathBuf {
+    format!("{kind}_{increment:06}.{ending}").into()
+}
+
+/// Times of a series: s, or numbers of increments where time does not pass.
+fn times(moments: &[Moment]) -> Vec<f64> {
+    let passes = moments.windows(2).any(|pair| pair[0].time < pair[1].time);
+    let time = |moment: &Moment| if passes { moment.time } else { moment.increment as f64 };
+    moments.iter().map(time).collect()
+}

@@ -1,0 +1,144 @@
+//! Fields between two moments: displacement, rotation and strain of every disk.
+
+use std::collections::BTreeMap;
+
+use glam::{DMat2, DVec2};
+use spade::{DelaunayTriangulation, HasPosition, Point2, Triangulation as _};
+
+use super::moment::{Disk, Moment};
+
+/// Displacement of every disk of `now` since `from`, m; `None` for disks that were not there.
+#[must_use]
+pub fn displacements(now: &Moment, from: &Moment) -> Vec<Option<DVec2>> {
+    each(now, from, |disk, before| disk.displacement - before.displacement)
+}
+
+/// Rotation of every disk of `now` since `from`, rad, anticlockwise positive.
+#[must_use]
+pub fn rotations(now: &Moment, from: &Moment) -> Vec<Option<f64>> {
+    each(now, from, |disk, before| disk.rotation - before.rotation)
+}
+
+fn each<T>(now: &Moment, from: &Moment, of: impl Fn(&Disk, &Disk) -> T) -> Vec<Option<T>> {
+    now.disks.iter().map(|disk| Some(of(disk, from.disk(disk.id)?))).collect()
+}
+
+/// Strain of the neighbourhood of a disk; contraction is positive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Strain {
+    /// Sum of the principal strains.
+    pub volumetric: f64,
+    /// Difference of the principal strains, the maximum engineering shear strain.
+    pub shear: f64,
+}
+
+struct Corner {
+    place: Point2<f64>,
+    row: usize,
+}
+
+impl HasPosition for Corner {
+    type Scalar = f64;
+
+    fn position(&self) -> Point2<f64> {
+        self.place
+    }
+}
+
+/// Strain of every disk of `now` since `from`. The displacement is linear in the triangles of the
+/// Delaunay triangulation of the centres in `from`, so that each has one small strain, the
+/// symmetric part of its gradient. A disk has the mean of its triangles by area. Triangles with a
+/// side across a gap wider than the mean diameter bridge a void or the outline of the specimen and
+/// do not count; a disk without a triangle has no strain.
+#[must_use]
+pub fn strains(now: &Moment, from: &Moment) -> Vec<Option<Strain>> {
+    let moved = displacements(now, from);
+    let before: Vec<Option<&Disk>> = now.disks.iter().map(|disk| from.disk(disk.id)).collect();
+    let corners = before.iter().enumerate().filter_map(|(row, disk)| {
+        let DVec2 { x, y } = (*disk)?.position;
+        Some(Corner { place: Point2::new(x, y), row })
+    });
+    // Centres are distinct and finite, so that all are inserted.
+    let Ok(mesh) = DelaunayTriangulation::<Corner>::bulk_load_stable(corners.collect()) else {
+        return vec![None; now.disks.len()];
+    };
+    let number = now.disks.len().max(1) as f64;
+    let widest = 2.0 * now.disks.iter().map(|disk| disk.radius).sum::<f64>() / number;
+    // Sum of area times strain (xx, yy, xy) and of the areas, by row.
+    let mut sums: BTreeMap<usize, [f64; 4]> = BTreeMap::new();
+    let mut triangles: Vec<[usize; 3]> =
+        mesh.inner_faces().map(|face| face.vertices().map(|vertex| vertex.data().row)).collect();
+    triangles.sort_unstable();
+    for rows in triangles {
+        let [Some(a), Some(b), Some(c)] = rows.map(|row| before[row]) else { continue };
+        let apart = |a: &Disk, b: &Disk| a.position.distance(b.position) - a.radius - b.radius;
+        if [apart(a, b), apart(b, c), apart(c, a)].into_iter().any(|gap| gap > widest) {
+            continue;
+        }
+        let [Some(u), Some(v), Some(w)] = rows.map(|row| moved[row]) else { continue };
+        let sides = DMat2::from_cols(b.position - a.position, c.position - a.position);
+        let area = 0.5 * sides.determinant().abs();
+        if !(area > 0.0) {
+            continue;
+        }
+        let gradient = DMat2::from_cols(v - u, w - u) * sides.inverse();
+        let [xx, yx] = gradient.x_axis.to_array();
+        let [xy, yy] = gradient.y_axis.to_array();
+        for row in rows {
+            let sum = sums.entry(row).or_default();
+            for (sum, value) in sum.iter_mut().zip([-xx, -yy, -0.5 * (xy + yx), 1.0]) {
+                *sum += area * value;
+            }
+        }
+    }
+    let strain = |row: usize| {
+        let [xx, yy, xy, area] = *sums.get(&row)?;
+        let [xx, yy, xy] = [xx / area, yy / area, xy / area];
+        Some(Strain { volumetric: xx + yy, shear: (xx - yy).hypot(2.0 * xy) })
+    };
+    (0..now.disks.len()).map(strain).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Disks of radius 0.5 on a square grid, displaced by a linear field.
+    fn grid(gradient: DMat2) -> Moment {
+        let disk = |k: u32| {
+            let place = DVec2::new(f64::from(k % 7), f64::from(k / 7));
+            let displacement = gradient * place;
+            Disk {
+                id: k,
+                position: place + displacement,
+                radius: 0.5,
+                displacement,
+                ..Default::default()
+            }
+        };
+        Moment { disks: (0..49).map(disk).collect(), ..Default::default() }
+    }
+
+    #[test]
+    fn a_linear_field_has_its_strain_everywhere() {
+        let start = grid(DMat2::ZERO);
+        // du_x/dx = 0.01, du_y/dy = -0.03, du_x/dy = 0.02.
+        let now = grid(DMat2::from_cols(DVec2::new(0.01, 0.0), DVec2::new(0.02, -0.03)));
+        for strain in strains(&now, &start) {
+            let strain = strain.unwrap();
+            assert!((strain.volumetric - 0.02).abs() < 1e-12, "{strain:?}");
+            assert!((strain.shear - 0.04_f64.hypot(0.02)).abs() < 1e-12, "{strain:?}");
+        }
+    }
+
+    #[test]
+    fn a_rotation_strains_nothing_and_new_disks_have_no_field() {
+        let start = grid(DMat2::ZERO);
+        let mut now = grid(DMat2::from_cols(DVec2::new(0.0, 1e-3), DVec2::new(-1e-3, 0.0)));
+        assert!(strains(&now, &start).iter().flatten().all(|s| s.shear < 1e-15));
+        now.disks.push(Disk { id: 99, radius: 0.5, ..Default::default() });
+        assert_eq!(displacements(&now, &start)[49], None);
+        assert_eq!(strains(&now, &start)[49], None);
+        assert!(rotations(&now, &start)[48].is_some());
+    }
+}

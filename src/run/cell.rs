@@ -1,0 +1,80 @@
+//! Control of the periodic cell by stages.
+
+use bevy_ecs::prelude::*;
+
+use clastic_components::cell::{CellControl, PeriodicCell};
+use clastic_components::increment::Progress;
+
+use crate::scene::format as scene;
+
+/// Adds the cell of a scene.
+pub fn spawn(world: &mut World, cell: &scene::Cell) {
+    world.insert_resource(PeriodicCell {
+        width: cell.size.0,
+        height: cell.size.1,
+        tilt: cell.tilt,
+        shear: 0.0,
+        stress: [0.0; 3],
+        controls: [CellControl::default(); 3],
+    });
+}
+
+/// Sets the controls of the cell for a loading stage.
+pub fn control(world: &mut World, stage: &scene::Load) {
+    let Some(mut cell) = world.get_resource_mut::<PeriodicCell>() else { return };
+    let control = stage.cell.unwrap_or_default();
+    let n = f64::from(stage.increments);
+    let lengths = [-cell.width, -cell.height, cell.height];
+    for (k, target) in [control.xx, control.yy, control.shear].into_iter().enumerate() {
+        let before = cell.controls[k];
+        cell.controls[k] = match (target, before) {
+            (None, CellControl::Stress { to, .. }) => CellControl::Stress { from: to, to },
+            (None | Some(scene::CellTarget::Fixed), _) => CellControl::Imposed(0.0),
+            (Some(scene::CellTarget::Strain(strain)), _) => {
+                CellControl::Imposed(strain * lengths[k] / n)
+            }
+            (Some(scene::CellTarget::Stress(to)), before) => {
+                let from = match before {
+                    CellControl::Stress { to, .. } => to,
+                    CellControl::Imposed(_) => cell.stress[k],
+                };
+                CellControl::Stress { from, to }
+            }
+        };
+    }
+}
+
+/// Leaves stresses at the values that they have reached.
+pub fn end_early(world: &mut World) {
+    let progress = world.resource::<Progress>().clone();
+    let Some(mut cell) = world.get_resource_mut::<PeriodicCell>() else { return };
+    for control in &mut cell.controls {
+        if let CellControl::Stress { from, to } = control {
+            *to = progress.ramp(*from, *to).from;
+        }
+    }
+}
+
+/// Shrinks the cell in equal steps, without change of its shape, until the disks of this area have
+/// a porosity. Returns the number of steps.
+pub fn compact(world: &mut World, disks: f64, porosity: f64, step: f64) -> Option<f64> {
+    let mut cell = world.get_resource_mut::<PeriodicCell>()?;
+    let part = 1.0 - (disks / ((1.0 - porosity) * cell.area())).sqrt();
+    let (width, height, tilt) = (cell.width, cell.height, cell.tilt);
+    if part <= 0.0 {
+        cell.controls = [CellControl::default(); 3];
+        return None;
+    }
+    let steps = (part * width.max(height).max(tilt.abs()) / step).ceil().max(1.0);
+    let by = [-part * width / steps, -part * height / steps, 0.0];
+    cell.controls = by.map(CellControl::Imposed);
+    Some(steps)
+}
+
+/// Ends a compaction: the cell stands still, without stress.
+pub fn end_compaction(world: &mut World) {
+    if let Some(mut cell) = world.get_resource_mut::<PeriodicCell>() {
+        cell.controls = [CellControl::default(); 3];
+        cell.stress = [0.0; 3];
+    }
+}

@@ -1,0 +1,54 @@
+//! A periodic cell and its control.
+
+use serde::{Deserialize, Serialize};
+
+/// A periodic cell: the specimen repeats along (width, 0) and (tilt, height), without walls.
+/// Version 2.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Cell {
+    /// Width and height, m.
+    pub size: (f64, f64),
+    /// Component along x of the second vector, m.
+    #[serde(default)]
+    pub tilt: f64,
+}
+
+/// Control of a periodic cell in a stage. A component that is left out keeps its stress if it is
+/// under one, and otherwise stays as it is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct CellControl {
+    /// Width, or sigma_xx.
+    #[serde(default)]
+    pub xx: Option<CellTarget>,
+    /// Height, or sigma_yy.
+    #[serde(default)]
+    pub yy: Option<CellTarget>,
+    /// Shear: the top moves along x over the bottom; or the traction along x on the top.
+    #[serde(default)]
+    pub shear: Option<CellTarget>,
+}
+
+/// What a component of the deformation of a cell does in a stage.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+pub enum CellTarget {
+    /// It stays as it is.
+    Fixed,
+    /// Strain over the stage: part of the width or height at its start by which the cell shortens,
+    /// or displacement of the top over the height at the start.
+    Strain(f64),
+    /// Stress at the end of the stage, Pa.
+    Stress(f64),
+}
+
+/// Strain of a periodic cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+pub enum CellStrain {
+    /// Shortening of the width.
+    Width,
+    /// Shortening of the height.
+    Height,
+    /// Shear, the sum of `du_x/dy` over the increments.
+    Shear,
+}

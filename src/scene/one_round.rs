@@ -1,0 +1,97 @@
+//! Where bonds do not break from event to event although the scene says so.
+
+use super::format::{Analysis, Bond, RollingLimit, RuptureOrder, Scene, Stage};
+use super::shown::label;
+
+/// Why `rupture.order: Events` does not hold, in words; `None` if it holds in all stages that load
+/// bonds, or if the scene has another order or no bonds. Bonds then break as with `OneRound`.
+#[must_use]
+pub fn one_round(scene: &Scene) -> Option<String> {
+    if scene.rupture.order != RuptureOrder::Events {
+        return None;
+    }
+    let cemented = scene.stages.iter().any(|stage| matches!(stage, Stage::Cement(_)));
+    if !cemented && scene.bonds.is_empty() {
+        return None;
+    }
+    let materials =
+        scene.materials.iter().map(|(name, m)| (format!("of material {}", label(name)), m.bond));
+    let walls =
+        scene.walls.iter().map(|wall| (format!("of wall {}", label(&wall.name)), wall.bond));
+    let stages = scene.stages.iter().filter_map(|stage| match stage {
+        Stage::Cement(cement) => Some((format!("of stage {}", label(&cement.name)), cement.bond)),
+        _ => None,
+    });
+    let of_bond = |(of, bond): (String, Option<Bond>)| {
+        let reason = obstacle(&bond?, scene.rupture.rolling)?;
+        Some(format!("bonds {of} {reason}"))
+    };
+    let bonds = materials.chain(walls).chain(stages).find_map(of_bond);
+    bonds.or_else(|| {
+        let is_unbonded =
+            |stage: &&Stage| scene.bonds.is_empty() && !matches!(stage, Stage::Cement(_));
+        let bonded = scene.stages.iter().skip_while(is_unbonded);
+        bonded.into_iter().find_map(|stage| dynamic(stage, scene.analysis))
+    })
+}
+
+/// What in the law of a bond keeps it from breaking at an event.
+fn obstacle(bond: &Bond, rolling: RollingLimit) -> Option<&'static str> {
+    let is_rigid = bond.normal_stiffness.is_none() || bond.tangential_stiffness.is_none();
+    let has_strength = bond.cohesion > 0.0 && bond.tensile_strength > 0.0;
+    if is_rigid {
+        Some("are rigid (`normal_stiffness` or `tangential_stiffness` is missing)")
+    } else if !has_strength {
+        Some("have no strength (`cohesion` or `tensile_strength` is 0)")
+    } else if rolling == RollingLimit::Breaks && bond.rolling_friction > 0.0 {
+        Some("break in rolling (`rolling_friction` is above 0 and `rupture.rolling` is `Breaks`)")
+    } else {
+        None
+    }
+}
+
+fn dynamic(stage: &Stage, of_scene: Analysis) -> Option<String> {
+    let (name, analysis) = match stage {
+        Stage::Load(load) => (&load.name, load.analysis),
+        Stage::Custom(custom) if custom.increments > 0 => (&custom.name, custom.analysis),
+        _ => return None,
+    };
+    let is_dynamic = matches!(analysis.unwrap_or(of_scene), Analysis::Dynamic { .. });
+    is_dynamic.then(|| format!("stage {} is dynamic", label(name)))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use crate::scene::load::from_str;
+
+    use super::one_round;
+
+    fn reason(rupture: &str, bond: &str, analysis: &str) -> Option<String> {
+        let text = format!(
+            "(version: 1, title: \"t\", rupture: ({rupture}),
+              materials: {{ \"m\": (bond: ({bond} cohesion: 1.0, tensile_strength: 1.0)) }},
+              specimen: Particles([(position: (0.0, 0.0), radius: 1.0), (position: (2.0, 0.0), radius: 1.0)]),
+              bonds: [(a: 0, b: 1)],
+              stages: [Load(name: \"s\", increments: 1, analysis: {analysis})])"
+        );
+        one_round(&from_str(&text, Path::new("t.ron"), Path::new(""), &[]).unwrap().scene)
+    }
+
+    const ELASTIC: &str = "normal_stiffness: 1.0, tangential_stiffness: 1.0,";
+
+    #[test]
+    fn the_obstacle_is_named() {
+        assert_eq!(reason("", ELASTIC, "Static"), None);
+        assert_eq!(reason("order: OneRound", "", "Static"), None);
+        let rigid = reason("", "normal_stiffness: 1.0,", "Static").unwrap();
+        assert!(rigid.starts_with("bonds of material m are rigid"), "{rigid}");
+        let rolling = format!("{ELASTIC} rolling_friction: 0.1,");
+        let breaks = reason("", &rolling, "Static").unwrap();
+        assert!(breaks.starts_with("bonds of material m break in rolling"), "{breaks}");
+        assert_eq!(reason("rolling: Yields", &rolling, "Static"), None);
+        let dynamic = reason("", ELASTIC, "Dynamic(dt: 1.0, theta: 1.0)").unwrap();
+        assert_eq!(dynamic, "stage s is dynamic");
+    }
+}

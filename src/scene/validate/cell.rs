@@ -1,0 +1,166 @@
+//! A periodic cell, its controls, and what a scene with one may not have.
+
+use std::fmt::Arguments;
+
+use crate::scene::format::{Analysis, CellTarget, Compact, CompactRest, CompactTarget, Load};
+use crate::scene::format::{Scene, Sizes, Specimen, Stage};
+
+use super::Context;
+use super::findings::Findings;
+
+/// Minimum size of a cell, in maximum diameters. A contact may then be as long as two of them before
+/// there could be another between the same particles.
+const MIN_SIZE: f64 = 4.0;
+
+pub(super) fn check(context: &Context, findings: &mut Findings) {
+    let scene = context.scene;
+    let Some(cell) = &scene.cell else { return without(scene, findings) };
+    let fine = findings.positive(format_args!("cell.size[0]"), cell.size.0, "a width in m")
+        & findings.positive(format_args!("cell.size[1]"), cell.size.1, "a height in m");
+    findings.finite(format_args!("cell.tilt"), cell.tilt, "a length in m");
+    let radius = max_radius(context);
+    if let (true, Some(radius)) = (fine && findings.is_sure_of("specimen"), radius) {
+        let needed = MIN_SIZE * 2.0 * radius;
+        if cell.size.0.min(cell.size.1) < needed {
+            let help = format!(
+                "at least {MIN_SIZE} times the maximum diameter, {needed:?} m, so that two particles \
+                 touch once only"
+            );
+            findings.add(format_args!("cell.size"), "too small a cell", &help);
+        }
+    }
+    let help = "leave it out: a periodic cell has no";
+    if !scene.walls.is_empty() {
+        findings.add(format_args!("walls"), "walls in a periodic cell", &format!("{help} walls"));
+    }
+    if scene.gravity != (0.0, 0.0) {
+        let help = format!("{help} bottom that would carry a weight");
+        findings.add(format_args!("gravity"), "gravity in a periodic cell", &help);
+    }
+    if scene.analysis != Analysis::Static {
+        let help = "write `analysis: Static`";
+        findings.add(format_args!("analysis"), "a dynamic analysis of a periodic cell", help);
+    }
+    if scene.corrector.is_some() {
+        let help = "leave it out, and take smaller increments";
+        findings.add(format_args!("corrector"), "a corrector in a periodic cell", help);
+    }
+    if scene.output.energy {
+        let help = "leave it out; the measure `ElasticEnergy` is defined";
+        findings.add(format_args!("output.energy"), "an energy ledger of a periodic cell", help);
+    }
+    if !scene.bonds.is_empty() {
+        findings.add(format_args!("bonds"), "bonds in a periodic cell", "leave them out");
+    }
+    if matches!(scene.specimen, Specimen::State { .. }) {
+        let help = "start from particles, a packing or a file";
+        findings.add(format_args!("specimen"), "a saved state in a periodic cell", help);
+    }
+    for (i, stage) in scene.stages.iter().enumerate() {
+        let path = format_args!("stages[{i}]");
+        match stage {
+            Stage::Compact(stage) => compact(path, stage, findings),
+            Stage::Load(stage) => load(path, stage, findings),
+            Stage::Cement(_) | Stage::Remove(_) | Stage::Save(_) | Stage::Custom(_) => {
+                let help = "use `Load` and `Compact`";
+                findings.add(path, "a stage that knows no periodic cell", help);
+            }
+        }
+    }
+}
+
+fn without(scene: &Scene, findings: &mut Findings) {
+    if !findings.is_sure_of("cell") {
+        return;
+    }
+    for (i, stage) in scene.stages.iter().enumerate() {
+        let path = format_args!("stages[{i}]");
+        match stage {
+            Stage::Load(stage) if stage.cell.is_some() => {
+                let help = "add `cell: (size: (WIDTH, HEIGHT))` to the scene";
+                findings.add(format_args!("{path}.cell"), "no periodic cell", help);
+            }
+            Stage::Compact(stage) => {
+                for (field, wall) in [("wall", &stage.wall), ("base", &stage.base)] {
+                    if wall.is_empty() && findings.is_sure_of_part(format_args!("{path}.{field}")) {
+                        let message = format!("missing field `{field}`");
+                        let help = format!("add `{field}: ...`");
+                        findings.add(format_args!("{path}.{field}"), message, &help);
+                    }
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+fn compact(path: Arguments, stage: &Compact, findings: &mut Findings) {
+    for (field, wall) in [("wall", &stage.wall), ("base", &stage.base)] {
+        if !wall.is_empty() {
+            let help = "leave it out: a periodic cell is compacted from all sides";
+            findings.add(format_args!("{path}.{field}"), "a wall in a periodic cell", help);
+        }
+    }
+    if matches!(stage.target, CompactTarget::Height(_)) {
+        let help = "write `target: Porosity(...)`";
+        findings.add(format_args!("{path}.target"), "a height in a periodic cell", help);
+    }
+    if stage.rest == CompactRest::Still {
+        let help = "leave it out: particles move with the cell";
+        findings.add(format_args!("{path}.rest"), "`Still` in a periodic cell", help);
+    }
+}
+
+fn load(path: Arguments, stage: &Load, findings: &mut Findings) {
+    if stage.analysis.is_some_and(|analysis| analysis != Analysis::Static) {
+        let help = "write `Static`, or leave it out";
+        let what = "a dynamic analysis of a periodic cell";
+        findings.add(format_args!("{path}.analysis"), what, help);
+    }
+    if stage.gravity.is_some_and(|gravity| gravity != (0.0, 0.0)) {
+        let help = "leave it out: a periodic cell has no bottom that would carry a weight";
+        findings.add(format_args!("{path}.gravity"), "gravity in a periodic cell", help);
+    }
+    if !stage.particles.is_empty() {
+        let help = "leave them out: nothing would carry their reactions";
+        findings.add(format_args!("{path}.particles"), "controls in a periodic cell", help);
+    }
+    if !stage.rigid.is_empty() {
+        let help = "leave them out";
+        findings.add(format_args!("{path}.rigid"), "rigid groups in a periodic cell", help);
+    }
+    let Some(control) = &stage.cell else { return };
+    for (field, target) in [("xx", control.xx), ("yy", control.yy), ("shear", control.shear)] {
+        let path = format_args!("{path}.cell.{field}[0]");
+        match target {
+            Some(CellTarget::Strain(strain)) if field == "shear" => {
+                findings.finite(path, strain, "a shear strain");
+            }
+            Some(CellTarget::Strain(strain)) => {
+                let allowed = |strain: f64| strain.is_finite() && strain < 1.0;
+                findings.number(path, strain, allowed, "a strain below 1");
+            }
+            Some(CellTarget::Stress(stress)) => {
+                findings.finite(path, stress, "a stress in Pa");
+            }
+            Some(CellTarget::Fixed) | None => {}
+        }
+    }
+}
+
+/// Maximum radius of the specimen, if known.
+fn max_radius(context: &Context) -> Option<f64> {
+    let stored = context.specimen;
+    Some(match &context.scene.specimen {
+        Specimen::Particles(list) => list.iter().map(|p| p.radius).fold(0.0, f64::max),
+        Specimen::Lattice { radius, .. } => *radius,
+        Specimen::Packing { sizes, .. } => match sizes {
+            Sizes::Equal { radius } => *radius,
+            Sizes::Uniform { radius } => radius.1,
+            Sizes::LogNormal { limits, .. } => limits.1,
+            Sizes::Sieve { passing } => 0.5 * passing.last()?.0,
+        },
+        Specimen::File { .. } => stored?.rows.iter().map(|p| p.r).fold(0.0, f64::max),
+        Specimen::State { .. } => return None,
+    })
+}

@@ -1,0 +1,70 @@
+//! The deformation of a periodic cell in the program: a body with the change of its width, of its
+//! height and its shear as degrees of freedom, of which each is imposed or free under a stress.
+
+use clastic_components::cell::{CellControl, PeriodicCell};
+use clastic_components::contact::{Bodies, ContactHistory};
+use clastic_components::increment::{Analysis, Progress};
+use clastic_cone::program::{ConeProgram, Dof, FreeDof, Interaction, ProgramBody};
+use glam::DVec2;
+
+/// The body of the cell. The stress acts on the area at the start of the increment.
+#[must_use]
+pub fn body(
+    bodies: &Bodies,
+    cell: &PeriodicCell,
+    analysis: &Analysis,
+    progress: &Progress,
+) -> ProgramBody {
+    let factors = cell.factors(bodies.mean_radius);
+    let loads = cell.loads(bodies.mean_radius, analysis.thickness);
+    let dof = |k: usize| match cell.controls[k] {
+        CellControl::Imposed(_) if bodies.resting => Dof::Fixed(0.0),
+        CellControl::Imposed(u) => Dof::Fixed(progress.fraction * u * factors[k]),
+        CellControl::Stress { from, to } => {
+            let stress = progress.ramp(from, to).at(progress.fraction);
+            Dof::Free(FreeDof { load: stress * loads[k], ..FreeDof::default() })
+        }
+    };
+    ProgramBody { axis: DVec2::X, dofs: [dof(0), dof(1), dof(2)] }
+}
+
+/// Sets the shifts of images, and the cell of the program.
+pub fn set_images(bodies: &Bodies, interactions: &mut [Interaction]) {
+    let Some(cell) = &bodies.cell else { return };
+    for c in interactions {
+        c.image = bodies.shift(c.a as usize, c.b as usize) / cell.length();
+    }
+}
+
+/// Holds a particle, since nothing else keeps the specimen from moving as a whole: the one that
+/// carried the largest normal forces, or touches most others.
+pub fn hold_one(bodies: &Bodies, history: &ContactHistory, program: &mut ConeProgram) {
+    if bodies.cell.is_none() {
+        return;
+    }
+    let mut carried = vec![0.0; bodies.particles];
+    for m in &history.0 {
+        for i in [m.a, m.b] {
+            carried[i as usize] += m.p.abs();
+        }
+    }
+    if history.0.is_empty() {
+        for c in program.interactions.iter().filter(|c| c.offset <= 0.0) {
+            for i in [c.a, c.b] {
+                carried[i as usize] += 1.0;
+            }
+        }
+    }
+    let is_free =
+        |i: &usize| program.bodies[*i].dofs[..2].iter().all(|d| matches!(d, Dof::Free(_)));
+    // Of equal ones the first.
+    let most = (0..bodies.particles)
+        .rev()
+        .filter(is_free)
+        .max_by(|a, b| carried[*a].total_cmp(&carried[*b]));
+    if let Some(i) = most {
+        for dof in &mut program.bodies[i].dofs[..2] {
+            *dof = Dof::Fixed(0.0);
+        }
+    }
+}

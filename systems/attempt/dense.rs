@@ -1,0 +1,117 @@
+//! Judge: breaks bonds together where many reach their limits soon after each other.
+//!
+//! One by one they would need several solves each. Where the
+//! [density](crate::rupture_density::density) of ruptures is above [`RuptureRules::density`], an
+//! increment is solved with the strengths of its bonds, as with `OneRound`, and at its end break
+//! the bonds
+//!
+//! - that are on a limit: they carry load in the committed state although they should be broken;
+//! - that the next increment would bring to their limits, by the rate of their overloads in this
+//!   one;
+//! - as many of those that follow as were on a limit: they are broken in the next state although
+//!   they should carry load.
+//!
+//! So about as many bonds break early as late, and the first-order error cancels. Where more than
+//! the share `MAX_SHARE` of the bonds would break, the increment is shortened. Bonds break one by
+//! one again after an increment that would break at most one.
+
+use std::collections::HashSet;
+
+use bevy_ecs::prelude::*;
+
+use clastic_components::attempt::{Attempt, Verdict};
+use clastic_components::bond::{BondId, Rupture};
+use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::findings::{EventSearch, Ruptures};
+use clastic_components::increment::{Progress, RuptureRules};
+use clastic_cone::program::{ConeProgram, ConeSolution};
+
+use crate::rupture_bonds::{Met, find_ruptures, overloads, rupture};
+use crate::rupture_density::distance;
+
+/// Share of the intact bonds that an increment breaks at most.
+const MAX_SHARE: f64 = 0.04;
+/// Excess over [`MAX_SHARE`] that is accepted, so that few solves are made in vain.
+const MARGIN: f64 = 1.25;
+/// Minimum fraction of an increment that [`MAX_SHARE`] leads to.
+const MIN_FRACTION: f64 = 0.1;
+
+/// Run condition: bonds break together.
+pub fn is_dense(search: Res<EventSearch>) -> bool {
+    search.dense
+}
+
+/// Collects the bonds that break, or requests a shorter increment.
+pub fn judge(
+    rules: Res<RuptureRules>,
+    mut progress: ResMut<Progress>,
+    bodies: Res<Bodies>,
+    contacts: Res<Contacts>,
+    program: Res<ConeProgram>,
+    solution: Res<ConeSolution>,
+    mut ruptures: ResMut<Ruptures>,
+    mut search: ResMut<EventSearch>,
+    mut attempt: ResMut<Attempt>,
+) {
+    let contacts = &contacts.0;
+    let (increment, fraction) = (progress.increment, progress.fraction);
+    let known: HashSet<BondId> = ruptures.list.iter().map(|r| r.bond).collect();
+    let mut found =
+        find_ruptures(&rules, Met::Slack, increment, &bodies, contacts, &program, &solution);
+    found.retain(|r| !known.contains(&r.bond));
+    let on_limit: HashSet<BondId> = found.iter().map(|r| r.bond).collect();
+    let late = found.len();
+    let moved = search.moved;
+    let soon = |next: f64| -> Vec<Rupture> {
+        // The rate of a motion that was followed says nothing of the next increment.
+        if fraction == 0.0 || moved {
+            return Vec::new();
+        }
+        let forces = program.last_forces.iter().copied().chain(std::iter::repeat([0.0; 3]));
+        let forces = forces.take(program.interactions.len()).collect();
+        let start = ConeSolution { forces, ..ConeSolution::default() };
+        let before = overloads(contacts, &program, &start, 1.0);
+        let after = overloads(contacts, &program, &solution, 1.0);
+        let mut due: Vec<(f64, Rupture)> = before
+            .iter()
+            .zip(&after)
+            .map(|(from, to)| (distance(from.value, to.value, fraction), to))
+            .filter(|(distance, _)| *distance <= 2.0 * next)
+            .filter_map(|(distance, o)| {
+                let forces = &solution.forces[o.contact];
+                let rupture = rupture(increment, &bodies, &contacts[o.contact], forces, o.mode)?;
+                let is_new = !known.contains(&rupture.bond) && !on_limit.contains(&rupture.bond);
+                is_new.then_some((distance, rupture))
+            })
+            .collect();
+        due.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.bond.cmp(&b.1.bond)));
+        let within = due.iter().filter(|(distance, _)| *distance <= next).count();
+        due.truncate(within + late);
+        due.into_iter().map(|(_, rupture)| rupture).collect()
+    };
+    let share = (late + soon(fraction).len()) as f64 / bodies.bonds.len().max(1) as f64;
+    let may_shorten = fraction > MIN_FRACTION && search.trials < 2 && !moved;
+    if share > MARGIN * MAX_SHARE && may_shorten {
+        search.trials += 1;
+        search.target = (fraction * MAX_SHARE / share).max(MIN_FRACTION);
+        attempt.verdict = Verdict::Overloaded;
+        return;
+    }
+    // Length of the next increment, and equal parts of what is left of the whole one.
+    let growth = (MAX_SHARE / share.max(f64::MIN_POSITIVE)).clamp(0.5, 2.0);
+    let wanted = (growth * fraction).min(1.0);
+    let end = (progress.done + fraction).fract();
+    let rest = if end.min(1.0 - end) < 1e-9 { 1.0 } else { 1.0 - end };
+    let next = rest / (rest / wanted.max(1e-3) - 0.3).ceil().max(1.0);
+    progress.tried = 0.5 * next;
+    let soon = soon(next);
+    if late + soon.len() <= 1 {
+        // What has not reached its limit breaks there, one by one.
+        progress.dense = false;
+        search.leaves = true;
+    } else {
+        found.extend(soon);
+    }
+    search.late = late as f64 / found.len().max(1) as f64;
+    ruptures.list.extend(found);
+}

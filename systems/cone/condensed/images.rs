@@ -1,0 +1,183 @@
+//! Images of bodies in a periodic cell.
+//!
+//! An interaction with the image of a body has three participants: body a, body b and the cell. Its
+//! rows here are those of a and of the image, as if that was a body of its own. The images have the
+//! places after all bodies. [`Images::spread`] gives them the displacements that follow from those
+//! of their bodies and of the cell, and [`Images::fold`] brings the forces on them back: passes over
+//! interactions know nothing of cells. Only the matrix has the three participants ([`Images::rows`]).
+
+use glam::DVec2;
+
+use crate::program::{ConeProgram, ProgramCell};
+
+/// The image of a body.
+#[derive(Clone, Copy, Debug)]
+struct Image {
+    /// Place of the body.
+    of: usize,
+    /// Interaction that it takes part in.
+    interaction: usize,
+    /// Shift over the length of the cell.
+    shift: DVec2,
+}
+
+/// The images of a program, one for every interaction with an image; empty without a cell.
+#[derive(Clone, Debug, Default)]
+pub struct Images {
+    list: Vec<Image>,
+    /// Number of the image by interaction, `u32::MAX` without one; empty without images.
+    of_interaction: Vec<u32>,
+    /// Number of bodies: the first image has this place.
+    bodies: usize,
+    /// Place of the cell, and its axis.
+    cell: usize,
+    axis: DVec2,
+    law: ProgramCell,
+    /// Free degrees of freedom of the bodies of the images, and those of the cell.
+    free: Vec<[bool; 3]>,
+    of_cell: [bool; 3],
+}
+
+/// The pairs of bodies of a program whose blocks the matrix has: one of every interaction, then two
+/// of every interaction with an image, of its bodies with the cell.
+pub fn pairs(program: &ConeProgram) -> impl Iterator<Item = (u32, u32)> + Clone + '_ {
+    let own = program.interactions.iter().map(|c| (c.a, c.b));
+    let with_cell = program.cell.iter().flat_map(|cell| {
+        let across = program.interactions.iter().filter(|c| c.is_across());
+        across.flat_map(|c| [(c.a, cell.body), (c.b, cell.body)])
+    });
+    own.chain(with_cell)
+}
+
+impl Images {
+    /// The images of a program whose bodies have these places; `free` are the free degrees of
+    /// freedom by place.
+    pub fn of(program: &ConeProgram, place: &[usize], free: &[[bool; 3]]) -> Self {
+        let Some(law) = program.cell else { return Self::default() };
+        let interactions = program.interactions.iter().enumerate();
+        let list: Vec<Image> = interactions
+            .filter(|(_, c)| c.is_across())
+            .map(|(interaction, c)| Image { of: place[c.b as usize], interaction, shift: c.image })
+            .collect();
+        let cell = place[law.body as usize];
+        let mut of_interaction = Vec::new();
+        if !list.is_empty() {
+            of_interaction.resize(program.interactions.len(), u32::MAX);
+        }
+        for (k, image) in list.iter().enumerate() {
+            of_interaction[image.interaction] = k as u32;
+        }
+        // The arm is a rotation times a length: in units of the scales it is a length over a length.
+        let law = ProgramCell { arm: law.arm / program.scales.length, ..law };
+        Self {
+            free: list.iter().map(|image| free[image.of]).collect(),
+            of_cell: free[cell],
+            list,
+            of_interaction,
+            bodies: place.len(),
+            cell,
+            axis: program.bodies[law.body as usize].axis,
+            law,
+        }
+    }
+
+    /// Number of images.
+    pub fn count(&self) -> usize {
+        self.list.len()
+    }
+
+    /// Whether this is the place of the cell.
+    pub fn is_cell(&self, place: usize) -> bool {
+        self.bodies > 0 && place == self.cell
+    }
+
+    /// The image that takes part in an interaction, and the first of the two pairs that its bodies
+    /// make with the cell.
+    #[inline]
+    pub fn at(&self, interaction: usize) -> Option<(usize, usize)> {
+        let k = *self.of_interaction.get(interaction)?;
+        (k != u32::MAX).then(|| (k as usize, self.of_interaction.len() + 2 * k as usize))
+    }
+
+    /// The body behind a place: the body of an image, or the body itself.
+    #[inline]
+    pub fn body(&self, place: usize) -> usize {
+        place.checked_sub(self.bodies).and_then(|k| self.list.get(k)).map_or(place, |i| i.of)
+    }
+
+    /// Displacements of bodies with room for those of the images after them.
+    pub fn extend(&self, u: &mut Vec<[f64; 3]>) {
+        u.resize(u.len() + self.list.len(), [0.0; 3]);
+        self.spread(u);
+    }
+
+    /// Displacement of image `k` by that of the cell.
+    fn by_cell(&self, k: usize, u: &[[f64; 3]]) -> DVec2 {
+        let (cell, axis) = (&u[self.cell], self.axis);
+        let own: [f64; 3] = std::array::from_fn(|d| if self.of_cell[d] { cell[d] } else { 0.0 });
+        let v = axis * own[0] + axis.perp() * own[1];
+        self.law.shift(self.list[k].shift, [v.x, v.y, own[2]])
+    }
+
+    /// Sets the displacements of the images, as far as they are not known, to those that follow from
+    /// the displacements of their bodies and of the cell.
+    pub fn spread(&self, u: &mut [[f64; 3]]) {
+        for (k, image) in self.list.iter().enumerate() {
+            let shift = self.by_cell(k, u);
+            let of = u[image.of];
+            let own: [f64; 3] = std::array::from_fn(|d| if self.free[k][d] { of[d] } else { 0.0 });
+            u[self.bodies + k] = [own[0] + shift.x, own[1] + shift.y, own[2]];
+        }
+    }
+
+    /// Moves the forces on the images to the rows of their bodies and of the cell.
+    pub fn fold(&self, rows: &mut [[f64; 3]]) {
+        for (k, image) in self.list.iter().enumerate() {
+            let force = std::mem::take(&mut rows[self.bodies + k]);
+            for d in (0..3).filter(|d| self.free[k][*d]) {
+                rows[image.of][d] += force[d];
+            }
+            let of_cell = self.law.rows(image.shift, self.axis, &[[force[0]], [force[1]]]);
+            for d in (0..3).filter(|d| self.of_cell[*d]) {
+                rows[self.cell][d] += of_cell[d][0];
+            }
+        }
+    }
+
+    /// The rows of the body of image `k` and of the cell, for the rows of the image.
+    pub fn rows<const F: usize>(
+        &self,
+        k: usize,
+        of: &[[f64; F]; 3],
+    ) -> ([[f64; F]; 3], [[f64; F]; 3]) {
+        let masked = |rows: &[[f64; F]; 3], free: &[bool; 3]| -> [[f64; F]; 3] {
+            std::array::from_fn(|d| if free[d] { rows[d] } else { [0.0; F] })
+        };
+        let of_cell = self.law.rows(self.list[k].shift, self.axis, &[of[0], of[1]]);
+        (masked(of, &self.free[k]), masked(&of_cell, &self.of_cell))
+    }
+
+    /// The number of the image that has this place; `None` for a body.
+    pub fn number(&self, place: usize) -> Option<usize> {
+        place.checked_sub(self.bodies).filter(|k| *k < self.list.len())
+    }
+
+    /// The kinematics that the known displacements of the cell give image `k` with these rows.
+    pub fn known_by_cell(&self, k: usize, known: &[[f64; 3]], rows: &[[f64; 3]; 3]) -> [f64; 3] {
+        let shift = self.law.shift(self.list[k].shift, self.masked_cell(&known[self.cell]));
+        std::array::from_fn(|f| rows[0][f] * shift.x + rows[1][f] * shift.y)
+    }
+
+    /// Known displacements of the cell in global axes.
+    fn masked_cell(&self, known: &[f64; 3]) -> [f64; 3] {
+        let own: [f64; 3] = std::array::from_fn(|d| if self.of_cell[d] { 0.0 } else { known[d] });
+        let v = self.axis * own[0] + self.axis.perp() * own[1];
+        [v.x, v.y, own[2]]
+    }
+
+    /// The kinematics that the displacements of the cell give image `k` with these rows.
+    pub fn kinematics_by_cell(&self, k: usize, u: &[[f64; 3]], rows: &[[f64; 3]; 3]) -> [f64; 3] {
+        let shift = self.by_cell(k, u);
+        std::array::from_fn(|f| rows[0][f] * shift.x + rows[1][f] * shift.y)
+    }
+}

@@ -1,0 +1,82 @@
+//! How soon after each other bonds reach their limits: a pure function of two states of an
+//! increment.
+
+use clastic_components::findings::EventTrial;
+
+/// Relative change of the contact forces in which bonds are counted.
+const WINDOW: f64 = 0.05;
+/// Minimum number of these bonds: with fewer the density of a small specimen is chance.
+const MIN_COUNT: usize = 10;
+
+/// Density of ruptures between a state and a trial: the share of the bonds that reach their limits
+/// per relative change of the contact forces,
+///
+/// ```text
+/// density = n / (N WINDOW)
+/// ```
+///
+/// with N bonds in all, and n bonds that reach their limits from the first crossing on until the
+/// forces have changed by the fraction `WINDOW` more. Overloads are extrapolated linearly, so that
+/// the density depends on the length of the trial only where the response is not linear. It is 0
+/// if n is below `MIN_COUNT`, which includes trials within the limits whose forces decrease.
+#[must_use]
+pub fn density(below: &EventTrial, trial: &EventTrial) -> f64 {
+    let step = trial.fraction - below.fraction;
+    let overloads = below.overloads.iter().zip(&trial.overloads);
+    let crossings: Vec<f64> = overloads
+        .filter(|(from, to)| to > from)
+        .map(|(from, to)| below.fraction + (1.0 - from).max(0.0) / (to - from) * step)
+        .collect();
+    let first = crossings.iter().copied().fold(f64::INFINITY, f64::min);
+    let rate = trial.change / trial.fraction;
+    let count = crossings.iter().filter(|c| (**c - first) * rate <= WINDOW).count();
+    if count < MIN_COUNT { 0.0 } else { count as f64 / (trial.overloads.len() as f64 * WINDOW) }
+}
+
+/// Distance to the limit of a bond whose overload goes from one value to another in `step` and goes
+/// on at this rate; infinite if it decreases.
+#[must_use]
+pub fn distance(from: f64, to: f64, step: f64) -> f64 {
+    if to > from { (1.0 - to).max(0.0) / (to - from) * step } else { f64::INFINITY }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn state(fraction: f64, overloads: Vec<f64>) -> EventTrial {
+        EventTrial { fraction, overloads, change: 0.2 * fraction, is_solved: true }
+    }
+
+    /// Bonds with overloads s/c at the fraction s.
+    fn at(fraction: f64, crossings: &[f64]) -> EventTrial {
+        state(fraction, crossings.iter().map(|c| fraction / c).collect())
+    }
+
+    #[test]
+    fn the_density_does_not_depend_on_the_length_of_the_trial() {
+        // Forces change by 0.05 in a quarter of the increment: 13 of 100 crossings, from 1.0 on.
+        let crossings: Vec<f64> = (0..100).map(|i| 1.0 + 0.02 * f64::from(i)).collect();
+        for fraction in [0.01, 0.3, 1.0] {
+            let density = density(&at(0.0, &crossings), &at(fraction, &crossings));
+            assert!((density - 13.0 / (100.0 * 0.05)).abs() < 1e-9, "{density}");
+        }
+    }
+
+    #[test]
+    fn few_bonds_have_no_density() {
+        let crossings = [0.5; MIN_COUNT - 1];
+        assert_eq!(density(&at(0.0, &crossings), &at(1.0, &crossings)), 0.0);
+        let crossings = [0.5; MIN_COUNT];
+        assert!((density(&at(0.0, &crossings), &at(1.0, &crossings)) - 20.0).abs() < 1e-9);
+        // Unloading brings no bond to its limit.
+        assert_eq!(density(&at(1.0, &crossings), &at(0.5, &crossings)), 0.0);
+    }
+
+    #[test]
+    fn the_distance_to_a_limit_is_extrapolated() {
+        assert!((distance(0.5, 0.8, 3.0) - 2.0).abs() < 1e-12);
+        assert_eq!(distance(0.9, 0.8, 1.0), f64::INFINITY);
+        assert_eq!(distance(0.9, 1.2, 0.1), 0.0);
+    }
+}
