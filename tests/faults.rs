@@ -133,7 +133,11 @@ fn assert_whole(directory: &Path, what: &str) -> u64 {
         } else if name.ends_with(".json") {
             assert!(serde_json::from_str::<Value>(&text).is_ok(), "{what}: {name}: {text}");
         } else {
-            let end = if name.ends_with(".svg") { "</svg>" } else { ")" };
+            let end = match name.rsplit('.').next() {
+                Some("svg") => "</svg>",
+                Some("html") => "</html>",
+                _ => ")",
+            };
             assert!(text.trim_end().ends_with(end), "{what}: {name} is not whole");
         }
     }

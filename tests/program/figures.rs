@@ -36,7 +36,7 @@ const CONTENT: [(&str, &[&str]); 20] = [
     ("specimen", &["<circle", "broken in shear"]),
     ("bonds", &["intact bonds", "broken in shear"]),
     ("force-chains", &["in compression", "width in proportion"]),
-    ("stress", &["mean stress of each disk", "kPa"]),
+    ("stress", &["mean stress of each disk", "MPa"]),
     ("fragments", &["largest fragment", "disks"]),
     ("rotation", &["rotation, anticlockwise positive", "mrad", "#f7f7f7"]),
     ("displacement", &["magnitude of displacement", "mm"]),

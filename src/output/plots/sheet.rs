@@ -157,10 +157,12 @@ impl Sheet {
         self.note(&name);
     }
 
-    /// Adds samples of strokes or disks with their meaning, in as many rows as they need.
+    /// Adds samples of strokes or disks with their meaning, in as many rows as they need. A text that
+    /// is wider than the sheet has several lines.
     pub fn samples(&mut self, list: &[Sample]) {
         let (font, margin) = (self.style.font, self.style.margin);
         let (mut x, mut y) = (margin, self.below(0.7 * font));
+        let room = self.width - 2.0 * margin - 1.9 * font;
         for sample in list {
             let size = 1.9 * font + page::width(&sample.text, font);
             if x > margin && x + size > self.width - margin {
@@ -188,8 +190,12 @@ impl Sheet {
                     sample.color,
                 )
             };
-            let at = DVec2::new(x + 1.9 * font, y + 0.85 * font);
-            page::text(&mut self.svg, at, font, "start", DARK, &sample.text);
+            let lines = page::wrapped(&sample.text, font, room);
+            for (k, line) in lines.iter().enumerate() {
+                y += if k > 0 { 1.3 * font } else { 0.0 };
+                let at = DVec2::new(x + 1.9 * font, y + 0.85 * font);
+                page::text(&mut self.svg, at, font, "start", DARK, line);
+            }
             x += size + 1.5 * font;
         }
         self.bottom = y + font;
