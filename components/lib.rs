@@ -19,6 +19,7 @@ pub mod increment;
 pub mod loads;
 pub mod material;
 pub mod measure;
+pub mod membrane;
 pub mod motion;
 pub mod observation;
 pub mod particle;

@@ -87,6 +87,13 @@ pub enum Quantity {
         /// 0 and 1 for the force along x and y, 2 for the moment about the centre of mass.
         component: usize,
     },
+    /// Value of a membrane.
+    Membrane {
+        /// The membrane.
+        membrane: Entity,
+        /// The value.
+        value: MembraneValue,
+    },
     /// Time, s.
     Time,
     /// The value that a plugin provides under this name.
@@ -220,6 +227,18 @@ pub struct CrackSum {
     pub length: f64,
     /// Sum of l (cos 2 theta, sin 2 theta), m.
     pub doubled: DVec2,
+}
+
+/// Value of a membrane.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub enum MembraneValue {
+    /// Number of grains in its chains.
+    Grains,
+    /// Area that it encloses, through the centres of its grains, m^2.
+    Area,
+    /// Area over the distance of its two walls, m.
+    Width,
 }
 
 /// The measures in the order of the scene. `None` for a measure on a body that is not there.

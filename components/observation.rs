@@ -18,6 +18,8 @@ pub enum StrainMeasure {
     Walls(Entity, Entity),
     /// Engineering strain of the distance between the centres of two particles.
     Particles(Entity, Entity),
+    /// Engineering strain of the mean width of a membrane that covers both sides.
+    Membrane(Entity),
     /// Linear strain of the displacement gradient `H` that fits the displacements of particles
     /// best, by least squares: `u = u_0 + H (x - x_0)`.
     Region {
@@ -84,6 +86,8 @@ pub enum StressMeasure {
         /// Upper right corner, m.
         max: DVec2,
     },
+    /// Pressure of a membrane.
+    Membrane(Entity),
 }
 
 /// Length in a wall stress.
@@ -94,6 +98,8 @@ pub enum MeasureLength {
     Fixed(f64),
     /// Current distance between two walls.
     Between(Entity, Entity),
+    /// Mean width of a membrane that covers both sides, at the start of the increment.
+    Membrane(Entity),
 }
 
 /// Area of an average stress.
@@ -104,6 +110,8 @@ pub enum MeasureArea {
     Fixed(f64),
     /// Product of two wall distances at the start of the increment.
     Box([Entity; 4]),
+    /// Area that a membrane encloses, through the centres of its grains.
+    Membrane(Entity),
     /// The periodic cell at the start of the increment.
     Cell,
 }

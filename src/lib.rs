@@ -62,6 +62,7 @@ use clastic_systems::control_walls::ControlWallsPlugin;
 use clastic_systems::detect_contacts::DetectContactsPlugin;
 use clastic_systems::energy_ledger::EnergyLedgerPlugin;
 use clastic_systems::gather_bodies::GatherBodiesPlugin;
+use clastic_systems::membranes::MembranesPlugin;
 use clastic_systems::record::RecordPlugin;
 use clastic_systems::rupture_bonds::RuptureBondsPlugin;
 use clastic_systems::schedule::SchedulePlugin;
@@ -110,6 +111,7 @@ impl PluginGroup for ClasticPlugins {
             .add(EnergyLedgerPlugin)
             .add(ControlWallsPlugin)
             .add(ControlLoadsPlugin)
+            .add(MembranesPlugin)
             .add(RecordPlugin);
         #[cfg(feature = "reflect")]
         let engine = engine.add(clastic_systems::reflect::ReflectPlugin);
@@ -133,6 +135,7 @@ pub mod prelude {
     };
     pub use crate::components::loads::TrialLoads;
     pub use crate::components::material::{BondLaw, ContactLaw};
+    pub use crate::components::membrane::{Course, Membrane, MembraneShape, Sides};
     pub use crate::components::observation::Observation;
     pub use crate::components::particle::{MaterialIndex, Particle};
     pub use crate::components::wall::{LoadedLength, Wall, WallControl, WallDrive, WallName};

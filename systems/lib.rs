@@ -14,6 +14,7 @@ pub mod gather_bodies;
 pub mod kinetic_damping;
 pub mod mean_field;
 pub mod measures;
+pub mod membranes;
 pub mod motion_settings;
 pub mod paths;
 pub mod record;

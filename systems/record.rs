@@ -31,6 +31,7 @@ use crate::measures::cracks::follow_cracks;
 use crate::measures::strain::{StrainTables, follow_path};
 use crate::measures::stress::StressTables;
 use crate::measures::{NAMED, NamedState, read_end, read_start};
+use crate::membranes::renew_shapes;
 use crate::schedule::{Increment, IncrementSystems, lap};
 use crate::state::{RegisterState, StateOf};
 use clastic_cone::residuals::Carrying;
@@ -61,6 +62,7 @@ impl Plugin for RecordPlugin {
                 // gathered again.
                 (record_stress, read_start),
                 gather_bodies,
+                renew_shapes,
                 record_strain,
                 record_ruptures,
                 follow_cracks,

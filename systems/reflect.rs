@@ -74,6 +74,8 @@ impl Plugin for ReflectPlugin {
             material::Materials,
             measure::CrackSums,
             measure::NamedMeasures,
+            membrane::Membrane,
+            membrane::MembraneShape,
             measure::Readings,
             measure::StrainPath,
             measure::StrainReference,

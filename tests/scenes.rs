@@ -163,6 +163,16 @@ scenes! {
         ("limit_load_pa", 1033788235.2596754),
         ("peak_stress_pa", 1033788235.2596754),
     ];
+    // Loads, resultant and grains of the chain are in tests/engine/membranes.rs.
+    biaxial_membrane_small: "biaxial_membrane_small", COMPLETES, &[
+        ("porosity", 0.19601415628733498),
+        ("bonds_created", 971.0),
+        ("youngs_modulus_pa", 64565084.75806432),
+        ("youngs_modulus_secant_half_peak_pa", 62500347.91386277),
+        ("first_crack_stress_pa", 453656.4763569974),
+        ("peak_stress_pa", 803886.9387937777),
+        ("strain_at_peak", 0.015688460377926483),
+    ];
     biaxial_small: "biaxial_small", COMPLETES, &[
         ("porosity", 0.1952434307270533),
         ("bonds_created", 971.0),

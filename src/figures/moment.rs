@@ -186,6 +186,8 @@ impl Moment {
             walls: ends(true),
             plates: ends(false),
             cracks: self.cracks().into_iter().map(|(_, crack)| crack).collect(),
+            // The files of a run do not hold the chains.
+            membranes: Vec::new(),
         }
     }
 }

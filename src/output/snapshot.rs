@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use clastic_components::body::{BodyId, Origin, Rotation};
 use clastic_components::bond::{Bond, BondId, BondState};
 use clastic_components::contact::{Bodies, WallRow};
+use clastic_components::membrane::{Membrane, MembraneShape};
 use clastic_components::wall::Wall;
 
 use super::crack::Crack;
@@ -31,6 +32,8 @@ pub struct Snapshot {
     pub plates: Vec<[DVec2; 2]>,
     /// Broken bonds, in the order of creation.
     pub cracks: Vec<Crack>,
+    /// Links of the chains of membranes, m.
+    pub membranes: Vec<[DVec2; 2]>,
 }
 
 impl Snapshot {
@@ -75,6 +78,7 @@ pub struct Scenery<'w, 's> {
     bonds: Query<'w, 's, (&'static BondId, &'static Bond, &'static BondState)>,
     walls: Query<'w, 's, &'static Wall>,
     particles: Query<'w, 's, (&'static Rotation, &'static Origin)>,
+    membranes: Query<'w, 's, (&'static Membrane, &'static MembraneShape)>,
 }
 
 impl Scenery<'_, '_> {
@@ -97,7 +101,14 @@ impl Scenery<'_, '_> {
             walls: self.wall_ends(),
             plates: self.plates(),
             cracks: self.cracks(),
+            membranes: self.links(),
         }
+    }
+
+    fn links(&self) -> Vec<[DVec2; 2]> {
+        let mut membranes: Vec<_> = self.membranes.iter().collect();
+        membranes.sort_unstable_by(|(a, _), (b, _)| a.name.cmp(&b.name));
+        membranes.iter().flat_map(|(_, shape)| shape.links()).collect()
     }
 
     fn wall_ends(&self) -> Vec<[DVec2; 2]> {

@@ -22,7 +22,7 @@ pub fn spawn(world: &mut World, cell: &scene::Cell) {
 /// Sets the controls of the cell for a loading stage.
 pub fn control(world: &mut World, stage: &scene::Load) {
     let Some(mut cell) = world.get_resource_mut::<PeriodicCell>() else { return };
-    let control = stage.cell.unwrap_or_default();
+    let control = stage.cell.as_deref().copied().unwrap_or_default();
     let n = f64::from(stage.increments);
     let lengths = [-cell.width, -cell.height, cell.height];
     for (k, target) in [control.xx, control.yy, control.shear].into_iter().enumerate() {

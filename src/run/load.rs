@@ -12,17 +12,18 @@ use clastic_components::wall::{
 };
 use clastic_systems::control_walls::loaded_length;
 
-use super::rigid;
 use super::select::selected;
 use super::spawn::{WallCatalogue, analysis, find_wall, find_walls, spawn_wall};
 use super::stages::Script;
 use super::wall_pieces::{CUT, is_cut};
+use super::{membranes, rigid};
 use crate::scene::format as scene;
 
 /// Sets up a loading stage.
 pub fn begin(world: &mut World, stage: &scene::Load) {
     let analysis = set_up(world, stage.analysis, stage.gravity, stage.increments);
 
+    let confining = membranes::stress_of(world, &stage.remove_walls);
     for name in &stage.remove_walls {
         for wall in find_walls(world, name) {
             world.despawn(wall);
@@ -37,6 +38,7 @@ pub fn begin(world: &mut World, stage: &scene::Load) {
     super::cell::control(world, stage);
     control_particles(world, stage, &analysis);
     rigid::control_groups(world, stage, &analysis);
+    membranes::control_membranes(world, stage, confining);
 }
 
 /// Sets up the part of a plugin's stage that the scene defines. The systems of the plugin do the
@@ -190,6 +192,7 @@ pub fn end_early(world: &mut World) {
             _ => {}
         }
     }
+    membranes::end_early(world, &progress);
     let mut particles = world.query::<&mut LoadControl>();
     for mut control in particles.iter_mut(world) {
         for (from, to) in &mut control.0 {

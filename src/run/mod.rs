@@ -14,6 +14,7 @@ pub mod extend;
 mod group_members;
 pub mod load;
 pub mod measures;
+mod membranes;
 pub mod minerals;
 pub mod particles;
 pub mod plugin;

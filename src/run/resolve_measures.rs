@@ -5,8 +5,8 @@ use bevy_ecs::prelude::*;
 use clastic_components::body::BodyId;
 use clastic_components::bond::RuptureMode;
 use clastic_components::measure::{
-    CrackPart, CrackSums, EnergyTerm, FabricComponent, ForceComponent, FragmentPart, NamedMeasures,
-    Network, Quantity, StrainPath, StrainReference,
+    CrackPart, CrackSums, EnergyTerm, FabricComponent, ForceComponent, FragmentPart, MembraneValue,
+    NamedMeasures, Network, Quantity, StrainPath, StrainReference,
 };
 use clastic_components::observation::{
     MeasureArea, MeasureLength, Measures, StrainComponent, StrainMeasure, StressComponent,
@@ -15,6 +15,7 @@ use clastic_components::observation::{
 use clastic_components::particle::Particle;
 
 use super::group_members::{self, GroupMembers};
+use super::membranes::find_membrane;
 use super::spawn::find_wall;
 use super::stages::Script;
 use crate::scene::format as scene;
@@ -83,6 +84,7 @@ fn strain(world: &mut World, measure: &scene::Strain) -> Option<StrainMeasure> {
         scene::Strain::Particles(a, b) => {
             StrainMeasure::Particles(particle(world, *a)?, particle(world, *b)?)
         }
+        scene::Strain::Membrane(name) => StrainMeasure::Membrane(find_membrane(world, name)?),
         scene::Strain::Cell(scene::CellStrain::Width) => StrainMeasure::CellWidth,
         scene::Strain::Cell(scene::CellStrain::Height) => StrainMeasure::CellHeight,
         scene::Strain::Cell(scene::CellStrain::Shear) => StrainMeasure::CellShear,
@@ -167,6 +169,14 @@ fn quantity(world: &mut World, name: &str, of: &scene::Quantity) -> Option<Quant
                 scene::Along::Y => ForceComponent::Y,
             },
         },
+        scene::Quantity::Membrane { membrane, value } => Quantity::Membrane {
+            membrane: find_membrane(world, membrane)?,
+            value: match value {
+                scene::MembraneValue::Grains => MembraneValue::Grains,
+                scene::MembraneValue::Area => MembraneValue::Area,
+                scene::MembraneValue::Width => MembraneValue::Width,
+            },
+        },
         scene::Quantity::Time => Quantity::Time,
         scene::Quantity::Custom(name) => Quantity::Custom(name.clone()),
     })
@@ -202,6 +212,7 @@ fn area(world: &mut World, area: &scene::Area) -> Option<MeasureArea> {
     Some(match area {
         scene::Area::Fixed(area) => MeasureArea::Fixed(*area),
         scene::Area::Cell => MeasureArea::Cell,
+        scene::Area::Membrane(name) => MeasureArea::Membrane(find_membrane(world, name)?),
         scene::Area::Box((a, b), (c, d)) => MeasureArea::Box([
             find_wall(world, a)?,
             find_wall(world, b)?,
@@ -232,11 +243,15 @@ fn stress(world: &mut World, measure: &scene::Stress) -> Option<StressMeasure> {
                 scene::Length::Between(a, b) => {
                     MeasureLength::Between(find_wall(world, a)?, find_wall(world, b)?)
                 }
+                scene::Length::Membrane(name) => {
+                    MeasureLength::Membrane(find_membrane(world, name)?)
+                }
             },
         },
         scene::Stress::Average { component: of, area: over } => {
             StressMeasure::Average { component: component(*of), area: area(world, over)? }
         }
+        scene::Stress::Membrane(name) => StressMeasure::Membrane(find_membrane(world, name)?),
         scene::Stress::Region { component: of, min, max } => StressMeasure::Region {
             component: component(*of),
             min: (*min).into(),

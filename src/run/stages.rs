@@ -11,7 +11,7 @@ use super::measures::MeasureKinds;
 use super::plugin::{BeginStage, EndStage, StageKinds};
 use super::resolve_measures::resolve_measures;
 pub use super::script::{Collapse, CollapsedBy, EndedBy, Outcome, Script, StageEnd, Step};
-use super::{cement, compact, group_members, load, remove, rigid, save, until};
+use super::{cement, compact, group_members, load, membranes, remove, rigid, save, until};
 use crate::scene::format::Stage;
 
 /// The stage that begins, runs or ends.
@@ -72,7 +72,8 @@ fn refusal(world: &mut World, stage: &Stage) -> Option<String> {
     match stage {
         Stage::Load(load) => load::selects_nothing(world, load)
             .or_else(|| load::cuts_through(world, load))
-            .or_else(|| rigid::refusal(world, load)),
+            .or_else(|| rigid::refusal(world, load))
+            .or_else(|| membranes::refusal(world, load)),
         Stage::Remove(stage) => remove::refusal(world, stage),
         Stage::Custom(_) | Stage::Compact(_) | Stage::Cement(_) | Stage::Save(_) => None,
     }
@@ -106,6 +107,7 @@ fn begin(world: &mut World, stage: Stage) {
     group_members::begin_stage(world);
     resolve_measures(world);
     if is_reference {
+        membranes::renew(world);
         let _ = world.run_system_cached(take_reference);
     }
 }

@@ -11,6 +11,7 @@ use clastic_components::measure::NamedMeasures;
 use clastic_components::particle::{MaterialIndex, Particle};
 use clastic_systems::gather_bodies::gather_bodies;
 use clastic_systems::measures::{NAMED, NamedState};
+use clastic_systems::membranes::{MEMBRANES, MembraneStates, renew_shapes};
 use clastic_systems::record::OBSERVATION;
 use clastic_systems::schedule::PROGRESS;
 use clastic_systems::solve_program::SOLVER_MEMORY;
@@ -200,6 +201,7 @@ pub fn restore(world: &mut World, scene: &Scene, state: &WorldState) -> Result<(
     state.restore(world)?;
     // Readers of the world before the next increment need the tables.
     let _ = world.run_system_cached(gather_bodies);
+    let _ = world.run_system_cached(renew_shapes);
     Ok(())
 }
 
@@ -224,6 +226,10 @@ impl StateView {
     pub fn of(state: &WorldState) -> Result<Self, StateError> {
         let controls: ControlStates = state.get(WALL_CONTROL)?;
         let loads = state.components::<BodyId, LoadControl>("load_control")?;
+        let membranes = match state.bytes(MEMBRANES) {
+            Some(_) => state.get::<MembraneStates>(MEMBRANES)?.0,
+            None => Vec::new(),
+        };
         let materials: MaterialNames = state.get(MATERIALS)?;
         let particles = state.components::<BodyId, Particle>("particle")?;
         let origins = state.components::<BodyId, Origin>("origin")?;
@@ -247,6 +253,7 @@ impl StateView {
             progress: state.get(PROGRESS)?,
             begun: state.get::<ScriptState>(SCRIPT)?.begun,
             ramps: controls.0.iter().any(|(_, control)| control.is_ramp())
+                || membranes.iter().any(|membrane| membrane.pressure.0 != membrane.pressure.1)
                 || loads.iter().any(|(_, load)| load.0.iter().any(|(from, to)| from != to)),
             specimen,
         })

@@ -19,6 +19,7 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::increment::Analysis;
 use clastic_components::material::Materials;
+use clastic_components::membrane::Membrane;
 use clastic_components::rigid_group::RigidGroup;
 use clastic_systems::gather_bodies::gather_bodies;
 use clastic_systems::state::{StateError, WorldState};
@@ -85,6 +86,12 @@ pub enum SavedError {
          `release: [\"NAME\"]`"
     )]
     RigidGroups,
+    /// The world has membranes, which end at walls that the next scene may not have.
+    #[error(
+        "a saved state has no membranes; remove them in a loading stage before, `remove_membranes: \
+         [\"NAME\"]`"
+    )]
+    Membranes,
     /// A part of the world cannot be encoded or decoded.
     #[error(transparent)]
     State(#[from] StateError),
@@ -113,8 +120,8 @@ pub struct SavedState {
 /// # Errors
 /// If a part of the world cannot be encoded.
 pub fn save(world: &mut World) -> Result<Tables, SavedError> {
-    if has_rigid_groups(world) {
-        return Err(SavedError::RigidGroups);
+    if let Some(error) = refusal(world) {
+        return Err(error);
     }
     let state = capture(world)?;
     // Gathering the tables does not change the run.
@@ -141,9 +148,12 @@ pub fn save(world: &mut World) -> Result<Tables, SavedError> {
     Ok(tables)
 }
 
-/// Whether a world has rigid groups.
-pub fn has_rigid_groups(world: &mut World) -> bool {
-    world.query::<&RigidGroup>().iter(world).next().is_some()
+/// Why a world has no saved state: it has rigid groups or membranes.
+pub fn refusal(world: &mut World) -> Option<SavedError> {
+    if world.query::<&RigidGroup>().iter(world).next().is_some() {
+        return Some(SavedError::RigidGroups);
+    }
+    world.query::<&Membrane>().iter(world).next().map(|_| SavedError::Membranes)
 }
 
 impl SavedState {

@@ -20,6 +20,8 @@ static FILES: &[(&str, &[u8])] = &files! {
     "biaxial_10kPa.ron"
     "biaxial_10kPa_letter.ron"
     "biaxial_50kPa.ron"
+    "biaxial_membrane.ron"
+    "biaxial_membrane_small.ron"
     "biaxial_small.ron"
     "bounce.ron"
     "brazilian.ron"

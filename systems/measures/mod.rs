@@ -22,8 +22,10 @@ use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::energy::EnergyLedger;
 use clastic_components::increment::{Analysis, AnalysisKind};
 use clastic_components::measure::{
-    CrackSums, EnergyTerm, ForceComponent, NamedMeasures, Quantity, Readings, StrainPath,
+    CrackSums, EnergyTerm, ForceComponent, MembraneValue, NamedMeasures, Quantity, Readings,
+    StrainPath,
 };
+use clastic_components::membrane::MembraneShape;
 use clastic_components::observation::{MeasureArea, Observation};
 use clastic_components::wall::Wall;
 use clastic_cone::program::{ConeProgram, ConeSolution};
@@ -106,6 +108,7 @@ pub struct EndTables<'w, 's> {
     cracks: Option<Res<'w, CrackSums>>,
     ledger: Option<Res<'w, EnergyLedger>>,
     forces: Query<'w, 's, (&'static Wall, &'static ExternalForce)>,
+    membranes: Query<'w, 's, &'static MembraneShape>,
 }
 
 impl EndTables<'_, '_> {
@@ -128,6 +131,9 @@ impl EndTables<'_, '_> {
                     MeasureArea::Cell => self.bodies.cell?.area(),
                     MeasureArea::Box([a, b, c, d]) => {
                         self.strains.between(*a, *b)? * self.strains.between(*c, *d)?
+                    }
+                    MeasureArea::Membrane(membrane) => {
+                        self.membranes.get(*membrane).ok()?.area()?
                     }
                 };
                 let disks: f64 = self.bodies.radii.iter().map(|r| PI * r * r).sum();
@@ -169,6 +175,14 @@ impl EndTables<'_, '_> {
                     ForceComponent::X => force.x,
                     ForceComponent::Y => force.y,
                 })
+            }
+            Quantity::Membrane { membrane, value } => {
+                let shape = self.membranes.get(*membrane).ok()?;
+                match value {
+                    MembraneValue::Grains => Some(shape.grains() as f64),
+                    MembraneValue::Area => shape.area(),
+                    MembraneValue::Width => shape.width(),
+                }
             }
             Quantity::Time => Some(self.observation.time),
         }

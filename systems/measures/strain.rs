@@ -8,6 +8,7 @@ use clastic_components::attempt::{Attempt, IncrementStatus};
 use clastic_components::body::{BodyId, Position};
 use clastic_components::cell::PeriodicCell;
 use clastic_components::measure::{NamedMeasures, Quantity, StrainPath, StrainReference};
+use clastic_components::membrane::MembraneShape;
 use clastic_components::observation::{Measures, Observation, StrainComponent, StrainMeasure};
 use clastic_components::particle::Particle;
 use clastic_components::wall::Wall;
@@ -22,6 +23,7 @@ use crate::state::StateOf;
 pub struct StrainTables<'w, 's> {
     walls: Query<'w, 's, (&'static Wall, &'static Position)>,
     particles: Query<'w, 's, (&'static BodyId, &'static Position), With<Particle>>,
+    membranes: Query<'w, 's, &'static MembraneShape>,
     cell: Option<Res<'w, PeriodicCell>>,
     start: Option<Res<'w, StrainReference>>,
 }
@@ -37,6 +39,7 @@ impl StrainTables<'_, '_> {
                 let place = |particle| self.particles.get(particle).ok().map(|(_, x)| x.0);
                 Some(place(a)?.distance(place(b)?))
             }
+            StrainMeasure::Membrane(membrane) => self.membranes.get(membrane).ok()?.width(),
             StrainMeasure::CellWidth => Some(self.cell.as_ref()?.width),
             StrainMeasure::CellHeight => Some(self.cell.as_ref()?.height),
             StrainMeasure::CellShear => Some(self.cell.as_ref()?.shear),

@@ -8,6 +8,7 @@ use clastic_components::attempt::{Attempt, IncrementStatus};
 use clastic_components::body::{BodyId, ExternalForce, Position};
 use clastic_components::contact::{Bodies, Contact, Contacts};
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
+use clastic_components::membrane::MembraneShape;
 use clastic_components::observation::{MeasureArea, MeasureLength, StressComponent, StressMeasure};
 use clastic_components::wall::Wall;
 use clastic_cone::program::{ConeProgram, ConeSolution};
@@ -107,6 +108,7 @@ pub struct StressTables<'w, 's> {
     attempt: Res<'w, Attempt>,
     geometry: Geometry<'w, 's>,
     forces: Query<'w, 's, (&'static Wall, &'static ExternalForce)>,
+    membranes: Query<'w, 's, &'static MembraneShape>,
 }
 
 impl StressTables<'_, '_> {
@@ -142,6 +144,9 @@ impl StressTables<'_, '_> {
                 let length = match *length {
                     MeasureLength::Fixed(length) => length,
                     MeasureLength::Between(a, b) => self.distance(a, b)?,
+                    MeasureLength::Membrane(membrane) => {
+                        self.membranes.get(membrane).ok()?.width()?
+                    }
                 };
                 Some(sum / walls.len() as f64 / (length * thickness))
             }
@@ -151,6 +156,9 @@ impl StressTables<'_, '_> {
                     MeasureArea::Cell => self.bodies.cell?.area(),
                     MeasureArea::Box([a, b, c, d]) => {
                         self.distance(*a, *b)? * self.distance(*c, *d)?
+                    }
+                    MeasureArea::Membrane(membrane) => {
+                        self.membranes.get(*membrane).ok()?.area()?
                     }
                 };
                 let (bodies, contacts) = (&self.bodies, &self.contacts);
@@ -163,6 +171,7 @@ impl StressTables<'_, '_> {
                 let volume = (*max - *min).element_product() * thickness;
                 Some(component(sum.map(|row| row.map(|s| s / volume)), *of))
             }
+            StressMeasure::Membrane(membrane) => Some(self.membranes.get(*membrane).ok()?.pressure),
         }
     }
 
@@ -194,6 +203,7 @@ pub fn stress_error(
     acceptance: Res<Acceptance>,
     geometry: Geometry,
     ids: Query<&BodyId>,
+    membranes: Query<&MembraneShape>,
 ) -> f64 {
     let residual = acceptance.residual.max(program.tolerance);
     let force = force_scale(&program, &solution.forces);
@@ -203,6 +213,7 @@ pub fn stress_error(
         (contact, residual * (force + elastic))
     });
     let distance = |a: Entity, b: Entity| wall_distance(a, b, &geometry);
+    let shape = |membrane: Entity| membranes.get(membrane).ok();
     let (sum, area) = match &measure {
         StressMeasure::Walls { walls, length } => {
             let row = |wall: &Entity| bodies.row(*ids.get(*wall).ok()?).map(|row| row as u32);
@@ -211,6 +222,9 @@ pub fn stress_error(
             let length = match *length {
                 MeasureLength::Fixed(length) => length,
                 MeasureLength::Between(a, b) => distance(a, b),
+                MeasureLength::Membrane(membrane) => {
+                    shape(membrane).and_then(MembraneShape::width).unwrap_or(f64::NAN)
+                }
             };
             (at_walls.map(|(_, error)| error).sum::<f64>() / walls.len() as f64, length)
         }
@@ -218,6 +232,9 @@ pub fn stress_error(
             let area = match area {
                 MeasureArea::Fixed(area) => *area,
                 MeasureArea::Box([a, b, c, d]) => distance(*a, *b) * distance(*c, *d),
+                MeasureArea::Membrane(membrane) => {
+                    shape(*membrane).and_then(MembraneShape::area).unwrap_or(f64::NAN)
+                }
                 MeasureArea::Cell => bodies.cell.map_or(f64::NAN, |cell| cell.area()),
             };
             let error = |(contact, error): (&Contact, f64)| error * branch(&bodies, contact).abs();
@@ -230,6 +247,8 @@ pub fn stress_error(
             };
             (errors.map(error).sum(), (*max - *min).element_product())
         }
+        // It is imposed.
+        StressMeasure::Membrane(_) => return 0.0,
     };
     sum / (area * analysis.thickness)
 }

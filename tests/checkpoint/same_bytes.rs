@@ -24,6 +24,35 @@ fn biaxial_test_after_every_increment() {
     assert!(records.iter().any(|o| !o.ruptures.is_empty()), "no bond broke");
 }
 
+/// A membrane keeps its pressure, on its way to a target too, and finds its chains again.
+#[test]
+fn membrane_in_place_of_walls_under_either_law_of_friction() {
+    for law in ["Associated", "Coulomb()"] {
+        let law = format!("friction_law={law}");
+        let sets = [
+            law.as_str(),
+            "stages.confine.increments=2",
+            "stages.wrap.increments=2",
+            "stages.wrap.membranes.sides.pressure=150e3",
+            "stages.load.increments=4",
+            "stages.load.membranes={\"sides\": (pressure: 180e3)}",
+            "stages.load.walls.top[1]=-0.3e-3",
+            "reference_stage=\"wrap\"",
+            "output=(frames_every: 3)",
+        ];
+        let loaded = load("biaxial_membrane_small", &sets);
+        let records = same_from_anywhere(&loaded, |_| true);
+        assert_eq!(records.len(), 8, "{law}");
+        let pressures: Vec<_> = records.iter().filter_map(|o| o.lateral_stress).collect();
+        for (found, expected) in
+            pressures.iter().zip([175e3, 150e3, 157.5e3, 165e3, 172.5e3, 180e3])
+        {
+            assert!((found - expected).abs() < 1e-9 * expected, "{law}: {pressures:?}");
+        }
+        assert!(records[3..].iter().all(|o| o.volumetric_strain.is_some()), "{law}");
+    }
+}
+
 /// A run that is interrupted within an avalanche has its bonds, its row of the avalanche and its
 /// way through it still to come.
 #[test]

@@ -27,6 +27,7 @@ mod language;
 mod lids;
 mod limit_load;
 mod measures;
+mod membranes;
 mod periodic_cell;
 mod removal;
 mod rest;

@@ -328,6 +328,8 @@ fn load(
         particles,
         rigid: Default::default(),
         release: Vec::new(),
+        membranes: Default::default(),
+        remove_membranes: Vec::new(),
         cell: None,
         stop: Vec::new(),
     }

@@ -15,6 +15,8 @@ use crate::scene::format::Scene;
 const CRACK: f64 = 0.13;
 /// Minimum width of a crack over the size of the font.
 const THINNEST: f64 = 0.06;
+/// Colour of a membrane.
+const MEMBRANE: &str = "#0a7f3f";
 
 /// What the colours of the disks show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,9 +54,16 @@ pub fn svg(
         draw_cracks(&mut sheet, now);
     }
     sheet.walls(now);
+    let membrane = 0.1 * sheet.style.font;
+    sheet.segments(&now.membranes, MEMBRANE, membrane);
     sheet.bar(&scale);
-    if cracks {
-        sheet.samples(&crack_samples(&now.cracks, &sheet.style));
+    let mut samples = if cracks { crack_samples(&now.cracks, &sheet.style) } else { Vec::new() };
+    if !now.membranes.is_empty() {
+        let text = "membrane".to_owned();
+        samples.push(Sample { color: MEMBRANE, stroke: Some(membrane), text });
+    }
+    if cracks || !samples.is_empty() {
+        sheet.samples(&samples);
     }
     Some(sheet.end())
 }
@@ -134,6 +143,7 @@ mod tests {
             walls: vec![[DVec2::ZERO, DVec2::X]],
             plates: Vec::new(),
             cracks: (1..n).map(crack).collect(),
+            membranes: Vec::new(),
         }
     }
 

@@ -8,6 +8,7 @@ mod analysis;
 mod cell;
 mod materials;
 mod measures;
+mod membranes;
 mod minerals;
 mod output;
 mod particle_control;
@@ -27,6 +28,7 @@ use serde::{Deserialize, Serialize};
 pub use clastic_components::increment::{
     Acceptance, Avalanche, Corrector, RollingLimit, RuptureOrder, RuptureRules as Rupture,
 };
+pub use clastic_components::membrane::Sides;
 
 use super::{repeats, unique_keys};
 
@@ -34,12 +36,13 @@ pub use analysis::{Analysis, FrictionLaw};
 pub use cell::{Cell, CellControl, CellStrain, CellTarget};
 pub use materials::{Bond, Contact, Material};
 pub use measures::{Measure, Measures, ROLES};
+pub use membranes::MembraneControl;
 pub use minerals::{Clusters, Mineral};
 pub use output::{Output, Record};
 pub use particle_control::{Motion, ParticleControl, Select};
 pub use quantities::{
-    Along, Area, Component, Cracks, Energy, FabricComponent, Fragments, GroupAlong, Length, Modes,
-    Network, Quantity, Strain, StrainComponent, Stress,
+    Along, Area, Component, Cracks, Energy, FabricComponent, Fragments, GroupAlong, Length,
+    MembraneValue, Modes, Network, Quantity, Strain, StrainComponent, Stress,
 };
 pub use rigid::{RigidControl, Traction};
 pub use scatter::{Scatter, Spread};

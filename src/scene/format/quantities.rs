@@ -78,6 +78,13 @@ pub enum Quantity {
         #[serde(default)]
         live: bool,
     },
+    /// Value of a membrane.
+    Membrane {
+        /// The membrane.
+        membrane: String,
+        /// The value.
+        value: MembraneValue,
+    },
     /// Time, s.
     Time,
     /// The value that a plugin provides under this name.
@@ -96,6 +103,17 @@ pub enum Modes {
     Shear,
     /// Rolling.
     Rolling,
+}
+
+/// Value of a membrane.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+pub enum MembraneValue {
+    /// Number of grains in its chains.
+    Grains,
+    /// Area that it encloses, m^2.
+    Area,
+    /// Area over the distance of its two walls, m.
+    Width,
 }
 
 /// Component of the force of a wall.
@@ -132,6 +150,8 @@ pub enum Strain {
     Walls(String, String),
     /// Distance between the centres of two particles, by index.
     Particles(u32, u32),
+    /// Mean width of a membrane that covers both sides.
+    Membrane(String),
     /// Strain of the periodic cell. Version 2.
     Cell(CellStrain),
     /// Of the displacement gradient that fits best the displacements of the particles whose centres
@@ -271,6 +291,8 @@ pub enum Stress {
         /// Upper right corner, m.
         max: (f64, f64),
     },
+    /// Pressure of a membrane.
+    Membrane(String),
 }
 
 /// Length of a wall stress.
@@ -280,6 +302,8 @@ pub enum Length {
     Fixed(f64),
     /// Current distance between two walls.
     Between(String, String),
+    /// Mean width of a membrane that covers both sides.
+    Membrane(String),
 }
 
 /// Area of an average stress.
@@ -289,6 +313,8 @@ pub enum Area {
     Fixed(f64),
     /// Area between two pairs of walls.
     Box((String, String), (String, String)),
+    /// Area that a membrane encloses.
+    Membrane(String),
     /// The periodic cell. Version 2.
     Cell,
 }

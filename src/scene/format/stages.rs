@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Analysis, Bond, CellControl, ParticleControl, Record, RigidControl, Select, WallControl,
+    Analysis, Bond, CellControl, MembraneControl, ParticleControl, Record, RigidControl, Select,
+    WallControl,
 };
 use crate::scene::unique_keys;
 
@@ -242,9 +243,20 @@ pub struct Load {
     /// Rigid groups that end at the start: their members move on their own.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub release: Vec<String>,
-    /// Control of the periodic cell.
+    /// Flexible membranes by name. The first entry of a name makes a membrane, later ones change its
+    /// pressure. A membrane without an entry keeps its pressure.
+    #[serde(
+        default,
+        deserialize_with = "unique_keys::deserialize",
+        skip_serializing_if = "BTreeMap::is_empty"
+    )]
+    pub membranes: BTreeMap<String, MembraneControl>,
+    /// Membranes that are removed at the start.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub remove_membranes: Vec<String>,
+    /// Control of the periodic cell, boxed since few stages have one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub cell: Option<CellControl>,
+    pub cell: Option<Box<CellControl>>,
     /// Conditions that end the stage early.
     #[serde(default)]
     pub stop: Vec<Stop>,

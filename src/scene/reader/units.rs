@@ -65,7 +65,9 @@ const WRITTEN: [(&str, &str, f64); 53] = [
 pub(in crate::scene) fn unit_of(name: &str, around: Option<&'static str>) -> Option<&'static str> {
     Some(match name {
         "position" | "size" | "tilt" | "radius" | "limits" | "spacing" | "origin" | "start"
-        | "end" | "min" | "max" | "about" | "length" | "step" | "thickness" | "Height" => "m",
+        | "end" | "min" | "max" | "about" | "length" | "step" | "thickness" | "ball" | "Height" => {
+            "m"
+        }
         "x" | "y" => "m",
         "rotation" | "angle" => "rad",
         "Displacement" => around.unwrap_or("m"),
@@ -76,7 +78,7 @@ pub(in crate::scene) fn unit_of(name: &str, around: Option<&'static str>) -> Opt
         "density" => "kg/m^3",
         "area" => "m^2",
         "dt" | "Time" => "s",
-        "cohesion" | "tensile_strength" | "stress" => "Pa",
+        "cohesion" | "tensile_strength" | "stress" | "pressure" => "Pa",
         "normal_stiffness" | "tangential_stiffness" => "N/m",
         "force" | "Force" => "N",
         "moment" => "N m",

@@ -88,6 +88,9 @@ Scene(
                 "bowl": Follow(Stress(stress: [(0.0, 0.0), (0.5, 1e3)])),
             },
             remove_walls: ["right"],
+            membranes: {
+                "skin": (pressure: 1e5, between: ("bottom", "top"), sides: Right, ball: 0.5),
+            },
             particles: [(select: Index([1]), x: Velocity(0.5))],
             stop: [Time(3.0), Rest(1e-6)],
         ),

@@ -129,6 +129,11 @@ fn load(path: Arguments, stage: &Load, findings: &mut Findings) {
         let help = "leave them out";
         findings.add(format_args!("{path}.rigid"), "rigid groups in a periodic cell", help);
     }
+    if !stage.membranes.is_empty() {
+        let help = "leave them out: a periodic cell has no outermost grains; write \
+                    `cell: (xx: Stress(...))`";
+        findings.add(format_args!("{path}.membranes"), "membranes in a periodic cell", help);
+    }
     let Some(control) = &stage.cell else { return };
     for (field, target) in [("xx", control.xx), ("yy", control.yy), ("shear", control.shear)] {
         let path = format_args!("{path}.cell.{field}[0]");

@@ -100,6 +100,9 @@ fn check_list(context: &Context, list: &[Measure], findings: &mut Findings) {
             Quantity::GroupForce { select: of, .. } => {
                 select(context, format_args!("{path}.select"), of, findings);
             }
+            Quantity::Membrane { membrane: name, .. } => {
+                membrane(context, format_args!("{path}.membrane"), name, findings);
+            }
             Quantity::Custom(name) if name.trim().is_empty() => {
                 let help = "name a measure that a plugin of the program provides";
                 findings.add(format_args!("{path}[0]"), "no name", help);
@@ -127,6 +130,7 @@ fn strain(context: &Context, path: Arguments, strain: &Strain, findings: &mut Fi
             index_exists(context, format_args!("{path}[1]"), *b, findings);
             findings.pair(path, (a, b), "particle");
         }
+        Strain::Membrane(name) => membrane(context, format_args!("{path}[0]"), name, findings),
         Strain::Region { min, max, .. } => rectangle(path, *min, *max, findings),
         Strain::Cell(_) => has_cell(context, path, findings),
     }
@@ -169,12 +173,16 @@ fn stress(context: &Context, path: Arguments, stress: &Stress, findings: &mut Fi
                     findings.positive(format_args!("{path}[0]"), *length, "a length in m");
                 }
                 Length::Between(a, b) => two_walls(context, path, (a, b), findings),
+                Length::Membrane(name) => {
+                    membrane(context, format_args!("{path}[0]"), name, findings);
+                }
             }
         }
         Stress::Average { area: over, .. } => {
             area(context, format_args!("{path}.area"), over, findings);
         }
         Stress::Region { min, max, .. } => rectangle(path, *min, *max, findings),
+        Stress::Membrane(name) => membrane(context, format_args!("{path}[0]"), name, findings),
     }
 }
 
@@ -188,6 +196,7 @@ fn area(context: &Context, path: Arguments, area: &Area, findings: &mut Findings
             two_walls(context, format_args!("{path}[0]"), (&a.0, &a.1), findings);
             two_walls(context, format_args!("{path}[1]"), (&b.0, &b.1), findings);
         }
+        Area::Membrane(name) => membrane(context, format_args!("{path}[0]"), name, findings),
     }
 }
 
@@ -207,4 +216,8 @@ fn two_walls(context: &Context, path: Arguments, (a, b): (&str, &str), findings:
 fn wall(context: &Context, path: Arguments, name: &str, findings: &mut Findings) {
     findings.reference(path, name, ("wall", "walls"), &context.walls);
     one_piece(context, path, name, "place and normal", findings);
+}
+
+fn membrane(context: &Context, path: Arguments, name: &str, findings: &mut Findings) {
+    findings.reference(path, name, ("membrane", "stages"), &context.membranes);
 }

@@ -8,6 +8,7 @@ mod cuts;
 mod findings;
 mod materials;
 mod measures;
+mod membranes;
 mod parts;
 mod places;
 mod restitution;
@@ -73,6 +74,8 @@ struct Context<'a> {
     materials: Vec<&'a str>,
     walls: Vec<&'a str>,
     stages: Vec<&'a str>,
+    /// Names of the membranes that stages make.
+    membranes: Vec<&'a str>,
     /// Number of particles, if known.
     particles: Option<u64>,
     /// What `minerals` and `keep` make of the specimen, if there are any and it is known.
@@ -102,6 +105,7 @@ impl<'a> Context<'a> {
             materials: scene.materials.keys().map(String::as_str).collect(),
             walls: scene.walls.iter().map(|wall| wall.name.as_str()).collect(),
             stages: scene.stages.iter().map(Stage::name).collect(),
+            membranes: membranes::names(scene),
             particles: match &scene.specimen {
                 Specimen::File { .. } | Specimen::State { .. } if specimen.is_none() => None,
                 of => Some(memory::particles(of, specimen)),

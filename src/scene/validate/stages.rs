@@ -13,7 +13,7 @@ use super::findings::Findings;
 use super::parts::{WALL, motion, wall_there};
 use super::select::select;
 use super::wall_controls::control_of_wall;
-use super::{ASKEW, Context, rigid, stops, walls};
+use super::{Context, membranes, rigid, stops, walls};
 
 /// Maximum number of increments of a compaction.
 const MAX_STEPS: f64 = 1e8;
@@ -32,6 +32,7 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
     }
     let mut present: Vec<bool> = scene.walls.iter().map(|wall| wall.present).collect();
     let mut groups = Vec::new();
+    let mut skins = Vec::new();
     for (i, stage) in scene.stages.iter().enumerate() {
         let path = format_args!("stages[{i}]");
         match stage {
@@ -40,6 +41,7 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
                     let help = "release rigid groups before, or make them after it";
                     findings.add(path, "a compaction with rigid groups", help);
                 }
+                membranes::none(path, "a compaction", &skins, findings);
                 compact(context, path, stage, &present, findings);
             }
             Stage::Cement(stage) => cement(context, path, stage, findings),
@@ -49,6 +51,7 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
                         "release rigid groups before: `release: [\"NAME\"]` of a loading stage";
                     findings.add(path, "a state with rigid groups", help);
                 }
+                membranes::none(path, "a state", &skins, findings);
             }
             Stage::Remove(stage) => {
                 select(context, format_args!("{path}.select"), &stage.select, findings);
@@ -56,6 +59,7 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
             Stage::Load(stage) => {
                 load(context, path, (i, stage), &mut present, findings);
                 rigid::check(context, path, stage, &mut groups, findings);
+                membranes::check(context, path, stage, &present, &mut skins, findings);
             }
             Stage::Custom(stage) => custom(path, stage, findings),
         }
@@ -103,16 +107,12 @@ fn compact(
             format!("the wall that moves (`{base}`)"),
             "name the fixed wall opposite",
         );
-    } else if let (Some(moving), Some(fixed)) = (moving, fixed) {
-        let along = |wall: &Wall| (wall.end.0 - wall.start.0, wall.end.1 - wall.start.1);
-        let (a, b) = (along(moving), along(fixed));
-        let lengths = walls::length(moving) * walls::length(fixed);
-        let cosine = (a.0 * b.0 + a.1 * b.1) / lengths;
-        if lengths > 0.0 && cosine > ASKEW - 1.0 {
-            let message = format!("wall `{base}` does not face wall `{wall}`");
-            let help = "the two walls must be parallel, with their insides towards each other";
-            findings.add(format_args!("{path}.base"), message, help);
-        }
+    } else if let (Some(moving), Some(fixed)) = (moving, fixed)
+        && !walls::face(moving, fixed)
+    {
+        let message = format!("wall `{base}` does not face wall `{wall}`");
+        let help = "the two walls must be parallel, with their insides towards each other";
+        findings.add(format_args!("{path}.base"), message, help);
     }
     let target_path = format_args!("{path}.target[0]");
     match *target {

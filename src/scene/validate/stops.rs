@@ -98,14 +98,14 @@ fn of<'a>(measures: &'a Measures, name: &str) -> Option<Of<'a>> {
 fn walls<'a>(of: &Of<'a>) -> Vec<&'a String> {
     let area = |area: &'a Area| match area {
         Area::Box((a, b), (c, d)) => vec![a, b, c, d],
-        Area::Fixed(_) | Area::Cell => Vec::new(),
+        Area::Fixed(_) | Area::Cell | Area::Membrane(_) => Vec::new(),
     };
     match *of {
         Of::Strain(Strain::Walls(a, b)) => vec![a, b],
         Of::Stress(Stress::Walls { walls, length }) => {
             let between = match length {
                 Length::Between(a, b) => vec![a, b],
-                Length::Fixed(_) => Vec::new(),
+                Length::Fixed(_) | Length::Membrane(_) => Vec::new(),
             };
             walls.iter().chain(between).collect()
         }

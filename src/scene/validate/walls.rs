@@ -8,7 +8,7 @@ use crate::scene::spans::join;
 use super::findings::Findings;
 use super::materials::{bond_of_wall, contact};
 use super::specimen::index_exists;
-use super::{Context, thin_walls};
+use super::{ASKEW, Context, thin_walls};
 
 pub(super) fn check(context: &Context, findings: &mut Findings) {
     let walls = &context.scene.walls;
@@ -73,4 +73,13 @@ fn probes(context: &Context, particles: &[Particle], findings: &mut Findings) {
 /// Length of the drawn segment, m.
 pub(super) fn length(wall: &Wall) -> f64 {
     (wall.end.0 - wall.start.0).hypot(wall.end.1 - wall.start.1)
+}
+
+/// Whether two walls are parallel, with their insides towards each other. One without a length is
+/// an error of its own.
+pub(super) fn face(a: &Wall, b: &Wall) -> bool {
+    let along = |wall: &Wall| (wall.end.0 - wall.start.0, wall.end.1 - wall.start.1);
+    let (t, u) = (along(a), along(b));
+    let lengths = length(a) * length(b);
+    !(lengths > 0.0 && (t.0 * u.0 + t.1 * u.1) / lengths > ASKEW - 1.0)
 }

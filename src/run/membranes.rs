@@ -1,0 +1,130 @@
+//! Membranes at the start of a loading stage: removed, made and given a pressure.
+
+use bevy_ecs::prelude::*;
+use glam::DVec2;
+
+use clastic_components::body::{BodyId, ExternalForce};
+use clastic_components::contact::Bodies;
+use clastic_components::increment::{Analysis, Progress};
+use clastic_components::membrane::{Course, Membrane};
+use clastic_components::wall::{Wall, WallControl};
+use clastic_systems::gather_bodies::gather_bodies;
+use clastic_systems::membranes::{find_shape, renew_shapes};
+
+use super::spawn::{find_wall, find_walls};
+use crate::scene::format as scene;
+
+/// The membrane with the given name, if it is there.
+pub fn find_membrane(world: &mut World, name: &str) -> Option<Entity> {
+    let mut membranes = world.query::<(Entity, &Membrane)>();
+    membranes.iter(world).find(|(_, membrane)| membrane.name == name).map(|(entity, _)| entity)
+}
+
+/// Removes, makes and controls the membranes of a stage. A new one starts from the pressure
+/// `before`, Pa.
+pub fn control_membranes(world: &mut World, stage: &scene::Load, before: f64) {
+    for name in &stage.remove_membranes {
+        if let Some(membrane) = find_membrane(world, name) {
+            world.despawn(membrane);
+        }
+    }
+    let mut there = world.query::<&mut Membrane>();
+    for mut membrane in there.iter_mut(world) {
+        membrane.pressure.0 = membrane.pressure.1;
+    }
+    for (name, control) in &stage.membranes {
+        if let Some(membrane) = find_membrane(world, name) {
+            if let Some(mut membrane) = world.get_mut::<Membrane>(membrane) {
+                membrane.pressure.1 = control.pressure;
+            }
+        } else if let Some(membrane) = made(world, name, control, before) {
+            world.spawn(membrane);
+        }
+    }
+}
+
+/// The membrane that an entry makes; `None` if one of its walls is not there.
+fn made(
+    world: &mut World,
+    name: &str,
+    control: &scene::MembraneControl,
+    before: f64,
+) -> Option<Membrane> {
+    let course = match &control.between {
+        None => Course::Closed,
+        Some((a, b)) => {
+            let (a, b) = (find_wall(world, a)?, find_wall(world, b)?);
+            Course::Between {
+                first: *world.get::<BodyId>(a)?,
+                second: *world.get::<BodyId>(b)?,
+                sides: control.sides.unwrap_or_default(),
+            }
+        }
+    };
+    let pressure = (before, control.pressure);
+    Some(Membrane { name: name.to_owned(), pressure, course, ball: control.ball })
+}
+
+/// Mean normal stress of walls, Pa: the stress that they impose, or their reaction over the drawn
+/// length. A membrane in their place starts from it. 0 without walls.
+pub fn stress_of(world: &mut World, names: &[String]) -> f64 {
+    let thickness = world.resource::<Analysis>().thickness;
+    let walls: Vec<Entity> = names.iter().flat_map(|name| find_walls(world, name)).collect();
+    let stress = |wall: &Entity| {
+        if let Some(WallControl::Stress { to, .. }) = world.get::<WallControl>(*wall) {
+            return *to;
+        }
+        match (world.get::<Wall>(*wall), world.get::<ExternalForce>(*wall)) {
+            (Some(wall), Some(force)) => {
+                let force = DVec2::new(force.0[0], force.0[1]).dot(wall.inward());
+                force / (2.0 * wall.half_length * thickness)
+            }
+            _ => 0.0,
+        }
+    };
+    if walls.is_empty() {
+        return 0.0;
+    }
+    (walls.iter().map(stress).sum::<f64>() / walls.len() as f64).max(0.0)
+}
+
+/// Leaves the membranes at the pressures that they have reached.
+pub fn end_early(world: &mut World, progress: &Progress) {
+    let mut membranes = world.query::<&mut Membrane>();
+    for mut membrane in membranes.iter_mut(world) {
+        membrane.pressure.1 = membrane.ramp(progress).from;
+    }
+}
+
+/// Finds the chains of all membranes where the bodies are. Gathering the tables does not change the
+/// run.
+pub fn renew(world: &mut World) {
+    if world.query::<&Membrane>().iter(world).next().is_some() {
+        let _ = world.run_system_cached(gather_bodies);
+        let _ = world.run_system_cached(renew_shapes);
+    }
+}
+
+/// A membrane that would find no chain of grains. The stage is refused.
+pub fn refusal(world: &mut World, stage: &scene::Load) -> Option<String> {
+    if stage.membranes.is_empty() {
+        return None;
+    }
+    let _ = world.run_system_cached(gather_bodies);
+    for (name, control) in &stage.membranes {
+        if find_membrane(world, name).is_some() {
+            continue;
+        }
+        // A wall that the stage brings in is not there yet.
+        let Some(membrane) = made(world, name, control, 0.0) else { continue };
+        if find_shape(&membrane, 0.0, world.resource::<Bodies>()).chains.is_empty() {
+            return Some(format!(
+                "stage `{}` cannot begin: membrane `{name}` finds no chain of grains from one of \
+                 its walls to the other; bring the walls closer than two radii of the ball to the \
+                 grains, or give a larger `ball`",
+                stage.name
+            ));
+        }
+    }
+    None
+}

@@ -1,0 +1,146 @@
+//! Membranes in a stage: each is made once, and changed while it is there.
+
+use std::fmt::Arguments;
+
+use crate::scene::format::{Load, MembraneControl, Scene, Stage};
+use crate::scene::spans::join;
+use crate::scene::suggest;
+
+use super::Context;
+use super::findings::Findings;
+use super::parts::wall_there;
+use super::walls::face;
+
+/// A membrane that is there, with the walls between which it lies.
+pub(super) type Skin = (String, Option<(String, String)>);
+
+/// Names of the membranes that the stages of a scene make.
+pub(super) fn names(scene: &Scene) -> Vec<&str> {
+    let loads = scene.stages.iter().filter_map(|stage| match stage {
+        Stage::Load(load) => Some(load),
+        _ => None,
+    });
+    let mut names: Vec<&str> = loads.flat_map(|load| load.membranes.keys()).map(|n| &**n).collect();
+    names.sort_unstable();
+    names.dedup();
+    names
+}
+
+/// Finds membranes where there can be none.
+pub(super) fn none(path: Arguments, what: &str, there: &[Skin], findings: &mut Findings) {
+    if let [(name, _), ..] = there
+        && findings.is_sure_of("stages")
+    {
+        let help = format!(
+            "remove it in a loading stage before: `remove_membranes: [\"{name}\"]`, with walls \
+             in its place"
+        );
+        findings.add(path, format!("{what} with a membrane (`{name}`)"), &help);
+    }
+}
+
+/// Checks the membranes of a stage; `there` are those that exist, and afterwards those that remain.
+pub(super) fn check(
+    context: &Context,
+    path: Arguments,
+    stage: &Load,
+    present: &[bool],
+    there: &mut Vec<Skin>,
+    findings: &mut Findings,
+) {
+    for (i, name) in stage.remove_membranes.iter().enumerate() {
+        if !there.iter().any(|(other, _)| other == name) && findings.is_sure_of("stages") {
+            let known: Vec<&str> = there.iter().map(|(name, _)| name.as_str()).collect();
+            let help = suggest::help(name, &known, "membranes");
+            let path = format_args!("{path}.remove_membranes[{i}]");
+            findings.add(path, format!("no membrane `{name}`"), &help);
+        }
+        there.retain(|(other, _)| other != name);
+    }
+    for (name, walls) in there.iter() {
+        let Some((a, b)) = walls else { continue };
+        let gone = |wall: &String| {
+            let index = context.walls.iter().position(|other| other == wall);
+            index.is_some_and(|index| present.get(index) == Some(&false))
+        };
+        if let Some(wall) = [a, b].into_iter().find(|wall| gone(wall))
+            && findings.is_sure_of("stages")
+            && findings.is_sure_of("walls")
+        {
+            let i = stage.remove_walls.iter().position(|other| other == wall).unwrap_or(0);
+            let message = format!("membrane `{name}` ends at wall `{wall}`");
+            let help = format!("remove the membrane as well: `remove_membranes: [\"{name}\"]`");
+            findings.add(format_args!("{path}.remove_walls[{i}]"), message, &help);
+        }
+    }
+    for (name, control) in &stage.membranes {
+        let own = join(&format!("{path}.membranes"), name);
+        let own = format_args!("{own}");
+        let exists = there.iter().any(|(other, _)| other == name);
+        let pressure = format_args!("{own}.pressure");
+        findings.not_negative(pressure, control.pressure, "a pressure in Pa");
+        if exists {
+            is_there_already(own, name, control, findings);
+        } else {
+            made(context, own, control, present, findings);
+            there.push((name.clone(), control.between.clone()));
+        }
+    }
+}
+
+fn is_there_already(
+    path: Arguments,
+    name: &str,
+    control: &MembraneControl,
+    findings: &mut Findings,
+) {
+    let given = [
+        ("between", control.between.is_some()),
+        ("sides", control.sides.is_some()),
+        ("ball", control.ball.is_some()),
+    ];
+    for (field, _) in given.iter().filter(|(_, given)| *given) {
+        if findings.is_sure_of("stages") {
+            let message = format!("membrane `{name}` is there already");
+            let help = format!("leave `{field}` out, or remove the membrane first");
+            findings.add(format_args!("{path}.{field}"), message, &help);
+        }
+    }
+}
+
+fn made(
+    context: &Context,
+    path: Arguments,
+    control: &MembraneControl,
+    present: &[bool],
+    findings: &mut Findings,
+) {
+    if let Some(ball) = control.ball {
+        findings.positive(format_args!("{path}.ball"), ball, "a radius in m");
+    }
+    let Some((a, b)) = &control.between else {
+        if control.sides.is_some() {
+            let help = "name the two walls between which it lies, `between: (\"bottom\", \"top\")`";
+            findings.add(format_args!("{path}.sides"), "sides of a closed membrane", help);
+        }
+        return;
+    };
+    let walls = [(0, a), (1, b)].map(|(i, name)| {
+        let path = format_args!("{path}.between[{i}]");
+        let wall = wall_there(context, path, name, present, findings);
+        if let Some(wall) = wall.filter(|wall| !wall.shape.is_straight()) {
+            let message = format!("wall `{}` is not straight", wall.name);
+            findings.add(path, message, "name two straight walls");
+        }
+        wall
+    });
+    findings.pair(format_args!("{path}.between"), (a, b), "wall");
+    if let [Some(first), Some(second)] = walls
+        && a != b
+        && !face(first, second)
+    {
+        let message = format!("wall `{b}` does not face wall `{a}`");
+        let help = "the two walls must be parallel, with their insides towards each other";
+        findings.add(format_args!("{path}.between[1]"), message, help);
+    }
+}
