@@ -4,6 +4,7 @@
 use bevy_ecs::prelude::*;
 #[cfg(feature = "reflect")]
 use bevy_ecs::reflect::ReflectResource;
+use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use crate::body::BodyId;
@@ -35,6 +36,36 @@ pub enum Quantity {
         /// Whether it is the share of the bonds that broke or are intact, instead of their number.
         share: bool,
     },
+    /// The record's volumetric strain, from axial and lateral strain.
+    VolumetricStrain,
+    /// Angle of dilation psi, rad: `sin psi = -(d e_a + d e_l) / |d e_a - d e_l|` with the
+    /// logarithmic increments of axial and lateral strain, contraction positive (Bolton 1986,
+    /// Geotechnique 36, 65-78, for plane strain).
+    DilationAngle {
+        /// Change of the axial strain over which the increments are taken; 0 for those of the last
+        /// increment.
+        over: f64,
+    },
+    /// Component of the fabric tensor of the contacts of particles with each other.
+    Fabric {
+        /// Component.
+        component: FabricComponent,
+        /// Contacts that count.
+        network: Network,
+    },
+    /// Fragments: sets of particles that intact bonds or rigid groups connect. A particle without
+    /// is a fragment of its own.
+    Fragments(FragmentPart),
+    /// Cracks: each bond that breaks leaves one as long as the diameter of its smaller particle,
+    /// across the line between the two centres at the start of the increment in which it breaks.
+    Cracks {
+        /// Only those that broke in this mode; `None` for all.
+        mode: Option<RuptureMode>,
+        /// What of them.
+        part: CrackPart,
+    },
+    /// Term of the energy ledger, J. It is not defined without a ledger.
+    Energy(EnergyTerm),
     /// Kinetic energy of the particles, J.
     KineticEnergy,
     /// Elastic energy of contacts and bonds, J: the sum of C f^2 / 2 over their springs.
@@ -81,6 +112,121 @@ pub enum ForceComponent {
     X,
     /// Along y.
     Y,
+}
+
+/// Component of a fabric tensor `F = mean of n (x) n` over contacts with unit normals n.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub enum FabricComponent {
+    /// F_xx.
+    Xx,
+    /// F_yy; F_xx + F_yy = 1.
+    Yy,
+    /// F_xy.
+    Xy,
+    /// `a = 2 (F_1 - F_2)` with the principal values. It is the a of the distribution of normals
+    /// `E(theta) = (1 + a cos 2 (theta - theta_a)) / (2 pi)` (Rothenburg and Bathurst 1989,
+    /// Geotechnique 39, 601-614).
+    Anisotropy,
+    /// Angle `theta_a` of the major principal direction from the x axis, rad, above -pi/2 and up to
+    /// pi/2. It is not defined for an isotropic tensor.
+    Direction,
+}
+
+/// Contacts that count.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub enum Network {
+    /// All that carry force.
+    All,
+    /// Those whose normal force has a magnitude above the mean magnitude (Radjai et al. 1998, Phys.
+    /// Rev. Lett. 80, 61-64).
+    Strong,
+}
+
+/// What of the fragments.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub enum FragmentPart {
+    /// Their number.
+    Number,
+    /// Maximum number of particles in a fragment.
+    Largest,
+    /// Maximum mass of a fragment over the mass of all particles.
+    LargestShare,
+    /// Number of fragments of one particle.
+    Single,
+}
+
+/// What of the cracks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub enum CrackPart {
+    /// Sum of their lengths, m.
+    Length,
+    /// Mean direction, weighted by length, as an angle from the x axis, rad, above -pi/2 and up to
+    /// pi/2. Directions are axes, so the mean is that of doubled angles.
+    Direction,
+    /// Magnitude of that mean: 1 for parallel cracks, 0 without a preferred direction.
+    Alignment,
+}
+
+/// Term of the [`EnergyLedger`](crate::energy::EnergyLedger).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub enum EnergyTerm {
+    /// Work of walls, imposed motion and loads.
+    External,
+    /// Work of gravity.
+    Gravity,
+    /// Change of the kinetic energy.
+    Kinetic,
+    /// Work of sliding.
+    Friction,
+    /// Work of rolling.
+    Rolling,
+    /// Work of the gaps that associated friction opens.
+    Dilation,
+    /// Taken by normal impacts.
+    Collision,
+    /// Taken by bonds that break.
+    Rupture,
+    /// Taken out of motions by static analysis.
+    Motion,
+    /// Work of forces whose normals turn.
+    Turning,
+    /// Taken by the scheme.
+    Numerical,
+    /// Error of the balance.
+    Error,
+}
+
+/// Centres of the particles at the start of the reference stage, m, by identity. It is there if a
+/// strain in a region is measured, from then on.
+#[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
+pub struct StrainReference(pub Vec<(BodyId, DVec2)>);
+
+/// Axial and lateral strain after the last increments, oldest first, for angles of dilation. It is
+/// there if one is measured.
+#[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
+pub struct StrainPath(pub Vec<[f64; 2]>);
+
+/// Sums over the bonds that broke so far, by mode: tension, shear, rolling. It is there if cracks
+/// are measured.
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
+pub struct CrackSums(pub [CrackSum; 3]);
+
+/// Sums over cracks of length l and direction theta.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub struct CrackSum {
+    /// Sum of l, m.
+    pub length: f64,
+    /// Sum of l (cos 2 theta, sin 2 theta), m.
+    pub doubled: DVec2,
 }
 
 /// Value of a membrane.

@@ -10,7 +10,7 @@ use crate::attempt::IncrementStatus;
 use crate::bond::Rupture;
 use clastic_cone::program::Residuals;
 
-/// Distance that a strain measure compares. Strain is positive if the distance decreases.
+/// What a strain measure compares with the start of the reference stage. Contraction is positive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum StrainMeasure {
@@ -20,12 +20,43 @@ pub enum StrainMeasure {
     Particles(Entity, Entity),
     /// Engineering strain of the mean width of a membrane that covers both sides.
     Membrane(Entity),
+    /// Linear strain of the displacement gradient `H` that fits the displacements of particles
+    /// best, by least squares: `u = u_0 + H (x - x_0)`.
+    Region {
+        /// Component.
+        component: StrainComponent,
+        /// Lower left corner of the rectangle in which the centres of the particles lie at the
+        /// start of the reference stage, m.
+        min: DVec2,
+        /// Upper right corner, m.
+        max: DVec2,
+    },
     /// Engineering strain of the width of the periodic cell.
     CellWidth,
     /// Engineering strain of the height of the periodic cell.
     CellHeight,
     /// Shear strain of the periodic cell: the sum of `du_x/dy` over the increments.
     CellShear,
+}
+
+/// Component of a strain `-(H + H^T) / 2`, or of the rotation that belongs to it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub enum StrainComponent {
+    /// `-du_x/dx`.
+    Xx,
+    /// `-du_y/dy`.
+    Yy,
+    /// `-(du_x/dy + du_y/dx) / 2`.
+    Xy,
+    /// Maximum principal strain.
+    Major,
+    /// Minimum principal strain.
+    Minor,
+    /// Sum of `Xx` and `Yy`.
+    Volumetric,
+    /// Mean rotation `(du_y/dx - du_x/dy) / 2`, rad, anticlockwise.
+    Rotation,
 }
 
 /// Source of a stress measure. Compression is positive.
@@ -93,8 +124,14 @@ pub enum StressComponent {
     Xx,
     /// sigma_yy.
     Yy,
-    /// sigma_xy.
+    /// Mean of sigma_xy and sigma_yx.
     Xy,
+    /// Mean of the two principal stresses.
+    Mean,
+    /// Maximum principal stress.
+    Major,
+    /// Minimum principal stress.
+    Minor,
     /// Traction along x on a face whose outward normal is y: -sigma_xy.
     Shear,
 }

@@ -67,16 +67,30 @@ pub fn mean_strain(bodies: &Bodies, program: &ConeProgram, solution: &ConeSoluti
 }
 
 /// An affine displacement field `u(x) = u_0 + H (x - x_0)`.
-struct MeanField {
+pub(crate) struct MeanField {
     origin: DVec2,
     mean: DVec2,
-    along_x: DVec2,
-    along_y: DVec2,
+    /// `du/dx`.
+    pub(crate) along_x: DVec2,
+    /// `du/dy`.
+    pub(crate) along_y: DVec2,
 }
 
 impl MeanField {
     /// Fits by least squares over all bodies. For few or collinear bodies it takes the mean only.
     fn fit(x: &[DVec2], u: &[DVec2]) -> Self {
+        let (mean, affine) = Self::fits(x, u);
+        affine.filter(|_| x.len() >= FEW).unwrap_or(mean)
+    }
+
+    /// The affine field that fits best by least squares; `None` for less than three bodies, or
+    /// collinear ones.
+    pub(crate) fn affine(x: &[DVec2], u: &[DVec2]) -> Option<Self> {
+        Self::fits(x, u).1
+    }
+
+    /// The mean motion, and the affine field if there is one.
+    fn fits(x: &[DVec2], u: &[DVec2]) -> (Self, Option<Self>) {
         let n = x.len().max(1) as f64;
         let origin = x.iter().sum::<DVec2>() / n;
         let mean = u.iter().sum::<DVec2>() / n;
@@ -91,13 +105,13 @@ impl MeanField {
             uy += d.y * (*u - mean);
         }
         let det = xx * yy - xy * xy;
-        let few = x.len() < FEW || det <= 1e-6 * (xx + yy) * (xx + yy);
-        let (along_x, along_y) = if few {
-            (DVec2::ZERO, DVec2::ZERO)
-        } else {
-            ((yy * ux - xy * uy) / det, (xx * uy - xy * ux) / det)
-        };
-        Self { origin, mean, along_x, along_y }
+        let affine = (det > 1e-6 * (xx + yy) * (xx + yy)).then(|| Self {
+            origin,
+            mean,
+            along_x: (yy * ux - xy * uy) / det,
+            along_y: (xx * uy - xy * ux) / det,
+        });
+        (Self { origin, mean, along_x: DVec2::ZERO, along_y: DVec2::ZERO }, affine)
     }
 
     /// Norm of the symmetric part of H.

@@ -11,24 +11,26 @@ use clastic_components::body::{
     AngularVelocity, BodyId, ExternalForce, Origin, Position, Probe, Rotation, Velocity,
 };
 use clastic_components::bond::{BondState, Rupture};
-use clastic_components::cell::PeriodicCell;
 use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::findings::{Corrections, EventSearch, Ruptures, Sliding};
 use clastic_components::increment::{Progress, RuptureOrder, RuptureRules};
-use clastic_components::measure::{NamedMeasures, Quantity, Readings};
-use clastic_components::membrane::MembraneShape;
+use clastic_components::measure::{
+    CrackSums, NamedMeasures, Readings, StrainPath, StrainReference,
+};
 use clastic_components::observation::{
     Measures, Observation, ProbeReading, RuptureCount, StrainMeasure, StressMeasure,
 };
 use clastic_components::particle::Particle;
 use clastic_components::rigid_group::ContactForce;
-use clastic_components::wall::{Wall, WallRotation};
+use clastic_components::wall::WallRotation;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use crate::attempt::events;
 use crate::gather_bodies::gather_bodies;
+use crate::measures::cracks::follow_cracks;
+use crate::measures::strain::{StrainTables, follow_path};
 use crate::measures::stress::StressTables;
-use crate::measures::{NAMED, NamedState, read_end, read_start, strain_distance, strain_since};
+use crate::measures::{NAMED, NamedState, read_end, read_start};
 use crate::membranes::renew_shapes;
 use crate::schedule::{Increment, IncrementSystems, lap};
 use crate::state::{RegisterState, StateOf};
@@ -47,6 +49,9 @@ impl Plugin for RecordPlugin {
             .register_resource::<RuptureCount>("rupture_count")
             .register_state::<ReferenceLengths>("measures.reference")
             .register_state::<NamedState>(NAMED)
+            .register_state::<StrainReference>("measures.start")
+            .register_state::<StrainPath>("measures.path")
+            .register_state::<CrackSums>("measures.cracks")
             .init_resource::<NamedMeasures>()
             .init_resource::<Readings>();
         app.init_resource::<Observation>().init_resource::<Measures>().add_systems(
@@ -60,7 +65,9 @@ impl Plugin for RecordPlugin {
                 renew_shapes,
                 record_strain,
                 record_ruptures,
+                follow_cracks,
                 record_state,
+                follow_path,
                 record_probes,
                 read_end,
                 lap(|t| &mut t.record),
@@ -101,44 +108,10 @@ fn record_stress(tables: StressTables, measures: Res<Measures>, mut out: ResMut<
     out.lateral_stress = stress(&measures.lateral_stress);
 }
 
-/// Sets the reference distances at the start of the reference stage. The stages run it once.
-pub fn take_reference(
-    walls: Query<(&Wall, &Position)>,
-    particles: Query<&Position, With<Particle>>,
-    membranes: Query<&MembraneShape>,
-    cell: Option<Res<PeriodicCell>>,
-    mut measures: ResMut<Measures>,
-    mut named: ResMut<NamedMeasures>,
-) {
-    let cell = cell.as_deref();
-    let of = |m: &Option<StrainMeasure>| {
-        m.as_ref()
-            .and_then(|m| strain_distance(m, &walls, &particles, &membranes, cell))
-            .unwrap_or(f64::NAN)
-    };
-    measures.reference = Some([of(&measures.axial_strain), of(&measures.lateral_strain)]);
-    let distance = |quantity: &Option<Quantity>| match quantity {
-        Some(Quantity::Strain(m)) => strain_distance(m, &walls, &particles, &membranes, cell),
-        _ => None,
-    };
-    named.references = named.list.iter().map(|(_, quantity)| distance(quantity)).collect();
-}
-
-/// Records the engineering strains, which exist from the reference stage on.
-fn record_strain(
-    measures: Res<Measures>,
-    walls: Query<(&Wall, &Position)>,
-    particles: Query<&Position, With<Particle>>,
-    membranes: Query<&MembraneShape>,
-    cell: Option<Res<PeriodicCell>>,
-    mut out: ResMut<Observation>,
-) {
+/// Records the strains, which exist from the reference stage on.
+fn record_strain(tables: StrainTables, measures: Res<Measures>, mut out: ResMut<Observation>) {
     let strain = |measure: &Option<StrainMeasure>, k: usize| {
-        let reference = measures.reference?[k];
-        let measure = measure.as_ref()?;
-        let cell = cell.as_deref();
-        let now = strain_distance(measure, &walls, &particles, &membranes, cell)?;
-        Some(strain_since(measure, reference, now))
+        tables.strain(measure.as_ref()?, Some(measures.reference?[k]))
     };
     out.axial_strain = strain(&measures.axial_strain, 0);
     out.lateral_strain = strain(&measures.lateral_strain, 1);

@@ -110,6 +110,22 @@ scenes! {
     retaining_wall: "retaining_wall", COMPLETES, &[
         ("porosity", 0.20470607381128514),
     ];
+    // The strains of the layers, the strengths of the bonds and the place of the first crack are in
+    // tests/engine/specimens.rs.
+    two_layers: "two_layers", COMPLETES, &[
+        ("bonds_created", 454.0),
+        ("youngs_modulus_pa", 22347975.195506874),
+        ("peak_stress_pa", 25598.750099829977),
+    ];
+    scatter: "scatter", COMPLETES, &[
+        ("bonds_created", 628.0),
+        ("youngs_modulus_pa", 68143627.1069317),
+        ("first_crack_stress_pa", -432199.8583001255),
+        ("peak_stress_pa", -894177.7169512588),
+        ("strain_at_peak", -0.016249595723419382),
+    ];
+    notched_beam: "notched_beam", COMPLETES, &[("bonds_created", 979.0)];
+    sieve_curve: "sieve_curve", COMPLETES, &[("porosity", 0.22), ("peak_stress_pa", 100.0e3)];
     // In the box around the disks, as the scene measures no strain of walls.
     shear_box: "shear_box", COMPLETES, &[
         ("porosity", 0.21501464344176735),

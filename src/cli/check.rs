@@ -2,7 +2,7 @@
 
 use bevy_app::App;
 
-use crate::run::particles::particles;
+use crate::run::minerals::specimen;
 use crate::scene::load_with;
 use crate::scene::one_round::one_round;
 use crate::scene::shown::label;
@@ -35,7 +35,7 @@ pub fn check(args: &CheckArgs, app: &App) -> Result<Exit, Failure> {
     say(format_args!(
         "ok: {}, {}, {}, {}",
         label(&scene.title),
-        number(particles(&scene.specimen, loaded.specimen.as_ref()).len(), "particle"),
+        number(specimen(scene, loaded.specimen.as_ref()).len(), "particle"),
         number(scene.walls.len(), "wall"),
         number(scene.stages.len(), "stage"),
     ))?;

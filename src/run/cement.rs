@@ -2,7 +2,7 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::body::BodyId;
+use clastic_components::body::{BodyId, Origin};
 use clastic_components::bond::Bond;
 use clastic_components::contact::{Bodies, Contact};
 use clastic_components::material::{BondLaw, Materials};
@@ -10,9 +10,10 @@ use clastic_systems::detect_contacts::gaps::{pair_contact, wall_contact};
 use clastic_systems::detect_contacts::grid::pairs_within;
 use clastic_systems::gather_bodies::gather_bodies;
 
+use super::scatter::scattered;
 use super::select::selected;
-use super::spawn::{WallCatalogue, bond_law};
-use crate::scene::format::Cement;
+use super::spawn::{BondsOfMaterials, WallCatalogue, bond_law};
+use crate::scene::format::{Bond as BondOfScene, Cement};
 
 /// Bonds every pair of the selected particles with `g_0 < length` whose materials form bonds and
 /// that has no intact bond. A wall with a bond law of its own bonds to every particle within the
@@ -47,7 +48,7 @@ pub fn cement(world: &mut World, stage: &Cement) {
         contacts.retain(|c| has(c.a) && has(c.b));
     }
     contacts.sort_unstable_by_key(|c| (c.a, c.b));
-    let law = stage.bond.as_ref().map(bond_law);
+    let law = stage.bond.as_ref();
     for contact in contacts {
         add(world, &bodies, &contact, law);
     }
@@ -68,14 +69,27 @@ fn gather(world: &mut World) {
     let _ = world.run_system_cached(gather_bodies);
 }
 
-fn add(world: &mut World, bodies: &Bodies, contact: &Contact, law: Option<BondLaw>) {
+fn add(world: &mut World, bodies: &Bodies, contact: &Contact, law: Option<&BondOfScene>) {
     let (a, b) = (contact.a, contact.b);
     if bodies.bonds.binary_search_by_key(&(a, b), |bond| (bond.a, bond.b)).is_ok() {
         return;
     }
     let materials = world.resource::<Materials>();
-    let law_of =
-        |body: u32| bodies.materials.get(body as usize).and_then(|m| materials.0[*m as usize].bond);
+    // A world without a scene has no laws that scatter.
+    let of_scene = world.get_resource::<BondsOfMaterials>();
+    let origin = |row: u32| {
+        let origin = world.get::<Origin>(bodies.entities[row as usize]);
+        origin.map_or(bodies.positions[row as usize], |origin| origin.0)
+    };
+    let places = [origin(a), origin(b)];
+    let law_of = |body: u32| {
+        let index = *bodies.materials.get(body as usize)? as usize;
+        let bond = of_scene.and_then(|laws| laws.0.get(index).copied().flatten());
+        match bond.filter(|bond| bond.scatter.is_some()) {
+            Some(bond) => Some(scattered(&bond, places)),
+            None => materials.0[index].bond,
+        }
+    };
     let of_bodies = || {
         if b as usize >= bodies.particles {
             law_of_wall(world, bodies.ids[b as usize]).or_else(|| law_of(a))
@@ -83,7 +97,7 @@ fn add(world: &mut World, bodies: &Bodies, contact: &Contact, law: Option<BondLa
             law_of(a).zip(law_of(b)).map(|(a, b)| BondLaw::between(a, b))
         }
     };
-    let law = law.or_else(of_bodies);
+    let law = law.map(|law| scattered(law, places)).or_else(of_bodies);
     let Some(law) = law else { return };
     let [a, b] = [a, b].map(|row| bodies.ids[row as usize]);
     world.spawn(Bond { a, b, initial_gap: contact.gap, law });

@@ -4,6 +4,7 @@ use glam::DVec2;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
+use super::sieve;
 use crate::scene::format::{Sizes, Specimen};
 use crate::scene::specimen_file::{StoredParticle, StoredSpecimen};
 
@@ -62,11 +63,16 @@ pub fn particles(specimen: &Specimen, stored: Option<&StoredSpecimen>) -> Vec<Pa
         }
         Specimen::Packing { count, columns, spacing, origin, sizes, seed, material } => {
             let mut random = Random::new(*seed);
+            let sieved = match sizes {
+                Sizes::Sieve { passing } => sieve::radii(passing, *count, *seed),
+                _ => Vec::new(),
+            };
             (0..*count)
                 .map(|k| {
                     let cell =
                         DVec2::new(f64::from(k % columns) + 0.5, f64::from(k / columns) + 0.5);
-                    let radius = random.radius(sizes);
+                    let listed = sieved.get(k as usize).copied();
+                    let radius = listed.unwrap_or_else(|| random.radius(sizes));
                     // The position is random within the cell, so that cells never overlap. A
                     // regular grid would consist of straight columns, which rigid frictionless
                     // walls cannot buckle.
@@ -155,6 +161,8 @@ impl Random {
                 }
                 radius.clamp(low, high)
             }
+            // Listed at once, so that the whole packing has the curve.
+            Sizes::Sieve { .. } => f64::NAN,
         }
     }
 }

@@ -18,7 +18,7 @@ use clastic_cone::condensed::Condensed;
 use clastic_systems::solve_program::Solver;
 
 use super::cement::bond_pairs;
-use super::particles::particles;
+use super::minerals::specimen;
 use super::stages::Script;
 use super::start;
 use super::wall_pieces::{count, pieces};
@@ -57,6 +57,10 @@ impl WallCatalogue {
     }
 }
 
+/// The bond laws of the materials as the scene has them, with their scatter.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct BondsOfMaterials(pub Vec<Option<scene::Bond>>);
+
 /// Inserts the settings of a scene: all resources that no increment changes, and the analysis of
 /// stages that name none.
 pub fn insert_settings(world: &mut World, scene: &scene::Scene, particles: u32) {
@@ -76,6 +80,8 @@ pub fn insert_settings(world: &mut World, scene: &scene::Scene, particles: u32) 
             Box::new(Clarabel { tolerance, max_iterations, ..Default::default() })
         }
     }));
+    let bonds = scene.materials.values().map(|material| material.bond);
+    world.insert_resource(BondsOfMaterials(bonds.collect()));
     world.insert_resource(Materials(
         scene
             .materials
@@ -107,7 +113,7 @@ pub fn spawn_scene(world: &mut World, scene: &scene::Scene, stored: Option<&Stor
     {
         return start::from_saved(world, scene, state, saved);
     }
-    let seeds = particles(&scene.specimen, stored);
+    let seeds = specimen(scene, stored);
     insert_settings(world, scene, seeds.len() as u32);
     let names: Vec<&String> = scene.materials.keys().collect();
     let probes: BTreeMap<u32, &String> = scene.probes.iter().map(|(name, i)| (*i, name)).collect();

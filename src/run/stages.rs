@@ -4,11 +4,12 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::increment::Progress;
 use clastic_components::observation::Measures;
-use clastic_systems::record::take_reference;
+use clastic_systems::measures::strain::take_reference;
 use clastic_systems::stepping::Due;
 
-use super::measures::{self, MeasureKinds};
+use super::measures::MeasureKinds;
 use super::plugin::{BeginStage, EndStage, StageKinds};
+use super::resolve_measures::resolve_measures;
 pub use super::script::{Collapse, CollapsedBy, EndedBy, Outcome, Script, StageEnd, Step};
 use super::{cement, compact, group_members, load, membranes, remove, rigid, save, until};
 use crate::scene::format::Stage;
@@ -104,7 +105,7 @@ fn begin(world: &mut World, stage: Stage) {
     world.insert_resource(CurrentStage(stage));
     world.run_schedule(BeginStage);
     group_members::begin_stage(world);
-    measures::resolve_measures(world);
+    resolve_measures(world);
     if is_reference {
         membranes::renew(world);
         let _ = world.run_system_cached(take_reference);

@@ -19,7 +19,7 @@ pub use clastic_systems::state::{StateError, StateOf, WorldState};
 use clastic_systems::wall_states::{ControlStates, WALL_CONTROL};
 
 use super::before::Before;
-use super::measures::resolve_measures;
+use super::resolve_measures::resolve_measures;
 use super::script::{Collapse, Outcome, Script, StageEnd};
 use super::spawn::{WallCatalogue, insert_settings};
 use crate::scene::format::{Scene, Wall};

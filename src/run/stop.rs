@@ -102,7 +102,7 @@ pub(super) fn error_of(world: &mut World, name: &str) -> f64 {
             let named = world.resource::<NamedMeasures>();
             let found = named.list.iter().find(|(measure, _)| measure == name);
             match found.and_then(|(_, quantity)| quantity.as_ref()) {
-                Some(Quantity::Strain(_)) => return STRAIN_ERROR,
+                Some(Quantity::Strain(_) | Quantity::VolumetricStrain) => return STRAIN_ERROR,
                 Some(Quantity::Stress(stress)) => Some(stress.clone()),
                 _ => None,
             }

@@ -45,12 +45,14 @@ const AS_ARRAYS: [&[&str]; 5] =
 
 /// Entries that a scene which starts from the state has of its own: its place among its stages, its
 /// settings, its output, and what the next increment makes anew.
-const OF_THE_SCENE: [&str; 15] = [
+const OF_THE_SCENE: [&str; 17] = [
     "analysis",
     "materials.names",
     "measures.groups",
     "measures.named",
+    "measures.path",
     "measures.reference",
+    "measures.start",
     "observation",
     "output.avalanche",
     "output.key_results",

@@ -49,6 +49,7 @@ pub(super) fn bond(
         rolling_friction,
         cohesion,
         tensile_strength: tensile,
+        scatter: None,
     };
     (!n.is_nan()).then_some(law)
 }

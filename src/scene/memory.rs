@@ -9,6 +9,8 @@ use std::f64::consts::PI;
 use clastic_systems::detect_contacts::grid::count_within;
 use glam::DVec2;
 
+use crate::run::sieve;
+
 use super::format::{Scene, Sizes, Specimen, Stage};
 use super::specimen_file::StoredSpecimen;
 
@@ -88,14 +90,18 @@ pub(super) fn particles(specimen: &Specimen, stored: Option<&StoredSpecimen>) ->
 
 /// Radius of a disk of mean area, m.
 fn mean_radius(specimen: &Specimen, stored: Option<&StoredSpecimen>) -> f64 {
-    match *specimen {
-        Specimen::Lattice { radius, .. } => radius,
+    match specimen {
+        Specimen::Lattice { radius, .. } => *radius,
         Specimen::Packing { sizes, .. } => match sizes {
-            Sizes::Equal { radius } => radius,
+            Sizes::Equal { radius } => *radius,
             Sizes::Uniform { radius: (low, high) } => {
                 ((low * low + low * high + high * high) / 3.0).sqrt()
             }
-            Sizes::LogNormal { radius, .. } => radius,
+            Sizes::LogNormal { radius, .. } => *radius,
+            Sizes::Sieve { passing } => {
+                let radii = sieve::radii(passing, 1000, 0);
+                (radii.iter().map(|r| r * r).sum::<f64>() / radii.len() as f64).sqrt()
+            }
         },
         Specimen::Particles(_) | Specimen::File { .. } | Specimen::State { .. } => {
             let (_, radii) = disks(specimen, stored);

@@ -1,6 +1,11 @@
 //! Reads the named measures of a scene. A scene without any costs nothing here.
 
+pub mod cracks;
+pub mod fabric;
+pub mod fragments;
 pub mod groups;
+pub mod principal;
+pub mod strain;
 pub mod stress;
 
 use std::f64::consts::PI;
@@ -11,23 +16,23 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use clastic_components::attempt::{Attempt, IncrementStatus};
-use clastic_components::body::{ExternalForce, Position};
+use clastic_components::body::ExternalForce;
 use clastic_components::bond::RuptureMode;
-use clastic_components::cell::PeriodicCell;
 use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::energy::EnergyLedger;
 use clastic_components::increment::{Analysis, AnalysisKind};
 use clastic_components::measure::{
-    ForceComponent, MembraneValue, NamedMeasures, Quantity, Readings,
+    CrackSums, EnergyTerm, ForceComponent, MembraneValue, NamedMeasures, Quantity, Readings,
+    StrainPath,
 };
 use clastic_components::membrane::MembraneShape;
-use clastic_components::observation::{MeasureArea, Observation, StrainMeasure};
-use clastic_components::particle::Particle;
+use clastic_components::observation::{MeasureArea, Observation};
 use clastic_components::wall::Wall;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 use clastic_cone::residuals::Carrying;
 
-use crate::control_walls::wall_distance;
 use crate::state::StateOf;
+use strain::StrainTables;
 use stress::StressTables;
 
 /// Name of [`NamedState`] in a state.
@@ -72,41 +77,6 @@ pub fn elastic_energy(program: &ConeProgram, solution: &ConeSolution) -> f64 {
     energies.sum()
 }
 
-/// Strain since the reference value `then` of a measure.
-#[must_use]
-pub fn strain_since(measure: &StrainMeasure, then: f64, now: f64) -> f64 {
-    match measure {
-        StrainMeasure::CellShear => now - then,
-        _ => (then - now) / then,
-    }
-}
-
-/// Current value of the distance of a strain measure, m; of a shear the strain itself.
-#[must_use]
-pub fn strain_distance(
-    measure: &StrainMeasure,
-    walls: &Query<(&Wall, &Position)>,
-    particles: &Query<&Position, With<Particle>>,
-    membranes: &Query<&MembraneShape>,
-    cell: Option<&PeriodicCell>,
-) -> Option<f64> {
-    let distance = match *measure {
-        StrainMeasure::CellWidth => cell?.width,
-        StrainMeasure::CellHeight => cell?.height,
-        StrainMeasure::CellShear => cell?.shear,
-        // Between walls of which one is gone there is no distance.
-        StrainMeasure::Walls(a, b) if walls.contains(a) && walls.contains(b) => {
-            wall_distance(a, b, walls)
-        }
-        StrainMeasure::Walls(..) => return None,
-        StrainMeasure::Particles(a, b) => {
-            particles.get(a).ok()?.0.distance(particles.get(b).ok()?.0)
-        }
-        StrainMeasure::Membrane(membrane) => membranes.get(membrane).ok()?.width()?,
-    };
-    Some(distance)
-}
-
 /// Reads stresses and forces on groups, which refer to the geometry at the start of the increment.
 pub fn read_start(tables: StressTables, named: Res<NamedMeasures>, mut out: ResMut<Readings>) {
     if named.list.is_empty() {
@@ -133,11 +103,12 @@ pub struct EndTables<'w, 's> {
     analysis: Res<'w, Analysis>,
     attempt: Res<'w, Attempt>,
     observation: Res<'w, Observation>,
-    walls: Query<'w, 's, (&'static Wall, &'static Position)>,
-    particles: Query<'w, 's, &'static Position, With<Particle>>,
+    strains: StrainTables<'w, 's>,
+    path: Option<Res<'w, StrainPath>>,
+    cracks: Option<Res<'w, CrackSums>>,
+    ledger: Option<Res<'w, EnergyLedger>>,
     forces: Query<'w, 's, (&'static Wall, &'static ExternalForce)>,
     membranes: Query<'w, 's, &'static MembraneShape>,
-    cell: Option<Res<'w, PeriodicCell>>,
 }
 
 impl EndTables<'_, '_> {
@@ -151,24 +122,16 @@ impl EndTables<'_, '_> {
     fn read(&self, quantity: &Quantity, reference: Option<f64>) -> Option<f64> {
         let elastic = || self.carries().then(|| elastic_energy(&self.program, &self.solution));
         match quantity {
-            Quantity::Strain(measure) => {
-                let reference = reference?;
-                let cell = self.cell.as_deref();
-                let now =
-                    strain_distance(measure, &self.walls, &self.particles, &self.membranes, cell)?;
-                Some(strain_since(measure, reference, now))
-            }
+            Quantity::Strain(measure) => self.strains.strain(measure, reference),
             // Read at the start, and by the plugin.
             Quantity::Stress(_) | Quantity::GroupForce { .. } | Quantity::Custom(_) => None,
             Quantity::Porosity(area) => {
-                let distance = |a: Entity, b: Entity| {
-                    let there = self.walls.contains(a) && self.walls.contains(b);
-                    there.then(|| wall_distance(a, b, &self.walls))
-                };
                 let area = match area {
                     MeasureArea::Fixed(area) => *area,
-                    MeasureArea::Cell => self.cell.as_ref()?.area(),
-                    MeasureArea::Box([a, b, c, d]) => distance(*a, *b)? * distance(*c, *d)?,
+                    MeasureArea::Cell => self.bodies.cell?.area(),
+                    MeasureArea::Box([a, b, c, d]) => {
+                        self.strains.between(*a, *b)? * self.strains.between(*c, *d)?
+                    }
                     MeasureArea::Membrane(membrane) => {
                         self.membranes.get(*membrane).ok()?.area()?
                     }
@@ -184,6 +147,19 @@ impl EndTables<'_, '_> {
                 let bonds = (all + self.observation.bonds) as f64;
                 if *share { (bonds > 0.0).then(|| count / bonds) } else { Some(count) }
             }
+            Quantity::VolumetricStrain => self.observation.volumetric_strain,
+            Quantity::DilationAngle { over } => {
+                strain::dilation_angle(&self.path.as_ref()?.0, *over)
+            }
+            Quantity::Fabric { component, network } => {
+                let tables = (&*self.bodies, &*self.contacts);
+                let solved = (&*self.program, &*self.solution);
+                let fabric = || fabric::fabric(tables, solved, *component, *network);
+                self.carries().then(fabric).flatten()
+            }
+            Quantity::Fragments(part) => fragments::read(&self.bodies, *part),
+            Quantity::Cracks { mode, part } => cracks::read(self.cracks.as_ref()?, *mode, *part),
+            Quantity::Energy(term) => Some(energy(self.ledger.as_ref()?, *term)),
             Quantity::KineticEnergy => Some(self.observation.kinetic_energy),
             Quantity::ElasticEnergy => elastic(),
             Quantity::KineticOverElastic => {
@@ -231,6 +207,25 @@ impl EndTables<'_, '_> {
         contacts.retain(|count| rattlers || *count >= 2);
         let sum: u32 = contacts.iter().sum();
         (!contacts.is_empty()).then(|| f64::from(sum) / contacts.len() as f64)
+    }
+}
+
+/// A term of the ledger since the start, J.
+fn energy(ledger: &EnergyLedger, term: EnergyTerm) -> f64 {
+    let total = &ledger.total;
+    match term {
+        EnergyTerm::External => total.external,
+        EnergyTerm::Gravity => total.gravity,
+        EnergyTerm::Kinetic => total.kinetic,
+        EnergyTerm::Friction => total.friction,
+        EnergyTerm::Rolling => total.rolling,
+        EnergyTerm::Dilation => total.dilation,
+        EnergyTerm::Collision => total.collision,
+        EnergyTerm::Rupture => total.rupture,
+        EnergyTerm::Motion => total.motion,
+        EnergyTerm::Turning => total.turning,
+        EnergyTerm::Numerical => total.numerical,
+        EnergyTerm::Error => total.error(),
     }
 }
 

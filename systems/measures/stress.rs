@@ -15,6 +15,7 @@ use clastic_cone::program::{ConeProgram, ConeSolution};
 use clastic_cone::residuals::{displacement_scale, force_scale};
 
 use super::groups;
+use super::principal::Principal;
 use crate::control_walls::wall_distance;
 
 type Geometry<'w, 's> = Query<'w, 's, (&'static Wall, &'static Position)>;
@@ -84,11 +85,15 @@ fn part_inside(bodies: &Bodies, contact: &Contact, min: DVec2, max: DVec2) -> f6
 }
 
 fn component(stress: [[f64; 2]; 2], component: StressComponent) -> f64 {
+    let (xx, yy, xy) = (stress[0][0], stress[1][1], 0.5 * (stress[0][1] + stress[1][0]));
     match component {
-        StressComponent::Xx => stress[0][0],
-        StressComponent::Yy => stress[1][1],
-        StressComponent::Xy => 0.5 * (stress[0][1] + stress[1][0]),
-        StressComponent::Shear => -0.5 * (stress[0][1] + stress[1][0]),
+        StressComponent::Xx => xx,
+        StressComponent::Yy => yy,
+        StressComponent::Xy => xy,
+        StressComponent::Mean => 0.5 * (xx + yy),
+        StressComponent::Major => Principal::of(xx, yy, xy).major,
+        StressComponent::Minor => Principal::of(xx, yy, xy).minor,
+        StressComponent::Shear => -xy,
     }
 }
 

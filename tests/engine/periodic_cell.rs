@@ -7,7 +7,9 @@ use clastic::components::cell::PeriodicCell;
 use clastic::components::contact::Bodies;
 use clastic::run::measures::reading;
 use clastic::run::{Outcome, Simulation};
-use clastic::scene::format::Scene;
+use clastic::scene::format::{
+    FabricComponent, Measure, Network, Quantity, Scene, Strain, StrainComponent,
+};
 
 use crate::common::{next, parse};
 
@@ -226,4 +228,53 @@ fn shear_at_constant_volume() {
     let [stress, strain] = state(&simulation);
     assert!((strain[2] - 0.01).abs() < 1e-12, "{strain:?}");
     assert!((stress[1] - 80.0e3).abs() > 1e3, "{stress:?}");
+}
+
+/// Fabric, and the strain that fits best, of a lattice that strains evenly: contacts across the
+/// sides of the cell have the normals of those inside it, at any place of the lattice.
+#[test]
+fn fabric_and_strain_of_particles_across_the_sides() {
+    let (e, corner) = (1.0e-3, (-1.0, -1.0));
+    let stages = format!(
+        r#"Load(name: "a", increments: 1, cell: (xx: Strain({e:?}), yy: Strain({:?}))),
+        Load(name: "b", increments: 1, cell: (shear: Strain({e:?}))),"#,
+        2.0 * e
+    );
+    // Gradient of the places: shortened first, then sheared.
+    let gradient = [[1.0 - e, e * (1.0 - 2.0 * e)], [0.0, 1.0 - 2.0 * e]];
+    let [mut xx, mut yy, mut xy] = [0.0; 3];
+    for angle in [0.0, PI / 3.0, 2.0 * PI / 3.0] {
+        let (sin, cos) = f64::sin_cos(angle);
+        let [x, y] = gradient.map(|row| row[0] * cos + row[1] * sin);
+        let square = x * x + y * y;
+        xx += x * x / square / 3.0;
+        yy += y * y / square / 3.0;
+        xy += x * y / square / 3.0;
+    }
+    let strain =
+        |component| Quantity::Strain(Strain::Region { component, min: corner, max: (1.0, 1.0) });
+    let fabric = |component| Quantity::Fabric { component, network: Network::All };
+    let shear = 0.5 * gradient[0][1];
+    let expected = [
+        ("f_xx", fabric(FabricComponent::Xx), xx),
+        ("f_yy", fabric(FabricComponent::Yy), yy),
+        ("f_xy", fabric(FabricComponent::Xy), xy),
+        ("e_xx", strain(StrainComponent::Xx), e),
+        ("e_yy", strain(StrainComponent::Yy), 2.0 * e),
+        ("e_xy", strain(StrainComponent::Xy), -shear),
+        ("rotation", strain(StrainComponent::Rotation), -shear),
+    ];
+    for origin in [[0.0, 0.0], [0.013, -0.021]] {
+        let (disks, size) = lattice(5, 6, origin);
+        let mut scene = scene(&disks, size, 100.0, r#"reference_stage: "a","#, &stages);
+        let further = expected.iter().map(|(name, of, _)| (*name, of.clone()));
+        let further = further.map(|(name, of)| Measure { name: name.to_owned(), of });
+        scene.measures.list.as_mut().unwrap().extend(further);
+        let mut simulation = Simulation::new(&scene, None);
+        while next(&mut simulation).is_some() {}
+        for (name, _, value) in &expected {
+            let found = reading(simulation.world(), name).unwrap();
+            assert!((found - value).abs() < 1e-9, "{name}: {found} instead of {value}");
+        }
+    }
 }

@@ -566,5 +566,6 @@ fn between_bonds(a: BondLaw, b: BondLaw) -> BondLaw {
         rolling_friction: a.rolling_friction.min(b.rolling_friction),
         cohesion: a.cohesion.min(b.cohesion),
         tensile_strength: a.tensile_strength.min(b.tensile_strength),
+        scatter: None,
     }
 }

@@ -41,6 +41,8 @@ pub fn random_scene(seed: u64, maximum: u32) -> Scene {
         values: BTreeMap::new(),
         reference_stage: None,
         groups: BTreeMap::new(),
+        minerals: Vec::new(),
+        keep: None,
         version: 1,
         title: format!("random scene {seed}"),
         thickness: r.pick(&[1.0, 1.0, 0.1]),
@@ -134,6 +136,7 @@ pub fn bond(r: &mut Random, k: f64) -> Bond {
         rolling_friction: r.pick(&[0.0, 0.0, 0.1, 0.5]),
         cohesion: r.pick(&[0.0, 1e3, 1e5, 1e7]),
         tensile_strength: r.pick(&[0.0, 1e3, 1e5, 1e7]),
+        scatter: None,
     }
 }
 

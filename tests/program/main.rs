@@ -11,6 +11,7 @@ mod dumps;
 mod exit_codes;
 mod figures;
 mod files;
+mod measures;
 mod new;
 #[cfg(feature = "report")]
 mod report;

@@ -212,4 +212,13 @@ fn the_script_of_the_docs_reads_state_and_history_with_numpy_alone() {
     let said: f64 = lines[1].rsplit(' ').nth(1).unwrap().parse().unwrap();
     assert!((said - largest).abs() < 1e-5 * largest, "{}", lines[1]);
     assert_eq!(lines[2], format!("{} contacts after increment 3", last["contacts"]));
+    let b = state.u32("contacts.b", &[c]).unwrap();
+    let normals = state.vectors::<2>("contacts.normal", c).unwrap();
+    let inner: Vec<_> =
+        normals.iter().zip(b).filter(|(_, b)| (**b as usize) < n).map(|(x, _)| x).collect();
+    let expected = inner.iter().map(|n| n[0] * n[0]).sum::<f64>() / inner.len() as f64;
+    let fabric: Vec<f64> =
+        lines[3].split(' ').skip(2).take(4).map(|word| word.parse().unwrap()).collect();
+    assert!((fabric[0] - expected).abs() < 1e-4 && (fabric[0] + fabric[3] - 1.0).abs() < 1e-3);
+    assert_eq!(lines[4], format!("0 bonds broke; {n} particles at the end"));
 }

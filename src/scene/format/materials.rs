@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::Scatter;
+
 /// A particle material.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
@@ -58,4 +60,7 @@ pub struct Bond {
     pub cohesion: f64,
     /// Tensile strength sigma_t, Pa.
     pub tensile_strength: f64,
+    /// Scatter of strengths and stiffnesses about these values.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scatter: Option<Scatter>,
 }

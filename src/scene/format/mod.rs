@@ -9,9 +9,12 @@ mod cell;
 mod materials;
 mod measures;
 mod membranes;
+mod minerals;
 mod output;
 mod particle_control;
+mod quantities;
 mod rigid;
+mod scatter;
 mod solver;
 mod specimen;
 mod stages;
@@ -32,14 +35,17 @@ use super::{repeats, unique_keys};
 pub use analysis::{Analysis, FrictionLaw};
 pub use cell::{Cell, CellControl, CellStrain, CellTarget};
 pub use materials::{Bond, Contact, Material};
-pub use measures::{
-    Along, Area, Component, GroupAlong, Length, Measure, Measures, MembraneValue, Modes, Quantity,
-    ROLES, Strain, Stress,
-};
+pub use measures::{Measure, Measures, ROLES};
 pub use membranes::MembraneControl;
+pub use minerals::{Clusters, Mineral};
 pub use output::{Output, Record};
 pub use particle_control::{Motion, ParticleControl, Select};
+pub use quantities::{
+    Along, Area, Component, Cracks, Energy, FabricComponent, Fragments, GroupAlong, Length,
+    MembraneValue, Modes, Network, Quantity, Strain, StrainComponent, Stress,
+};
 pub use rigid::{RigidControl, Traction};
+pub use scatter::{Scatter, Spread};
 #[cfg(test)]
 pub(super) use solver::CONDENSED_FIELDS;
 pub use solver::Solver;
@@ -99,6 +105,13 @@ pub struct Scene {
     pub materials: BTreeMap<String, Material>,
     /// The particles.
     pub specimen: Specimen,
+    /// Layers and minerals: materials of particles of the specimen, where several select one the
+    /// last. Version 2.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub minerals: Vec<Mineral>,
+    /// Particles of the specimen that the run has; all if left out. Indices count these. Version 2.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub keep: Option<Select>,
     /// Bonds at the start, free of stress. Cementing stages add more.
     #[serde(default)]
     pub bonds: Vec<ExplicitBond>,

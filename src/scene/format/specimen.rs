@@ -68,7 +68,7 @@ pub enum Specimen {
 }
 
 /// Size distribution of a packing.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub enum Sizes {
     /// Equal radii.
@@ -89,6 +89,11 @@ pub enum Sizes {
         deviation: f64,
         /// Minimum and maximum radius, m.
         limits: (f64, f64),
+    },
+    /// A sieve curve by mass, linear in the logarithm of the diameter between its points.
+    Sieve {
+        /// Diameters, m, and the per cent by mass that pass them, from 0 to 100.
+        passing: Vec<(f64, f64)>,
     },
 }
 

@@ -466,7 +466,7 @@ fn measures() {
     stages: [",
          "18:43: measures.axial_stress.walls: no walls; name one or more
 18:61: measures.axial_stress.length[0]: zero (0.0); give a length in m greater than 0
-18:103: measures.lateral_stress.component: unknown variant `Xz`; there are the variants `Xx`, `Yy`, `Xy`, `Shear`
+18:103: measures.lateral_stress.component: unknown variant `Xz`; there are the variants `Xx`, `Yy`, `Xy`, `Mean`, `Major`, `Minor`, `Shear`
 18:119: measures.lateral_stress.area[0]: negative (-1.0); give an area in m^2 greater than 0"),
     ]);
 }

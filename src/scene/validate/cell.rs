@@ -163,6 +163,7 @@ fn max_radius(context: &Context) -> Option<f64> {
             Sizes::Equal { radius } => *radius,
             Sizes::Uniform { radius } => radius.1,
             Sizes::LogNormal { limits, .. } => limits.1,
+            Sizes::Sieve { passing } => 0.5 * passing.last()?.0,
         },
         Specimen::File { .. } => stored?.rows.iter().map(|p| p.r).fold(0.0, f64::max),
         Specimen::State { .. } => return None,

@@ -2,7 +2,7 @@
 
 use std::fmt::Arguments;
 
-use crate::scene::format::{Bond, Contact};
+use crate::scene::format::{Bond, Contact, Scatter, Spread};
 use crate::scene::spans::join;
 
 use super::Context;
@@ -24,6 +24,63 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
     }
 }
 
+/// Checks the bond law of a wall, which does not scatter.
+pub(super) fn bond_of_wall(path: Arguments, of: Option<Bond>, findings: &mut Findings) {
+    bond(path, of, findings);
+    if of.is_some_and(|bond| bond.scatter.is_some()) {
+        let help = "give it to the material, or to the `bond` of a stage `Cement`";
+        findings.add(format_args!("{path}.scatter"), "bonds of a wall do not scatter", help);
+    }
+}
+
+/// Checks the scatter of a bond law.
+fn scatter(path: Arguments, bond: &Bond, scatter: &Scatter, findings: &mut Findings) {
+    let Scatter { strength, stiffness, cohesion, tensile_strength, .. } = scatter;
+    let Scatter { normal_stiffness, tangential_stiffness, .. } = scatter;
+    let (normal, tangential) = (bond.normal_stiffness, bond.tangential_stiffness);
+    let spreads = [
+        ("strength", strength, true),
+        ("stiffness", stiffness, normal.is_some() || tangential.is_some()),
+        ("cohesion", cohesion, true),
+        ("tensile_strength", tensile_strength, true),
+        ("normal_stiffness", normal_stiffness, normal.is_some()),
+        ("tangential_stiffness", tangential_stiffness, tangential.is_some()),
+    ];
+    if spreads.iter().all(|(_, spread, _)| spread.is_none()) {
+        let help = "name what scatters, as in `strength: Weibull(modulus: 4.0)`";
+        findings.add(path, "nothing scatters", help);
+    }
+    for (name, spread, is_elastic) in spreads {
+        let path = format_args!("{path}.{name}");
+        match *spread {
+            None => continue,
+            Some(Spread::Weibull { modulus }) => {
+                let allowed = |m| (0.2..=1000.0).contains(&m);
+                let what = "a modulus of 0.2 to 1000";
+                findings.number(format_args!("{path}.modulus"), modulus, allowed, what);
+            }
+            Some(Spread::LogNormal { deviation }) => {
+                let allowed = |s| (0.0..=3.0).contains(&s);
+                let what = "a standard deviation of the logarithm of 0 to 3";
+                findings.number(format_args!("{path}.deviation"), deviation, allowed, what);
+            }
+        }
+        if !is_elastic {
+            let help = "give the law this stiffness, or leave the scatter out";
+            findings.add(path, "the law is rigid, and has no stiffness to scatter", help);
+        }
+        let both = match name {
+            "cohesion" | "tensile_strength" => ("strength", strength),
+            "normal_stiffness" | "tangential_stiffness" => ("stiffness", stiffness),
+            _ => continue,
+        };
+        if both.1.is_some() {
+            let message = format!("it scatters with `{}` already", both.0);
+            findings.add(path, message, "leave one of the two out");
+        }
+    }
+}
+
 /// Checks the optional bond law of a material or a wall.
 pub(super) fn bond(path: Arguments, bond: Option<Bond>, findings: &mut Findings) {
     let Some(bond) = bond else { return };
@@ -35,6 +92,9 @@ pub(super) fn bond(path: Arguments, bond: Option<Bond>, findings: &mut Findings)
         bond.tensile_strength,
         "a tensile strength in Pa",
     );
+    if let Some(of) = &bond.scatter {
+        scatter(format_args!("{path}.scatter"), &bond, of, findings);
+    }
 }
 
 /// Checks the contact law of a material or a wall.

@@ -84,6 +84,19 @@ fn check_list(context: &Context, list: &[Measure], findings: &mut Findings) {
             Quantity::WallForce { wall: name, .. } => {
                 wall(context, format_args!("{path}.wall"), name, findings);
             }
+            Quantity::VolumetricStrain => needs_strains(context, path, findings),
+            Quantity::DilationAngle { over } => {
+                let allowed = |over| (0.0..1.0).contains(&over);
+                let what = "an axial strain as a fraction, 0.002 is 0.2 %";
+                findings.number(format_args!("{path}.over"), *over, allowed, what);
+                needs_strains(context, path, findings);
+            }
+            Quantity::Energy(_) => {
+                if !context.scene.output.energy && findings.is_sure_of("output") {
+                    let help = "set `output: (energy: true)`";
+                    findings.add(path, "the run keeps no energy ledger", help);
+                }
+            }
             Quantity::GroupForce { select: of, .. } => {
                 select(context, format_args!("{path}.select"), of, findings);
             }
@@ -95,6 +108,9 @@ fn check_list(context: &Context, list: &[Measure], findings: &mut Findings) {
                 findings.add(format_args!("{path}[0]"), "no name", help);
             }
             Quantity::Coordination { .. }
+            | Quantity::Fabric { .. }
+            | Quantity::Fragments(_)
+            | Quantity::Cracks { .. }
             | Quantity::Broken(_)
             | Quantity::BrokenShare(_)
             | Quantity::KineticEnergy
@@ -115,7 +131,30 @@ fn strain(context: &Context, path: Arguments, strain: &Strain, findings: &mut Fi
             findings.pair(path, (a, b), "particle");
         }
         Strain::Membrane(name) => membrane(context, format_args!("{path}[0]"), name, findings),
+        Strain::Region { min, max, .. } => rectangle(path, *min, *max, findings),
         Strain::Cell(_) => has_cell(context, path, findings),
+    }
+}
+
+/// For measures that follow from axial and lateral strain.
+fn needs_strains(context: &Context, path: Arguments, findings: &mut Findings) {
+    let measures = &context.scene.measures;
+    for (name, of) in
+        [("axial_strain", &measures.axial_strain), ("lateral_strain", &measures.lateral_strain)]
+    {
+        if of.is_none() && findings.is_sure_of("measures") {
+            let help = format!("add a measure `{name}`");
+            findings.add(path, format!("it follows from `{name}`, which is not measured"), &help);
+        }
+    }
+}
+
+fn rectangle(path: Arguments, min: (f64, f64), max: (f64, f64), findings: &mut Findings) {
+    let fine = findings.vector(format_args!("{path}.min"), min, "a place in m")
+        & findings.vector(format_args!("{path}.max"), max, "a place in m");
+    if fine && (min.0 >= max.0 || min.1 >= max.1) {
+        let message = format!("not above and to the right of min ({max:?})");
+        findings.add(format_args!("{path}.max"), message, "give a rectangle with an area");
     }
 }
 
@@ -142,14 +181,7 @@ fn stress(context: &Context, path: Arguments, stress: &Stress, findings: &mut Fi
         Stress::Average { area: over, .. } => {
             area(context, format_args!("{path}.area"), over, findings);
         }
-        Stress::Region { min, max, .. } => {
-            let fine = findings.vector(format_args!("{path}.min"), *min, "a place in m")
-                & findings.vector(format_args!("{path}.max"), *max, "a place in m");
-            if fine && (min.0 >= max.0 || min.1 >= max.1) {
-                let message = format!("not above and to the right of min ({max:?})");
-                findings.add(format_args!("{path}.max"), message, "give a rectangle with an area");
-            }
-        }
+        Stress::Region { min, max, .. } => rectangle(path, *min, *max, findings),
         Stress::Membrane(name) => membrane(context, format_args!("{path}[0]"), name, findings),
     }
 }

@@ -4,6 +4,7 @@
 
 mod cell;
 mod crossing;
+mod cuts;
 mod findings;
 mod materials;
 mod measures;
@@ -28,6 +29,8 @@ use super::diagnostic::Finding;
 use super::format::{Scene, Specimen, Stage};
 use super::memory;
 use super::specimen_file::StoredSpecimen;
+use crate::run::minerals::specimen as cut_specimen;
+use crate::run::particles::ParticleSeed;
 use findings::Findings;
 
 /// Checks a scene, with the stored specimen that it names. The scene need not come from a text.
@@ -50,6 +53,7 @@ pub(super) fn findings(
     walls::check(&context, &mut findings);
     cell::check(&context, &mut findings);
     specimen::check(&context, &mut findings);
+    cuts::check(&context, &mut findings);
     thin_walls::check(&context, &mut findings);
     select::groups(&context, &mut findings);
     stages::check(&context, &mut findings);
@@ -74,10 +78,27 @@ struct Context<'a> {
     membranes: Vec<&'a str>,
     /// Number of particles, if known.
     particles: Option<u64>,
+    /// What `minerals` and `keep` make of the specimen, if there are any and it is known.
+    seeds: Option<Vec<ParticleSeed>>,
 }
 
 impl<'a> Context<'a> {
     fn new(scene: &'a Scene, specimen: Option<&'a StoredSpecimen>) -> Self {
+        let seeds = cuts::is_manageable(scene, specimen).then(|| cut_specimen(scene, specimen));
+        let whole = Self::uncut(scene, specimen);
+        let particles = match &seeds {
+            Some(seeds) => Some(seeds.len() as u64),
+            // Of a run that is resumed the particles are those that are left.
+            None if scene.keep.is_some() => {
+                specimen.filter(|stored| stored.is_resumed()).map(|stored| stored.rows.len() as u64)
+            }
+            None => whole.particles,
+        };
+        Self { particles, seeds, ..whole }
+    }
+
+    /// The context before `minerals` and `keep`.
+    fn uncut(scene: &'a Scene, specimen: Option<&'a StoredSpecimen>) -> Self {
         Self {
             scene,
             specimen,
@@ -89,6 +110,7 @@ impl<'a> Context<'a> {
                 Specimen::File { .. } | Specimen::State { .. } if specimen.is_none() => None,
                 of => Some(memory::particles(of, specimen)),
             },
+            seeds: None,
         }
     }
 

@@ -8,7 +8,8 @@ use std::collections::BTreeMap;
 
 use super::Context;
 use super::findings::Findings;
-use crate::run::particles::{ParticleSeed, particles};
+use crate::run::minerals::specimen;
+use crate::run::particles::ParticleSeed;
 use crate::run::select::{Candidate, selects};
 use crate::scene::format::{Select, Specimen, Stage};
 use crate::scene::spans::join;
@@ -30,14 +31,14 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
         return;
     }
     // An invalid recipe makes no particles.
-    let parts = ["specimen", "groups", "materials"];
+    let parts = ["specimen", "groups", "materials", "minerals", "keep"];
     let fields = ["particles", "rigid", "select"].map(|field| format!("stages[{i}].{field}"));
     if !parts.iter().all(|part| findings.is_sound(part))
         || !fields.iter().all(|field| findings.is_sound(field))
     {
         return;
     }
-    let seeds = particles(&scene.specimen, context.specimen);
+    let seeds = specimen(scene, context.specimen);
     let only = context.materials.first().filter(|_| context.materials.len() == 1);
     let probes: BTreeMap<u32, &str> =
         scene.probes.iter().map(|(name, index)| (*index, name.as_str())).collect();

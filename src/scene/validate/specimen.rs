@@ -118,10 +118,11 @@ fn packing(context: &Context, findings: &mut Findings) {
     material_of(context, format_args!("specimen"), material.as_deref(), findings);
     let radius = format_args!("specimen.sizes.radius");
     let what = "a radius in m";
-    let limits = match *sizes {
-        Sizes::Equal { radius: r } => findings.positive(radius, r, what).then_some((r, r)),
-        Sizes::Uniform { radius: range } => findings.range(radius, range, what).then_some(range),
-        Sizes::LogNormal { radius: median, deviation, limits } => {
+    let limits = match sizes {
+        Sizes::Equal { radius: r } => findings.positive(radius, *r, what).then_some((*r, *r)),
+        Sizes::Uniform { radius: range } => findings.range(radius, *range, what).then_some(*range),
+        Sizes::Sieve { passing } => sieve(passing, findings),
+        &Sizes::LogNormal { radius: median, deviation, limits } => {
             let ranged = findings.range(format_args!("specimen.sizes.limits"), limits, what);
             findings.not_negative(
                 format_args!("specimen.sizes.deviation"),
@@ -157,6 +158,55 @@ fn packing(context: &Context, findings: &mut Findings) {
     }
 }
 
+/// Checks a sieve curve. Returns its minimum and maximum radius.
+fn sieve(passing: &[(f64, f64)], findings: &mut Findings) -> Option<(f64, f64)> {
+    let path = format_args!("specimen.sizes.passing");
+    let mut fine = true;
+    for (i, (diameter, percent)) in passing.iter().enumerate() {
+        let what = "a diameter in m";
+        fine &= findings.positive(format_args!("{path}[{i}][0]"), *diameter, what);
+        let allowed = |percent| (0.0..=100.0).contains(&percent);
+        let what = "the per cent by mass that pass, 0 to 100";
+        fine &= findings.number(format_args!("{path}[{i}][1]"), *percent, allowed, what);
+    }
+    if !fine || !findings.is_sure_of_part(path) {
+        return None;
+    }
+    let (Some(first), Some(last)) = (passing.first(), passing.last().filter(|_| passing.len() > 1))
+    else {
+        let help = "give (diameter, per cent) from 0 to 100 %, two points or more";
+        findings.add(path, "a curve of fewer than two points", help);
+        return None;
+    };
+    for (i, step) in passing.windows(2).enumerate() {
+        let (before, here) = (step[0], step[1]);
+        if here.0 <= before.0 || here.1 < before.1 {
+            let message = format!("not above the point before it ({here:?} after {before:?})");
+            let help = "order the points by diameter; more per cent pass a larger one";
+            findings.add(format_args!("{path}[{}]", i + 1), message, help);
+            return None;
+        }
+    }
+    for (i, point, wanted, what) in
+        [(0, first, 0.0, "smallest"), (passing.len() - 1, last, 100.0, "largest")]
+    {
+        if point.1 != wanted {
+            let message = format!("{:?} % pass the {what} diameter", point.1);
+            let help = format!("begin with 0 % and end with 100 %: give the {what} grain");
+            findings.add(format_args!("{path}[{i}]"), message, &help);
+            return None;
+        }
+    }
+    let n = passing.len();
+    if passing[1].1 == 0.0 || passing[n - 2].1 == 100.0 {
+        let i = if passing[1].1 == 0.0 { 0 } else { n - 1 };
+        let help = "leave it out: the curve ends at the first 0 % and the first 100 %";
+        findings.add(format_args!("{path}[{i}]"), "a step without mass at an end", help);
+        return None;
+    }
+    Some((0.5 * first.0, 0.5 * last.0))
+}
+
 fn rows(
     context: &Context,
     stored: &StoredSpecimen,
@@ -169,7 +219,9 @@ fn rows(
     }
     let mut shown = 0;
     for (i, row) in stored.rows.iter().enumerate() {
-        let behind = |wall: &&Wall| wall.present && is_behind(wall, (row.x, row.y), row.r);
+        let is_cut = context.scene.keep.is_some();
+        let behind =
+            |wall: &&Wall| !is_cut && wall.present && is_behind(wall, (row.x, row.y), row.r);
         let known = row.material.as_deref().is_none_or(|name| name_list.contains(&name));
         let far = finest((row.x, row.y)) > COARSEST * row.r;
         if known && !far && !context.scene.walls.iter().any(|wall| behind(&wall)) {
@@ -197,7 +249,9 @@ fn outline(
     radius: f64,
     findings: &mut Findings,
 ) {
-    if !findings.is_sure_of("specimen") || !findings.is_sure_of("walls") {
+    // What is cut away may lie behind a wall; `cuts` looks at the rest.
+    let is_cut = context.scene.keep.is_some();
+    if is_cut || !findings.is_sure_of("specimen") || !findings.is_sure_of("walls") {
         return;
     }
     let corners = [(low.0, bottom), (low.1, bottom), (high.0, top), (high.1, top)];
@@ -240,7 +294,7 @@ pub(super) fn not_behind(
     radius: f64,
     findings: &mut Findings,
 ) {
-    if !findings.is_sure_of("walls") {
+    if !findings.is_sure_of("walls") || context.scene.keep.is_some() {
         return;
     }
     let present = context.scene.walls.iter().filter(|wall| wall.present);
@@ -259,11 +313,14 @@ fn material_of(
     findings: &mut Findings,
 ) {
     let names = &context.materials;
+    let minerals = &context.scene.minerals;
     match material {
         Some(name) => {
             let path = format_args!("{path}.material");
             findings.reference(path, name, ("material", "materials"), names);
         }
+        // `cuts` checks that minerals leave no particle without a material.
+        None if !names.is_empty() && !minerals.is_empty() => {}
         None if names.len() != 1 && findings.is_sure_of("materials") => {
             let (message, help) = match names.len() {
                 0 => ("missing material: the scene has none", "add one to `materials`".to_owned()),
@@ -306,6 +363,9 @@ fn bond_law(context: &Context, path: Arguments, (a, b): (u32, u32), findings: &m
     let only = (context.materials.len() == 1).then(|| context.materials[0]);
     let of = |index: u32| {
         let index = index as usize;
+        if let Some(seeds) = &context.seeds {
+            return seeds.get(index)?.material.as_deref().or(only);
+        }
         let named = match &context.scene.specimen {
             Specimen::Particles(list) => list.get(index)?.material.as_deref(),
             Specimen::Lattice { material, .. } | Specimen::Packing { material, .. } => {

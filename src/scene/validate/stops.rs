@@ -147,7 +147,14 @@ pub(super) fn never(
         Some(name) => context.stages.iter().position(|stage| *stage == name).unwrap_or(0),
         None => context.scene.reference_stage(),
     };
-    if matches!(of, Of::Strain(_)) && here < reference {
+    let counts = match of {
+        Of::Strain(_) => true,
+        Of::Other(of) => {
+            matches!(of, Quantity::VolumetricStrain | Quantity::DilationAngle { .. })
+        }
+        Of::Stress(_) => false,
+    };
+    if counts && here < reference {
         let name = context.stages[reference];
         let the_last = if reference == last { ", the last one" } else { "" };
         let message =

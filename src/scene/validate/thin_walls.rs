@@ -4,7 +4,8 @@ use glam::DVec2;
 
 use super::Context;
 use super::findings::Findings;
-use crate::run::particles::{ParticleSeed, particles};
+use crate::run::minerals::specimen;
+use crate::run::particles::ParticleSeed;
 use crate::run::wall_pieces::{CUT, is_cut, pieces};
 use crate::scene::diagnostic::MAX_SHOWN;
 use crate::scene::format::{Specimen, Wall, WallShape};
@@ -94,7 +95,7 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
     if thin().next().is_none() || !is_read || !sound {
         return;
     }
-    let seeds = particles(&scene.specimen, context.specimen);
+    let seeds = specimen(scene, context.specimen);
     for (i, wall) in thin() {
         if let WallShape::Arc { .. } = wall.shape {
             hollow(i, wall, &seeds, findings);

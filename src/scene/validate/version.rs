@@ -2,7 +2,7 @@
 
 use std::fmt::Arguments;
 
-use crate::scene::format::{Measures, Stage, Stop, Stress};
+use crate::scene::format::{Measures, Stage, Stop, Strain, Stress};
 
 use super::Context;
 use super::findings::Findings;
@@ -53,6 +53,12 @@ fn of_two(context: &Context, findings: &mut Findings) {
     if scene.reference_stage.is_some() {
         add("reference_stage", "this place is");
     }
+    if !scene.minerals.is_empty() {
+        add("minerals", "layers and minerals are");
+    }
+    if scene.keep.is_some() {
+        add("keep", "cuts are");
+    }
     if scene.measures.list.is_some() {
         add("measures", "a list of measures is");
     }
@@ -62,6 +68,15 @@ fn of_two(context: &Context, findings: &mut Findings) {
     ];
     for (path, stress) in stresses {
         if let (Some(Stress::Region { .. }), None) = (stress, &scene.measures.list) {
+            add(path, "`Region` is");
+        }
+    }
+    let strains = [
+        ("measures.axial_strain", &scene.measures.axial_strain),
+        ("measures.lateral_strain", &scene.measures.lateral_strain),
+    ];
+    for (path, strain) in strains {
+        if let (Some(Strain::Region { .. }), None) = (strain, &scene.measures.list) {
             add(path, "`Region` is");
         }
     }

@@ -6,7 +6,7 @@ use crate::scene::format::{Particle, Specimen, Stage, Wall};
 use crate::scene::spans::join;
 
 use super::findings::Findings;
-use super::materials::{bond, contact};
+use super::materials::{bond_of_wall, contact};
 use super::specimen::index_exists;
 use super::{ASKEW, Context, thin_walls};
 
@@ -19,7 +19,7 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
             thin_walls::shape(i, wall, findings);
         }
         contact(format_args!("walls[{i}].contact"), wall.contact, findings);
-        bond(format_args!("walls[{i}].bond"), wall.bond, findings);
+        bond_of_wall(format_args!("walls[{i}].bond"), wall.bond, findings);
     }
     if findings.is_sure_of("walls") {
         let names = walls.iter().enumerate();

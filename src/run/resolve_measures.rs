@@ -1,0 +1,261 @@
+//! Measures of a scene: from names to bodies.
+
+use bevy_ecs::prelude::*;
+
+use clastic_components::body::BodyId;
+use clastic_components::bond::RuptureMode;
+use clastic_components::measure::{
+    CrackPart, CrackSums, EnergyTerm, FabricComponent, ForceComponent, FragmentPart, MembraneValue,
+    NamedMeasures, Network, Quantity, StrainPath, StrainReference,
+};
+use clastic_components::observation::{
+    MeasureArea, MeasureLength, Measures, StrainComponent, StrainMeasure, StressComponent,
+    StressMeasure,
+};
+use clastic_components::particle::Particle;
+
+use super::group_members::{self, GroupMembers};
+use super::membranes::find_membrane;
+use super::spawn::find_wall;
+use super::stages::Script;
+use crate::scene::format as scene;
+
+/// Resolves the names in the scene's measures. A measure with a missing body or wall is left out.
+pub fn resolve_measures(world: &mut World) {
+    let script = world.resource::<Script>();
+    let wanted = script.scene.measures.clone();
+    let list: Vec<_> = wanted.further().cloned().collect();
+    let reference_stage = script.reference_stage();
+    let axial_strain = wanted.axial_strain.and_then(|m| strain(world, &m));
+    let lateral_strain = wanted.lateral_strain.and_then(|m| strain(world, &m));
+    let axial_stress = wanted.axial_stress.and_then(|m| stress(world, &m));
+    let lateral_stress = wanted.lateral_stress.and_then(|m| stress(world, &m));
+    let list = list
+        .into_iter()
+        .map(|scene::Measure { name, of }| {
+            let quantity = quantity(world, &name, &of);
+            (name, quantity)
+        })
+        .collect();
+    world.resource_mut::<NamedMeasures>().list = list;
+    keep_what_is_needed(world, [axial_strain, lateral_strain]);
+    let mut measures = world.resource_mut::<Measures>();
+    let reference = measures.reference;
+    *measures = Measures {
+        reference_stage,
+        axial_strain,
+        lateral_strain,
+        axial_stress,
+        lateral_stress,
+        reference,
+    };
+}
+
+/// Adds the tables that the measures need, where they are not there yet.
+fn keep_what_is_needed(world: &mut World, roles: [Option<StrainMeasure>; 2]) {
+    let list = &world.resource::<NamedMeasures>().list;
+    let has = |needs: fn(&Quantity) -> bool| list.iter().filter_map(|(_, q)| q.as_ref()).any(needs);
+    let region = |strain: &StrainMeasure| matches!(strain, StrainMeasure::Region { .. });
+    let regions = has(|q| matches!(q, Quantity::Strain(StrainMeasure::Region { .. })))
+        || roles.iter().flatten().any(region);
+    let path = has(|q| matches!(q, Quantity::DilationAngle { .. }));
+    let cracks = has(|q| matches!(q, Quantity::Cracks { .. }));
+    if regions {
+        world.init_resource::<StrainReference>();
+    }
+    if path {
+        world.init_resource::<StrainPath>();
+    }
+    if cracks {
+        world.init_resource::<CrackSums>();
+    }
+}
+
+fn particle(world: &mut World, index: u32) -> Option<Entity> {
+    let mut particles = world.query_filtered::<(Entity, &BodyId), With<Particle>>();
+    particles.iter(world).find(|(_, id)| id.0 == index).map(|(e, _)| e)
+}
+
+fn strain(world: &mut World, measure: &scene::Strain) -> Option<StrainMeasure> {
+    Some(match measure {
+        scene::Strain::Walls(a, b) => {
+            StrainMeasure::Walls(find_wall(world, a)?, find_wall(world, b)?)
+        }
+        scene::Strain::Particles(a, b) => {
+            StrainMeasure::Particles(particle(world, *a)?, particle(world, *b)?)
+        }
+        scene::Strain::Membrane(name) => StrainMeasure::Membrane(find_membrane(world, name)?),
+        scene::Strain::Cell(scene::CellStrain::Width) => StrainMeasure::CellWidth,
+        scene::Strain::Cell(scene::CellStrain::Height) => StrainMeasure::CellHeight,
+        scene::Strain::Cell(scene::CellStrain::Shear) => StrainMeasure::CellShear,
+        scene::Strain::Region { component, min, max } => StrainMeasure::Region {
+            component: match component {
+                scene::StrainComponent::Xx => StrainComponent::Xx,
+                scene::StrainComponent::Yy => StrainComponent::Yy,
+                scene::StrainComponent::Xy => StrainComponent::Xy,
+                scene::StrainComponent::Major => StrainComponent::Major,
+                scene::StrainComponent::Minor => StrainComponent::Minor,
+                scene::StrainComponent::Volumetric => StrainComponent::Volumetric,
+                scene::StrainComponent::Rotation => StrainComponent::Rotation,
+            },
+            min: (*min).into(),
+            max: (*max).into(),
+        },
+    })
+}
+
+fn quantity(world: &mut World, name: &str, of: &scene::Quantity) -> Option<Quantity> {
+    Some(match of {
+        scene::Quantity::GroupForce { select, along, .. } => {
+            let kept = world.get_resource::<GroupMembers>().and_then(|kept| kept.0.get(name));
+            let members = match kept.cloned() {
+                Some(members) => members,
+                None => group_members::members(world, select),
+            };
+            let component = match along {
+                scene::GroupAlong::X => 0,
+                scene::GroupAlong::Y => 1,
+                scene::GroupAlong::Moment => 2,
+            };
+            Quantity::GroupForce { members, component }
+        }
+        scene::Quantity::Strain(of) => Quantity::Strain(strain(world, of)?),
+        scene::Quantity::Stress(of) => Quantity::Stress(stress(world, of)?),
+        scene::Quantity::Porosity(of) => Quantity::Porosity(area(world, of)?),
+        scene::Quantity::Coordination { rattlers } => {
+            Quantity::Coordination { rattlers: *rattlers }
+        }
+        scene::Quantity::Broken(modes) => Quantity::Broken { mode: mode(*modes), share: false },
+        scene::Quantity::BrokenShare(modes) => Quantity::Broken { mode: mode(*modes), share: true },
+        scene::Quantity::VolumetricStrain => Quantity::VolumetricStrain,
+        scene::Quantity::DilationAngle { over } => Quantity::DilationAngle { over: *over },
+        scene::Quantity::Fabric { component, network } => Quantity::Fabric {
+            component: match component {
+                scene::FabricComponent::Xx => FabricComponent::Xx,
+                scene::FabricComponent::Yy => FabricComponent::Yy,
+                scene::FabricComponent::Xy => FabricComponent::Xy,
+                scene::FabricComponent::Anisotropy => FabricComponent::Anisotropy,
+                scene::FabricComponent::Direction => FabricComponent::Direction,
+            },
+            network: match network {
+                scene::Network::All => Network::All,
+                scene::Network::Strong => Network::Strong,
+            },
+        },
+        scene::Quantity::Fragments(part) => Quantity::Fragments(match part {
+            scene::Fragments::Number => FragmentPart::Number,
+            scene::Fragments::Largest => FragmentPart::Largest,
+            scene::Fragments::LargestShare => FragmentPart::LargestShare,
+            scene::Fragments::Single => FragmentPart::Single,
+        }),
+        scene::Quantity::Cracks { part, mode: modes } => Quantity::Cracks {
+            mode: mode(*modes),
+            part: match part {
+                scene::Cracks::Length => CrackPart::Length,
+                scene::Cracks::Direction => CrackPart::Direction,
+                scene::Cracks::Alignment => CrackPart::Alignment,
+            },
+        },
+        scene::Quantity::Energy(term) => Quantity::Energy(energy(*term)),
+        scene::Quantity::KineticEnergy => Quantity::KineticEnergy,
+        scene::Quantity::ElasticEnergy => Quantity::ElasticEnergy,
+        scene::Quantity::KineticOverElastic => Quantity::KineticOverElastic,
+        scene::Quantity::WallForce { wall, along } => Quantity::WallForce {
+            wall: find_wall(world, wall)?,
+            along: match along {
+                scene::Along::Normal => ForceComponent::Normal,
+                scene::Along::Tangent => ForceComponent::Tangent,
+                scene::Along::X => ForceComponent::X,
+                scene::Along::Y => ForceComponent::Y,
+            },
+        },
+        scene::Quantity::Membrane { membrane, value } => Quantity::Membrane {
+            membrane: find_membrane(world, membrane)?,
+            value: match value {
+                scene::MembraneValue::Grains => MembraneValue::Grains,
+                scene::MembraneValue::Area => MembraneValue::Area,
+                scene::MembraneValue::Width => MembraneValue::Width,
+            },
+        },
+        scene::Quantity::Time => Quantity::Time,
+        scene::Quantity::Custom(name) => Quantity::Custom(name.clone()),
+    })
+}
+
+fn mode(modes: scene::Modes) -> Option<RuptureMode> {
+    match modes {
+        scene::Modes::All => None,
+        scene::Modes::Tension => Some(RuptureMode::Tension),
+        scene::Modes::Shear => Some(RuptureMode::Shear),
+        scene::Modes::Rolling => Some(RuptureMode::Rolling),
+    }
+}
+
+fn energy(term: scene::Energy) -> EnergyTerm {
+    match term {
+        scene::Energy::External => EnergyTerm::External,
+        scene::Energy::Gravity => EnergyTerm::Gravity,
+        scene::Energy::Kinetic => EnergyTerm::Kinetic,
+        scene::Energy::Friction => EnergyTerm::Friction,
+        scene::Energy::Rolling => EnergyTerm::Rolling,
+        scene::Energy::Dilation => EnergyTerm::Dilation,
+        scene::Energy::Collision => EnergyTerm::Collision,
+        scene::Energy::Rupture => EnergyTerm::Rupture,
+        scene::Energy::Motion => EnergyTerm::Motion,
+        scene::Energy::Turning => EnergyTerm::Turning,
+        scene::Energy::Numerical => EnergyTerm::Numerical,
+        scene::Energy::Error => EnergyTerm::Error,
+    }
+}
+
+fn area(world: &mut World, area: &scene::Area) -> Option<MeasureArea> {
+    Some(match area {
+        scene::Area::Fixed(area) => MeasureArea::Fixed(*area),
+        scene::Area::Cell => MeasureArea::Cell,
+        scene::Area::Membrane(name) => MeasureArea::Membrane(find_membrane(world, name)?),
+        scene::Area::Box((a, b), (c, d)) => MeasureArea::Box([
+            find_wall(world, a)?,
+            find_wall(world, b)?,
+            find_wall(world, c)?,
+            find_wall(world, d)?,
+        ]),
+    })
+}
+
+fn component(component: scene::Component) -> StressComponent {
+    match component {
+        scene::Component::Xx => StressComponent::Xx,
+        scene::Component::Yy => StressComponent::Yy,
+        scene::Component::Xy => StressComponent::Xy,
+        scene::Component::Mean => StressComponent::Mean,
+        scene::Component::Major => StressComponent::Major,
+        scene::Component::Minor => StressComponent::Minor,
+        scene::Component::Shear => StressComponent::Shear,
+    }
+}
+
+fn stress(world: &mut World, measure: &scene::Stress) -> Option<StressMeasure> {
+    Some(match measure {
+        scene::Stress::Walls { walls, length } => StressMeasure::Walls {
+            walls: walls.iter().map(|w| find_wall(world, w)).collect::<Option<_>>()?,
+            length: match length {
+                scene::Length::Fixed(length) => MeasureLength::Fixed(*length),
+                scene::Length::Between(a, b) => {
+                    MeasureLength::Between(find_wall(world, a)?, find_wall(world, b)?)
+                }
+                scene::Length::Membrane(name) => {
+                    MeasureLength::Membrane(find_membrane(world, name)?)
+                }
+            },
+        },
+        scene::Stress::Average { component: of, area: over } => {
+            StressMeasure::Average { component: component(*of), area: area(world, over)? }
+        }
+        scene::Stress::Membrane(name) => StressMeasure::Membrane(find_membrane(world, name)?),
+        scene::Stress::Region { component: of, min, max } => StressMeasure::Region {
+            component: component(*of),
+            min: (*min).into(),
+            max: (*max).into(),
+        },
+    })
+}

@@ -1,0 +1,53 @@
+//! Cracks: the length and direction that broken bonds leave.
+
+use bevy_ecs::prelude::*;
+use glam::DVec2;
+
+use clastic_components::bond::RuptureMode;
+use clastic_components::contact::Bodies;
+use clastic_components::measure::{CrackPart, CrackSum, CrackSums};
+use clastic_components::observation::Observation;
+
+use super::principal::axis;
+
+/// Adds the bonds that broke in the increment.
+pub fn follow_cracks(
+    bodies: Res<Bodies>,
+    observation: Res<Observation>,
+    sums: Option<ResMut<CrackSums>>,
+) {
+    let Some(mut sums) = sums else { return };
+    for rupture in &observation.ruptures {
+        // A wall has no radius; the bond is as wide as the particle.
+        let radius = |id| bodies.row(id).and_then(|row| bodies.radii.get(row)).copied();
+        let radii = [rupture.a, rupture.b].map(radius);
+        let Some(radius) = radii.into_iter().flatten().reduce(f64::min) else { continue };
+        let (length, along) = (2.0 * radius, rupture.normal.perp());
+        let sum = &mut sums.0[rupture.mode as usize];
+        sum.length += length;
+        sum.doubled +=
+            length * DVec2::new(along.x * along.x - along.y * along.y, 2.0 * along.x * along.y);
+    }
+}
+
+/// A reading of the sums; directions are not defined without cracks.
+#[must_use]
+pub fn read(sums: &CrackSums, mode: Option<RuptureMode>, part: CrackPart) -> Option<f64> {
+    let all = |a: CrackSum, b: &CrackSum| CrackSum {
+        length: a.length + b.length,
+        doubled: a.doubled + b.doubled,
+    };
+    let sum = match mode {
+        Some(mode) => sums.0[mode as usize],
+        None => sums.0.iter().fold(CrackSum::default(), all),
+    };
+    let alignment = (sum.length > 0.0).then(|| sum.doubled.length() / sum.length);
+    match part {
+        CrackPart::Length => Some(sum.length),
+        CrackPart::Alignment => alignment,
+        // Below round-off there is no preferred direction.
+        CrackPart::Direction => {
+            alignment.filter(|a| *a > 1e-12).map(|_| axis(sum.doubled.x, sum.doubled.y))
+        }
+    }
+}

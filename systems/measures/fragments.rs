@@ -1,0 +1,57 @@
+//! Fragments: what intact bonds hold together.
+
+use clastic_components::contact::Bodies;
+use clastic_components::measure::FragmentPart;
+
+/// The fragment of every particle, as the row of its first particle. Intact bonds between particles
+/// and rigid groups connect; walls do not.
+#[must_use]
+pub fn fragments(bodies: &Bodies) -> Vec<u32> {
+    let n = bodies.particles as u32;
+    let mut parents: Vec<u32> = (0..n).collect();
+    for bond in bodies.bonds.iter().filter(|bond| bond.b < n) {
+        join(&mut parents, bond.a, bond.b);
+    }
+    for group in &bodies.groups {
+        for pair in group.members.windows(2) {
+            join(&mut parents, pair[0], pair[1]);
+        }
+    }
+    (0..n).map(|row| root(&mut parents, row)).collect()
+}
+
+fn root(parents: &mut [u32], mut row: u32) -> u32 {
+    while parents[row as usize] != row {
+        let above = parents[parents[row as usize] as usize];
+        parents[row as usize] = above;
+        row = above;
+    }
+    row
+}
+
+/// The lower row becomes the root, so that the result does not depend on the order of bonds.
+fn join(parents: &mut [u32], a: u32, b: u32) {
+    let (a, b) = (root(parents, a), root(parents, b));
+    parents[a.max(b) as usize] = a.min(b);
+}
+
+/// A reading of the fragments. `None` without particles.
+#[must_use]
+pub fn read(bodies: &Bodies, part: FragmentPart) -> Option<f64> {
+    let fragments = fragments(bodies);
+    let mut sizes = vec![0_usize; fragments.len()];
+    let mut masses = vec![0.0; fragments.len()];
+    for (row, fragment) in fragments.iter().enumerate() {
+        sizes[*fragment as usize] += 1;
+        masses[*fragment as usize] += bodies.masses[row];
+    }
+    let largest = sizes.iter().copied().max()?;
+    Some(match part {
+        FragmentPart::Number => sizes.iter().filter(|size| **size > 0).count() as f64,
+        FragmentPart::Largest => largest as f64,
+        FragmentPart::LargestShare => {
+            masses.iter().copied().fold(0.0, f64::max) / bodies.masses.iter().sum::<f64>()
+        }
+        FragmentPart::Single => sizes.iter().filter(|size| **size == 1).count() as f64,
+    })
+}

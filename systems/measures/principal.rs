@@ -1,0 +1,65 @@
+//! Principal values of a symmetric tensor in the plane.
+
+/// Principal values of the tensor with components xx, yy and xy, and the angle of the major
+/// direction from the x axis, rad, above -pi/2 and up to pi/2.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Principal {
+    /// Maximum.
+    pub major: f64,
+    /// Minimum.
+    pub minor: f64,
+    /// Direction; `None` where the two values are equal, but for round-off.
+    pub direction: Option<f64>,
+}
+
+/// Relative difference of principal values that counts as round-off of sums over many contacts.
+const ROUND_OFF: f64 = 1e-12;
+
+impl Principal {
+    /// Of a tensor.
+    #[must_use]
+    pub fn of(xx: f64, yy: f64, xy: f64) -> Self {
+        let mean = 0.5 * (xx + yy);
+        let radius = (0.5 * (xx - yy)).hypot(xy);
+        let size = xx.abs().max(yy.abs());
+        let direction = (radius > ROUND_OFF * size).then(|| axis(xx - yy, 2.0 * xy));
+        Self { major: mean + radius, minor: mean - radius, direction }
+    }
+}
+
+/// Angle of the axis whose doubled angle has this cosine and sine, up to a positive factor, rad,
+/// above -pi/2 and up to pi/2.
+#[must_use]
+pub fn axis(cos: f64, sin: f64) -> f64 {
+    // `atan2` of a negative zero is -pi, which would be the axis at -pi/2.
+    let angle = 0.5 * (sin + 0.0).atan2(cos);
+    if angle <= -std::f64::consts::FRAC_PI_2 { -angle } else { angle }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+
+    use super::*;
+
+    #[test]
+    fn a_turned_tensor_has_its_values_and_its_axis() {
+        for k in -5..=6 {
+            let angle = f64::from(k) * PI / 12.0;
+            let (s, c) = angle.sin_cos();
+            let (xx, yy) = (5.0 * c * c + 2.0 * s * s, 5.0 * s * s + 2.0 * c * c);
+            let of = Principal::of(xx, yy, 3.0 * s * c);
+            assert!((of.major - 5.0).abs() < 1e-14 && (of.minor - 2.0).abs() < 1e-14, "{of:?}");
+            assert!((of.direction.unwrap() - angle).abs() < 1e-14, "{angle}: {of:?}");
+        }
+        assert_eq!(Principal::of(1.0, 1.0, 0.0).direction, None);
+        assert_eq!(Principal::of(1.0, 1.0, 0.5).direction, Some(FRAC_PI_4));
+    }
+
+    #[test]
+    fn the_vertical_has_one_angle() {
+        assert_eq!(axis(-1.0, 0.0), FRAC_PI_2);
+        assert_eq!(axis(-1.0, -0.0), FRAC_PI_2);
+        assert_eq!(axis(-1.0, -1e-300), FRAC_PI_2);
+    }
+}

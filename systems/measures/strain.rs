@@ -1,0 +1,208 @@
+//! Strains: of distances, of the particles in a region, and the angle of dilation.
+
+use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemParam;
+use glam::DVec2;
+
+use clastic_components::attempt::{Attempt, IncrementStatus};
+use clastic_components::body::{BodyId, Position};
+use clastic_components::cell::PeriodicCell;
+use clastic_components::measure::{NamedMeasures, Quantity, StrainPath, StrainReference};
+use clastic_components::membrane::MembraneShape;
+use clastic_components::observation::{Measures, Observation, StrainComponent, StrainMeasure};
+use clastic_components::particle::Particle;
+use clastic_components::wall::Wall;
+
+use super::principal::Principal;
+use crate::control_walls::wall_distance;
+use crate::mean_field::MeanField;
+use crate::state::StateOf;
+
+/// Where bodies are, and where the particles were at the start of the reference stage.
+#[derive(SystemParam)]
+pub struct StrainTables<'w, 's> {
+    walls: Query<'w, 's, (&'static Wall, &'static Position)>,
+    particles: Query<'w, 's, (&'static BodyId, &'static Position), With<Particle>>,
+    membranes: Query<'w, 's, &'static MembraneShape>,
+    cell: Option<Res<'w, PeriodicCell>>,
+    start: Option<Res<'w, StrainReference>>,
+}
+
+impl StrainTables<'_, '_> {
+    /// Current value of the distance of a strain measure, m; of a shear of the periodic cell the
+    /// strain itself. `None` for one that compares no distance, or whose bodies are not all there.
+    #[must_use]
+    pub fn distance(&self, measure: &StrainMeasure) -> Option<f64> {
+        match *measure {
+            StrainMeasure::Walls(a, b) => self.between(a, b),
+            StrainMeasure::Particles(a, b) => {
+                let place = |particle| self.particles.get(particle).ok().map(|(_, x)| x.0);
+                Some(place(a)?.distance(place(b)?))
+            }
+            StrainMeasure::Membrane(membrane) => self.membranes.get(membrane).ok()?.width(),
+            StrainMeasure::CellWidth => Some(self.cell.as_ref()?.width),
+            StrainMeasure::CellHeight => Some(self.cell.as_ref()?.height),
+            StrainMeasure::CellShear => Some(self.cell.as_ref()?.shear),
+            StrainMeasure::Region { .. } => None,
+        }
+    }
+
+    /// Centres of the particles in the order of identities, m.
+    fn places(&self) -> Vec<(BodyId, DVec2)> {
+        let mut places: Vec<_> = self.particles.iter().map(|(id, x)| (*id, x.0)).collect();
+        places.sort_unstable_by_key(|(id, _)| *id);
+        places
+    }
+
+    /// Distance of two walls, m. Between walls of which one is gone there is no distance.
+    #[must_use]
+    pub fn between(&self, a: Entity, b: Entity) -> Option<f64> {
+        let there = self.walls.contains(a) && self.walls.contains(b);
+        there.then(|| wall_distance(a, b, &self.walls))
+    }
+
+    /// A strain, with the distance at the start of the reference stage if it compares one.
+    #[must_use]
+    pub fn strain(&self, measure: &StrainMeasure, reference: Option<f64>) -> Option<f64> {
+        let StrainMeasure::Region { component, min, max } = *measure else {
+            let (then, now) = (reference?, self.distance(measure)?);
+            return Some(match measure {
+                StrainMeasure::CellShear => now - then,
+                _ => (then - now) / then,
+            });
+        };
+        let start = self.start.as_ref()?;
+        let now = self.places();
+        let inside = |x: DVec2| x.cmpge(min).all() && x.cmple(max).all();
+        let (mut places, mut motions) = (Vec::new(), Vec::new());
+        for (id, place) in start.0.iter().filter(|(_, place)| inside(*place)) {
+            if let Ok(k) = now.binary_search_by_key(id, |(id, _)| *id) {
+                places.push(*place);
+                motions.push(now[k].1 - *place);
+            }
+        }
+        let field = MeanField::affine(&places, &motions)?;
+        let (xx, yy) = (-field.along_x.x, -field.along_y.y);
+        let xy = -0.5 * (field.along_x.y + field.along_y.x);
+        Some(match component {
+            StrainComponent::Xx => xx,
+            StrainComponent::Yy => yy,
+            StrainComponent::Xy => xy,
+            StrainComponent::Major => Principal::of(xx, yy, xy).major,
+            StrainComponent::Minor => Principal::of(xx, yy, xy).minor,
+            StrainComponent::Volumetric => xx + yy,
+            StrainComponent::Rotation => 0.5 * (field.along_x.y - field.along_y.x),
+        })
+    }
+}
+
+/// Sets distances and places at the start of the reference stage. The stages run it once.
+pub fn take_reference(
+    tables: StrainTables,
+    mut measures: ResMut<Measures>,
+    mut named: ResMut<NamedMeasures>,
+    path: Option<ResMut<StrainPath>>,
+    mut commands: Commands,
+) {
+    let of =
+        |m: &Option<StrainMeasure>| m.as_ref().and_then(|m| tables.distance(m)).unwrap_or(f64::NAN);
+    measures.reference = Some([of(&measures.axial_strain), of(&measures.lateral_strain)]);
+    let distance = |quantity: &Option<Quantity>| match quantity {
+        Some(Quantity::Strain(m)) => tables.distance(m),
+        _ => None,
+    };
+    named.references = named.list.iter().map(|(_, quantity)| distance(quantity)).collect();
+    if let Some(mut path) = path {
+        path.0 = vec![[0.0; 2]];
+    }
+    if tables.start.is_some() {
+        commands.insert_resource(StrainReference(tables.places()));
+    }
+}
+
+/// Keeps the strains that angles of dilation are taken over.
+pub fn follow_path(
+    named: Res<NamedMeasures>,
+    attempt: Res<Attempt>,
+    observation: Res<Observation>,
+    path: Option<ResMut<StrainPath>>,
+) {
+    let Some(mut path) = path else { return };
+    let committed = matches!(attempt.status, IncrementStatus::Solved | IncrementStatus::Capped);
+    let strains = (observation.axial_strain, observation.lateral_strain);
+    let (true, (Some(axial), Some(lateral))) = (committed, strains) else { return };
+    path.0.push([axial, lateral]);
+    let over = named.list.iter().filter_map(|(_, quantity)| match quantity {
+        Some(Quantity::DilationAngle { over }) => Some(*over),
+        _ => None,
+    });
+    let over = over.fold(0.0, f64::max);
+    let kept = start_of(&path.0, over).unwrap_or(0);
+    path.0.drain(..kept);
+}
+
+/// Index of the last entry from which the axial strain has changed by at least `over`, so that the
+/// last increment is not over a shorter way; `None` if it has not changed so far.
+fn start_of(path: &[[f64; 2]], over: f64) -> Option<usize> {
+    let (last, before) = path.split_last()?;
+    // Strains are sums over increments: round-off must not lengthen the way by an increment.
+    let far = |point: &[f64; 2]| (last[0] - point[0]).abs() >= over * (1.0 - 1e-9);
+    before.iter().rposition(far)
+}
+
+/// Angle of dilation at the end of a path of axial and lateral strains, rad; `None` before the
+/// axial strain has changed by `over`, and where the two strains change alike: then nothing is
+/// sheared.
+#[must_use]
+pub fn dilation_angle(path: &[[f64; 2]], over: f64) -> Option<f64> {
+    let (from, to) = (path[start_of(path, over)?], path.last()?);
+    let change = |k: usize| -((1.0 - to[k]) / (1.0 - from[k])).ln();
+    let (axial, lateral) = (change(0), change(1));
+    let sine = -(axial + lateral) / (axial - lateral).abs();
+    (sine.abs() <= 1.0).then(|| sine.asin())
+}
+
+/// What [`StrainReference`] and [`StrainPath`] leave in a state: nothing without such measures.
+macro_rules! state_if_there {
+    ($($what:ty),*) => {$(
+        impl StateOf for $what {
+            fn take(world: &mut World) -> Option<Self> {
+                world.get_resource::<Self>().cloned()
+            }
+
+            fn put(self, world: &mut World) {
+                world.insert_resource(self);
+            }
+        }
+    )*};
+}
+state_if_there!(StrainReference, StrainPath, clastic_components::measure::CrackSums);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_angle_of_dilation_is_that_of_a_slope() {
+        // A block that slides at psi over a plane at 45 + psi / 2 degrees: e_a + e_l over
+        // e_a - e_l is -sin psi in every increment, small or large.
+        let psi = 0.2_f64;
+        let ratio = (1.0 + psi.sin()) / (1.0 - psi.sin());
+        let strains = |n: usize| (0..=n).map(|k| 1e-3 * k as f64);
+        let path: Vec<_> =
+            strains(20).map(|e| [1.0 - (-e).exp(), 1.0 - (ratio * e).exp()]).collect();
+        for over in [0.0, 0.002, 0.015] {
+            let found = dilation_angle(&path, over).unwrap();
+            assert!((found - psi).abs() < 1e-12, "{over}: {found}");
+        }
+        assert_eq!(dilation_angle(&path, 0.03), None);
+        // Extension, with the signs of the other axis.
+        let turned: Vec<_> = path.iter().map(|[a, l]| [*l, *a]).collect();
+        assert!((dilation_angle(&turned, 0.0).unwrap() - psi).abs() < 1e-12);
+        // At constant volume, and without shear.
+        let constant = [[0.0, 0.0], [0.01, 1.0 - 1.0 / 0.99]];
+        assert!(dilation_angle(&constant, 0.0).unwrap().abs() < 1e-14);
+        assert_eq!(dilation_angle(&[[0.0, 0.0], [0.01, 0.01]], 0.0), None);
+        assert_eq!(dilation_angle(&[[0.0, 0.0]], 0.0), None);
+    }
+}
