@@ -4,7 +4,7 @@ use bevy_app::{App, Plugin};
 
 use clastic_components::{
     attempt, body, bond, contact, energy, findings, identity, increment, loads, material, measure,
-    observation, particle, rigid_group, wall, wall_shape,
+    membrane, observation, particle, rigid_group, wall, wall_shape,
 };
 use clastic_cone::program;
 
