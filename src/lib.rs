@@ -41,6 +41,7 @@ pub use clastic_systems as systems;
 
 #[cfg(feature = "cli")]
 pub mod cli;
+#[cfg(feature = "export")]
 pub mod export;
 pub mod figures;
 pub mod frames;
