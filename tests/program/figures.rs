@@ -46,7 +46,7 @@ const CONTENT: [(&str, &[&str]); 20] = [
     ("crack-rose", &["number of cracks by direction", "in shear", "90°"]),
     ("contact-rose", &["contacts by direction of the normal", "a cos 2(t - t_a)"]),
     ("force-rose", &["mean normal force by direction", "a_n cos 2(t - t_n)"]),
-    ("localisation", &["(a) peak", "(b) end", "(c) layers", "(d) rotation", "since the peak"]),
+    ("localisation", &["(a) peak", "(b) end", "(c) layers", "(d) rotation", "since the"]),
 ];
 
 #[test]
