@@ -11,7 +11,8 @@ use serde::{Deserialize, Serialize};
 ///
 /// Particles are never put back into the cell: a contact is between a particle and the nearest image
 /// of another, which is the only one within reach (a cell is at least twice as wide and as high as a
-/// contact is long). The shift of that image follows from the places of both and needs no memory.
+/// contact is long). The positions of the two disks give the shift of that image, so that it
+/// is not stored.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct PeriodicCell {
