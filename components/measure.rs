@@ -94,17 +94,87 @@ pub enum Quantity {
         /// The value.
         value: MembraneValue,
     },
+    /// Key result of the run so far, as if it ended here.
+    KeyResult(KeyResult),
     /// Time, s.
     Time,
     /// The value that a plugin provides under this name.
     Custom(String),
 }
 
+/// Key result of a run, as `run.json` has it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub enum KeyResult {
+    /// Tangent modulus at the start of the reference stage, Pa.
+    YoungsModulus,
+    /// Secant modulus up to half the peak, Pa.
+    SecantModulus,
+    /// Poisson's ratio in the plane.
+    PoissonsRatio,
+    /// Axial stress at its peak so far, Pa.
+    PeakStress,
+    /// Axial strain there.
+    StrainAtPeak,
+    /// Axial stress at the peak, once it is passed, Pa.
+    Strength,
+    /// Axial stress far beyond the peak, where it is level, Pa.
+    ResidualStrength,
+    /// Friction angle at the strength, rad.
+    FrictionAngle,
+    /// Axial stress before the first collapse, Pa.
+    LimitLoad,
+    /// Axial stress where the first bond broke, Pa.
+    FirstCrack,
+    /// Axial stress where a hundredth of the bonds that are broken at the strength had broken, Pa.
+    CrackInitiation,
+    /// Axial stress where the volume is at its minimum before the strength, Pa.
+    CrackDamage,
+}
+
+impl KeyResult {
+    /// All of them.
+    pub const ALL: [Self; 12] = [
+        Self::YoungsModulus,
+        Self::SecantModulus,
+        Self::PoissonsRatio,
+        Self::PeakStress,
+        Self::StrainAtPeak,
+        Self::Strength,
+        Self::ResidualStrength,
+        Self::FrictionAngle,
+        Self::LimitLoad,
+        Self::FirstCrack,
+        Self::CrackInitiation,
+        Self::CrackDamage,
+    ];
+
+    /// Name in `run.json`.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::YoungsModulus => "youngs_modulus_pa",
+            Self::SecantModulus => "youngs_modulus_secant_half_peak_pa",
+            Self::PoissonsRatio => "poissons_ratio",
+            Self::PeakStress => "peak_stress_pa",
+            Self::StrainAtPeak => "strain_at_peak",
+            Self::Strength => "strength_pa",
+            Self::ResidualStrength => "residual_strength_pa",
+            Self::FrictionAngle => "friction_angle_rad",
+            Self::LimitLoad => "limit_load_pa",
+            Self::FirstCrack => "first_crack_stress_pa",
+            Self::CrackInitiation => "crack_initiation_stress_pa",
+            Self::CrackDamage => "crack_damage_stress_pa",
+        }
+    }
+}
+
 /// Component of the force of a wall.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum ForceComponent {
     /// Along the inward normal: positive where the wall presses.
+    #[default]
     Normal,
     /// Along the way from start to end.
     Tangent,
@@ -115,7 +185,7 @@ pub enum ForceComponent {
 }
 
 /// Component of a fabric tensor `F = mean of n (x) n` over contacts with unit normals n.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum FabricComponent {
     /// F_xx.
@@ -134,10 +204,11 @@ pub enum FabricComponent {
 }
 
 /// Contacts that count.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum Network {
     /// All that carry force.
+    #[default]
     All,
     /// Those whose normal force has a magnitude above the mean magnitude (Radjai et al. 1998, Phys.
     /// Rev. Lett. 80, 61-64).
@@ -145,7 +216,7 @@ pub enum Network {
 }
 
 /// What of the fragments.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum FragmentPart {
     /// Their number.
@@ -159,7 +230,7 @@ pub enum FragmentPart {
 }
 
 /// What of the cracks.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum CrackPart {
     /// Sum of their lengths, m.
@@ -172,7 +243,7 @@ pub enum CrackPart {
 }
 
 /// Term of the [`EnergyLedger`](crate::energy::EnergyLedger).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum EnergyTerm {
     /// Work of walls, imposed motion and loads.
@@ -230,7 +301,7 @@ pub struct CrackSum {
 }
 
 /// Value of a membrane.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum MembraneValue {
     /// Number of grains in its chains.

@@ -40,7 +40,7 @@ pub enum StrainMeasure {
 }
 
 /// Component of a strain `-(H + H^T) / 2`, or of the rotation that belongs to it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum StrainComponent {
     /// `-du_x/dx`.
@@ -117,7 +117,7 @@ pub enum MeasureArea {
 }
 
 /// Component of a plane stress tensor.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum StressComponent {
     /// sigma_xx.

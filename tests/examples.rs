@@ -42,6 +42,7 @@ macro_rules! examples {
 
 examples! {
     custom_measure in "../examples/custom_measure.rs"
+    custom_membrane in "../examples/custom_membrane.rs"
     custom_rupture_rule in "../examples/custom_rupture_rule.rs"
     custom_stage in "../examples/custom_stage.rs"
     custom_wall in "../examples/custom_wall.rs"

@@ -97,7 +97,6 @@ scenes! {
     ];
     oedometer: "oedometer", COMPLETES, &[
         ("porosity", 0.21),
-        ("youngs_modulus_secant_half_peak_pa", 21517121.96147945),
         ("peak_stress_pa", 400.0e3),
         ("strain_at_peak", 0.016146922401426796),
     ];

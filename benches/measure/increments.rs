@@ -6,8 +6,8 @@ use clastic::components::increment::Progress;
 use clastic::components::observation::Observation;
 use clastic::components::wall::WallName;
 use clastic::output::frames::specimen_rows;
-use clastic::output::key_results::{KeyResults, Phase};
 use clastic::output::plots::chart::{Chart, Line};
+use clastic::run::key_results::{KeyResults, Phase};
 use clastic::run::{Outcome, Simulation, Step};
 use clastic::scene::format::{
     Compact, CompactRest, CompactTarget, RuptureOrder, Scene, Sizes, Specimen, Stage,

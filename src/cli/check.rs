@@ -3,6 +3,7 @@
 use bevy_app::App;
 
 use crate::run::minerals::specimen;
+use crate::run::sanity::before;
 use crate::scene::load_with;
 use crate::scene::one_round::one_round;
 use crate::scene::shown::label;
@@ -41,6 +42,13 @@ pub fn check(args: &CheckArgs, app: &App) -> Result<Exit, Failure> {
     ))?;
     if let Some(reason) = one_round(scene) {
         say(format_args!("note: {}", in_one_round(&reason)))?;
+    }
+    let sanity = before(scene, loaded.specimen.as_ref());
+    if !sanity.line().is_empty() {
+        say(format_args!("estimate: {}", sanity.line()))?;
+    }
+    for warning in &sanity.warnings {
+        say(format_args!("WARNING: {warning}"))?;
     }
     Ok(Exit::Ok)
 }

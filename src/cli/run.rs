@@ -12,6 +12,7 @@ use crate::output::prepared::PreparedSpecimen;
 use crate::output::{
     self, Ending, OutputError, OutputFailure, OutputPlugin, RunDirectory, RunOptions,
 };
+use crate::run::sanity::Sanity;
 use crate::run::stages::Script;
 use crate::run::{Outcome, Simulation, Step};
 use crate::scene::format::Stage;
@@ -113,6 +114,7 @@ pub fn to_the_end(
         increment: increments,
         script,
         results: &results,
+        sanity: &simulation.world().resource::<Sanity>().report(&script.scene),
         specimen: simulation.world().resource::<PreparedSpecimen>().written.as_deref(),
         directory,
     });

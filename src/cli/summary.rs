@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
-use crate::output::key_results::{PEAK_ERROR, RIGID};
-use crate::output::{Ending, Results};
+use crate::output::Ending;
+use crate::run::key_results::{PEAK_ERROR, RIGID, Results};
+use crate::run::sanity::Report;
 use crate::run::stages::Script;
 use crate::run::{Collapse, Outcome, StageEnd};
 use crate::scene::one_round::one_round;
@@ -19,6 +20,8 @@ pub struct Summary<'a> {
     pub script: &'a Script,
     /// Key results of the run.
     pub results: &'a Results,
+    /// Physical sanity of the test.
+    pub sanity: &'a Report,
     /// Moment of `specimen.csv`, if the file exists.
     pub specimen: Option<&'a str>,
     /// Directory of the results.
@@ -27,7 +30,7 @@ pub struct Summary<'a> {
 
 /// Text of the summary: how the run ended, key results, directory.
 pub fn summary(of: &Summary) -> String {
-    let Summary { ending, increment, script, results, specimen, directory } = *of;
+    let Summary { ending, increment, script, results, sanity, specimen, directory } = *of;
     let outcome = match ending {
         Ending::Interrupted => format!(
             "interrupted after increment {increment}; `clastic resume {}` goes on",
@@ -88,9 +91,13 @@ pub fn summary(of: &Summary) -> String {
     let reason = has_bonds.then(|| one_round(&script.scene)).flatten();
     lines.extend(reason.map(|reason| format!("note: {}", in_one_round(&reason))));
     lines.extend(peak_error(results));
+    lines.extend(sanity.warnings.iter().map(|warning| format!("WARNING: {warning}")));
     lines.extend(not_defined(script, ending, results));
     if !parts.is_empty() {
         lines.push(parts.join("; "));
+    }
+    if !sanity.line().is_empty() {
+        lines.push(sanity.line());
     }
     if let Some(moment) = specimen {
         lines.push(format!(
@@ -195,8 +202,8 @@ pub fn stress(pascals: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use crate::output::key_results::KeyResults;
     use crate::run::EndedBy;
+    use crate::run::key_results::KeyResults;
     use crate::scene::format::Stop;
     use crate::scene::from_str;
 
@@ -234,6 +241,7 @@ mod tests {
             increment: 35,
             script: &script,
             results,
+            sanity: &Report::default(),
             specimen: None,
             directory: Path::new("runs/tension"),
         })

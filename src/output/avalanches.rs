@@ -19,8 +19,8 @@ use clastic_systems::measures::elastic_energy;
 
 use super::OutputError;
 use super::csv_file::Row;
-use super::key_results::KeyResults;
 use super::run_directory::RunDirectory;
+use crate::run::key_results::KeyResults;
 
 /// Columns.
 pub const COLUMNS: [&str; 12] = [

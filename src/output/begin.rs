@@ -13,7 +13,6 @@ use super::avalanches::{self, CurrentAvalanche};
 use super::checkpoint::{Checkpoint, WHOLE};
 use super::csv_file::CsvFile;
 use super::frames::{self, FrameMoments};
-use super::key_results::KeyResults;
 use super::prepared::{Prepared, PreparedSpecimen};
 use super::run_directory::{RunDirectory, RunOptions, Tables};
 use super::run_record::{CLASTIC_VERSION, Resumed, RunFacts, RunRecord};
@@ -21,13 +20,14 @@ use super::save::save;
 use super::snapshot::Moments;
 use super::wanted::Wanted;
 use super::{OutputError, ResumeError, directory, events, history, names, plots, states, timings};
+use crate::run::key_results::KeyResults;
 use crate::run::stages::Script;
 use crate::scene::LoadedScene;
 use crate::scene::format::Scene;
 
 /// Begins the output of a scene. `world` is the state before the first stage, and has
 /// [`OutputPlugin`](super::OutputPlugin). Inserts [`RunDirectory`] and the resources that follow
-/// the run: [`KeyResults`], [`Moments`], [`PreparedSpecimen`], [`CurrentAvalanche`].
+/// the run: [`Moments`], [`PreparedSpecimen`], [`CurrentAvalanche`].
 ///
 /// ```
 /// use clastic::output::{self, Ending, OutputPlugin, RunOptions};
@@ -79,7 +79,6 @@ pub fn begin(
     // A world without increments has no tables yet. Gathering them does not change the run.
     let _ = world.run_system_cached(gather_bodies);
     let prepared = Prepared::take(world);
-    world.insert_resource(KeyResults::of_scene(&loaded.scene));
     world.insert_resource(Moments {
         are_drawn: loaded.scene.output.plots && plots::DRAWN,
         start: prepared.snapshot.clone(),

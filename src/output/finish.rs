@@ -7,13 +7,14 @@ use clastic_components::observation::Observation;
 
 use super::avalanches::CurrentAvalanche;
 use super::caption::caption;
-use super::key_results::{KeyResults, Results};
 use super::prepared::PreparedSpecimen;
 use super::run_directory::RunDirectory;
 use super::run_record::OutcomeRecord;
 use super::save::{save, save_the_end};
 use super::snapshot::{Moments, Snapshot};
 use super::{OutputError, directory, frames, names, plots, states};
+use crate::run::key_results::{KeyResults, Results};
+use crate::run::sanity::Sanity;
 use crate::run::stages::Script;
 use crate::run::{Outcome, StageEnd};
 
@@ -104,6 +105,7 @@ fn write_record(
         let warnings: Vec<_> = record.stages.iter().filter_map(StageEnd::warning).collect();
         record.outcome.message = Some(warnings.join("; ")).filter(|m| !m.is_empty());
     }
+    record.sanity = world.resource::<Sanity>().report(&world.resource::<Script>().scene);
     record.results = results.clone();
     record.write(&path)
 }

@@ -12,10 +12,10 @@ use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use super::atomic::write_atomic;
 use super::csv_file::Row;
-use super::key_results::{KeyResults, MechanismRecord};
 use super::run_directory::RunDirectory;
 use super::snapshot::{Moments, Scenery};
 use super::{OutputError, directory, plots};
+use crate::run::key_results::{KeyResults, MechanismRecord};
 use crate::run::stages::Script;
 
 /// Columns. Displacements are divided by the maximum motion and therefore dimensionless. Rotations

@@ -46,9 +46,9 @@ pub mod events;
 mod finish;
 pub mod frames;
 pub mod history;
-pub mod key_results;
 pub mod mechanism;
 mod names;
+mod peak;
 pub mod plots;
 mod plugin;
 pub mod porosity;
@@ -67,7 +67,6 @@ pub use begin::{begin, resume};
 pub use checkpoint::Checkpoint;
 pub use error::{OutputError, ResumeError};
 pub use finish::{Ending, finish};
-pub use key_results::{KeyResults, Results};
 pub use plugin::{OutputFailure, OutputPlugin};
 pub use run_directory::{RunDirectory, RunOptions};
 

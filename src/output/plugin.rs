@@ -7,12 +7,12 @@ use clastic_systems::state::RegisterState;
 use clastic_systems::stepping::{Advance, AdvanceSystems, Halted};
 
 use super::avalanches::{self, CurrentAvalanche};
-use super::key_results::{KeyResults, observe_increment};
 use super::prepared::{self, PreparedSpecimen};
 use super::run_directory::RunDirectory;
-use super::save::{is_checkpoint_due, is_undecided, save};
+use super::save::{is_checkpoint_due, save};
 use super::snapshot::Moments;
-use super::{OutputError, dump, events, frames, history, mechanism, states, timings, wanted};
+use super::{OutputError, dump, events, frames, history, mechanism, peak, states, timings, wanted};
+use crate::run::key_results::{is_undecided, observe_increment};
 use crate::run::save::SavedStates;
 
 /// Writes the results of every increment. Its systems run after the stop conditions, so that the
@@ -30,8 +30,7 @@ pub struct OutputFailure(pub OutputError);
 
 impl Plugin for OutputPlugin {
     fn build(&self, app: &mut App) {
-        app.register_resource::<KeyResults>("output.key_results")
-            .register_resource::<Moments>("output.snapshots")
+        app.register_resource::<Moments>("output.snapshots")
             .register_resource::<PreparedSpecimen>("output.specimen")
             .register_resource::<CurrentAvalanche>("output.avalanche")
             .add_systems(
@@ -47,7 +46,7 @@ impl Plugin for OutputPlugin {
                     avalanches::write_ended.pipe(halt),
                     history::write_wanted.pipe(halt),
                     (prepared::prepare.pipe(halt), frames::write_start.pipe(halt)).chain(),
-                    observe_increment,
+                    (observe_increment.run_if(is_undecided), peak::take).chain(),
                     mechanism::write_first.pipe(halt),
                     frames::write_wanted.pipe(halt),
                     dump::write_if_asked.pipe(halt),

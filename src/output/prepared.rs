@@ -10,10 +10,10 @@ use clastic_components::material::Materials;
 use clastic_components::observation::{Measures, Observation};
 use clastic_components::wall::Wall;
 
-use super::key_results::KeyResults;
 use super::run_directory::RunDirectory;
 use super::snapshot::{Moments, Scenery, Snapshot};
 use super::{OutputError, directory, frames, porosity};
+use crate::run::key_results::KeyResults;
 use crate::run::stages::Script;
 use crate::scene::StoredParticle;
 use crate::scene::format::Stage;

@@ -8,7 +8,8 @@ use sha2::{Digest, Sha256};
 
 use super::OutputError;
 use super::atomic::write_atomic;
-use super::key_results::Results;
+use crate::run::key_results::Results;
+use crate::run::sanity::Report;
 use crate::run::{Collapse, CollapsedBy, Outcome, StageEnd};
 use crate::scene::LoadedScene;
 use crate::scene::files::read_at_most;
@@ -45,6 +46,8 @@ pub struct RunRecord {
     pub capped_increments: u64,
     /// Moment of `specimen.csv`; `None` if the file does not exist.
     pub specimen_csv: Option<String>,
+    /// Physical sanity of the test.
+    pub sanity: Report,
     /// Key results.
     pub results: Results,
     conventions: Conventions,
@@ -221,6 +224,7 @@ impl RunRecord {
             increments: 0,
             capped_increments: 0,
             specimen_csv: None,
+            sanity: Report::default(),
             results: Results::default(),
             conventions: CONVENTIONS,
         }

@@ -5,7 +5,6 @@ use std::time::Instant;
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::attempt::IncrementStatus;
 use clastic_components::increment::Progress;
 use clastic_components::observation::Observation;
 use clastic_systems::schedule::PROGRESS;
@@ -13,11 +12,6 @@ use clastic_systems::schedule::PROGRESS;
 use super::run_directory::RunDirectory;
 use super::{OutputError, frames, names};
 use crate::run::state::{StateError, WorldState, capture};
-
-/// Run condition: the increment is undecided.
-pub fn is_undecided(observation: Res<Observation>) -> bool {
-    observation.status == IncrementStatus::Undecided
-}
 
 /// Run condition: a checkpoint is due.
 pub fn is_checkpoint_due(observation: Res<Observation>, run: Res<RunDirectory>) -> bool {

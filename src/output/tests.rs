@@ -10,6 +10,7 @@ use clastic_cone::program::SolveStatus;
 use clastic_cone::solver::ConeSolver;
 
 use super::*;
+use crate::run::key_results::Results;
 use crate::run::{Simulation, Step};
 use crate::scene::from_str;
 

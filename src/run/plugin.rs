@@ -14,7 +14,11 @@ use clastic_systems::stepping::{Advance, AdvanceSystems, is_due};
 
 use super::before::{Before, take_down};
 use super::group_members::{GROUP_MEMBERS, GroupMembers, are_measured, begin_increment};
+use super::key_results::{
+    KEY_RESULTS, KeyResults, is_undecided, observe_increment, read_key_results,
+};
 use super::measures::{MeasureKinds, read_custom};
+use super::sanity::{self, SANITY, Sanity};
 use super::script::Script;
 use super::stages::{CurrentStage, begin_built_in, change_stages, end_built_in};
 use super::state::{
@@ -141,6 +145,8 @@ impl Plugin for ScenePlugin {
             .register_resource::<GroupMembers>(GROUP_MEMBERS)
             .register_state::<ScriptState>(SCRIPT)
             .register_state::<Approach>(APPROACH)
+            .register_resource::<KeyResults>(KEY_RESULTS)
+            .register_resource::<Sanity>(SANITY)
             .init_resource::<StageKinds>()
             .init_resource::<MeasureKinds>()
             .init_resource::<Before>()
@@ -158,8 +164,17 @@ impl Plugin for ScenePlugin {
                         .chain()
                         .in_set(AdvanceSystems::Begin)
                         .run_if(runs_scene),
+                    (observe_increment, sanity::follow)
+                        .run_if(runs_scene)
+                        .run_if(not(is_undecided))
+                        .in_set(AdvanceSystems::End)
+                        .before(StageSystems::Stop),
                     // Measures are read after all systems of plugins that come before `Stop`.
-                    (read_custom.run_if(measures_of_plugins), end_increment.run_if(runs_scene))
+                    (
+                        read_key_results.run_if(runs_scene),
+                        read_custom.run_if(measures_of_plugins),
+                        end_increment.run_if(runs_scene),
+                    )
                         .chain()
                         .in_set(AdvanceSystems::End)
                         .after(StageSystems::Stop),

@@ -5,12 +5,10 @@ use bevy_ecs::prelude::*;
 use clastic_components::body::BodyId;
 use clastic_components::bond::RuptureMode;
 use clastic_components::measure::{
-    CrackPart, CrackSums, EnergyTerm, FabricComponent, ForceComponent, FragmentPart, MembraneValue,
-    NamedMeasures, Network, Quantity, StrainPath, StrainReference,
+    CrackSums, NamedMeasures, Quantity, StrainPath, StrainReference,
 };
 use clastic_components::observation::{
-    MeasureArea, MeasureLength, Measures, StrainComponent, StrainMeasure, StressComponent,
-    StressMeasure,
+    MeasureArea, MeasureLength, Measures, StrainMeasure, StressMeasure,
 };
 use clastic_components::particle::Particle;
 
@@ -88,19 +86,9 @@ fn strain(world: &mut World, measure: &scene::Strain) -> Option<StrainMeasure> {
         scene::Strain::Cell(scene::CellStrain::Width) => StrainMeasure::CellWidth,
         scene::Strain::Cell(scene::CellStrain::Height) => StrainMeasure::CellHeight,
         scene::Strain::Cell(scene::CellStrain::Shear) => StrainMeasure::CellShear,
-        scene::Strain::Region { component, min, max } => StrainMeasure::Region {
-            component: match component {
-                scene::StrainComponent::Xx => StrainComponent::Xx,
-                scene::StrainComponent::Yy => StrainComponent::Yy,
-                scene::StrainComponent::Xy => StrainComponent::Xy,
-                scene::StrainComponent::Major => StrainComponent::Major,
-                scene::StrainComponent::Minor => StrainComponent::Minor,
-                scene::StrainComponent::Volumetric => StrainComponent::Volumetric,
-                scene::StrainComponent::Rotation => StrainComponent::Rotation,
-            },
-            min: (*min).into(),
-            max: (*max).into(),
-        },
+        scene::Strain::Region { component, min, max } => {
+            StrainMeasure::Region { component: *component, min: (*min).into(), max: (*max).into() }
+        }
     })
 }
 
@@ -129,54 +117,24 @@ fn quantity(world: &mut World, name: &str, of: &scene::Quantity) -> Option<Quant
         scene::Quantity::BrokenShare(modes) => Quantity::Broken { mode: mode(*modes), share: true },
         scene::Quantity::VolumetricStrain => Quantity::VolumetricStrain,
         scene::Quantity::DilationAngle { over } => Quantity::DilationAngle { over: *over },
-        scene::Quantity::Fabric { component, network } => Quantity::Fabric {
-            component: match component {
-                scene::FabricComponent::Xx => FabricComponent::Xx,
-                scene::FabricComponent::Yy => FabricComponent::Yy,
-                scene::FabricComponent::Xy => FabricComponent::Xy,
-                scene::FabricComponent::Anisotropy => FabricComponent::Anisotropy,
-                scene::FabricComponent::Direction => FabricComponent::Direction,
-            },
-            network: match network {
-                scene::Network::All => Network::All,
-                scene::Network::Strong => Network::Strong,
-            },
-        },
-        scene::Quantity::Fragments(part) => Quantity::Fragments(match part {
-            scene::Fragments::Number => FragmentPart::Number,
-            scene::Fragments::Largest => FragmentPart::Largest,
-            scene::Fragments::LargestShare => FragmentPart::LargestShare,
-            scene::Fragments::Single => FragmentPart::Single,
-        }),
-        scene::Quantity::Cracks { part, mode: modes } => Quantity::Cracks {
-            mode: mode(*modes),
-            part: match part {
-                scene::Cracks::Length => CrackPart::Length,
-                scene::Cracks::Direction => CrackPart::Direction,
-                scene::Cracks::Alignment => CrackPart::Alignment,
-            },
-        },
-        scene::Quantity::Energy(term) => Quantity::Energy(energy(*term)),
+        scene::Quantity::Fabric { component, network } => {
+            Quantity::Fabric { component: *component, network: *network }
+        }
+        scene::Quantity::Fragments(part) => Quantity::Fragments(*part),
+        scene::Quantity::Cracks { part, mode: modes } => {
+            Quantity::Cracks { mode: mode(*modes), part: *part }
+        }
+        scene::Quantity::Energy(term) => Quantity::Energy(*term),
         scene::Quantity::KineticEnergy => Quantity::KineticEnergy,
         scene::Quantity::ElasticEnergy => Quantity::ElasticEnergy,
         scene::Quantity::KineticOverElastic => Quantity::KineticOverElastic,
-        scene::Quantity::WallForce { wall, along } => Quantity::WallForce {
-            wall: find_wall(world, wall)?,
-            along: match along {
-                scene::Along::Normal => ForceComponent::Normal,
-                scene::Along::Tangent => ForceComponent::Tangent,
-                scene::Along::X => ForceComponent::X,
-                scene::Along::Y => ForceComponent::Y,
-            },
-        },
-        scene::Quantity::Membrane { membrane, value } => Quantity::Membrane {
-            membrane: find_membrane(world, membrane)?,
-            value: match value {
-                scene::MembraneValue::Grains => MembraneValue::Grains,
-                scene::MembraneValue::Area => MembraneValue::Area,
-                scene::MembraneValue::Width => MembraneValue::Width,
-            },
-        },
+        scene::Quantity::WallForce { wall, along } => {
+            Quantity::WallForce { wall: find_wall(world, wall)?, along: *along }
+        }
+        scene::Quantity::Membrane { membrane, value } => {
+            Quantity::Membrane { membrane: find_membrane(world, membrane)?, value: *value }
+        }
+        scene::Quantity::KeyResult(key) => Quantity::KeyResult(*key),
         scene::Quantity::Time => Quantity::Time,
         scene::Quantity::Custom(name) => Quantity::Custom(name.clone()),
     })
@@ -188,23 +146,6 @@ fn mode(modes: scene::Modes) -> Option<RuptureMode> {
         scene::Modes::Tension => Some(RuptureMode::Tension),
         scene::Modes::Shear => Some(RuptureMode::Shear),
         scene::Modes::Rolling => Some(RuptureMode::Rolling),
-    }
-}
-
-fn energy(term: scene::Energy) -> EnergyTerm {
-    match term {
-        scene::Energy::External => EnergyTerm::External,
-        scene::Energy::Gravity => EnergyTerm::Gravity,
-        scene::Energy::Kinetic => EnergyTerm::Kinetic,
-        scene::Energy::Friction => EnergyTerm::Friction,
-        scene::Energy::Rolling => EnergyTerm::Rolling,
-        scene::Energy::Dilation => EnergyTerm::Dilation,
-        scene::Energy::Collision => EnergyTerm::Collision,
-        scene::Energy::Rupture => EnergyTerm::Rupture,
-        scene::Energy::Motion => EnergyTerm::Motion,
-        scene::Energy::Turning => EnergyTerm::Turning,
-        scene::Energy::Numerical => EnergyTerm::Numerical,
-        scene::Energy::Error => EnergyTerm::Error,
     }
 }
 
@@ -222,18 +163,6 @@ fn area(world: &mut World, area: &scene::Area) -> Option<MeasureArea> {
     })
 }
 
-fn component(component: scene::Component) -> StressComponent {
-    match component {
-        scene::Component::Xx => StressComponent::Xx,
-        scene::Component::Yy => StressComponent::Yy,
-        scene::Component::Xy => StressComponent::Xy,
-        scene::Component::Mean => StressComponent::Mean,
-        scene::Component::Major => StressComponent::Major,
-        scene::Component::Minor => StressComponent::Minor,
-        scene::Component::Shear => StressComponent::Shear,
-    }
-}
-
 fn stress(world: &mut World, measure: &scene::Stress) -> Option<StressMeasure> {
     Some(match measure {
         scene::Stress::Walls { walls, length } => StressMeasure::Walls {
@@ -249,13 +178,11 @@ fn stress(world: &mut World, measure: &scene::Stress) -> Option<StressMeasure> {
             },
         },
         scene::Stress::Average { component: of, area: over } => {
-            StressMeasure::Average { component: component(*of), area: area(world, over)? }
+            StressMeasure::Average { component: *of, area: area(world, over)? }
         }
         scene::Stress::Membrane(name) => StressMeasure::Membrane(find_membrane(world, name)?),
-        scene::Stress::Region { component: of, min, max } => StressMeasure::Region {
-            component: component(*of),
-            min: (*min).into(),
-            max: (*max).into(),
-        },
+        scene::Stress::Region { component: of, min, max } => {
+            StressMeasure::Region { component: *of, min: (*min).into(), max: (*max).into() }
+        }
     })
 }

@@ -18,10 +18,13 @@ use clastic_cone::condensed::Condensed;
 use clastic_systems::solve_program::Solver;
 
 use super::cement::bond_pairs;
+use super::key_results::KeyResults;
 use super::minerals::specimen;
+use super::sanity::Sanity;
 use super::stages::Script;
 use super::start;
 use super::wall_pieces::{count, pieces};
+use crate::scene::StoredMembrane;
 use crate::scene::format as scene;
 use crate::scene::specimen_file::StoredSpecimen;
 
@@ -36,6 +39,8 @@ pub struct WallCatalogue {
     /// [`walls`](Self::walls) are as the scene of that state drew them, which is where a stage
     /// brings them in.
     pub inherited: Option<Vec<scene::Wall>>,
+    /// The membranes that came with these walls.
+    pub membranes: Vec<StoredMembrane>,
 }
 
 impl WallCatalogue {
@@ -68,6 +73,7 @@ pub fn insert_settings(world: &mut World, scene: &scene::Scene, particles: u32) 
         first: particles,
         walls: scene.walls.clone(),
         inherited: None,
+        membranes: Vec::new(),
     });
     world.insert_resource(analysis(scene, scene.analysis, scene.gravity));
     world.insert_resource(inc::FrictionLaw::from(scene.friction_law));
@@ -159,6 +165,8 @@ pub(super) fn begin_script(world: &mut World, scene: &scene::Scene) {
     // The stages look at the record, whoever writes it.
     world.init_resource::<Observation>();
     world.init_resource::<Measures>();
+    world.insert_resource(KeyResults::of_scene(scene));
+    world.init_resource::<Sanity>();
     world.insert_resource(Script::new(scene));
 }
 

@@ -7,11 +7,13 @@ use bevy_ecs::prelude::*;
 use clastic_components::body::{BodyId, Probe};
 use clastic_components::energy::EnergyLedger;
 use clastic_components::identity::Identities;
+use clastic_components::membrane::Membrane;
 use clastic_components::particle::{MaterialIndex, Particle};
 use clastic_components::wall::Wall;
 use clastic_systems::state::StateError;
 use clastic_systems::stepping::Halted;
 
+use super::membranes;
 use super::spawn::{WallCatalogue, begin_script, insert_settings, spawn_wall};
 use super::wall_pieces::count;
 use crate::saved::SavedState;
@@ -31,6 +33,7 @@ pub(super) fn from_saved(
         world.insert_resource(Halted(format!("the saved state cannot be used: {error}")));
     }
     begin_script(world, scene);
+    membranes::renew(world);
 }
 
 fn restore(
@@ -100,19 +103,25 @@ fn probes(world: &mut World, scene: &Scene) {
     }
 }
 
-/// Keeps the walls of the state, or takes them away and adds those that the scene lists.
+/// Keeps the walls of the state and its membranes, or takes them away and adds the walls that the
+/// scene lists.
 fn walls(world: &mut World, scene: &Scene, state: &StoredState, saved: &SavedState) {
     if state.gives_walls || scene.walls.is_empty() {
         world.insert_resource(WallCatalogue {
             first: saved.first_wall,
             walls: saved.walls.clone(),
             inherited: Some(state.walls.clone()),
+            membranes: state.membranes.clone(),
         });
         return;
     }
     let mut there = world.query_filtered::<Entity, With<Wall>>();
     for wall in there.iter(world).collect::<Vec<_>>() {
         world.despawn(wall);
+    }
+    let mut membranes = world.query_filtered::<Entity, With<Membrane>>();
+    for membrane in membranes.iter(world).collect::<Vec<_>>() {
+        world.despawn(membrane);
     }
     for wall in scene.walls.iter().filter(|wall| wall.present) {
         spawn_wall(world, &wall.name);

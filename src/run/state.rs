@@ -23,7 +23,7 @@ use super::resolve_measures::resolve_measures;
 use super::script::{Collapse, Outcome, Script, StageEnd};
 use super::spawn::{WallCatalogue, insert_settings};
 use crate::scene::format::{Scene, Wall};
-use crate::scene::{StoredParticle, StoredSpecimen, StoredState};
+use crate::scene::{StoredMembrane, StoredParticle, StoredSpecimen, StoredState};
 
 /// Name of [`ScriptState`] in a state.
 pub const SCRIPT: &str = "script";
@@ -120,19 +120,23 @@ pub struct InheritedWalls {
     /// Where they were when the run began.
     #[serde(with = "in_ron")]
     at_start: Vec<Wall>,
+    /// The membranes that came with them.
+    membranes: Vec<StoredMembrane>,
 }
 
 impl StateOf for InheritedWalls {
     fn take(world: &mut World) -> Option<Self> {
         let catalogue = world.get_resource::<WallCatalogue>()?;
         let at_start = catalogue.inherited.clone()?;
-        Some(Self { drawn: catalogue.walls.clone(), at_start })
+        let membranes = catalogue.membranes.clone();
+        Some(Self { drawn: catalogue.walls.clone(), at_start, membranes })
     }
 
     fn put(self, world: &mut World) {
         let mut catalogue = world.get_resource_or_init::<WallCatalogue>();
         catalogue.walls = self.drawn;
         catalogue.inherited = Some(self.at_start);
+        catalogue.membranes = self.membranes;
     }
 }
 
@@ -268,9 +272,12 @@ impl StateView {
 
 /// What a run that started from a saved state has taken over from it.
 fn stored_state(state: &WorldState) -> Result<StoredState, StateError> {
-    let walls = match state.bytes(INHERITED_WALLS) {
-        Some(_) => state.get::<InheritedWalls>(INHERITED_WALLS)?.at_start,
-        None => Vec::new(),
+    let taken = match state.bytes(INHERITED_WALLS) {
+        Some(_) => {
+            let walls: InheritedWalls = state.get(INHERITED_WALLS)?;
+            (walls.at_start, walls.membranes)
+        }
+        None => Default::default(),
     };
-    StoredState::of(state, walls, None)
+    StoredState::of(state, taken, None)
 }

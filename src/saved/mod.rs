@@ -9,6 +9,7 @@
 mod bonds;
 mod columns;
 mod contacts;
+mod membranes;
 mod particles;
 mod progress;
 mod wall_controls;
@@ -19,13 +20,13 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::increment::Analysis;
 use clastic_components::material::Materials;
-use clastic_components::membrane::Membrane;
 use clastic_components::rigid_group::RigidGroup;
 use clastic_systems::gather_bodies::gather_bodies;
 use clastic_systems::state::{StateError, WorldState};
 
 use crate::run::spawn::WallCatalogue;
 use crate::run::state::capture;
+use crate::scene::StoredMembrane;
 use crate::scene::format::Wall;
 use crate::tables::{Array, TableError, Tables};
 use columns::{bad, single};
@@ -40,13 +41,20 @@ const VERSION: u32 = 1;
 const PLUGIN: &str = "plugin.";
 
 /// Entries of a [`WorldState`] that a saved state has as arrays.
-const AS_ARRAYS: [&[&str]; 5] =
-    [&particles::ENTRIES, &walls::ENTRIES, &bonds::ENTRIES, &contacts::ENTRIES, &progress::ENTRIES];
+const AS_ARRAYS: [&[&str]; 6] = [
+    &particles::ENTRIES,
+    &walls::ENTRIES,
+    &bonds::ENTRIES,
+    &contacts::ENTRIES,
+    &membranes::ENTRIES,
+    &progress::ENTRIES,
+];
 
 /// Entries that a scene which starts from the state has of its own: its place among its stages, its
 /// settings, its output, and what the next increment makes anew.
-const OF_THE_SCENE: [&str; 17] = [
+const OF_THE_SCENE: [&str; 18] = [
     "analysis",
+    "key_results",
     "materials.names",
     "measures.groups",
     "measures.named",
@@ -55,10 +63,10 @@ const OF_THE_SCENE: [&str; 17] = [
     "measures.start",
     "observation",
     "output.avalanche",
-    "output.key_results",
     "output.snapshots",
     "output.specimen",
     "rupture_count",
+    "sanity",
     "script",
     "until",
     "walls.catalogue",
@@ -86,12 +94,6 @@ pub enum SavedError {
          `release: [\"NAME\"]`"
     )]
     RigidGroups,
-    /// The world has membranes, which end at walls that the next scene may not have.
-    #[error(
-        "a saved state has no membranes; remove them in a loading stage before, `remove_membranes: \
-         [\"NAME\"]`"
-    )]
-    Membranes,
     /// A part of the world cannot be encoded or decoded.
     #[error(transparent)]
     State(#[from] StateError),
@@ -139,6 +141,7 @@ pub fn save(world: &mut World) -> Result<Tables, SavedError> {
     walls::write(&state, &catalogue, &mut tables)?;
     bonds::write(&state, &mut tables)?;
     contacts::write(&state, world, &mut tables)?;
+    membranes::write(&state, &mut tables)?;
     for name in state.names() {
         let known = AS_ARRAYS.iter().any(|entries| entries.contains(&name));
         if let Some(bytes) = state.bytes(name).filter(|_| !known && !OF_THE_SCENE.contains(&name)) {
@@ -148,12 +151,9 @@ pub fn save(world: &mut World) -> Result<Tables, SavedError> {
     Ok(tables)
 }
 
-/// Why a world has no saved state: it has rigid groups or membranes.
+/// Why a world has no saved state: it has rigid groups.
 pub fn refusal(world: &mut World) -> Option<SavedError> {
-    if world.query::<&RigidGroup>().iter(world).next().is_some() {
-        return Some(SavedError::RigidGroups);
-    }
-    world.query::<&Membrane>().iter(world).next().map(|_| SavedError::Membranes)
+    world.query::<&RigidGroup>().iter(world).next().map(|_| SavedError::RigidGroups)
 }
 
 impl SavedState {
@@ -189,6 +189,7 @@ impl SavedState {
         bodies.extend(&walls.ids);
         bonds::read(tables, &bodies, counts.next.bond, &mut world)?;
         contacts::read(tables, &mut world)?;
+        membranes::read(tables, &walls.ids, &mut world)?;
         for (name, array) in tables.iter() {
             if let Some(entry) = name.strip_prefix(PLUGIN) {
                 let bytes = tables.u8(name, &array.shape)?;
@@ -201,6 +202,14 @@ impl SavedState {
         }
         let (first_wall, walls) = (walls.first, walls.listed);
         Ok(Self { world, materials, thickness, walls, first_wall, counts })
+    }
+
+    /// The membranes, with the names of their walls.
+    ///
+    /// # Errors
+    /// If the entry of the world is of another type.
+    pub fn membranes(&self) -> Result<Vec<StoredMembrane>, StateError> {
+        membranes::names(&self.world, self.first_wall, &self.walls)
     }
 
     /// The walls of the scene where they are now. Those that are not there are as it drew them.

@@ -38,4 +38,4 @@ pub use overrides::SetError;
 pub use reader::spans;
 pub(crate) use reader::suggest;
 use reader::{diagnose, scan, units};
-pub use stored::{StoredParticle, StoredSpecimen, StoredState};
+pub use stored::{StoredMembrane, StoredParticle, StoredSpecimen, StoredState};

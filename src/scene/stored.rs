@@ -61,6 +61,15 @@ pub enum ReadError {
     Rows(SceneErrors),
 }
 
+/// A membrane of a saved state.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct StoredMembrane {
+    /// Name.
+    pub name: String,
+    /// Names of the walls between which it lies; closed around the specimen without.
+    pub between: Option<(String, String)>,
+}
+
 /// What a saved state has besides its particles.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StoredState {
@@ -68,6 +77,9 @@ pub struct StoredState {
     pub walls: Vec<Wall>,
     /// Whether they are the walls of the scene, which lists none.
     pub gives_walls: bool,
+    /// Its membranes, which go with its walls: a scene that lists walls of its own has none of
+    /// them.
+    pub membranes: Vec<StoredMembrane>,
     /// Names of its groups, in order.
     pub groups: Vec<String>,
     /// Names under which its particles were recorded, by index.

@@ -12,7 +12,7 @@ use clastic_systems::state::{StateError, WorldState};
 
 use super::files::read_at_most;
 use super::format::{Scene, Specimen, Wall};
-use super::stored::{ReadError, StoredParticle, StoredSpecimen, StoredState};
+use super::stored::{ReadError, StoredMembrane, StoredParticle, StoredSpecimen, StoredState};
 use crate::saved::{SavedError, SavedState};
 use crate::tables::Tables;
 
@@ -45,9 +45,9 @@ fn stored(saved: SavedState) -> Result<StoredSpecimen, SavedError> {
     });
     let rows = rows.collect();
     let indices = particles.last().map_or(0, |(id, _)| u64::from(id.0) + 1);
-    let walls = saved.walls_now()?;
+    let (walls, membranes) = (saved.walls_now()?, saved.membranes()?);
     let saved = Arc::new(saved);
-    let state = StoredState::of(&saved.world, walls, Some(Arc::clone(&saved)))?;
+    let state = StoredState::of(&saved.world, (walls, membranes), Some(Arc::clone(&saved)))?;
     Ok(StoredSpecimen { rows, indices, groups: Vec::new(), state: Some(state) })
 }
 
@@ -58,7 +58,7 @@ impl StoredState {
     /// If an entry of the state is of another type.
     pub(crate) fn of(
         world: &WorldState,
-        walls: Vec<Wall>,
+        (walls, membranes): (Vec<Wall>, Vec<StoredMembrane>),
         saved: Option<Arc<SavedState>>,
     ) -> Result<Self, StateError> {
         let particles = world.components::<BodyId, Particle>("particle")?;
@@ -70,6 +70,7 @@ impl StoredState {
         Ok(Self {
             walls,
             gives_walls: false,
+            membranes,
             groups: groups.into_iter().collect(),
             probes: probes.collect(),
             saved,

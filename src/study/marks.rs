@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::output::key_results::PEAK_ERROR;
+use crate::run::key_results::PEAK_ERROR;
 
 /// Share of capped increments above which a run is marked.
 const CAPPED: f64 = 0.01;

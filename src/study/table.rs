@@ -12,7 +12,7 @@ use crate::output::csv_file::Row;
 use crate::output::directory;
 
 /// Key results of `run.json` that are columns, after the values.
-pub const RESULTS: [&str; 12] = [
+pub const RESULTS: [&str; 18] = [
     "youngs_modulus_pa",
     "youngs_modulus_secant_half_peak_pa",
     "peak_stress_pa",
@@ -25,6 +25,12 @@ pub const RESULTS: [&str; 12] = [
     "largest_avalanche",
     "bonds_created",
     "bonds_intact",
+    "poissons_ratio",
+    "strength_pa",
+    "residual_strength_pa",
+    "friction_angle_rad",
+    "crack_initiation_stress_pa",
+    "crack_damage_stress_pa",
 ];
 
 /// The `run.json` of every run of a plan in `folder`; null for a run that was not made.
@@ -100,8 +106,8 @@ mod tests {
         let text = std::fs::read_to_string(path)?;
         let lines: Vec<_> = text.lines().collect();
         assert!(lines[0].starts_with("run,mu,status,marks,increments,capped_increments,youngs"));
-        assert_eq!(lines[1], "a,0.2,completed,,4,0,,,2.5,,,,,,,,,3");
-        assert_eq!(lines[2], "b,0.4,not run,not run,,,,,,,,,,,,,,");
+        assert_eq!(lines[1], "a,0.2,completed,,4,0,,,2.5,,,,,,,,,3,,,,,,");
+        assert_eq!(lines[2], "b,0.4,not run,not run,,,,,,,,,,,,,,,,,,,,");
         Ok(())
     }
 }

@@ -123,8 +123,11 @@ impl EndTables<'_, '_> {
         let elastic = || self.carries().then(|| elastic_energy(&self.program, &self.solution));
         match quantity {
             Quantity::Strain(measure) => self.strains.strain(measure, reference),
-            // Read at the start, and by the plugin.
-            Quantity::Stress(_) | Quantity::GroupForce { .. } | Quantity::Custom(_) => None,
+            // Read at the start, by the stages, and by the plugin.
+            Quantity::Stress(_)
+            | Quantity::GroupForce { .. }
+            | Quantity::KeyResult(_)
+            | Quantity::Custom(_) => None,
             Quantity::Porosity(area) => {
                 let area = match area {
                     MeasureArea::Fixed(area) => *area,

@@ -82,6 +82,27 @@ fn same_in_two(
     (from, rows)
 }
 
+/// A membrane goes on with its pressure, changes it in the second piece, and is measured there.
+#[test]
+fn membrane_under_a_pressure_that_changes() {
+    let first = format!(
+        r#"{CEMENT}, {CONFINE}, Load(name: "wrap", increments: 2, remove_walls: ["left", "right"],
+            walls: {{ "bottom": Fixed, "top": Fixed }},
+            membranes: {{ "sides": (pressure: 150e3, between: ("bottom", "top")) }})"#
+    );
+    let second = r#"Load(name: "load", increments: 4, walls: { "top": Displacement(0.0, -0.3e-3) },
+        membranes: { "sides": (pressure: 180e3) })"#;
+    let parent = tempfile::tempdir().unwrap();
+    let common = [
+        r#"let={ "stiffness": 60.0e6, "shear": 30.0e6, "strength": 50.0e3 }"#,
+        "output=(frames_every: 2)",
+    ];
+    let (from, rows) =
+        same_in_two("biaxial_membrane_small", &common, [&first, second], parent.path());
+    assert_eq!(rows.len(), 4);
+    same_from_anywhere(&from, |_| true);
+}
+
 const CEMENT: &str = "Cement(name: \"cement\", length: 2.0e-3)";
 
 /// Confinement of `biaxial_small`.

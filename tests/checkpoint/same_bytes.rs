@@ -53,6 +53,33 @@ fn membrane_in_place_of_walls_under_either_law_of_friction() {
     }
 }
 
+/// Strains in a region, angles of dilation and cracks are sums over the increments before, which a
+/// resumed run has: the places at the start, the strains of the last increments, and the lengths.
+#[test]
+fn measures_that_look_back() {
+    let measures = r#"measures=[
+        (name: "axial_strain", of: Strain(Walls("bottom", "top"))),
+        (name: "lateral_strain", of: Strain(Walls("left", "right"))),
+        (name: "yy", of: Strain(Region(component: Yy, min: (0.03, 0.05), max: (0.09, 0.15)))),
+        (name: "dilation_rad", of: DilationAngle(over: 0.004)),
+        (name: "length_m", of: Cracks(part: Length)),
+        (name: "alignment", of: Cracks(part: Alignment, mode: Tension)),
+    ]"#;
+    let sets = [
+        "version=2",
+        measures,
+        "stages.load.stop=[]",
+        "stages.confine.increments=2",
+        "stages.load.increments=7",
+        "stages.load.walls.top[1]=-0.3e-3",
+    ];
+    let loaded = load("biaxial_small", &sets);
+    let records = same_from_anywhere(&loaded, |k| [3, 4, 6, 8].contains(&k));
+    assert_eq!(records.len(), 9);
+    let broken = |o: &Observation| o.broken.iter().sum::<usize>();
+    assert!(broken(&records[5]) > 0 && broken(&records[8]) > broken(&records[5]), "no cracks");
+}
+
 /// A run that is interrupted within an avalanche has its bonds, its row of the avalanche and its
 /// way through it still to come.
 #[test]

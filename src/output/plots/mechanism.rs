@@ -61,8 +61,8 @@ fn arrow(from: DVec2, shaft: DVec2) -> [[DVec2; 2]; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::key_results::MechanismRecord;
     use crate::output::mechanism::MechanismRow;
+    use crate::run::key_results::MechanismRecord;
 
     #[test]
     fn what_moves_has_an_arrow() {

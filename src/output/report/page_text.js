@@ -40,6 +40,23 @@
       "Stress at first crack",
       (r) => r.first_crack_stress_pa !== null && si(r.first_crack_stress_pa, "Pa"),
     ],
+    ["Poisson\u2019s ratio", (r) => isNumber(r.poissons_ratio) && format(r.poissons_ratio)],
+    [
+      "Crack initiation",
+      (r) => isNumber(r.crack_initiation_stress_pa) && si(r.crack_initiation_stress_pa, "Pa"),
+    ],
+    [
+      "Crack damage",
+      (r) => isNumber(r.crack_damage_stress_pa) && si(r.crack_damage_stress_pa, "Pa"),
+    ],
+    [
+      "Residual strength",
+      (r) => isNumber(r.residual_strength_pa) && si(r.residual_strength_pa, "Pa"),
+    ],
+    [
+      "Friction angle",
+      (r) => isNumber(r.friction_angle_rad) && `${format((r.friction_angle_rad * 180) / Math.PI)}\u00b0`,
+    ],
     ["Limit load", (r) => r.limit_load_pa !== null && si(r.limit_load_pa, "Pa")],
     ["Porosity", (r) => r.porosity !== null && format(r.porosity)],
     [
@@ -53,6 +70,8 @@
         [r.bonds_broken.tension, r.bonds_broken.shear, r.bonds_broken.rolling].join(", "),
     ],
   ];
+  // Runs of earlier versions lack some of the results.
+  const isNumber = (value) => typeof value === "number";
   const broken = (r) => r.bonds_broken.tension + r.bonds_broken.shear + r.bonds_broken.rolling;
 
   const outcome = (record) => {

@@ -28,7 +28,12 @@ use serde::{Deserialize, Serialize};
 pub use clastic_components::increment::{
     Acceptance, Avalanche, Corrector, RollingLimit, RuptureOrder, RuptureRules as Rupture,
 };
+pub use clastic_components::measure::{
+    CrackPart as Cracks, EnergyTerm as Energy, FabricComponent, ForceComponent as Along,
+    FragmentPart as Fragments, KeyResult, MembraneValue, Network,
+};
 pub use clastic_components::membrane::Sides;
+pub use clastic_components::observation::{StrainComponent, StressComponent as Component};
 
 use super::{repeats, unique_keys};
 
@@ -40,10 +45,7 @@ pub use membranes::MembraneControl;
 pub use minerals::{Clusters, Mineral};
 pub use output::{Output, Record};
 pub use particle_control::{Motion, ParticleControl, Select};
-pub use quantities::{
-    Along, Area, Component, Cracks, Energy, FabricComponent, Fragments, GroupAlong, Length,
-    MembraneValue, Modes, Network, Quantity, Strain, StrainComponent, Stress,
-};
+pub use quantities::{Area, GroupAlong, Length, Modes, Quantity, Strain, Stress};
 pub use rigid::{RigidControl, Traction};
 pub use scatter::{Scatter, Spread};
 #[cfg(test)]

@@ -2,7 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{CellStrain, Select};
+use super::{
+    Along, CellStrain, Component, Cracks, Energy, FabricComponent, Fragments, KeyResult,
+    MembraneValue, Network, Select, StrainComponent,
+};
 
 /// What is measured.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
@@ -85,6 +88,8 @@ pub enum Quantity {
         /// The value.
         value: MembraneValue,
     },
+    /// Key result of the run so far, as if it ended here.
+    KeyResult(KeyResult),
     /// Time, s.
     Time,
     /// The value that a plugin provides under this name.
@@ -103,31 +108,6 @@ pub enum Modes {
     Shear,
     /// Rolling.
     Rolling,
-}
-
-/// Value of a membrane.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
-pub enum MembraneValue {
-    /// Number of grains in its chains.
-    Grains,
-    /// Area that it encloses, m^2.
-    Area,
-    /// Area over the distance of its two walls, m.
-    Width,
-}
-
-/// Component of the force of a wall.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
-pub enum Along {
-    /// Along the inward normal.
-    #[default]
-    Normal,
-    /// Along the way from start to end.
-    Tangent,
-    /// Along x.
-    X,
-    /// Along y.
-    Y,
 }
 
 /// Component of the force on a group.
@@ -164,103 +144,6 @@ pub enum Strain {
         /// Upper right corner, m.
         max: (f64, f64),
     },
-}
-
-/// Component of a strain in a region.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
-pub enum StrainComponent {
-    /// `-du_x/dx`.
-    Xx,
-    /// `-du_y/dy`.
-    Yy,
-    /// `-(du_x/dy + du_y/dx) / 2`.
-    Xy,
-    /// Maximum principal strain.
-    Major,
-    /// Minimum principal strain.
-    Minor,
-    /// Sum of the two.
-    Volumetric,
-    /// Mean rotation, rad.
-    Rotation,
-}
-
-/// Component of a fabric tensor.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
-pub enum FabricComponent {
-    /// F_xx.
-    Xx,
-    /// F_yy.
-    Yy,
-    /// F_xy.
-    Xy,
-    /// Anisotropy 2 (F_1 - F_2).
-    Anisotropy,
-    /// Angle of the major principal direction, rad.
-    Direction,
-}
-
-/// Contacts that count in a fabric tensor.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
-pub enum Network {
-    /// All that carry force.
-    #[default]
-    All,
-    /// Those with a normal force above the mean.
-    Strong,
-}
-
-/// What of the fragments.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
-pub enum Fragments {
-    /// Their number.
-    Number,
-    /// Maximum number of particles in one.
-    Largest,
-    /// Share of the largest in the mass.
-    LargestShare,
-    /// Number of those with one particle.
-    Single,
-}
-
-/// What of the cracks.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
-pub enum Cracks {
-    /// Sum of their lengths, m.
-    Length,
-    /// Mean direction, rad.
-    Direction,
-    /// How far they are parallel, 0 to 1.
-    Alignment,
-}
-
-/// Term of the energy ledger.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
-pub enum Energy {
-    /// Work of walls, imposed motion and loads.
-    External,
-    /// Work of gravity.
-    Gravity,
-    /// Change of the kinetic energy.
-    Kinetic,
-    /// Work of sliding.
-    Friction,
-    /// Work of rolling.
-    Rolling,
-    /// Work of the gaps that associated friction opens.
-    Dilation,
-    /// Taken by impacts.
-    Collision,
-    /// Taken by bonds that break.
-    Rupture,
-    /// Taken out of motions by static analysis.
-    Motion,
-    /// Work of forces whose normals turn.
-    Turning,
-    /// Taken by the scheme.
-    Numerical,
-    /// Error of the balance.
-    Error,
 }
 
 /// A stress.
@@ -317,23 +200,4 @@ pub enum Area {
     Membrane(String),
     /// The periodic cell. Version 2.
     Cell,
-}
-
-/// Component of a stress tensor.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
-pub enum Component {
-    /// sigma_xx.
-    Xx,
-    /// sigma_yy.
-    Yy,
-    /// sigma_xy, which is negative where the top is pushed along x.
-    Xy,
-    /// Mean of the principal stresses.
-    Mean,
-    /// Maximum principal stress.
-    Major,
-    /// Minimum principal stress.
-    Minor,
-    /// Traction along x on a face whose outward normal is y: -sigma_xy. Version 2.
-    Shear,
 }

@@ -2,7 +2,10 @@
 
 use std::fmt::Arguments;
 
-use crate::scene::format::{Area, CellStrain, Length, Measure, Quantity, ROLES, Strain, Stress};
+use crate::scene::format::{
+    Area, CellStrain, KeyResult, Length, Measure, Measures, Quantity, ROLES, Strain,
+    StrainComponent, Stress,
+};
 
 use super::Context;
 use super::findings::Findings;
@@ -61,10 +64,10 @@ fn check_list(context: &Context, list: &[Measure], findings: &mut Findings) {
             Some(_) => matches!(of, Quantity::Stress(_)),
             None => true,
         };
-        let is_shear = matches!(of, Quantity::Strain(Strain::Cell(CellStrain::Shear)));
-        if role.is_some() && is_shear && findings.is_sure_of_part(path) {
-            let help = "measure it under another name, such as `shear_strain`";
-            findings.add(path, format!("a shear strain as `{name}`"), help);
+        let other = role.and(no_normal_strain(of));
+        if let Some((what, such_as)) = other.filter(|_| findings.is_sure_of_part(path)) {
+            let help = format!("measure it under another name, such as `{such_as}`");
+            findings.add(path, format!("a {what} as `{name}`"), &help);
         }
         if !fits && findings.is_sure_of_part(path) {
             let kind = if name.ends_with("strain") { "Strain" } else { "Stress" };
@@ -85,6 +88,7 @@ fn check_list(context: &Context, list: &[Measure], findings: &mut Findings) {
                 wall(context, format_args!("{path}.wall"), name, findings);
             }
             Quantity::VolumetricStrain => needs_strains(context, path, findings),
+            Quantity::KeyResult(key) => needs(context, path, needed(*key), findings),
             Quantity::DilationAngle { over } => {
                 let allowed = |over| (0.0..1.0).contains(&over);
                 let what = "an axial strain as a fraction, 0.002 is 0.2 %";
@@ -122,6 +126,23 @@ fn check_list(context: &Context, list: &[Measure], findings: &mut Findings) {
     }
 }
 
+/// What a measure is that is a strain, but no normal strain, and a name for it.
+fn no_normal_strain(of: &Quantity) -> Option<(&'static str, &'static str)> {
+    match of {
+        Quantity::Strain(Strain::Cell(CellStrain::Shear))
+        | Quantity::Strain(Strain::Region { component: StrainComponent::Xy, .. }) => {
+            Some(("shear strain", "shear_strain"))
+        }
+        Quantity::Strain(Strain::Region { component: StrainComponent::Rotation, .. }) => {
+            Some(("rotation", "rotation_rad"))
+        }
+        Quantity::Strain(Strain::Region { component: StrainComponent::Volumetric, .. }) => {
+            Some(("volumetric strain", "volume"))
+        }
+        _ => None,
+    }
+}
+
 fn strain(context: &Context, path: Arguments, strain: &Strain, findings: &mut Findings) {
     match strain {
         Strain::Walls(a, b) => two_walls(context, path, (a, b), findings),
@@ -138,14 +159,37 @@ fn strain(context: &Context, path: Arguments, strain: &Strain, findings: &mut Fi
 
 /// For measures that follow from axial and lateral strain.
 fn needs_strains(context: &Context, path: Arguments, findings: &mut Findings) {
-    let measures = &context.scene.measures;
-    for (name, of) in
-        [("axial_strain", &measures.axial_strain), ("lateral_strain", &measures.lateral_strain)]
-    {
-        if of.is_none() && findings.is_sure_of("measures") {
+    needs(context, path, &ROLES[..2], findings);
+}
+
+/// For measures that follow from those of [`ROLES`].
+fn needs(context: &Context, path: Arguments, names: &[&str], findings: &mut Findings) {
+    let Measures { axial_strain, lateral_strain, axial_stress, lateral_stress, .. } =
+        &context.scene.measures;
+    let there = [
+        axial_strain.is_some(),
+        lateral_strain.is_some(),
+        axial_stress.is_some(),
+        lateral_stress.is_some(),
+    ];
+    for name in names {
+        let is_there = ROLES.iter().zip(there).any(|(role, there)| role == name && there);
+        if !is_there && findings.is_sure_of("measures") {
             let help = format!("add a measure `{name}`");
             findings.add(path, format!("it follows from `{name}`, which is not measured"), &help);
         }
+    }
+}
+
+/// The measures that a key result follows from.
+fn needed(key: KeyResult) -> &'static [&'static str] {
+    match key {
+        KeyResult::PoissonsRatio | KeyResult::CrackDamage => {
+            &["axial_strain", "lateral_strain", "axial_stress"]
+        }
+        KeyResult::FrictionAngle => &["axial_strain", "axial_stress", "lateral_stress"],
+        KeyResult::LimitLoad | KeyResult::FirstCrack => &["axial_stress"],
+        _ => &["axial_strain", "axial_stress"],
     }
 }
 

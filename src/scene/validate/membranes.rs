@@ -2,6 +2,7 @@
 
 use std::fmt::Arguments;
 
+use crate::scene::StoredSpecimen;
 use crate::scene::format::{Load, MembraneControl, Scene, Stage};
 use crate::scene::spans::join;
 use crate::scene::suggest;
@@ -14,13 +15,23 @@ use super::walls::face;
 /// A membrane that is there, with the walls between which it lies.
 pub(super) type Skin = (String, Option<(String, String)>);
 
-/// Names of the membranes that the stages of a scene make.
-pub(super) fn names(scene: &Scene) -> Vec<&str> {
+/// The membranes of a saved state from which the scene starts with its walls.
+pub(super) fn inherited(specimen: Option<&StoredSpecimen>) -> Vec<Skin> {
+    let state = specimen.and_then(|stored| stored.state.as_ref());
+    let taken = state.filter(|state| state.gives_walls).into_iter().flat_map(|s| &s.membranes);
+    taken.map(|membrane| (membrane.name.clone(), membrane.between.clone())).collect()
+}
+
+/// Names of the membranes that the stages of a scene make, and of those that it takes over.
+pub(super) fn names<'a>(scene: &'a Scene, specimen: Option<&'a StoredSpecimen>) -> Vec<&'a str> {
     let loads = scene.stages.iter().filter_map(|stage| match stage {
         Stage::Load(load) => Some(load),
         _ => None,
     });
-    let mut names: Vec<&str> = loads.flat_map(|load| load.membranes.keys()).map(|n| &**n).collect();
+    let state = specimen.and_then(|stored| stored.state.as_ref());
+    let taken = state.filter(|state| state.gives_walls).into_iter().flat_map(|s| &s.membranes);
+    let made = loads.flat_map(|load| load.membranes.keys()).map(String::as_str);
+    let mut names: Vec<&str> = made.chain(taken.map(|membrane| &*membrane.name)).collect();
     names.sort_unstable();
     names.dedup();
     names

@@ -74,7 +74,7 @@ struct Context<'a> {
     materials: Vec<&'a str>,
     walls: Vec<&'a str>,
     stages: Vec<&'a str>,
-    /// Names of the membranes that stages make.
+    /// Names of the membranes that stages make, and of those of a saved state.
     membranes: Vec<&'a str>,
     /// Number of particles, if known.
     particles: Option<u64>,
@@ -105,7 +105,7 @@ impl<'a> Context<'a> {
             materials: scene.materials.keys().map(String::as_str).collect(),
             walls: scene.walls.iter().map(|wall| wall.name.as_str()).collect(),
             stages: scene.stages.iter().map(Stage::name).collect(),
-            membranes: membranes::names(scene),
+            membranes: membranes::names(scene, specimen),
             particles: match &scene.specimen {
                 Specimen::File { .. } | Specimen::State { .. } if specimen.is_none() => None,
                 of => Some(memory::particles(of, specimen)),

@@ -32,7 +32,7 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
     }
     let mut present: Vec<bool> = scene.walls.iter().map(|wall| wall.present).collect();
     let mut groups = Vec::new();
-    let mut skins = Vec::new();
+    let mut skins = membranes::inherited(context.specimen);
     for (i, stage) in scene.stages.iter().enumerate() {
         let path = format_args!("stages[{i}]");
         match stage {
@@ -51,7 +51,6 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
                         "release rigid groups before: `release: [\"NAME\"]` of a loading stage";
                     findings.add(path, "a state with rigid groups", help);
                 }
-                membranes::none(path, "a state", &skins, findings);
             }
             Stage::Remove(stage) => {
                 select(context, format_args!("{path}.select"), &stage.select, findings);

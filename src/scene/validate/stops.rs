@@ -55,7 +55,14 @@ pub(super) fn check(
                     let what = "a strain as a fraction: 0.12 is 12 %";
                     findings.number(number, *value, allowed, what);
                 }
-                _ => {
+                found => {
+                    let jumps = matches!(found, Some(Of::Other(Quantity::KeyResult(_))));
+                    if jumps && matches!(stop, Stop::Until(..)) {
+                        let help = "write `Above` or `Below`";
+                        let message = "a key result jumps where it becomes defined, so that no \
+                                       fraction of an increment lands on a value";
+                        findings.add(path, message, help);
+                    }
                     findings.finite(number, *value, "a finite value");
                 }
             }
@@ -150,7 +157,12 @@ pub(super) fn never(
     let counts = match of {
         Of::Strain(_) => true,
         Of::Other(of) => {
-            matches!(of, Quantity::VolumetricStrain | Quantity::DilationAngle { .. })
+            matches!(
+                of,
+                Quantity::VolumetricStrain
+                    | Quantity::DilationAngle { .. }
+                    | Quantity::KeyResult(_)
+            )
         }
         Of::Stress(_) => false,
     };

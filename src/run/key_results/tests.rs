@@ -161,3 +161,143 @@ fn bonds_are_counted() {
     assert_eq!(results.bonds_broken, BrokenBonds { tension: 1, shear: 2, rolling: 3 });
     assert_eq!(results.solver_iterations, 7);
 }
+
+/// A row under a lateral stress: strains and stresses, broken bonds.
+#[derive(Clone, Copy)]
+struct Row {
+    axial: f64,
+    lateral: f64,
+    stress: f64,
+    confining: f64,
+    broken: usize,
+}
+
+fn row(axial: f64, lateral: f64, stress: f64, broken: usize) -> Row {
+    Row { axial, lateral, stress, confining: 100.0, broken }
+}
+
+/// Compression from a stress of 100 Pa with a peak of 500 Pa at 4 %.
+const TEST: [(f64, f64, f64, usize); 12] = [
+    (0.0, 0.0, 100.0, 5),
+    (0.01, -0.002, 200.0, 5),
+    (0.02, -0.004, 300.0, 6),
+    (0.03, -0.02, 400.0, 10),
+    (0.04, -0.05, 500.0, 205),
+    (0.05, -0.07, 300.0, 230),
+    (0.08, -0.1, 210.0, 260),
+    (0.10, -0.12, 190.0, 270),
+    (0.11, -0.13, 210.0, 275),
+    (0.12, -0.14, 190.0, 276),
+    (0.13, -0.15, 200.0, 277),
+    (0.14, -0.16, 200.0, 278),
+];
+
+/// The results of these rows; `bonds` were there.
+fn tested(rows: &[Row], bonds: usize) -> Results {
+    let mut key = KeyResults::new(false);
+    let bond = |broken| if bonds > 0 { (bonds - broken, [broken, 0, 0]) } else { (0, [0; 3]) };
+    let mut see = |k: usize, row: &Row, phase| {
+        let (bonds, broken) = bond(row.broken);
+        let loading = phase == Phase::Loading;
+        let strain = |value: f64| (!loading).then_some(value);
+        let record = Observation {
+            lateral_strain: strain(row.lateral),
+            volumetric_strain: strain(1.0 - (1.0 - row.axial) * (1.0 - row.lateral)),
+            lateral_stress: Some(row.confining),
+            bonds,
+            broken,
+            ..at(1 + k as u64, strain(row.axial), Some(row.stress))
+        };
+        key.observe(&record, phase);
+    };
+    see(0, &rows[0], Phase::Loading);
+    for (k, row) in rows.iter().enumerate().skip(1) {
+        see(k, row, Phase::Reference);
+    }
+    key.results()
+}
+
+fn whole() -> Vec<Row> {
+    TEST.iter().map(|r| row(r.0, r.1, r.2, r.3)).collect()
+}
+
+fn reason<'a>(results: &'a Results, name: &str) -> &'a str {
+    results.not_defined.get(name).map_or("", String::as_str)
+}
+
+#[test]
+fn results_of_a_test_past_its_peak_are_those_by_hand() {
+    let results = tested(&whole(), 1000);
+    // Half of the rise of 400 is reached at 300 Pa, where the strains are 2 % and -0.4 %.
+    near(results.poissons_ratio, 0.2);
+    near(results.strength_pa, 500.0);
+    // From 11.2 % to 14 %: trapezoids of the strain between its rows.
+    let first = (0.008 * 0.5 * (206.0 + 190.0) + 0.006 * 0.5 * (190.0 + 196.0)) / 0.014;
+    let second = (0.004 * 0.5 * (196.0 + 200.0) + 0.01 * 200.0) / 0.014;
+    near(results.residual_strength_pa, 0.5 * (first + second));
+    // Of 200 cracks between the start and the peak two had appeared at 400 Pa, five to be exact.
+    near(results.crack_initiation_stress_pa, 400.0);
+    // 1 - (1 - e_a)(1 - e_l) is 0.01592, 0.0106 and -0.008: the volume turns at 300 Pa.
+    near(results.crack_damage_stress_pa, 300.0);
+    assert!(reason(&results, "friction_angle_rad").contains("cohesion"));
+    let sand: Vec<_> = whole().iter().map(|row| Row { broken: 0, ..*row }).collect();
+    let results = tested(&sand, 0);
+    // sin phi = (500 - 100) / (500 + 100).
+    near(results.friction_angle_rad, (2.0_f64 / 3.0).asin());
+    for name in ["crack_initiation_stress_pa", "crack_damage_stress_pa"] {
+        assert!(reason(&results, name).contains("no bonds"), "{name}");
+    }
+}
+
+#[test]
+fn a_test_that_ends_before_its_peak_has_no_strength() {
+    let results = tested(&whole()[..5], 1000);
+    near(results.peak_stress_pa, 500.0);
+    for name in ["strength_pa", "residual_strength_pa", "crack_initiation_stress_pa"] {
+        assert!(reason(&results, name).contains("the test ends before"), "{name}");
+    }
+    // Unloading is no failure: the strain falls with the stress.
+    let mut unloaded = whole()[..5].to_vec();
+    unloaded.extend([row(0.03, -0.045, 350.0, 205), row(0.02, -0.04, 200.0, 205)]);
+    let results = tested(&unloaded, 1000);
+    assert_eq!((results.strength_pa, results.residual_strength_pa), (None, None));
+}
+
+#[test]
+fn no_poissons_ratio_where_the_sides_are_held_or_pressed() {
+    let held: Vec<_> = whole().iter().map(|row| Row { lateral: 0.0, ..*row }).collect();
+    assert!(reason(&tested(&held, 0), "poissons_ratio").contains("held sideways"));
+    // An oedometer: the lateral stress rises with the axial one.
+    let pressed: Vec<_> =
+        whole().iter().map(|row| Row { confining: 0.5 * row.stress, ..*row }).collect();
+    let results = tested(&pressed, 0);
+    for name in ["poissons_ratio", "strength_pa", "friction_angle_rad"] {
+        assert!(reason(&results, name).contains("lateral stress changes"), "{name}");
+    }
+    let dilates: Vec<_> =
+        whole().iter().map(|row| Row { lateral: -1.5 * row.axial, ..*row }).collect();
+    assert!(reason(&tested(&dilates, 0), "poissons_ratio").contains("not elastic"));
+}
+
+#[test]
+fn thresholds_of_cracks_need_enough_of_them_and_a_volume_that_turns() {
+    let few: Vec<_> =
+        whole().iter().map(|r| Row { broken: 5 + (r.broken - 5) / 4, ..*r }).collect();
+    let results = tested(&few, 1000);
+    assert!(reason(&results, "crack_initiation_stress_pa").contains("fewer than 100"));
+    let shrinks: Vec<_> = whole().iter().map(|row| Row { lateral: 0.0, ..*row }).collect();
+    assert!(reason(&tested(&shrinks, 1000), "crack_damage_stress_pa").contains("shrinks"));
+    let grows: Vec<_> =
+        whole().iter().map(|row| Row { lateral: -2.0 * row.axial, ..*row }).collect();
+    assert!(reason(&tested(&grows, 1000), "crack_damage_stress_pa").contains("grows"));
+}
+
+#[test]
+fn no_residual_strength_where_the_stress_still_falls() {
+    let mut falls = whole();
+    for row in &mut falls[7..] {
+        row.stress = 500.0 - 3000.0 * (row.axial - 0.04);
+    }
+    assert!(reason(&tested(&falls, 0), "residual_strength_pa").contains("not level"));
+    assert!(reason(&tested(&whole()[..6], 0), "residual_strength_pa").contains("too close"));
+}

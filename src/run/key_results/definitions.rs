@@ -1,11 +1,14 @@
-//! Definitions of the key results.
+//! Definitions of the key results: modulus, peak, limit load, first crack.
 
 use std::collections::BTreeMap;
 
+use clastic_components::measure::KeyResult;
+
+use super::failure::LATERAL_CHANGES;
 use super::{KeyResults, Point, Results};
 
 /// Changes of stress below this fraction of the maximum stress count as round-off.
-const RESOLVED: f64 = 1e-6;
+pub(super) const RESOLVED: f64 = 1e-6;
 
 /// Stresses below this fraction of the stress that the stiffness of the grains alone would give at
 /// this strain count as round-off. Loose packings have a thousandth of that stress.
@@ -13,11 +16,15 @@ const SOFTEST: f64 = 1e-9;
 
 const NO_CURVE: &str = "no increment from the start of the reference stage on has both an axial strain and \
                         an axial stress";
+/// Reason where no increment comes to half the peak.
+pub(super) const NO_HALF: &str = "no increment comes to half the peak";
+pub(super) const NO_GAIN: &str =
+    "no increment that strains the specimen gains a thousandth of the peak";
 const UNKNOWN_START: &str = "the run starts from a saved state, whose stress no stage before the reference stage tells; \
                              put a loading stage of one increment before it";
 /// Reason why a rigid specimen has no modulus.
 pub const RIGID: &str = "nothing is elastic";
-const CAPPED_BEFORE: &str = "an increment that it would come from is capped";
+pub(super) const CAPPED_BEFORE: &str = "an increment that it would come from is capped";
 
 impl KeyResults {
     /// The results so far.
@@ -32,19 +39,9 @@ impl KeyResults {
                 None
             }
         };
-        let peak = self.peak();
-        results.peak_stress_pa = defined(&["peak_stress_pa", "strain_at_peak"], peak);
-        if peak.is_err() {
-            results.strain_at_peak = None;
+        for key in KeyResult::ALL {
+            *results.field(key) = defined(&[key.name()], self.value(key));
         }
-        results.youngs_modulus_pa =
-            defined(&["youngs_modulus_pa"], peak.and_then(|peak| self.tangent(peak)));
-        results.youngs_modulus_secant_half_peak_pa = defined(
-            &["youngs_modulus_secant_half_peak_pa"],
-            peak.and_then(|peak| self.secant(peak)),
-        );
-        results.limit_load_pa = defined(&["limit_load_pa"], self.limit_load(peak));
-        results.first_crack_stress_pa = defined(&["first_crack_stress_pa"], self.first_crack());
         let _ = defined(
             &["porosity"],
             results
@@ -57,8 +54,35 @@ impl KeyResults {
         results
     }
 
+    /// A key result so far; `None` where it is not defined.
+    #[must_use]
+    pub fn result(&self, key: KeyResult) -> Option<f64> {
+        self.value(key).ok()
+    }
+
+    /// A key result, or the reason why it is not defined.
+    fn value(&self, key: KeyResult) -> Result<f64, &'static str> {
+        let peak = self.peak();
+        match key {
+            KeyResult::YoungsModulus => self.tangent(peak?),
+            KeyResult::SecantModulus => self.secant(peak?),
+            KeyResult::PoissonsRatio => self.poissons_ratio(peak?),
+            KeyResult::PeakStress => peak,
+            KeyResult::StrainAtPeak => {
+                peak.and_then(|_| self.results.strain_at_peak.ok_or(NO_CURVE))
+            }
+            KeyResult::Strength => self.strength().map(|(_, peak)| peak.stress),
+            KeyResult::ResidualStrength => self.residual_strength(),
+            KeyResult::FrictionAngle => self.friction_angle(),
+            KeyResult::LimitLoad => self.limit_load(peak),
+            KeyResult::FirstCrack => self.first_crack(),
+            KeyResult::CrackInitiation => self.crack_initiation(),
+            KeyResult::CrackDamage => self.crack_damage(),
+        }
+    }
+
     /// Axial stress at the peak.
-    fn peak(&self) -> Result<f64, &'static str> {
+    pub(super) fn peak(&self) -> Result<f64, &'static str> {
         let Some(peak) = self.results.peak_stress_pa else {
             return Err(if self.curve.is_empty() {
                 NO_CURVE
@@ -85,40 +109,52 @@ impl KeyResults {
         if self.rigid {
             return Err(RIGID);
         }
-        let touch = 1e-3 * (peak - self.start.stress).abs();
-        let mut before = self.start;
-        for here in &self.curve {
-            let gain = here.stress - before.stress;
-            if here.strain != before.strain && gain.abs() >= touch {
-                if !(here.solved && before.solved) {
-                    return Err(CAPPED_BEFORE);
-                }
-                return positive(gain / (here.strain - before.strain));
-            }
-            before = *here;
+        let (before, here) = self.first_gain(peak).ok_or(NO_GAIN)?;
+        if !(here.solved && before.solved) {
+            return Err(CAPPED_BEFORE);
         }
-        Err("no increment that strains the specimen gains a thousandth of the peak")
+        if !self.lateral_stays_to(&here) {
+            return Err(LATERAL_CHANGES);
+        }
+        positive((here.stress - before.stress) / (here.strain - before.strain))
+    }
+
+    /// The first increment that strains the specimen and gains a thousandth of the peak: the points
+    /// before and after it. In earlier ones a platen may not have touched the specimen.
+    pub(super) fn first_gain(&self, peak: f64) -> Option<(Point, Point)> {
+        let touch = 1e-3 * (peak - self.start.stress).abs();
+        let befores = std::iter::once(&self.start).chain(&self.curve);
+        let mut pairs = befores.zip(&self.curve).map(|(before, here)| (*before, *here));
+        pairs.find(|(before, here)| {
+            here.strain != before.strain && (here.stress - before.stress).abs() >= touch
+        })
     }
 
     fn secant(&self, peak: f64) -> Result<f64, &'static str> {
         if self.rigid {
             return Err(RIGID);
         }
-        let half = 0.5 * (peak - self.start.stress);
-        let mut before = Point { stress: 0.0, ..self.start };
-        for point in &self.curve {
-            let here = Point { stress: point.stress - self.start.stress, ..*point };
-            if half != 0.0 && here.stress / half >= 1.0 {
-                if !(here.solved && before.solved) {
-                    return Err(CAPPED_BEFORE);
-                }
-                let part = (half - before.stress) / (here.stress - before.stress);
-                let strain = before.strain + part * (here.strain - before.strain);
-                return positive(half / strain);
-            }
-            before = here;
+        let (before, here, part) = self.half_way(peak).ok_or(NO_HALF)?;
+        if !(here.solved && before.solved) {
+            return Err(CAPPED_BEFORE);
         }
-        Err("no increment comes to half the peak")
+        if !self.lateral_stays_to(&here) {
+            return Err(LATERAL_CHANGES);
+        }
+        let strain = before.strain + part * (here.strain - before.strain);
+        positive(0.5 * (peak - self.start.stress) / strain)
+    }
+
+    /// The increment that comes to half the peak: the points before and after it, and the part of it
+    /// after which half is reached.
+    pub(super) fn half_way(&self, peak: f64) -> Option<(Point, Point, f64)> {
+        let half = 0.5 * (peak - self.start.stress);
+        let gain = |point: &Point| point.stress - self.start.stress;
+        let befores = std::iter::once(&self.start).chain(&self.curve);
+        let mut pairs = befores.zip(&self.curve).map(|(before, here)| (*before, *here));
+        let (before, here) = pairs.find(|(_, here)| half != 0.0 && gain(here) / half >= 1.0)?;
+        let part = (half - gain(&before)) / (here.stress - before.stress);
+        Some((before, here, part))
     }
 
     fn limit_load(&self, peak: Result<f64, &'static str>) -> Result<f64, &'static str> {

@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use clastic_components::measure::KeyResult;
+
 /// A larger estimated error of the peak is worth a warning.
 pub const PEAK_ERROR: f64 = 0.02;
 
@@ -16,10 +18,25 @@ pub struct Results {
     pub youngs_modulus_pa: Option<f64>,
     /// Secant modulus from the start of the reference stage to half the peak.
     pub youngs_modulus_secant_half_peak_pa: Option<f64>,
+    /// Poisson's ratio in the plane: minus the change of the lateral over that of the axial strain,
+    /// from the increment before the first that counts for the modulus to half the peak. The lateral
+    /// stress must stay.
+    pub poissons_ratio: Option<f64>,
     /// Axial stress with the maximum difference from that at the start of the reference stage.
     pub peak_stress_pa: Option<f64>,
     /// Axial strain at the peak.
     pub strain_at_peak: Option<f64>,
+    /// Strength: the peak, once the test has passed it under a lateral stress that stays. Either the
+    /// stress fell by a hundredth of the rise to the peak at a larger strain, or the specimen
+    /// collapsed.
+    pub strength_pa: Option<f64>,
+    /// Residual strength: mean of the axial stress over the last fifth of the axial strain, if that
+    /// lies beyond twice the strain at the peak and is level (Fairhurst and Hudson 1999, Int. J.
+    /// Rock Mech. Min. Sci. 36, 279-289).
+    pub residual_strength_pa: Option<f64>,
+    /// Friction angle of one test on a specimen without bonds, at its strength, rad:
+    /// `sin phi = (sigma_1 - sigma_3) / (sigma_1 + sigma_3)`.
+    pub friction_angle_rad: Option<f64>,
     /// Estimate of the relative error of the peak due to the size of the increments. It is the
     /// delay of ruptures, as a relative change of force, in the last increment up to the peak with
     /// ruptures. `None` without ruptures. It does not include the effect of another order or number
@@ -39,6 +56,13 @@ pub struct Results {
     pub porosity: Option<f64>,
     /// Axial stress of the increment in which the first bond broke.
     pub first_crack_stress_pa: Option<f64>,
+    /// Crack initiation: axial stress at which a hundredth of the bonds had broken that are broken at
+    /// the strength (Potyondy and Cundall 2004, Int. J. Rock Mech. Min. Sci. 41, 1329-1364), counted
+    /// from the start of the reference stage. Not defined where these are less than a hundred.
+    pub crack_initiation_stress_pa: Option<f64>,
+    /// Crack damage: axial stress at which the volume is at its minimum before the strength (Martin
+    /// and Chandler 1994, Int. J. Rock Mech. Min. Sci. 31, 643-659).
+    pub crack_damage_stress_pa: Option<f64>,
     /// Number of bonds ever created. Bonds that are neither intact nor broken were removed together
     /// with a wall.
     pub bonds_created: usize,
@@ -52,6 +76,26 @@ pub struct Results {
     pub solver_iterations: u64,
     /// Reasons for undefined key results, by their names.
     pub not_defined: BTreeMap<String, String>,
+}
+
+impl Results {
+    /// The field of a key result.
+    pub(super) fn field(&mut self, key: KeyResult) -> &mut Option<f64> {
+        match key {
+            KeyResult::YoungsModulus => &mut self.youngs_modulus_pa,
+            KeyResult::SecantModulus => &mut self.youngs_modulus_secant_half_peak_pa,
+            KeyResult::PoissonsRatio => &mut self.poissons_ratio,
+            KeyResult::PeakStress => &mut self.peak_stress_pa,
+            KeyResult::StrainAtPeak => &mut self.strain_at_peak,
+            KeyResult::Strength => &mut self.strength_pa,
+            KeyResult::ResidualStrength => &mut self.residual_strength_pa,
+            KeyResult::FrictionAngle => &mut self.friction_angle_rad,
+            KeyResult::LimitLoad => &mut self.limit_load_pa,
+            KeyResult::FirstCrack => &mut self.first_crack_stress_pa,
+            KeyResult::CrackInitiation => &mut self.crack_initiation_stress_pa,
+            KeyResult::CrackDamage => &mut self.crack_damage_stress_pa,
+        }
+    }
 }
 
 /// Quality of a mechanism, as in `run.json`.

@@ -1,9 +1,10 @@
-//! Key results of a run: moduli, peak, limit load, cracks, maximum residuals.
+//! Key results of a run: moduli, peak, strength, limit load, cracks, maximum residuals.
 //!
 //! They come only from increments with the status `solved`. If a result is not defined,
 //! `not_defined` gives the reason.
 
 mod definitions;
+mod failure;
 mod observe;
 mod results;
 mod stiffness;
@@ -17,8 +18,12 @@ use clastic_components::observation::Observation;
 use crate::scene::format::{Scene, Specimen};
 
 pub use self::definitions::RIGID;
-pub(super) use self::observe::observe_increment;
+pub(super) use self::observe::read_key_results;
+pub(crate) use self::observe::{is_undecided, observe_increment};
 pub use self::results::{BrokenBonds, MechanismRecord, PEAK_ERROR, Results, Worst, WorstResiduals};
+
+/// Name of [`KeyResults`] in a state.
+pub const KEY_RESULTS: &str = "key_results";
 
 /// Part of a run to which an increment belongs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,6 +53,10 @@ pub struct KeyResults {
     last: Option<Point>,
     /// Increments from the reference stage on that have both a strain and a stress.
     curve: Vec<Point>,
+    /// Place of the peak on the curve.
+    peak: Option<usize>,
+    /// The last increment that was recorded, and whether it is the peak so far.
+    seen: (u64, bool),
     /// Whether the specimen collapsed, and the increment before the collapse.
     collapse: Option<Option<Point>>,
     /// Whether a bond broke, the stress of the first increment with a rupture, and whether that
@@ -65,10 +74,26 @@ struct Point {
     stress: f64,
     /// Whether the status is `solved`; false if a maximum number of passes was reached.
     solved: bool,
+    /// Lateral strain.
+    lateral_strain: Option<f64>,
+    /// Volumetric strain.
+    volume: Option<f64>,
+    /// Lateral stress, Pa.
+    lateral_stress: Option<f64>,
+    /// Number of bonds that broke so far.
+    broken: usize,
 }
 
 /// A start without stress.
-const FREE: Point = Point { strain: 0.0, stress: 0.0, solved: true };
+const FREE: Point = Point {
+    strain: 0.0,
+    stress: 0.0,
+    solved: true,
+    lateral_strain: None,
+    volume: None,
+    lateral_stress: None,
+    broken: 0,
+};
 
 impl KeyResults {
     /// Results before the run of a scene.
@@ -91,6 +116,8 @@ impl KeyResults {
             is_start_unknown: false,
             last: None,
             curve: Vec::new(),
+            peak: None,
+            seen: (0, false),
             collapse: None,
             crack: None,
             results: Results::default(),
@@ -128,8 +155,20 @@ impl KeyResults {
         self.results.bonds_created = self.results.bonds_created.max(created);
     }
 
+    /// Whether this increment is the one that was recorded last, and the peak so far.
+    #[must_use]
+    pub fn is_peak(&self, increment: u64) -> bool {
+        self.seen == (increment, true)
+    }
+
     /// Records an increment. Returns whether it is the peak so far.
     pub fn observe(&mut self, o: &Observation, phase: Phase) -> bool {
+        let is_peak = self.follow(o, phase);
+        self.seen = (o.increment, is_peak);
+        is_peak
+    }
+
+    fn follow(&mut self, o: &Observation, phase: Phase) -> bool {
         let results = &mut self.results;
         let [tension, shear, rolling] = o.broken;
         results.bonds_broken = BrokenBonds { tension, shear, rolling };
@@ -161,10 +200,18 @@ impl KeyResults {
             return false;
         }
         let Some(stress) = o.axial_stress else { return false };
-        let point = Point { strain: o.axial_strain.unwrap_or_default(), stress, solved };
+        let point = Point {
+            strain: o.axial_strain.unwrap_or_default(),
+            stress,
+            solved,
+            lateral_strain: o.lateral_strain,
+            volume: o.volumetric_strain,
+            lateral_stress: o.lateral_stress,
+            broken: o.broken.iter().sum(),
+        };
         self.last = Some(point);
         if phase == Phase::Loading {
-            self.start = Point { strain: 0.0, ..point };
+            self.start = Point { strain: 0.0, lateral_strain: None, volume: None, ..point };
             self.is_start_unknown = false;
             return false;
         }
@@ -180,6 +227,7 @@ impl KeyResults {
             self.lag = Some(o.rupture_lag);
         }
         if peak {
+            self.peak = Some(self.curve.len() - 1);
             results.peak_stress_pa = Some(stress);
             results.strain_at_peak = Some(point.strain);
             results.peak_error_estimate = self.lag;

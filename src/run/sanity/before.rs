@@ -1,0 +1,147 @@
+//! Estimates before a run, from what the scene imposes.
+
+use std::f64::consts::PI;
+
+use crate::run::minerals::specimen;
+use crate::run::particles::ParticleSeed;
+use crate::scene::format::{
+    Analysis, CellStrain, CellTarget, LidLoad, Load, Scene, Specimen, Stage, Strain, Table, Wall,
+    WallControl,
+};
+use crate::scene::specimen_file::StoredSpecimen;
+
+use super::Report;
+use super::material::{Grains, inertial};
+
+/// Porosity that a packing in a test is taken to have where the scene compacts it first.
+const POROSITY: f64 = 0.2;
+
+/// What the scene imposes says of the ratios.
+#[must_use]
+pub fn before(scene: &Scene, stored: Option<&StoredSpecimen>) -> Report {
+    let grains = Grains::of(scene);
+    let seeds = specimen(scene, stored);
+    let loads = || {
+        scene.stages.iter().filter_map(|stage| match stage {
+            Stage::Load(load) => Some(load),
+            _ => None,
+        })
+    };
+    let pressure = loads().filter_map(confining).max_by(f64::total_cmp);
+    let is_test = scene.measures.axial_strain.is_some() && scene.measures.axial_stress.is_some();
+    let reference = match scene.stages.get(scene.reference_stage()) {
+        Some(Stage::Load(load)) if is_test => Some(load),
+        _ => None,
+    };
+    let analysis = |load: &Load| load.analysis.unwrap_or(scene.analysis);
+    let strain = reference.and_then(|load| Some((load, imposed_strain(scene, load)?)));
+    let increment = strain
+        .filter(|(load, _)| matches!(analysis(load), Analysis::Static))
+        .map(|(_, strain)| strain);
+    let number = strain.and_then(|(load, strain)| match analysis(load) {
+        Analysis::Dynamic { dt, .. } => {
+            inertial(strain / dt, mean_mass(scene, &seeds)?, pressure?, scene.thickness)
+        }
+        Analysis::Static => None,
+    });
+    Report {
+        stiffness_over_pressure: grains.level(pressure).filter(|_| is_test),
+        inertial_number: number,
+        increment_over_elastic_strain: grains.steps(increment, pressure),
+        disks_across: across(scene, &seeds).filter(|_| is_test),
+        ..Report::default()
+    }
+    .with_warnings(grains.strength > 0.0, grains.are_rock(pressure))
+}
+
+/// The smallest stress above 0 that a stage imposes, Pa.
+fn confining(load: &Load) -> Option<f64> {
+    let walls = load.walls.values().filter_map(|control| match control {
+        WallControl::Stress { stress, .. }
+        | WallControl::Lid { load: LidLoad::Stress { stress, .. }, .. } => Some(*stress),
+        WallControl::Follow(Table::Stress { stress, .. }) => {
+            stress.iter().map(|(_, stress)| *stress).max_by(f64::total_cmp)
+        }
+        _ => None,
+    });
+    let cell = load.cell.iter().flat_map(|cell| [cell.xx, cell.yy]).filter_map(|of| match of {
+        Some(CellTarget::Stress(stress)) => Some(stress),
+        _ => None,
+    });
+    let membranes = load.membranes.values().map(|membrane| membrane.pressure);
+    walls.chain(cell).chain(membranes).filter(|stress| *stress > 0.0).min_by(f64::total_cmp)
+}
+
+/// Axial strain that a stage imposes in an increment; `None` where it is not imposed by a constant
+/// motion of the walls, or of the cell, from which it is measured.
+fn imposed_strain(scene: &Scene, load: &Load) -> Option<f64> {
+    match scene.measures.axial_strain.as_ref()? {
+        Strain::Walls(a, b) => {
+            let [a, b] = [a, b].map(|name| scene.walls.iter().find(|wall| wall.name == *name));
+            let (a, b) = (a?, b?);
+            let along = (a.end.0 - a.start.0, a.end.1 - a.start.1);
+            let length = along.0.hypot(along.1);
+            let normal = (-along.1 / length, along.0 / length);
+            let dot = |v: (f64, f64)| v.0 * normal.0 + v.1 * normal.1;
+            let middle = |wall: &Wall| {
+                (0.5 * (wall.start.0 + wall.end.0), 0.5 * (wall.start.1 + wall.end.1))
+            };
+            let (at_a, at_b) = (middle(a), middle(b));
+            let distance = dot((at_b.0 - at_a.0, at_b.1 - at_a.1)).abs();
+            let dt = match load.analysis.unwrap_or(scene.analysis) {
+                Analysis::Dynamic { dt, .. } => dt,
+                Analysis::Static => 0.0,
+            };
+            let motion = |name: &String| match load.walls.get(name) {
+                Some(WallControl::Displacement(x, y)) => dot((*x, *y)),
+                Some(WallControl::Velocity(x, y)) => dt * dot((*x, *y)),
+                _ => 0.0,
+            };
+            let strain = (motion(&a.name) - motion(&b.name)).abs() / distance;
+            (strain > 0.0 && strain.is_finite()).then_some(strain)
+        }
+        Strain::Cell(of) => {
+            let cell = load.cell.as_ref()?;
+            let component = match of {
+                CellStrain::Width => cell.xx,
+                CellStrain::Height => cell.yy,
+                CellStrain::Shear => cell.shear,
+            };
+            match component {
+                Some(CellTarget::Strain(strain)) => {
+                    Some(strain.abs() / f64::from(load.increments.max(1)))
+                }
+                _ => None,
+            }
+        }
+        _ => None,
+    }
+}
+
+/// Largest diameters across the smaller side of the specimen.
+fn across(scene: &Scene, seeds: &[ParticleSeed]) -> Option<f64> {
+    let largest = seeds.iter().map(|seed| seed.radius).max_by(f64::total_cmp)?;
+    let side = |of: fn(&ParticleSeed) -> f64| {
+        let low = seeds.iter().map(|seed| of(seed) - seed.radius).min_by(f64::total_cmp);
+        let high = seeds.iter().map(|seed| of(seed) + seed.radius).max_by(f64::total_cmp);
+        Some(high? - low?)
+    };
+    let (width, height) = match &scene.cell {
+        Some(cell) => cell.size,
+        None => (side(|seed| seed.position.x)?, side(|seed| seed.position.y)?),
+    };
+    // A loose packing is compacted along its height.
+    let height = if matches!(scene.specimen, Specimen::Packing { .. }) && scene.cell.is_none() {
+        let area: f64 = seeds.iter().map(|seed| PI * seed.radius * seed.radius).sum();
+        height.min(area / ((1.0 - POROSITY) * width))
+    } else {
+        height
+    };
+    Some(width.min(height) / (2.0 * largest))
+}
+
+fn mean_mass(scene: &Scene, seeds: &[ParticleSeed]) -> Option<f64> {
+    let density = scene.materials.values().next()?.density;
+    let area: f64 = seeds.iter().map(|seed| PI * seed.radius * seed.radius).sum();
+    Some(density * scene.thickness * area / seeds.len().max(1) as f64)
+}

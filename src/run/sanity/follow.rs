@@ -1,0 +1,152 @@
+//! System: the ratios of a run, increment by increment.
+
+use bevy_ecs::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use clastic_components::attempt::IncrementStatus;
+use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::increment::{Analysis, AnalysisKind, Progress};
+use clastic_components::observation::{Measures, Observation};
+use clastic_cone::program::{ConeProgram, ConeSolution};
+
+use super::Report;
+use super::material::{Grains, inertial};
+use crate::run::stages::Script;
+use crate::scene::format::Scene;
+
+/// Name of [`Sanity`] in a state.
+pub const SANITY: &str = "sanity";
+
+/// What an increment adds to the sanity of a run.
+#[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Sanity {
+    /// Maximum of the smaller one of axial and lateral stress, Pa.
+    pressure: Option<f64>,
+    /// Maximum overlap over the smaller radius.
+    overlap: Option<f64>,
+    /// Axial strain after the last increment of the reference stage.
+    strain: Option<f64>,
+    /// Maximum axial strain of a static increment there.
+    increment: Option<f64>,
+    /// Sums over the dynamic increments there: time, strain, pressure times time.
+    dynamic: [f64; 3],
+    /// Mean mass, kg.
+    mass: f64,
+    /// Largest diameters across the smaller side, after the first increment there.
+    across: Option<f64>,
+}
+
+impl Sanity {
+    /// The ratios so far.
+    #[must_use]
+    pub fn report(&self, scene: &Scene) -> Report {
+        let grains = Grains::of(scene);
+        let [time, strain, pressure] = self.dynamic;
+        let number = || inertial(strain / time, self.mass, pressure / time, scene.thickness);
+        Report {
+            stiffness_over_pressure: grains.level(self.pressure),
+            maximum_overlap_over_radius: self.overlap,
+            inertial_number: (time > 0.0).then(number).flatten(),
+            increment_over_elastic_strain: grains.steps(self.increment, self.pressure),
+            disks_across: self.across,
+            warnings: Vec::new(),
+        }
+        .with_warnings(grains.strength > 0.0, grains.are_rock(self.pressure))
+    }
+
+    /// Adds an increment of the reference stage.
+    fn see_strain(&mut self, o: &Observation, analysis: &Analysis) {
+        let Some(strain) = o.axial_strain else { return };
+        let change = strain - self.strain.replace(strain).unwrap_or(0.0);
+        match analysis.kind {
+            AnalysisKind::Static if o.axial_stress.is_some() => {
+                let before = self.increment.unwrap_or(0.0);
+                self.increment = Some(before.max(change.abs()));
+            }
+            AnalysisKind::Dynamic { dt, .. } => {
+                if let Some(pressure) = confining(o) {
+                    let time = dt * o.fraction;
+                    self.dynamic[0] += time;
+                    self.dynamic[1] += change;
+                    self.dynamic[2] += pressure * time;
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+/// The smaller one of axial and lateral stress, as far as they are measured.
+fn confining(o: &Observation) -> Option<f64> {
+    match (o.axial_stress, o.lateral_stress) {
+        (Some(axial), Some(lateral)) => Some(axial.min(lateral)),
+        (axial, lateral) => lateral.or(axial),
+    }
+}
+
+/// Adds the increment.
+pub fn follow(
+    (script, progress, analysis): (Res<Script>, Res<Progress>, Res<Analysis>),
+    (bodies, contacts): (Res<Bodies>, Res<Contacts>),
+    (program, solution): (Res<ConeProgram>, Res<ConeSolution>),
+    (o, measures): (Res<Observation>, Res<Measures>),
+    mut sanity: ResMut<Sanity>,
+) {
+    let carries = matches!(o.status, IncrementStatus::Solved | IncrementStatus::Capped);
+    if !carries || matches!(analysis.kind, AnalysisKind::LeastMotion { .. }) {
+        return;
+    }
+    if let Some(overlap) = overlap(&bodies, &contacts, &program, &solution) {
+        sanity.overlap = Some(sanity.overlap.map_or(overlap, |most| most.max(overlap)));
+    }
+    if o.in_avalanche {
+        return;
+    }
+    // Without a lateral stress the axial one is the load and no confinement, except on loose grains.
+    let is_loose = Grains::of(&script.scene).strength == 0.0;
+    if let Some(pressure) = confining(&o).filter(|_| is_loose || o.lateral_stress.is_some()) {
+        sanity.pressure = Some(sanity.pressure.map_or(pressure, |most| most.max(pressure)));
+    }
+    let is_test = measures.axial_strain.is_some() && measures.axial_stress.is_some();
+    if is_test && progress.stage >= script.reference_stage() {
+        if sanity.across.is_none() {
+            sanity.across = across(&bodies);
+            let n = bodies.particles;
+            sanity.mass = bodies.masses[..n].iter().sum::<f64>() / n.max(1) as f64;
+        }
+        sanity.see_strain(&o, &analysis);
+    }
+}
+
+/// Maximum overlap over the smaller radius; `None` without an elastic contact under pressure.
+fn overlap(
+    bodies: &Bodies,
+    contacts: &Contacts,
+    program: &ConeProgram,
+    solution: &ConeSolution,
+) -> Option<f64> {
+    let solved = program.interactions.iter().zip(&solution.forces);
+    let ratios = contacts.0.iter().zip(solved).filter_map(|(contact, (row, [p, ..]))| {
+        let radius = |body: u32| bodies.radii.get(body as usize).copied().unwrap_or(f64::INFINITY);
+        let overlap = row.normal_compliance * p;
+        (overlap > 0.0).then(|| overlap / radius(contact.a).min(radius(contact.b)))
+    });
+    ratios.max_by(f64::total_cmp)
+}
+
+/// Largest diameters across the smaller side of the box around the particles, or of the cell.
+fn across(bodies: &Bodies) -> Option<f64> {
+    let n = bodies.particles;
+    let largest = bodies.radii[..n].iter().copied().max_by(f64::total_cmp)?;
+    let side = |axis: usize| {
+        let ends = bodies.positions[..n].iter().zip(&bodies.radii);
+        let low = ends.clone().map(|(x, r)| x[axis] - r).min_by(f64::total_cmp)?;
+        let high = ends.map(|(x, r)| x[axis] + r).max_by(f64::total_cmp)?;
+        Some(high - low)
+    };
+    let (width, height) = match &bodies.cell {
+        Some(cell) => (cell.width, cell.height),
+        None => (side(0)?, side(1)?),
+    };
+    Some(width.min(height) / (2.0 * largest))
+}

@@ -1,0 +1,136 @@
+//! Physical sanity of a test: ratios without dimension that tell whether contacts are stiff, steps
+//! small and the specimen large enough. `clastic check` estimates them before a run (`before`), the
+//! run measures them (`follow`).
+
+mod before;
+mod follow;
+mod material;
+#[cfg(test)]
+mod tests;
+
+use serde::{Deserialize, Serialize};
+
+pub use self::before::before;
+pub(super) use self::follow::follow;
+pub use self::follow::{SANITY, Sanity};
+
+/// Stiffness level below which deflections of contacts count: at 1000 they are a thousandth of a
+/// diameter. Roux and Combe (2002, C. R. Physique 3, 131-140) and da Cruz et al. (2005, Phys. Rev. E
+/// 72, 021309) take 1e4 for rigid grains.
+const STIFF: f64 = 1e3;
+/// Overlap over radius above which it is not small, as linear contacts assume. Cleary and Sawley
+/// (2002, Appl. Math. Model. 26, 89-111) keep its mean between 0.1 and 1 %; maxima are some times
+/// the mean.
+const OVERLAP: f64 = 0.05;
+/// Inertial number above which a flow is not quasi-static (GDR MiDi 2004, Eur. Phys. J. E 14,
+/// 341-365; da Cruz et al. 2005).
+const QUASI_STATIC: f64 = 1e-3;
+/// Increments that strain more than this many elastic strains do not resolve the elastic response,
+/// whose range of strain is p h / k (Roux and Combe 2002).
+const STEP: f64 = 1.0;
+/// Largest grains across a bonded specimen: ten at least (ISRM 1979, Int. J. Rock Mech. Min. Sci. 16,
+/// 135-140).
+const ROCK: f64 = 10.0;
+/// Largest grains across an unbonded specimen: six at least (ASTM D7181).
+const SOIL: f64 = 6.0;
+
+/// The ratios, before or after a run. `None` where one is not defined.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Report {
+    /// Stiffness level k/(p h): the minimum normal stiffness k of the materials over the confining
+    /// stress p times the thickness h. p is the smaller of axial and lateral stress, at its maximum
+    /// in the run; before it, that of the imposed stresses.
+    pub stiffness_over_pressure: Option<f64>,
+    /// Maximum overlap of two bodies in contact over the smaller radius.
+    pub maximum_overlap_over_radius: Option<f64>,
+    /// Inertial number `I = rate sqrt(m / (p h))` of the dynamic increments of the reference stage,
+    /// with the mean axial strain rate and the mean mass m.
+    pub inertial_number: Option<f64>,
+    /// Maximum axial strain of a static increment over the elastic strain s h/k, with s the larger
+    /// one of the confining stress p and the strength of the bonds.
+    pub increment_over_elastic_strain: Option<f64>,
+    /// Diameters of the largest disk across the smaller side of the specimen, where the test has an
+    /// axial strain and an axial stress.
+    pub disks_across: Option<f64>,
+    /// What would be challenged, with the source.
+    pub warnings: Vec<String>,
+}
+
+impl Report {
+    /// Finds the warnings. `is_rock` means that bonds are stronger than the confining stress: the
+    /// stiffness of the contacts is then that of the material, and no choice.
+    fn with_warnings(mut self, is_bonded: bool, is_rock: bool) -> Self {
+        let mut warnings = Vec::new();
+        if let Some(level) = self.stiffness_over_pressure.filter(|level| *level < STIFF && !is_rock)
+        {
+            warnings.push(format!(
+                "k/(p h) is {level:.0}: below 1000 the deflection of the contacts changes friction \
+                 angle and volume with the pressure; give stiffer contacts or a lower stress (Roux \
+                 and Combe 2002 and da Cruz et al. 2005 take 1e4 for rigid grains)"
+            ));
+        }
+        if let Some(overlap) = self.maximum_overlap_over_radius.filter(|o| *o > OVERLAP) {
+            warnings.push(format!(
+                "contacts overlap by up to {:.1} % of a radius: linear contacts assume small overlaps; \
+                 give stiffer contacts (Cleary and Sawley 2002 keep the mean below 1 %)",
+                100.0 * overlap
+            ));
+        }
+        if let Some(number) = self.inertial_number.filter(|number| *number > QUASI_STATIC) {
+            warnings.push(format!(
+                "the inertial number is {number:.1e}: above 1e-3 stresses depend on the rate; load \
+                 more slowly (GDR MiDi 2004; da Cruz et al. 2005)"
+            ));
+        }
+        if let Some(ratio) = self.increment_over_elastic_strain.filter(|ratio| *ratio > STEP) {
+            warnings.push(format!(
+                "an increment strains the specimen by {ratio:.1} elastic strains: the initial modulus \
+                 and the first yield are not resolved; give smaller increments (p h/k is the range of \
+                 elastic strain, Roux and Combe 2002)"
+            ));
+        }
+        let (enough, source) = if is_bonded {
+            (ROCK, "ISRM 1979 asks for ten of the largest grains")
+        } else {
+            (SOIL, "ASTM D7181 asks for six of the largest particles")
+        };
+        // Within rounding: ten columns of a lattice are ten.
+        let few = |disks: &f64| *disks < enough * (1.0 - 1e-6);
+        if let Some(disks) = self.disks_across.filter(few) {
+            warnings.push(format!(
+                "{disks:.1} of the largest disks lie across the specimen: too few for the stress of a \
+                 continuum ({source})"
+            ));
+        }
+        self.warnings = warnings;
+        self
+    }
+
+    /// The ratios that are defined, in one line; empty without any.
+    #[must_use]
+    pub fn line(&self) -> String {
+        let parts = [
+            ("k/(p h)", self.stiffness_over_pressure),
+            ("maximum overlap/radius", self.maximum_overlap_over_radius),
+            ("inertial number", self.inertial_number),
+            ("increment/elastic strain", self.increment_over_elastic_strain),
+            ("disks across", self.disks_across),
+        ];
+        let text: Vec<_> = parts
+            .iter()
+            .filter_map(|(name, value)| value.map(|value| format!("{name} {}", short(value))))
+            .collect();
+        text.join("; ")
+    }
+}
+
+/// Three digits.
+fn short(value: f64) -> String {
+    match value.abs() {
+        v if v == 0.0 || (0.01..1e5).contains(&v) => {
+            let digits = (2 - v.max(1e-9).log10().floor() as i32).max(0) as usize;
+            format!("{value:.digits$}")
+        }
+        _ => format!("{value:.1e}"),
+    }
+}

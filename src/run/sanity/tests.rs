@@ -1,0 +1,107 @@
+//! Tests of the ratios against values by hand.
+
+use std::path::Path;
+
+use super::*;
+use crate::run::Simulation;
+use crate::scene::format::Scene;
+use crate::scene::from_str;
+
+/// Four columns of five disks of 10 mm, pressed with 10 kPa, then shortened by 0.02 mm an increment.
+fn scene(stiffness: &str, analysis: &str, motion: &str) -> Scene {
+    let text = format!(
+        r#"(version: 2, title: "t", thickness: 0.5,
+        analysis: {analysis},
+        materials: {{"m": (density: 2000.0, contact: (normal_stiffness: {stiffness}))}},
+        specimen: Particles([{}]),
+        walls: [
+            (name: "bottom", start: (0.0, 0.0), end: (0.08, 0.0)),
+            (name: "top", start: (0.08, 0.1), end: (0.0, 0.1)),
+            (name: "left", start: (0.0, 0.1), end: (0.0, 0.0)),
+            (name: "right", start: (0.08, 0.0), end: (0.08, 0.1)),
+        ],
+        stages: [
+            Load(name: "press", increments: 1, walls: {{
+                "top": Stress(stress: 10e3), "right": Stress(stress: 10e3) }}),
+            Load(name: "load", increments: 2, walls: {{ "top": {motion} }}),
+        ],
+        measures: [
+            (name: "axial_strain", of: Strain(Walls("bottom", "top"))),
+            (name: "axial_stress", of: Stress(Walls(walls: ["top"], length: Fixed(0.08)))),
+            (name: "lateral_stress", of: Stress(Walls(walls: ["right"], length: Fixed(0.1)))),
+        ])"#,
+        (0..20)
+            .map(|k| {
+                let (x, y) = (0.01 + 0.02 * f64::from(k % 4), 0.01 + 0.02 * f64::from(k / 4));
+                format!("(position: ({x}, {y}), radius: 0.01)")
+            })
+            .collect::<Vec<_>>()
+            .join(",")
+    );
+    from_str(&text, Path::new("t.ron"), Path::new(""), &[]).unwrap_or_else(|e| panic!("{e}")).scene
+}
+
+fn near(found: Option<f64>, expected: f64, tolerance: f64) {
+    let found = found.unwrap_or(f64::NAN);
+    assert!((found - expected).abs() <= tolerance * expected.abs(), "{found} for {expected}");
+}
+
+fn measured(scene: &Scene) -> Report {
+    let mut simulation = Simulation::new(scene, None);
+    simulation.run();
+    simulation.world().resource::<Sanity>().report(scene)
+}
+
+#[test]
+fn ratios_of_twenty_disks_are_those_by_hand_before_and_after() {
+    let soft = scene("1e6", "Static", "Displacement(0.0, -2e-5)");
+    let (first, after) = (before(&soft, None), measured(&soft));
+    // 1e6 / (10e3 x 0.5); a strain of 2e-4 over p h/k = 5e-3.
+    for report in [&first, &after] {
+        near(report.stiffness_over_pressure, 200.0, 1e-6);
+        near(report.increment_over_elastic_strain, 0.04, 0.02);
+        near(report.disks_across, 4.0, 0.01);
+        assert_eq!(report.inertial_number, None);
+        assert!(report.warnings[0].contains("k/(p h) is 200"), "{:?}", report.warnings);
+        assert!(report.warnings[1].contains("4.0 of the largest disks"), "{:?}", report.warnings);
+        assert_eq!(report.warnings.len(), 2);
+    }
+    // A column carries 100 N under the pressure, an overlap of 1e-4 m, then four twelfths of 4e-5 m
+    // more in each of its contacts: those at the rigid walls have the stiffness of the grains.
+    let overlap = after.maximum_overlap_over_radius.unwrap();
+    assert!(overlap > 0.01 && overlap < 0.012, "{overlap}");
+}
+
+#[test]
+fn stiff_grains_and_small_steps_are_not_challenged_and_large_steps_are() {
+    let stiff = before(&scene("1e8", "Static", "Displacement(0.0, -2e-5)"), None);
+    near(stiff.increment_over_elastic_strain, 4.0, 1e-9);
+    assert!(stiff.warnings[0].contains("4.0 elastic strains"), "{:?}", stiff.warnings);
+    let fine = before(&scene("1e8", "Static", "Displacement(0.0, -2e-6)"), None);
+    assert_eq!(fine.warnings.len(), 1, "{:?}", fine.warnings);
+}
+
+#[test]
+fn the_inertial_number_of_a_fast_test_is_that_by_hand() {
+    let fast = scene("1e7", "Dynamic(dt: 1e-5)", "Velocity(0.0, -1.0)");
+    let (first, after) = (before(&fast, None), measured(&fast));
+    // 10 1/s x sqrt(2000 pi 1e-4 0.5 / (1e4 x 0.5)).
+    let mass: f64 = 2000.0 * std::f64::consts::PI * 1e-4 * 0.5;
+    near(first.inertial_number, 10.0 * (mass / 5e3).sqrt(), 1e-9);
+    assert!(first.warnings.iter().any(|w| w.contains("inertial number")), "{:?}", first.warnings);
+    assert!(after.inertial_number.is_some_and(|number| number > QUASI_STATIC), "{after:?}");
+    let slow = before(&scene("1e7", "Dynamic(dt: 1e-5)", "Velocity(0.0, -1e-4)"), None);
+    assert!(!slow.warnings.iter().any(|w| w.contains("inertial number")), "{:?}", slow.warnings);
+}
+
+#[test]
+fn lines_have_three_digits() {
+    let report = Report {
+        stiffness_over_pressure: Some(312.4),
+        maximum_overlap_over_radius: Some(0.012_34),
+        increment_over_elastic_strain: Some(1.234),
+        ..Report::default()
+    };
+    let line = "k/(p h) 312; maximum overlap/radius 0.0123; increment/elastic strain 1.23";
+    assert_eq!(report.line(), line);
+}
