@@ -8,6 +8,7 @@ use bevy_ecs::schedule::{LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleT
 
 use clastic_components::body::{BodyId, Group};
 use clastic_components::measure::{NamedMeasures, Quantity};
+use clastic_components::poured::Poured;
 use clastic_components::wall::WallName;
 use clastic_systems::state::RegisterState;
 use clastic_systems::stepping::{Advance, AdvanceSystems, is_due};
@@ -18,6 +19,7 @@ use super::key_results::{
     KEY_RESULTS, KeyResults, is_undecided, observe_increment, read_key_results,
 };
 use super::measures::{MeasureKinds, read_custom};
+use super::pour::{POURED, pour};
 use super::sanity::{self, SANITY, Sanity};
 use super::script::Script;
 use super::stages::{CurrentStage, begin_built_in, change_stages, end_built_in};
@@ -147,6 +149,7 @@ impl Plugin for ScenePlugin {
             .register_state::<Approach>(APPROACH)
             .register_resource::<KeyResults>(KEY_RESULTS)
             .register_resource::<Sanity>(SANITY)
+            .register_resource::<Poured>(POURED)
             .init_resource::<StageKinds>()
             .init_resource::<MeasureKinds>()
             .init_resource::<Before>()
@@ -158,6 +161,8 @@ impl Plugin for ScenePlugin {
                 (
                     (
                         change_stages,
+                        // Before whatever looks at the bodies of the increment.
+                        pour.run_if(is_due).run_if(resource_exists::<Poured>),
                         begin_increment.run_if(is_due).run_if(are_measured),
                         take_down.run_if(is_due),
                     )

@@ -135,6 +135,9 @@ fn quantity(world: &mut World, name: &str, of: &scene::Quantity) -> Option<Quant
             Quantity::Membrane { membrane: find_membrane(world, membrane)?, value: *value }
         }
         scene::Quantity::KeyResult(key) => Quantity::KeyResult(*key),
+        scene::Quantity::Poured(amount) => {
+            Quantity::Poured { mass: *amount == scene::Amount::Mass }
+        }
         scene::Quantity::Time => Quantity::Time,
         scene::Quantity::Custom(name) => Quantity::Custom(name.clone()),
     })

@@ -12,6 +12,7 @@ mod membranes;
 mod minerals;
 mod output;
 mod particle_control;
+mod pour;
 mod quantities;
 mod rigid;
 mod scatter;
@@ -45,7 +46,8 @@ pub use membranes::MembraneControl;
 pub use minerals::{Clusters, Mineral};
 pub use output::{Output, Record};
 pub use particle_control::{Motion, ParticleControl, Select};
-pub use quantities::{Area, GroupAlong, Length, Modes, Quantity, Strain, Stress};
+pub use pour::{Opening, Pour, Rate, Stream};
+pub use quantities::{Amount, Area, GroupAlong, Length, Modes, Quantity, Strain, Stress};
 pub use rigid::{RigidControl, Traction};
 pub use scatter::{Scatter, Spread};
 #[cfg(test)]

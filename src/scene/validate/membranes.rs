@@ -24,10 +24,7 @@ pub(super) fn inherited(specimen: Option<&StoredSpecimen>) -> Vec<Skin> {
 
 /// Names of the membranes that the stages of a scene make, and of those that it takes over.
 pub(super) fn names<'a>(scene: &'a Scene, specimen: Option<&'a StoredSpecimen>) -> Vec<&'a str> {
-    let loads = scene.stages.iter().filter_map(|stage| match stage {
-        Stage::Load(load) => Some(load),
-        _ => None,
-    });
+    let loads = scene.stages.iter().filter_map(Stage::load);
     let state = specimen.and_then(|stored| stored.state.as_ref());
     let taken = state.filter(|state| state.gives_walls).into_iter().flat_map(|s| &s.membranes);
     let made = loads.flat_map(|load| load.membranes.keys()).map(String::as_str);
