@@ -85,7 +85,7 @@ pub enum SavedError {
     Foreign(String),
     /// The file is of another version of the format.
     #[error(
-        "a state of format {0}, and this clastic reads format {VERSION}; save it again with this \
+        "a state of format {0}, and this clastic reads formats up to {VERSION}; save it again with this \
          clastic"
     )]
     Version(String),
