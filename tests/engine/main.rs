@@ -29,6 +29,7 @@ mod limit_load;
 mod measures;
 mod membranes;
 mod periodic_cell;
+mod pour;
 mod removal;
 mod rest;
 mod restitution;
