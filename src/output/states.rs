@@ -34,13 +34,12 @@ pub fn write_kept(world: &mut World) -> Result<(), OutputError> {
     Ok(())
 }
 
-/// Writes the state at the end of a run. A program without the feature `npz` writes none, and a run
-/// that ends with rigid groups has none.
+/// Writes the state at the end of a run. A program without the feature `npz` writes none.
 ///
 /// # Errors
 /// If the state cannot be encoded, or the file cannot be written.
 pub fn write_final(world: &mut World) -> Result<(), OutputError> {
-    if !cfg!(feature = "npz") || saved::refusal(world).is_some() {
+    if !cfg!(feature = "npz") {
         return Ok(());
     }
     let path = world.resource::<RunDirectory>().path(names::FINAL_STATE);

@@ -24,8 +24,8 @@ use super::sanity::{self, SANITY, Sanity};
 use super::script::Script;
 use super::stages::{CurrentStage, begin_built_in, change_stages, end_built_in};
 use super::state::{
-    FIRST_WALL, FirstWall, INHERITED_WALLS, InheritedWalls, MATERIALS, MaterialNames, SCRIPT,
-    ScriptState,
+    FIRST_WALL, FirstWall, INHERITED_WALLS, InheritedWalls, MATERIALS, MaterialNames,
+    RIGID_AT_START, RigidAtStart, SCRIPT, ScriptState,
 };
 use super::stop::end_increment;
 use super::until::{APPROACH, Approach};
@@ -150,6 +150,7 @@ impl Plugin for ScenePlugin {
             .register_resource::<KeyResults>(KEY_RESULTS)
             .register_resource::<Sanity>(SANITY)
             .register_resource::<Poured>(POURED)
+            .register_resource::<RigidAtStart>(RIGID_AT_START)
             .init_resource::<StageKinds>()
             .init_resource::<MeasureKinds>()
             .init_resource::<Before>()

@@ -9,6 +9,7 @@
 mod bonds;
 mod columns;
 mod contacts;
+mod groups;
 mod membranes;
 mod particles;
 mod progress;
@@ -20,7 +21,6 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::increment::Analysis;
 use clastic_components::material::Materials;
-use clastic_components::rigid_group::RigidGroup;
 use clastic_systems::gather_bodies::gather_bodies;
 use clastic_systems::state::{StateError, WorldState};
 
@@ -36,14 +36,17 @@ pub use progress::Counts;
 /// First word of the array `format`.
 const FORMAT: &str = "clastic state";
 /// Version of the format, which follows the word. It increases with every change of the arrays.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
+/// Version of a state without rigid groups, which older programs read too.
+const WITHOUT_GROUPS: u32 = 1;
 /// Prefix of arrays with the state of other plugins.
 const PLUGIN: &str = "plugin.";
 
 /// Entries of a [`WorldState`] that a saved state has as arrays.
-const AS_ARRAYS: [&[&str]; 6] = [
+const AS_ARRAYS: [&[&str]; 7] = [
     &particles::ENTRIES,
     &walls::ENTRIES,
+    &groups::ENTRIES,
     &bonds::ENTRIES,
     &contacts::ENTRIES,
     &membranes::ENTRIES,
@@ -52,7 +55,7 @@ const AS_ARRAYS: [&[&str]; 6] = [
 
 /// Entries that a scene which starts from the state has of its own: its place among its stages, its
 /// settings, its output, and what the next increment makes anew.
-const OF_THE_SCENE: [&str; 18] = [
+const OF_THE_SCENE: [&str; 19] = [
     "analysis",
     "key_results",
     "materials.names",
@@ -65,6 +68,7 @@ const OF_THE_SCENE: [&str; 18] = [
     "output.avalanche",
     "output.snapshots",
     "output.specimen",
+    "rigid_group.at_start",
     "rupture_count",
     "sanity",
     "script",
@@ -84,16 +88,10 @@ pub enum SavedError {
     Foreign(String),
     /// The file is of another version of the format.
     #[error(
-        "a state of format {0}, and this clastic reads format {VERSION}; save it again with this \
+        "a state of format {0}, and this clastic reads formats up to {VERSION}; save it again with this \
          clastic"
     )]
     Version(String),
-    /// The world has rigid groups, for which a saved state has no arrays.
-    #[error(
-        "a saved state has no rigid groups; release them in a loading stage before, \
-         `release: [\"NAME\"]`"
-    )]
-    RigidGroups,
     /// A part of the world cannot be encoded or decoded.
     #[error(transparent)]
     State(#[from] StateError),
@@ -122,14 +120,12 @@ pub struct SavedState {
 /// # Errors
 /// If a part of the world cannot be encoded.
 pub fn save(world: &mut World) -> Result<Tables, SavedError> {
-    if let Some(error) = refusal(world) {
-        return Err(error);
-    }
     let state = capture(world)?;
     // Gathering the tables does not change the run.
     let _ = world.run_system_cached(gather_bodies);
     let mut tables = Tables::default();
-    tables.put("format", Array::word(&format!("{FORMAT} {VERSION}")));
+    let version = if groups::names(&state)?.is_empty() { WITHOUT_GROUPS } else { VERSION };
+    tables.put("format", Array::word(&format!("{FORMAT} {version}")));
     let thickness = world.resource::<Analysis>().thickness;
     progress::write(&state, thickness, &mut tables)?;
     let materials = world.resource::<Materials>();
@@ -139,6 +135,7 @@ pub fn save(world: &mut World) -> Result<Tables, SavedError> {
     particles::write(&state, &mut tables)?;
     let catalogue = world.get_resource::<WallCatalogue>().cloned().unwrap_or_default();
     walls::write(&state, &catalogue, &mut tables)?;
+    groups::write(&state, &mut tables)?;
     bonds::write(&state, &mut tables)?;
     contacts::write(&state, world, &mut tables)?;
     membranes::write(&state, &mut tables)?;
@@ -149,11 +146,6 @@ pub fn save(world: &mut World) -> Result<Tables, SavedError> {
         }
     }
     Ok(tables)
-}
-
-/// Why a world has no saved state: it has rigid groups.
-pub fn refusal(world: &mut World) -> Option<SavedError> {
-    world.query::<&RigidGroup>().iter(world).next().map(|_| SavedError::RigidGroups)
 }
 
 impl SavedState {
@@ -173,7 +165,11 @@ impl SavedState {
         };
         match format.strip_prefix(FORMAT).map(str::trim) {
             None => return Err(SavedError::Foreign(format!("it is `{format}`"))),
-            Some(version) if version != VERSION.to_string() => {
+            Some(version)
+                if ![WITHOUT_GROUPS, VERSION]
+                    .map(|v| v.to_string())
+                    .contains(&version.to_owned()) =>
+            {
                 return Err(SavedError::Version(version.to_owned()));
             }
             Some(_) => {}
@@ -185,6 +181,7 @@ impl SavedState {
         let counts = progress::read(tables, &mut world)?;
         let ids = particles::read(tables, names.len(), &mut world)?;
         let walls = walls::read(tables, counts.next.body, &ids, &mut world)?;
+        groups::read(tables, &ids, &walls.ids, &mut world)?;
         let mut bodies = ids;
         bodies.extend(&walls.ids);
         bonds::read(tables, &bodies, counts.next.bond, &mut world)?;
@@ -210,6 +207,14 @@ impl SavedState {
     /// If the entry of the world is of another type.
     pub fn membranes(&self) -> Result<Vec<StoredMembrane>, StateError> {
         membranes::names(&self.world, self.first_wall, &self.walls)
+    }
+
+    /// Names of the rigid groups, in the order of identities.
+    ///
+    /// # Errors
+    /// If the world does not have them.
+    pub fn rigid_groups(&self) -> Result<Vec<String>, StateError> {
+        groups::names(&self.world)
     }
 
     /// The walls of the scene where they are now. Those that are not there are as it drew them.

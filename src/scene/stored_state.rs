@@ -46,8 +46,10 @@ fn stored(saved: SavedState) -> Result<StoredSpecimen, SavedError> {
     let rows = rows.collect();
     let indices = particles.last().map_or(0, |(id, _)| u64::from(id.0) + 1);
     let (walls, membranes) = (saved.walls_now()?, saved.membranes()?);
+    let rigid = saved.rigid_groups()?;
     let saved = Arc::new(saved);
-    let state = StoredState::of(&saved.world, (walls, membranes), Some(Arc::clone(&saved)))?;
+    let taken = (walls, membranes);
+    let state = StoredState::of(&saved.world, taken, rigid, Some(Arc::clone(&saved)))?;
     Ok(StoredSpecimen { rows, indices, groups: Vec::new(), state: Some(state) })
 }
 
@@ -59,6 +61,7 @@ impl StoredState {
     pub(crate) fn of(
         world: &WorldState,
         (walls, membranes): (Vec<Wall>, Vec<StoredMembrane>),
+        rigid: Vec<String>,
         saved: Option<Arc<SavedState>>,
     ) -> Result<Self, StateError> {
         let particles = world.components::<BodyId, Particle>("particle")?;
@@ -71,6 +74,7 @@ impl StoredState {
             walls,
             gives_walls: false,
             membranes,
+            rigid,
             groups: groups.into_iter().collect(),
             probes: probes.collect(),
             saved,
@@ -79,7 +83,7 @@ impl StoredState {
 }
 
 /// Gives a scene what it takes over from the state from which it starts: the walls if it lists
-/// none, names of recorded particles that it does not use otherwise, and materials by the names
+/// none, rigid groups, names of recorded particles that it does not use otherwise, and materials by the names
 /// that the scene gives them.
 pub(super) fn inherit(scene: &mut Scene, stored: &mut StoredSpecimen) {
     let (Some(state), Specimen::State { materials, .. }) = (&mut stored.state, &scene.specimen)
@@ -93,6 +97,7 @@ pub(super) fn inherit(scene: &mut Scene, stored: &mut StoredSpecimen) {
             }
         }
     }
+    scene.rigid_at_start.clone_from(&state.rigid);
     state.gives_walls = scene.walls.is_empty();
     if state.gives_walls {
         scene.walls.clone_from(&state.walls);
