@@ -65,8 +65,10 @@ pub fn judge(
         SolveStatus::Locked => Verdict::Locked,
         SolveStatus::Stalled if seeks_equilibrium && is_biased(&program, solution, &acceptance) => {
             if let Some(reason) = thrown(&bodies, &program, solution, &acceptance) {
-                // What a grain without support lacks is a place, if all bodies are restrained.
+                // Where all bodies are regularised and no bond can pull back, nothing is learnt from
+                // a grain without support: it lacks a place.
                 let verdict = if attempt.effort() == Some(Effort::Regularised)
+                    && bodies.bonds.is_empty()
                     && is_unsupported(&bodies, &program, solution)
                 {
                     Verdict::TooFar(reason)
