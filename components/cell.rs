@@ -76,14 +76,7 @@ impl PeriodicCell {
     /// Shift of the image of b that is nearest to a, for `apart` the way from a to b, m.
     #[must_use]
     pub fn shift(&self, apart: DVec2) -> DVec2 {
-        let rows = (apart.y / self.height).round();
-        let x = apart.x - rows * self.tilt;
-        let columns = (x / self.width).round();
-        // Without a shift, exactly none.
-        if rows == 0.0 && columns == 0.0 {
-            return DVec2::ZERO;
-        }
-        -DVec2::new(columns * self.width + rows * self.tilt, rows * self.height)
+        shift([self.width, self.height, self.tilt], apart)
     }
 
     /// The place in the cell of a place, m.
@@ -140,6 +133,20 @@ impl PeriodicCell {
         });
         imposed.fold(0.0, f64::max)
     }
+}
+
+/// Shift of the image of b that is nearest to a in a cell of this width, height and tilt (m), for
+/// `apart` the way from a to b, m.
+#[must_use]
+pub fn shift([width, height, tilt]: [f64; 3], apart: DVec2) -> DVec2 {
+    let rows = (apart.y / height).round();
+    let x = apart.x - rows * tilt;
+    let columns = (x / width).round();
+    // Without a shift, exactly none.
+    if rows == 0.0 && columns == 0.0 {
+        return DVec2::ZERO;
+    }
+    -DVec2::new(columns * width + rows * tilt, rows * height)
 }
 
 #[cfg(test)]

@@ -23,6 +23,7 @@ pub mod membrane;
 pub mod motion;
 pub mod observation;
 pub mod particle;
+pub mod poured;
 pub mod rigid_group;
 pub mod wall;
 pub mod wall_shape;

@@ -87,6 +87,11 @@ pub enum Quantity {
         /// 0 and 1 for the force along x and y, 2 for the moment about the centre of mass.
         component: usize,
     },
+    /// What stages have poured in so far: number of grains, or their mass in kg.
+    Poured {
+        /// Whether it is the mass.
+        mass: bool,
+    },
     /// Value of a membrane.
     Membrane {
         /// The membrane.

@@ -207,6 +207,8 @@ scenes! {
         ("bonds_created", 16025.0),
         ("limit_load_pa", 1110318441.6502988),
     ];
+    // Rate, weight and room are in tests/engine/pour.rs.
+    poured_bin: "poured_bin", COMPLETES, &[];
     prepare_biaxial_small: "prepare_biaxial_small", COMPLETES, &[];
     prepare_and_branch: "prepare_and_branch", COMPLETES, &[
         ("porosity", 0.22999999999999876),

@@ -4,6 +4,7 @@ use bevy_app::App;
 
 use crate::run::minerals::specimen;
 use crate::scene::load_with;
+use crate::scene::memory::poured;
 use crate::scene::one_round::one_round;
 use crate::scene::shown::label;
 use crate::scene::upgrade::upgrade;
@@ -32,8 +33,10 @@ pub fn check(args: &CheckArgs, app: &App) -> Result<Exit, Failure> {
         return Ok(Exit::Ok);
     }
     let scene = &loaded.scene;
+    let poured: f64 = scene.stages.iter().map(|stage| poured(scene, stage)).sum();
+    let poured = if poured > 0.0 { format!(" and about {poured} poured") } else { String::new() };
     say(format_args!(
-        "ok: {}, {}, {}, {}",
+        "ok: {}, {}{poured}, {}, {}",
         label(&scene.title),
         number(specimen(scene, loaded.specimen.as_ref()).len(), "particle"),
         number(scene.walls.len(), "wall"),

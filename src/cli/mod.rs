@@ -94,7 +94,7 @@ enum Command {
     /// curves over one another and a table
     #[cfg(feature = "report")]
     Report {
-        /// Directories of runs
+        /// Directories of runs, or of studies with all their runs
         #[arg(required = true, value_name = "DIR")]
         runs: Vec<PathBuf>,
         /// The page [default: DIR/report.html of one run, runs/report.html of several]

@@ -30,7 +30,7 @@ pub fn own_findings(scene: &Scene, app: &App) -> Vec<Finding> {
             let path = format!("stages[{i}].kind");
             findings.push(missing(path, &stage.kind, ("a kind of stage", instead), &stages));
         }
-        let Stage::Load(stage) = stage else { continue };
+        let Some(stage) = stage.load() else { continue };
         let custom = stage.walls.iter().filter(|(_, control)| **control == WallControl::Custom);
         findings.extend(custom.filter(|_| !drives_walls).map(|(name, _)| {
             Finding::new(

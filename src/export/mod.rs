@@ -30,7 +30,7 @@ pub fn vtk(moments: &[Moment], folder: &Path) -> Result<(), FigureError> {
                 "<DataSet timestep=\"{time:?}\" part=\"0\" file=\"{}\"/>\n",
                 name.display()
             );
-            write_atomic(&folder.join(&name), data.encode(*time))?;
+            write_atomic(&folder.join(&name), data.encode(*time, moment.cell))?;
         }
     }
     for (kind, series) in KINDS.into_iter().zip(series) {

@@ -43,9 +43,10 @@ impl PolyData {
         self.lines.push([first, first + 1]);
     }
 
-    /// The file, for a moment in s.
+    /// The file, for a moment in s, with the width, height and tilt of the periodic cell in m, if
+    /// there is one.
     #[must_use]
-    pub fn encode(&self, time: f64) -> String {
+    pub fn encode(&self, time: f64, cell: Option<[f64; 3]>) -> String {
         let are_lines = !self.lines.is_empty();
         let points = self.points.len();
         let (vertices, lines) = if are_lines { (0, self.lines.len()) } else { (points, 0) };
@@ -56,6 +57,10 @@ impl PolyData {
         );
         let time = Values::Scalars(vec![time]);
         array(&mut text, "TimeValue", &time, " NumberOfTuples=\"1\"");
+        if let Some(cell) = cell {
+            let cell = Values::Vectors(vec![cell]);
+            array(&mut text, "cell_m", &cell, " NumberOfTuples=\"1\"");
+        }
         // Writing to a string cannot fail.
         let _ = writeln!(
             text,
@@ -110,10 +115,12 @@ mod tests {
     #[test]
     fn points_are_vertices_and_lines_have_their_points() {
         let mut data = PolyData { points: vec![[0.0; 3]; 3], ..Default::default() };
-        let text = data.encode(0.0);
+        let text = data.encode(0.0, None);
+        assert!(!text.contains("cell_m"));
         assert!(text.contains("NumberOfPoints=\"3\" NumberOfVerts=\"3\" NumberOfLines=\"0\""));
         data.line([0.0, 1.0], [2.0, 3.0]);
-        let text = data.encode(0.0);
+        let text = data.encode(0.0, Some([1.0, 2.0, 0.5]));
+        assert!(text.contains("Name=\"cell_m\" NumberOfComponents=\"3\" NumberOfTuples=\"1\""));
         assert!(text.contains("NumberOfPoints=\"5\" NumberOfVerts=\"0\" NumberOfLines=\"1\""));
         assert_eq!(data.lines, [[3, 4]]);
     }

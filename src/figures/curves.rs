@@ -86,7 +86,10 @@ pub fn energies(run: &Run) -> Result<Chart, FigureError> {
     };
     let mut lines: Vec<Line> = Vec::new();
     for column in ENERGY_COLUMNS {
-        let points = history.points(along, column);
+        let points = match along {
+            "axial_strain" => history.curve(column),
+            _ => history.points(along, column),
+        };
         if points.iter().any(|p| p.1 != 0.0) {
             let name = column.trim_start_matches("energy_").trim_end_matches("_j");
             let points = points.into_iter().map(|(x, e)| (factor * x, e)).collect();

@@ -16,6 +16,7 @@ impl Moment {
             time: frame.time_s,
             strain: frame.axial_strain,
             materials: frame.materials.clone(),
+            cell: frame.cell_m,
             disks: (0..frame.bodies.id.len()).map(|row| disk(frame, row)).collect(),
             walls: (0..frame.walls.id.len()).flat_map(|row| pieces(frame, row)).collect(),
             pairs: (0..frame.pairs.a.len()).filter_map(|row| pair(frame, row)).collect(),

@@ -18,6 +18,9 @@ const TENSION: &str = "#d7191c";
 const WIDTHS: usize = 12;
 /// Number of coloured layers over the height of the specimen.
 const LAYERS: f64 = 12.0;
+/// Distance from the lower end of a layer, over its height, that is round-off of the numbers of a
+/// frame: disks of one height are in one layer.
+const ROUND_OFF: f64 = 1e-5;
 const LAYER_COLORS: [&str; 2] = ["#a58cc0", "#c4c4c4"];
 
 /// A moment on a page.
@@ -219,7 +222,7 @@ pub fn layers(view: &View) -> Option<String> {
     let (low, high) = view.from.snapshot().bounds()?;
     let layer = |row: usize| {
         let before = view.from.disk(view.now.disks[row].id)?.position.y;
-        Some(((before - low.y) / (high.y - low.y) * LAYERS) as usize % 2)
+        Some(((before - low.y) / (high.y - low.y) * LAYERS + ROUND_OFF) as usize % 2)
     };
     let colors = [LAYER_COLORS[0], LAYER_COLORS[1], "#fff"];
     view.disks(&mut sheet, &shown, &colors, |row| layer(row).unwrap_or(2));

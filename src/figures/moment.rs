@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use clastic_components::bond::RuptureMode;
+use clastic_components::cell;
 use glam::DVec2;
 
 use crate::output::crack::Crack;
@@ -95,6 +96,8 @@ pub struct Moment {
     pub strain: Option<f64>,
     /// Names of the materials.
     pub materials: Vec<String>,
+    /// Width, height and tilt of the periodic cell, m, if there is one.
+    pub cell: Option<[f64; 3]>,
     /// Disks by identity.
     pub disks: Vec<Disk>,
     /// Pieces of the walls that are there.
@@ -118,13 +121,27 @@ impl Moment {
         self.disks.binary_search_by_key(&id, |disk| disk.id).ok()
     }
 
-    /// End of a line from `a` to body `b`, m: the centre of a disk, the nearest point of a wall.
+    /// End of a line from `a` to body `b`, m: the centre of a disk, the nearest point of a wall. In
+    /// a periodic cell it is the centre of the image that is nearest to `a`.
     #[must_use]
     pub fn far_end(&self, a: u32, b: u32) -> Option<DVec2> {
         match self.disk(b) {
-            Some(disk) => Some(disk.position),
+            Some(disk) => Some(self.image(self.disk(a)?.position, disk.position)),
             None => self.foot(self.disk(a)?.position, b),
         }
+    }
+
+    /// The image of a point that is nearest to `from`, m.
+    fn image(&self, from: DVec2, point: DVec2) -> DVec2 {
+        point + self.cell.map_or(DVec2::ZERO, |cell| cell::shift(cell, point - from))
+    }
+
+    /// Sides of the periodic cell, m.
+    fn sides(&self) -> Vec<[DVec2; 2]> {
+        let Some([width, height, tilt]) = self.cell else { return Vec::new() };
+        let (x, y) = (DVec2::new(width, 0.0), DVec2::new(tilt, height));
+        let corners = [DVec2::ZERO, x, x + y, y, DVec2::ZERO];
+        corners.windows(2).map(|ends| [ends[0], ends[1]]).collect()
     }
 
     /// Point of a wall that is nearest to a point, m.
@@ -146,7 +163,10 @@ impl Moment {
             let a = self.disk(link.a)?;
             let disk = (a.position, a.radius);
             let crack = match self.disk(link.b) {
-                Some(b) => Crack::between_disks(disk, (b.position, b.radius), mode),
+                Some(b) => {
+                    let place = self.image(a.position, b.position);
+                    Crack::between_disks(disk, (place, b.radius), mode)
+                }
                 None => Crack::at_wall(disk, self.foot(a.position, link.b)?, mode),
             };
             Some((link.id, crack))
@@ -173,7 +193,7 @@ impl Moment {
     /// What pictures of a run draw of it.
     #[must_use]
     pub fn snapshot(&self) -> Snapshot {
-        let ends = |line: bool| {
+        let ends = |line: bool| -> Vec<_> {
             let pieces = self.walls.iter().filter(|piece| piece.is_line == line);
             pieces.map(|piece| piece.ends).collect()
         };
@@ -184,7 +204,7 @@ impl Moment {
             rotations: self.disks.iter().map(|disk| disk.rotation).collect(),
             displacements: self.disks.iter().map(|disk| disk.displacement).collect(),
             walls: ends(true),
-            plates: ends(false),
+            plates: ends(false).into_iter().chain(self.sides()).collect(),
             cracks: self.cracks().into_iter().map(|(_, crack)| crack).collect(),
             // The files of a run do not hold the chains.
             membranes: Vec::new(),
@@ -240,6 +260,19 @@ pub(crate) mod tests {
             disk.fragment = fragment;
         }
         assert_eq!(moment.fragments(), (vec![1, 0, 0], vec![2, 1]));
+    }
+
+    #[test]
+    fn a_pair_across_the_side_of_a_cell_ends_at_the_near_image() {
+        let mut moment = row_of_three();
+        assert_eq!(moment.far_end(0, 2), Some(DVec2::new(4.0, 1.0)));
+        moment.cell = Some([6.0, 3.0, 1.0]);
+        assert_eq!(moment.far_end(0, 2), Some(DVec2::new(-2.0, 1.0)));
+        assert_eq!(moment.far_end(2, 0), Some(DVec2::new(6.0, 1.0)));
+        // One row up the images are moved by the tilt.
+        moment.disks[1].position = DVec2::new(1.5, 4.0);
+        assert_eq!(moment.far_end(0, 1), Some(DVec2::new(0.5, 1.0)));
+        assert_eq!(moment.snapshot().plates.len(), 4);
     }
 
     #[test]

@@ -50,6 +50,9 @@ pub struct Frame {
     pub axial_stress_pa: Option<f64>,
     /// Point from which the centres of bodies are measured, m.
     pub origin_m: [f64; 2],
+    /// Width, height and tilt of the periodic cell, m: the specimen repeats along (width, 0) and
+    /// (tilt, height). `None` without a cell.
+    pub cell_m: Option<[f64; 3]>,
     /// Names of the materials.
     pub materials: Vec<String>,
     /// Names of the groups.

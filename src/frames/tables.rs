@@ -7,7 +7,7 @@ use crate::tables::{Array, TableError, Tables};
 /// First word of the array `format`.
 const FORMAT: &str = "clastic frame";
 /// Version of the format, which follows the word. It increases with every change of the arrays.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 impl Frame {
     /// The frame as arrays.
@@ -23,6 +23,7 @@ impl Frame {
         put("axial_strain", Array::value(self.axial_strain.unwrap_or(f64::NAN)));
         put("axial_stress_pa", Array::value(self.axial_stress_pa.unwrap_or(f64::NAN)));
         put("origin_m", Array::f64(self.origin_m.to_vec()));
+        put("cell_m", Array::f64(self.cell_m.unwrap_or_default().to_vec()));
         put("materials.name", Array::text(self.materials.iter().cloned()));
         put("groups.name", Array::text(self.groups.iter().cloned()));
         let bodies = &self.bodies;
@@ -75,6 +76,7 @@ impl Frame {
         let column =
             |name: &str| Ok::<_, TableError>(tables.text(name, &[tables.rows(name)?])?.to_vec());
         let origin = tables.f64("origin_m", &[2])?;
+        let cell = tables.f64("cell_m", &[3])?;
         let frame = Self {
             increment: tables.u64("increment", &[])?[0],
             stage: tables.text("stage", &[])?[0].clone(),
@@ -83,6 +85,7 @@ impl Frame {
             axial_strain: known("axial_strain")?,
             axial_stress_pa: known("axial_stress_pa")?,
             origin_m: [origin[0], origin[1]],
+            cell_m: Some([cell[0], cell[1], cell[2]]).filter(|cell| cell[0] > 0.0),
             materials: column("materials.name")?,
             groups: column("groups.name")?,
             bodies: bodies(tables)?,

@@ -6,6 +6,7 @@ use glam::DVec2;
 
 use clastic_components::body::{ExternalForce, Group, Origin};
 use clastic_components::bond::{Bond, BondId, BondState};
+use clastic_components::cell::PeriodicCell;
 use clastic_components::contact::{Bodies, ContactHistory, KeptRows};
 use clastic_components::increment::{Analysis, Progress};
 use clastic_components::material::Materials;
@@ -24,6 +25,7 @@ pub struct FrameTables<'w, 's> {
     materials: Res<'w, Materials>,
     observation: Res<'w, Observation>,
     progress: Res<'w, Progress>,
+    cell: Option<Res<'w, PeriodicCell>>,
     bonds: Query<'w, 's, (&'static BondId, &'static Bond, &'static BondState)>,
     origins: Query<'w, 's, (&'static Origin, Option<&'static Group>)>,
     walls: Query<'w, 's, (Option<&'static WallName>, &'static ExternalForce)>,
@@ -63,6 +65,7 @@ impl FrameTables<'_, '_> {
             axial_strain: observation.axial_strain,
             axial_stress_pa: observation.axial_stress,
             origin_m: origin.to_array(),
+            cell_m: self.cell.as_ref().map(|cell| [cell.width, cell.height, cell.tilt]),
             materials: self.materials.0.iter().map(|material| material.name.clone()).collect(),
             groups,
             bodies: FrameBodies {

@@ -113,6 +113,30 @@ fn bonds_and_fragments_are_those_of_the_world() {
     assert_eq!(frame.bodies.fragment, lowest);
 }
 
+/// 196 disks in a sheared periodic cell: pairs across its sides have the near image.
+#[test]
+fn a_frame_holds_its_periodic_cell() {
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/simple_shear_periodic.ron");
+    let loaded = load(Path::new(scene), &["stages.shear.increments=4".to_owned()]).unwrap();
+    let mut simulation = Simulation::new(&loaded.scene, None);
+    simulation.run();
+    let frame = Frame::take(simulation.world_mut());
+    let cell = frame.cell_m.unwrap();
+    assert!(cell[2] > 0.0, "{cell:?}");
+    let (mut across, pairs) = (0, &frame.pairs);
+    for k in 0..pairs.a.len() {
+        let [a, b] = [pairs.a[k], pairs.b[k]].map(|id| frame.row(id).unwrap());
+        let [from, to] = [a, b].map(|row| glam::DVec2::from(frame.centre(row)));
+        let shift = clastic_components::cell::shift(cell, to - from);
+        across += usize::from(shift != glam::DVec2::ZERO);
+        let radii = f64::from(frame.bodies.radius_m[a]) + f64::from(frame.bodies.radius_m[b]);
+        let gap = (to + shift - from).length() - radii;
+        assert!((gap - f64::from(pairs.gap_m[k])).abs() < 1e-7, "{k}: {gap}");
+    }
+    assert!(across > 20, "{across}");
+    assert_eq!(Frame::from_tables(&frame.tables()).unwrap(), frame);
+}
+
 #[test]
 fn a_frame_without_anything_reads_back() {
     let empty = Frame {

@@ -17,7 +17,7 @@ use super::csv_file::Row;
 use super::run_directory::RunDirectory;
 use super::wanted::Wanted;
 pub use crate::history_columns::{COLUMNS, ENERGY_COLUMNS};
-use crate::scene::format::{Scene, Specimen, Stage};
+use crate::scene::format::{Scene, Specimen};
 
 /// Columns of each probe, after its name: displacement since the start of the stage list, and force
 /// and moment of the outside world on the body.
@@ -29,7 +29,7 @@ pub const PROBE_COLUMNS: [&str; 6] =
 pub fn rigid_groups(scene: &Scene) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for stage in &scene.stages {
-        let Stage::Load(load) = stage else { continue };
+        let Some(load) = stage.load() else { continue };
         let made = load.rigid.iter().filter(|(_, control)| control.select.is_some());
         for (name, _) in made {
             if !names.contains(name) {

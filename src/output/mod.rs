@@ -61,6 +61,7 @@ mod save;
 pub mod snapshot;
 mod states;
 pub mod timings;
+mod view;
 mod wanted;
 
 pub use begin::{begin, resume};

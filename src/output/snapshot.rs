@@ -12,6 +12,7 @@ use clastic_components::membrane::{Membrane, MembraneShape};
 use clastic_components::wall::Wall;
 
 use super::crack::Crack;
+use super::view;
 
 /// State of a run at one moment. Tables by particle are in the order of identities.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -47,14 +48,19 @@ impl Snapshot {
             .unwrap_or_else(|error| panic!("{error}"))
     }
 
-    /// Lower left and upper right corner of the box around all disks and thin walls, m; none
-    /// without disks.
+    /// Lower left and upper right corner of the box around the disks, without strays, and the thin
+    /// walls, m; none without disks.
     #[must_use]
     pub fn bounds(&self) -> Option<(DVec2, DVec2)> {
-        let boxes = self.positions.iter().zip(&self.radii);
-        let disks = boxes
-            .map(|(x, r)| (*x - DVec2::splat(*r), *x + DVec2::splat(*r)))
-            .reduce(|(low, high), (l, h)| (low.min(l), high.max(h)))?;
+        let range = |axis: usize| {
+            let ends = |sign: f64| {
+                let disks = self.positions.iter().zip(&self.radii);
+                disks.map(|(x, r)| x[axis] + sign * r).collect()
+            };
+            view::range(ends(-1.0), ends(1.0))
+        };
+        let (x, y) = (range(0)?, range(1)?);
+        let disks = (DVec2::new(x[0], y[0]), DVec2::new(x[1], y[1]));
         let ends = self.plates.iter().flatten();
         Some(ends.fold(disks, |(low, high), x| (low.min(*x), high.max(*x))))
     }

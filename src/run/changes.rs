@@ -67,6 +67,18 @@ pub fn refused(old: &Scene, new: &Scene, state: &StateView) -> Vec<String> {
         } else if k == index && state.begun {
             let why = match (stage, changed) {
                 (Stage::Load(old), Stage::Load(new)) => stage_under_way(old, new, state),
+                (Stage::Pour(old), Stage::Pour(new)) if old.stream != new.stream => {
+                    Some("it is under way, and the grains to come follow those that came")
+                }
+                (Stage::Pour(old), Stage::Pour(new))
+                    if old.stream.rate.is_over_stage()
+                        && old.load.increments != new.load.increments =>
+                {
+                    Some("it is under way, and its rate is that over all its increments")
+                }
+                (Stage::Pour(old), Stage::Pour(new)) => {
+                    stage_under_way(&old.load, &new.load, state)
+                }
                 _ => (stage != changed).then_some("it is under way"),
             };
             fixed(&field, why.is_none(), why.unwrap_or_default());
@@ -124,9 +136,8 @@ fn motion(control: &Wanted) -> Option<WallControl> {
 /// [`refused`] must have found none of them.
 pub fn apply(world: &mut World, old: &Scene, new: &Scene, state: &StateView) {
     let index = state.progress.stage;
-    let (Some(Stage::Load(old)), Some(Stage::Load(new))) =
-        (old.stages.get(index), new.stages.get(index))
-    else {
+    let load = |scene: &'_ Scene| scene.stages.get(index).and_then(Stage::load).cloned();
+    let (Some(old), Some(new)) = (load(old), load(new)) else {
         return;
     };
     if !state.is_within_stage() || old == new {

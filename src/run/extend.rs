@@ -18,9 +18,17 @@ pub fn reopen(state: &mut WorldState, old: &Scene, new: &Scene) -> Result<(), St
     let mut progress: Progress = state.get(PROGRESS)?;
     let mut script: ScriptState = state.get(SCRIPT)?;
     let Some(last) = old.stages.len().checked_sub(1) else { return Ok(()) };
-    let (Some(Stage::Load(before)), Some(Stage::Load(after))) =
-        (old.stages.get(last), new.stages.get(last))
-    else {
+    let (Some(old), Some(new)) = (old.stages.get(last), new.stages.get(last)) else {
+        return Ok(());
+    };
+    let streams = match (old, new) {
+        (Stage::Load(_), Stage::Load(_)) => true,
+        (Stage::Pour(old), Stage::Pour(new)) => {
+            old.stream == new.stream && !old.stream.rate.is_over_stage()
+        }
+        _ => false,
+    };
+    let (Some(before), Some(after)) = (old.load().filter(|_| streams), new.load()) else {
         return Ok(());
     };
     let is_at_its_end = progress.stage > last && !script.begun;

@@ -18,6 +18,8 @@ mod membranes;
 pub mod minerals;
 pub mod particles;
 pub mod plugin;
+pub mod pour;
+mod pour_room;
 pub mod remove;
 mod resolve_measures;
 mod rigid;

@@ -127,23 +127,30 @@ fn lattice(
 }
 
 /// Random numbers of a specimen, which depend on the seed only and not on the machine.
-struct Random(ChaCha8Rng);
+pub(super) struct Random(ChaCha8Rng);
 
 impl Random {
     fn new(seed: u64) -> Self {
         Self(ChaCha8Rng::seed_from_u64(seed))
     }
 
+    /// One of the independent sequences of a seed.
+    pub(super) fn stream(seed: u64, stream: u64) -> Self {
+        let mut random = Self::new(seed);
+        random.0.set_stream(stream);
+        random
+    }
+
     /// Uniform in [0, 1): the upper 53 bits.
-    fn unit(&mut self) -> f64 {
+    pub(super) fn unit(&mut self) -> f64 {
         (self.0.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    fn between(&mut self, low: f64, high: f64) -> f64 {
+    pub(super) fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.unit()
     }
 
-    fn radius(&mut self, sizes: &Sizes) -> f64 {
+    pub(super) fn radius(&mut self, sizes: &Sizes) -> f64 {
         match *sizes {
             Sizes::Equal { radius } => radius,
             Sizes::Uniform { radius: (low, high) } => self.between(low, high),

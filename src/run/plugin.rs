@@ -8,6 +8,7 @@ use bevy_ecs::schedule::{LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleT
 
 use clastic_components::body::{BodyId, Group};
 use clastic_components::measure::{NamedMeasures, Quantity};
+use clastic_components::poured::Poured;
 use clastic_components::wall::WallName;
 use clastic_systems::state::RegisterState;
 use clastic_systems::stepping::{Advance, AdvanceSystems, is_due};
@@ -15,6 +16,7 @@ use clastic_systems::stepping::{Advance, AdvanceSystems, is_due};
 use super::before::{Before, take_down};
 use super::group_members::{GROUP_MEMBERS, GroupMembers, are_measured, begin_increment};
 use super::measures::{MeasureKinds, read_custom};
+use super::pour::{POURED, pour};
 use super::script::Script;
 use super::stages::{CurrentStage, begin_built_in, change_stages, end_built_in};
 use super::state::{
@@ -141,6 +143,7 @@ impl Plugin for ScenePlugin {
             .register_resource::<GroupMembers>(GROUP_MEMBERS)
             .register_state::<ScriptState>(SCRIPT)
             .register_state::<Approach>(APPROACH)
+            .register_resource::<Poured>(POURED)
             .init_resource::<StageKinds>()
             .init_resource::<MeasureKinds>()
             .init_resource::<Before>()
@@ -152,6 +155,8 @@ impl Plugin for ScenePlugin {
                 (
                     (
                         change_stages,
+                        // Before whatever looks at the bodies of the increment.
+                        pour.run_if(is_due).run_if(resource_exists::<Poured>),
                         begin_increment.run_if(is_due).run_if(are_measured),
                         take_down.run_if(is_due),
                     )

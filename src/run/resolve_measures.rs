@@ -177,6 +177,9 @@ fn quantity(world: &mut World, name: &str, of: &scene::Quantity) -> Option<Quant
                 scene::MembraneValue::Width => MembraneValue::Width,
             },
         },
+        scene::Quantity::Poured(amount) => {
+            Quantity::Poured { mass: *amount == scene::Amount::Mass }
+        }
         scene::Quantity::Time => Quantity::Time,
         scene::Quantity::Custom(name) => Quantity::Custom(name.clone()),
     })

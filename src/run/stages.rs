@@ -11,8 +11,8 @@ use super::measures::MeasureKinds;
 use super::plugin::{BeginStage, EndStage, StageKinds};
 use super::resolve_measures::resolve_measures;
 pub use super::script::{Collapse, CollapsedBy, EndedBy, Outcome, Script, StageEnd, Step};
-use super::{cement, compact, group_members, load, membranes, remove, rigid, save, until};
-use crate::scene::format::Stage;
+use super::{cement, compact, group_members, load, membranes, pour, remove, rigid, save, until};
+use crate::scene::format::{Load, Stage};
 
 /// The stage that begins, runs or ends.
 #[derive(Resource, Clone, Debug)]
@@ -70,13 +70,18 @@ pub fn change_stages(world: &mut World) {
 /// Why a stage cannot begin.
 fn refusal(world: &mut World, stage: &Stage) -> Option<String> {
     match stage {
-        Stage::Load(load) => load::selects_nothing(world, load)
-            .or_else(|| load::cuts_through(world, load))
-            .or_else(|| rigid::refusal(world, load))
-            .or_else(|| membranes::refusal(world, load)),
+        Stage::Load(load) => load_refusal(world, load),
+        Stage::Pour(pour) => load_refusal(world, &pour.load),
         Stage::Remove(stage) => remove::refusal(world, stage),
         Stage::Custom(_) | Stage::Compact(_) | Stage::Cement(_) | Stage::Save(_) => None,
     }
+}
+
+fn load_refusal(world: &mut World, load: &Load) -> Option<String> {
+    load::selects_nothing(world, load)
+        .or_else(|| load::cuts_through(world, load))
+        .or_else(|| rigid::refusal(world, load))
+        .or_else(|| membranes::refusal(world, load))
 }
 
 fn begin(world: &mut World, stage: Stage) {
@@ -131,6 +136,7 @@ pub(super) fn begin_built_in(world: &mut World) {
         Stage::Save(stage) => save::save(world, &stage),
         Stage::Remove(stage) => remove::remove(world, &stage),
         Stage::Load(stage) => load::begin(world, &stage),
+        Stage::Pour(stage) => pour::begin(world, &stage),
         Stage::Custom(stage) => load::begin_custom(world, &stage),
     }
 }
@@ -139,7 +145,7 @@ pub(super) fn begin_built_in(world: &mut World) {
 pub(super) fn end_built_in(world: &mut World) {
     match world.resource::<CurrentStage>().0 {
         Stage::Compact(_) => compact::end(world),
-        Stage::Load(_) => load::end(world),
+        Stage::Load(_) | Stage::Pour(_) => load::end(world),
         Stage::Cement(_) | Stage::Custom(_) | Stage::Save(_) | Stage::Remove(_) => {}
     }
 }

@@ -7,6 +7,7 @@ use clastic_components::body::Velocity;
 use clastic_components::increment::Progress;
 use clastic_components::measure::{NamedMeasures, Quantity};
 use clastic_components::observation::{Measures, Observation};
+use clastic_components::poured::Poured;
 use clastic_cone::program::ConeSolution;
 use clastic_systems::measures::stress::stress_error;
 
@@ -117,7 +118,7 @@ const STRAIN_ERROR: f64 = 1e-12;
 
 /// The first stop condition of the stage that is met.
 fn stopped(world: &mut World, stage: &Stage) -> Option<Stop> {
-    let Stage::Load(load) = stage else { return None };
+    let load = stage.load()?;
     let observation = world.resource::<Observation>();
     let (strain, stress) = (observation.axial_strain, observation.axial_stress);
     let time = world.resource::<Progress>().time;
@@ -142,6 +143,10 @@ fn stopped(world: &mut World, stage: &Stage) -> Option<Stop> {
         Stop::Time(limit) => time >= limit * (1.0 - 1e-12),
         // A body that starts to fall is slow as well. At rest the speed does not increase.
         Stop::Rest(speed) => maximum < speed && last.is_some_and(|last| maximum <= last),
+        Stop::Full(patience) => world
+            .get_resource::<Poured>()
+            .and_then(|poured| poured.waits_since)
+            .is_some_and(|since| time - since >= patience * (1.0 - 1e-12)),
         // See `until`.
         Stop::Until(..) => false,
         // An error must not cause one more increment.

@@ -52,7 +52,7 @@ impl StateOf for Approach {
 }
 
 fn until(stage: &Stage) -> Option<(&str, f64)> {
-    let Stage::Load(stage) = stage else { return None };
+    let stage = stage.load()?;
     stage.stop.iter().find_map(|stop| match stop {
         Stop::Until(name, value) => Some((name.as_str(), *value)),
         _ => None,

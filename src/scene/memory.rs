@@ -11,7 +11,7 @@ use glam::DVec2;
 
 use crate::run::sieve;
 
-use super::format::{Scene, Sizes, Specimen, Stage};
+use super::format::{Analysis, Rate, Scene, Sizes, Specimen, Stage, Stream};
 use super::specimen_file::StoredSpecimen;
 
 /// Memory per particle, bytes.
@@ -28,7 +28,7 @@ const COUNTED: usize = 100_000_000;
 /// Requirements of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Need {
-    /// Number of particles.
+    /// Number of particles, with all that are poured in.
     pub particles: u64,
     /// Estimated maximum number of pairs that touch or are bonded at one time.
     pub pairs: f64,
@@ -40,9 +40,15 @@ impl Need {
     /// Requirements of a scene with the stored specimen that it names.
     #[must_use]
     pub fn of(scene: &Scene, stored: Option<&StoredSpecimen>) -> Self {
-        let n = particles(&scene.specimen, stored);
-        let count = n as f64;
-        let mean = mean_radius(&scene.specimen, stored);
+        let first = particles(&scene.specimen, stored);
+        let poured: f64 = scene.stages.iter().map(|stage| poured(scene, stage)).sum();
+        let count = first as f64 + poured;
+        // A number beyond all integers becomes the largest one.
+        let n = first.saturating_add(poured as u64);
+        let mean = match scene.stages.iter().find_map(stream_of) {
+            Some(stream) if first == 0 => mean_of(&stream.sizes),
+            _ => mean_radius(&scene.specimen, stored),
+        };
         // The packing that a cementing stage finds is unknown, so the estimate takes a dense one.
         let bonded = scene.stages.iter().filter_map(|stage| match stage {
             Stage::Cement(cement) => Some(cement.length),
@@ -88,21 +94,54 @@ pub(super) fn particles(specimen: &Specimen, stored: Option<&StoredSpecimen>) ->
     }
 }
 
+fn stream_of(stage: &Stage) -> Option<&Stream> {
+    match stage {
+        Stage::Pour(pour) => Some(&pour.stream),
+        _ => None,
+    }
+}
+
+/// Number of grains that a stage pours in if there is room; 0 where a value makes no sense.
+pub(crate) fn poured(scene: &Scene, stage: &Stage) -> f64 {
+    let Stage::Pour(pour) = stage else { return 0.0 };
+    let Analysis::Dynamic { dt, .. } = pour.load.analysis.unwrap_or(scene.analysis) else {
+        return 0.0;
+    };
+    let all = f64::from(pour.load.increments);
+    let due = pour.stream.rate.due(all, all, dt);
+    let number = match pour.stream.rate {
+        Rate::Number(_) | Rate::NumberOverStage(_) => due,
+        Rate::Mass(_) | Rate::MassOverStage(_) => {
+            let densities = scene.materials.values().map(|material| material.density);
+            let density = densities.fold(f64::INFINITY, f64::min);
+            due / (density * PI * mean_of(&pour.stream.sizes).powi(2) * scene.thickness)
+        }
+    };
+    if number.is_finite() { number.max(0.0).ceil() } else { 0.0 }
+}
+
+/// Radius of a disk of mean area of a distribution, m.
+fn mean_of(sizes: &Sizes) -> f64 {
+    match sizes {
+        Sizes::Equal { radius } => *radius,
+        Sizes::Uniform { radius: (low, high) } => {
+            ((low * low + low * high + high * high) / 3.0).sqrt()
+        }
+        Sizes::LogNormal { radius, .. } => *radius,
+        // A curve of one point is refused.
+        Sizes::Sieve { passing } if passing.len() < 2 => f64::NAN,
+        Sizes::Sieve { passing } => {
+            let radii = sieve::radii(passing, 1000, 0);
+            (radii.iter().map(|r| r * r).sum::<f64>() / radii.len() as f64).sqrt()
+        }
+    }
+}
+
 /// Radius of a disk of mean area, m.
 fn mean_radius(specimen: &Specimen, stored: Option<&StoredSpecimen>) -> f64 {
     match specimen {
         Specimen::Lattice { radius, .. } => *radius,
-        Specimen::Packing { sizes, .. } => match sizes {
-            Sizes::Equal { radius } => *radius,
-            Sizes::Uniform { radius: (low, high) } => {
-                ((low * low + low * high + high * high) / 3.0).sqrt()
-            }
-            Sizes::LogNormal { radius, .. } => *radius,
-            Sizes::Sieve { passing } => {
-                let radii = sieve::radii(passing, 1000, 0);
-                (radii.iter().map(|r| r * r).sum::<f64>() / radii.len() as f64).sqrt()
-            }
-        },
+        Specimen::Packing { sizes, .. } => mean_of(sizes),
         Specimen::Particles(_) | Specimen::File { .. } | Specimen::State { .. } => {
             let (_, radii) = disks(specimen, stored);
             let area: f64 = radii.iter().map(|r| PI * r * r).sum();

@@ -53,6 +53,7 @@ fn obstacle(bond: &Bond, rolling: RollingLimit) -> Option<&'static str> {
 fn dynamic(stage: &Stage, of_scene: Analysis) -> Option<String> {
     let (name, analysis) = match stage {
         Stage::Load(load) => (&load.name, load.analysis),
+        Stage::Pour(pour) => (&pour.load.name, pour.load.analysis),
         Stage::Custom(custom) if custom.increments > 0 => (&custom.name, custom.analysis),
         _ => return None,
     };

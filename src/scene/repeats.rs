@@ -4,7 +4,7 @@
 use serde::{Deserialize, Deserializer};
 
 use super::diagnostic::Finding;
-use super::format::{Cement, Compact, CustomStage, Load, Remove, Save, Stage};
+use super::format::{Cement, Compact, CustomStage, Load, Pour, Remove, Save, Stage};
 use super::scan::{Node, Shape, scan};
 use super::spans::unwrapped;
 
@@ -20,6 +20,7 @@ enum Item {
     Save(Save),
     Remove(Remove),
     Load(Load),
+    Pour(Box<Pour>),
     Custom(CustomStage),
     Repeat(Repeat),
 }
@@ -49,6 +50,7 @@ fn add(item: &Item, suffix: &str, stages: &mut Vec<Stage>) {
         Item::Save(stage) => Stage::Save(stage.clone()),
         Item::Remove(stage) => Stage::Remove(stage.clone()),
         Item::Load(stage) => Stage::Load(stage.clone()),
+        Item::Pour(stage) => Stage::Pour(stage.clone()),
         Item::Custom(stage) => Stage::Custom(stage.clone()),
         Item::Repeat(Repeat { times, stages: items }) => {
             for k in (1..=*times).filter(|_| !items.is_empty()) {

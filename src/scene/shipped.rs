@@ -41,6 +41,7 @@ static FILES: &[(&str, &[u8])] = &files! {
     "lattice.ron"
     "notched_beam.ron"
     "oedometer.ron"
+    "poured_bin.ron"
     "prepare_and_branch.ron"
     "prepare_and_branch_100kPa.ron"
     "prepare_and_branch_200kPa.ron"

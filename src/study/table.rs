@@ -11,6 +11,9 @@ use crate::output::atomic::write_atomic;
 use crate::output::csv_file::Row;
 use crate::output::directory;
 
+/// Name of the table in the directory of a study.
+pub const FILE: &str = "study.csv";
+
 /// Key results of `run.json` that are columns, after the values.
 pub const RESULTS: [&str; 12] = [
     "youngs_modulus_pa",
@@ -26,6 +29,9 @@ pub const RESULTS: [&str; 12] = [
     "bonds_created",
     "bonds_intact",
 ];
+
+/// Outcome of a run that was not made.
+const NOT_RUN: &str = "not run";
 
 /// The `run.json` of every run of a plan in `folder`; null for a run that was not made.
 #[must_use]
@@ -53,7 +59,7 @@ pub fn write(path: &Path, plan: &Plan, records: &[Value]) -> Result<(), OutputEr
         for value in &run.values {
             row = row.text(value);
         }
-        row = row.text(record["outcome"]["status"].as_str().unwrap_or("not run"));
+        row = row.text(record["outcome"]["status"].as_str().unwrap_or(NOT_RUN));
         row = row.text(&marks(record).join("; "));
         for name in ["increments", "capped_increments"] {
             row = number(row, &record[name]);
@@ -64,6 +70,27 @@ pub fn write(path: &Path, plan: &Plan, records: &[Value]) -> Result<(), OutputEr
         text.push_str(&row.line());
     }
     write_atomic(path, text)
+}
+
+/// Directory and values of every run of a table that was made, the values as text: `mu 0.2, seed 1`.
+///
+/// # Errors
+/// If the file cannot be read, or is no such table.
+pub fn read(path: &Path) -> Result<Vec<(String, String)>, OutputError> {
+    let mut reader = csv::Reader::from_path(path).map_err(OutputError::at(path))?;
+    let names = reader.headers().map_err(OutputError::at(path))?.clone();
+    // The values are between the directory and the outcome.
+    let values = 1..names.iter().position(|name| name == "status").unwrap_or(1);
+    let mut runs = Vec::new();
+    for row in reader.records() {
+        let row = row.map_err(OutputError::at(path))?;
+        let text = |k: usize| format!("{} {}", &names[k], &row[k]);
+        if row.get(values.end) != Some(NOT_RUN) {
+            let label: Vec<_> = values.clone().map(text).collect();
+            runs.push((row[0].to_owned(), label.join(", ")));
+        }
+    }
+    Ok(runs)
 }
 
 fn number(row: Row, value: &Value) -> Row {
@@ -97,11 +124,12 @@ mod tests {
         let dir = tempfile::tempdir()?;
         let path = dir.path().join("study.csv");
         write(&path, &plan, &[record, Value::Null])?;
-        let text = std::fs::read_to_string(path)?;
+        let text = std::fs::read_to_string(&path)?;
         let lines: Vec<_> = text.lines().collect();
         assert!(lines[0].starts_with("run,mu,status,marks,increments,capped_increments,youngs"));
         assert_eq!(lines[1], "a,0.2,completed,,4,0,,,2.5,,,,,,,,,3");
         assert_eq!(lines[2], "b,0.4,not run,not run,,,,,,,,,,,,,,");
+        assert_eq!(read(&path)?, [("a".to_owned(), "mu 0.2".to_owned())]);
         Ok(())
     }
 }

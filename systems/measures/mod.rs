@@ -27,6 +27,7 @@ use clastic_components::measure::{
 };
 use clastic_components::membrane::MembraneShape;
 use clastic_components::observation::{MeasureArea, Observation};
+use clastic_components::poured::Poured;
 use clastic_components::wall::Wall;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 use clastic_cone::residuals::Carrying;
@@ -107,6 +108,7 @@ pub struct EndTables<'w, 's> {
     path: Option<Res<'w, StrainPath>>,
     cracks: Option<Res<'w, CrackSums>>,
     ledger: Option<Res<'w, EnergyLedger>>,
+    poured: Option<Res<'w, Poured>>,
     forces: Query<'w, 's, (&'static Wall, &'static ExternalForce)>,
     membranes: Query<'w, 's, &'static MembraneShape>,
 }
@@ -183,6 +185,10 @@ impl EndTables<'_, '_> {
                     MembraneValue::Area => shape.area(),
                     MembraneValue::Width => shape.width(),
                 }
+            }
+            Quantity::Poured { mass } => {
+                let poured = self.poured.as_ref().map_or((0.0, 0.0), |p| (p.number as f64, p.mass));
+                Some(if *mass { poured.1 } else { poured.0 })
             }
             Quantity::Time => Some(self.observation.time),
         }

@@ -9,7 +9,7 @@ use clastic::scene::{self, LoadedScene};
 
 use crate::common::files;
 use crate::resumed::{COULOMB, run, same_from_anywhere};
-use crate::same_bytes::{EXCAVATION, THIN, TURNING};
+use crate::same_bytes::{EXCAVATION, POURED, THIN, TURNING};
 
 /// A scene of `scenes/`, or a text, under settings.
 fn scene_of(rig: &str, sets: &[String]) -> LoadedScene {
@@ -18,6 +18,7 @@ fn scene_of(rig: &str, sets: &[String]) -> LoadedScene {
         "COULOMB" => scene::from_str(COULOMB, Path::new("rig.ron"), Path::new(""), sets),
         "THIN" => scene::from_str(THIN, Path::new("rig.ron"), Path::new(""), sets),
         "TURNING" => scene::from_str(TURNING, Path::new("rig.ron"), Path::new(""), sets),
+        "POURED" => scene::from_str(POURED, Path::new("rig.ron"), Path::new(""), sets),
         "EXCAVATION" => scene::from_str(EXCAVATION, Path::new("rig.ron"), Path::new(""), sets),
         _ => scene::load(Path::new(&path), sets),
     };
@@ -265,4 +266,23 @@ fn walls_that_have_turned() {
             "drum": Spin(about: (0.0, 0.0), angular_velocity: 3.0) })"#;
     let parent = tempfile::tempdir().unwrap();
     same_in_two("TURNING", &[], [first, second], parent.path());
+}
+
+/// What was poured is in the state, and the next pour goes on after it: with its sizes and places.
+#[test]
+fn grains_that_are_poured_in_before_and_after() {
+    let pour = |name: &str| {
+        format!(
+            r#"Pour(name: "{name}", increments: 20,
+                through: Segment(start: (-0.06, 0.15), end: (0.06, 0.15)), rate: Number(250.0),
+                sizes: Uniform(radius: (0.005, 0.01)), seed: 2, material: "a", minerals: {{ "b": 0.4 }},
+                velocity: (0.0, -1.0), group: "new", stop: [Above("kg", 100.0)])"#
+        )
+    };
+    for law in ["friction_law=Associated", "friction_law=Coulomb()"] {
+        let parent = tempfile::tempdir().unwrap();
+        let (from, rows) = same_in_two("POURED", &[law], [&pour("a"), &pour("b")], parent.path());
+        assert_eq!(rows.len(), 20, "{law}");
+        same_from_anywhere(&from, |n| n % 3 == 0);
+    }
 }

@@ -425,3 +425,50 @@ fn walls_that_turn_and_groups_whose_force_is_measured() {
         assert!((turned(name) - angle).abs() < 1e-14, "{name}: {}", turned(name));
     }
 }
+
+/// A box into which grains of two minerals are poured on a bonded block that stands there; some of
+/// them are taken away, and others come through a full opening.
+pub const POURED: &str = r#"(
+    version: 2,
+    title: "Grains that are poured in",
+    gravity: (0.0, -9.81),
+    analysis: Dynamic(dt: 2.0e-3),
+    friction_law: ByAnalysis,
+    materials: {
+        "a": (density: 2000.0,
+            contact: (normal_stiffness: 1.0e6, tangential_stiffness: 1.0e6, friction: 0.4),
+            bond: (normal_stiffness: 1.0e6, tangential_stiffness: 1.0e6, cohesion: 1.0e4, tensile_strength: 1.0e4)),
+        "b": (density: 3000.0, contact: (friction: 0.4)),
+    },
+    specimen: Lattice(columns: 3, rows: 2, radius: 0.01, material: "a"),
+    walls: [
+        (name: "floor", start: (-1.0, -0.01), end: (1.0, -0.01), contact: (friction: 0.4), probe: "floor"),
+        (name: "chute", shape: Segment, start: (-0.05, 0.12), end: (0.0, 0.09), contact: (friction: 0.2)),
+    ],
+    stages: [
+        Cement(name: "cement", length: 1.0e-4, select: Material("a")),
+        Pour(name: "pour", increments: 40, through: Segment(start: (-0.06, 0.15), end: (0.06, 0.15)),
+            rate: Mass(60.0), sizes: LogNormal(radius: 0.007, deviation: 0.3, limits: (0.005, 0.01)), seed: 2,
+            material: "a", minerals: { "b": 0.4 }, velocity: (0.2, -1.0), group: "new"),
+        Remove(name: "out", select: Intersection([Group("new"), Material("b")])),
+        Pour(name: "more", increments: 30, through: Box(min: (-0.03, 0.1), max: (0.03, 0.15)),
+            rate: NumberOverStage(100), sizes: Sieve(passing: [(0.01, 0.0), (0.02, 100.0)]), seed: 2,
+            material: "a", group: "late", stop: [Full(1.0)]),
+        Load(name: "stand", increments: 4, analysis: Dynamic(dt: 1.0e-3)),
+    ],
+    measures: [
+        (name: "kg", of: Poured(Mass)),
+        (name: "on_new", of: GroupForce(select: Group("new"), along: Y, live: true)),
+    ],
+    output: (frames_every: 9, energy: true),
+)"#;
+
+#[test]
+fn grains_that_are_poured_in_under_either_law_of_friction() {
+    for law in ["Associated", "ByAnalysis"] {
+        let text = POURED.replace("ByAnalysis", law);
+        let records = same_from_anywhere(&parse(&text), |n| n % 5 == 0 || n > 70 || n == 41);
+        assert_eq!(records.len(), 74, "{law}");
+        assert!(records.iter().all(|o| o.status == IncrementStatus::Solved), "{law}");
+    }
+}

@@ -30,6 +30,7 @@ mod loose_grains;
 mod measures;
 mod membranes;
 mod periodic_cell;
+mod pour;
 mod removal;
 mod rest;
 mod restitution;

@@ -11,8 +11,6 @@ use crate::study::{means, table};
 use super::Sweep;
 use crate::cli::exit::{Exit, Failure, say};
 
-/// Name of the table.
-const TABLE: &str = "study.csv";
 /// Name of the table of means.
 const MEANS: &str = "study_means.csv";
 /// Name of the figure.
@@ -23,7 +21,7 @@ const FIGURE: &str = "study.svg";
 pub fn collect(sweep: &Sweep) -> Result<Exit, Failure> {
     let Sweep { plan, folder, .. } = sweep;
     let records = table::records(plan, folder);
-    let path = folder.join(TABLE);
+    let path = folder.join(table::FILE);
     table::write(&path, plan, &records)?;
     say(format_args!("written: {}", path.display()))?;
     average(sweep, &records)?;

@@ -56,7 +56,7 @@ fn worked(title: &str, history: &History) -> Option<Chart> {
         _ if turning => ("rad", 1.0),
         u if u >= 0.1 => ("m", 1.0),
         u if u >= 1e-4 => ("mm", 1e-3),
-        _ => ("um", 1e-6),
+        _ => ("µm", 1e-6),
     };
     let scaled = |line: Line| Line {
         points: line.points.into_iter().map(|(u, f)| (u / metres, f)).collect(),

@@ -20,14 +20,16 @@ use super::atomic::write_atomic;
 
 const PAGE: &str = include_str!("page.html");
 const STYLES: [&str; 2] = [include_str!("page.css"), include_str!("page_parts.css")];
-const SCRIPTS: [&str; 11] = [
+const SCRIPTS: [&str; 13] = [
     include_str!("page_data.js"),
     include_str!("page_chart.js"),
     include_str!("page_curves.js"),
     include_str!("page_roses.js"),
     include_str!("page_colours.js"),
     include_str!("page_layers.js"),
+    include_str!("page_camera.js"),
     include_str!("page_view.js"),
+    include_str!("page_flat.js"),
     include_str!("page_text.js"),
     include_str!("page_pick.js"),
     include_str!("page_controls.js"),

@@ -70,6 +70,7 @@ impl Movie {
                 "stress": frame.axial_stress_pa,
                 "contacts": contacts,
                 "walls": walls(frame, first.origin_m),
+                "cell": frame.cell_m,
             }));
         }
         let description = json!({

@@ -5,15 +5,26 @@
   const LEFT = 62,
     RIGHT = 14,
     TOP = 10,
-    BOTTOM = 42;
+    BOTTOM = 42,
+    LETTER = 6.7;
 
   function ticks(low, high, number) {
     const raw = (high - low) / number,
       size = 10 ** Math.floor(Math.log10(raw));
-    const step = [1, 2, 5, 10].map((k) => k * size).find((step) => step >= raw);
+    const step = [1, 2, 5, 10].map((k) => k * size).find((step) => step >= 0.8 * raw);
     const from = Math.ceil(low / step - 1e-9),
       to = Math.floor(high / step + 1e-9);
     return Array.from({ length: Math.max(0, to - from + 1) }, (_, k) => (from + k) * step);
+  }
+
+  // As many ticks as have room for their labels beside one another, on this many pixels.
+  function fitting(low, high, pixels) {
+    for (let number = 6; number > 1; number--) {
+      const places = ticks(low, high, number);
+      const widest = Math.max(...places.map((x) => format(x).length)) * LETTER + 10;
+      if ((places.length - 1) * widest <= pixels) return places;
+    }
+    return ticks(low, high, 1);
   }
 
   function range(values) {
@@ -26,9 +37,10 @@
     return [low, high];
   }
 
-  // `series`: {name, colour, x, y} with columns; null ends a stroke. `unit`: of y after scaling.
+  // `series`: {name, colour, x, y, first} with columns; null ends a stroke. `first` is the row of the
+  // history's first row.
   class Chart {
-    constructor({ title, xName, yName, series, onPick, size = [560, 300] }) {
+    constructor({ title, xName, yName, series, onPick, size }) {
       [this.width, this.height] = size;
       this.series = series;
       const all = (axis) =>
@@ -110,7 +122,7 @@
           make("text", { x: LEFT - 7, y: this.py(y) + 4, "text-anchor": "end" }, format(y)),
         );
       }
-      for (const x of ticks(...this.x, 6)) {
+      for (const x of fitting(...this.x, this.width - LEFT - RIGHT)) {
         this.svg.append(
           make("line", {
             class: "axis",
@@ -174,8 +186,9 @@
     }
   }
 
-  function nearest({ x, y }, at, row) {
-    if (row !== undefined && row >= 0 && x[row] !== null && y[row] !== null) return row;
+  function nearest({ x, y, first }, at, row) {
+    const known = row >= 0 ? row + first : -1;
+    if (known >= 0 && x[known] !== null && y[known] !== null) return known;
     let best = -1;
     for (let k = 0; k < x.length; k++) {
       if (x[k] === null || y[k] === null) continue;

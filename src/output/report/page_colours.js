@@ -4,17 +4,17 @@
   const { movie } = Report.data;
   const { make } = Report;
 
-  // Colour maps through a few points, from low to high: viridis, and blue to red through a neutral.
+  // Colour maps through a few points, from low to high: pale to purple, and blue to red through a
+  // neutral. Most grains are pale, so that strokes stand out.
   const SEQUENTIAL = [
-    [68, 1, 84],
-    [71, 44, 122],
-    [59, 81, 139],
-    [44, 113, 142],
-    [33, 144, 141],
-    [39, 173, 129],
-    [92, 200, 99],
-    [170, 220, 50],
-    [253, 231, 37],
+    [243, 241, 236],
+    [224, 216, 226],
+    [202, 188, 214],
+    [176, 156, 199],
+    [148, 122, 181],
+    [119, 88, 161],
+    [90, 54, 139],
+    [62, 22, 112],
   ];
   const DIVERGING = [
     [33, 84, 160],

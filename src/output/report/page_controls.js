@@ -112,5 +112,13 @@
       event.preventDefault();
     });
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", Report.restyle);
+    // Paper is white; what is printed is what the canvas holds then.
+    const print = (on) => {
+      document.documentElement.classList.toggle("printed", on);
+      Report.restyle();
+      view.drawNow();
+    };
+    addEventListener("beforeprint", () => print(true));
+    addEventListener("afterprint", () => print(false));
   };
 })();

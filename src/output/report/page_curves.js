@@ -9,12 +9,30 @@
   Report.drawCurves = (pick) => {
     const strained = runs.some((run) => run.history.axial_strain?.some((x) => x !== null));
     Report.isStrained = strained;
-    const x = (run) =>
-      strained
-        ? run.history.axial_strain.map((e) => (e === null ? null : 100 * e))
-        : run.history.increment;
+    // Row of the initial state, at which the strain is 0: that before the first strain, which may
+    // be before the history (-1).
+    const initial = (run) => {
+      const first = (run.history.axial_strain ?? []).findIndex((e) => e !== null);
+      return first < 0 ? null : first - 1;
+    };
+    const x = (run) => {
+      if (!strained) return run.history.increment;
+      const strains = (run.history.axial_strain ?? []).map((e) => (e === null ? null : 100 * e));
+      if (initial(run) === -1) strains.unshift(0);
+      else if (initial(run) !== null) strains[initial(run)] = 0;
+      return strains;
+    };
+    // A column with its value in the initial state: 0 unless another run led there.
+    const known = (run, name, values) => {
+      const row = initial(run),
+        counts = name.endsWith("strain");
+      if (!strained || row === null || !values.length) return values;
+      const isContinued = run.history.increment.at(-1) > run.record.increments;
+      if (row === -1) return [isContinued && !counts ? null : 0, ...values];
+      return values.map((y, k) => (k === row && (y === null || counts) ? 0 : y));
+    };
     const xName = strained ? "axial strain, %" : "increment";
-    const colour = (k) => `var(--series-${k % 8})`;
+    const colour = (k) => `var(--series-${k % 13})`;
     const has = (name) => runs.some((run) => run.history[name]?.some((y) => y !== null));
     const scaled = (name, unit) => {
       const size = runs.reduce(
@@ -37,14 +55,15 @@
               runs.length === 1 ? name : columns.length === 1 ? run.name : `${run.name}, ${name}`,
             colour: colour(runs.length === 1 ? k : r * columns.length + k),
             x: x(run),
-            y: (column(run) ?? []).map(of),
+            y: known(run, name, column(run) ?? []).map(of),
+            first: strained && initial(run) === -1 ? 1 : 0,
           }))
           .filter((one) => one.y.some((y) => y !== null)),
       );
       if (!series.length) return;
       // The first curve stands beside the picture, whose time it shows.
       const isBeside = movie && !Report.charts.length;
-      const size = isBeside || window.innerWidth < 600 ? [400, 270] : undefined;
+      const size = isBeside || window.innerWidth < 600 ? [400, 270] : [440, 280];
       const chart = new Report.Chart({ title, xName, yName, series, onPick: pick, size });
       Report.charts.push(chart);
       node(isBeside ? "beside" : "curves").append(chart.node);

@@ -126,6 +126,7 @@ Report.data = JSON.parse(document.getElementById("data").textContent);
     frame.x = frame.ux.map((u, i) => Report.still.x[i] + u);
     frame.y = frame.uy.map((u, i) => Report.still.y[i] + u);
     frame.walls = movie.frames[k].walls;
+    frame.cell = movie.frames[k].cell;
     return frame;
   }
 
@@ -136,10 +137,18 @@ Report.data = JSON.parse(document.getElementById("data").textContent);
     Report.still = await readStill();
   };
 
+  // The image of body b that is nearest to body a in a periodic cell.
+  function image(frame, a, b) {
+    const [width, height, tilt] = frame.cell;
+    const rows = Math.round((frame.y[b] - frame.y[a]) / height);
+    const columns = Math.round((frame.x[b] - frame.x[a] - rows * tilt) / width);
+    return [frame.x[b] - columns * width - rows * tilt, frame.y[b] - rows * height];
+  }
+
   // The end of a pair of bodies on the second one: its centre, or the nearest point of the wall.
   Report.otherEnd = (frame, a, b) => {
     const n = movie.bodies;
-    if (b < n) return [frame.x[b], frame.y[b]];
+    if (b < n) return frame.cell ? image(frame, a, b) : [frame.x[b], frame.y[b]];
     const wall = frame.walls.find((wall) => wall.id === movie.walls[b - n]);
     if (!wall) return [NaN, NaN];
     const [x, y] = [frame.x[a], frame.y[a]];
@@ -179,7 +188,7 @@ Report.format = (x, digits = 4) => {
   if (Number.isInteger(x) && Math.abs(x) < 1e7) return String(x);
   const text =
     Math.abs(x) >= 1e5 || (x !== 0 && Math.abs(x) < 1e-3)
-      ? x.toExponential(digits - 1).replace("e+", "e")
+      ? Number(x.toPrecision(digits)).toExponential().replace("e+", "e")
       : String(Number(x.toPrecision(digits)));
   return text.replace("-", "\u2212");
 };

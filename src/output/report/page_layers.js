@@ -73,10 +73,10 @@
         if (layers.cracks && state > 1) {
           const isFresh = kind === "bond" && before && before.state[row] === 1;
           (isFresh ? recent : cracks).push([
-            cx - 0.6 * r * ny,
-            cy + 0.6 * r * nx,
-            cx + 0.6 * r * ny,
-            cy - 0.6 * r * nx,
+            cx - r * ny,
+            cy + r * nx,
+            cx + r * ny,
+            cy - r * nx,
             r,
             modes[state],
           ]);
@@ -85,11 +85,23 @@
     for (const [x0, y0, x1, y1, r, colour] of cracks)
       out.add(x0, y0, x1, y1, 0.07 * r, 1.3, colour);
     for (const [x0, y0, x1, y1, r, colour] of recent) {
-      out.add(x0, y0, x1, y1, 0.22 * r, 4.5, fresh);
+      out.add(x0, y0, x1, y1, 0.18 * r, 4, fresh);
       out.add(x0, y0, x1, y1, 0.08 * r, 1.6, colour);
     }
     for (const { line } of frame.walls) {
       for (let k = 0; k + 3 < line.length; k += 2) out.add(...line.slice(k, k + 4), 0, 2.2, wall);
+    }
+    if (frame.cell) {
+      const [width, height, tilt] = frame.cell,
+        [left, bottom] = movie.origin.map((x) => -x);
+      const corners = [
+        [0, 0],
+        [width, 0],
+        [width + tilt, height],
+        [tilt, height],
+        [0, 0],
+      ].map(([x, y]) => [left + x, bottom + y]);
+      for (let k = 0; k < 4; k++) out.add(...corners[k], ...corners[k + 1], 0, 1.2, bond);
     }
     if (picked?.kind === "grain") ring(out, frame, picked.row, fresh);
     if (picked?.kind === "bond" || picked?.kind === "contact") {

@@ -91,6 +91,9 @@
                 : true;
       if (isThere) node("colour").append(make("option", { value: key }, way.name));
     }
+    // Rotations show where a specimen that is tested shears; grains that flow move.
+    state.colour = Report.isStrained ? "rotation" : "displacement";
+    node("colour").value = state.colour;
     const layers =
       movie.bonds > 0
         ? [
@@ -182,7 +185,7 @@
     Report.meanRadius = radius.reduce((a, b) => a + b, 0) / Math.max(1, radius.length);
     Report.hasRolling = (runs[0].record.results.bonds_broken.rolling ?? 0) > 0;
     offer();
-    Report.view = new Report.View(node("canvas"));
+    Report.view = Report.openView(node("canvas"));
     Report.drawLegend(state.colour, state.layers);
     await Report.show(Report.peakFrame >= 0 ? Report.peakFrame : movie.frames.length - 1);
     Report.listen();

@@ -205,8 +205,8 @@
       );
     }
     for (const [name, reason] of Object.entries(r.not_defined))
-      rows.push([name, "not defined", reason]);
-    return panel("Can it be trusted?", make("div", { class: "scroll" }, table(["", "", ""], rows)));
+      rows.push([name.replace(/_pa$/, "").replaceAll("_", " "), "not defined", reason]);
+    return panel("Can it be trusted?", table(["", "", ""], rows));
   };
 
   // Bonds broken by event, ascending: by avalanche, or by increment where there is none.
@@ -284,7 +284,7 @@
         : [];
     return panel(
       "Ruptures in their order",
-      make("div", { class: "scroll" }, table(head, rows)),
+      make("div", { class: "scroll", id: "ruptures" }, table(head, rows)),
       ...note,
     );
   };

@@ -78,12 +78,12 @@
     return { made, camera: at("camera"), pixel: at("pixel"), spokes: at("spokes") };
   }
 
-  class View {
+  class GlView extends Report.Camera {
     constructor(canvas) {
-      this.canvas = canvas;
+      super(canvas);
       // Printing and the tests read what was drawn.
       const gl = canvas.getContext("webgl2", { antialias: false, preserveDrawingBuffer: true });
-      if (!gl) throw new Error("This browser has no WebGL2, so that the specimen cannot be drawn.");
+      if (!gl) throw new Error("this browser offers none");
       this.gl = gl;
       this.programs = { disk: program(gl, DISK), line: program(gl, LINE) };
       const corners = this.filled(new Float32Array([-1, -1, 1, -1, -1, 1, 1, 1]));
@@ -102,8 +102,6 @@
       this.number = 0;
       gl.enable(gl.BLEND);
       gl.blendFuncSeparate(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA, gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
-      this.showAll();
-      new ResizeObserver(() => this.resize()).observe(canvas);
       canvas.addEventListener("webglcontextlost", () => {
         document.getElementById("message").textContent = "The picture was lost. Reload the page.";
       });
@@ -156,51 +154,11 @@
       this.draw();
     }
 
-    // The box of the run, with room around it.
-    showAll() {
-      const [left, bottom, right, top] = movie.view;
-      this.centre = [(left + right) / 2, (bottom + top) / 2];
-      this.extent = [1.06 * (right - left) || 1, 1.06 * (top - bottom) || 1];
-      this.zoomed = 1;
-    }
-
-    resize() {
-      const { canvas } = this,
-        ratio = Math.min(2, window.devicePixelRatio || 1);
-      canvas.width = Math.max(1, Math.round(canvas.clientWidth * ratio));
-      canvas.height = Math.max(1, Math.round(canvas.clientHeight * ratio));
-      this.draw();
-    }
-
-    // Metres in a pixel of the canvas.
-    get metres() {
-      const { canvas, extent } = this;
-      return Math.max(extent[0] / canvas.width, extent[1] / canvas.height) / this.zoomed;
-    }
-
-    draw() {
-      if (!this.isLoaded || this.isDue) return;
-      this.isDue = true;
-      requestAnimationFrame(() => {
-        this.isDue = false;
-        this.drawNow();
-      });
-    }
-
     drawNow() {
       const { gl, canvas, centre, metres } = this;
-      const paper = Report.colour("--paper").slice(1);
+      const paper = parseInt(Report.colour("--paper").slice(1), 16);
       gl.viewport(0, 0, canvas.width, canvas.height);
-      gl.clearColor(
-        ...[0, 2, 4].map(
-          (k) =>
-            parseInt(
-              (paper.length === 3 ? paper.replace(/./g, "$&$&") : paper).slice(k, k + 2),
-              16,
-            ) / 255,
-        ),
-        1,
-      );
+      gl.clearColor(...[16, 8, 0].map((bits) => ((paper >> bits) & 255) / 255), 1);
       gl.clear(gl.COLOR_BUFFER_BIT);
       const camera = [...centre, 2 / (canvas.width * metres), 2 / (canvas.height * metres)];
       const draw = (which, array, instances) => {
@@ -214,45 +172,7 @@
       draw(this.programs.disk, this.disks, movie.bodies);
       draw(this.programs.line, this.lines, this.number);
     }
-
-    // Place in the specimen of a point of the page.
-    place(x, y) {
-      const box = this.canvas.getBoundingClientRect(),
-        { canvas, metres, centre } = this;
-      const [px, py] = [(x - box.left) / box.width - 0.5, 0.5 - (y - box.top) / box.height];
-      return [centre[0] + px * canvas.width * metres, centre[1] + py * canvas.height * metres];
-    }
-
-    // Point of the page of a place in the specimen.
-    point(x, y) {
-      const box = this.canvas.getBoundingClientRect(),
-        { canvas, metres, centre } = this;
-      return [
-        box.left + box.width * (0.5 + (x - centre[0]) / (canvas.width * metres)),
-        box.top + box.height * (0.5 - (y - centre[1]) / (canvas.height * metres)),
-      ];
-    }
-
-    zoom(factor, x, y) {
-      const box = this.canvas.getBoundingClientRect();
-      const at = [x ?? box.left + box.width / 2, y ?? box.top + box.height / 2];
-      const before = this.place(...at);
-      this.zoomed = Math.min(400, Math.max(0.2, this.zoomed * factor));
-      const after = this.place(...at);
-      this.centre = this.centre.map((c, k) => c + before[k] - after[k]);
-      this.draw();
-    }
-
-    pan(dx, dy) {
-      const box = this.canvas.getBoundingClientRect(),
-        ratio = this.canvas.width / box.width;
-      this.centre = [
-        this.centre[0] - dx * ratio * this.metres,
-        this.centre[1] + dy * ratio * this.metres,
-      ];
-      this.draw();
-    }
   }
 
-  Report.View = View;
+  Report.GlView = GlView;
 })();

@@ -6,9 +6,7 @@ use serde_json::{Value, json};
 
 use super::columns::{most_steps, scale};
 use crate::frames::Frame;
-
-/// Part of the centres, of all frames, that the picture may leave out on each of its four sides.
-const STRAY: f64 = 0.002;
+use crate::output::view::range;
 
 /// Part of values that lie beyond a colour scale.
 const BEYOND: f64 = 0.01;
@@ -144,18 +142,16 @@ fn quantile(values: &mut [f32], part: f64) -> f32 {
 /// The box that shows the specimen in these frames without its stray grains: left, bottom, right,
 /// top from the origin, m.
 pub fn view(frames: &[Frame], origin: [f64; 2]) -> [f64; 4] {
-    let mut sides: [Vec<f32>; 4] = Default::default();
-    for frame in frames {
-        for row in 0..frame.bodies.id.len() {
-            let (centre, r) = (frame.centre(row), f64::from(frame.bodies.radius_m[row]));
-            for axis in 0..2 {
-                sides[axis].push((centre[axis] - origin[axis] - r) as f32);
-                sides[axis + 2].push((centre[axis] - origin[axis] + r) as f32);
-            }
-        }
-    }
-    [0, 1, 2, 3].map(|k| {
-        let part = if k < 2 { STRAY } else { 1.0 - STRAY };
-        f64::from(quantile(&mut sides[k], part))
-    })
+    let ends = |axis: usize, sign: f64| {
+        let of_frame = |frame: &Frame| -> Vec<f64> {
+            let end = |(row, r): (usize, &f32)| {
+                frame.centre(row)[axis] - origin[axis] + sign * f64::from(*r)
+            };
+            frame.bodies.radius_m.iter().enumerate().map(end).collect()
+        };
+        frames.iter().flat_map(of_frame).collect()
+    };
+    let range = |axis| range(ends(axis, -1.0), ends(axis, 1.0)).unwrap_or_default();
+    let ([left, right], [bottom, top]) = (range(0), range(1));
+    [left, bottom, right, top]
 }

@@ -12,6 +12,7 @@ mod membranes;
 mod minerals;
 mod output;
 mod particle_control;
+mod pour;
 mod quantities;
 mod rigid;
 mod scatter;
@@ -40,8 +41,9 @@ pub use membranes::MembraneControl;
 pub use minerals::{Clusters, Mineral};
 pub use output::{Output, Record};
 pub use particle_control::{Motion, ParticleControl, Select};
+pub use pour::{Opening, Pour, Rate, Stream};
 pub use quantities::{
-    Along, Area, Component, Cracks, Energy, FabricComponent, Fragments, GroupAlong, Length,
+    Along, Amount, Area, Component, Cracks, Energy, FabricComponent, Fragments, GroupAlong, Length,
     MembraneValue, Modes, Network, Quantity, Strain, StrainComponent, Stress,
 };
 pub use rigid::{RigidControl, Traction};

@@ -78,6 +78,8 @@ pub enum Quantity {
         #[serde(default)]
         live: bool,
     },
+    /// Number or mass (kg) of the grains that stages have poured in.
+    Poured(Amount),
     /// Value of a membrane.
     Membrane {
         /// The membrane.
@@ -89,6 +91,15 @@ pub enum Quantity {
     Time,
     /// The value that a plugin provides under this name.
     Custom(String),
+}
+
+/// How grains are counted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+pub enum Amount {
+    /// Their number.
+    Number,
+    /// Their mass, kg.
+    Mass,
 }
 
 /// Modes in which bonds break.

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Analysis, Bond, CellControl, MembraneControl, ParticleControl, Record, RigidControl, Select,
-    WallControl,
+    Analysis, Bond, CellControl, MembraneControl, ParticleControl, Pour, Record, RigidControl,
+    Select, WallControl,
 };
 use crate::scene::unique_keys;
 
@@ -27,6 +27,8 @@ pub enum Stage {
     Remove(Remove),
     /// Increments with controlled walls and particles.
     Load(Load),
+    /// Increments like those of [`Load`](Self::Load), in which grains come in through an opening.
+    Pour(Box<Pour>),
     /// A stage of a kind that a plugin provides.
     Custom(CustomStage),
 }
@@ -41,6 +43,7 @@ impl Stage {
             Self::Save(s) => &s.name,
             Self::Remove(s) => &s.name,
             Self::Load(s) => &s.name,
+            Self::Pour(s) => &s.load.name,
             Self::Custom(s) => &s.name,
         }
     }
@@ -53,7 +56,23 @@ impl Stage {
             Self::Remove(s) => &mut s.name,
             Self::Cement(s) => &mut s.name,
             Self::Load(s) => &mut s.name,
+            Self::Pour(s) => &mut s.load.name,
             Self::Custom(s) => &mut s.name,
+        }
+    }
+
+    /// What the stage does to walls, particles and groups, and when it stops, if it is a loading
+    /// stage or pours.
+    #[must_use]
+    pub fn load(&self) -> Option<&Load> {
+        match self {
+            Self::Load(load) => Some(load),
+            Self::Pour(pour) => Some(&pour.load),
+            Self::Compact(_)
+            | Self::Cement(_)
+            | Self::Save(_)
+            | Self::Remove(_)
+            | Self::Custom(_) => None,
         }
     }
 
@@ -64,6 +83,7 @@ impl Stage {
             Self::Compact(s) => Some(&s.record),
             Self::Cement(_) | Self::Save(_) | Self::Remove(_) => None,
             Self::Load(s) => Some(&s.record),
+            Self::Pour(s) => Some(&s.load.record),
             Self::Custom(s) => Some(&s.record),
         }
     }
@@ -284,6 +304,8 @@ pub enum Stop {
     Above(String, f64),
     /// A measure, by name, lands on this value: the last increments are shortened. Version 2.
     Until(String, f64),
+    /// No grain that is due has found room for this time, s, in a stage that pours.
+    Full(f64),
 }
 
 impl Stop {
@@ -293,7 +315,7 @@ impl Stop {
         match self {
             Self::AxialStrain(_) => Some("axial_strain"),
             Self::StressDrop(_) => Some("axial_stress"),
-            Self::Time(_) | Self::Rest(_) => None,
+            Self::Time(_) | Self::Rest(_) | Self::Full(_) => None,
             Self::Below(name, _) | Self::Above(name, _) | Self::Until(name, _) => Some(name),
         }
     }

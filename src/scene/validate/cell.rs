@@ -61,7 +61,11 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
         match stage {
             Stage::Compact(stage) => compact(path, stage, findings),
             Stage::Load(stage) => load(path, stage, findings),
-            Stage::Cement(_) | Stage::Remove(_) | Stage::Save(_) | Stage::Custom(_) => {
+            Stage::Cement(_)
+            | Stage::Remove(_)
+            | Stage::Save(_)
+            | Stage::Pour(_)
+            | Stage::Custom(_) => {
                 let help = "use `Load` and `Compact`";
                 findings.add(path, "a stage that knows no periodic cell", help);
             }

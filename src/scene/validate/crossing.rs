@@ -4,7 +4,7 @@
 use super::findings::Findings;
 use super::walls::length;
 use super::{ASKEW, Context};
-use crate::scene::format::{Load, Stage, Wall, WallControl};
+use crate::scene::format::{Load, Wall, WallControl};
 use crate::scene::spans::join;
 
 /// Checks the imposed motions of walls: two parallel walls that face each other must not meet in a
@@ -27,7 +27,7 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
 fn pair(context: &Context, (a, b): (&Wall, &Wall), drawn: f64, findings: &mut Findings) {
     let mut distance = drawn;
     for (i, stage) in context.scene.stages.iter().enumerate() {
-        let Stage::Load(stage) = stage else { continue };
+        let Some(stage) = stage.load() else { continue };
         let (Some(of_a), Some(of_b)) = (closing(stage, a), closing(stage, b)) else { return };
         let closing = of_a + of_b;
         let total = closing * f64::from(stage.increments);

@@ -116,6 +116,7 @@ fn check_list(context: &Context, list: &[Measure], findings: &mut Findings) {
             | Quantity::KineticEnergy
             | Quantity::ElasticEnergy
             | Quantity::KineticOverElastic
+            | Quantity::Poured(_)
             | Quantity::Time
             | Quantity::Custom(_) => {}
         }

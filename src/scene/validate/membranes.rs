@@ -16,10 +16,7 @@ pub(super) type Skin = (String, Option<(String, String)>);
 
 /// Names of the membranes that the stages of a scene make.
 pub(super) fn names(scene: &Scene) -> Vec<&str> {
-    let loads = scene.stages.iter().filter_map(|stage| match stage {
-        Stage::Load(load) => Some(load),
-        _ => None,
-    });
+    let loads = scene.stages.iter().filter_map(Stage::load);
     let mut names: Vec<&str> = loads.flat_map(|load| load.membranes.keys()).map(|n| &**n).collect();
     names.sort_unstable();
     names.dedup();

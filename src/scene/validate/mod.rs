@@ -11,6 +11,7 @@ mod measures;
 mod membranes;
 mod parts;
 mod places;
+mod pour;
 mod restitution;
 mod rigid;
 mod select;

@@ -36,6 +36,7 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
     let loads = || {
         scene.stages.iter().enumerate().filter_map(|(i, stage)| match stage {
             Stage::Load(load) => Some((i, load.analysis)),
+            Stage::Pour(pour) => Some((i, pour.load.analysis)),
             Stage::Custom(stage) => Some((i, stage.analysis)),
             Stage::Compact(_) | Stage::Cement(_) | Stage::Save(_) | Stage::Remove(_) => None,
         })

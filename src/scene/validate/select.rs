@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Arguments;
 
 use crate::run::particles::BOUNDARY;
-use crate::scene::format::{Select, Specimen};
+use crate::scene::format::{Select, Specimen, Stage};
 use crate::scene::spans::join;
 
 use super::Context;
@@ -19,7 +19,8 @@ pub(super) fn select(context: &Context, path: Arguments, select: &Select, findin
     };
     match select {
         Select::All => {
-            if context.particles == Some(0) && findings.is_sure_of("specimen") {
+            let pours = context.scene.stages.iter().any(|stage| matches!(stage, Stage::Pour(_)));
+            if context.particles == Some(0) && !pours && findings.is_sure_of("specimen") {
                 let help = "add particles to the specimen, or leave this entry out";
                 findings.add(path, "selects no particle: the specimen has none", help);
             }
@@ -42,6 +43,10 @@ pub(super) fn select(context: &Context, path: Arguments, select: &Select, findin
             );
             let state = context.specimen.and_then(|stored| stored.state.as_ref());
             names.extend(state.iter().flat_map(|state| &state.groups).map(String::as_str));
+            names.extend(context.scene.stages.iter().filter_map(|stage| match stage {
+                Stage::Pour(pour) => pour.stream.group.as_deref(),
+                _ => None,
+            }));
             names.sort_unstable();
             names.dedup();
             names.extend(context.scene.groups.keys().map(String::as_str));

@@ -76,7 +76,7 @@ fn regions<'a>(
         Select::Group(name) => groups.contains_key(name),
         _ => true,
     };
-    let load = if let Stage::Load(load) = stage { Some(load) } else { None };
+    let load = stage.load();
     let controls = load.into_iter().flat_map(|load| load.particles.iter().enumerate());
     let controls = controls.map(|(k, control)| (format!("particles[{k}].select"), &control.select));
     let rigid = load.into_iter().flat_map(|load| &load.rigid).filter_map(|(name, control)| {

@@ -5,7 +5,7 @@ use std::fmt::Arguments;
 
 use crate::scene::coincident::coincident;
 use crate::scene::diagnostic::MAX_SHOWN;
-use crate::scene::format::{Particle, Sizes, Specimen, Wall};
+use crate::scene::format::{Particle, Sizes, Specimen, Stage, Wall};
 use crate::scene::limits::{MAX_MEMORY, MAX_PARTICLES};
 use crate::scene::memory::{self, Need};
 use crate::scene::spans::join;
@@ -56,7 +56,12 @@ fn size(context: &Context, findings: &mut Findings) {
     }
     let need = Need::of(context.scene, context.specimen);
     let bytes = memory::size(need.bytes);
-    let path = format_args!("specimen");
+    let poured = |stage: &Stage| memory::poured(context.scene, stage) > 0.5 * need.particles as f64;
+    let place = match context.scene.stages.iter().position(poured) {
+        Some(stage) => format!("stages[{stage}].rate"),
+        None => "specimen".to_owned(),
+    };
+    let path = format_args!("{place}");
     if need.particles > MAX_PARTICLES {
         let message = format!("{} particles, which take about {bytes} of memory", need.particles);
         findings.add(path, message, &format!("give at most {MAX_PARTICLES}"));
@@ -116,29 +121,7 @@ fn packing(context: &Context, findings: &mut Findings) {
     let fine = findings.positive(format_args!("specimen.spacing"), *spacing, "a spacing in m")
         & findings.vector(format_args!("specimen.origin"), *origin, "a place in m");
     material_of(context, format_args!("specimen"), material.as_deref(), findings);
-    let radius = format_args!("specimen.sizes.radius");
-    let what = "a radius in m";
-    let limits = match sizes {
-        Sizes::Equal { radius: r } => findings.positive(radius, *r, what).then_some((*r, *r)),
-        Sizes::Uniform { radius: range } => findings.range(radius, *range, what).then_some(*range),
-        Sizes::Sieve { passing } => sieve(passing, findings),
-        &Sizes::LogNormal { radius: median, deviation, limits } => {
-            let ranged = findings.range(format_args!("specimen.sizes.limits"), limits, what);
-            findings.not_negative(
-                format_args!("specimen.sizes.deviation"),
-                deviation,
-                "a standard deviation of ln(radius)",
-            );
-            if findings.positive(radius, median, what)
-                && ranged
-                && !(limits.0..=limits.1).contains(&median)
-            {
-                let message = format!("the median is outside of the limits ({median:?})");
-                findings.add(radius, message, "give a median between the limits");
-            }
-            ranged.then_some(limits)
-        }
-    };
+    let limits = self::sizes(format_args!("specimen.sizes"), sizes, findings);
     let Some((minimum, maximum)) = limits.filter(|_| fine) else { return };
     if *spacing < 2.0 * maximum {
         let message = format!("smaller than the maximum diameter ({spacing:?})");
@@ -158,9 +141,35 @@ fn packing(context: &Context, findings: &mut Findings) {
     }
 }
 
+/// Checks a size distribution. Returns its minimum and maximum radius.
+pub(super) fn sizes(path: Arguments, sizes: &Sizes, findings: &mut Findings) -> Option<(f64, f64)> {
+    let radius = format_args!("{path}.radius");
+    let what = "a radius in m";
+    match sizes {
+        Sizes::Equal { radius: r } => findings.positive(radius, *r, what).then_some((*r, *r)),
+        Sizes::Uniform { radius: range } => findings.range(radius, *range, what).then_some(*range),
+        Sizes::Sieve { passing } => sieve(format_args!("{path}.passing"), passing, findings),
+        &Sizes::LogNormal { radius: median, deviation, limits } => {
+            let ranged = findings.range(format_args!("{path}.limits"), limits, what);
+            findings.not_negative(
+                format_args!("{path}.deviation"),
+                deviation,
+                "a standard deviation of ln(radius)",
+            );
+            if findings.positive(radius, median, what)
+                && ranged
+                && !(limits.0..=limits.1).contains(&median)
+            {
+                let message = format!("the median is outside of the limits ({median:?})");
+                findings.add(radius, message, "give a median between the limits");
+            }
+            ranged.then_some(limits)
+        }
+    }
+}
+
 /// Checks a sieve curve. Returns its minimum and maximum radius.
-fn sieve(passing: &[(f64, f64)], findings: &mut Findings) -> Option<(f64, f64)> {
-    let path = format_args!("specimen.sizes.passing");
+fn sieve(path: Arguments, passing: &[(f64, f64)], findings: &mut Findings) -> Option<(f64, f64)> {
     let mut fine = true;
     for (i, (diameter, percent)) in passing.iter().enumerate() {
         let what = "a diameter in m";
@@ -306,7 +315,7 @@ pub(super) fn not_behind(
 }
 
 /// Checks the material of a particle or of a recipe.
-fn material_of(
+pub(super) fn material_of(
     context: &Context,
     path: Arguments,
     material: Option<&str>,

@@ -13,7 +13,7 @@ use super::findings::Findings;
 use super::parts::{WALL, motion, wall_there};
 use super::select::select;
 use super::wall_controls::control_of_wall;
-use super::{Context, membranes, rigid, stops, walls};
+use super::{Context, membranes, pour, rigid, stops, walls};
 
 /// Maximum number of increments of a compaction.
 const MAX_STEPS: f64 = 1e8;
@@ -58,8 +58,15 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
             }
             Stage::Load(stage) => {
                 load(context, path, (i, stage), &mut present, findings);
+                pour::none_is_full(path, stage, findings);
                 rigid::check(context, path, stage, &mut groups, findings);
                 membranes::check(context, path, stage, &present, &mut skins, findings);
+            }
+            Stage::Pour(stage) => {
+                load(context, path, (i, &stage.load), &mut present, findings);
+                rigid::check(context, path, &stage.load, &mut groups, findings);
+                membranes::check(context, path, &stage.load, &present, &mut skins, findings);
+                pour::check(context, path, stage, &present, findings);
             }
             Stage::Custom(stage) => custom(path, stage, findings),
         }

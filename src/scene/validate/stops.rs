@@ -39,6 +39,9 @@ pub(super) fn check(
         Stop::Time(time) => {
             findings.positive(number, *time, "a time in s");
         }
+        Stop::Full(time) => {
+            findings.positive(number, *time, "a time in s");
+        }
         Stop::Rest(speed) => {
             findings.positive(number, *speed, "a speed in m/s");
         }

@@ -80,11 +80,17 @@ fn of_two(context: &Context, findings: &mut Findings) {
             add(path, "`Region` is");
         }
     }
+    for (i, stage) in scene.stages.iter().enumerate() {
+        if let Stage::Pour(_) = stage {
+            findings.add(format_args!("stages[{i}]"), "`Pour` is of version 2", WRITE_2);
+        }
+    }
     for_stops(context, findings, |path, stop, findings| {
         let name = match stop {
             Stop::Below(..) => "Below",
             Stop::Above(..) => "Above",
             Stop::Until(..) => "Until",
+            Stop::Full(..) => "Full",
             _ => return,
         };
         findings.add(path, format!("`{name}` is of version 2"), WRITE_2);
@@ -97,7 +103,7 @@ fn for_stops(
     mut see: impl FnMut(Arguments, &Stop, &mut Findings),
 ) {
     for (i, stage) in context.scene.stages.iter().enumerate() {
-        let Stage::Load(stage) = stage else { continue };
+        let Some(stage) = stage.load() else { continue };
         for (k, stop) in stage.stop.iter().enumerate() {
             see(format_args!("stages[{i}].stop[{k}]"), stop, findings);
         }

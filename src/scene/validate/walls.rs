@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::scene::format::{Particle, Specimen, Stage, Wall};
+use crate::scene::format::{Particle, Specimen, Wall};
 use crate::scene::spans::join;
 
 use super::findings::Findings;
@@ -42,7 +42,7 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
     // The history records rigid groups under their names.
     let mut made: Vec<(String, &str)> = Vec::new();
     for (i, stage) in context.scene.stages.iter().enumerate() {
-        let Stage::Load(load) = stage else { continue };
+        let Some(load) = stage.load() else { continue };
         for (name, _) in load.rigid.iter().filter(|(_, control)| control.select.is_some()) {
             if made.iter().all(|(_, other)| other != name) {
                 made.push((join(&format!("stages[{i}].rigid"), name), name));

@@ -8,6 +8,7 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::Chart;
+use super::ticks::{self, tick};
 use crate::output::plots::page::{self, Style};
 
 /// Maximum number of points of a line. Closer points cannot be distinguished.
@@ -21,7 +22,8 @@ const ASPECT: f64 = 0.72;
 /// Plotters draws on whole pixels, which shows as steps in a straight line, so the drawing is
 /// magnified.
 const ZOOM: f64 = 8.0;
-const COLORS: [RGBColor; 10] = [
+/// As many as the energy ledger has terms.
+const COLORS: [RGBColor; 13] = [
     RGBColor(31, 73, 125),
     RGBColor(214, 130, 20),
     RGBColor(60, 130, 60),
@@ -32,6 +34,9 @@ const COLORS: [RGBColor; 10] = [
     RGBColor(220, 120, 170),
     RGBColor(160, 160, 40),
     RGBColor(0, 0, 0),
+    RGBColor(110, 170, 230),
+    RGBColor(0, 90, 90),
+    RGBColor(190, 160, 110),
 ];
 const SECONDARY: RGBColor = RGBColor(200, 40, 40);
 
@@ -61,6 +66,12 @@ impl Measures {
         Self { page: (style.narrowest, ASPECT * style.narrowest), font: style.font }
     }
 
+    /// Width between the axes, in sizes of the font.
+    fn wide(&self, is_second: bool) -> f64 {
+        let right = if is_second { SECOND } else { MARGIN };
+        self.page.0 / self.font - 2.0 * MARGIN - LEFT - right
+    }
+
     /// A number of sizes of the font.
     fn em(&self, number: f64) -> u32 {
         (number * self.font * ZOOM).round() as u32
@@ -81,7 +92,12 @@ impl Chart {
     /// Draws the chart.
     pub(super) fn drawn(&self, style: &Style) -> io::Result<String> {
         let mut text = String::new();
-        let measures = Measures::of(style);
+        let mut measures = Measures::of(style);
+        if style.width_mm.is_some() {
+            // The page grows with the legend, and the curves keep their height.
+            let legend = arranged(self.legend(1), measures.wide(self.second.is_some()));
+            measures.page.1 += rows(&legend) * LEGEND_ROW * measures.font;
+        }
         let size = measures.size();
         {
             let root = SVGBackend::with_string(&mut text, size);
@@ -137,11 +153,10 @@ impl Chart {
             }
         }
         let right = if self.second.is_some() { SECOND } else { MARGIN };
-        let wide = m.page.0 / m.font - 2.0 * MARGIN - LEFT - right;
+        let wide = m.wide(self.second.is_some());
         let legend = arranged(self.legend(line), wide);
-        let rows = legend.last().map_or(0.0, |entry| entry.row + 1.0);
         // The legend is above the chart, because curves can reach every point inside it.
-        let (strip, area) = area.split_vertically(m.em(rows * LEGEND_ROW));
+        let (strip, area) = area.split_vertically(m.em(rows(&legend) * LEGEND_ROW));
         for entry in legend {
             let px = |at: f64| m.em(at) as i32;
             let x = px(MARGIN + LEFT + entry.x);
@@ -154,13 +169,11 @@ impl Chart {
         let all = || self.lines.iter().chain(&self.second).flat_map(|line| &line.points);
         let x = range(all().map(|p| p.0));
         let y = range(self.lines.iter().flat_map(|line| &line.points).map(|p| p.1));
+        // Without the labels of the axes, as below.
+        let high = f64::from(area.dim_in_pixel().1) / f64::from(m.em(1.0)) - 2.0 * MARGIN - BOTTOM;
         let (x, y) = match self.window {
             Some([[x0, y0], [x1, y1]]) => (x0..x1, y0..y1),
-            None if self.equal => {
-                // Without the labels of the axes, as below.
-                let height = f64::from(area.dim_in_pixel().1) / f64::from(m.em(1.0));
-                equal(x, y, wide / (height - 2.0 * MARGIN - BOTTOM))
-            }
+            None if self.equal => equal(x, y, wide / high),
             None => (x, y),
         };
         let mut builder = ChartBuilder::on(&area);
@@ -174,17 +187,18 @@ impl Chart {
         let second_range = range(second.points.iter().filter(inside).map(|p| p.1));
         let span = |r: &std::ops::Range<f64>| r.end - r.start;
         let (x_span, y_span, second_span) = (span(&x), span(&y), span(&second_range));
+        let x_labels = ticks::beside(&x, wide);
+        let [y_labels, second_labels] = [&y, &second_range].map(|r| ticks::above(r, high));
         let mut chart =
             builder.build_cartesian_2d(x.clone(), y)?.set_secondary_coord(x, second_range);
-        // A label takes about four letters and the space beside it.
-        let labels = (wide / 3.5).clamp(3.0, 10.0) as usize;
         chart
             .configure_mesh()
             .light_line_style(WHITE)
             .bold_line_style(RGBColor(225, 225, 225).stroke_width(m.em(0.075)))
             .axis_style(BLACK.stroke_width(thin_line))
             .set_all_tick_mark_size(m.em(0.38))
-            .x_labels(labels)
+            .x_labels(x_labels)
+            .y_labels(y_labels)
             .x_desc(&self.x)
             .y_desc(&self.y)
             .axis_desc_style(m.letters(1.08))
@@ -200,6 +214,7 @@ impl Chart {
                 .configure_secondary_axes()
                 .axis_style(BLACK.stroke_width(thin_line))
                 .set_all_tick_mark_size(m.em(0.38))
+                .y_labels(second_labels)
                 .y_desc(&second.name)
                 .axis_desc_style(m.letters(1.08))
                 .label_style(m.letters(0.93))
@@ -236,6 +251,11 @@ fn arranged(entries: Vec<(&str, ShapeStyle)>, width: f64) -> Vec<Entry<'_>> {
     arranged
 }
 
+/// Number of rows of a legend.
+fn rows(legend: &[Entry]) -> f64 {
+    legend.last().map_or(0.0, |entry| entry.row + 1.0)
+}
+
 /// A range that contains all values with a margin, and is never empty.
 fn range(values: impl Iterator<Item = f64>) -> std::ops::Range<f64> {
     let (low, high) =
@@ -266,27 +286,10 @@ fn thin(points: &[(f64, f64)]) -> impl Iterator<Item = (f64, f64)> {
     points.iter().step_by(step).chain(last).copied()
 }
 
-/// A label of a tick without digits of round-off, on an axis with the given span.
-fn tick(value: f64, span: f64) -> String {
-    let value = if value.abs() < 1e-9 * span { 0.0 } else { value };
-    let rounded = format!("{value:.6e}").parse().unwrap_or(value) + 0.0;
-    if rounded != 0.0 && !(1e-4..1e6).contains(&f64::abs(rounded)) {
-        return format!("{rounded:e}");
-    }
-    rounded.to_string()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::output::plots::chart::Line;
-
-    #[test]
-    fn ticks_are_short() {
-        let found = [0.1 + 0.2, 1e-17, 250.0, 2e-7, -0.0].map(|v| tick(v, 1.0));
-        assert_eq!(found, ["0.3", "0", "250", "2e-7", "0"]);
-        assert_eq!(tick(1e-17, 1e-16), "1e-17");
-    }
 
     #[test]
     fn thinning_keeps_the_ends() {

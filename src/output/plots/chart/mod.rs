@@ -2,6 +2,8 @@
 
 #[cfg(feature = "plots")]
 mod draw;
+#[cfg(feature = "plots")]
+mod ticks;
 
 use std::io;
 

@@ -1,0 +1,139 @@
+//! Stages that pour grains in: which grain comes next, and when.
+//!
+//! Size, mineral and place of a grain follow from the seed, from the number of the grain and from
+//! the number of places that were tried before, so that a run that goes on from any state pours the
+//! same grains.
+
+use bevy_ecs::prelude::*;
+
+use clastic_components::body::{Group, Origin, Position, Velocity};
+use clastic_components::increment::{Analysis, AnalysisKind, Progress};
+use clastic_components::particle::{MaterialIndex, Particle};
+use clastic_components::poured::Poured;
+
+use super::particles::Random;
+use super::pour_room::Room;
+use super::script::Script;
+use super::{load, sieve};
+use crate::scene::format::{Pour, Rate, Scene, Sizes, Stage, Stream};
+
+/// Name of [`Poured`] in a state.
+pub const POURED: &str = "poured";
+
+/// Number of grains that follow a sieve curve together.
+const BLOCK: u64 = 100;
+/// Kinds of random numbers. Every grain and every place has a sequence of its own.
+const SIZE: u64 = 0;
+const MINERAL: u64 = 1;
+const PLACE: u64 = 2;
+
+/// Sets up a stage that pours.
+pub fn begin(world: &mut World, stage: &Pour) {
+    load::begin(world, &stage.load);
+    let poured = world.get_resource::<Poured>().copied().unwrap_or_default();
+    let before = (poured.number, poured.mass);
+    world.insert_resource(Poured { before, tries: 0, waits_since: None, ..poured });
+}
+
+/// Brings in the grains that are due by the end of the increment that begins, as long as they find
+/// room. Exclusive, because it adds bodies.
+pub(super) fn pour(world: &mut World) {
+    let script = world.resource::<Script>();
+    let progress = world.resource::<Progress>();
+    let Some(Stage::Pour(stage)) = script.stage(progress.stage) else { return };
+    let Stream { rate, .. } = stage.stream;
+    let analysis = world.resource::<Analysis>();
+    let AnalysisKind::Dynamic { dt, .. } = analysis.kind else { return };
+    let Some(poured) = world.get_resource::<Poured>() else { return };
+    let (time, total) = (progress.time, progress.total);
+    // A halved increment brings its grains at its start.
+    let increments = (progress.done.floor() + 1.0).min(total);
+    let due = rate.due(increments, total, dt);
+    let come = |poured: &Poured| match rate.is_of_mass() {
+        true => poured.mass - poured.before.1,
+        false => (poured.number - poured.before.0) as f64,
+    };
+    let scene = &script.scene;
+    let first = Grain::next(scene, &stage.stream, poured);
+    if !first.is_due(rate, due, come(poured)) {
+        return;
+    }
+    let (stream, scene, mut poured) = (stage.stream.clone(), scene.clone(), *poured);
+    let mut room = Room::new(world);
+    loop {
+        let grain = Grain::next(&scene, &stream, &poured);
+        if !grain.is_due(rate, due, come(&poured)) {
+            break;
+        }
+        let place = room.find(stream.through, grain.disk.radius, || {
+            poured.tries += 1;
+            numbers(&stream, &poured, PLACE, poured.tries - 1)
+        });
+        let Some(place) = place else {
+            poured.waits_since.get_or_insert(time);
+            break;
+        };
+        poured.waits_since = None;
+        poured.number += 1;
+        poured.mass += grain.disk.mass;
+        room.take(place, grain.disk.radius);
+        let mut entity = world.spawn((
+            grain.disk,
+            Position(place),
+            Origin(place),
+            Velocity(stream.velocity.into()),
+            MaterialIndex(grain.material),
+        ));
+        if let Some(group) = &stream.group {
+            entity.insert(Group(group.clone()));
+        }
+    }
+    world.insert_resource(poured);
+}
+
+/// Random numbers of a kind for the grain or place with this index in the stage. Stages of one seed
+/// differ by what was poured before them.
+fn numbers(stream: &Stream, poured: &Poured, kind: u64, index: u64) -> Random {
+    // Sequences 0 and 1 belong to specimens of the same seed.
+    Random::stream(stream.seed.wrapping_add(poured.before.0), 4 * (index + 1) + kind)
+}
+
+/// The grain that comes next.
+struct Grain {
+    disk: Particle,
+    material: u32,
+}
+
+impl Grain {
+    fn next(scene: &Scene, stream: &Stream, poured: &Poured) -> Self {
+        let index = poured.number - poured.before.0;
+        let radius = match &stream.sizes {
+            Sizes::Sieve { passing } => {
+                let block = match stream.rate {
+                    Rate::NumberOverStage(number) => BLOCK.min(number.into()).max(1),
+                    _ => BLOCK,
+                };
+                let seed = stream.seed.wrapping_add(poured.before.0 + index / block);
+                sieve::radii(passing, block as u32, seed)[(index % block) as usize]
+            }
+            sizes => numbers(stream, poured, SIZE, index).radius(sizes),
+        };
+        let chosen = numbers(stream, poured, MINERAL, index).unit();
+        let mut below = 0.0;
+        let mineral = stream.minerals.iter().find(|(_, share)| {
+            below += **share;
+            chosen < below
+        });
+        let name = mineral.map(|(name, _)| name).or(stream.material.as_ref());
+        let at = name.and_then(|name| scene.materials.keys().position(|known| known == name));
+        let at = at.unwrap_or(0);
+        let density = scene.materials.values().nth(at).map_or(0.0, |material| material.density);
+        Self { disk: Particle::disk(radius, density, scene.thickness), material: at as u32 }
+    }
+
+    /// Whether the grain is due, so that what has come stays within half a grain of what should.
+    fn is_due(&self, rate: Rate, due: f64, come: f64) -> bool {
+        let size = if rate.is_of_mass() { self.disk.mass } else { 1.0 };
+        due - come >= 0.5 * size
+    }
+}
