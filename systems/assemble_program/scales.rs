@@ -108,8 +108,8 @@ fn softest(interactions: &[Interaction]) -> f64 {
     interactions.iter().map(|c| c.normal_compliance).fold(0.0, f64::max)
 }
 
-/// Maximum force that the loads can determine, N: the sum of all loads and inertial forces where
-/// every interaction is rigid and without strength, else infinite.
+/// Maximum force that the loads can determine, N: in dynamics the sum of all loads and inertial
+/// forces where every interaction is rigid and without strength, else infinite.
 ///
 /// Rigid bodies that are wedged between others carry forces that nothing determines. A solver ends
 /// with some multiple of its scale of forces. As the next scale they would grow without bound.
@@ -117,7 +117,8 @@ fn determined_force(program: &ConeProgram, interactions: &[Interaction], displac
     let determines = |c: &Interaction| c.normal_compliance > 0.0 || c.limits.has_strength();
     let forces = free_translations(program).map(|f| f.load.abs() + f.inertia * displacement);
     let sum: f64 = forces.sum();
-    if sum > 0.0 && !interactions.iter().any(determines) { sum } else { f64::INFINITY }
+    let is_open = program.has_momentum() && sum > 0.0 && !interactions.iter().any(determines);
+    if is_open { sum } else { f64::INFINITY }
 }
 
 fn force(

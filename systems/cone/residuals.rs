@@ -149,12 +149,15 @@ pub fn displacement_scale(program: &ConeProgram, displacements: &[[f64; 3]]) -> 
 }
 
 /// Displacement that the loads of an increment would give the bodies if nothing held them, m: the
-/// minimum over the bodies that have a load; 0 in statics.
+/// minimum over the bodies that have a load; 0 in statics, and where no body was in motion.
 ///
 /// The displacements of rigid bodies near rest are the small difference between this displacement
 /// and that of the contact forces. Relative to the difference alone, a force that is exact to 1e-12
 /// would leave a residual of any size.
 fn free_displacement(program: &ConeProgram) -> f64 {
+    if !program.has_momentum() {
+        return 0.0;
+    }
     let free = |body: &ProgramBody| {
         let mut squares = 0.0;
         for dof in &body.dofs[..2] {
