@@ -24,10 +24,11 @@ use crate::scene::format::{Scene, Specimen};
 pub const PROBE_COLUMNS: [&str; 6] =
     [".x_m", ".y_m", ".rotation_rad", ".force_x_n", ".force_y_n", ".moment_nm"];
 
-/// Names of the rigid groups of a scene, in the order of the stages that make them.
+/// Names of the rigid groups of a scene: those from the start, then in the order of the stages that
+/// make them.
 #[must_use]
 pub fn rigid_groups(scene: &Scene) -> Vec<String> {
-    let mut names: Vec<String> = Vec::new();
+    let mut names = scene.rigid_at_start.clone();
     for stage in &scene.stages {
         let Some(load) = stage.load() else { continue };
         let made = load.rigid.iter().filter(|(_, control)| control.select.is_some());

@@ -35,7 +35,7 @@ pub fn write_kept(world: &mut World) -> Result<(), OutputError> {
 }
 
 /// Writes the state at the end of a run. A program without the feature `npz` writes none, and a run
-/// that ends with rigid groups or membranes has none.
+/// that ends with membranes has none.
 ///
 /// # Errors
 /// If the state cannot be encoded, or the file cannot be written.

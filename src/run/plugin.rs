@@ -20,8 +20,8 @@ use super::pour::{POURED, pour};
 use super::script::Script;
 use super::stages::{CurrentStage, begin_built_in, change_stages, end_built_in};
 use super::state::{
-    FIRST_WALL, FirstWall, INHERITED_WALLS, InheritedWalls, MATERIALS, MaterialNames, SCRIPT,
-    ScriptState,
+    FIRST_WALL, FirstWall, INHERITED_WALLS, InheritedWalls, MATERIALS, MaterialNames,
+    RIGID_AT_START, RigidAtStart, SCRIPT, ScriptState,
 };
 use super::stop::end_increment;
 use super::until::{APPROACH, Approach};
@@ -144,6 +144,7 @@ impl Plugin for ScenePlugin {
             .register_state::<ScriptState>(SCRIPT)
             .register_state::<Approach>(APPROACH)
             .register_resource::<Poured>(POURED)
+            .register_resource::<RigidAtStart>(RIGID_AT_START)
             .init_resource::<StageKinds>()
             .init_resource::<MeasureKinds>()
             .init_resource::<Before>()

@@ -13,6 +13,7 @@ use clastic_systems::state::StateError;
 use clastic_systems::stepping::Halted;
 
 use super::spawn::{WallCatalogue, begin_script, insert_settings, spawn_wall};
+use super::state::RigidAtStart;
 use super::wall_pieces::count;
 use crate::saved::SavedState;
 use crate::scene::StoredState;
@@ -43,6 +44,9 @@ fn restore(
     materials(world, scene, saved);
     probes(world, scene);
     walls(world, scene, state, saved);
+    if !state.rigid.is_empty() {
+        world.insert_resource(RigidAtStart(state.rigid.clone()));
+    }
     match (scene.output.energy, world.contains_resource::<EnergyLedger>()) {
         (true, false) => world.insert_resource(EnergyLedger::default()),
         (false, true) => {

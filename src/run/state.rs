@@ -136,6 +136,14 @@ impl StateOf for InheritedWalls {
     }
 }
 
+/// Name of [`RigidAtStart`] in a state.
+pub const RIGID_AT_START: &str = "rigid_group.at_start";
+
+/// Names of the rigid groups that a run has taken over from the saved state from which it began,
+/// whether they are still there or not. Its scene does not list them.
+#[derive(Resource, Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RigidAtStart(pub Vec<String>);
+
 /// Walls as texts of a scene. The encoding of a state has no names of fields, and could not leave
 /// out those that a wall does not have.
 mod in_ron {
@@ -272,5 +280,9 @@ fn stored_state(state: &WorldState) -> Result<StoredState, StateError> {
         Some(_) => state.get::<InheritedWalls>(INHERITED_WALLS)?.at_start,
         None => Vec::new(),
     };
-    StoredState::of(state, walls, None)
+    let rigid = match state.bytes(RIGID_AT_START) {
+        Some(_) => state.get::<RigidAtStart>(RIGID_AT_START)?.0,
+        None => Vec::new(),
+    };
+    StoredState::of(state, walls, rigid, None)
 }

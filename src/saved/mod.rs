@@ -9,6 +9,7 @@
 mod bonds;
 mod columns;
 mod contacts;
+mod groups;
 mod particles;
 mod progress;
 mod wall_controls;
@@ -20,7 +21,6 @@ use bevy_ecs::prelude::*;
 use clastic_components::increment::Analysis;
 use clastic_components::material::Materials;
 use clastic_components::membrane::Membrane;
-use clastic_components::rigid_group::RigidGroup;
 use clastic_systems::gather_bodies::gather_bodies;
 use clastic_systems::state::{StateError, WorldState};
 
@@ -35,17 +35,25 @@ pub use progress::Counts;
 /// First word of the array `format`.
 const FORMAT: &str = "clastic state";
 /// Version of the format, which follows the word. It increases with every change of the arrays.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
+/// Version of a state without rigid groups, which older programs read too.
+const WITHOUT_GROUPS: u32 = 1;
 /// Prefix of arrays with the state of other plugins.
 const PLUGIN: &str = "plugin.";
 
 /// Entries of a [`WorldState`] that a saved state has as arrays.
-const AS_ARRAYS: [&[&str]; 5] =
-    [&particles::ENTRIES, &walls::ENTRIES, &bonds::ENTRIES, &contacts::ENTRIES, &progress::ENTRIES];
+const AS_ARRAYS: [&[&str]; 6] = [
+    &particles::ENTRIES,
+    &walls::ENTRIES,
+    &groups::ENTRIES,
+    &bonds::ENTRIES,
+    &contacts::ENTRIES,
+    &progress::ENTRIES,
+];
 
 /// Entries that a scene which starts from the state has of its own: its place among its stages, its
 /// settings, its output, and what the next increment makes anew.
-const OF_THE_SCENE: [&str; 17] = [
+const OF_THE_SCENE: [&str; 18] = [
     "analysis",
     "materials.names",
     "measures.groups",
@@ -58,6 +66,7 @@ const OF_THE_SCENE: [&str; 17] = [
     "output.key_results",
     "output.snapshots",
     "output.specimen",
+    "rigid_group.at_start",
     "rupture_count",
     "script",
     "until",
@@ -76,16 +85,10 @@ pub enum SavedError {
     Foreign(String),
     /// The file is of another version of the format.
     #[error(
-        "a state of format {0}, and this clastic reads format {VERSION}; save it again with this \
+        "a state of format {0}, and this clastic reads formats up to {VERSION}; save it again with this \
          clastic"
     )]
     Version(String),
-    /// The world has rigid groups, for which a saved state has no arrays.
-    #[error(
-        "a saved state has no rigid groups; release them in a loading stage before, \
-         `release: [\"NAME\"]`"
-    )]
-    RigidGroups,
     /// The world has membranes, which end at walls that the next scene may not have.
     #[error(
         "a saved state has no membranes; remove them in a loading stage before, `remove_membranes: \
@@ -127,7 +130,8 @@ pub fn save(world: &mut World) -> Result<Tables, SavedError> {
     // Gathering the tables does not change the run.
     let _ = world.run_system_cached(gather_bodies);
     let mut tables = Tables::default();
-    tables.put("format", Array::word(&format!("{FORMAT} {VERSION}")));
+    let version = if groups::names(&state)?.is_empty() { WITHOUT_GROUPS } else { VERSION };
+    tables.put("format", Array::word(&format!("{FORMAT} {version}")));
     let thickness = world.resource::<Analysis>().thickness;
     progress::write(&state, thickness, &mut tables)?;
     let materials = world.resource::<Materials>();
@@ -137,6 +141,7 @@ pub fn save(world: &mut World) -> Result<Tables, SavedError> {
     particles::write(&state, &mut tables)?;
     let catalogue = world.get_resource::<WallCatalogue>().cloned().unwrap_or_default();
     walls::write(&state, &catalogue, &mut tables)?;
+    groups::write(&state, &mut tables)?;
     bonds::write(&state, &mut tables)?;
     contacts::write(&state, world, &mut tables)?;
     for name in state.names() {
@@ -148,11 +153,8 @@ pub fn save(world: &mut World) -> Result<Tables, SavedError> {
     Ok(tables)
 }
 
-/// Why a world has no saved state: it has rigid groups or membranes.
+/// Why a world has no saved state: it has membranes.
 pub fn refusal(world: &mut World) -> Option<SavedError> {
-    if world.query::<&RigidGroup>().iter(world).next().is_some() {
-        return Some(SavedError::RigidGroups);
-    }
     world.query::<&Membrane>().iter(world).next().map(|_| SavedError::Membranes)
 }
 
@@ -173,7 +175,11 @@ impl SavedState {
         };
         match format.strip_prefix(FORMAT).map(str::trim) {
             None => return Err(SavedError::Foreign(format!("it is `{format}`"))),
-            Some(version) if version != VERSION.to_string() => {
+            Some(version)
+                if ![WITHOUT_GROUPS, VERSION]
+                    .map(|v| v.to_string())
+                    .contains(&version.to_owned()) =>
+            {
                 return Err(SavedError::Version(version.to_owned()));
             }
             Some(_) => {}
@@ -185,6 +191,7 @@ impl SavedState {
         let counts = progress::read(tables, &mut world)?;
         let ids = particles::read(tables, names.len(), &mut world)?;
         let walls = walls::read(tables, counts.next.body, &ids, &mut world)?;
+        groups::read(tables, &ids, &walls.ids, &mut world)?;
         let mut bodies = ids;
         bodies.extend(&walls.ids);
         bonds::read(tables, &bodies, counts.next.bond, &mut world)?;
@@ -201,6 +208,14 @@ impl SavedState {
         }
         let (first_wall, walls) = (walls.first, walls.listed);
         Ok(Self { world, materials, thickness, walls, first_wall, counts })
+    }
+
+    /// Names of the rigid groups, in the order of identities.
+    ///
+    /// # Errors
+    /// If the world does not have them.
+    pub fn rigid_groups(&self) -> Result<Vec<String>, StateError> {
+        groups::names(&self.world)
     }
 
     /// The walls of the scene where they are now. Those that are not there are as it drew them.

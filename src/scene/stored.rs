@@ -70,6 +70,8 @@ pub struct StoredState {
     pub gives_walls: bool,
     /// Names of its groups, in order.
     pub groups: Vec<String>,
+    /// Names of the rigid groups that are there where the run begins.
+    pub rigid: Vec<String>,
     /// Names under which its particles were recorded, by index.
     pub probes: BTreeMap<String, u32>,
     /// The state; `None` for a run that is resumed, which has a state of its own.

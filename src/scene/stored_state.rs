@@ -45,9 +45,9 @@ fn stored(saved: SavedState) -> Result<StoredSpecimen, SavedError> {
     });
     let rows = rows.collect();
     let indices = particles.last().map_or(0, |(id, _)| u64::from(id.0) + 1);
-    let walls = saved.walls_now()?;
+    let (walls, rigid) = (saved.walls_now()?, saved.rigid_groups()?);
     let saved = Arc::new(saved);
-    let state = StoredState::of(&saved.world, walls, Some(Arc::clone(&saved)))?;
+    let state = StoredState::of(&saved.world, walls, rigid, Some(Arc::clone(&saved)))?;
     Ok(StoredSpecimen { rows, indices, groups: Vec::new(), state: Some(state) })
 }
 
@@ -59,6 +59,7 @@ impl StoredState {
     pub(crate) fn of(
         world: &WorldState,
         walls: Vec<Wall>,
+        rigid: Vec<String>,
         saved: Option<Arc<SavedState>>,
     ) -> Result<Self, StateError> {
         let particles = world.components::<BodyId, Particle>("particle")?;
@@ -70,6 +71,7 @@ impl StoredState {
         Ok(Self {
             walls,
             gives_walls: false,
+            rigid,
             groups: groups.into_iter().collect(),
             probes: probes.collect(),
             saved,
@@ -78,7 +80,7 @@ impl StoredState {
 }
 
 /// Gives a scene what it takes over from the state from which it starts: the walls if it lists
-/// none, names of recorded particles that it does not use otherwise, and materials by the names
+/// none, rigid groups, names of recorded particles that it does not use otherwise, and materials by the names
 /// that the scene gives them.
 pub(super) fn inherit(scene: &mut Scene, stored: &mut StoredSpecimen) {
     let (Some(state), Specimen::State { materials, .. }) = (&mut stored.state, &scene.specimen)
@@ -92,6 +94,7 @@ pub(super) fn inherit(scene: &mut Scene, stored: &mut StoredSpecimen) {
             }
         }
     }
+    scene.rigid_at_start.clone_from(&state.rigid);
     state.gives_walls = scene.walls.is_empty();
     if state.gives_walls {
         scene.walls.clone_from(&state.walls);

@@ -33,8 +33,6 @@ use crate::rupture_density::distance;
 const MAX_SHARE: f64 = 0.04;
 /// Excess over [`MAX_SHARE`] that is accepted, so that few solves are made in vain.
 const MARGIN: f64 = 1.25;
-/// Minimum fraction of an increment that [`MAX_SHARE`] leads to.
-const MIN_FRACTION: f64 = 0.1;
 
 /// Run condition: bonds break together.
 pub fn is_dense(search: Res<EventSearch>) -> bool {
@@ -90,10 +88,10 @@ pub fn judge(
         due.into_iter().map(|(_, rupture)| rupture).collect()
     };
     let share = (late + soon(fraction).len()) as f64 / bodies.bonds.len().max(1) as f64;
-    let may_shorten = fraction > MIN_FRACTION && search.trials < 2 && !moved;
+    let may_shorten = fraction > 0.0 && search.trials < 2 && !moved;
     if share > MARGIN * MAX_SHARE && may_shorten {
         search.trials += 1;
-        search.target = (fraction * MAX_SHARE / share).max(MIN_FRACTION);
+        search.target = fraction * MAX_SHARE / share;
         attempt.verdict = Verdict::Overloaded;
         return;
     }

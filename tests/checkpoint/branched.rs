@@ -19,6 +19,7 @@ fn scene_of(rig: &str, sets: &[String]) -> LoadedScene {
         "THIN" => scene::from_str(THIN, Path::new("rig.ron"), Path::new(""), sets),
         "TURNING" => scene::from_str(TURNING, Path::new("rig.ron"), Path::new(""), sets),
         "POURED" => scene::from_str(POURED, Path::new("rig.ron"), Path::new(""), sets),
+        "RIGID" => scene::from_str(RIGID, Path::new("rig.ron"), Path::new(""), sets),
         "EXCAVATION" => scene::from_str(EXCAVATION, Path::new("rig.ron"), Path::new(""), sets),
         _ => scene::load(Path::new(&path), sets),
     };
@@ -284,5 +285,55 @@ fn grains_that_are_poured_in_before_and_after() {
         let (from, rows) = same_in_two("POURED", &[law], [&pour("a"), &pour("b")], parent.path());
         assert_eq!(rows.len(), 20, "{law}");
         same_from_anywhere(&from, |n| n % 3 == 0);
+    }
+}
+
+/// Bonded disks on a floor.
+const RIGID: &str = r#"(
+    version: 2,
+    title: "Rigid groups",
+    gravity: (0.0, -9.81),
+    materials: { "m": (density: 2000.0,
+        contact: (normal_stiffness: 1.0e6, tangential_stiffness: 1.0e6, friction: 0.4),
+        bond: (normal_stiffness: 1.0e6, tangential_stiffness: 1.0e6, cohesion: 1.0e7, tensile_strength: 1.0e7)) },
+    specimen: Lattice(columns: 5, rows: 6, radius: 0.01),
+    walls: [(name: "floor", start: (-1.0, -0.01), end: (1.0, -0.01), probe: "floor",
+        contact: (normal_stiffness: 1.0e6, tangential_stiffness: 1.0e6, friction: 0.4))],
+    stages: [],
+    measures: [(name: "on_upper", of: GroupForce(select: Box(min: (-1.0, 0.05), max: (1.0, 1.0)), along: Y))],
+    output: (energy: true, frames_every: 2),
+)"#;
+
+/// Rigid groups are in the state: who belongs to them, where they are, what they carry and how they
+/// move. The second piece controls one, releases one, and leaves one as it is.
+#[test]
+fn rigid_groups_in_both_analyses_under_both_laws() {
+    let first = r#"Cement(name: "cement", length: 1.0e-4),
+        Load(name: "press", increments: 4, rigid: {
+            "lower": (select: Box(min: (-1.0, -1.0), max: (1.0, 0.02)), x: Held, rotation: Held),
+            "middle": (select: Index([9, 10])),
+            "upper": (select: Box(min: (-1.0, 0.07), max: (1.0, 1.0)),
+                stress: (value: (0.0, -2.0e3), length: 0.1)) }),
+        Load(name: "turn", increments: 3, rigid: {
+            "upper": (x: Displacement(1.0e-6), rotation: Displacement(2.0e-5)) })"#;
+    let second = r#"Load(name: "on", increments: 3, rigid: { "upper": (x: Displacement(-1.0e-6), moment: 0.01) }),
+        Load(name: "apart", increments: 3, release: ["upper"]),
+        Load(name: "again", increments: 2, rigid: {
+            "upper": (select: Box(min: (-1.0, 0.07), max: (1.0, 1.0)), x: Held, y: Held) })"#;
+    for common in [
+        ["friction_law=Associated", "analysis=Static"],
+        ["friction_law=Coulomb()", "analysis=Static"],
+        ["friction_law=Associated", "analysis=Dynamic(dt: 1.0e-3, theta: 0.6)"],
+        ["friction_law=Coulomb()", "analysis=Dynamic(dt: 1.0e-3)"],
+    ] {
+        let parent = tempfile::tempdir().unwrap();
+        let (from, rows) = same_in_two("RIGID", &common, [first, second], parent.path());
+        assert!(rows.len() >= 8, "{common:?}: {}", rows.len());
+        assert_eq!(from.scene.rigid_at_start, ["lower", "middle", "upper"]);
+        let state = fs::read(parent.path().join("a/state_kept.npz")).unwrap();
+        let tables = clastic::tables::Tables::decode(&state).unwrap();
+        assert_eq!(tables.text("format", &[]).unwrap(), ["clastic state 2"]);
+        // Resumed from anywhere, also where `upper` is gone and where it is there again.
+        same_from_anywhere(&from, |_| true);
     }
 }

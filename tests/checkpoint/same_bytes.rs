@@ -75,6 +75,28 @@ fn from_event_to_event_and_within_avalanches() {
     assert!(within >= 2, "stopped {within} times within an avalanche, of {}", records.len());
 }
 
+/// Whether bonds break many together, and how far the next increment goes, is part of the state.
+#[test]
+fn where_many_bonds_break_together() {
+    let loaded = load(
+        "biaxial_small",
+        &[
+            "rupture.order=Events",
+            "stages.confine.increments=2",
+            "stages.load.increments=5",
+            "stages.load.walls.top[1]=-0.45e-3",
+        ],
+    );
+    let stops = |increment: u64| increment % 9 == 4;
+    let records = same_from_anywhere(&loaded, stops);
+    // One by one a single bond breaks in a fraction.
+    let together = |o: &&Observation| o.fraction > 0.0 && o.ruptures.len() >= 5;
+    let both = records.windows(2).filter(|pair| pair.iter().all(|o| together(&o)));
+    let within = both.filter(|pair| stops(pair[0].increment)).count();
+    let len = records.len();
+    assert!(within >= 1, "stopped {within} times where many break together, of {len}");
+}
+
 /// A motion that a rupture releases begins with the state that was committed before it.
 #[test]
 fn before_motions_that_ruptures_release() {

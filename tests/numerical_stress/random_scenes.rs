@@ -71,6 +71,7 @@ pub fn random_scene(seed: u64, maximum: u32) -> Scene {
         corrector: None,
         probes: BTreeMap::new(),
         cell: None,
+        rigid_at_start: Vec::new(),
         solver: if r.chance(0.05) {
             Solver::Clarabel { tolerance: 1e-10, max_iterations: 200 }
         } else {

@@ -134,6 +134,10 @@ pub struct Scene {
     /// Walls.
     #[serde(default)]
     pub walls: Vec<Wall>,
+    /// Rigid groups that are there from the start, of the saved state from which the scene starts.
+    /// The text has none of them.
+    #[serde(skip)]
+    pub rigid_at_start: Vec<String>,
     /// Stages, in order.
     #[serde(deserialize_with = "repeats::deserialize")]
     pub stages: Vec<Stage>,

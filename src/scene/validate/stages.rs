@@ -31,7 +31,7 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
         findings.add(format_args!("stages"), "no stage: nothing would happen".to_owned(), help);
     }
     let mut present: Vec<bool> = scene.walls.iter().map(|wall| wall.present).collect();
-    let mut groups = Vec::new();
+    let mut groups = scene.rigid_at_start.clone();
     let mut skins = Vec::new();
     for (i, stage) in scene.stages.iter().enumerate() {
         let path = format_args!("stages[{i}]");
@@ -46,11 +46,6 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
             }
             Stage::Cement(stage) => cement(context, path, stage, findings),
             Stage::Save(_) => {
-                if !groups.is_empty() && findings.is_sure_of("stages") {
-                    let help =
-                        "release rigid groups before: `release: [\"NAME\"]` of a loading stage";
-                    findings.add(path, "a state with rigid groups", help);
-                }
                 membranes::none(path, "a state", &skins, findings);
             }
             Stage::Remove(stage) => {

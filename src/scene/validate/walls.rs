@@ -41,6 +41,8 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
         .filter_map(|(i, wall)| Some((format!("walls[{i}].probe"), wall.probe.as_deref()?)));
     // The history records rigid groups under their names.
     let mut made: Vec<(String, &str)> = Vec::new();
+    let at_start = context.scene.rigid_at_start.iter();
+    made.extend(at_start.map(|name| ("specimen".to_owned(), name.as_str())));
     for (i, stage) in context.scene.stages.iter().enumerate() {
         let Some(load) = stage.load() else { continue };
         for (name, _) in load.rigid.iter().filter(|(_, control)| control.select.is_some()) {

@@ -1,0 +1,193 @@
+//! The rigid groups of a saved state.
+
+use clastic_components::body::{
+    AppliedLoad, BodyId, Drive, Drives, ExternalForce, LastMotion, LoadControl, Origin, Position,
+    Probe, Ramp, Rotation,
+};
+use clastic_components::increment::Progress;
+use clastic_components::rigid_group::{ContactForce, RigidGroup};
+use clastic_systems::schedule::PROGRESS;
+use clastic_systems::state::{StateError, WorldState};
+
+use super::SavedError;
+use super::columns::{add, bad, each, finite, identities, of, some};
+use crate::tables::{Array, Tables};
+
+pub(super) const ENTRIES: [&str; 2] = ["contact_force", ENTRY];
+
+/// Entry with the groups.
+const ENTRY: &str = "rigid_group";
+
+/// Columns of finite numbers.
+const NUMBERS: [&str; 12] = [
+    "rigid.reference_rad",
+    "rigid.position_m",
+    "rigid.origin_m",
+    "rigid.rotation_rad",
+    "rigid.last_motion",
+    "rigid.external_force",
+    "rigid.contact_force",
+    "rigid.load_from",
+    "rigid.load_to",
+    "rigid.applied_from",
+    "rigid.applied_to",
+    "rigid.imposed_motion",
+];
+
+/// Names of the groups of a state.
+pub(super) fn names(state: &WorldState) -> Result<Vec<String>, StateError> {
+    let groups = state.components::<BodyId, RigidGroup>(ENTRY)?;
+    Ok(groups.into_iter().map(|(_, group)| group.name).collect())
+}
+
+/// Writes the groups; a state without any has none of these arrays.
+pub(super) fn write(state: &WorldState, tables: &mut Tables) -> Result<(), SavedError> {
+    let groups = state.components::<BodyId, RigidGroup>(ENTRY)?;
+    if groups.is_empty() {
+        return Ok(());
+    }
+    let ids: Vec<_> = groups.iter().map(|(id, _)| *id).collect();
+    let ids = ids.as_slice();
+    let progress: Progress = state.get(PROGRESS)?;
+    tables.put("rigid.id", Array::u32(ids.iter().map(|id| id.0).collect()));
+    tables.put("rigid.name", Array::text(groups.iter().map(|(_, group)| group.name.clone())));
+    tables.put("rigid.has_pivot", Array::bool(groups.iter().map(|(_, g)| g.has_pivot).collect()));
+    let references = groups.iter().map(|(_, group)| group.reference).collect();
+    tables.put("rigid.reference_rad", Array::f64(references));
+    // One row per member.
+    let members = || groups.iter().flat_map(|(id, g)| g.members.iter().map(|m| (id.0, m.0)));
+    tables.put("rigid.member", Array::u32(members().map(|(_, member)| member).collect()));
+    tables.put("rigid.member_of", Array::u32(members().map(|(group, _)| group).collect()));
+
+    let positions = each::<Position>(state, "position", ids)?;
+    tables.put("rigid.position_m", Array::vectors(positions.iter().map(|x| x.0.to_array())));
+    let origins = each::<Origin>(state, "origin", ids)?;
+    tables.put("rigid.origin_m", Array::vectors(origins.iter().map(|x| x.0.to_array())));
+    let rotations = each::<Rotation>(state, "rotation", ids)?;
+    tables.put("rigid.rotation_rad", Array::f64(rotations.iter().map(|r| r.0).collect()));
+    let motions = each::<LastMotion>(state, "last_motion", ids)?;
+    tables.put("rigid.last_motion", Array::vectors(motions.iter().map(|u| u.0)));
+    let forces = each::<ExternalForce>(state, "external_force", ids)?;
+    tables.put("rigid.external_force", Array::vectors(forces.iter().map(|f| f.0)));
+    let forces = each::<ContactForce>(state, "contact_force", ids)?;
+    tables.put("rigid.contact_force", Array::vectors(forces.iter().map(|f| f.0)));
+    let loads = each::<LoadControl>(state, "load_control", ids)?;
+    tables.put("rigid.load_from", Array::vectors(loads.iter().map(|l| l.0.map(|l| l.0))));
+    // A load stays at what it has reached.
+    let reached = |(from, to): (f64, f64)| progress.ramp(from, to).from;
+    tables.put("rigid.load_to", Array::vectors(loads.iter().map(|l| l.0.map(reached))));
+    let applied = each::<AppliedLoad>(state, "applied_load", ids)?;
+    let ends = |of: fn(Ramp) -> f64| Array::vectors(applied.iter().map(move |l| l.0.map(of)));
+    tables.put("rigid.applied_from", ends(|load| load.from));
+    tables.put("rigid.applied_to", ends(|load| load.to));
+    let drives = each::<Drives>(state, "drives", ids)?;
+    let imposed = |drive: Drive| match drive {
+        Drive::Free => None,
+        Drive::Imposed(u) => Some(u),
+    };
+    let flags = drives.iter().map(|d| d.0.map(|drive| imposed(drive).is_some()));
+    tables.put("rigid.imposed", Array::flags(flags));
+    let values = drives.iter().map(|d| d.0.map(|drive| imposed(drive).unwrap_or_default()));
+    tables.put("rigid.imposed_motion", Array::vectors(values));
+    let probes = of::<Probe>(state, "probe", ids)?.into_iter();
+    let probes = probes.map(|probe| probe.map(|probe| probe.0).unwrap_or_default());
+    tables.put("rigid.probe", Array::text(probes));
+    Ok(())
+}
+
+/// Reads the groups, of these particles and beside these walls.
+pub(super) fn read(
+    tables: &Tables,
+    particles: &[u32],
+    walls: &[u32],
+    state: &mut WorldState,
+) -> Result<(), SavedError> {
+    if !tables.has("rigid.id") {
+        return Ok(());
+    }
+    let numbers = identities(tables, "rigid.id")?;
+    let taken = |id: &u32| particles.binary_search(id).is_ok() || walls.contains(id);
+    if let Some(row) = numbers.iter().position(taken) {
+        let what = format!("body {} in row {row}, which is a particle or a wall", numbers[row]);
+        return Err(bad("rigid.id", what));
+    }
+    let ids: Vec<_> = numbers.iter().map(|id| BodyId(*id)).collect();
+    let (ids, n) = (ids.as_slice(), ids.len());
+    finite(tables, &NUMBERS)?;
+    let groups = groups(tables, &numbers, particles)?;
+    add(state, ENTRY, ids, groups.into_iter().map(Some))?;
+
+    let scalars = |name: &str| tables.f64(name, &[n]);
+    let pairs = |name: &str| tables.vectors::<2>(name, n);
+    let triples = |name: &str| tables.vectors::<3>(name, n);
+    let places = pairs("rigid.position_m")?;
+    add(state, "position", ids, places.into_iter().map(|x| Some(Position(x.into()))))?;
+    let origins = pairs("rigid.origin_m")?;
+    add(state, "origin", ids, origins.into_iter().map(|x| Some(Origin(x.into()))))?;
+    let rotations = scalars("rigid.rotation_rad")?;
+    add(state, "rotation", ids, rotations.iter().map(|r| Some(Rotation(*r))))?;
+    let motions = triples("rigid.last_motion")?;
+    add(state, "last_motion", ids, motions.into_iter().map(|u| Some(LastMotion(u))))?;
+    let forces = triples("rigid.external_force")?;
+    add(state, "external_force", ids, forces.into_iter().map(|f| Some(ExternalForce(f))))?;
+    let forces = triples("rigid.contact_force")?;
+    add(state, "contact_force", ids, forces.into_iter().map(|f| Some(ContactForce(f))))?;
+    let loads = triples("rigid.load_from")?.into_iter().zip(triples("rigid.load_to")?);
+    let loads = loads.map(|(from, to)| Some(LoadControl([0, 1, 2].map(|k| (from[k], to[k])))));
+    add(state, "load_control", ids, loads)?;
+    let applied = triples("rigid.applied_from")?.into_iter();
+    let applied = applied
+        .zip(triples("rigid.applied_to")?)
+        .map(|(from, to)| Some(AppliedLoad([0, 1, 2].map(|k| Ramp { from: from[k], to: to[k] }))));
+    add(state, "applied_load", ids, applied)?;
+    let flags = tables.bool("rigid.imposed", &[n, 3])?.as_chunks::<3>().0;
+    let drives = flags.iter().zip(triples("rigid.imposed_motion")?).map(|(imposed, value)| {
+        Some(Drives([0, 1, 2].map(|k| match imposed[k] {
+            true => Drive::Imposed(value[k]),
+            false => Drive::Free,
+        })))
+    });
+    add(state, "drives", ids, drives)?;
+    let probes = tables.text("rigid.probe", &[n])?;
+    add(state, "probe", ids, probes.iter().map(|probe| some(probe).map(Probe)))?;
+    Ok(())
+}
+
+/// The groups with their members, each of which is a particle of one group.
+fn groups(tables: &Tables, ids: &[u32], particles: &[u32]) -> Result<Vec<RigidGroup>, SavedError> {
+    let n = ids.len();
+    let m = tables.rows("rigid.member")?;
+    let (members, of) = (tables.u32("rigid.member", &[m])?, tables.u32("rigid.member_of", &[m])?);
+    let names = tables.text("rigid.name", &[n])?;
+    let pivots = tables.bool("rigid.has_pivot", &[n])?;
+    let references = tables.f64("rigid.reference_rad", &[n])?;
+    let mut groups: Vec<_> = (0..n)
+        .map(|k| RigidGroup {
+            name: names[k].clone(),
+            members: Vec::new(),
+            has_pivot: pivots[k],
+            reference: references[k],
+        })
+        .collect();
+    let mut seen = members.to_vec();
+    seen.sort_unstable();
+    if let Some(twice) = seen.windows(2).find(|pair| pair[0] == pair[1]) {
+        return Err(bad("rigid.member", format!("particle {} twice", twice[0])));
+    }
+    for (row, (member, group)) in members.iter().zip(of).enumerate() {
+        if particles.binary_search(member).is_err() {
+            return Err(bad("rigid.member", format!("no particle {member} in row {row}")));
+        }
+        let Ok(at) = ids.binary_search(group) else {
+            return Err(bad("rigid.member_of", format!("no group {group} in row {row}")));
+        };
+        groups[at].members.push(BodyId(*member));
+    }
+    for group in &mut groups {
+        group.members.sort_unstable();
+        if group.members.is_empty() {
+            return Err(bad("rigid.member", format!("group `{}` has none", group.name)));
+        }
+    }
+    Ok(groups)
+}
