@@ -47,6 +47,8 @@ pub enum Verdict {
     Sound,
     /// A mechanism proves that no forces within the limits balance the loads.
     Impossible,
+    /// A mechanism proves that no equilibrium exists, but few grains move in it.
+    Loose,
     /// A judge has added something to the program, which must be solved again.
     Again,
     /// A bond is above its limit. The preceding event is sought at another fraction.

@@ -28,12 +28,14 @@ pub fn estimate(
     let displacement =
         if known > 0.0 { known } else { maximum_load(program) * softest(interactions) };
     let displacement = displacement.max(1e-9 * length);
-    let force = force(history, program, interactions, displacement);
+    let determined = determined_force(program, interactions, displacement);
+    let force = force(history, program, interactions, displacement, determined);
     match magnitudes {
         // The magnitudes of a failed attempt are used unless they are round-off, or so large that
         // they would hide all errors because the solver diverged.
         Some((u, f)) => {
-            Scales { length, displacement: u, force: f.clamp(MIN_SCALE * force, MAX_RATIO * force) }
+            let f = f.min(determined).clamp(MIN_SCALE * force, MAX_RATIO * force);
+            Scales { length, displacement: u, force: f }
         }
         None => Scales { length, displacement, force },
     }
@@ -106,13 +108,28 @@ fn softest(interactions: &[Interaction]) -> f64 {
     interactions.iter().map(|c| c.normal_compliance).fold(0.0, f64::max)
 }
 
+/// Maximum force that the loads can determine, N: in dynamics the sum of all loads and inertial
+/// forces where every interaction is rigid and without strength, else infinite.
+///
+/// Rigid bodies that are wedged between others carry forces that nothing determines. A solver ends
+/// with some multiple of its scale of forces. As the next scale they would grow without bound.
+fn determined_force(program: &ConeProgram, interactions: &[Interaction], displacement: f64) -> f64 {
+    let determines = |c: &Interaction| c.normal_compliance > 0.0 || c.limits.has_strength();
+    let forces = free_translations(program).map(|f| f.load.abs() + f.inertia * displacement);
+    let sum: f64 = forces.sum();
+    let is_open = program.has_momentum() && sum > 0.0 && !interactions.iter().any(determines);
+    if is_open { sum } else { f64::INFINITY }
+}
+
 fn force(
     history: &ContactHistory,
     program: &ConeProgram,
     interactions: &[Interaction],
     displacement: f64,
+    determined: f64,
 ) -> f64 {
     let remembered = history.0.iter().map(|m| m.p.abs().max(m.q.abs())).fold(0.0, f64::max);
+    let remembered = remembered.min(determined);
     let loads = maximum_load(program);
     let inertial = free_translations(program).map(|f| f.inertia * displacement).fold(0.0, f64::max);
     let expected = remembered.max(0.1 * loads).max(0.1 * inertial);

@@ -2,23 +2,19 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::attempt::{Attempt, Mode, Verdict};
+use clastic_components::attempt::{Attempt, Effort, Mode, Verdict};
 use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::findings::{AddedPairs, Centre, Closest, Restraints, Unconverged};
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
 use clastic_cone::program::{Certificate, ConeProgram, ConeSolution, SolveStatus};
 
-use super::thrown_grains::{reply, thrown};
+use super::thrown_grains::{is_unsupported, reply, thrown};
 use crate::detect_contacts::Candidates;
-use crate::mean_field::furthest;
 use clastic_cone::certificate::{certificate, proves};
 use clastic_cone::residuals::{displacement_scale, regularised_residuals, worst_bodies};
 
 /// Maximum number of moves of the centre of the regularisation in one attempt.
 const MAX_CENTRES: u32 = 6;
-
-/// A grain that an unconverged solution moves further than this, in its radii, has no support.
-const UNSUPPORTED: f64 = 10.0;
 
 /// Accepts solved programs and proven collapses, moves the centre of the regularisation until its
 /// bias vanishes, and rejects all else. A bias together with a far motion of grains is treated as a
@@ -69,18 +65,27 @@ pub fn judge(
         SolveStatus::Locked => Verdict::Locked,
         SolveStatus::Stalled if seeks_equilibrium && is_biased(&program, solution, &acceptance) => {
             if let Some(reason) = thrown(&bodies, &program, solution, &acceptance) {
-                // Pruning must not be the reason why a grain finds no support.
-                let verdict = reply(
-                    &bodies,
-                    &candidates,
-                    &contacts,
-                    &program,
-                    solution,
-                    &acceptance,
-                    &mut pairs,
-                    &mut restraints,
-                    reason,
-                );
+                // Where all bodies are regularised and no bond can pull back, nothing is learnt from
+                // a grain without support: it lacks a place.
+                let verdict = if attempt.effort() == Some(Effort::Regularised)
+                    && bodies.bonds.is_empty()
+                    && is_unsupported(&bodies, &program, solution)
+                {
+                    Verdict::TooFar(reason)
+                } else {
+                    // Pruning must not be the reason why a grain finds no support.
+                    reply(
+                        &bodies,
+                        &candidates,
+                        &contacts,
+                        &program,
+                        solution,
+                        &acceptance,
+                        &mut pairs,
+                        &mut restraints,
+                        reason,
+                    )
+                };
                 match verdict {
                     Verdict::Again => Verdict::Again,
                     thrown => impossible_or(&program, solution, thrown),
@@ -112,13 +117,6 @@ const NO_MOTION: f64 = 1e6;
 fn runaway(program: &ConeProgram, solution: &ConeSolution) -> Option<usize> {
     let most = NO_MOTION * program.scales.length;
     solution.displacements.iter().position(|u| !(u[0].hypot(u[1]) <= most))
-}
-
-/// Whether a solution that did not converge moves a grain very far. The grain then lacks support,
-/// and other scales do not help.
-fn is_unsupported(bodies: &Bodies, program: &ConeProgram, solution: &ConeSolution) -> bool {
-    solution.displacements.len() == bodies.rows_in_program()
-        && furthest(bodies, program, solution).is_some_and(|(_, far)| far > UNSUPPORTED)
 }
 
 /// Tests whether a far motion in a regularised solution is the mechanism of a collapse: unbalanced

@@ -1,11 +1,11 @@
 //! The attempts at one increment, and the judges that accept, extend or reject them.
 //!
 //! Judges run in this order, each only if no judge before it objects: [`converged`], [`coulomb`],
-//! [`closing_mechanism`], [`restraints`], [`events`], [`thrown_grains`], [`closed_pairs`],
-//! [`snaps`], [`push_out`], [`corrector`], [`cascade`]. For a step of a motion only [`converged`],
-//! [`coulomb`], [`motion::judge_length`], [`closed_pairs`] and [`motion::judge_rest`] run. The
-//! tables of [`findings`](clastic_components::findings) keep their findings until the increment is
-//! committed. [`mod@next`] maps the verdict to the next action.
+//! [`closing_mechanism`], [`restraints`], [`loose_grains`], [`events`], [`thrown_grains`],
+//! [`closed_pairs`], [`snaps`], [`push_out`], [`corrector`], [`cascade`]. For a step of a motion
+//! only [`converged`], [`coulomb`], [`motion::judge_length`], [`closed_pairs`] and
+//! [`motion::judge_rest`] run. The tables of [`findings`](clastic_components::findings) keep their
+//! findings until the increment is committed. [`mod@next`] maps the verdict to the next action.
 //!
 //! Attempts work on the tables that were gathered when the increment began. Entities are written
 //! when it is committed, so a failed attempt changes nothing.
@@ -18,6 +18,7 @@ pub mod corrector;
 pub mod coulomb;
 pub mod dense;
 pub mod events;
+pub mod loose_grains;
 pub mod motion;
 pub mod next;
 pub mod push_out;
@@ -81,6 +82,7 @@ impl Plugin for AttemptPlugin {
                     motion::judge_length.run_if(in_motion),
                     closing_mechanism::judge.run_if(impossible),
                     restraints::judge.run_if(impossible),
+                    loose_grains::judge.run_if(impossible),
                     events::judge.run_if(in_equilibrium).run_if(events::searches),
                     thrown_grains::judge.run_if(in_equilibrium),
                     closed_pairs::judge.run_if(sound),
@@ -217,8 +219,6 @@ pub fn run_attempts(world: &mut World) {
                 let mut attempt = world.resource_mut::<Attempt>();
                 attempt.mode = Mode::Proof;
                 attempt.magnitudes = None;
-                // Pairs that a throw over many radii closed lie outside the reach of a mechanism.
-                world.resource_mut::<AddedPairs>().0.clear();
                 open_trial(world);
             }
             Next::End(status) => return end_increment(world, status, &verdict, start.as_ref()),
@@ -249,6 +249,7 @@ impl Start {
 fn put_back(world: &mut World, start: Option<&Start>) {
     motion::end(world);
     if let Some(start) = start {
+        motion::forget_pairs(world);
         world.resource_mut::<Bodies>().clone_from(&start.bodies);
         world.resource_mut::<DraftHistory>().clone_from(&start.draft);
         world.resource_mut::<Ruptures>().clone_from(&start.ruptures);
@@ -346,7 +347,7 @@ fn end_increment(
     if matches!(status, IncrementStatus::Collapsed) {
         // A collapse does not commit the motion.
         put_back(world, start);
-        let proved = *verdict == Verdict::Impossible;
+        let proved = matches!(verdict, Verdict::Impossible | Verdict::Loose);
         let mut solution = world.resource_mut::<ConeSolution>();
         solution.certificate = solution.certificate.take().filter(|_| proved);
     }

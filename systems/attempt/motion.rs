@@ -19,7 +19,7 @@ use bevy_ecs::prelude::*;
 use clastic_components::attempt::{Attempt, Mode, Verdict};
 use clastic_components::contact::{Bodies, BondRow, Contacts, DraftHistory};
 use clastic_components::energy::EnergyLedger;
-use clastic_components::findings::{Centre, Corrections, Pushed, Restraints, Ruptures};
+use clastic_components::findings::{AddedPairs, Centre, Corrections, Pushed, Restraints, Ruptures};
 use clastic_components::increment::{Acceptance, Analysis, Progress, RuptureRules};
 use clastic_components::material::Materials;
 use clastic_components::motion::Motion;
@@ -107,6 +107,7 @@ pub fn begin(world: &mut World, cause: Cause, repeated: bool) {
     ruptures.on_the_way = ruptures.list.len();
     (ruptures.rounds, ruptures.capped) = (0, false);
     forget_passes(world);
+    forget_pairs(world);
 }
 
 /// How far the furthest grain is to go in a step, in its radii: far enough below the limit that few
@@ -124,6 +125,11 @@ pub fn max_steps(acceptance: &Acceptance, settings: &MotionSettings) -> u32 {
 /// Ends the motion under way.
 pub fn end(world: &mut World) {
     world.resource_mut::<Bodies>().resting = false;
+}
+
+/// Drops the pairs that solutions have added from other positions: each step detects its own.
+pub fn forget_pairs(world: &mut World) {
+    world.resource_mut::<AddedPairs>().0.clear();
 }
 
 /// Drops what is only true of the solution that was found last.
@@ -227,6 +233,7 @@ pub fn take_step(world: &mut World) {
     let strain = mean_strain(bodies, program, solution);
     let displacements = solution.displacements.clone();
     move_tables(world);
+    forget_pairs(world);
     let settings = *world.resource::<MotionSettings>();
     let mut attempt = world.resource_mut::<Attempt>();
     count_step(&mut attempt);

@@ -65,19 +65,16 @@ pub fn next(mode: &Mode, verdict: &Verdict, budget: Budget) -> Next {
 }
 
 fn after_equilibrium(effort: Effort, verdict: &Verdict, budget: Budget) -> Next {
-    let lost = || {
-        if budget.follows && budget.motion && budget.step && budget.solve {
-            Next::Follow
-        } else {
-            smaller(budget)
-        }
-    };
+    let can_follow = budget.follows && budget.motion && budget.step && budget.solve;
+    let lost = || if can_follow { Next::Follow } else { smaller(budget) };
     match verdict {
         Verdict::Sound => Next::End(IncrementStatus::Solved),
         Verdict::Overloaded if budget.solve => Next::Approach,
         // Bonds may break before the load that no equilibrium can carry.
         Verdict::Impossible if budget.searches && budget.half => Next::Halve,
-        Verdict::Impossible => Next::End(IncrementStatus::Collapsed),
+        // At the smallest fraction the proof decides: a motion that is lost would leave none.
+        Verdict::Loose if can_follow && budget.half => Next::Follow,
+        Verdict::Impossible | Verdict::Loose => Next::End(IncrementStatus::Collapsed),
         Verdict::Again if budget.solve => Next::Solve,
         Verdict::Unconverged { unsupported, .. } if budget.solve => match effort {
             Effort::Usual if !unsupported => Next::Try(Effort::Rescaled),
@@ -146,6 +143,7 @@ mod tests {
         vec![
             Verdict::Sound,
             Verdict::Impossible,
+            Verdict::Loose,
             Verdict::Again,
             Verdict::Overloaded,
             Verdict::Released,
@@ -195,8 +193,8 @@ mod tests {
     fn a_collapse_has_a_certificate_or_a_motion_without_rest_twice() {
         every(|mode, verdict, budget, next| {
             if next == Next::End(IncrementStatus::Collapsed) {
-                let proved =
-                    matches!(mode, Mode::Equilibrium(_)) && *verdict == Verdict::Impossible;
+                let proved = matches!(mode, Mode::Equilibrium(_))
+                    && matches!(verdict, Verdict::Impossible | Verdict::Loose);
                 assert!(proved || *mode == Mode::Proof, "{mode:?} {verdict:?} {budget:?}");
             }
             if next == Next::Prove {
@@ -255,6 +253,16 @@ mod tests {
         for effort in [Effort::Usual, Effort::Rescaled, Effort::Regularised] {
             let next = next(&Mode::Equilibrium(effort), &Verdict::Released, ALL);
             assert_eq!(next, Next::Follow);
+        }
+    }
+
+    #[test]
+    fn loose_grains_are_followed_and_prove_a_collapse_where_they_cannot_be() {
+        let mode = Mode::Equilibrium(Effort::Usual);
+        assert_eq!(next(&mode, &Verdict::Loose, ALL), Next::Follow);
+        for spent in [Budget { motion: false, ..ALL }, Budget { half: false, ..ALL }] {
+            let end = Next::End(IncrementStatus::Collapsed);
+            assert_eq!(next(&mode, &Verdict::Loose, spent), end);
         }
     }
 

@@ -15,7 +15,7 @@ use crate::mean_field::far_motions;
 
 /// Bodies that move further than this fraction of the accepted throw, or of the maximum motion of a
 /// mechanism, take part in it.
-const TAKES_PART: f64 = 0.1;
+pub(super) const TAKES_PART: f64 = 0.1;
 
 /// Judge: is a collapse the mechanism of grains that hang on taut bonds? The program lacks their
 /// geometric stiffness and is solved again with it.

@@ -19,6 +19,9 @@ use crate::mean_field::furthest;
 /// Maximum number of consecutive attempts with new restraints before the motion is followed.
 const MAX_REPLIES: u32 = 3;
 
+/// A grain that a solution moves further than this, in its radii, has no support.
+const UNSUPPORTED: f64 = 10.0;
+
 /// Rejects a static solution in which a grain moves further than [`Acceptance::throw`] radii
 /// about the mean field.
 pub fn judge(
@@ -53,7 +56,8 @@ pub fn judge(
 
 /// Reply to a throw. It may show pairs outside the program or [restraints](super::restraints),
 /// which the next attempt then includes. If it shows neither, or if they have not helped, the
-/// solution is too far away.
+/// solution is too far away. A solution that moves a grain without support shows no pairs: it ends
+/// where no accepted solution can, and such a grain crosses thousands of others.
 pub(super) fn reply(
     bodies: &Bodies,
     candidates: &Candidates,
@@ -66,7 +70,8 @@ pub(super) fn reply(
     reason: String,
 ) -> Verdict {
     // A pair that stops a grain must not be mistaken for a restraint.
-    let learnt = add_closed(bodies, candidates, contacts, program, solution, acceptance, pairs)
+    let learnt = !is_unsupported(bodies, program, solution)
+        && add_closed(bodies, candidates, contacts, program, solution, acceptance, pairs)
         || restrain(bodies, program, solution, acceptance, restraints);
     if learnt && restraints.replies < MAX_REPLIES {
         restraints.replies += 1;
@@ -92,4 +97,15 @@ pub fn thrown(
             bodies.name(i), at.x, at.y, acceptance.throw
         )
     })
+}
+
+/// Whether a solution moves a grain so far that the grain lacks support. Other scales do not help
+/// then.
+pub(super) fn is_unsupported(
+    bodies: &Bodies,
+    program: &ConeProgram,
+    solution: &ConeSolution,
+) -> bool {
+    solution.displacements.len() == bodies.rows_in_program()
+        && furthest(bodies, program, solution).is_some_and(|(_, far)| far > UNSUPPORTED)
 }

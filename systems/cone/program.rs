@@ -435,6 +435,13 @@ impl ConeProgram {
         self.bodies.iter().map(|body| body.dofs.map(known)).collect()
     }
 
+    /// Whether any body was in motion when the increment began.
+    #[must_use]
+    pub fn has_momentum(&self) -> bool {
+        let moves = |dof: &Dof| matches!(dof, Dof::Free(f) if f.momentum != 0.0);
+        self.bodies.iter().any(|body| body.dofs.iter().any(moves))
+    }
+
     /// Whether any body has inertia.
     #[must_use]
     pub fn is_dynamic(&self) -> bool {

@@ -148,6 +148,32 @@ pub fn displacement_scale(program: &ConeProgram, displacements: &[[f64; 3]]) -> 
     displacements.iter().map(|u| u[0].hypot(u[1])).fold(1e-6 * length, f64::max).min(length)
 }
 
+/// Displacement that the loads of an increment would give the bodies if nothing held them, m: the
+/// minimum over the bodies that have a load; 0 in statics, and where no body was in motion.
+///
+/// The displacements of rigid bodies near rest are the small difference between this displacement
+/// and that of the contact forces. Relative to the difference alone, a force that is exact to 1e-12
+/// would leave a residual of any size.
+fn free_displacement(program: &ConeProgram) -> f64 {
+    if !program.has_momentum() {
+        return 0.0;
+    }
+    let free = |body: &ProgramBody| {
+        let mut squares = 0.0;
+        for dof in &body.dofs[..2] {
+            if let Dof::Free(f) = dof
+                && f.inertia > 0.0
+            {
+                squares += ((f.load - f.momentum) / f.inertia).powi(2);
+            }
+        }
+        squares.sqrt()
+    };
+    let minimum =
+        program.bodies.iter().map(free).filter(|u| *u > 0.0).fold(f64::INFINITY, f64::min);
+    if minimum.is_finite() { minimum } else { 0.0 }
+}
+
 /// The four residuals of a solution. The force of a regularisation counts as an error of the
 /// balance.
 #[must_use]
@@ -225,10 +251,12 @@ pub fn worst_bodies(program: &ConeProgram, solution: &ConeSolution) -> Option<[u
 /// Unlike a product of force and gap it is not small where both are small and neither vanishes.
 #[must_use]
 pub fn natural_map(program: &ConeProgram, forces: &[[f64; 3]], displacements: &[[f64; 3]]) -> f64 {
-    let Units { force, displacement, length } = Units::of(program, forces, displacements);
+    let units = Units::of(program, forces, displacements);
+    let Units { force, length, .. } = units;
     let interactions = program.interactions.iter().zip(forces);
     let of = |(c, f): (&Interaction, &[f64; 3])| {
         let m = multipliers(c, &program.kinematics(c, displacements), f);
+        let displacement = units.displacement_of(c);
         let (p, q, t) = (f[0] / force, f[1] / force, f[2] / (force * length));
         let projected = |x: f64, step: f64, slope: f64| {
             let limit = slope * p.max(0.0);
@@ -256,6 +284,8 @@ pub(super) struct Units {
     pub(super) force: f64,
     /// Displacement, m.
     pub(super) displacement: f64,
+    /// Displacement of rigid contacts, m: at least that of free bodies.
+    pub(super) rigid: f64,
     /// Length by which a moment is divided, m.
     pub(super) length: f64,
 }
@@ -267,11 +297,20 @@ impl Units {
         forces: &[[f64; 3]],
         displacements: &[[f64; 3]],
     ) -> Self {
+        let (displacement, length) =
+            (displacement_scale(program, displacements), program.scales.length);
         Self {
             force: force_scale(program, forces),
-            displacement: displacement_scale(program, displacements),
-            length: program.scales.length,
+            displacement,
+            rigid: displacement.max(free_displacement(program).min(length)),
+            length,
         }
+    }
+
+    /// Unit of the displacements of an interaction, m. The error of a spring is an error of its
+    /// force.
+    fn displacement_of(&self, c: &Interaction) -> f64 {
+        if c.normal_compliance == 0.0 { self.rigid } else { self.displacement }
     }
 
     /// Raises the residual of the balance to that of a body; `row` is the force of its
@@ -302,7 +341,8 @@ impl Units {
         f: &[f64; 3],
         out: &mut Residuals,
     ) {
-        let Units { force, displacement, length } = *self;
+        let Units { force, length, .. } = *self;
+        let displacement = self.displacement_of(c);
         let m = multipliers(c, e, f);
         let l = &c.limits;
         let [p, q, tau] = *f;

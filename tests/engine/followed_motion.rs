@@ -10,7 +10,7 @@ use clastic::prelude::*;
 use crate::common::{self, parse, step};
 
 /// Isotropic confinement of 200 disks that were compacted to the given porosity.
-fn confinement(porosity: f64, friction: f64, seed: u64) -> String {
+pub(crate) fn confinement(porosity: f64, friction: f64, seed: u64) -> String {
     let stress = |between: &str| format!("Stress(stress: 100.0e3, between: ({between}))");
     let (vertical, lateral) = (stress("\"left\", \"right\""), stress("\"bottom\", \"top\""));
     let stiffness = "normal_stiffness: 60.0e6, tangential_stiffness: 30.0e6";

@@ -100,6 +100,26 @@ fn stress_on_a_wall_is_exact_where_grains_settle() {
     }
 }
 
+/// A stage of wall stress that is committed in many fractions seemed to end at 192.8 of 200 kPa.
+#[test]
+fn a_stress_that_is_reached_in_many_fractions_is_that_of_its_target() {
+    let settings = [
+        "stages.load.walls.top=Stress(stress: 500.0e3, between: (\"left\", \"right\"))",
+        "stages.load.walls.bottom=Stress(stress: 500.0e3, between: (\"left\", \"right\"))",
+        "stages.load.increments=3",
+        "rupture.order=Events",
+        "rupture.density=30.0",
+    ];
+    let (records, outcome) = run("biaxial_small.ron", &settings);
+    assert_eq!(outcome, Outcome::Completed);
+    let load: Vec<_> = records.iter().filter(|o| o.stage == "load").collect();
+    assert!(load.len() > 10, "{} fractions", load.len());
+    let done: f64 = load.iter().map(|o| o.fraction).sum();
+    assert!((done - 3.0).abs() < 1e-9, "{done} of 3 increments");
+    let stress = load.last().unwrap().axial_stress.unwrap();
+    assert!((stress / 500e3 - 1.0).abs() < 1e-7, "{stress} Pa");
+}
+
 #[test]
 fn confined_specimen_under_stress_collapses_and_does_not_strain_on() {
     let settings = [

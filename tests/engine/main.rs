@@ -26,6 +26,7 @@ mod invariance;
 mod language;
 mod lids;
 mod limit_load;
+mod loose_grains;
 mod measures;
 mod membranes;
 mod periodic_cell;

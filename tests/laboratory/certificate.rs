@@ -102,8 +102,16 @@ pub fn check_absent_pairs(
         query.iter(world).map(|(id, p, x)| (id.0, p.radius, x.0)).collect();
     disks.sort_by_key(|disk| disk.0);
     let mut query = world.query::<(&BodyId, &Wall, &Position)>();
-    let walls: Vec<(u32, DVec2, DVec2)> =
+    let mut walls: Vec<(u32, DVec2, DVec2)> =
         query.iter(world).map(|(id, wall, x)| (id.0, wall.inward(), x.0)).collect();
+    walls.sort_by_key(|wall| wall.0);
+    // The program has one row per body, disks before walls; identities have gaps where a wall has
+    // gone.
+    for (row, id) in
+        disks.iter_mut().map(|d| &mut d.0).chain(walls.iter_mut().map(|w| &mut w.0)).enumerate()
+    {
+        *id = row as u32;
+    }
     let program = world.resource::<ConeProgram>();
     let present: BTreeSet<(u32, u32)> =
         program.interactions.iter().map(|c| (c.a.min(c.b), c.a.max(c.b))).collect();

@@ -239,6 +239,22 @@ impl Oracle {
         let mut query = world.query::<(&BodyId, &Drives, &ExternalForce)>();
         let outside: BTreeMap<u32, ([Drive; 3], [f64; 3])> =
             query.iter(world).map(|(id, d, f)| (id.0, (d.0, f.0))).collect();
+        // What the loads would do to a particle that nothing holds.
+        let free_motion = now
+            .iter()
+            .enumerate()
+            .filter(|_| dynamic)
+            .map(|(i, s)| {
+                let (drives, external) = outside[&(i as u32)];
+                let load = |k: usize| match drives[k] {
+                    Drive::Free => external[k] + s.mass * analysis.gravity[k],
+                    Drive::Imposed(_) => 0.0,
+                };
+                load(0).hypot(load(1)) * theta * dt * dt / s.mass
+            })
+            .filter(|motion| *motion > 0.0)
+            .fold(f64::INFINITY, f64::min);
+        let free_motion = if free_motion.is_finite() { free_motion.min(mean_radius) } else { 0.0 };
         // A force between bodies that are both held along it is no measure of anything.
         let feels = |id: u32, direction: DVec2| match outside.get(&id) {
             Some((drives, _)) => {
@@ -437,7 +453,8 @@ impl Oracle {
             let rest = start + cn / theta * p
                 - closing
                 - dilation * (friction * plastic.abs() + rolling * rolls.abs());
-            let unit = max_motion;
+            // Section 10 of the formulation: rigid bodies near rest.
+            let unit = if cn == 0.0 { max_motion.max(free_motion) } else { max_motion };
             let name = if dynamic { "closing (dynamic)" } else { "closing (static)" };
             let accepted = limit + 10.0 * bits / unit;
             if std::env::var_os("CLASTIC_SEED").is_some() && -rest / unit > accepted {

@@ -3,7 +3,7 @@
 //! near. Elastic steps of a motion that is followed start from the last forces as well, without
 //! sweeps and with all contacts.
 
-use crate::program::{ConeProgram, ConeSolution, Dof, SolveStatus};
+use crate::program::{ConeProgram, ConeSolution, SolveStatus};
 
 use super::super::lowering::units;
 use super::parallel::in_pool;
@@ -21,7 +21,7 @@ impl Condensed {
     ) -> Option<ConeSolution> {
         // Nothing moved before: the last forces are not those of a motion that goes on.
         // Sweeps know no images.
-        if program.last_forces.is_empty() || !has_momentum(program) || program.cell.is_some() {
+        if program.last_forces.is_empty() || !program.has_momentum() || program.cell.is_some() {
             return None;
         }
         let natural: Vec<usize> = (0..program.bodies.len()).collect();
@@ -145,12 +145,6 @@ pub(super) fn last_forces(program: &ConeProgram) -> Vec<[f64; 3]> {
     let mut out: Vec<_> = program.last_forces.iter().map(in_units).collect();
     out.resize(program.interactions.len(), [0.0; 3]);
     out
-}
-
-/// Whether any body was in motion when the increment began.
-fn has_momentum(program: &ConeProgram) -> bool {
-    let moves = |dof: &Dof| matches!(dof, Dof::Free(free) if free.momentum != 0.0);
-    program.bodies.iter().flat_map(|body| &body.dofs).any(moves)
 }
 
 /// Gap of a contact under the associated law, in units of displacement.
