@@ -197,7 +197,8 @@ fn gate(a: f64, stiffness: f64) -> [f64; 3] {
 #[test]
 fn a_gate_turns_into_springs_as_by_hand() {
     let mut errors = Vec::new();
-    for (angle, increments, stiffness) in [(0.04, 40, 1.0e7), (0.04, 80, 1.0e7), (0.02, 20, 3.0e6)] {
+    for (angle, increments, stiffness) in [(0.04, 40, 1.0e7), (0.04, 80, 1.0e7), (0.02, 20, 3.0e6)]
+    {
         let mut scene = load("turning_gate");
         for wall in &mut scene.walls {
             wall.contact.normal_stiffness = Some(stiffness);
