@@ -19,8 +19,8 @@ use clastic_systems::measures::elastic_energy;
 
 use super::OutputError;
 use super::csv_file::Row;
+use super::found::Found;
 use super::run_directory::RunDirectory;
-use crate::run::key_results::KeyResults;
 
 /// Columns.
 pub const COLUMNS: [&str; 12] = [
@@ -153,10 +153,10 @@ impl Now<'_> {
 pub(super) fn write_ended(
     now: Now,
     mut current: ResMut<CurrentAvalanche>,
-    mut results: ResMut<KeyResults>,
+    mut found: ResMut<Found>,
     mut run: ResMut<RunDirectory>,
 ) -> Result<(), OutputError> {
     let Some((row, bonds)) = Avalanche::follow(&mut current.0, &now) else { return Ok(()) };
-    results.see_avalanche(bonds);
+    found.see_avalanche(bonds);
     run.tables.avalanches.push(row)
 }

@@ -12,6 +12,7 @@ use super::atomic::{write_atomic, write_durable};
 use super::avalanches::{self, CurrentAvalanche};
 use super::checkpoint::{Checkpoint, WHOLE};
 use super::csv_file::CsvFile;
+use super::found::Found;
 use super::frames::{self, FrameMoments};
 use super::prepared::{Prepared, PreparedSpecimen};
 use super::run_directory::{RunDirectory, RunOptions, Tables};
@@ -20,7 +21,6 @@ use super::save::save;
 use super::snapshot::Moments;
 use super::wanted::Wanted;
 use super::{OutputError, ResumeError, directory, events, history, names, plots, states, timings};
-use crate::run::key_results::KeyResults;
 use crate::run::stages::Script;
 use crate::scene::LoadedScene;
 use crate::scene::format::Scene;
@@ -88,6 +88,7 @@ pub fn begin(
     world.insert_resource(frames);
     world.insert_resource(PreparedSpecimen { waiting: Some(prepared), written: None });
     world.insert_resource(CurrentAvalanche::default());
+    world.insert_resource(Found::default());
     let saves = options.checkpoint_every > 0;
     insert(
         world,
@@ -213,7 +214,7 @@ fn whole_files<'a>(world: &World) -> Vec<&'a str> {
     if world.resource::<PreparedSpecimen>().written.is_some() {
         files.push(names::SPECIMEN);
     }
-    if world.resource::<KeyResults>().has_mechanism() {
+    if world.resource::<Found>().has_mechanism() {
         files.extend([names::MECHANISM, plots::MECHANISM]);
     }
     files

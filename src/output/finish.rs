@@ -7,6 +7,7 @@ use clastic_components::observation::Observation;
 
 use super::avalanches::CurrentAvalanche;
 use super::caption::caption;
+use super::found::Found;
 use super::prepared::PreparedSpecimen;
 use super::run_directory::RunDirectory;
 use super::run_record::OutcomeRecord;
@@ -63,9 +64,10 @@ pub fn finish(world: &mut World, ending: &Ending) -> Result<Results, OutputError
         {
             let (row, bonds) = avalanche.ended(None);
             run.tables.avalanches.push(row)?;
-            world.resource_mut::<KeyResults>().see_avalanche(bonds);
+            world.resource_mut::<Found>().see_avalanche(bonds);
         }
         let results = world.resource::<KeyResults>().results();
+        let results = world.resource::<Found>().complete(results);
         // The pictures come last, so that the numbers are complete if a picture fails.
         write_record(&mut run, world, ending.outcome(), &results)?;
         draw(&run, world, &last)?;

@@ -12,10 +12,11 @@ use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use super::atomic::write_atomic;
 use super::csv_file::Row;
+use super::found::Found;
 use super::run_directory::RunDirectory;
 use super::snapshot::{Moments, Scenery};
 use super::{OutputError, directory, plots};
-use crate::run::key_results::{KeyResults, MechanismRecord};
+use crate::run::key_results::MechanismRecord;
 use crate::run::stages::Script;
 
 /// Columns. Displacements are divided by the maximum motion and therefore dimensionless. Rotations
@@ -106,13 +107,13 @@ pub(super) fn write_first(
     (script, observation): (Res<Script>, Res<Observation>),
     (bodies, program, solution): (Res<Bodies>, Res<ConeProgram>, Res<ConeSolution>),
     (scenery, moments): (Scenery, Res<Moments>),
-    mut results: ResMut<KeyResults>,
+    mut found: ResMut<Found>,
     mut run: ResMut<RunDirectory>,
 ) -> Result<(), OutputError> {
     let Some(mechanism) = Mechanism::of(&observation, &bodies, &program, &solution) else {
         return Ok(());
     };
-    if !results.see_mechanism(mechanism.record) {
+    if !found.see_mechanism(mechanism.record) {
         return Ok(());
     }
     let path = run.path(directory::MECHANISM);

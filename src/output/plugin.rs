@@ -7,6 +7,7 @@ use clastic_systems::state::RegisterState;
 use clastic_systems::stepping::{Advance, AdvanceSystems, Halted};
 
 use super::avalanches::{self, CurrentAvalanche};
+use super::found::Found;
 use super::prepared::{self, PreparedSpecimen};
 use super::run_directory::RunDirectory;
 use super::save::{is_checkpoint_due, save};
@@ -33,6 +34,7 @@ impl Plugin for OutputPlugin {
         app.register_resource::<Moments>("output.snapshots")
             .register_resource::<PreparedSpecimen>("output.specimen")
             .register_resource::<CurrentAvalanche>("output.avalanche")
+            .register_resource::<Found>("output.results")
             .add_systems(
                 Advance,
                 (

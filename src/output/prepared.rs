@@ -10,10 +10,10 @@ use clastic_components::material::Materials;
 use clastic_components::observation::{Measures, Observation};
 use clastic_components::wall::Wall;
 
+use super::found::Found;
 use super::run_directory::RunDirectory;
 use super::snapshot::{Moments, Scenery, Snapshot};
 use super::{OutputError, directory, frames, porosity};
-use crate::run::key_results::KeyResults;
 use crate::run::stages::Script;
 use crate::scene::StoredParticle;
 use crate::scene::format::Stage;
@@ -61,7 +61,7 @@ pub fn prepare(
     (scenery, walls): (Scenery, Query<&Wall>),
     mut specimen: ResMut<PreparedSpecimen>,
     mut moments: ResMut<Moments>,
-    mut results: ResMut<KeyResults>,
+    mut found: ResMut<Found>,
     mut run: ResMut<RunDirectory>,
 ) -> Result<(), OutputError> {
     let is_reference = progress.stage >= script.reference_stage();
@@ -73,7 +73,7 @@ pub fn prepare(
         let moment =
             format!("at the start of the reference stage `{stage}`, before its first increment");
         write(&mut run, &mut specimen, &prepared, moment)?;
-        results.set_porosity(porosity::porosity(&measures, &walls, &prepared.snapshot));
+        found.porosity = porosity::porosity(&measures, &walls, &prepared.snapshot);
         moments.start = prepared.snapshot;
     }
     let is_compaction = matches!(script.stage(progress.stage), Some(Stage::Compact(_)));
@@ -83,7 +83,7 @@ pub fn prepare(
         write(&mut run, &mut specimen, &packing, moment)?;
         if is_reference {
             // The scene has no loading stage, so its result is the packing.
-            results.set_porosity(porosity::in_box(&packing.snapshot));
+            found.porosity = porosity::in_box(&packing.snapshot);
         }
     }
     Ok(())

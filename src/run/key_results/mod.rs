@@ -131,24 +131,6 @@ impl KeyResults {
         Self { stiffness, ..self }
     }
 
-    /// Sets the porosity.
-    pub fn set_porosity(&mut self, porosity: Option<f64>) {
-        self.results.porosity = porosity;
-    }
-
-    /// Records the mechanism of a collapse. Returns whether it is the first one.
-    pub fn see_mechanism(&mut self, mechanism: MechanismRecord) -> bool {
-        let first = self.results.mechanism.is_none();
-        self.results.mechanism.get_or_insert(mechanism);
-        first
-    }
-
-    /// Whether a mechanism was recorded.
-    #[must_use]
-    pub fn has_mechanism(&self) -> bool {
-        self.results.mechanism.is_some()
-    }
-
     /// Records the number of bonds created so far.
     pub fn see_bonds(&mut self, created: usize) {
         // Bonds to a removed wall no longer exist, so the number of existing bonds may decrease.
@@ -233,12 +215,6 @@ impl KeyResults {
             results.peak_error_estimate = self.lag;
         }
         peak
-    }
-
-    /// Records an avalanche in which this number of bonds broke.
-    pub fn see_avalanche(&mut self, bonds: usize) {
-        self.results.avalanches += 1;
-        self.results.largest_avalanche = self.results.largest_avalanche.max(bonds);
     }
 }
 

@@ -1,0 +1,54 @@
+//! Key results that are found while a run is written.
+
+use bevy_ecs::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::run::key_results::{MechanismRecord, Results};
+
+/// Key results that only a run with output has. They are no part of
+/// [`KeyResults`](crate::run::key_results::KeyResults), because output must not change the state of
+/// a run.
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Found {
+    /// Porosity at the start of the reference stage.
+    pub porosity: Option<f64>,
+    /// The first collapse that has a mechanism.
+    mechanism: Option<MechanismRecord>,
+    /// Number of avalanches.
+    avalanches: usize,
+    /// Number of bonds broken in the largest one.
+    largest_avalanche: usize,
+}
+
+impl Found {
+    /// Records the mechanism of a collapse. Returns whether it is the first one.
+    pub fn see_mechanism(&mut self, mechanism: MechanismRecord) -> bool {
+        let first = self.mechanism.is_none();
+        self.mechanism.get_or_insert(mechanism);
+        first
+    }
+
+    /// Whether a mechanism was recorded.
+    #[must_use]
+    pub fn has_mechanism(&self) -> bool {
+        self.mechanism.is_some()
+    }
+
+    /// Records an avalanche in which this number of bonds broke.
+    pub fn see_avalanche(&mut self, bonds: usize) {
+        self.avalanches += 1;
+        self.largest_avalanche = self.largest_avalanche.max(bonds);
+    }
+
+    /// Adds these results to those of the run.
+    #[must_use]
+    pub fn complete(&self, results: Results) -> Results {
+        Results {
+            porosity: self.porosity,
+            mechanism: self.mechanism,
+            avalanches: self.avalanches,
+            largest_avalanche: self.largest_avalanche,
+            ..results
+        }
+    }
+}
