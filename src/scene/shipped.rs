@@ -61,6 +61,7 @@ static FILES: &[(&str, &[u8])] = &files! {
     "stack.ron"
     "tension.ron"
     "three_point_bending.ron"
+    "turning_gate.ron"
     "two_layers.ron"
     "uniaxial.ron"
     "uniaxial_as_printed.ron"

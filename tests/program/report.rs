@@ -39,6 +39,8 @@ fn chromium() -> Option<Command> {
     let mut command = Command::new(program);
     command.args(["--headless=new", "--no-sandbox", "--use-angle=swiftshader"]);
     command.args(["--enable-unsafe-swiftshader", "--window-size=1280,1000"]);
+    // Dark mode.
+    command.arg("--blink-settings=preferredColorScheme=0");
     Some(command)
 }
 
@@ -153,6 +155,10 @@ fn a_reader_finds_what_the_engine_has() {
     assert_eq!(seen["first"]["increment"], *after);
     assert_eq!(seen["curves"], serde_json::json!(["Stress", "Broken bonds", "Energies"]));
     assert!(seen["marked"].as_array().unwrap().iter().all(|mark| mark == "visible"));
+    assert_eq!(seen["paper"], serde_json::json!([true, true]));
+    let corners = [0, 1].map(|k| seen["corners"][k].as_u64().unwrap());
+    assert!(corners[0] > 240 && corners[1] < 60, "printed and shown: {corners:?}");
+    assert!(number(&seen, "inked") > 0.05, "{}", seen["inked"]);
     assert_eq!(number(&seen, "wide"), 0.0, "the page is wider than the window");
 }
 

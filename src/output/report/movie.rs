@@ -2,7 +2,8 @@
 //!
 //! Bodies and bonds have one row each over the whole run, so that a frame has only what changes:
 //! displacement since the start of the test in steps, everything else in `float16` over a scale of
-//! the run. Contacts without a bond are listed anew in every frame.
+//! the run. They are written as differences from the frame before, but for one frame in `KEY`, from
+//! which a page can start to read. Contacts without a bond are listed anew in every frame.
 
 use std::collections::BTreeSet;
 use std::io;
@@ -17,6 +18,9 @@ use crate::output::OutputError;
 
 /// State of a bond that is not in a frame.
 const NO_BOND: u8 = 255;
+
+/// Frames from one that is whole to the next.
+const KEY: usize = 10;
 
 /// Frames in a page.
 pub struct Movie {
@@ -56,12 +60,16 @@ impl Movie {
         let scales = Scales::of(frames, start);
         let mut still = Columns::default();
         rows.still(frames, first.origin_m, &mut still);
-        let mut blocks = vec![still.text()];
+        let mut blocks = vec![still.text().0];
         let mut described = Vec::new();
-        for frame in frames {
-            let mut columns = Columns::default();
+        let mut before = Vec::new();
+        for (k, frame) in frames.iter().enumerate() {
+            let is_whole = k % KEY == 0;
+            let mut columns = Columns::after(if is_whole { Vec::new() } else { before });
             let contacts = rows.frame(frame, &scales, &mut columns);
-            blocks.push(columns.text());
+            let (text, codes) = columns.text();
+            blocks.push(text);
+            before = codes;
             described.push(json!({
                 "increment": frame.increment,
                 "stage": frame.stage,
@@ -84,6 +92,7 @@ impl Movie {
             "view": view(&frames[start.min(frames.len() - 1)..], first.origin_m),
             "states": STATES,
             "start": start,
+            "key": KEY,
             "frames": described,
         });
         Some(Self { description, blocks })
@@ -156,20 +165,22 @@ impl Rows {
             at.iter().enumerate().for_each(|(row, k)| column[*k] = value(row));
             column
         };
-        to.steps(&column(&|row| of.displacement_m[row][0], f32::NAN), scales.step(), scales.width);
-        to.steps(&column(&|row| of.displacement_m[row][1], f32::NAN), scales.step(), scales.width);
-        to.halves(&column(&|row| of.rotation_rad[row], 0.0), scale(scales.rotation));
-        to.halves(&column(&|row| mean(of.stress_pa[row]), 0.0), scale(scales.stress));
-        to.halves(&column(&|row| shear(of.stress_pa[row]), 0.0), scale(scales.stress));
+        for axis in 0..2 {
+            let moved = column(&|row| of.displacement_m[row][axis], f32::NAN);
+            to.changing_steps(&moved, scales.step(), scales.width);
+        }
+        to.changing_halves(&column(&|row| of.rotation_rad[row], 0.0), scale(scales.rotation));
+        to.changing_halves(&column(&|row| mean(of.stress_pa[row]), 0.0), scale(scales.stress));
+        to.changing_halves(&column(&|row| shear(of.stress_pa[row]), 0.0), scale(scales.stress));
         if scales.velocity > 0.0 {
             for axis in 0..2 {
                 let velocity = column(&|row| of.velocity_m_s[row][axis], 0.0);
-                to.halves(&velocity, scale(scales.velocity));
+                to.changing_halves(&velocity, scale(scales.velocity));
             }
         }
         let mut fragments = vec![0; n];
         at.iter().zip(&of.fragment).for_each(|(k, id)| fragments[*k] = self.index(*id));
-        to.counts(&fragments);
+        to.changing_counts(&fragments);
 
         let pairs = &frame.pairs;
         let mut states = vec![NO_BOND; self.bonds.len()];
@@ -185,10 +196,10 @@ impl Rows {
                 Err(_) => contacts.push((pairs.a[k], pairs.b[k], force)),
             }
         }
-        to.bytes(&states);
+        to.changing_bytes(&states);
         let kinds = if scales.moment > 0.0 { 3 } else { 2 };
         let of_kind = [scales.force, scales.force, scales.moment].map(scale);
-        (0..kinds).for_each(|k| to.halves(&forces[k], of_kind[k]));
+        (0..kinds).for_each(|k| to.changing_halves(&forces[k], of_kind[k]));
         to.counts(&contacts.iter().map(|contact| self.index(contact.0)).collect::<Vec<_>>());
         to.counts(&contacts.iter().map(|contact| self.index(contact.1)).collect::<Vec<_>>());
         for k in 0..kinds {

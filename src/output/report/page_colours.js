@@ -44,6 +44,13 @@
     const k = Math.min(points.length - 2, Math.floor(at));
     return points[k].map((low, i) => low + (at - k) * (points[k + 1][i] - low));
   };
+  // The same in 1024 steps, which is as fine as a screen shows.
+  const STEPS = 1023;
+  const stepped = (points) =>
+    Uint8Array.from({ length: 3 * (STEPS + 1) }, (_, k) =>
+      Math.round(mapped(points, Math.floor(k / 3) / STEPS)[k % 3]),
+    );
+  const MAPS = { signed: stepped(DIVERGING), plain: stepped(SEQUENTIAL) };
   // A colour for a number of a fragment: neighbours in number differ.
   const hashed = (id) => {
     const hue = ((id * 0.61803398875) % 1) * 6,
@@ -63,27 +70,27 @@
   const listed = (k) => (k === Report.NONE ? [150, 155, 160] : KINDS[k % KINDS.length]);
 
   const { ranges } = movie?.scales ?? {};
-  const size = (f, x, y, i) => Math.hypot(f[x][i], f[y][i]);
+  const length = (x, y) => Math.sqrt(x * x + y * y);
   // Ways to colour grains. `of(frame, before, row)` is a number, `unit` that of it.
   const COLOURS = {
     displacement: {
       name: "displacement since the start of the test",
       unit: "m",
       range: ranges?.displacement,
-      of: (f, b, i) => size(f, "ux", "uy", i),
+      of: (f, b, i) => length(f.ux[i], f.uy[i]),
     },
     motion: {
       name: "motion since the frame before",
       unit: "m",
       range: ranges?.motion,
-      of: (f, b, i) => (b ? Math.hypot(f.ux[i] - b.ux[i], f.uy[i] - b.uy[i]) : 0),
+      of: (f, b, i) => (b ? length(f.ux[i] - b.ux[i], f.uy[i] - b.uy[i]) : 0),
     },
     velocity: {
       name: "velocity",
       unit: "m/s",
       range: ranges?.velocity,
       needs: "vx",
-      of: (f, b, i) => size(f, "vx", "vy", i),
+      of: (f, b, i) => length(f.vx[i], f.vy[i]),
     },
     rotation: {
       name: "rotation since the start (anticlockwise +)",
@@ -135,15 +142,20 @@
     const way = COLOURS[key],
       n = movie.bodies,
       out = new Uint8Array(4 * n);
-    const map = way.signed ? DIVERGING : SEQUENTIAL;
+    const map = way.signed ? MAPS.signed : MAPS.plain;
     if (key === "fragment") frame.largest ??= largest(frame);
     const [low, high] = way.range ?? [0, 1],
-      width = high - low || 1;
+      scale = STEPS / (high - low || 1);
     for (let i = 0; i < n; i++) {
-      const rgb = way.kinds
-        ? way.kinds(frame, i)
-        : mapped(map, (way.of(frame, before, i) - low) / width);
-      out.set(rgb, 4 * i);
+      if (way.kinds) out.set(way.kinds(frame, i), 4 * i);
+      else {
+        // A body that is not in the frame has no number, and becomes the first step.
+        const step = Math.round((way.of(frame, before, i) - low) * scale);
+        const k = 3 * (step > 0 ? Math.min(STEPS, step) : 0);
+        out[4 * i] = map[k];
+        out[4 * i + 1] = map[k + 1];
+        out[4 * i + 2] = map[k + 2];
+      }
       out[4 * i + 3] = Number.isNaN(frame.ux[i]) ? 0 : 255;
     }
     return out;

@@ -112,13 +112,19 @@
       event.preventDefault();
     });
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", Report.restyle);
-    // Paper is white; what is printed is what the canvas holds then.
+    // Paper is white. What a browser prints of WebGL is what it composed last, in the colours of the
+    // screen; so a plain canvas, which only paper shows, gets the picture in light colours.
     const print = (on) => {
       document.documentElement.classList.toggle("printed", on);
       Report.restyle();
       view.drawNow();
+      if (!on) return;
+      const paper = node("paper");
+      [paper.width, paper.height] = [view.canvas.width, view.canvas.height];
+      paper.getContext("2d").drawImage(view.canvas, 0, 0);
     };
     addEventListener("beforeprint", () => print(true));
     addEventListener("afterprint", () => print(false));
+    matchMedia("print").addEventListener("change", (event) => print(event.matches));
   };
 })();

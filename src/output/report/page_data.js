@@ -22,52 +22,77 @@ Report.data = JSON.parse(document.getElementById("data").textContent);
     const size = exponent === 0 ? fraction * 2 ** -24 : (1024 + fraction) * 2 ** (exponent - 25);
     HALF[bits] = (bits & 32768 ? -1 : 1) * (exponent === 31 ? (fraction ? NaN : Infinity) : size);
   }
+  // The same by whole numbers that grow with it, from -32768 on.
+  const ORDERED = new Float32Array(65536);
+  for (let code = -32768; code < 32768; code++)
+    ORDERED[32768 + code] = HALF[code < 0 ? 32768 - code : code];
 
-  // Reads columns one after the other. Their bytes lie in planes, the lowest bytes first.
+  // Reads columns one after the other. Their bytes lie in planes, the lowest bytes first. Columns
+  // that change are whole numbers, as differences from those of the frame before, if it has one.
   class Reader {
-    constructor(bytes) {
+    constructor(bytes, before = []) {
       this.bytes = bytes;
       this.at = 0;
+      this.before = before;
+      this.codes = [];
     }
-    planes(n, width) {
-      const from = this.at;
+    changing(n, width) {
+      const { bytes, at } = this,
+        before = this.before[this.codes.length],
+        codes = new (width === 1 ? Int8Array : width === 2 ? Int16Array : Int32Array)(n),
+        beyond = 32 - 8 * width;
+      for (let i = 0; i < n; i++) {
+        let code = bytes[at + i];
+        for (let k = 1; k < width; k++) code |= bytes[at + k * n + i] << (8 * k);
+        const change = (code >>> 1) ^ -(code & 1);
+        codes[i] = (((before ? before[i] : 0) + change) << beyond) >> beyond;
+      }
       this.at += n * width;
-      return (row, plane) => this.bytes[from + plane * n + row];
+      this.codes.push(codes);
+      return codes;
     }
-    bytesOf(n) {
-      this.at += n;
-      return this.bytes.slice(this.at - n, this.at);
+    changingBytes(n) {
+      return new Uint8Array(this.changing(n, 1).buffer);
+    }
+    changingCounts(n) {
+      return new Uint32Array(this.changing(n, 4).buffer);
+    }
+    changingHalves(n, scale) {
+      const codes = this.changing(n, 2),
+        column = new Float32Array(n);
+      for (let i = 0; i < n; i++) column[i] = scale * ORDERED[32768 + codes[i]];
+      return column;
+    }
+    // Whole steps of two or three bytes.
+    changingSteps(n, step) {
+      const { width } = movie.scales,
+        codes = this.changing(n, width),
+        column = new Float32Array(n),
+        absent = -(2 ** (8 * width - 1));
+      for (let i = 0; i < n; i++) column[i] = codes[i] === absent ? NaN : step * codes[i];
+      return column;
     }
     counts(n) {
-      const byte = this.planes(n, 4),
+      const { bytes, at } = this,
         column = new Uint32Array(n);
       for (let i = 0; i < n; i++) {
-        column[i] = byte(i, 0) | (byte(i, 1) << 8) | (byte(i, 2) << 16) | (byte(i, 3) << 24);
+        column[i] =
+          bytes[at + i] |
+          (bytes[at + n + i] << 8) |
+          (bytes[at + 2 * n + i] << 16) |
+          (bytes[at + 3 * n + i] << 24);
       }
+      this.at += 4 * n;
       return column;
     }
     numbers(n) {
       return new Float32Array(this.counts(n).buffer);
     }
     halves(n, scale) {
-      const byte = this.planes(n, 2),
+      const { bytes, at } = this,
         column = new Float32Array(n);
-      for (let i = 0; i < n; i++) column[i] = scale * HALF[byte(i, 0) | (byte(i, 1) << 8)];
-      return column;
-    }
-    // Whole steps of two or three bytes.
-    steps(n, step) {
-      const { width } = movie.scales,
-        byte = this.planes(n, width),
-        column = new Float32Array(n),
-        beyond = 32 - 8 * width,
-        absent = -(2 ** (8 * width - 1));
-      for (let i = 0; i < n; i++) {
-        let whole = 0;
-        for (let k = 0; k < width; k++) whole |= byte(i, k) << (8 * k);
-        whole = (whole << beyond) >> beyond;
-        column[i] = whole === absent ? NaN : step * whole;
-      }
+      for (let i = 0; i < n; i++) column[i] = scale * HALF[bytes[at + i] | (bytes[at + n + i] << 8)];
+      this.at += 2 * n;
       return column;
     }
   }
@@ -77,11 +102,11 @@ Report.data = JSON.parse(document.getElementById("data").textContent);
     const packed = new Uint8Array(text.length);
     for (let i = 0; i < text.length; i++) packed[i] = text.charCodeAt(i);
     const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
-    return new Reader(new Uint8Array(await new Response(stream).arrayBuffer()));
+    return new Uint8Array(await new Response(stream).arrayBuffer());
   }
 
   async function readStill() {
-    const from = await unpack("still"),
+    const from = new Reader(await unpack("still")),
       { bodies: n, bonds: b } = movie;
     return {
       x: from.numbers(n),
@@ -97,31 +122,39 @@ Report.data = JSON.parse(document.getElementById("data").textContent);
   }
 
   async function readFrame(k) {
-    const from = await unpack("frame" + k),
+    // The frame before is wanted too, unless this one is whole.
+    const [bytes, last] = await Promise.all([
+      unpack("frame" + k),
+      k % movie.key === 0 ? null : Report.frame(k - 1),
+    ]);
+    const from = new Reader(bytes, last?.codes),
       { bodies: n, bonds: b, scales } = movie;
     const c = movie.frames[k].contacts;
     const frame = {
-      ux: from.steps(n, scales.step),
-      uy: from.steps(n, scales.step),
-      rotation: from.halves(n, scales.rotation),
-      mean: from.halves(n, scales.stress),
-      shear: from.halves(n, scales.stress),
+      ux: from.changingSteps(n, scales.step),
+      uy: from.changingSteps(n, scales.step),
+      rotation: from.changingHalves(n, scales.rotation),
+      mean: from.changingHalves(n, scales.stress),
+      shear: from.changingHalves(n, scales.stress),
     };
     if (scales.velocity !== null) {
-      frame.vx = from.halves(n, scales.velocity);
-      frame.vy = from.halves(n, scales.velocity);
+      frame.vx = from.changingHalves(n, scales.velocity);
+      frame.vy = from.changingHalves(n, scales.velocity);
     }
-    frame.fragment = from.counts(n);
-    frame.state = from.bytesOf(b);
-    const forces = (rows) => ({
-      p: from.halves(rows, scales.force),
-      q: from.halves(rows, scales.force),
-      tau: scales.moment === null ? null : from.halves(rows, scales.moment),
+    frame.fragment = from.changingCounts(n);
+    frame.state = from.changingBytes(b);
+    const forces = (read) => ({
+      p: read(scales.force),
+      q: read(scales.force),
+      tau: scales.moment === null ? null : read(scales.moment),
     });
-    frame.bonds = forces(b);
+    frame.bonds = forces((scale) => from.changingHalves(b, scale));
+    // Only the next frame needs these.
+    if (last) last.codes = null;
+    frame.codes = from.codes;
     frame.a = from.counts(c);
     frame.b = from.counts(c);
-    frame.contacts = forces(c);
+    frame.contacts = forces((scale) => from.halves(c, scale));
     // Where bodies are.
     frame.x = frame.ux.map((u, i) => Report.still.x[i] + u);
     frame.y = frame.uy.map((u, i) => Report.still.y[i] + u);

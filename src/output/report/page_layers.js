@@ -9,23 +9,55 @@
     return [0, 2, 4].map((k) => parseInt(hex.slice(k, k + 2), 16));
   };
 
-  // Strokes: from, to, half width in m, minimum width in pixels; and colours.
+  // Strokes: from, to, half width in m, minimum width in pixels; and colours. The arrays are used
+  // again for the next frame.
   class Strokes {
     constructor() {
-      this.lines = [];
-      this.colours = [];
+      this.lines = new Float32Array(6 * 1024);
+      this.colours = new Uint8Array(4 * 1024);
+      this.number = 0;
     }
-    add(x0, y0, x1, y1, half, pixels, [r, g, b], alpha = 255) {
-      this.lines.push(x0, y0, x1, y1, half, pixels);
-      this.colours.push(r, g, b, alpha);
+    // Room for so many more.
+    reserve(more) {
+      const needed = this.number + more;
+      if (4 * needed <= this.colours.length) return;
+      const { lines, colours } = this,
+        room = 2 * needed;
+      this.lines = new Float32Array(6 * room);
+      this.lines.set(lines);
+      this.colours = new Uint8Array(4 * room);
+      this.colours.set(colours);
+    }
+    add(x0, y0, x1, y1, half, pixels, colour, alpha = 255) {
+      this.reserve(1);
+      const { lines, colours } = this;
+      let k = 6 * this.number;
+      lines[k++] = x0;
+      lines[k++] = y0;
+      lines[k++] = x1;
+      lines[k++] = y1;
+      lines[k++] = half;
+      lines[k] = pixels;
+      k = 4 * this.number++;
+      colours[k++] = colour[0];
+      colours[k++] = colour[1];
+      colours[k++] = colour[2];
+      colours[k] = alpha;
+    }
+    append(other) {
+      this.reserve(other.number);
+      this.lines.set(other.lines.subarray(0, 6 * other.number), 6 * this.number);
+      this.colours.set(other.colours.subarray(0, 4 * other.number), 4 * this.number);
+      this.number += other.number;
     }
   }
+  const [out, cracks, recent] = [new Strokes(), new Strokes(), new Strokes()];
 
   // Strokes of a frame. `before` is the frame before, whose bonds tell what has just broken.
   Report.strokes = (frame, before, layers, picked) => {
-    const out = new Strokes(),
-      { still } = Report,
+    const { still } = Report,
       n = movie.bodies;
+    for (const strokes of [out, cracks, recent]) strokes.number = 0;
     const [push, pull, bond, wall, fresh] = [
       "--push",
       "--pull",
@@ -36,15 +68,18 @@
     const modes = [null, null, bytes("--tension"), bytes("--shear"), bytes("--rolling")];
     const typical = Report.meanRadius,
       full = ranges.force[1] || 1;
-    const cracks = [],
-      recent = [];
     const wanted = layers.bonds || layers.chains || layers.cracks || layers.normals;
     if (wanted)
       Report.eachPair(frame, (a, b, state, p, q, tau, kind, row) => {
+        // Unloaded contacts, and bonds that hold while only cracks are drawn, have no stroke.
+        if (p === 0 && state < 2 && !layers.bonds) return;
+        if (state < 2 && !layers.bonds && !layers.chains && !layers.normals) return;
         const x0 = frame.x[a],
-          y0 = frame.y[a],
-          [x1, y1] = Report.otherEnd(frame, a, b);
-        const far = Math.hypot(x1 - x0, y1 - y0);
+          y0 = frame.y[a];
+        let x1 = frame.x[b],
+          y1 = frame.y[b];
+        if (b >= n || frame.cell) [x1, y1] = Report.otherEnd(frame, a, b);
+        const far = Math.sqrt((x1 - x0) ** 2 + (y1 - y0) ** 2);
         if (!(far > 0)) return;
         const nx = (x1 - x0) / far,
           ny = (y1 - y0) / far;
@@ -72,22 +107,16 @@
           );
         if (layers.cracks && state > 1) {
           const isFresh = kind === "bond" && before && before.state[row] === 1;
-          (isFresh ? recent : cracks).push([
-            cx - r * ny,
-            cy + r * nx,
-            cx + r * ny,
-            cy - r * nx,
-            r,
-            modes[state],
-          ]);
+          const [sx, sy] = [r * ny, r * nx],
+            [x0, y0, x1, y1] = [cx - sx, cy + sy, cx + sx, cy - sy];
+          if (isFresh) {
+            recent.add(x0, y0, x1, y1, 0.18 * r, 4, fresh);
+            recent.add(x0, y0, x1, y1, 0.08 * r, 1.6, modes[state]);
+          } else cracks.add(x0, y0, x1, y1, 0.07 * r, 1.3, modes[state]);
         }
       });
-    for (const [x0, y0, x1, y1, r, colour] of cracks)
-      out.add(x0, y0, x1, y1, 0.07 * r, 1.3, colour);
-    for (const [x0, y0, x1, y1, r, colour] of recent) {
-      out.add(x0, y0, x1, y1, 0.18 * r, 4, fresh);
-      out.add(x0, y0, x1, y1, 0.08 * r, 1.6, colour);
-    }
+    out.append(cracks);
+    out.append(recent);
     for (const { line } of frame.walls) {
       for (let k = 0; k + 3 < line.length; k += 2) out.add(...line.slice(k, k + 4), 0, 2.2, wall);
     }
@@ -108,7 +137,10 @@
       const [a, b] = Report.ends(frame, picked);
       out.add(frame.x[a], frame.y[a], ...Report.otherEnd(frame, a, b), 0.1 * typical, 3, fresh);
     }
-    return { lines: new Float32Array(out.lines), colours: new Uint8Array(out.colours) };
+    return {
+      lines: out.lines.subarray(0, 6 * out.number),
+      colours: out.colours.subarray(0, 4 * out.number),
+    };
   };
 
   function ring(out, frame, i, colour) {

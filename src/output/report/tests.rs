@@ -29,22 +29,66 @@ fn columns_have_planes_and_stated_digits() {
     let largest = scale(3.14159e7);
     let mut columns = Columns::default();
     columns.halves(&values, largest);
-    columns.steps(&[0.5, f32::NAN, -9.0], 0.25, 2);
-    columns.steps(&[1e9, -70_000.0], 1.0, 3);
     columns.counts(&[0x0403_0201, NONE]);
-    let bytes = unpacked(&columns.text());
-    assert_eq!(bytes.len(), 10 + 6 + 6 + 8);
+    let bytes = unpacked(&columns.text().0);
+    assert_eq!(bytes.len(), 10 + 8);
     for (k, x) in values.into_iter().enumerate() {
         let half = f16::from_le_bytes([bytes[k], bytes[5 + k]]);
         let read = half.to_f64() * largest;
         assert!((read - f64::from(x)).abs() <= 5e-4 * f64::from(x).abs(), "{x}: {read}");
     }
-    let steps = |k: usize| i16::from_le_bytes([bytes[10 + k], bytes[13 + k]]);
-    assert_eq!([steps(0), steps(1), steps(2)], [2, i16::MIN, -36]);
-    let steps =
-        |k: usize| i32::from_le_bytes([0, bytes[16 + k], bytes[18 + k], bytes[20 + k]]) >> 8;
-    assert_eq!([steps(0), steps(1)], [most_steps(3), -70_000]);
-    assert_eq!(bytes[22..], [1, 255, 2, 255, 3, 255, 4, 255]);
+    assert_eq!(bytes[10..], [1, 255, 2, 255, 3, 255, 4, 255]);
+}
+
+/// The whole numbers of a column of `width` bytes at this place, after those of the frame before.
+fn changed(bytes: &[u8], at: usize, width: usize, before: &[i32]) -> Vec<i32> {
+    let n = before.len();
+    let one = |row: usize| {
+        let byte = |plane: usize| u32::from(bytes[at + plane * n + row]) << (8 * plane);
+        let code: u32 = (0..width).map(byte).sum();
+        let change = (code >> 1) as i32 ^ -((code & 1) as i32);
+        let beyond = 32 - 8 * width as u32;
+        (before[row].wrapping_add(change) << beyond) >> beyond
+    };
+    (0..n).map(one).collect()
+}
+
+#[test]
+fn columns_that_change_are_differences_and_lose_nothing() {
+    let (most, wide) = (most_steps(2), most_steps(3));
+    let mut before = Vec::new();
+    let mut read = [[0; 3], [0; 3], [0; 3], [0; 3], [0; 3]].map(Vec::from);
+    let steps = [[0.5, f32::NAN, -9.0], [f32::NAN, 1e9, -1e9], [0.0, -0.25, f32::NAN]];
+    let halves = [[0.0, 1.0, -2.5], [-60_000.0, 1.0, 60_000.0], [60_000.0, -1e-7, -60_000.0]];
+    let counts = [[0, NONE, 7], [NONE, 0, 8], [1, u32::MAX / 2, u32::MAX / 2 + 1]];
+    let states = [[255, 1, 0], [0, 255, 128], [127, 0, 255]];
+    for k in 0..3 {
+        let mut columns = Columns::after(before);
+        columns.changing_steps(&steps[k], 0.25, 2);
+        columns.changing_steps(&steps[k], 1e-9, 3);
+        columns.changing_halves(&halves[k], 1.0);
+        columns.changing_counts(&counts[k]);
+        columns.changing_bytes(&states[k]);
+        let (text, codes) = columns.text();
+        let bytes = unpacked(&text);
+        assert_eq!(bytes.len(), 3 * (2 + 3 + 2 + 4 + 1));
+        for (column, (at, width)) in [(0, 2), (6, 3), (15, 2), (21, 4), (33, 1)].iter().enumerate()
+        {
+            read[column] = changed(&bytes, *at, *width, &read[column]);
+        }
+        let whole = |x: f32, most: i32, step: f64| match x.is_nan() {
+            true => -most - 1,
+            false => (f64::from(x) / step).round().clamp(-f64::from(most), most.into()) as i32,
+        };
+        assert_eq!(read[0], steps[k].map(|x| whole(x, most, 0.25)), "{k}");
+        assert_eq!(read[1], steps[k].map(|x| whole(x, wide, 1e-9)), "{k}");
+        let bits = |code: &i32| if *code < 0 { 0x8000 - code } else { *code } as u16;
+        let floats: Vec<_> = read[2].iter().map(|code| f16::from_bits(bits(code))).collect();
+        assert_eq!(floats, halves[k].map(f16::from_f32), "{k}");
+        assert_eq!(read[3], counts[k].map(u32::cast_signed), "{k}");
+        assert_eq!(read[4].iter().map(|x| *x as u8).collect::<Vec<_>>(), states[k], "{k}");
+        before = codes;
+    }
 }
 
 fn run(strains: &[(u64, Option<f64>)], ruptures: &[(u64, usize)]) -> Run {
@@ -128,9 +172,11 @@ fn bodies_and_bonds_have_a_row_over_the_whole_run() {
     // Two rows of displacement (x, y), rotation, two stresses in two bytes each, the fragment in
     // four; the bond's state and two forces.
     assert_eq!(second.len(), 2 * (5 * 2 + 4) + 1 + 2 * 2);
-    let step = |k: usize| i16::from_le_bytes([second[k], second[2 + k]]);
-    assert_eq!([step(0), step(1)], [i16::MAX, i16::MIN]);
-    assert_eq!(second[28], 255, "the bond is not there");
+    // Differences from the first frame, in which nothing has moved and the bond is whole.
+    let moved = changed(&second, 0, 2, &[0, 0]);
+    assert_eq!(moved, [most_steps(2), -most_steps(2) - 1]);
+    let state = changed(&second, 28, 1, &[1])[0] as u8;
+    assert_eq!(state, 255, "the bond is not there");
 }
 
 #[test]

@@ -123,6 +123,17 @@
     seen.marked = [...document.querySelectorAll(".chart .now")].map((line) =>
       line.getAttribute("visibility"),
     );
+    // The browser is in dark mode; paper is light, with the same picture, and the screen stays dark.
+    const corner = (bytes) => Math.max(...bytes.subarray(0, 3));
+    dispatchEvent(new Event("beforeprint"));
+    const paper = document.getElementById("paper");
+    const { data: printed } = paper
+      .getContext("2d")
+      .getImageData(0, 0, paper.width, paper.height);
+    dispatchEvent(new Event("afterprint"));
+    seen.paper = [paper.width === canvas.width, paper.height === canvas.height];
+    seen.corners = [corner(printed), corner(picture())];
+    seen.inked = printed.reduce((sum, byte) => sum + (byte < 240), 0) / printed.length;
     seen.roses = document.querySelectorAll("#roses path").length;
     seen.wide = document.documentElement.scrollWidth - document.documentElement.clientWidth;
   } catch (error) {
