@@ -80,6 +80,11 @@ scenes! {
         ("peak_stress_pa", 20.0e3),
         ("strain_at_peak", 0.0025),
     ];
+    // At the end of `close`; moment, force and work by hand are in tests/engine/rigs.rs.
+    turning_gate: "turning_gate", COMPLETES, &[
+        ("peak_stress_pa", 240719.79561974172),
+        ("strain_at_peak", 0.052891664836127054),
+    ];
     // Closed forms of these five are in tests/engine/rigs.rs.
     direct_tension: "direct_tension", COMPLETES, &[
         ("porosity", 0.205),
@@ -124,6 +129,8 @@ scenes! {
         ("strain_at_peak", -0.016249595723419382),
     ];
     notched_beam: "notched_beam", COMPLETES, &[("bonds_created", 979.0)];
+    radius_expansion: "radius_expansion", COMPLETES,
+        &[("porosity", 0.2), ("peak_stress_pa", 100.0e3)];
     sieve_curve: "sieve_curve", COMPLETES, &[("porosity", 0.22), ("peak_stress_pa", 100.0e3)];
     // In the box around the disks, as the scene measures no strain of walls.
     shear_box: "shear_box", COMPLETES, &[

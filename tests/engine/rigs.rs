@@ -2,10 +2,12 @@
 
 use crate::common::*;
 use clastic::components::attempt::IncrementStatus;
+use clastic::components::energy::EnergyLedger;
 use clastic::components::measure::{NamedMeasures, Readings};
 use clastic::components::observation::Observation;
 use clastic::run::{Simulation, Step};
 use clastic::scene::format::{Scene, Specimen};
+use glam::DVec2;
 
 /// Runs a scene. Returns its records with the readings of the named measures.
 fn measured(scene: &Scene) -> Vec<(Observation, Vec<(String, f64)>)> {
@@ -132,12 +134,11 @@ fn an_oedometer_has_the_earth_pressure_at_rest() {
     }
 }
 
-/// Rankine: the product of active and passive earth pressure is 1 whatever the friction.
-#[test]
-fn active_and_passive_earth_pressure_are_rankines() {
+/// Medians of K_a and K_p of the scene with this seed of the packing.
+fn earth_pressures(of_packing: u64) -> (f64, f64) {
     let mut scene = load("retaining_wall");
     if let Specimen::Packing { seed, .. } = &mut scene.specimen {
-        *seed = 51;
+        *seed = of_packing;
     }
     let rows = measured(&scene);
     let weight = value(&rows.last().unwrap().1, "floor_force_n");
@@ -150,8 +151,104 @@ fn active_and_passive_earth_pressure_are_rankines() {
         all.sort_by(f64::total_cmp);
         all[all.len() / 2]
     };
-    let (active, passive) = (median("active", 5), median("passive", 50));
-    println!("K_a {active:.3}, K_p {passive:.3}");
+    let found = (median("active", 5), median("passive", 50));
+    println!("seed {of_packing}: K_a {:.3}, K_p {:.3}", found.0, found.1);
+    found
+}
+
+/// Rankine: the product of active and passive earth pressure is 1 whatever the friction. Of a single
+/// packing of 300 disks it lies between 0.67 and 1.2 (`docs/validation.md`).
+#[test]
+fn active_and_passive_earth_pressure_are_rankines() {
+    let (active, passive) = earth_pressures(51);
     assert!((0.27..0.5).contains(&active), "{active}");
     assert!((0.75..1.3).contains(&(active * passive)), "{active} * {passive}");
+}
+
+/// The coefficients of the scene as it is shipped. One grain that loses hold changes the force by a
+/// tenth, and the compaction amplifies the round-off of the machine.
+#[test]
+fn earth_pressures_of_the_scene_are_those_that_are_stored() {
+    let (active, passive) = earth_pressures(1);
+    assert_relative(active, 0.427, 0.1);
+    assert_relative(passive, 2.547, 0.1);
+}
+
+/// Moment about the hinge (N m), force along x (N) and elastic energy (J) of the scene's gate, turned
+/// by an angle `a` into rows of four disks: the comment of the scene.
+fn gate(a: f64, stiffness: f64) -> [f64; 3] {
+    let (n, r) = (4.0, 5.0e-3);
+    let (sin, cos) = a.sin_cos();
+    let mut sums = [0.0; 3];
+    for y in [6.0e-3, 18.0e-3, 30.0e-3, 42.0e-3, 54.0e-3, 66.0e-3] {
+        let soft = 1.0 + n * cos * cos;
+        let p = stiffness * (r * (1.0 - cos) + y * sin) / soft;
+        let arm = y * cos + (r + n * p * cos / stiffness) * sin;
+        let row = [p * arm, p * cos, 0.5 * p * p * soft / stiffness];
+        for (sum, part) in sums.iter_mut().zip(row) {
+            *sum += part;
+        }
+    }
+    sums
+}
+
+/// Moment, force and energy of the gate are those by hand, and the work of the moment is what the
+/// springs store. Another angle, other increments and another stiffness than the scene's too.
+#[test]
+fn a_gate_turns_into_springs_as_by_hand() {
+    let mut errors = Vec::new();
+    for (angle, increments, stiffness) in [(0.04, 40, 1.0e7), (0.04, 80, 1.0e7), (0.02, 20, 3.0e6)]
+    {
+        let mut scene = load("turning_gate");
+        for wall in &mut scene.walls {
+            wall.contact.normal_stiffness = Some(stiffness);
+        }
+        for material in scene.materials.values_mut() {
+            material.contact.normal_stiffness = Some(stiffness);
+        }
+        let step = angle / f64::from(increments);
+        for (name, sign) in [("close", 1.0), ("open", -1.0)] {
+            let of_scene = stage(&mut scene, name);
+            of_scene.increments = increments;
+            for control in of_scene.walls.values_mut() {
+                if let clastic::scene::format::WallControl::Rotation { angle, .. } = control {
+                    *angle = sign * step;
+                }
+            }
+        }
+        let mut simulation = Simulation::new(&scene, None);
+        let (mut moment, mut turned, mut work, mut held) = (0.0, 0.0, 0.0, None);
+        while let Some(record) = next(&mut simulation) {
+            assert_eq!(record.status, IncrementStatus::Solved);
+            let of_gate = probe(&record, "gate");
+            let [fx, fy, about_middle] = of_gate.force;
+            let middle = DVec2::Y.rotate(DVec2::from_angle(turned)) * 0.036;
+            let about_hinge = about_middle + middle.perp_dot(DVec2::new(fx, fy));
+            work += 0.5 * (moment + about_hinge) * (of_gate.motion[2] - turned);
+            (moment, turned) = (about_hinge, of_gate.motion[2]);
+            let total = simulation.world().resource::<EnergyLedger>().total;
+            // The error is that of the residuals, at most 1e-8.
+            assert!(total.error().abs() < 1e-8 * total.throughput());
+            if record.stage == "hold" {
+                held = Some((about_hinge, fx, work, total));
+            }
+        }
+        let (about_hinge, fx, work, total) = held.unwrap();
+        let [by_hand, force, energy] = gate(angle, stiffness);
+        assert_relative(about_hinge, by_hand, 1e-7);
+        assert_relative(fx, -force, 1e-7);
+        assert_relative(total.elastic, energy, 1e-7);
+        // The increments of the moment by the trapezium rule, and as the ledger has them.
+        assert_relative(work, energy, 3e-4);
+        assert_relative(total.external, energy, 2e-4);
+        errors.push(total.external / energy - 1.0);
+        // All of it comes back.
+        let end = simulation.world().resource::<EnergyLedger>().total;
+        assert!(end.elastic.abs() < 1e-9 * energy, "{end:?}");
+        assert!(end.external.abs() < 4e-4 * energy, "{end:?}");
+        assert!(moment.abs() < 1e-6 * by_hand, "{moment}");
+    }
+    println!("{errors:?}");
+    // Of first order in the increment.
+    assert!((errors[0] / errors[1] - 2.0).abs() < 0.1, "{errors:?}");
 }
