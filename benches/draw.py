@@ -12,6 +12,7 @@ frames spread over all, ms:
 - opened: until the first picture is drawn, to 100 ms;
 - unpack: from opening the page until every frame is unpacked, over the number of frames;
 - script: colours, strokes and upload of a frame (`paint`, then `gl.finish`), values, roses, marks;
+  and the processor time of the page's thread for it, which other processes do not lengthen;
 - picture: `drawNow`, then one pixel read back, so that the drawing is done.
 """
 
@@ -61,9 +62,21 @@ MEASURE = """(async () => {
       strokes = Math.max(strokes, Report.view.number ?? 0);
     }
     const of = (list) => [at(list, 0.5), at(list, 0.95)];
-    told.layers[name] = { strokes, script: of(times.script), picture: of(times.picture) };
+    told.layers[name] = { shown: layers, strokes, script: of(times.script), picture: of(times.picture) };
   }
   return JSON.stringify(told);
+})()"""
+
+PAINT = """(async () => {
+  Object.assign(Report.state.layers, LAYERS);
+  let before = null, count = Report.data.movie.frames.length;
+  for (let k = 0; k < count; k++) {
+    const frame = await Report.frame(k);
+    Report.state.frame = k;
+    Report.paint(frame, before);
+    before = frame;
+  }
+  return JSON.stringify(count);
 })()"""
 
 
@@ -81,28 +94,51 @@ def page_socket(port, seconds=60):
     raise SystemExit(f"no DevTools on port {port} after {seconds} s")
 
 
-def evaluate(address, script):
-    socket = websocket.create_connection(address, timeout=300)
-    params = {"expression": script, "awaitPromise": True, "returnByValue": True}
-    socket.send(json.dumps({"id": 1, "method": "Runtime.evaluate", "params": params}))
-    while True:
-        answer = json.loads(socket.recv())
-        if answer.get("id") == 1:
-            break
-    socket.close()
-    result = answer["result"]
-    if "exceptionDetails" in result:
-        raise SystemExit(json.dumps(result["exceptionDetails"], indent=1))
-    return json.loads(result["result"]["value"])
+class Page:
+    """A page over its DevTools."""
+
+    def __init__(self, address):
+        self.socket = websocket.create_connection(address, timeout=300)
+        self.number = 0
+
+    def ask(self, method, **params):
+        self.number += 1
+        self.socket.send(json.dumps({"id": self.number, "method": method, "params": params}))
+        while True:
+            answer = json.loads(self.socket.recv())
+            if answer.get("id") == self.number:
+                return answer["result"]
+
+    def evaluate(self, script):
+        params = {"expression": script, "awaitPromise": True, "returnByValue": True}
+        result = self.ask("Runtime.evaluate", **params)
+        if "exceptionDetails" in result:
+            raise SystemExit(json.dumps(result["exceptionDetails"], indent=1))
+        return json.loads(result["result"]["value"])
+
+    def processor_s(self):
+        """Processor time of the page's thread since `Performance.enable`."""
+        metrics = self.ask("Performance.getMetrics")["metrics"]
+        return next(one["value"] for one in metrics if one["name"] == "TaskDuration")
+
+    def wait(self):
+        for _ in range(600):
+            if self.evaluate("JSON.stringify(typeof Report === 'object' && 'ready' in Report)"):
+                return
+            time.sleep(0.1)
+        raise SystemExit("the page did not open within a minute")
 
 
-def measure(address):
-    """Waits for the page, and measures."""
-    for _ in range(600):
-        if evaluate(address, "JSON.stringify(typeof Report === 'object' && 'ready' in Report)"):
-            return evaluate(address, MEASURE)
-        time.sleep(0.1)
-    raise SystemExit("the page did not open within a minute")
+def measure(page):
+    page.wait()
+    told = page.evaluate(MEASURE)
+    page.ask("Performance.enable", timeDomain="threadTicks")
+    for name, of in told["layers"].items():
+        layers = json.dumps(of["shown"])
+        before = page.processor_s()
+        painted = page.evaluate(PAINT.replace("LAYERS", layers))
+        of["processor"] = 1e3 * (page.processor_s() - before) / painted
+    return told
 
 
 def main():
@@ -121,7 +157,7 @@ def main():
         quiet = subprocess.DEVNULL
         browser = subprocess.Popen(command, stdout=quiet, stderr=quiet)
         try:
-            told = measure(page_socket(given.port))
+            told = measure(Page(page_socket(given.port)))
         finally:
             browser.terminate()
             browser.wait()
@@ -129,10 +165,11 @@ def main():
     print(f"{told['frames']} frames, {told['disks']} disks, {told['bonds']} bonds, {canvas} pixels")
     print(told["renderer"])
     print(f"opened after {told['opened']:.0f} ms; unpack {told['unpack']:.1f} ms a frame")
-    print("layers      strokes   script: median   95 %   picture: median   95 %")
+    print("layers      strokes  script: processor   median   95 %   picture: median   95 %")
     for name, of in told["layers"].items():
         (script, late), (picture, slow) = of["script"], of["picture"]
-        print(f"{name:<12}{of['strokes']:7}{script:17.1f}{late:7.1f}{picture:18.1f}{slow:7.1f}")
+        script = f"{of['processor']:19.1f}{script:9.1f}{late:7.1f}"
+        print(f"{name:<12}{of['strokes']:7}{script}{picture:18.1f}{slow:7.1f}")
 
 
 if __name__ == "__main__":

@@ -281,6 +281,12 @@ impl KeptRows {
         !self.now.is_empty()
     }
 
+    /// Whether a body was removed.
+    #[must_use]
+    pub fn has_lost(&self) -> bool {
+        self.now.contains(&None)
+    }
+
     /// New row of the body that was in `row` before; `None` if the body was removed.
     #[must_use]
     pub fn now(&self, row: u32) -> Option<u32> {

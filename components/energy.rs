@@ -150,7 +150,8 @@ pub struct EnergyLedger {
     pub increment: Energies,
     /// Energies since the start, or since the last compaction. A compaction has no energies.
     pub total: Energies,
-    /// Elastic energy now, J; `None` before the first increment.
+    /// Elastic energy now, J; `None` before the first increment, and before the one that follows
+    /// the removal of a body.
     pub stored: Option<f64>,
     /// Forces that the ruptures of the last increment removed, sorted by pair.
     pub released: Vec<Released>,

@@ -129,6 +129,8 @@ scenes! {
         ("strain_at_peak", -0.016249595723419382),
     ];
     notched_beam: "notched_beam", COMPLETES, &[("bonds_created", 979.0)];
+    radius_expansion: "radius_expansion", COMPLETES,
+        &[("porosity", 0.2), ("peak_stress_pa", 100.0e3)];
     sieve_curve: "sieve_curve", COMPLETES, &[("porosity", 0.22), ("peak_stress_pa", 100.0e3)];
     // In the box around the disks, as the scene measures no strain of walls.
     shear_box: "shear_box", COMPLETES, &[

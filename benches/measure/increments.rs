@@ -274,6 +274,7 @@ fn biaxial(scenes: &Scenes, full: bool, seed: u64) -> Result<LoadedScene, BenchE
         wall: "top".to_owned(),
         base: "bottom".to_owned(),
         target: CompactTarget::Porosity(0.21),
+        by: Default::default(),
         step: 2.0e-3,
         rest: CompactRest::Affine,
         agitation: 0.1,

@@ -71,8 +71,8 @@ pub fn compact(world: &mut World, disks: f64, porosity: f64, step: f64) -> Optio
     Some(steps)
 }
 
-/// Ends a compaction: the cell stands still, without stress.
-pub fn end_compaction(world: &mut World) {
+/// The cell stands still, without stress.
+pub fn hold(world: &mut World) {
     if let Some(mut cell) = world.get_resource_mut::<PeriodicCell>() {
         cell.controls = [CellControl::default(); 3];
         cell.stress = [0.0; 3];

@@ -16,18 +16,28 @@ use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::particle::Particle;
 use clastic_components::wall::{Wall, WallControl};
 
-use super::cell;
 use super::spawn::find_wall;
-use crate::scene::format::{Compact, CompactRest, CompactTarget};
+use super::{cell, grow};
+use crate::scene::format::{Compact, CompactBy, CompactRest, CompactTarget};
 
-/// Moves the wall towards the target in equal steps.
+/// Moves the wall, or grows the radii, towards the target in equal steps.
 pub fn begin(world: &mut World, stage: &Compact) {
-    let (area, mean_radius) = disks(world);
+    let Disks { area, mean_radius, largest } = disks(world);
     world.resource_mut::<Analysis>().kind = AnalysisKind::LeastMotion {
         affine: stage.rest == CompactRest::Affine,
         agitation: stage.agitation * mean_radius,
         seed: stage.seed,
     };
+    if stage.by == CompactBy::Radii {
+        hold_walls(world);
+        cell::hold(world);
+        let factor = grow::factor(world, stage, area).unwrap_or(1.0);
+        if factor > 1.0 {
+            let steps = ((factor - 1.0) * largest / stage.step).ceil().max(1.0);
+            world.resource_mut::<Progress>().total = steps;
+        }
+        return;
+    }
     if let CompactTarget::Porosity(porosity) = stage.target
         && world.contains_resource::<PeriodicCell>()
     {
@@ -41,10 +51,7 @@ pub fn begin(world: &mut World, stage: &Compact) {
         return;
     };
     let (height, length) = extent(world, wall, base);
-    let mut walls = world.query::<&mut WallControl>();
-    for mut control in walls.iter_mut(world) {
-        *control = WallControl::Fixed;
-    }
+    hold_walls(world);
     let target = match stage.target {
         CompactTarget::Height(height) => height,
         CompactTarget::Porosity(porosity) => area / ((1.0 - porosity) * length),
@@ -63,12 +70,21 @@ pub fn begin(world: &mut World, stage: &Compact) {
 /// them.
 pub fn reached(world: &mut World, stage: &Compact) -> Option<(f64, f64)> {
     if let Some(cell) = world.get_resource::<PeriodicCell>().copied() {
-        return Some((cell.height, 1.0 - disks(world).0 / cell.area()));
+        return Some((cell.height, 1.0 - disks(world).area / cell.area()));
     }
     let (wall, base) = (find_wall(world, &stage.wall)?, find_wall(world, &stage.base)?);
     let (height, length) = extent(world, wall, base);
-    let (area, _) = disks(world);
-    Some((height, 1.0 - area / (height * length)))
+    Some((height, 1.0 - disks(world).area / (height * length)))
+}
+
+/// Area of the cell, or between the walls of the stage over the length of the base, m^2.
+pub(super) fn room(world: &mut World, stage: &Compact) -> Option<f64> {
+    if let Some(cell) = world.get_resource::<PeriodicCell>() {
+        return Some(cell.area());
+    }
+    let (wall, base) = (find_wall(world, &stage.wall)?, find_wall(world, &stage.base)?);
+    let (height, length) = extent(world, wall, base);
+    Some(height * length)
 }
 
 /// Distance between the wall and the base, and length of the base, m.
@@ -80,20 +96,32 @@ fn extent(world: &World, wall: Entity, base: Entity) -> (f64, f64) {
     ((place(wall) - place(base)).dot(inward), length)
 }
 
-/// Total area and mean radius of the particles, summed in the order of identities.
-fn disks(world: &mut World) -> (f64, f64) {
+/// The particles together.
+struct Disks {
+    /// Total area, m^2.
+    area: f64,
+    /// Mean radius, m.
+    mean_radius: f64,
+    /// Maximum radius, m.
+    largest: f64,
+}
+
+/// Sums are in the order of identities.
+fn disks(world: &mut World) -> Disks {
     let mut particles = world.query::<(&BodyId, &Particle)>();
     let mut radii: Vec<_> = particles.iter(world).map(|(id, p)| (*id, p.radius)).collect();
     radii.sort_unstable_by_key(|(id, _)| *id);
-    let area = radii.iter().map(|(_, r)| std::f64::consts::PI * r * r).sum();
-    let mean = radii.iter().map(|(_, r)| r).sum::<f64>() / radii.len().max(1) as f64;
-    (area, mean)
+    Disks {
+        area: radii.iter().map(|(_, r)| std::f64::consts::PI * r * r).sum(),
+        mean_radius: radii.iter().map(|(_, r)| r).sum::<f64>() / radii.len().max(1) as f64,
+        largest: radii.iter().map(|(_, r)| *r).fold(0.0, f64::max),
+    }
 }
 
 /// Sets the packing to rest without stress. The forces of the compaction come from its
 /// regularisation and have no physical meaning.
 pub fn end(world: &mut World) {
-    cell::end_compaction(world);
+    cell::hold(world);
     world.resource_mut::<ContactHistory>().0.clear();
     let mut bodies = world.query::<(
         &mut LastMotion,
@@ -112,6 +140,10 @@ pub fn end(world: &mut World) {
             *spin = AngularVelocity::default();
         }
     }
+    hold_walls(world);
+}
+
+fn hold_walls(world: &mut World) {
     let mut walls = world.query::<&mut WallControl>();
     for mut control in walls.iter_mut(world) {
         *control = WallControl::Fixed;

@@ -12,6 +12,7 @@ pub mod changes;
 pub mod compact;
 pub mod extend;
 mod group_members;
+mod grow;
 pub mod key_results;
 pub mod load;
 pub mod measures;

@@ -10,11 +10,15 @@ use clastic_components::body::{BodyId, Group};
 use clastic_components::measure::{NamedMeasures, Quantity};
 use clastic_components::poured::Poured;
 use clastic_components::wall::WallName;
+use clastic_systems::schedule::{
+    AttemptIncrement, AttemptSystems, Increment, IncrementSystems, committed,
+};
 use clastic_systems::state::RegisterState;
 use clastic_systems::stepping::{Advance, AdvanceSystems, is_due};
 
 use super::before::{Before, take_down};
 use super::group_members::{GROUP_MEMBERS, GroupMembers, are_measured, begin_increment};
+use super::grow::{are_growing, grow, keep_radii};
 use super::key_results::{
     KEY_RESULTS, KeyResults, is_undecided, observe_increment, read_key_results,
 };
@@ -155,6 +159,15 @@ impl Plugin for ScenePlugin {
             .init_resource::<MeasureKinds>()
             .init_resource::<Before>()
             .add_systems(BeginStage, begin_built_in.in_set(StageSystems::BuiltIn))
+            .add_systems(AttemptIncrement, grow.before(AttemptSystems::Detect).run_if(are_growing))
+            .add_systems(
+                Increment,
+                keep_radii
+                    .after(IncrementSystems::Update)
+                    .before(IncrementSystems::Rupture)
+                    .run_if(are_growing)
+                    .run_if(committed),
+            )
             .add_systems(EndStage, end_built_in.in_set(StageSystems::BuiltIn))
             .configure_sets(Advance, StageSystems::Stop.in_set(AdvanceSystems::End))
             .add_systems(

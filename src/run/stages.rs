@@ -11,7 +11,9 @@ use super::measures::MeasureKinds;
 use super::plugin::{BeginStage, EndStage, StageKinds};
 use super::resolve_measures::resolve_measures;
 pub use super::script::{Collapse, CollapsedBy, EndedBy, Outcome, Script, StageEnd, Step};
-use super::{cement, compact, group_members, load, membranes, pour, remove, rigid, save, until};
+use super::{
+    cement, compact, group_members, grow, load, membranes, pour, remove, rigid, save, until,
+};
 use crate::scene::format::{Load, Stage};
 
 /// The stage that begins, runs or ends.
@@ -73,7 +75,8 @@ fn refusal(world: &mut World, stage: &Stage) -> Option<String> {
         Stage::Load(load) => load_refusal(world, load),
         Stage::Pour(pour) => load_refusal(world, &pour.load),
         Stage::Remove(stage) => remove::refusal(world, stage),
-        Stage::Custom(_) | Stage::Compact(_) | Stage::Cement(_) | Stage::Save(_) => None,
+        Stage::Compact(stage) => grow::refusal(world, stage),
+        Stage::Custom(_) | Stage::Cement(_) | Stage::Save(_) => None,
     }
 }
 

@@ -48,6 +48,7 @@ static FILES: &[(&str, &[u8])] = &files! {
     "prepare_and_branch_50kPa.ron"
     "prepare_biaxial.ron"
     "prepare_biaxial_small.ron"
+    "radius_expansion.ron"
     "retaining_wall.ron"
     "rolling.ron"
     "rotating_drum.ron"

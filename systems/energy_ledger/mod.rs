@@ -79,8 +79,12 @@ impl Plugin for EnergyLedgerPlugin {
     }
 }
 
-/// Updates the rows of bodies.
+/// Updates the rows of bodies. A body that was taken away has taken the elastic energy of its
+/// contacts with it: what is stored now is known when the next program has its contacts.
 fn renumber_released(rows: Res<KeptRows>, mut ledger: ResMut<EnergyLedger>) {
+    if rows.has_lost() {
+        ledger.stored = None;
+    }
     ledger.released.retain_mut(|released| match (rows.now(released.a), rows.now(released.b)) {
         (Some(a), Some(b)) => {
             (released.a, released.b) = (a, b);

@@ -14,9 +14,9 @@ use super::quasi_static::Starts;
 use crate::assemble_program::groups::join;
 
 /// Adds the work of loads that vary linearly from start to end. The out-of-balance force at the
-/// start does work on the way to equilibrium. This is `motion` after a sudden change (`is_first`,
-/// or a removed wall), and `turning` otherwise.
-pub fn book(e: &mut Energies, tables: &Tables, starts: &Starts, is_first: bool) {
+/// start does work on the way to equilibrium. This is `motion` after a sudden change (`is_jump`: the
+/// first increment, or a removed body), and `turning` otherwise.
+pub fn book(e: &mut Energies, tables: &Tables, starts: &Starts, is_jump: bool) {
     let Tables { bodies, analysis, program, solution, contacts, .. } = tables;
     let zero = vec![[0.0; 3]; program.bodies.len()];
     let (mut before, mut after) = (zero.clone(), zero);
@@ -72,9 +72,6 @@ pub fn book(e: &mut Energies, tables: &Tables, starts: &Starts, is_first: bool) 
     }
     // Loads contain the weight.
     e.external -= e.gravity;
-    let is_gone = |wall: u32| bodies.walls.binary_search_by_key(&wall, |w| w.body).is_err();
-    let is_jump = is_first
-        || starts.memory.0.iter().any(|m| m.b as usize >= bodies.particles && is_gone(m.b));
     *(if is_jump { &mut e.motion } else { &mut e.turning }) += unbalanced;
 }
 

@@ -24,6 +24,30 @@ fn biaxial_test_after_every_increment() {
     assert!(records.iter().any(|o| !o.ruptures.is_empty()), "no bond broke");
 }
 
+/// Radii that have grown are those of the state, and grow on to the same end.
+#[test]
+fn radius_expansion_under_either_law_of_friction() {
+    for law in ["friction_law=Associated", "friction_law=Coulomb()"] {
+        let sets = [
+            law,
+            "specimen.count=60",
+            "specimen.columns=6",
+            "walls.bottom.end=(0.024, 0.0)",
+            "walls.right.start=(0.024, 0.0)",
+            "walls.right.end=(0.024, 0.04)",
+            "walls.left.start=(0.0, 0.04)",
+            "walls.top.start=(0.024, 0.04)",
+            "walls.top.end=(0.0, 0.04)",
+            "stages.expand.target=Porosity(0.24)",
+            "stages.expand.step=2.0e-4",
+            "stages.press.increments=2",
+        ];
+        let loaded = load("radius_expansion", &sets);
+        let records = same_from_anywhere(&loaded, |_| true);
+        assert!(records.len() >= 6, "{law}: {}", records.len());
+    }
+}
+
 /// A membrane keeps its pressure, on its way to a target too, and finds its chains again.
 #[test]
 fn membrane_in_place_of_walls_under_either_law_of_friction() {

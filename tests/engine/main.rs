@@ -31,6 +31,7 @@ mod measures;
 mod membranes;
 mod periodic_cell;
 mod pour;
+mod radius_expansion;
 mod removal;
 mod rest;
 mod restitution;

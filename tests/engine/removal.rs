@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use crate::common::*;
 use clastic::components::bond::{Bond, BondState};
+use clastic::components::energy::EnergyLedger;
 use clastic::run::{Outcome, Simulation};
 use clastic::scene::format::{FrictionLaw, Scene};
 
@@ -107,4 +108,57 @@ fn what_cannot_be_removed_is_refused_when_the_stage_begins() {
     assert!(all.contains("selects every particle"), "{all}");
     let member = say("Index([1, 2])");
     assert!(member.contains("particle 1") && member.contains("rigid group `clump`"), "{member}");
+}
+
+/// A disk of weight W on a floor, pressed down with F by another disk or by a wall, which is taken
+/// away. The contact that goes takes F^2/2k with it, which no term has. The floor loses
+/// ((F + W)^2 - W^2)/2k, of which the lifted weight takes W F/k and the jump to equilibrium F^2/2k.
+#[test]
+fn energy_that_a_removal_frees_is_motion_and_neither_turning_nor_numerical() {
+    let (k, weight) = (1e6, MASS * 9.81);
+    let disk = |y: f64| format!("(position: (0.0, {y:?}), radius: 0.01)");
+    let push = "walls: { \"lid\": Displacement(0.0, -1e-4) }";
+    let by_disk = format!(
+        "Load(name: \"press\", increments: 2, particles: [(select: All, x: Held, rotation: Held),
+            (select: Index([1]), x: Held, y: Displacement(-1e-4), rotation: Held)]),
+         Remove(name: \"out\", select: Index([1])),
+         Load(name: \"after\", increments: 1, {UPRIGHT})"
+    );
+    let by_wall = format!(
+        "Load(name: \"press\", increments: 2, {UPRIGHT}, {push}),
+         Load(name: \"after\", increments: 1, {UPRIGHT}, remove_walls: [\"lid\"])"
+    );
+    for (disks, lid, stages) in
+        [(vec![disk(0.01), disk(0.03)], 0.05, by_disk), (vec![disk(0.01)], 0.02, by_wall)]
+    {
+        let scene = parse(&format!(
+            "(version: 2, title: \"pair\", gravity: (0.0, -9.81),
+              materials: {{ \"m\": (density: 2000.0, contact: (normal_stiffness: {k:?})) }},
+              specimen: Particles([{}]),
+              walls: [(name: \"floor\", start: (-1.0, 0.0), end: (1.0, 0.0), probe: \"floor\",
+                  contact: (normal_stiffness: {k:?})),
+                (name: \"lid\", start: (1.0, {lid:?}), end: (-1.0, {lid:?}),
+                  contact: (normal_stiffness: {k:?}))],
+              stages: [{stages}], output: (energy: true))",
+            disks.join(", ")
+        ));
+        let mut simulation = Simulation::new(&scene, None);
+        let floor =
+            |simulation: &mut Simulation| probe(&next(simulation).unwrap(), "floor").force[1];
+        floor(&mut simulation);
+        let force = floor(&mut simulation) - weight;
+        assert!(force > 50.0, "{force}");
+        let pressed = simulation.world().resource::<EnergyLedger>().stored.unwrap();
+        let on_floor = (force + weight).powi(2) / (2.0 * k);
+        assert_relative(pressed, on_floor + force * force / (2.0 * k), 1e-7);
+        assert_relative(floor(&mut simulation), weight, 1e-7);
+        let ledger = simulation.world().resource::<EnergyLedger>();
+        let (e, left) = (ledger.increment, weight * weight / (2.0 * k));
+        assert_relative(ledger.stored.unwrap(), left, 1e-7);
+        assert_relative(e.elastic, left - on_floor, 1e-7);
+        assert_relative(e.gravity, -weight * force / k, 1e-7);
+        assert_relative(e.motion, force * force / (2.0 * k), 1e-7);
+        let rest = [e.external, e.turning, e.numerical, e.friction, e.dilation, e.error()];
+        assert!(rest.iter().all(|x| x.abs() < 1e-7 * e.motion), "{e:?}");
+    }
 }

@@ -94,6 +94,7 @@ pub fn random_scene(seed: u64, maximum: u32) -> Scene {
             wall: "top".into(),
             base: "bottom".into(),
             target: CompactTarget::Height(height.max(base)),
+            by: Default::default(),
             step: r.between(0.1, 2.0) * base,
             rest: r.pick(&[CompactRest::Affine, CompactRest::Still]),
             agitation: r.pick(&[0.0, 0.1]),

@@ -5,16 +5,13 @@ use std::f64::consts::PI;
 use crate::run::minerals::specimen;
 use crate::run::particles::ParticleSeed;
 use crate::scene::format::{
-    Analysis, CellStrain, CellTarget, LidLoad, Load, Scene, Specimen, Stage, Strain, Table, Wall,
-    WallControl,
+    Analysis, CellStrain, CellTarget, CompactBy, CompactTarget, LidLoad, Load, Scene, Specimen,
+    Stage, Strain, Table, Wall, WallControl,
 };
 use crate::scene::specimen_file::StoredSpecimen;
 
-use super::Report;
 use super::material::{Grains, inertial};
-
-/// Porosity that a packing in a test is taken to have where the scene compacts it first.
-const POROSITY: f64 = 0.2;
+use super::{Report, is_specimen};
 
 /// What the scene imposes says of the ratios.
 #[must_use]
@@ -48,7 +45,7 @@ pub fn before(scene: &Scene, stored: Option<&StoredSpecimen>) -> Report {
         stiffness_over_pressure: grains.level(pressure).filter(|_| is_test),
         inertial_number: number,
         increment_over_elastic_strain: grains.steps(increment, pressure),
-        disks_across: across(scene, &seeds).filter(|_| is_test),
+        disks_across: across(scene, &seeds).filter(|_| is_specimen(scene)),
         ..Report::default()
     }
     .with_warnings(grains.strength > 0.0, grains.are_rock(pressure))
@@ -118,25 +115,43 @@ fn imposed_strain(scene: &Scene, load: &Load) -> Option<f64> {
     }
 }
 
-/// Largest diameters across the smaller side of the specimen.
+/// Largest diameters across the smaller side of the specimen. A random packing fills the grid from
+/// which it is drawn. A compaction brings it to the height, or the porosity, of its target; where
+/// none does, its height is not known and its width decides.
 fn across(scene: &Scene, seeds: &[ParticleSeed]) -> Option<f64> {
     let largest = seeds.iter().map(|seed| seed.radius).max_by(f64::total_cmp)?;
+    let area: f64 = seeds.iter().map(|seed| PI * seed.radius * seed.radius).sum();
     let side = |of: fn(&ParticleSeed) -> f64| {
         let low = seeds.iter().map(|seed| of(seed) - seed.radius).min_by(f64::total_cmp);
         let high = seeds.iter().map(|seed| of(seed) + seed.radius).max_by(f64::total_cmp);
         Some(high? - low?)
     };
-    let (width, height) = match &scene.cell {
-        Some(cell) => cell.size,
-        None => (side(|seed| seed.position.x)?, side(|seed| seed.position.y)?),
+    let (mut width, mut height) = match (&scene.cell, &scene.specimen) {
+        (Some(cell), _) => cell.size,
+        (None, Specimen::Packing { count, columns, spacing, .. }) if scene.keep.is_none() => {
+            let rows = count.div_ceil((*columns).max(1));
+            (f64::from(*columns) * spacing, f64::from(rows) * spacing)
+        }
+        (None, _) => (side(|seed| seed.position.x)?, side(|seed| seed.position.y)?),
     };
-    // A loose packing is compacted along its height.
-    let height = if matches!(scene.specimen, Specimen::Packing { .. }) && scene.cell.is_none() {
-        let area: f64 = seeds.iter().map(|seed| PI * seed.radius * seed.radius).sum();
-        height.min(area / ((1.0 - POROSITY) * width))
-    } else {
-        height
-    };
+    let compact = scene.stages.iter().find_map(|stage| match stage {
+        Stage::Compact(compact) => Some(compact),
+        _ => None,
+    });
+    // Of the area that the target leaves, to that which is there.
+    let left = |n: f64| (area / ((1.0 - n) * width * height)).min(1.0);
+    match compact.map(|compact| (compact.by, compact.target)) {
+        Some((_, CompactTarget::Height(target))) => height = height.min(target),
+        // Sides shrink, or radii grow, by this factor.
+        Some((by, CompactTarget::Porosity(n)))
+            if scene.cell.is_some() || by == CompactBy::Radii =>
+        {
+            let factor = left(n).sqrt();
+            (width, height) = (width * factor, height * factor);
+        }
+        Some((_, CompactTarget::Porosity(n))) => height *= left(n),
+        None => {}
+    }
     Some(width.min(height) / (2.0 * largest))
 }
 

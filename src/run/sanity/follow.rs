@@ -9,8 +9,8 @@ use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::observation::{Measures, Observation};
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
-use super::Report;
 use super::material::{Grains, inertial};
+use super::{Report, is_specimen};
 use crate::run::stages::Script;
 use crate::scene::format::Scene;
 
@@ -109,8 +109,8 @@ pub fn follow(
     }
     let is_test = measures.axial_strain.is_some() && measures.axial_stress.is_some();
     if is_test && progress.stage >= script.reference_stage() {
-        if sanity.across.is_none() {
-            sanity.across = across(&bodies);
+        if sanity.mass == 0.0 {
+            sanity.across = across(&bodies).filter(|_| is_specimen(&script.scene));
             let n = bodies.particles;
             sanity.mass = bodies.masses[..n].iter().sum::<f64>() / n.max(1) as f64;
         }

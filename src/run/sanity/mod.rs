@@ -13,26 +13,41 @@ use serde::{Deserialize, Serialize};
 pub use self::before::before;
 pub(super) use self::follow::follow;
 pub use self::follow::{SANITY, Sanity};
+use crate::scene::format::{Measures, Scene, Specimen, Strain, Stress};
 
 /// Stiffness level below which deflections of contacts count: at 1000 they are a thousandth of a
-/// diameter. Roux and Combe (2002, C. R. Physique 3, 131-140) and da Cruz et al. (2005, Phys. Rev. E
-/// 72, 021309) take 1e4 for rigid grains.
+/// diameter. The limit is a choice of this project; da Cruz et al. (2005, Phys. Rev. E 72, 021309)
+/// take 1e4 for rigid grains.
 const STIFF: f64 = 1e3;
 /// Overlap over radius above which it is not small, as linear contacts assume. Cleary and Sawley
 /// (2002, Appl. Math. Model. 26, 89-111) keep its mean between 0.1 and 1 %; maxima are some times
-/// the mean.
+/// the mean. The limit is a choice of this project.
 const OVERLAP: f64 = 0.05;
 /// Inertial number above which a flow is not quasi-static (GDR MiDi 2004, Eur. Phys. J. E 14,
 /// 341-365; da Cruz et al. 2005).
 const QUASI_STATIC: f64 = 1e-3;
 /// Increments that strain more than this many elastic strains do not resolve the elastic response,
-/// whose range of strain is p h / k (Roux and Combe 2002).
+/// whose range of strain is p h / k (Roux and Combe 2002, C. R. Physique 3, 131-140).
 const STEP: f64 = 1.0;
 /// Largest grains across a bonded specimen: ten at least (ISRM 1979, Int. J. Rock Mech. Min. Sci. 16,
 /// 135-140).
 const ROCK: f64 = 10.0;
 /// Largest grains across an unbonded specimen: six at least (ASTM D7181).
 const SOIL: f64 = 6.0;
+
+/// Whether the number of grains across counts: a stress and a strain of the whole specimen are
+/// measured, which its walls, its membrane or its cell bound, and its grains are not on a lattice,
+/// which has no random structure to average over.
+pub(super) fn is_specimen(scene: &Scene) -> bool {
+    let Measures { axial_strain, axial_stress, .. } = &scene.measures;
+    let strained =
+        matches!(axial_strain, Some(Strain::Walls(..) | Strain::Membrane(..) | Strain::Cell(..)));
+    let stressed = matches!(
+        axial_stress,
+        Some(Stress::Walls { .. } | Stress::Membrane(..) | Stress::Average { .. })
+    );
+    strained && stressed && !matches!(scene.specimen, Specimen::Lattice { .. })
+}
 
 /// The ratios, before or after a run. `None` where one is not defined.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -49,8 +64,7 @@ pub struct Report {
     /// Maximum axial strain of a static increment over the elastic strain s h/k, with s the larger
     /// one of the confining stress p and the strength of the bonds.
     pub increment_over_elastic_strain: Option<f64>,
-    /// Diameters of the largest disk across the smaller side of the specimen, where the test has an
-    /// axial strain and an axial stress.
+    /// Diameters of the largest disk across the smaller side of the specimen, where it is one.
     pub disks_across: Option<f64>,
     /// What would be challenged, with the source.
     pub warnings: Vec<String>,
@@ -65,8 +79,8 @@ impl Report {
         {
             warnings.push(format!(
                 "k/(p h) is {level:.0}: below 1000 the deflection of the contacts changes friction \
-                 angle and volume with the pressure; give stiffer contacts or a lower stress (Roux \
-                 and Combe 2002 and da Cruz et al. 2005 take 1e4 for rigid grains)"
+                 angle and volume with the pressure; give stiffer contacts or a lower stress (da \
+                 Cruz et al. 2005 take 1e4 for rigid grains)"
             ));
         }
         if let Some(overlap) = self.maximum_overlap_over_radius.filter(|o| *o > OVERLAP) {

@@ -105,3 +105,42 @@ fn lines_have_three_digits() {
     let line = "k/(p h) 312; maximum overlap/radius 0.0123; increment/elastic strain 1.23";
     assert_eq!(report.line(), line);
 }
+
+#[test]
+fn ten_diameters_across_direct_tension_are_no_false_alarm_and_eight_warn() {
+    let of = |sets: &[&str]| {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/direct_tension.ron");
+        let sets: Vec<_> = sets.iter().map(|set| (*set).to_owned()).collect();
+        before(&crate::scene::load(&path, &sets).unwrap_or_else(|e| panic!("{e}")).scene, None)
+    };
+    let report = of(&[]);
+    let few = |report: &Report| report.warnings.iter().any(|w| w.contains("largest disks"));
+    // 12 mm of at most 1.2 mm.
+    assert!(report.disks_across.unwrap() >= 10.0, "{report:?}");
+    assert!(!few(&report), "{:?}", report.warnings);
+    // 8 columns of 1.2 mm.
+    let narrow = of(&["specimen.columns=8", "specimen.count=320"]);
+    near(narrow.disks_across, 8.0, 0.02);
+    assert!(few(&narrow), "{:?}", narrow.warnings);
+}
+
+#[test]
+fn a_low_packing_counts_the_height_that_its_compaction_leaves() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/direct_tension.ron");
+    let sets = ["specimen.count=60".to_owned()];
+    let scene = crate::scene::load(&path, &sets).unwrap_or_else(|e| panic!("{e}")).scene;
+    let seeds = crate::run::minerals::specimen(&scene, None);
+    let area: f64 = seeds.iter().map(|s| std::f64::consts::PI * s.radius * s.radius).sum();
+    let largest = seeds.iter().map(|s| s.radius).fold(0.0, f64::max);
+    let height = area / ((1.0 - 0.205) * 12.0e-3);
+    near(before(&scene, None).disks_across, height / (2.0 * largest), 1e-9);
+}
+
+#[test]
+fn lattices_and_beams_are_no_specimens() {
+    for name in ["lattice", "three_point_bending", "two_layers"] {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("scenes/{name}.ron"));
+        let scene = crate::scene::load(&path, &[]).unwrap_or_else(|e| panic!("{e}")).scene;
+        assert_eq!(before(&scene, None).disks_across, None, "{name}");
+    }
+}

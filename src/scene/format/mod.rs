@@ -56,7 +56,8 @@ pub use solver::Solver;
 pub(super) use solver::WITHOUT_BRACKETS;
 pub use specimen::{ExplicitBond, Particle, Sizes, Specimen};
 pub use stages::{
-    Cement, Compact, CompactRest, CompactTarget, CustomStage, Load, Remove, Save, Stage, Stop,
+    Cement, Compact, CompactBy, CompactRest, CompactTarget, CustomStage, Load, Remove, Save, Stage,
+    Stop,
 };
 pub use walls::{LidLoad, Slide, Table, Wall, WallControl, WallShape};
 

@@ -129,7 +129,11 @@ pub struct Compact {
     pub base: String,
     /// Target that ends the compaction.
     pub target: CompactTarget,
-    /// Maximum motion of the wall, or change of the width or height of a cell, in an increment, m.
+    /// What moves.
+    #[serde(default, skip_serializing_if = "CompactBy::is_default")]
+    pub by: CompactBy,
+    /// Maximum motion of the wall, change of the width or height of a cell, or growth of the
+    /// largest radius, in an increment, m.
     pub step: f64,
     /// Reference motion of particles that nothing pushes.
     #[serde(default)]
@@ -153,6 +157,22 @@ pub enum CompactTarget {
     Height(f64),
     /// Porosity between the two walls over the length of the base, or of the cell.
     Porosity(f64),
+}
+
+/// What brings the packing to its target.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+pub enum CompactBy {
+    /// The wall, or the cell, moves.
+    #[default]
+    Boundary,
+    /// All radii grow by the same factor, while walls and cell stand still (radius expansion).
+    Radii,
+}
+
+impl CompactBy {
+    fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
 }
 
 /// Reference motion of a compaction.

@@ -440,6 +440,10 @@ fn stages() {
 "#,
          "19:47: stages[0].base: unknown wall (`bottm`); did you mean `bottom`? there are the walls `bottom`, `top`
 19:73: stages[0].target[0]: out of range (1.2); give a porosity between 0 and 1"),
+        (LOAD, r#"Compact(name: "c", wall: "top", base: "bottom", target: Height(1.0), by: Radii, step: 0.1),
+        Load(
+"#,
+         "19:65: stages[0].target: a height, and no wall moves; write `target: Porosity(...)`"),
         (LOAD, r#"Cement(name: "c", length: -1.0),
         Load(
 "#,

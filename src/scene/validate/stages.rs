@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::fmt::Arguments;
 
 use crate::scene::format::{
-    Analysis, Cement, Compact, CompactTarget, CustomStage, Load, Motion, ParticleControl, Record,
-    Stage, Stop, Wall,
+    Analysis, Cement, Compact, CompactBy, CompactTarget, CustomStage, Load, Motion,
+    ParticleControl, Record, Stage, Stop, Wall,
 };
 use crate::scene::spans::join;
 
@@ -116,6 +116,10 @@ fn compact(
     }
     let target_path = format_args!("{path}.target[0]");
     match *target {
+        CompactTarget::Height(_) if stage.by == CompactBy::Radii => {
+            let help = "write `target: Porosity(...)`";
+            findings.add(format_args!("{path}.target"), "a height, and no wall moves", help);
+        }
         CompactTarget::Height(height) => {
             findings.positive(target_path, height, "a height in m");
         }
@@ -126,7 +130,9 @@ fn compact(
     }
     record(format_args!("{path}.record"), &stage.record, findings);
     let stepped = findings.positive(format_args!("{path}.step"), *step, "a step in m");
-    if let (Some(moving), Some(fixed), true) = (moving, fixed, stepped) {
+    if let (Some(moving), Some(fixed), true) =
+        (moving, fixed, stepped && stage.by == CompactBy::Boundary)
+    {
         // The walls are compared as drawn, whatever their earlier motion.
         let middle = |wall: &Wall| (wall.start.0 + wall.end.0, wall.start.1 + wall.end.1);
         let (a, b) = (middle(moving), middle(fixed));

@@ -1,0 +1,83 @@
+//! Growth of the grains in a compaction [by radii](CompactBy::Radii): radius expansion.
+//!
+//! In an increment all radii grow by the same factor before contacts are detected, and the overlaps
+//! that this makes are offsets of the non-penetration conditions: the smallest motion that obeys
+//! them pushes the grains apart. The factor follows from the current radii and from what is left of
+//! the stage, so that radii grow linearly and nothing has to be remembered between increments.
+
+use bevy_ecs::prelude::*;
+
+use clastic_components::body::BodyId;
+use clastic_components::bond::BondState;
+use clastic_components::contact::Bodies;
+use clastic_components::increment::Progress;
+use clastic_components::particle::Particle;
+
+use super::compact::room;
+use super::script::Script;
+use crate::scene::format::{Compact, CompactBy, CompactTarget, Stage};
+
+/// Run condition: the stage compacts by radii.
+pub(super) fn are_growing(script: Option<Res<Script>>, progress: Res<Progress>) -> bool {
+    script.is_some_and(|script| growing(&script, &progress).is_some())
+}
+
+fn growing<'a>(script: &'a Script, progress: &Progress) -> Option<&'a Compact> {
+    match script.stage(progress.stage) {
+        Some(Stage::Compact(stage)) if stage.by == CompactBy::Radii => Some(stage),
+        _ => None,
+    }
+}
+
+/// Factor that brings disks of this total area (m^2) to the porosity of the stage.
+pub(super) fn factor(world: &mut World, stage: &Compact, area: f64) -> Option<f64> {
+    let CompactTarget::Porosity(porosity) = stage.target else { return None };
+    Some(((1.0 - porosity) * room(world, stage)? / area).sqrt())
+}
+
+/// Why a compaction cannot begin: the length at which a bond is at rest would change with the
+/// radii.
+pub(super) fn refusal(world: &mut World, stage: &Compact) -> Option<String> {
+    let mut bonds = world.query::<&BondState>();
+    let is_bonded = bonds.iter(world).any(|state| *state == BondState::Intact);
+    (stage.by == CompactBy::Radii && is_bonded).then(|| {
+        format!(
+            "stage `{}` cannot begin: grains that are bonded cannot grow; compact before `Cement`",
+            stage.name
+        )
+    })
+}
+
+/// Sets the radii of the tables to those at the end of the attempt. Exclusive, because it looks for
+/// walls by name.
+pub(super) fn grow(world: &mut World) {
+    let progress = world.resource::<Progress>();
+    let Some(stage) = growing(world.resource::<Script>(), progress).cloned() else { return };
+    let share = (progress.fraction / (progress.total - progress.done)).min(1.0);
+    let mut particles = world.query::<(&BodyId, &Particle)>();
+    let mut radii: Vec<_> = particles.iter(world).map(|(id, disk)| (*id, disk.radius)).collect();
+    radii.sort_unstable_by_key(|(id, _)| *id);
+    let area = radii.iter().map(|(_, r)| std::f64::consts::PI * r * r).sum();
+    let Some(to_target) = factor(world, &stage, area) else { return };
+    let now = 1.0 + (to_target - 1.0) * share;
+    let mut bodies = world.resource_mut::<Bodies>();
+    for (row, (_, radius)) in radii.iter().enumerate() {
+        bodies.radii[row] = radius * now;
+    }
+    bodies.mean_radius = bodies.radii.iter().sum::<f64>() / radii.len().max(1) as f64;
+}
+
+/// Gives the particles the radii of a committed attempt. Their density stays.
+pub(super) fn keep_radii(
+    bodies: Res<Bodies>,
+    particles: Query<(Entity, &BodyId, &Particle)>,
+    mut commands: Commands,
+) {
+    for (entity, id, disk) in &particles {
+        let Some(row) = bodies.row(*id) else { continue };
+        let radius = bodies.radii[row];
+        let grown = (radius / disk.radius).powi(2);
+        let (mass, inertia) = (disk.mass * grown, disk.inertia * grown * grown);
+        commands.entity(entity).insert(Particle { radius, mass, inertia });
+    }
+}
