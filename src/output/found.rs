@@ -42,7 +42,10 @@ impl Found {
 
     /// Adds these results to those of the run.
     #[must_use]
-    pub fn complete(&self, results: Results) -> Results {
+    pub fn complete(&self, mut results: Results) -> Results {
+        if self.porosity.is_some() {
+            results.not_defined.remove("porosity");
+        }
         Results {
             porosity: self.porosity,
             mechanism: self.mechanism,
@@ -50,5 +53,21 @@ impl Found {
             largest_avalanche: self.largest_avalanche,
             ..results
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::run::key_results::KeyResults;
+
+    #[test]
+    fn a_porosity_that_was_found_is_not_called_undefined() {
+        let results = || KeyResults::new(false).results();
+        let found = Found { porosity: Some(0.2), ..Found::default() };
+        assert!(Found::default().complete(results()).not_defined.contains_key("porosity"));
+        let complete = found.complete(results());
+        assert_eq!(complete.porosity, Some(0.2));
+        assert!(!complete.not_defined.contains_key("porosity"));
     }
 }

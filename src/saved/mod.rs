@@ -55,7 +55,7 @@ const AS_ARRAYS: [&[&str]; 7] = [
 
 /// Entries that a scene which starts from the state has of its own: its place among its stages, its
 /// settings, its output, and what the next increment makes anew.
-const OF_THE_SCENE: [&str; 19] = [
+const OF_THE_SCENE: [&str; 20] = [
     "analysis",
     "key_results",
     "materials.names",
@@ -66,6 +66,7 @@ const OF_THE_SCENE: [&str; 19] = [
     "measures.start",
     "observation",
     "output.avalanche",
+    "output.results",
     "output.snapshots",
     "output.specimen",
     "rigid_group.at_start",

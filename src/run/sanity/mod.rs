@@ -34,6 +34,8 @@ const STEP: f64 = 1.0;
 const ROCK: f64 = 10.0;
 /// Largest grains across an unbonded specimen: six at least (ASTM D7181).
 const SOIL: f64 = 6.0;
+/// Relative error of a measured ratio: a stress is as exact as the residual, and ten columns are ten.
+const ROUNDING: f64 = 1e-6;
 
 /// Whether the number of grains across counts: a stress and a strain of the whole specimen are
 /// measured, which its walls, its membrane or its cell bound, and its grains are not on a lattice,
@@ -75,8 +77,8 @@ impl Report {
     /// stiffness of the contacts is then that of the material, and no choice.
     fn with_warnings(mut self, is_bonded: bool, is_rock: bool) -> Self {
         let mut warnings = Vec::new();
-        if let Some(level) = self.stiffness_over_pressure.filter(|level| *level < STIFF && !is_rock)
-        {
+        let soft = |level: &f64| *level < STIFF * (1.0 - ROUNDING) && !is_rock;
+        if let Some(level) = self.stiffness_over_pressure.filter(soft) {
             warnings.push(format!(
                 "k/(p h) is {level:.0}: below 1000 the deflection of the contacts changes friction \
                  angle and volume with the pressure; give stiffer contacts or a lower stress (da \
@@ -108,8 +110,7 @@ impl Report {
         } else {
             (SOIL, "ASTM D7181 asks for six of the largest particles")
         };
-        // Within rounding: ten columns of a lattice are ten.
-        let few = |disks: &f64| *disks < enough * (1.0 - 1e-6);
+        let few = |disks: &f64| *disks < enough * (1.0 - ROUNDING);
         if let Some(disks) = self.disks_across.filter(few) {
             warnings.push(format!(
                 "{disks:.1} of the largest disks lie across the specimen: too few for the stress of a \
