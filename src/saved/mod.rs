@@ -37,8 +37,9 @@ pub use progress::Counts;
 const FORMAT: &str = "clastic state";
 /// Version of the format, which follows the word. It increases with every change of the arrays.
 const VERSION: u32 = 2;
-/// Version of a state without rigid groups, which older programs read too.
-const WITHOUT_GROUPS: u32 = 1;
+/// Version of a state without rigid groups and membranes. Older programs read it too. They would
+/// pass over the arrays of groups and membranes without a word.
+const PLAIN: u32 = 1;
 /// Prefix of arrays with the state of other plugins.
 const PLUGIN: &str = "plugin.";
 
@@ -125,7 +126,8 @@ pub fn save(world: &mut World) -> Result<Tables, SavedError> {
     // Gathering the tables does not change the run.
     let _ = world.run_system_cached(gather_bodies);
     let mut tables = Tables::default();
-    let version = if groups::names(&state)?.is_empty() { WITHOUT_GROUPS } else { VERSION };
+    let is_plain = groups::names(&state)?.is_empty() && !membranes::are_there(&state)?;
+    let version = if is_plain { PLAIN } else { VERSION };
     tables.put("format", Array::word(&format!("{FORMAT} {version}")));
     let thickness = world.resource::<Analysis>().thickness;
     progress::write(&state, thickness, &mut tables)?;
@@ -167,9 +169,7 @@ impl SavedState {
         match format.strip_prefix(FORMAT).map(str::trim) {
             None => return Err(SavedError::Foreign(format!("it is `{format}`"))),
             Some(version)
-                if ![WITHOUT_GROUPS, VERSION]
-                    .map(|v| v.to_string())
-                    .contains(&version.to_owned()) =>
+                if ![PLAIN, VERSION].map(|v| v.to_string()).contains(&version.to_owned()) =>
             {
                 return Err(SavedError::Version(version.to_owned()));
             }

@@ -28,8 +28,10 @@ pub fn judge(bodies: Res<Bodies>, solution: Res<ConeSolution>, mut attempt: ResM
         |i: usize| bodies.loads[i].iter().any(|load| load.from != 0.0 || load.to != 0.0);
     let is_loose = |i: usize| i < bodies.particles && !is_loaded(i) && bodies.group(i).is_none();
     let moving: Vec<usize> = (0..far.len()).filter(moves).collect();
-    // The fall of all that there is, is measured by nothing.
-    let few = moving.len() < bodies.particles
+    // A mechanism without translations is no fall, nor is that of all particles: no particle is left
+    // that stands.
+    let few = !moving.is_empty()
+        && moving.len() < bodies.particles
         && moving.len() as f64 <= (MAX_SHARE * bodies.particles as f64).max(1.0);
     if few && moving.iter().all(|i| is_loose(*i)) {
         attempt.verdict = Verdict::Loose;

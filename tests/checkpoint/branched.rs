@@ -102,6 +102,10 @@ fn membrane_under_a_pressure_that_changes() {
     let (from, rows) =
         same_in_two("biaxial_membrane_small", &common, [&first, second], parent.path());
     assert_eq!(rows.len(), 4);
+    // A reader of version 1 would go on without the membrane.
+    let state = fs::read(parent.path().join("a/state_kept.npz")).unwrap();
+    let tables = clastic::tables::Tables::decode(&state).unwrap();
+    assert_eq!(tables.text("format", &[]).unwrap(), ["clastic state 2"]);
     same_from_anywhere(&from, |_| true);
 }
 

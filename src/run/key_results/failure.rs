@@ -21,8 +21,7 @@ const LEVEL: f64 = 0.1;
 const NOT_PASSED: &str = "the test ends before the axial stress has fallen by a hundredth of its \
                           rise at a larger strain, and without a collapse";
 /// Reason where the lateral stress changes.
-pub(super) const LATERAL_CHANGES: &str = "the lateral stress changes, so that the test is none under a \
-                               constant one";
+pub(super) const LATERAL_CHANGES: &str = "the lateral stress changes during the test";
 const NO_LATERAL_STRAIN: &str = "no lateral strain is measured";
 const NO_BONDS: &str = "no bonds were there";
 const CONTRACTS: &str = "the volume shrinks up to the peak";

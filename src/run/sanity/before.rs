@@ -18,18 +18,11 @@ use super::{Report, is_specimen};
 pub fn before(scene: &Scene, stored: Option<&StoredSpecimen>) -> Report {
     let grains = Grains::of(scene);
     let seeds = specimen(scene, stored);
-    let loads = || {
-        scene.stages.iter().filter_map(|stage| match stage {
-            Stage::Load(load) => Some(load),
-            _ => None,
-        })
-    };
-    let pressure = loads().filter_map(confining).max_by(f64::total_cmp);
+    let loads = scene.stages.iter().filter_map(Stage::load);
+    let pressure = loads.filter_map(confining).max_by(f64::total_cmp);
     let is_test = scene.measures.axial_strain.is_some() && scene.measures.axial_stress.is_some();
-    let reference = match scene.stages.get(scene.reference_stage()) {
-        Some(Stage::Load(load)) if is_test => Some(load),
-        _ => None,
-    };
+    let reference = scene.stages.get(scene.reference_stage()).and_then(Stage::load);
+    let reference = reference.filter(|_| is_test);
     let analysis = |load: &Load| load.analysis.unwrap_or(scene.analysis);
     let strain = reference.and_then(|load| Some((load, imposed_strain(scene, load)?)));
     let increment = strain
