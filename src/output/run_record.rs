@@ -194,9 +194,12 @@ impl RunRecord {
             seeds.insert("specimen".to_owned(), seed);
         }
         for stage in &scene.stages {
-            if let Stage::Compact(compact) = stage {
-                seeds.insert(format!("stage {}", compact.name), compact.seed);
-            }
+            let seed = match stage {
+                Stage::Compact(compact) => compact.seed,
+                Stage::Pour(pour) => pour.stream.seed,
+                _ => continue,
+            };
+            seeds.insert(format!("stage {}", stage.name()), seed);
         }
         Self {
             clastic_version: CLASTIC_VERSION,

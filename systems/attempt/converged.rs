@@ -65,8 +65,8 @@ pub fn judge(
         SolveStatus::Locked => Verdict::Locked,
         SolveStatus::Stalled if seeks_equilibrium && is_biased(&program, solution, &acceptance) => {
             if let Some(reason) = thrown(&bodies, &program, solution, &acceptance) {
-                // Where all bodies are regularised and no bond can pull back, nothing is learnt from
-                // a grain without support: it lacks a place.
+                // Where all bodies are regularised and no bond can pull back, another solve adds no
+                // support to such a grain.
                 let verdict = if attempt.effort() == Some(Effort::Regularised)
                     && bodies.bonds.is_empty()
                     && is_unsupported(&bodies, &program, solution)

@@ -70,10 +70,10 @@ fn after_equilibrium(effort: Effort, verdict: &Verdict, budget: Budget) -> Next 
     match verdict {
         Verdict::Sound => Next::End(IncrementStatus::Solved),
         Verdict::Overloaded if budget.solve => Next::Approach,
-        // Bonds may break before the load that no equilibrium can carry.
-        Verdict::Impossible if budget.searches && budget.half => Next::Halve,
         // At the smallest fraction the proof decides: a motion that is lost would leave none.
         Verdict::Loose if can_follow && budget.half => Next::Follow,
+        // Bonds may break before the load that no equilibrium can carry.
+        Verdict::Impossible | Verdict::Loose if budget.searches && budget.half => Next::Halve,
         Verdict::Impossible | Verdict::Loose => Next::End(IncrementStatus::Collapsed),
         Verdict::Again if budget.solve => Next::Solve,
         Verdict::Unconverged { unsupported, .. } if budget.solve => match effort {
@@ -260,7 +260,10 @@ mod tests {
     fn loose_grains_are_followed_and_prove_a_collapse_where_they_cannot_be() {
         let mode = Mode::Equilibrium(Effort::Usual);
         assert_eq!(next(&mode, &Verdict::Loose, ALL), Next::Follow);
-        for spent in [Budget { motion: false, ..ALL }, Budget { half: false, ..ALL }] {
+        let spent = Budget { motion: false, searches: true, ..ALL };
+        assert_eq!(next(&mode, &Verdict::Loose, spent), Next::Halve);
+        let rest = Budget { searches: false, ..ALL };
+        for spent in [Budget { motion: false, ..rest }, Budget { half: false, ..ALL }] {
             let end = Next::End(IncrementStatus::Collapsed);
             assert_eq!(next(&mode, &Verdict::Loose, spent), end);
         }

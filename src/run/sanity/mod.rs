@@ -20,8 +20,8 @@ use crate::scene::format::{Measures, Scene, Specimen, Strain, Stress};
 /// take 1e4 for rigid grains.
 const STIFF: f64 = 1e3;
 /// Overlap over radius above which it is not small, as linear contacts assume. Cleary and Sawley
-/// (2002, Appl. Math. Model. 26, 89-111) keep its mean between 0.1 and 1 %; maxima are some times
-/// the mean. The limit is a choice of this project.
+/// (2002, Appl. Math. Model. 26, 89-111) keep its mean between 0.1 and 1 %; the maximum is
+/// several times the mean. The limit is a choice of this project.
 const OVERLAP: f64 = 0.05;
 /// Inertial number above which a flow is not quasi-static (GDR MiDi 2004, Eur. Phys. J. E 14,
 /// 341-365; da Cruz et al. 2005).
@@ -29,10 +29,10 @@ const QUASI_STATIC: f64 = 1e-3;
 /// Increments that strain more than this many elastic strains do not resolve the elastic response,
 /// whose range of strain is p h / k (Roux and Combe 2002, C. R. Physique 3, 131-140).
 const STEP: f64 = 1.0;
-/// Largest grains across a bonded specimen: ten at least (ISRM 1979, Int. J. Rock Mech. Min. Sci. 16,
+/// Largest grains across a bonded specimen: minimum ten (ISRM 1979, Int. J. Rock Mech. Min. Sci. 16,
 /// 135-140).
 const ROCK: f64 = 10.0;
-/// Largest grains across an unbonded specimen: six at least (ASTM D7181).
+/// Largest grains across an unbonded specimen: minimum six (ASTM D7181).
 const SOIL: f64 = 6.0;
 /// Relative error of a measured ratio: a stress is as exact as the residual, and ten columns are ten.
 const ROUNDING: f64 = 1e-6;
