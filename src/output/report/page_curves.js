@@ -22,11 +22,13 @@
       else if (initial(run) !== null) strains[initial(run)] = 0;
       return strains;
     };
-    // A column with its value in the initial state: 0 unless another run led there.
+    // A column with its value in the initial state: 0 unless another run led there, and unknown for
+    // a measure of the scene.
     const known = (run, name, values) => {
       const row = initial(run),
         counts = name.endsWith("strain");
       if (!strained || row === null || !values.length) return values;
+      if (run.measures?.includes(name)) return row === -1 ? [null, ...values] : values;
       const isContinued = run.history.increment.at(-1) > run.record.increments;
       if (row === -1) return [isContinued && !counts ? null : 0, ...values];
       return values.map((y, k) => (k === row && (y === null || counts) ? 0 : y));

@@ -106,7 +106,33 @@
     if (runs.length > 1) {
       results.style.display = "block";
       const head = ["", ...runs.map((run) => ({ class: "n", text: run.name }))];
-      const rows = [["Outcome", ...runs.map((run) => n(run.record.outcome.status))]];
+      // Of several runs the table says which numbers are not to be trusted.
+      const rows = [
+        [
+          "Outcome",
+          ...runs.map(({ record: { outcome } }) => ({
+            class: "n",
+            text: verdict(
+              ["completed", "collapsed", "running"].includes(outcome.status),
+              outcome.status,
+            ),
+          })),
+        ],
+        [
+          "Capped increments",
+          ...runs.map(({ record }) => ({
+            class: "n",
+            text: verdict(record.capped_increments === 0, format(record.capped_increments)),
+          })),
+        ],
+        [
+          "Warnings on its sanity",
+          ...runs.map(({ record }) => {
+            const warnings = record.sanity?.warnings?.length ?? 0;
+            return { class: "n", text: verdict(warnings === 0, format(warnings)) };
+          }),
+        ],
+      ];
       for (const [name, text] of RESULTS) {
         const cells = runs.map((run) => text(run.record.results));
         if (cells.some(Boolean)) rows.push([name, ...cells.map((cell) => n(cell || "\u2013"))]);
