@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Time that a report's page takes for a frame, in a headless browser over its DevTools connection.
 
-    python3 -m venv /tmp/draw && /tmp/draw/bin/pip install websocket-client
-    /tmp/draw/bin/python benches/draw.py DIR/report.html
+    python3 -m venv target/venv && target/venv/bin/pip install websocket-client
+    target/venv/bin/python benches/draw.py DIR/report.html
 
 Chromium is `chromium`, or what the environment variable CLASTIC_CHROMIUM names. It draws in
 software, so the times of the whole picture are those of a machine without a GPU. Times are wall

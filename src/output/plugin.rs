@@ -13,7 +13,7 @@ use super::run_directory::RunDirectory;
 use super::save::{is_checkpoint_due, save};
 use super::snapshot::Moments;
 use super::{OutputError, dump, events, frames, history, mechanism, peak, states, timings, wanted};
-use crate::run::key_results::{is_undecided, observe_increment};
+use crate::run::key_results::is_undecided;
 use crate::run::save::SavedStates;
 
 /// Writes the results of every increment. Its systems run after the stop conditions, so that the
@@ -48,7 +48,7 @@ impl Plugin for OutputPlugin {
                     avalanches::write_ended.pipe(halt),
                     history::write_wanted.pipe(halt),
                     (prepared::prepare.pipe(halt), frames::write_start.pipe(halt)).chain(),
-                    (observe_increment.run_if(is_undecided), peak::take).chain(),
+                    peak::take,
                     mechanism::write_first.pipe(halt),
                     frames::write_wanted.pipe(halt),
                     dump::write_if_asked.pipe(halt),

@@ -188,6 +188,12 @@ impl Plugin for ScenePlugin {
                         .run_if(not(is_undecided))
                         .in_set(AdvanceSystems::End)
                         .before(StageSystems::Stop),
+                    // A checkpoint of the state before an undecided increment comes first.
+                    observe_increment
+                        .run_if(runs_scene)
+                        .run_if(is_undecided)
+                        .run_if(is_due)
+                        .after(AdvanceSystems::Output),
                     // Measures are read after all systems of plugins that come before `Stop`.
                     (
                         read_key_results.run_if(runs_scene),

@@ -21,7 +21,13 @@ pub fn judge(bodies: Res<Bodies>, solution: Res<ConeSolution>, mut attempt: ResM
     else {
         return;
     };
-    let far: Vec<f64> = certificate.mechanism.iter().map(|u| u[0].hypot(u[1])).collect();
+    let mechanism = &certificate.mechanism;
+    let mut far: Vec<f64> = mechanism.iter().map(|u| u[0].hypot(u[1])).collect();
+    // A group may turn about its centre, which then stays.
+    for group in &bodies.groups {
+        let row = group.body as usize;
+        far[row] += mechanism[row][2].abs() * group.extent;
+    }
     let maximum = far.iter().copied().fold(0.0, f64::max);
     let moves = |i: &usize| far[*i] > TAKES_PART * maximum;
     let is_loaded =

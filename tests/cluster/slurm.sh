@@ -18,7 +18,7 @@ for tool in munged slurmctld slurmd sbatch squeue scontrol scancel; do
 done
 [ "$(id -u)" = 0 ] || { echo "Slurm needs root to start"; exit 2; }
 
-work=$(mktemp -d /tmp/clastic_slurm.XXXXXX)
+work=$(mktemp -d -t clastic_slurm.XXXXXX)
 host=$(hostname -s)
 export SLURM_CONF="$work/slurm.conf"
 stop() {

@@ -142,3 +142,27 @@ fn forces_of_a_wedged_lattice_do_not_grow() {
         .fold(0.0, f64::max);
     assert!(moved < 1e-9 * radius, "{moved} m");
 }
+
+/// A rigid group that turns about its centre, beside a grain that it pushes away, is no loose
+/// grain: the moment on it is a load that nothing carries.
+#[test]
+fn a_group_that_turns_beside_a_grain_is_no_loose_grain() {
+    let far: String = (0..8).map(|k| format!("(position: ({k}.5, 1.0), radius: 0.01),")).collect();
+    let scene = parse(&format!(
+        "(
+            version: 2,
+            title: \"turning\",
+            materials: {{ \"stone\": (contact: (normal_stiffness: 1.0e8)) }},
+            specimen: Particles([
+                (position: (0.0, 0.0), radius: 0.01), (position: (0.02, 0.0), radius: 0.01),
+                (position: (0.02, 0.02), radius: 0.01), {far}
+            ]),
+            stages: [Load(name: \"turn\", increments: 1, rigid: {{
+                \"clump\": (select: Index([0, 1]), moment: 1.0) }})],
+        )"
+    ));
+    let mut simulation = Simulation::new(&scene, None);
+    let outcome = simulation.run();
+    let Outcome::Collapsed(collapse) = outcome else { panic!("{outcome:?}") };
+    assert_eq!(collapse.by, clastic::run::stages::CollapsedBy::Proof, "{collapse:?}");
+}

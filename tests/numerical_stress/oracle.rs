@@ -239,11 +239,11 @@ impl Oracle {
         let mut query = world.query::<(&BodyId, &Drives, &ExternalForce)>();
         let outside: BTreeMap<u32, ([Drive; 3], [f64; 3])> =
             query.iter(world).map(|(id, d, f)| (id.0, (d.0, f.0))).collect();
-        // What the loads would do to a particle that nothing holds.
+        // What the loads would do to a particle that nothing holds, where bodies were in motion.
         let free_motion = now
             .iter()
             .enumerate()
-            .filter(|_| dynamic)
+            .filter(|_| dynamic && program.has_momentum())
             .map(|(i, s)| {
                 let (drives, external) = outside[&(i as u32)];
                 let load = |k: usize| match drives[k] {

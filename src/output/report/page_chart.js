@@ -2,8 +2,7 @@
 "use strict";
 (() => {
   const { make, format } = Report;
-  const LEFT = 62,
-    RIGHT = 14,
+  const RIGHT = 14,
     TOP = 10,
     BOTTOM = 42,
     LETTER = 6.7;
@@ -49,6 +48,9 @@
       const [low, high] = range(all("y").concat(0));
       const room = 0.05 * (high - low);
       this.y = [low < 0 ? low - room : low, high > 0 ? high + room : high];
+      // The name of the axis stands beside its widest label.
+      const labels = ticks(...this.y, 5).map((y) => format(y).length);
+      this.left = Math.max(62, 30 + LETTER * Math.max(...labels));
       this.names = make("div", { class: "names" });
       this.svg = make("svg", {
         viewBox: `0 0 ${size.join(" ")}`,
@@ -78,7 +80,7 @@
     }
 
     px(x) {
-      return LEFT + ((x - this.x[0]) / (this.x[1] - this.x[0])) * (this.width - LEFT - RIGHT);
+      return this.left + ((x - this.x[0]) / (this.x[1] - this.x[0])) * (this.width - this.left - RIGHT);
     }
     py(y) {
       return (
@@ -91,7 +93,7 @@
     valueAt(event) {
       const box = this.svg.getBoundingClientRect();
       const x = ((event.clientX - box.left) / box.width) * this.width;
-      return this.x[0] + ((x - LEFT) / (this.width - LEFT - RIGHT)) * (this.x[1] - this.x[0]);
+      return this.x[0] + ((x - this.left) / (this.width - this.left - RIGHT)) * (this.x[1] - this.x[0]);
     }
 
     path({ x, y }) {
@@ -114,15 +116,15 @@
         this.svg.append(
           make("line", {
             class: y === 0 ? "axis" : "grid",
-            x1: LEFT,
+            x1: this.left,
             x2: this.width - RIGHT,
             y1: this.py(y),
             y2: this.py(y),
           }),
-          make("text", { x: LEFT - 7, y: this.py(y) + 4, "text-anchor": "end" }, format(y)),
+          make("text", { x: this.left - 7, y: this.py(y) + 4, "text-anchor": "end" }, format(y)),
         );
       }
-      for (const x of fitting(...this.x, this.width - LEFT - RIGHT)) {
+      for (const x of fitting(...this.x, this.width - this.left - RIGHT)) {
         this.svg.append(
           make("line", {
             class: "axis",
@@ -136,11 +138,11 @@
       }
       const middle = (TOP + bottom) / 2;
       this.svg.append(
-        make("line", { class: "axis", x1: LEFT, x2: this.width - RIGHT, y1: bottom, y2: bottom }),
-        make("line", { class: "axis", x1: LEFT, x2: LEFT, y1: TOP, y2: bottom }),
+        make("line", { class: "axis", x1: this.left, x2: this.width - RIGHT, y1: bottom, y2: bottom }),
+        make("line", { class: "axis", x1: this.left, x2: this.left, y1: TOP, y2: bottom }),
         make(
           "text",
-          { x: (LEFT + this.width - RIGHT) / 2, y: this.height - 6, "text-anchor": "middle" },
+          { x: (this.left + this.width - RIGHT) / 2, y: this.height - 6, "text-anchor": "middle" },
           xName,
         ),
         make(

@@ -6,9 +6,9 @@ use super::{KeyResults, Point};
 /// Fall of the axial stress below its peak, over the rise to it, after which the peak is passed.
 /// Stresses of a specimen of some hundred grains fluctuate by less before it.
 const PASSED: f64 = 0.01;
-/// Change of the lateral stress, over that of the axial stress, up to which it stays.
+/// Maximum change of a constant lateral stress, over the change of the axial stress.
 const STAYS: f64 = 0.01;
-/// Bonds broken at the peak below which a hundredth of them is less than one.
+/// Minimum number of broken bonds of which a hundredth is one.
 const ENOUGH_CRACKS: usize = 100;
 /// Part of the axial strain over which the residual strength is a mean.
 const LAST: f64 = 0.2;
@@ -65,14 +65,14 @@ impl KeyResults {
         }
     }
 
-    /// Whether the lateral stress stays from the start to a point of the curve, as far as it is
-    /// measured.
+    /// Whether the lateral stress is constant, within [`STAYS`], from the start of the stage to a
+    /// point of the curve. A lateral stress that is not measured counts as constant.
     pub(super) fn lateral_stays_to(&self, to: &Point) -> bool {
         let place = self.curve.iter().position(|point| point == to);
         self.lateral_stays(self.curve[..=place.unwrap_or(0)].iter())
     }
 
-    /// Whether the lateral stress stays on a part of the curve, as far as it is measured.
+    /// Whether the lateral stress is constant, within [`STAYS`], over some points of the curve.
     fn lateral_stays<'a>(&self, curve: impl Iterator<Item = &'a Point>) -> bool {
         let start = self.start.lateral_stress;
         let (mut first, mut change, mut gain) = (start, 0.0_f64, 0.0_f64);

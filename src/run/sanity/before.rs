@@ -5,13 +5,13 @@ use std::f64::consts::PI;
 use crate::run::minerals::specimen;
 use crate::run::particles::ParticleSeed;
 use crate::scene::format::{
-    Analysis, CellStrain, CellTarget, CompactBy, CompactTarget, LidLoad, Load, Scene, Specimen,
-    Stage, Strain, Table, Wall, WallControl,
+    Analysis, Cell, CellStrain, CellTarget, Compact, CompactBy, CompactTarget, LidLoad, Load,
+    Scene, Specimen, Stage, Strain, Table, Wall, WallControl,
 };
 use crate::scene::specimen_file::StoredSpecimen;
 
 use super::material::{Grains, inertial};
-use super::{Report, is_specimen};
+use super::{Report, is_specimen, is_test};
 
 /// What the scene imposes says of the ratios.
 #[must_use]
@@ -20,25 +20,26 @@ pub fn before(scene: &Scene, stored: Option<&StoredSpecimen>) -> Report {
     let seeds = specimen(scene, stored);
     let loads = scene.stages.iter().filter_map(Stage::load);
     let pressure = loads.filter_map(confining).max_by(f64::total_cmp);
-    let is_test = scene.measures.axial_strain.is_some() && scene.measures.axial_stress.is_some();
     let reference = scene.stages.get(scene.reference_stage()).and_then(Stage::load);
-    let reference = reference.filter(|_| is_test);
+    let reference = reference.filter(|_| is_test(scene));
+    let packed = Packed::of(scene, &seeds);
     let analysis = |load: &Load| load.analysis.unwrap_or(scene.analysis);
-    let strain = reference.and_then(|load| Some((load, imposed_strain(scene, load)?)));
+    let strain =
+        reference.and_then(|load| Some((load, imposed_strain(scene, load, packed.as_ref())?)));
     let increment = strain
         .filter(|(load, _)| matches!(analysis(load), Analysis::Static))
         .map(|(_, strain)| strain);
     let number = strain.and_then(|(load, strain)| match analysis(load) {
         Analysis::Dynamic { dt, .. } => {
-            inertial(strain / dt, mean_mass(scene, &seeds)?, pressure?, scene.thickness)
+            inertial(strain / dt, packed.as_ref()?.mean_mass, pressure?, scene.thickness)
         }
         Analysis::Static => None,
     });
     Report {
-        stiffness_over_pressure: grains.level(pressure).filter(|_| is_test),
+        stiffness_over_pressure: grains.level(pressure).filter(|_| is_test(scene)),
         inertial_number: number,
         increment_over_elastic_strain: grains.steps(increment, pressure),
-        disks_across: across(scene, &seeds).filter(|_| is_specimen(scene)),
+        disks_across: packed.map(|packed| packed.across()).filter(|_| is_specimen(scene)),
         ..Report::default()
     }
     .with_warnings(grains.strength > 0.0, grains.are_rock(pressure))
@@ -64,7 +65,7 @@ fn confining(load: &Load) -> Option<f64> {
 
 /// Axial strain that a stage imposes in an increment; `None` where it is not imposed by a constant
 /// motion of the walls, or of the cell, from which it is measured.
-fn imposed_strain(scene: &Scene, load: &Load) -> Option<f64> {
+fn imposed_strain(scene: &Scene, load: &Load, packed: Option<&Packed>) -> Option<f64> {
     match scene.measures.axial_strain.as_ref()? {
         Strain::Walls(a, b) => {
             let [a, b] = [a, b].map(|name| scene.walls.iter().find(|wall| wall.name == *name));
@@ -77,7 +78,16 @@ fn imposed_strain(scene: &Scene, load: &Load) -> Option<f64> {
                 (0.5 * (wall.start.0 + wall.end.0), 0.5 * (wall.start.1 + wall.end.1))
             };
             let (at_a, at_b) = (middle(a), middle(b));
-            let distance = dot((at_b.0 - at_a.0, at_b.1 - at_a.1)).abs();
+            let drawn = dot((at_b.0 - at_a.0, at_b.1 - at_a.1)).abs();
+            // A compaction has moved one of these walls to the other.
+            let is_moved = |compact: &&Compact| {
+                let is = |wall: &Wall, base: &Wall| {
+                    wall.name == compact.wall && base.name == compact.base
+                };
+                compact.by != CompactBy::Radii && (is(a, b) || is(b, a))
+            };
+            let moved = compaction(scene).filter(is_moved).and(packed).map(|packed| packed.height);
+            let distance = moved.map_or(drawn, |height| height.min(drawn));
             let dt = match load.analysis.unwrap_or(scene.analysis) {
                 Analysis::Dynamic { dt, .. } => dt,
                 Analysis::Static => 0.0,
@@ -108,48 +118,75 @@ fn imposed_strain(scene: &Scene, load: &Load) -> Option<f64> {
     }
 }
 
-/// Largest diameters across the smaller side of the specimen. A random packing fills the grid from
-/// which it is drawn. A compaction brings it to the height, or the porosity, of its target; where
-/// none does, its height is not known and its width decides.
-fn across(scene: &Scene, seeds: &[ParticleSeed]) -> Option<f64> {
-    let largest = seeds.iter().map(|seed| seed.radius).max_by(f64::total_cmp)?;
-    let area: f64 = seeds.iter().map(|seed| PI * seed.radius * seed.radius).sum();
-    let side = |of: fn(&ParticleSeed) -> f64| {
-        let low = seeds.iter().map(|seed| of(seed) - seed.radius).min_by(f64::total_cmp);
-        let high = seeds.iter().map(|seed| of(seed) + seed.radius).max_by(f64::total_cmp);
-        Some(high? - low?)
-    };
-    let (mut width, mut height) = match (&scene.cell, &scene.specimen) {
-        (Some(cell), _) => cell.size,
-        (None, Specimen::Packing { count, columns, spacing, .. }) if scene.keep.is_none() => {
-            let rows = count.div_ceil((*columns).max(1));
-            (f64::from(*columns) * spacing, f64::from(rows) * spacing)
-        }
-        (None, _) => (side(|seed| seed.position.x)?, side(|seed| seed.position.y)?),
-    };
-    let compact = scene.stages.iter().find_map(|stage| match stage {
+/// The first compaction of a scene.
+fn compaction(scene: &Scene) -> Option<&Compact> {
+    scene.stages.iter().find_map(|stage| match stage {
         Stage::Compact(compact) => Some(compact),
         _ => None,
-    });
-    // Of the area that the target leaves, to that which is there.
-    let left = |n: f64| (area / ((1.0 - n) * width * height)).min(1.0);
-    match compact.map(|compact| (compact.by, compact.target)) {
-        Some((_, CompactTarget::Height(target))) => height = height.min(target),
-        // Sides shrink, or radii grow, by this factor.
-        Some((by, CompactTarget::Porosity(n)))
-            if scene.cell.is_some() || by == CompactBy::Radii =>
-        {
-            let factor = left(n).sqrt();
-            (width, height) = (width * factor, height * factor);
-        }
-        Some((_, CompactTarget::Porosity(n))) => height *= left(n),
-        None => {}
-    }
-    Some(width.min(height) / (2.0 * largest))
+    })
 }
 
-fn mean_mass(scene: &Scene, seeds: &[ParticleSeed]) -> Option<f64> {
-    let density = scene.materials.values().next()?.density;
-    let area: f64 = seeds.iter().map(|seed| PI * seed.radius * seed.radius).sum();
-    Some(density * scene.thickness * area / seeds.len().max(1) as f64)
+/// Estimate of a specimen after its compaction.
+struct Packed {
+    /// Width and height, m.
+    width: f64,
+    height: f64,
+    /// Largest radius, m.
+    largest: f64,
+    /// Mean mass, kg.
+    mean_mass: f64,
+}
+
+impl Packed {
+    /// A random packing fills the grid from which it is drawn. A compaction brings it to the height,
+    /// or the porosity, of its target; where none does, its height is not known and its width
+    /// decides.
+    fn of(scene: &Scene, seeds: &[ParticleSeed]) -> Option<Self> {
+        let largest = seeds.iter().map(|seed| seed.radius).max_by(f64::total_cmp)?;
+        let area: f64 = seeds.iter().map(|seed| PI * seed.radius * seed.radius).sum();
+        let side = |of: fn(&ParticleSeed) -> f64| {
+            let low = seeds.iter().map(|seed| of(seed) - seed.radius).min_by(f64::total_cmp);
+            let high = seeds.iter().map(|seed| of(seed) + seed.radius).max_by(f64::total_cmp);
+            Some(high? - low?)
+        };
+        let (width, height) = match (&scene.cell, &scene.specimen) {
+            (Some(cell), _) => cell.size,
+            (None, Specimen::Packing { count, columns, spacing, .. }) if scene.keep.is_none() => {
+                let rows = count.div_ceil((*columns).max(1));
+                (f64::from(*columns) * spacing, f64::from(rows) * spacing)
+            }
+            (None, _) => (side(|seed| seed.position.x)?, side(|seed| seed.position.y)?),
+        };
+        let density = scene.materials.values().next()?.density;
+        let mean_mass = density * scene.thickness * area / seeds.len() as f64;
+        let loose = Self { width, height, largest, mean_mass };
+        Some(match compaction(scene) {
+            Some(compact) => loose.compacted(compact, area, scene.cell.as_ref()),
+            None => loose,
+        })
+    }
+
+    fn compacted(self, compact: &Compact, area: f64, cell: Option<&Cell>) -> Self {
+        // Of the area that the target leaves, to that which is there.
+        let left = |n: f64| (area / ((1.0 - n) * self.width * self.height)).min(1.0);
+        match (compact.by, compact.target) {
+            (_, CompactTarget::Height(target)) => Self { height: self.height.min(target), ..self },
+            (CompactBy::Radii, CompactTarget::Porosity(n)) => {
+                let growth = left(n).sqrt().recip();
+                let (largest, mean_mass) =
+                    (self.largest * growth, self.mean_mass * growth * growth);
+                Self { largest, mean_mass, ..self }
+            }
+            (_, CompactTarget::Porosity(n)) if cell.is_some() => {
+                let factor = left(n).sqrt();
+                Self { width: self.width * factor, height: self.height * factor, ..self }
+            }
+            (_, CompactTarget::Porosity(n)) => Self { height: self.height * left(n), ..self },
+        }
+    }
+
+    /// Largest diameters across the smaller side.
+    fn across(&self) -> f64 {
+        self.width.min(self.height) / (2.0 * self.largest)
+    }
 }

@@ -6,11 +6,11 @@ use serde::{Deserialize, Serialize};
 use clastic_components::attempt::IncrementStatus;
 use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
-use clastic_components::observation::{Measures, Observation};
+use clastic_components::observation::Observation;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use super::material::{Grains, inertial};
-use super::{Report, is_specimen};
+use super::{Report, is_specimen, is_test};
 use crate::run::stages::Script;
 use crate::scene::format::Scene;
 
@@ -89,7 +89,7 @@ pub fn follow(
     (script, progress, analysis): (Res<Script>, Res<Progress>, Res<Analysis>),
     (bodies, contacts): (Res<Bodies>, Res<Contacts>),
     (program, solution): (Res<ConeProgram>, Res<ConeSolution>),
-    (o, measures): (Res<Observation>, Res<Measures>),
+    o: Res<Observation>,
     mut sanity: ResMut<Sanity>,
 ) {
     let carries = matches!(o.status, IncrementStatus::Solved | IncrementStatus::Capped);
@@ -107,8 +107,7 @@ pub fn follow(
     if let Some(pressure) = confining(&o).filter(|_| is_loose || o.lateral_stress.is_some()) {
         sanity.pressure = Some(sanity.pressure.map_or(pressure, |most| most.max(pressure)));
     }
-    let is_test = measures.axial_strain.is_some() && measures.axial_stress.is_some();
-    if is_test && progress.stage >= script.reference_stage() {
+    if is_test(&script.scene) && progress.stage >= script.reference_stage() {
         if sanity.mass == 0.0 {
             sanity.across = across(&bodies).filter(|_| is_specimen(&script.scene));
             let n = bodies.particles;

@@ -51,6 +51,11 @@ pub(super) fn is_specimen(scene: &Scene) -> bool {
     strained && stressed && !matches!(scene.specimen, Specimen::Lattice { .. })
 }
 
+/// Whether the scene measures a stress and a strain.
+fn is_test(scene: &Scene) -> bool {
+    scene.measures.axial_strain.is_some() && scene.measures.axial_stress.is_some()
+}
+
 /// The ratios, before or after a run. `None` where one is not defined.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Report {

@@ -8,6 +8,7 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::Chart;
+use super::clip::clipped;
 use super::ticks::{self, tick};
 use crate::output::plots::page::{self, Style};
 
@@ -185,12 +186,18 @@ impl Chart {
         let second = self.second.clone().unwrap_or_default();
         let inside = |p: &&(f64, f64)| x.contains(&p.0) || p.0 == x.end;
         let second_range = range(second.points.iter().filter(inside).map(|p| p.1));
+        let cut = |points: &[(f64, f64)], y: &std::ops::Range<f64>| match self.window {
+            Some(_) => clipped(points, &x, y),
+            None => vec![thin(points).collect()],
+        };
+        let pieces: Vec<_> = self.lines.iter().map(|line| cut(&line.points, &y)).collect();
+        let second_pieces = cut(&second.points, &second_range);
         let span = |r: &std::ops::Range<f64>| r.end - r.start;
         let (x_span, y_span, second_span) = (span(&x), span(&y), span(&second_range));
         let x_labels = ticks::beside(&x, wide);
         let [y_labels, second_labels] = [&y, &second_range].map(|r| ticks::above(r, high));
         let mut chart =
-            builder.build_cartesian_2d(x.clone(), y)?.set_secondary_coord(x, second_range);
+            builder.build_cartesian_2d(x.clone(), y)?.set_secondary_coord(x.clone(), second_range);
         chart
             .configure_mesh()
             .light_line_style(WHITE)
@@ -206,8 +213,10 @@ impl Chart {
             .x_label_formatter(&|v| tick(*v, x_span))
             .y_label_formatter(&|v| tick(*v, y_span))
             .draw()?;
-        for (points, style) in self.lines.iter().zip(self.styles(line)) {
-            chart.draw_series(LineSeries::new(thin(&points.points), style))?;
+        for (pieces, style) in pieces.into_iter().zip(self.styles(line)) {
+            for piece in pieces {
+                chart.draw_series(LineSeries::new(piece, style))?;
+            }
         }
         if let Some(second) = &self.second {
             chart
@@ -221,7 +230,9 @@ impl Chart {
                 .y_label_formatter(&|v| tick(*v, second_span))
                 .draw()?;
             let style = SECONDARY.stroke_width(line / 2);
-            chart.draw_secondary_series(LineSeries::new(thin(&second.points), style))?;
+            for piece in second_pieces {
+                chart.draw_secondary_series(LineSeries::new(piece, style))?;
+            }
         }
         root.present()
     }

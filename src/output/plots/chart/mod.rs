@@ -1,6 +1,7 @@
 //! Line charts in a common style.
 
 #[cfg(feature = "plots")]
+mod clip;
 mod draw;
 #[cfg(feature = "plots")]
 mod ticks;
