@@ -171,11 +171,13 @@ fn estimates_know_the_specimen_after_its_compaction() {
                     "right": Stress(stress: 10e3, between: ("bottom", "top")) }}),
                 Load(name: "load", increments: 3, walls: {{ "top": {motion} }}),
             ],
-            measures: (
-                axial_strain: Walls("bottom", "top"),
-                axial_stress: Walls(walls: ["top"], length: Between("left", "right")),
-                lateral_stress: Walls(walls: ["left", "right"], length: Between("bottom", "top")),
-            ))"#
+            measures: [
+                (name: "axial_strain", of: Strain(Walls("bottom", "top"))),
+                (name: "axial_stress",
+                    of: Stress(Walls(walls: ["top"], length: Between("left", "right")))),
+                (name: "lateral_stress",
+                    of: Stress(Walls(walls: ["left"], length: Between("bottom", "top")))),
+            ])"#
         );
         from_str(&text, Path::new("t.ron"), Path::new(""), &[]).unwrap_or_else(|e| panic!("{e}"))
     };
