@@ -2,6 +2,7 @@
 
 #[cfg(feature = "plots")]
 mod clip;
+#[cfg(feature = "plots")]
 mod draw;
 #[cfg(feature = "plots")]
 mod ticks;
