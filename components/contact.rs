@@ -71,7 +71,7 @@ pub struct Bodies {
     pub cell: Option<PeriodicCell>,
     /// Whether imposed motions stand still because a motion is followed. Loads then have their
     /// values at the end of the trial.
-    pub resting: bool,
+    pub drives_stopped: bool,
 }
 
 impl Bodies {
@@ -154,7 +154,7 @@ impl Bodies {
     #[must_use]
     pub fn group_drive(&self, group: &GroupRow, k: usize) -> Drive {
         match group.drives[k] {
-            Drive::Imposed(_) if self.resting => Drive::Imposed(0.0),
+            Drive::Imposed(_) if self.drives_stopped => Drive::Imposed(0.0),
             drive => drive,
         }
     }
@@ -175,7 +175,7 @@ impl Bodies {
     #[must_use]
     pub fn drive(&self, i: usize, k: usize) -> Drive {
         match self.drives[i][k] {
-            Drive::Imposed(_) if self.resting => Drive::Imposed(0.0),
+            Drive::Imposed(_) if self.drives_stopped => Drive::Imposed(0.0),
             drive => drive,
         }
     }
@@ -184,10 +184,10 @@ impl Bodies {
     #[must_use]
     pub fn wall_drive(&self, wall: &WallRow) -> WallDrive {
         match wall.drive {
-            WallDrive::Imposed(_) | WallDrive::Turning { .. } if self.resting => {
+            WallDrive::Imposed(_) | WallDrive::Turning { .. } if self.drives_stopped => {
                 WallDrive::default()
             }
-            WallDrive::Sliding { load, .. } if self.resting => WallDrive::Loaded(load),
+            WallDrive::Sliding { load, .. } if self.drives_stopped => WallDrive::Loaded(load),
             drive => drive,
         }
     }

@@ -118,7 +118,7 @@ pub fn control_walls(
 fn time_step(analysis: &Analysis) -> Option<f64> {
     match analysis.kind {
         AnalysisKind::Dynamic { dt, .. } => Some(dt),
-        AnalysisKind::Static | AnalysisKind::LeastMotion { .. } => None,
+        AnalysisKind::Static | AnalysisKind::Compaction { .. } => None,
     }
 }
 

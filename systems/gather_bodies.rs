@@ -233,7 +233,7 @@ pub fn gather_bodies(
 
     bodies.cell = cell.map(|cell| *cell);
     bodies.broken.clear();
-    bodies.resting = false;
+    bodies.drives_stopped = false;
     let mut rows = std::mem::take(&mut bodies.bonds);
     rows.clear();
     let row = |id: BodyId| bodies.row(id).map(|row| row as u32);

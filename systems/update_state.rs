@@ -123,7 +123,7 @@ pub fn external_forces(
                         mass * (u - v * dt) / (dt * dt) + rows[i][k] - weight
                     }
                     AnalysisKind::Dynamic { .. } => applied,
-                    AnalysisKind::Static | AnalysisKind::LeastMotion { .. } => {
+                    AnalysisKind::Static | AnalysisKind::Compaction { .. } => {
                         let weight =
                             if k < 2 { bodies.masses[i] * analysis.gravity[k] } else { 0.0 };
                         if bodies.drives[i][k] == Default::default() {
@@ -168,7 +168,7 @@ fn force_on_group(
             // A driven body has the velocity u/dt over the whole increment, whatever theta.
             group.mass_of(k) * (u - v * dt) / (dt * dt)
         }
-        AnalysisKind::Static | AnalysisKind::LeastMotion { .. } => 0.0,
+        AnalysisKind::Static | AnalysisKind::Compaction { .. } => 0.0,
     };
     inertial + resisted - by_others
 }
@@ -347,7 +347,7 @@ pub fn remembered(
 ) -> ContactHistory {
     let theta = match analysis.kind {
         AnalysisKind::Dynamic { theta, .. } => theta,
-        AnalysisKind::Static | AnalysisKind::LeastMotion { .. } => 1.0,
+        AnalysisKind::Static | AnalysisKind::Compaction { .. } => 1.0,
     };
     let carrying = Carrying::new(program, solution);
     let mut history = ContactHistory(Vec::with_capacity(contacts.0.len()));

@@ -161,7 +161,7 @@ pub fn end(world: &mut World) {
     let progress = world.resource::<Progress>().clone();
     let dt = match world.resource::<Analysis>().kind {
         AnalysisKind::Dynamic { dt, .. } => Some(dt),
-        AnalysisKind::Static | AnalysisKind::LeastMotion { .. } => None,
+        AnalysisKind::Static | AnalysisKind::Compaction { .. } => None,
     };
     let mut walls = world.query::<(&mut WallControl, &WallTable)>();
     for (mut control, table) in walls.iter_mut(world) {
@@ -236,7 +236,7 @@ fn reaction(world: &World, wall: Entity) -> f64 {
 pub(super) fn drive(motion: scene::Motion, analysis: &Analysis) -> Drive {
     let dt = match analysis.kind {
         AnalysisKind::Dynamic { dt, .. } => dt,
-        AnalysisKind::Static | AnalysisKind::LeastMotion { .. } => 0.0,
+        AnalysisKind::Static | AnalysisKind::Compaction { .. } => 0.0,
     };
     match motion {
         scene::Motion::Free => Drive::Free,

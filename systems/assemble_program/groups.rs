@@ -57,7 +57,7 @@ pub fn body(
         let mut free = FreeDof { load: load[k], ..FreeDof::default() };
         match analysis.kind {
             AnalysisKind::Static => {}
-            AnalysisKind::LeastMotion { .. } => free = least_motion(bodies, group, k, &mean),
+            AnalysisKind::Compaction { .. } => free = compaction_inertia(bodies, group, k, &mean),
             AnalysisKind::Dynamic { dt, theta } => {
                 let dt = dt * fraction;
                 let v =
@@ -82,7 +82,7 @@ pub fn body(
 
 /// The degree of freedom of a compaction: the rigid motion that is nearest to the mean motion at
 /// the members, with unit weight on each of them.
-fn least_motion(
+fn compaction_inertia(
     bodies: &Bodies,
     group: &GroupRow,
     k: usize,

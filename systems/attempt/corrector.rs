@@ -44,7 +44,7 @@ pub fn judge(
     let place = match analysis.kind {
         AnalysisKind::Static => 1.0,
         AnalysisKind::Dynamic { theta, .. } => 1.0 - theta,
-        AnalysisKind::LeastMotion { .. } => return,
+        AnalysisKind::Compaction { .. } => return,
     };
     if corrector.passes == 0 {
         return;

@@ -57,7 +57,7 @@ pub fn expected_motion(
         AnalysisKind::Static => {
             bodies.last_motion.iter().map(|u| f * DVec2::new(u[0], u[1])).collect()
         }
-        AnalysisKind::LeastMotion { .. } => vec![DVec2::ZERO; bodies.positions.len()],
+        AnalysisKind::Compaction { .. } => vec![DVec2::ZERO; bodies.positions.len()],
     };
     let mut imposed = 0.0_f64;
     for i in 0..bodies.particles {
@@ -106,12 +106,12 @@ pub fn expected_motion(
             displacement[wall.body as usize] = DVec2::ZERO;
         }
     }
-    if let Some(cell) = bodies.cell.filter(|_| !bodies.resting) {
+    if let Some(cell) = bodies.cell.filter(|_| !bodies.drives_stopped) {
         imposed = imposed.max(f * cell.imposed());
     }
     let (hit, floor) = match analysis.kind {
         AnalysisKind::Dynamic { .. } => (settings.hit, settings.min_in_dynamics),
-        AnalysisKind::Static | AnalysisKind::LeastMotion { .. } => (0.0, settings.min),
+        AnalysisKind::Static | AnalysisKind::Compaction { .. } => (0.0, settings.min),
     };
     ExpectedMotion {
         displacement,
