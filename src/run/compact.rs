@@ -23,7 +23,7 @@ use crate::scene::format::{Compact, CompactBy, CompactRest, CompactTarget};
 /// Moves the wall, or grows the radii, towards the target in equal steps.
 pub fn begin(world: &mut World, stage: &Compact) {
     let Disks { area, mean_radius, largest } = disks(world);
-    world.resource_mut::<Analysis>().kind = AnalysisKind::LeastMotion {
+    world.resource_mut::<Analysis>().kind = AnalysisKind::Compaction {
         affine: stage.rest == CompactRest::Affine,
         agitation: stage.agitation * mean_radius,
         seed: stage.seed,

@@ -93,7 +93,7 @@ pub fn follow(
     mut sanity: ResMut<Sanity>,
 ) {
     let carries = matches!(o.status, IncrementStatus::Solved | IncrementStatus::Capped);
-    if !carries || matches!(analysis.kind, AnalysisKind::LeastMotion { .. }) {
+    if !carries || matches!(analysis.kind, AnalysisKind::Compaction { .. }) {
         return;
     }
     if let Some(overlap) = overlap(&bodies, &contacts, &program, &solution) {
