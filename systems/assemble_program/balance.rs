@@ -72,6 +72,9 @@ pub fn assemble(
             super::groups::body(bodies, analysis, fraction, group, touched[row], added, mean);
     }
     for wall in &bodies.walls {
+        if bodies.group(wall.body as usize).is_some() {
+            continue;
+        }
         let drive = bodies.wall_drive(wall);
         let dofs = match drive {
             WallDrive::Imposed(u) => [

@@ -89,7 +89,7 @@ fn compaction_inertia(
     mean: &impl Fn(DVec2) -> DVec2,
 ) -> FreeDof {
     let mut free = FreeDof::default();
-    for i in group.members.iter().map(|i| *i as usize) {
+    for i in bodies.particles_of(group) {
         let (u, lever) = (mean(bodies.positions[i]), bodies.lever(group, i));
         if k < 2 {
             free.load += u[k];

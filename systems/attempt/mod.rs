@@ -48,6 +48,7 @@ use clastic_cone::program::ConeSolution;
 use self::next::{Budget, Next, next};
 use crate::control_walls::renew_stresses;
 use crate::motion_settings::MotionSettings;
+use crate::rigid_groups::{carry_members, has_groups};
 use crate::schedule::{AttemptIncrement, AttemptSystems, Increment, IncrementSystems};
 use crate::trial_loads::ask_for_loads;
 
@@ -79,6 +80,8 @@ impl Plugin for AttemptPlugin {
                 AttemptIncrement,
                 (
                     converged::judge,
+                    // The proof is that of the program, in which members have no motion.
+                    carry_members.run_if(has_groups).run_if(impossible),
                     coulomb::judge.run_if(sound),
                     motion::judge_length.run_if(in_motion),
                     closing_mechanism::judge.run_if(impossible),

@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use clastic_components::body::Drive;
-use clastic_components::contact::Bodies;
+use clastic_components::contact::{Bodies, WallRow};
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::rigid_group::GroupRow;
 use clastic_components::wall::WallDrive;
@@ -87,7 +87,8 @@ pub fn expected_motion(
                 DVec2::new(u[0].map_or(own.x, |_| moved[0]), u[1].map_or(own.y, |_| moved[1]));
         }
     }
-    for wall in &bodies.walls {
+    let alone = |wall: &&WallRow| bodies.group(wall.body as usize).is_none();
+    for wall in bodies.walls.iter().filter(alone) {
         let drive = bodies.wall_drive(wall);
         if let WallDrive::Imposed(u) = drive {
             displacement[wall.body as usize] = f * u;

@@ -21,6 +21,7 @@ mod extension;
 mod followed_motion;
 mod groups;
 mod held_bodies;
+mod hinged_walls;
 mod hopper;
 mod invariance;
 mod language;

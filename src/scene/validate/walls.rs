@@ -46,7 +46,7 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
     made.extend(at_start.map(|name| ("specimen".to_owned(), name.as_str())));
     for (i, stage) in context.scene.stages.iter().enumerate() {
         let Some(load) = stage.load() else { continue };
-        for (name, _) in load.rigid.iter().filter(|(_, control)| control.select.is_some()) {
+        for (name, _) in load.rigid.iter().filter(|(_, control)| control.makes()) {
             if made.iter().all(|(_, other)| other != name) {
                 made.push((join(&format!("stages[{i}].rigid"), name), name));
             }
