@@ -12,7 +12,7 @@ use clastic_components::findings::Sliding;
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
 use clastic_cone::condensed;
 use clastic_cone::mechanism;
-use clastic_cone::program::{ConeProgram, ConeSolution, SolveStatus};
+use clastic_cone::program::{ConeProgram, ConeSolution, Residuals, SolveStatus};
 use clastic_cone::residuals;
 use clastic_cone::solver::{ConeSolver, check};
 
@@ -85,6 +85,17 @@ fn renumber_memory(rows: Res<KeptRows>, bodies: Res<Bodies>, mut solver: ResMut<
     solver.0.remember(&memory);
 }
 
+/// Residuals of a solution. The inertia of a followed motion is part of its program. Elsewhere a
+/// regularisation is an error of the balance.
+fn residuals_of(attempt: &Attempt, program: &ConeProgram, solution: &ConeSolution) -> Residuals {
+    let evaluate = if attempt.motion().is_some() {
+        residuals::regularised_residuals
+    } else {
+        residuals::residuals
+    };
+    evaluate(program, &solution.forces, &solution.displacements)
+}
+
 /// Solves the program and computes the residuals of the solution.
 pub fn solve_program(
     program: Res<ConeProgram>,
@@ -109,15 +120,10 @@ pub fn solve_program(
         && solution.forces.len() == program.interactions.len()
         && solution.displacements.len() == program.bodies.len()
     {
-        let evaluate = if attempt.motion().is_some() {
-            residuals::regularised_residuals
-        } else {
-            residuals::residuals
-        };
         if let AnalysisKind::Dynamic { .. } = analysis.kind {
             program.displacements_from_forces(&mut solution);
         }
-        solution.residuals = evaluate(&program, &solution.forces, &solution.displacements);
+        solution.residuals = residuals_of(&attempt, &program, &solution);
         // The status follows from the residuals and not from the solver, in either direction. NaN
         // compares false.
         let enough = acceptance.residual.max(program.tolerance);

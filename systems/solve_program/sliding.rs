@@ -2,7 +2,7 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::attempt::Attempt;
+use clastic_components::attempt::{Attempt, Mode};
 use clastic_components::contact::Bodies;
 use clastic_components::findings::Sliding;
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, FrictionLaw};
@@ -14,7 +14,8 @@ use crate::mean_field::furthest;
 
 /// Number of failed solves after which the other solves of the increment are quick.
 const MAX_FAILURES: u32 = 4;
-/// Maximum number of factorisations of a quick solve.
+/// Maximum number of factorisations of a quick solve. Steps of a motion are quick: a step without
+/// a solution is made again with a larger inertia.
 const QUICK: u32 = 40;
 
 /// Safety factor: the solver aims at 0.9 times the tolerance.
@@ -24,10 +25,9 @@ const MARGIN: f64 = 0.9;
 #[derive(Resource, Default)]
 pub struct SlidingSolver(Coulomb);
 
-/// Solves the program of an equilibrium, or of a time step, again without the dilation of contacts
-/// that slide or roll. Interactions with strength keep the dilation: their law is that of the bond.
-/// Steps of a followed motion keep it, because only the position at rest matters. The proof of a
-/// collapse keeps it, because it holds for both laws.
+/// Solves the program of an equilibrium, a time step, or a step of a followed motion again without
+/// the dilation of contacts that slide or roll. Interactions with strength keep the dilation: their
+/// law is that of the bond. The proof of a collapse keeps it, because it holds for both laws.
 ///
 /// A solution that did not converge is kept with its residual.
 /// [`coulomb::judge`](crate::attempt::coulomb::judge) decides on it.
@@ -44,7 +44,7 @@ pub fn solve_sliding(
 ) {
     *finding = Sliding { failures: finding.failures, ..Sliding::default() };
     let Some(law) = law.coulomb(analysis.kind) else { return };
-    if attempt.effort().is_none() || solution.status != SolveStatus::Solved {
+    if matches!(attempt.mode, Mode::Proof) || solution.status != SolveStatus::Solved {
         return;
     }
     // A throw is rejected in any case.
@@ -58,18 +58,47 @@ pub fn solve_sliding(
     let enough = acceptance.residual.max(program.tolerance);
     // The solver treats the regularisation as part of the program, but the residual below counts it
     // as an error. The margin keeps a solution that just converges from failing.
-    let patient = finding.failures < MAX_FAILURES;
+    let moves = attempt.motion().is_some();
+    let patient = finding.failures < MAX_FAILURES && !moves;
     let max = if patient { law.factorisations } else { law.factorisations.min(QUICK) };
-    let found = solver.0.solve(&program, &solution, MARGIN * enough, max);
-    finding.failures += u32::from(found.status != SolveStatus::Solved);
-    attempt.iterations += found.iterations;
+    // A motion must see that what the associated law balances is not balanced.
+    let aim = MARGIN * if moves { enough.min(Sliding::BOUND) } else { enough };
+    let found = match last_solution(&program) {
+        Some(last) => {
+            let found = solver.0.solve(&program, &last, aim, max.min(QUICK));
+            attempt.iterations += found.iterations;
+            found
+        }
+        None => ConeSolution::default(),
+    };
+    let found = if found.status == SolveStatus::Solved {
+        found
+    } else {
+        let found = solver.0.solve(&program, &solution, aim, max);
+        attempt.iterations += found.iterations;
+        found
+    };
+    finding.failures += u32::from(!moves && found.status != SolveStatus::Solved);
     solution.forces = found.forces;
     solution.displacements = found.displacements;
-    solution.residuals = residuals::residuals(&program, &solution.forces, &solution.displacements);
+    solution.residuals = super::residuals_of(&attempt, &program, &solution);
     let worst = solution.residuals.worst();
     // The status is not changed. The finding contains the result of this solve.
     finding.natural_map =
         residuals::natural_map(&program, &solution.forces, &solution.displacements);
     finding.lost = !(worst <= enough.max(Sliding::BOUND));
     finding.capped = !finding.lost && worst > enough;
+}
+
+/// The state that the last solution has left: its forces, and no motion but what is imposed. Near
+/// rest it is closer to the next solution than the associated one, and it has the sliding contacts
+/// of Coulomb's law. `None` if nothing carried a force.
+fn last_solution(program: &ConeProgram) -> Option<ConeSolution> {
+    let mut forces = program.last_forces.clone();
+    forces.resize(program.interactions.len(), [0.0; 3]);
+    forces.iter().any(|f| f[0] != 0.0).then(|| ConeSolution {
+        forces,
+        displacements: program.imposed(),
+        ..ConeSolution::default()
+    })
 }

@@ -6,5 +6,6 @@ mod common;
 mod agreement;
 mod body_matrix;
 mod eccentric;
+mod enumeration;
 mod settings;
 mod solvers;
