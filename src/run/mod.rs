@@ -10,6 +10,7 @@ mod cell;
 pub mod cement;
 pub mod changes;
 pub mod compact;
+pub mod densest;
 pub mod extend;
 mod group_members;
 mod grow;

@@ -75,7 +75,9 @@ fn refusal(world: &mut World, stage: &Stage) -> Option<String> {
         Stage::Load(load) => load_refusal(world, load),
         Stage::Pour(pour) => load_refusal(world, &pour.load),
         Stage::Remove(stage) => remove::refusal(world, stage),
-        Stage::Compact(stage) => grow::refusal(world, stage),
+        Stage::Compact(stage) => {
+            grow::refusal(world, stage).or_else(|| compact::refusal(world, stage))
+        }
         Stage::Custom(_) | Stage::Cement(_) | Stage::Save(_) => None,
     }
 }
