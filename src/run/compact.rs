@@ -5,11 +5,8 @@
 //! overlap after an increment of any size.
 
 use bevy_ecs::prelude::*;
-use glam::DVec2;
 
-use clastic_components::body::{
-    AngularVelocity, BodyId, ExternalForce, LastMotion, Position, Velocity,
-};
+use clastic_components::body::{AngularVelocity, BodyId, ExternalForce, LastMotion, Velocity};
 use clastic_components::cell::PeriodicCell;
 use clastic_components::contact::ContactHistory;
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
@@ -17,7 +14,8 @@ use clastic_components::particle::Particle;
 use clastic_components::wall::{Wall, WallControl};
 
 use super::densest::lowest_porosity;
-use super::spawn::find_wall;
+use super::enclosure::{extent, room};
+use super::walls::find_wall;
 use super::{cell, grow};
 use crate::scene::format::{Compact, CompactBy, CompactRest, CompactTarget};
 
@@ -104,25 +102,6 @@ pub(super) fn refusal(world: &mut World, stage: &Compact) -> Option<String> {
             stage.name
         )
     })
-}
-
-/// Area of the cell, or between the walls of the stage over the length of the base, m^2.
-pub(super) fn room(world: &mut World, stage: &Compact) -> Option<f64> {
-    if let Some(cell) = world.get_resource::<PeriodicCell>() {
-        return Some(cell.area());
-    }
-    let (wall, base) = (find_wall(world, &stage.wall)?, find_wall(world, &stage.base)?);
-    let (height, length) = extent(world, wall, base);
-    Some(height * length)
-}
-
-/// Distance between the wall and the base, and length of the base, m.
-fn extent(world: &World, wall: Entity, base: Entity) -> (f64, f64) {
-    let place = |wall| world.get::<Position>(wall).map(|x| x.0).unwrap_or_default();
-    let (inward, length) = world
-        .get::<Wall>(base)
-        .map_or((DVec2::ZERO, 1.0), |base| (base.inward(), 2.0 * base.half_length));
-    ((place(wall) - place(base)).dot(inward), length)
 }
 
 /// The particles together.
