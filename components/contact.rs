@@ -30,7 +30,7 @@ pub struct Bodies {
     pub entities: Vec<Entity>,
     /// Centres of particles and middles of walls, m.
     pub positions: Vec<DVec2>,
-    /// Rotations of the particles since the start, rad.
+    /// Rotations of particles and walls since the start, rad.
     pub rotations: Vec<f64>,
     /// Velocities, m/s.
     pub velocities: Vec<DVec2>,
@@ -58,7 +58,7 @@ pub struct Bodies {
     pub group_count: usize,
     /// The rigid groups, in the order of identities.
     pub groups: Vec<GroupRow>,
-    /// Index in `groups` of the group of every particle; empty without groups.
+    /// Index in `groups` of the group of every particle and wall; empty without groups.
     pub group_of: Vec<Option<u32>>,
     /// The intact bonds, by (a, b). A bond within a rigid group has no row.
     pub bonds: Vec<BondRow>,
@@ -71,7 +71,7 @@ pub struct Bodies {
     pub cell: Option<PeriodicCell>,
     /// Whether imposed motions stand still because a motion is followed. Loads then have their
     /// values at the end of the trial.
-    pub resting: bool,
+    pub drives_stopped: bool,
 }
 
 impl Bodies {
@@ -138,6 +138,11 @@ impl Bodies {
         of(a).is_some_and(|group| of(b) == Some(group))
     }
 
+    /// Rows of the particles of a group; its other members are walls.
+    pub fn particles_of<'a>(&'a self, group: &'a GroupRow) -> impl Iterator<Item = usize> + 'a {
+        group.members.iter().map(|i| *i as usize).take_while(|i| *i < self.particles)
+    }
+
     /// Position of a member relative to the centre of its group, m.
     #[must_use]
     pub fn lever(&self, group: &GroupRow, member: usize) -> DVec2 {
@@ -149,7 +154,7 @@ impl Bodies {
     #[must_use]
     pub fn group_drive(&self, group: &GroupRow, k: usize) -> Drive {
         match group.drives[k] {
-            Drive::Imposed(_) if self.resting => Drive::Imposed(0.0),
+            Drive::Imposed(_) if self.drives_stopped => Drive::Imposed(0.0),
             drive => drive,
         }
     }
@@ -170,7 +175,7 @@ impl Bodies {
     #[must_use]
     pub fn drive(&self, i: usize, k: usize) -> Drive {
         match self.drives[i][k] {
-            Drive::Imposed(_) if self.resting => Drive::Imposed(0.0),
+            Drive::Imposed(_) if self.drives_stopped => Drive::Imposed(0.0),
             drive => drive,
         }
     }
@@ -179,10 +184,10 @@ impl Bodies {
     #[must_use]
     pub fn wall_drive(&self, wall: &WallRow) -> WallDrive {
         match wall.drive {
-            WallDrive::Imposed(_) | WallDrive::Turning { .. } if self.resting => {
+            WallDrive::Imposed(_) | WallDrive::Turning { .. } if self.drives_stopped => {
                 WallDrive::default()
             }
-            WallDrive::Sliding { load, .. } if self.resting => WallDrive::Loaded(load),
+            WallDrive::Sliding { load, .. } if self.drives_stopped => WallDrive::Loaded(load),
             drive => drive,
         }
     }
@@ -220,8 +225,7 @@ impl Bodies {
     #[must_use]
     pub fn load_on_group(&self, group: &GroupRow, part: f64, gravity: DVec2) -> [f64; 3] {
         let mut sum = group.loads.map(|ramp| ramp.at(part));
-        for &member in &group.members {
-            let i = member as usize;
+        for i in self.particles_of(group) {
             let [x, y, moment] = self.loads[i].map(|ramp| ramp.at(part));
             let force = DVec2::new(x, y) + self.masses[i] * gravity;
             sum[0] += force.x;
@@ -243,6 +247,13 @@ impl Bodies {
                 *rotation += u[2];
             }
             self.last_motion[i] = u;
+        }
+        // A wall that turns has its rotation in the table.
+        for wall in &mut self.walls {
+            let [_, _, angle] = self.last_motion[wall.body as usize];
+            if self.group_of.get(wall.body as usize).copied().flatten().is_some() {
+                *wall = wall.turned(angle);
+            }
         }
     }
 }
@@ -345,7 +356,8 @@ impl WallRow {
     }
 
     /// No drawn point of the wall is further from its position, m.
-    fn extent(&self) -> f64 {
+    #[must_use]
+    pub fn extent(&self) -> f64 {
         match self.shape {
             WallShape::Arc { centre, radius, .. } => centre.length() + radius,
             WallShape::Line | WallShape::Segment { .. } => self.half_length,

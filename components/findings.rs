@@ -241,4 +241,4 @@ pub struct Unconverged {
 /// The solution with the smallest residual of all that did not converge in the increment.
 #[derive(Resource, Clone, Debug, Default)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
-pub struct Closest(pub Option<Unconverged>);
+pub struct BestUnconverged(pub Option<Unconverged>);

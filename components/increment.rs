@@ -15,13 +15,14 @@ pub enum AnalysisKind {
     /// No inertia: every increment is an equilibrium.
     #[default]
     Static,
-    /// Rigid, frictionless, and of all feasible motions the least: unit inertia from rest at
-    /// theta = 1. Prepares packings (4.4.1 of the paper).
-    LeastMotion {
-        /// Least about the mean motion, linear between the moving wall and the one opposite,
-        /// instead of about rest.
+    /// Prepares packings (4.4.1 of the paper): rigid grains without friction make the smallest
+    /// motion that separates them. Each has unit inertia, starts from rest, and theta is 1.
+    Compaction {
+        /// Whether the motion is the smallest relative to the mean motion, which is linear between
+        /// the moving wall and the one opposite. Otherwise it is the smallest relative to the
+        /// ground.
         affine: bool,
-        /// Greatest random part of the reference motion, m: shakes the packing.
+        /// Maximum of the random part of the reference motion, m, which shakes the packing.
         agitation: f64,
         /// Seed of the random part.
         seed: u64,
@@ -39,7 +40,7 @@ pub enum AnalysisKind {
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct Analysis {
-    /// Static, least motion or dynamic.
+    /// Static, compaction or dynamic.
     pub kind: AnalysisKind,
     /// Acceleration of gravity, m/s^2.
     pub gravity: DVec2,
@@ -97,7 +98,7 @@ impl FrictionLaw {
             AnalysisKind::Static => self.in_statics,
             AnalysisKind::Dynamic { .. } => self.in_dynamics,
             // A packing is made without friction.
-            AnalysisKind::LeastMotion { .. } => None,
+            AnalysisKind::Compaction { .. } => None,
         }
     }
 }

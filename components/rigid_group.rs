@@ -1,4 +1,4 @@
-//! Rigid groups: particles that move as one body with three degrees of freedom.
+//! Rigid groups: particles and walls that move as one body with three degrees of freedom.
 
 use bevy_ecs::prelude::*;
 #[cfg(feature = "reflect")]
@@ -12,12 +12,13 @@ use crate::body::{
 };
 use crate::identity::body_added;
 
-/// Particles that move as one body.
+/// Particles and walls that move as one body. Walls have no mass.
 ///
 /// [`Drives`] and [`LoadControl`] of the group hold, drive or load its three degrees of freedom:
 /// the translations of its centre and its rotation. Loads of the members act on the group. Drives
 /// of the members have no effect. The centre is the centre of mass, or a pivot that moves with the
-/// body; [`Position`] is its place. A particle is a member of one group at most.
+/// body; [`Position`] is its place. A group with walls has a pivot. A body is a member of one group at
+/// most.
 #[derive(Component, Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 #[component(immutable, on_add = body_added)]
@@ -40,6 +41,7 @@ pub struct RigidGroup {
     /// translations held.
     pub has_pivot: bool,
     /// Rotation of the first member when the group was made, rad. [`Rotation`] counts from there.
+    /// Particles come before walls.
     pub reference: f64,
 }
 
@@ -62,7 +64,7 @@ pub struct GroupRow {
     pub mass: f64,
     /// Moment of inertia about the centre, kg m^2: `sum J + m r^2`.
     pub inertia: f64,
-    /// Maximum distance of a member's centre from the centre, m.
+    /// Maximum distance of a member's centre, or of a drawn point of a wall, from the centre, m.
     pub extent: f64,
     /// Drives of the three degrees of freedom.
     pub drives: [Drive; 3],

@@ -113,6 +113,8 @@ pub enum TableOf {
     Force,
     /// Stress along the inward normal, Pa.
     Stress(LoadedLength),
+    /// Angle about this point (m), which does not move, since the start of the stage, rad.
+    Rotation(DVec2),
 }
 
 /// Motion of a wall along its tangent while it carries a force or a stress: a shear lid.
@@ -127,7 +129,7 @@ pub enum WallSlide {
 
 /// Points (s, x, y) of a control that is linear between them and constant beyond the last. s is the
 /// time since the start of the stage (s) in dynamic analysis, and the part of the stage that is
-/// done (0 to 1) in static analysis. A force or a stress is x.
+/// done (0 to 1) in static analysis. A force, a stress or an angle is x.
 #[derive(Component, Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 pub struct WallTable(pub Vec<[f64; 3]>);

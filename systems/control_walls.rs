@@ -89,6 +89,9 @@ pub fn control_walls(
                 match of {
                     TableOf::Displacement => WallDrive::Imposed(table[1] - table[0]),
                     TableOf::Force => WallDrive::Loaded(ramp(table)),
+                    TableOf::Rotation(about) => {
+                        WallDrive::Turning { about, angle: table[1].x - table[0].x }
+                    }
                     TableOf::Stress(length) => {
                         let length = loaded_length(entity, length, &geometry);
                         WallDrive::Loaded(ramp(table).times(length * analysis.thickness))
@@ -115,7 +118,7 @@ pub fn control_walls(
 fn time_step(analysis: &Analysis) -> Option<f64> {
     match analysis.kind {
         AnalysisKind::Dynamic { dt, .. } => Some(dt),
-        AnalysisKind::Static | AnalysisKind::LeastMotion { .. } => None,
+        AnalysisKind::Static | AnalysisKind::Compaction { .. } => None,
     }
 }
 

@@ -18,7 +18,7 @@ use clastic_components::identity::{Identities, NextIdentities};
 use clastic_components::material::ContactLaw;
 use clastic_components::particle::{MaterialIndex, Particle, Swinging};
 use clastic_components::rigid_group::{ContactForce, RigidGroup};
-use clastic_components::wall::{Wall, WallControl, WallDrive};
+use clastic_components::wall::{Wall, WallControl, WallDrive, WallRotation};
 use clastic_components::wall_shape::WallShape;
 
 use crate::rigid_groups::{self, GroupQuery};
@@ -134,6 +134,7 @@ type WallQuery<'w, 's> = Query<
         &'static WallControl,
         &'static WallDrive,
         Option<&'static WallShape>,
+        Option<&'static WallRotation>,
     ),
 >;
 
@@ -164,7 +165,7 @@ pub fn gather_bodies(
     bodies.ids = ids;
     bodies.entities.resize(all, Entity::PLACEHOLDER);
     bodies.positions.resize(all, DVec2::ZERO);
-    bodies.rotations.resize(n, 0.0);
+    bodies.rotations.resize(first_group, 0.0);
     bodies.velocities.resize(all, DVec2::ZERO);
     bodies.angular_velocities.resize(all, 0.0);
     bodies.last_motion.resize(all, [0.0; 3]);
@@ -208,10 +209,11 @@ pub fn gather_bodies(
     bodies.mean_radius = if n == 0 { 1.0 } else { bodies.radii.iter().sum::<f64>() / n as f64 };
 
     bodies.walls.clear();
-    for (entity, id, wall, position, motion, law, control, drive, shape) in &walls {
+    for (entity, id, wall, position, motion, law, control, drive, shape, rotation) in &walls {
         let Some(i) = bodies.row(*id) else { continue };
         bodies.entities[i] = entity;
         bodies.positions[i] = position.0;
+        bodies.rotations[i] = rotation.map_or(0.0, |rotation| rotation.0);
         // Only particles have a velocity in the tables.
         bodies.velocities[i] = DVec2::ZERO;
         bodies.angular_velocities[i] = 0.0;
@@ -231,7 +233,7 @@ pub fn gather_bodies(
 
     bodies.cell = cell.map(|cell| *cell);
     bodies.broken.clear();
-    bodies.resting = false;
+    bodies.drives_stopped = false;
     let mut rows = std::mem::take(&mut bodies.bonds);
     rows.clear();
     let row = |id: BodyId| bodies.row(id).map(|row| row as u32);

@@ -11,7 +11,7 @@ use clastic_components::motion::Motion;
 use crate::motion_settings::MotionSettings;
 
 /// Masses and moments of inertia over the mean mass. A wall under a load moves with the specimen:
-/// it has the mass of all grains.
+/// it has the mass of all grains, as a group with walls does.
 #[must_use]
 pub fn relative_masses(bodies: &Bodies) -> Vec<[f64; 2]> {
     let n = bodies.particles;
@@ -29,12 +29,19 @@ pub fn relative_masses(bodies: &Bodies) -> Vec<[f64; 2]> {
     for group in &bodies.groups {
         // Its members move with it and have no kinetic energy of their own.
         group.members.iter().for_each(|member| masses[*member as usize] = [0.0; 2]);
+        let has_wall = group.members.last().is_some_and(|last| *last as usize >= n);
         masses[group.body as usize] = if mean > 0.0 {
             [group.mass / unit, group.inertia / unit]
         } else {
             let n = group.members.len() as f64;
             [n, 0.5 * n * group.extent.max(bodies.mean_radius).powi(2)]
         };
+        if has_wall {
+            let all = n.max(1) as f64;
+            let [mass, inertia] = &mut masses[group.body as usize];
+            *mass += all;
+            *inertia += all * group.extent.max(bodies.mean_radius).powi(2);
+        }
     }
     if bodies.cell.is_some() {
         // A cell under a stress moves with the specimen, as a wall under a load does.

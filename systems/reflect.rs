@@ -61,7 +61,7 @@ impl Plugin for ReflectPlugin {
             findings::Impacts,
             findings::Restraints,
             findings::Centre,
-            findings::Closest,
+            findings::BestUnconverged,
             identity::Identities,
             increment::Analysis,
             increment::FrictionLaw,

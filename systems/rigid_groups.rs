@@ -33,25 +33,28 @@ pub fn gather(bodies: &mut Bodies, groups: &GroupQuery) {
     if bodies.group_count == 0 {
         return;
     }
-    bodies.group_of.resize(bodies.particles, None);
+    let first_group = bodies.positions.len() - bodies.group_count;
+    bodies.group_of.resize(first_group, None);
     let mut found: Vec<_> = groups.iter().collect();
     found.sort_unstable_by_key(|group| *group.1);
     for (index, (entity, id, group, position, motion, drives, load)) in
         found.into_iter().enumerate()
     {
         let Some(row) = bodies.row(*id) else { continue };
-        let members: Vec<u32> = group
+        let mut members: Vec<u32> = group
             .members
             .iter()
             .filter_map(|member| bodies.row(*member))
-            .filter(|member| *member < bodies.particles)
+            .filter(|member| *member < first_group)
             .map(|member| member as u32)
             .collect();
+        // Poured particles have identities after those of walls.
+        members.sort_unstable();
         for &member in &members {
             bodies.group_of[member as usize].get_or_insert(index as u32);
         }
         let about = group.has_pivot.then_some(position.0);
-        let state = {
+        let mut state = {
             let member = |i: usize| Member {
                 mass: bodies.masses[i],
                 inertia: bodies.inertias[i],
@@ -60,8 +63,13 @@ pub fn gather(bodies: &mut Bodies, groups: &GroupQuery) {
                 velocity: bodies.velocities[i],
                 spin: bodies.angular_velocities[i],
             };
-            State::of(members.iter().map(|i| member(*i as usize)), about)
+            let particles = members.iter().map(|i| *i as usize).filter(|i| *i < bodies.particles);
+            State::of(particles.map(member), about)
         };
+        for wall in bodies.walls.iter().filter(|wall| members.binary_search(&wall.body).is_ok()) {
+            let place = bodies.positions[wall.body as usize];
+            state.extent = state.extent.max(place.distance(state.centre) + wall.extent());
+        }
         bodies.entities[row] = entity;
         bodies.positions[row] = state.centre;
         bodies.velocities[row] = state.velocity;

@@ -68,11 +68,13 @@ pub fn external_forces(
     program.add_forces(&solution.forces, &mut rows);
     // The moment of a wall refers to the middle of its drawn segment.
     let mut moments = vec![0.0; program.bodies.len()];
+    let mut on_walls = vec![DVec2::ZERO; program.bodies.len()];
     for ((contact, c), f) in contacts.0.iter().zip(&program.interactions).zip(&solution.forces) {
         if contact.b as usize >= bodies.particles {
             let arm = contact.point(&bodies) - bodies.positions[contact.b as usize];
             let resisted = -(c.normal * f[0] + c.normal.perp() * f[1]);
             moments[contact.b as usize] += arm.perp_dot(resisted) - f[2];
+            on_walls[contact.b as usize] += resisted;
         }
     }
     let added = if loads.is_empty() { Vec::new() } else { loads.sums(&bodies) };
@@ -93,6 +95,10 @@ pub fn external_forces(
         if i >= bodies.particles {
             let force = body.to_global(rows[i]);
             external.0 = [force[0], force[1], moments[i]];
+            if bodies.group(i).is_some() {
+                // The program has the forces on a member in the row of the group.
+                external.0 = [on_walls[i].x, on_walls[i].y, moments[i]];
+            }
             continue;
         }
         for k in 0..3 {
@@ -117,7 +123,7 @@ pub fn external_forces(
                         mass * (u - v * dt) / (dt * dt) + rows[i][k] - weight
                     }
                     AnalysisKind::Dynamic { .. } => applied,
-                    AnalysisKind::Static | AnalysisKind::LeastMotion { .. } => {
+                    AnalysisKind::Static | AnalysisKind::Compaction { .. } => {
                         let weight =
                             if k < 2 { bodies.masses[i] * analysis.gravity[k] } else { 0.0 };
                         if bodies.drives[i][k] == Default::default() {
@@ -162,7 +168,7 @@ fn force_on_group(
             // A driven body has the velocity u/dt over the whole increment, whatever theta.
             group.mass_of(k) * (u - v * dt) / (dt * dt)
         }
-        AnalysisKind::Static | AnalysisKind::LeastMotion { .. } => 0.0,
+        AnalysisKind::Static | AnalysisKind::Compaction { .. } => 0.0,
     };
     inertial + resisted - by_others
 }
@@ -262,11 +268,22 @@ pub fn move_bodies(
             spin.0 = next(u[2], spin.0, imposed[2]);
         }
     }
-    for (id, mut x, mut last, mut wall, shape, rotation) in &mut walls {
+    for (id, mut x, mut last, mut wall, mut shape, mut rotation) in &mut walls {
         let Some(i) = bodies.row(*id) else { continue };
         let u = program.bodies[i].to_global(motion[i]);
         x.0 = bodies.positions[i] + DVec2::new(u[0], u[1]);
         last.0 = u;
+        let row = bodies.walls.iter().find(|row| row.body as usize == i);
+        if let Some(row) = row.filter(|_| bodies.group(i).is_some()) {
+            // A followed motion has turned the wall in the table.
+            wall.tangent = row.tangent();
+            if let Some(shape) = &mut shape {
+                **shape = row.shape;
+            }
+            if let Some(rotation) = &mut rotation {
+                rotation.0 = bodies.rotations[i];
+            }
+        }
         if u[2] != 0.0 {
             let by = DVec2::from_angle(u[2]);
             *wall = wall.turned(by);
@@ -330,7 +347,7 @@ pub fn remembered(
 ) -> ContactHistory {
     let theta = match analysis.kind {
         AnalysisKind::Dynamic { theta, .. } => theta,
-        AnalysisKind::Static | AnalysisKind::LeastMotion { .. } => 1.0,
+        AnalysisKind::Static | AnalysisKind::Compaction { .. } => 1.0,
     };
     let carrying = Carrying::new(program, solution);
     let mut history = ContactHistory(Vec::with_capacity(contacts.0.len()));

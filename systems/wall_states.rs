@@ -42,6 +42,8 @@ pub enum ControlState {
     Rotation(DVec2, f64),
     /// Angular velocity about a point, rad/s.
     Spin(DVec2, f64),
+    /// Angle about a point from a table.
+    RotationTable(DVec2),
 }
 
 /// A [`LoadedLength`] that names walls by identity.
@@ -59,7 +61,8 @@ impl ControlState {
     pub fn is_ramp(&self) -> bool {
         match self {
             Self::Force(from, to) | Self::Stress(from, to, _) => from != to,
-            Self::DisplacementTable | Self::ForceTable | Self::StressTable(_) => true,
+            Self::DisplacementTable | Self::ForceTable => true,
+            Self::StressTable(_) | Self::RotationTable(_) => true,
             _ => false,
         }
     }
@@ -81,6 +84,7 @@ impl ControlState {
             WallControl::Spin { about, rate } => Self::Spin(about, rate),
             WallControl::Table(TableOf::Displacement) => Self::DisplacementTable,
             WallControl::Table(TableOf::Force) => Self::ForceTable,
+            WallControl::Table(TableOf::Rotation(about)) => Self::RotationTable(about),
             WallControl::Table(TableOf::Stress(length)) => Self::StressTable(of(length)),
         }
     }
@@ -104,6 +108,7 @@ impl ControlState {
             Self::Spin(about, rate) => WallControl::Spin { about, rate },
             Self::DisplacementTable => WallControl::Table(TableOf::Displacement),
             Self::ForceTable => WallControl::Table(TableOf::Force),
+            Self::RotationTable(about) => WallControl::Table(TableOf::Rotation(about)),
             Self::StressTable(length) => WallControl::Table(TableOf::Stress(of(length))),
         }
     }

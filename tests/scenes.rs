@@ -81,6 +81,10 @@ scenes! {
         ("strain_at_peak", 0.0025),
     ];
     // At the end of `close`; moment, force and work by hand are in tests/engine/rigs.rs.
+    gate_under_moment: "gate_under_moment", COMPLETES, &[
+        ("peak_stress_pa", 232072.7),
+        ("strain_at_peak", 0.050994),
+    ];
     turning_gate: "turning_gate", COMPLETES, &[
         ("peak_stress_pa", 240719.79561974172),
         ("strain_at_peak", 0.052891664836127054),

@@ -31,7 +31,7 @@ pub fn rigid_groups(scene: &Scene) -> Vec<String> {
     let mut names = scene.rigid_at_start.clone();
     for stage in &scene.stages {
         let Some(load) = stage.load() else { continue };
-        let made = load.rigid.iter().filter(|(_, control)| control.select.is_some());
+        let made = load.rigid.iter().filter(|(_, control)| control.makes());
         for (name, _) in made {
             if !names.contains(name) {
                 names.push(name.clone());

@@ -116,6 +116,7 @@ fn control_walls(world: &mut World, stage: &scene::Load) {
             Some(scene::WallControl::Follow(table)) => WallControl::Table(match table {
                 scene::Table::Displacement(_) => TableOf::Displacement,
                 scene::Table::Force(_) => TableOf::Force,
+                scene::Table::Rotation { about, .. } => TableOf::Rotation((*about).into()),
                 scene::Table::Stress { .. } => TableOf::Stress(length),
             }),
             Some(scene::WallControl::Custom) => WallControl::Custom,
@@ -131,6 +132,9 @@ fn control_walls(world: &mut World, stage: &scene::Load) {
             }
             Some(scene::WallControl::Follow(table)) => {
                 entity.insert(points(table));
+                if let scene::Table::Rotation { .. } = table {
+                    entity.entry::<WallRotation>().or_default();
+                }
             }
             Some(scene::WallControl::Rotation { .. } | scene::WallControl::Spin { .. }) => {
                 entity.entry::<WallRotation>().or_default();
@@ -143,7 +147,9 @@ fn control_walls(world: &mut World, stage: &scene::Load) {
 fn points(table: &scene::Table) -> WallTable {
     WallTable(match table {
         scene::Table::Displacement(list) => list.iter().map(|(s, x, y)| [*s, *x, *y]).collect(),
-        scene::Table::Force(list) | scene::Table::Stress { stress: list, .. } => {
+        scene::Table::Force(list)
+        | scene::Table::Stress { stress: list, .. }
+        | scene::Table::Rotation { angle: list, .. } => {
             list.iter().map(|(s, value)| [*s, *value, 0.0]).collect()
         }
     })
@@ -155,7 +161,7 @@ pub fn end(world: &mut World) {
     let progress = world.resource::<Progress>().clone();
     let dt = match world.resource::<Analysis>().kind {
         AnalysisKind::Dynamic { dt, .. } => Some(dt),
-        AnalysisKind::Static | AnalysisKind::LeastMotion { .. } => None,
+        AnalysisKind::Static | AnalysisKind::Compaction { .. } => None,
     };
     let mut walls = world.query::<(&mut WallControl, &WallTable)>();
     for (mut control, table) in walls.iter_mut(world) {
@@ -165,7 +171,7 @@ pub fn end(world: &mut World) {
             WallControl::Table(TableOf::Stress(length)) => {
                 WallControl::Stress { from: value, to: value, length }
             }
-            WallControl::Table(TableOf::Displacement) => WallControl::Fixed,
+            WallControl::Table(TableOf::Displacement | TableOf::Rotation(_)) => WallControl::Fixed,
             other => other,
         };
     }
@@ -230,7 +236,7 @@ fn reaction(world: &World, wall: Entity) -> f64 {
 pub(super) fn drive(motion: scene::Motion, analysis: &Analysis) -> Drive {
     let dt = match analysis.kind {
         AnalysisKind::Dynamic { dt, .. } => dt,
-        AnalysisKind::Static | AnalysisKind::LeastMotion { .. } => 0.0,
+        AnalysisKind::Static | AnalysisKind::Compaction { .. } => 0.0,
     };
     match motion {
         scene::Motion::Free => Drive::Free,

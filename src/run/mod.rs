@@ -6,15 +6,19 @@
 
 mod advice;
 mod before;
+mod begin_script;
 mod cell;
 pub mod cement;
 pub mod changes;
 pub mod compact;
+mod enclosure;
 pub mod extend;
 mod group_members;
 mod grow;
 pub mod key_results;
+mod laws;
 pub mod load;
+mod measure_error;
 pub mod measures;
 mod membranes;
 pub mod minerals;
@@ -30,14 +34,17 @@ pub mod save;
 pub mod scatter;
 pub mod script;
 pub(crate) mod select;
+pub mod settings;
 pub mod sieve;
 pub mod spawn;
+pub mod stage_kinds;
 pub mod stages;
 mod start;
 pub mod state;
 mod stop;
 mod until;
 pub(crate) mod wall_pieces;
+pub mod walls;
 
 use bevy_app::{App, Plugin, Plugins};
 use bevy_ecs::prelude::*;

@@ -10,10 +10,12 @@ use clastic_components::body::{
 use clastic_components::increment::Analysis;
 use clastic_components::particle::Particle;
 use clastic_components::rigid_group::RigidGroup;
+use clastic_components::wall::{WallControl, WallRotation, WallSlide, WallTable};
 use clastic_systems::rigid_groups::{Member, State};
 
 use super::load::drive;
 use super::select::selected;
+use super::spawn::find_walls;
 use super::stages::Script;
 use crate::scene::format as scene;
 
@@ -31,8 +33,8 @@ pub fn control_groups(world: &mut World, stage: &scene::Load, analysis: &Analysi
         }
     }
     for (name, control) in &stage.rigid {
-        if let Some(select) = &control.select {
-            make(world, name, select, control.about);
+        if control.makes() {
+            make(world, name, control);
         }
     }
     let mut groups: Vec<(BodyId, Entity, String)> = world
@@ -94,11 +96,13 @@ type Particles<'a> = (
     &'a mut AngularVelocity,
 );
 
-/// Makes a group of the selected particles. They take the velocities of the rigid motion with their
-/// momentum and their angular momentum.
-fn make(world: &mut World, name: &str, select: &scene::Select, about: Option<(f64, f64)>) {
-    let mut chosen: Vec<BodyId> = selected(world, select).into_iter().map(|(id, _)| id).collect();
-    chosen.sort_unstable();
+/// Makes a group of the selected particles and the named walls. The particles take the velocities of
+/// the rigid motion with their momentum and their angular momentum. What the walls carried is the
+/// load from which the group starts.
+fn make(world: &mut World, name: &str, control: &scene::RigidControl) {
+    let about = control.about;
+    let chosen = chosen(world, control);
+    let walls = walls_of(world, &control.walls);
     let mut query = world.query::<Particles>();
     let mut members: Vec<(BodyId, f64, Member)> = query
         .iter(world)
@@ -117,24 +121,61 @@ fn make(world: &mut World, name: &str, select: &scene::Select, about: Option<(f6
         .collect();
     members.sort_unstable_by_key(|(id, ..)| *id);
     let state = State::of(members.iter().map(|(.., member)| *member), about.map(DVec2::from));
-    let ids: Vec<BodyId> = members.iter().map(|(id, ..)| *id).collect();
+    let mut ids: Vec<BodyId> = members.iter().map(|(id, ..)| *id).collect();
     for (id, _, x, _, mut v, mut spin) in query.iter_mut(world) {
         if ids.binary_search(id).is_ok() {
             v.0 = state.velocity + state.spin * (x.0 - state.centre).perp();
             spin.0 = state.spin;
         }
     }
-    world.spawn((
+    let mut carried = [0.0; 3];
+    let mut reference = members.first().map(|(_, rotation, _)| *rotation);
+    for (id, wall) in walls {
+        ids.push(id);
+        let mut wall = world.entity_mut(wall);
+        wall.insert(WallControl::Fixed).remove::<(WallSlide, WallTable)>();
+        let turned = wall.entry::<WallRotation>().or_default().get().0;
+        reference.get_or_insert(turned);
+        let arm = wall.get::<Position>().map_or(DVec2::ZERO, |x| x.0 - state.centre);
+        let [x, y, moment] = wall.get::<ExternalForce>().map_or([0.0; 3], |force| force.0);
+        carried[0] += x;
+        carried[1] += y;
+        carried[2] += moment + arm.perp_dot(DVec2::new(x, y));
+    }
+    ids.sort_unstable();
+    let mut group = world.spawn((
         RigidGroup {
             name: name.to_owned(),
             members: ids,
             has_pivot: about.is_some(),
-            reference: members.first().map_or(0.0, |(_, rotation, _)| *rotation),
+            reference: reference.unwrap_or_default(),
         },
         Position(state.centre),
         Origin(state.centre),
         Probe(name.to_owned()),
     ));
+    if !control.walls.is_empty() {
+        group.insert((Drives([Drive::Imposed(0.0); 3]), ExternalForce(carried)));
+    }
+}
+
+/// Identities of the particles that an entry selects, ascending.
+fn chosen(world: &mut World, control: &scene::RigidControl) -> Vec<BodyId> {
+    let select = control.select.as_ref();
+    let found = select.map(|select| selected(world, select)).unwrap_or_default();
+    let mut ids: Vec<BodyId> = found.into_iter().map(|(id, _)| id).collect();
+    ids.sort_unstable();
+    ids
+}
+
+/// The walls of these names that are there: every piece of a polyline.
+fn walls_of(world: &mut World, names: &[String]) -> Vec<(BodyId, Entity)> {
+    let mut found = Vec::new();
+    for name in names {
+        let pieces = find_walls(world, name);
+        found.extend(pieces.into_iter().filter_map(|e| Some((*world.get::<BodyId>(e)?, e))));
+    }
+    found
 }
 
 /// Why the rigid groups of a stage cannot be made or controlled; `None` if they can.
@@ -148,11 +189,29 @@ pub fn refusal(world: &mut World, stage: &scene::Load) -> Option<String> {
     let because = |name: &str, what: String| {
         Some(format!("stage `{}` cannot begin: rigid.{name} {what}", stage.name))
     };
-    for (name, control) in &stage.rigid {
-        let Some(select) = &control.select else { continue };
-        let mut ids: Vec<BodyId> = selected(world, select).into_iter().map(|(id, _)| id).collect();
-        ids.sort_unstable();
-        if ids.is_empty() {
+    // Groups of a saved state are known here alone.
+    let others = stage.remove_walls.iter().chain(stage.walls.keys());
+    for name in others {
+        let walls = walls_of(world, std::slice::from_ref(name));
+        if let Some((_, group)) = taken.iter().find(|(id, _)| walls.iter().any(|w| w.0 == *id)) {
+            return Some(format!(
+                "stage `{}` cannot begin: wall `{name}` is a member of the rigid group `{group}`; \
+                 control it by `rigid`, or release `{group}`",
+                stage.name
+            ));
+        }
+    }
+    for (name, control) in stage.rigid.iter().filter(|(_, control)| control.makes()) {
+        let walls = walls_of(world, &control.walls).into_iter().map(|(id, _)| id);
+        if let Some((id, other)) = walls.clone().find_map(|id| taken.iter().find(|t| t.0 == id)) {
+            let what = format!(
+                "has a wall (body {}) of the rigid group `{other}`; release `{other}` in a stage before",
+                id.0
+            );
+            return because(name, what);
+        }
+        let mut ids = chosen(world, control);
+        if ids.is_empty() && control.select.is_some() {
             return because(name, "selects no particle; select what is to be rigid".to_owned());
         }
         if let Some((id, other)) = taken.iter().find(|(id, _)| ids.binary_search(id).is_ok()) {
@@ -163,6 +222,7 @@ pub fn refusal(world: &mut World, stage: &scene::Load) -> Option<String> {
             );
             return because(name, what);
         }
+        ids.extend(walls);
         taken.extend(ids.into_iter().map(|id| (id, name.clone())));
     }
     moving_pivot(world, stage)

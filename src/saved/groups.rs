@@ -40,6 +40,13 @@ pub(super) fn names(state: &WorldState) -> Result<Vec<String>, StateError> {
     Ok(groups.into_iter().map(|(_, group)| group.name).collect())
 }
 
+/// Names of the groups that have one of these bodies as a member.
+pub(super) fn with(state: &WorldState, bodies: &[BodyId]) -> Result<Vec<String>, StateError> {
+    let groups = state.components::<BodyId, RigidGroup>(ENTRY)?;
+    let has = |group: &RigidGroup| group.members.iter().any(|id| bodies.contains(id));
+    Ok(groups.into_iter().filter(|(_, group)| has(group)).map(|(_, group)| group.name).collect())
+}
+
 /// Writes the groups; a state without any has none of these arrays.
 pub(super) fn write(state: &WorldState, tables: &mut Tables) -> Result<(), SavedError> {
     let groups = state.components::<BodyId, RigidGroup>(ENTRY)?;
@@ -114,7 +121,7 @@ pub(super) fn read(
     let ids: Vec<_> = numbers.iter().map(|id| BodyId(*id)).collect();
     let (ids, n) = (ids.as_slice(), ids.len());
     finite(tables, &NUMBERS)?;
-    let groups = groups(tables, &numbers, particles)?;
+    let groups = groups(tables, &numbers, particles, walls)?;
     add(state, ENTRY, ids, groups.into_iter().map(Some))?;
 
     let scalars = |name: &str| tables.f64(name, &[n]);
@@ -153,8 +160,13 @@ pub(super) fn read(
     Ok(())
 }
 
-/// The groups with their members, each of which is a particle of one group.
-fn groups(tables: &Tables, ids: &[u32], particles: &[u32]) -> Result<Vec<RigidGroup>, SavedError> {
+/// The groups with their members, each of which is a particle or a wall of one group.
+fn groups(
+    tables: &Tables,
+    ids: &[u32],
+    particles: &[u32],
+    walls: &[u32],
+) -> Result<Vec<RigidGroup>, SavedError> {
     let n = ids.len();
     let m = tables.rows("rigid.member")?;
     let (members, of) = (tables.u32("rigid.member", &[m])?, tables.u32("rigid.member_of", &[m])?);
@@ -172,15 +184,20 @@ fn groups(tables: &Tables, ids: &[u32], particles: &[u32]) -> Result<Vec<RigidGr
     let mut seen = members.to_vec();
     seen.sort_unstable();
     if let Some(twice) = seen.windows(2).find(|pair| pair[0] == pair[1]) {
-        return Err(bad("rigid.member", format!("particle {} twice", twice[0])));
+        return Err(bad("rigid.member", format!("body {} twice", twice[0])));
     }
     for (row, (member, group)) in members.iter().zip(of).enumerate() {
-        if particles.binary_search(member).is_err() {
-            return Err(bad("rigid.member", format!("no particle {member} in row {row}")));
+        let is_wall = walls.contains(member);
+        if particles.binary_search(member).is_err() && !is_wall {
+            return Err(bad("rigid.member", format!("no particle or wall {member} in row {row}")));
         }
         let Ok(at) = ids.binary_search(group) else {
             return Err(bad("rigid.member_of", format!("no group {group} in row {row}")));
         };
+        if is_wall && !groups[at].has_pivot {
+            let what = format!("false in row {at}, and wall {member} is a member: it has no mass");
+            return Err(bad("rigid.has_pivot", what));
+        }
         groups[at].members.push(BodyId(*member));
     }
     for group in &mut groups {

@@ -19,6 +19,7 @@ mod walls;
 
 use bevy_ecs::prelude::*;
 
+use clastic_components::body::BodyId;
 use clastic_components::increment::Analysis;
 use clastic_components::material::Materials;
 use clastic_systems::gather_bodies::gather_bodies;
@@ -216,6 +217,16 @@ impl SavedState {
     /// If the world does not have them.
     pub fn rigid_groups(&self) -> Result<Vec<String>, StateError> {
         groups::names(&self.world)
+    }
+
+    /// Names of the rigid groups that have walls.
+    ///
+    /// # Errors
+    /// If the world does not have them.
+    pub fn groups_with_walls(&self) -> Result<Vec<String>, StateError> {
+        let walls = self.world.components::<BodyId, clastic_components::wall::Wall>("wall")?;
+        let ids: Vec<BodyId> = walls.into_iter().map(|(id, _)| id).collect();
+        groups::with(&self.world, &ids)
     }
 
     /// The walls of the scene where they are now. Those that are not there are as it drew them.

@@ -33,9 +33,10 @@ pub(super) fn write(
     for control in ids.iter().map(control) {
         rows.push(match control {
             // What turned in its stage stands still until another one turns it.
-            ControlState::Fixed | ControlState::Rotation(..) | ControlState::Spin(..) => {
-                ("fixed", [0.0; 2], [NONE; 2])
-            }
+            ControlState::Fixed
+            | ControlState::Rotation(..)
+            | ControlState::Spin(..)
+            | ControlState::RotationTable(_) => ("fixed", [0.0; 2], [NONE; 2]),
             ControlState::Displacement(u) => ("displacement", u.to_array(), [NONE; 2]),
             ControlState::Velocity(v) => ("velocity", v.to_array(), [NONE; 2]),
             ControlState::Force(from, to) => ("force", reached(from, to), [NONE; 2]),

@@ -31,6 +31,7 @@ static FILES: &[(&str, &[u8])] = &files! {
     "direct_shear_0N.ron"
     "direct_shear_10N.ron"
     "direct_tension.ron"
+    "gate_under_moment.ron"
     "hopper.ron"
     "incline_held.ron"
     "incline_rests.ron"

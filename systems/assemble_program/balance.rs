@@ -72,6 +72,9 @@ pub fn assemble(
             super::groups::body(bodies, analysis, fraction, group, touched[row], added, mean);
     }
     for wall in &bodies.walls {
+        if bodies.group(wall.body as usize).is_some() {
+            continue;
+        }
         let drive = bodies.wall_drive(wall);
         let dofs = match drive {
             WallDrive::Imposed(u) => [
@@ -126,7 +129,7 @@ fn particle_dof(
     let applied = bodies.loads[i][k].at(fraction) + weight;
     match analysis.kind {
         AnalysisKind::Static => FreeDof { load: applied, ..FreeDof::default() },
-        AnalysisKind::LeastMotion { agitation, seed, .. } => {
+        AnalysisKind::Compaction { agitation, seed, .. } => {
             let mean = if k < 2 { affine.displacement(bodies.positions[i])[k] } else { 0.0 };
             let u = mean + agitation * shake(seed, increment, bodies.ids[i].0 as usize, k);
             FreeDof { load: u, inertia: 1.0, ..FreeDof::default() }
@@ -165,7 +168,7 @@ struct Affine {
 
 impl Affine {
     fn of(bodies: &Bodies, analysis: &Analysis, fraction: f64) -> Self {
-        let AnalysisKind::LeastMotion { affine: true, .. } = analysis.kind else {
+        let AnalysisKind::Compaction { affine: true, .. } = analysis.kind else {
             return Self { moving: None, cell: None };
         };
         if let Some(cell) = &bodies.cell {

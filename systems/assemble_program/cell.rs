@@ -18,7 +18,7 @@ pub fn body(
     let factors = cell.factors(bodies.mean_radius);
     let loads = cell.loads(bodies.mean_radius, analysis.thickness);
     let dof = |k: usize| match cell.controls[k] {
-        CellControl::Imposed(_) if bodies.resting => Dof::Fixed(0.0),
+        CellControl::Imposed(_) if bodies.drives_stopped => Dof::Fixed(0.0),
         CellControl::Imposed(u) => Dof::Fixed(progress.fraction * u * factors[k]),
         CellControl::Stress { from, to } => {
             let stress = progress.ramp(from, to).at(progress.fraction);

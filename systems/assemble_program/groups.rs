@@ -57,7 +57,7 @@ pub fn body(
         let mut free = FreeDof { load: load[k], ..FreeDof::default() };
         match analysis.kind {
             AnalysisKind::Static => {}
-            AnalysisKind::LeastMotion { .. } => free = least_motion(bodies, group, k, &mean),
+            AnalysisKind::Compaction { .. } => free = compaction_inertia(bodies, group, k, &mean),
             AnalysisKind::Dynamic { dt, theta } => {
                 let dt = dt * fraction;
                 let v =
@@ -82,14 +82,14 @@ pub fn body(
 
 /// The degree of freedom of a compaction: the rigid motion that is nearest to the mean motion at
 /// the members, with unit weight on each of them.
-fn least_motion(
+fn compaction_inertia(
     bodies: &Bodies,
     group: &GroupRow,
     k: usize,
     mean: &impl Fn(DVec2) -> DVec2,
 ) -> FreeDof {
     let mut free = FreeDof::default();
-    for i in group.members.iter().map(|i| *i as usize) {
+    for i in bodies.particles_of(group) {
         let (u, lever) = (mean(bodies.positions[i]), bodies.lever(group, i));
         if k < 2 {
             free.load += u[k];

@@ -44,6 +44,11 @@ impl Motion {
             return Some(motion);
         }
         if let Some(group) = bodies.groups.iter().find(|group| group.body as usize == i) {
+            let is_free = |k: usize| bodies.group_drive(group, k) == Drive::Free;
+            if group.mass == 0.0 && (0..3).any(is_free) {
+                // Walls without particles have no mass.
+                return None;
+            }
             let mut rates = [bodies.velocities[i].x, bodies.velocities[i].y, 0.0];
             rates[2] = bodies.angular_velocities[i];
             let mut gains = [0.0; 3];

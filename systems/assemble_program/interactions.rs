@@ -77,7 +77,7 @@ pub fn contact_law(
     analysis: &Analysis,
     contact: &Contact,
 ) -> ContactLaw {
-    if matches!(analysis.kind, AnalysisKind::LeastMotion { .. }) {
+    if matches!(analysis.kind, AnalysisKind::Compaction { .. }) {
         return ContactLaw::rigid_frictionless();
     }
     let (a, b) = (contact.a as usize, contact.b as usize);
@@ -169,7 +169,7 @@ fn interaction(
 ) -> Interaction {
     let theta = match analysis.kind {
         AnalysisKind::Dynamic { theta, .. } => theta,
-        AnalysisKind::Static | AnalysisKind::LeastMotion { .. } => 1.0,
+        AnalysisKind::Static | AnalysisKind::Compaction { .. } => 1.0,
     };
     let pair = (contact.a, contact.b);
     let correction = findings.corrections.of(pair);

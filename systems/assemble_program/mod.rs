@@ -6,11 +6,12 @@ pub mod groups;
 pub mod hits;
 pub mod interactions;
 pub mod known_pairs;
-pub mod loose;
 pub mod rebounds;
+pub mod regularise;
 pub mod scales;
 pub mod taut;
 pub mod turning;
+pub mod underconstrained;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
@@ -145,7 +146,7 @@ pub fn assemble_program(
     );
     program.tolerance = tolerance(&analysis, &acceptance, &attempt, &bodies);
     let mode = &attempt.mode;
-    loose::regularise(
+    regularise::regularise(
         &bodies,
         &contacts.0,
         history,

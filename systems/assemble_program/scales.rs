@@ -65,7 +65,7 @@ fn displacement(bodies: &Bodies, analysis: &Analysis, progress: &Progress) -> f6
     let walls = bodies.walls.iter().map(|w| f * bodies.wall_travel(w, bodies.wall_drive(w)));
     let groups = bodies.groups.iter().map(|group| f * bodies.imposed_motion(group));
     // Of a body across the cell.
-    let cell = bodies.cell.filter(|_| !bodies.resting).map(|cell| f * cell.imposed());
+    let cell = bodies.cell.filter(|_| !bodies.drives_stopped).map(|cell| f * cell.imposed());
     let groups = groups.chain(cell);
     let moved = bodies.last_motion.iter().map(|u| f * DVec2::new(u[0], u[1]).length());
     let maximum = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
@@ -77,7 +77,7 @@ fn displacement(bodies: &Bodies, analysis: &Analysis, progress: &Progress) -> f6
                 .max(v * dt)
                 .max(analysis.gravity.length() * dt * dt)
         }
-        AnalysisKind::Static | AnalysisKind::LeastMotion { .. } => {
+        AnalysisKind::Static | AnalysisKind::Compaction { .. } => {
             let driven = maximum(&mut imposed.chain(walls).chain(groups));
             // The jump of a grain in the last increment must not set the scale.
             let last = maximum(&mut moved.into_iter()).min(0.1 * bodies.mean_radius);

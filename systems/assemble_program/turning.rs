@@ -4,7 +4,8 @@
 //! A wall turns about a point by a finite angle, and its program has the rotation to first order.
 //! At a distance L from the wall's position the two differ by `L alpha^2/2`. The difference is
 //! known and goes into the offset, so that a disk in front of a wall does not overlap with it after
-//! the rotation.
+//! the rotation. The rotation of a wall in a rigid group is an unknown of the program: its contacts
+//! have arms alone, and [`groups`](super::groups) moves them to the group.
 
 use glam::DVec2;
 
@@ -41,10 +42,15 @@ pub fn carry(
             Some(Turning { wall, motion: (DVec2::new(x, y), angle) })
         })
         .collect();
-    if turning.is_empty() {
+    if turning.is_empty() && bodies.groups.is_empty() {
         return;
     }
     for (contact, c) in contacts.iter().zip(interactions) {
+        let b = contact.b as usize;
+        if b >= bodies.particles && bodies.group(b).is_some() {
+            *c = c.carried_by(false, contact.b, contact.point(bodies) - bodies.positions[b]);
+            continue;
+        }
         let Ok(k) = turning.binary_search_by_key(&contact.b, |t| t.wall.body) else { continue };
         let at = bodies.positions[contact.b as usize];
         let lever = contact.point(bodies) - at;

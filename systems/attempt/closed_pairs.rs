@@ -2,6 +2,7 @@
 //! so that no contact is missed although detection prunes pairs.
 
 use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemParam;
 use glam::DVec2;
 
 use clastic_components::attempt::{Attempt, Verdict};
@@ -16,58 +17,61 @@ use crate::detect_contacts::gaps::wall_gap;
 use crate::detect_contacts::grid::pairs_within;
 use crate::detect_contacts::periodic;
 
-/// Pairs that are about to close are added together with those that close. They are this many mean
-/// radii apart, or this fraction of their relative motion.
-const COMPANY: f64 = 0.01;
-const COMPANY_OF_MOTION: f64 = 0.5;
+/// Pairs that are about to close are added together with those that close. Their gap is at most
+/// this many mean radii plus this fraction of their relative motion.
+const NEAR: f64 = 0.01;
+const NEAR_OF_MOTION: f64 = 0.5;
 /// Maximum gap of pairs that are added in this way, in mean radii.
-const FURTHEST: f64 = 0.5;
+const MAX_NEAR: f64 = 0.5;
 
 /// Checks all pairs, not only those of the program, at the positions after the solution.
 pub fn judge(
     bodies: Res<Bodies>,
-    candidates: Res<Candidates>,
-    contacts: Res<Contacts>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
-    acceptance: Res<Acceptance>,
-    mut pairs: ResMut<AddedPairs>,
+    mut pairs: ClosedPairs,
     mut attempt: ResMut<Attempt>,
 ) {
-    if add_closed(&bodies, &candidates, &contacts, &program, &solution, &acceptance, &mut pairs) {
+    if pairs.add(&bodies, &program, &solution) {
         attempt.verdict = Verdict::Again;
     }
 }
 
-/// Adds the pairs that a solution closes. Returns whether it closes any.
-pub(super) fn add_closed(
-    bodies: &Bodies,
-    candidates: &Candidates,
-    contacts: &Contacts,
-    program: &ConeProgram,
-    solution: &ConeSolution,
-    acceptance: &Acceptance,
-    pairs: &mut AddedPairs,
-) -> bool {
-    let tolerance = acceptance.overlap * bodies.mean_radius;
-    let positions = moved_positions(bodies, program, solution);
-    let cell = moved_cell(bodies, program, solution);
-    let after = (&positions[..], cell.as_ref());
-    let rotations = |body: u32| solution.displacements.get(body as usize).map_or(0.0, |u| u[2]);
-    let walls: Vec<WallRow> =
-        bodies.walls.iter().map(|wall| wall.turned(rotations(wall.body))).collect();
-    let missed = |reach: f64| unlisted_pairs(bodies, &walls, candidates, contacts, after, reach);
-    if missed(-tolerance).is_empty() {
-        return false;
+/// The pairs of the program, those nearby, and those that solutions have closed.
+#[derive(SystemParam)]
+pub struct ClosedPairs<'w> {
+    acceptance: Res<'w, Acceptance>,
+    candidates: Res<'w, Candidates>,
+    contacts: Res<'w, Contacts>,
+    added: ResMut<'w, AddedPairs>,
+}
+
+impl ClosedPairs<'_> {
+    /// Adds the pairs that a solution closes. Returns whether it closes any.
+    pub fn add(&mut self, bodies: &Bodies, program: &ConeProgram, solution: &ConeSolution) -> bool {
+        let tolerance = self.acceptance.overlap * bodies.mean_radius;
+        let positions = moved_positions(bodies, program, solution);
+        let cell = moved_cell(bodies, program, solution);
+        let after = (&positions[..], cell.as_ref());
+        let rotation = |body: u32| solution.displacements.get(body as usize).map_or(0.0, |u| u[2]);
+        let walls: Vec<WallRow> =
+            bodies.walls.iter().map(|wall| wall.turned(rotation(wall.body))).collect();
+        let missed = |reach: f64| {
+            unlisted_pairs(bodies, &walls, &self.candidates, &self.contacts, after, reach)
+        };
+        if missed(-tolerance).is_empty() {
+            return false;
+        }
+        let motion = |i: u32| positions[i as usize] - bodies.positions[i as usize];
+        let near = |(a, b): &(u32, u32)| {
+            let approach = (motion(*a) - motion(*b)).length();
+            let reach = NEAR * bodies.mean_radius + NEAR_OF_MOTION * approach;
+            gap(bodies, &walls, after, *a, *b) <= reach
+        };
+        let found = missed(MAX_NEAR * bodies.mean_radius).into_iter().filter(near);
+        add(&mut self.added, found);
+        true
     }
-    let motion = |i: u32| positions[i as usize] - bodies.positions[i as usize];
-    let near = |(a, b): &(u32, u32)| {
-        let reach =
-            COMPANY * bodies.mean_radius + COMPANY_OF_MOTION * (motion(*a) - motion(*b)).length();
-        gap(bodies, &walls, after, *a, *b) <= reach
-    };
-    add(pairs, missed(FURTHEST * bodies.mean_radius).into_iter().filter(near));
-    true
 }
 
 /// Adds pairs to the next program.

@@ -6,7 +6,7 @@ use bevy_ecs::prelude::*;
 use glam::DVec2;
 
 use clastic_components::attempt::{Attempt, Verdict};
-use clastic_components::contact::{Bodies, Contacts, DraftHistory};
+use clastic_components::contact::{Bodies, Contacts, DraftHistory, WallRow};
 use clastic_components::findings::AddedPairs;
 use clastic_components::increment::Acceptance;
 use clastic_cone::program::{ConeProgram, ConeSolution};
@@ -41,7 +41,14 @@ pub fn judge(
             DVec2::new(u[0], u[1])
         })
         .collect();
-    let maximum = motion.iter().map(|u| u.length()).fold(0.0, f64::max);
+    // A wall of a rigid group may turn about its middle, which then stays.
+    let turns: Vec<f64> = certificate.mechanism.iter().map(|u| u[2]).collect();
+    let travel = |wall: &WallRow| {
+        let row = wall.body as usize;
+        motion[row].length() + turns[row].abs() * wall.extent()
+    };
+    let travels = bodies.walls.iter().map(travel);
+    let maximum = motion.iter().map(|u| u.length()).chain(travels).fold(0.0, f64::max);
     if !(maximum > 0.0) {
         return;
     }
@@ -56,15 +63,17 @@ pub fn judge(
         cell.deformed(u.map(|u| scale * u), bodies.mean_radius)
     });
     let after = (&moved[..], deformed.as_ref());
+    let turned: Vec<WallRow> =
+        bodies.walls.iter().map(|wall| wall.turned(scale * turns[wall.body as usize])).collect();
     let closes = |(a, b): &(u32, u32)| {
-        let at = |places: Places| gap(&bodies, &bodies.walls, places, *a, *b);
-        let closing = at(start) - at(after);
+        let at = |walls: &[WallRow], places: Places| gap(&bodies, walls, places, *a, *b);
+        let closing = at(&bodies.walls, start) - at(&turned, after);
         closing > CLOSES * scale * maximum
     };
     let reach = 2.0 * acceptance.throw * bodies.mean_radius;
     let near = unlisted_pairs(&bodies, &bodies.walls, &candidates, &contacts, start, reach);
     let touched = |wall: u32| history.0.0.iter().any(|m| m.b == wall && m.p > 0.0);
-    let coming = bodies.walls.iter().filter(|w| motion[w.body as usize] != DVec2::ZERO);
+    let coming = bodies.walls.iter().filter(|w| travel(w) > 0.0);
     let coming = coming.filter(|w| !touched(w.body));
     let walls = coming.flat_map(|w| (0..bodies.particles as u32).map(|a| (a, w.body)));
     let walls = walls.filter(|pair| !is_listed(&contacts, *pair));

@@ -3,13 +3,13 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, Effort, Mode, Verdict};
-use clastic_components::contact::{Bodies, Contacts};
-use clastic_components::findings::{AddedPairs, Centre, Closest, Restraints, Unconverged};
+use clastic_components::contact::Bodies;
+use clastic_components::findings::{BestUnconverged, Centre, Restraints, Unconverged};
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
 use clastic_cone::program::{Certificate, ConeProgram, ConeSolution, SolveStatus};
 
+use super::closed_pairs::ClosedPairs;
 use super::thrown_grains::{is_unsupported, reply, thrown};
-use crate::detect_contacts::Candidates;
 use clastic_cone::certificate::{certificate, proves};
 use clastic_cone::residuals::{displacement_scale, regularised_residuals, worst_bodies};
 
@@ -25,18 +25,16 @@ pub fn judge(
     acceptance: Res<Acceptance>,
     analysis: Res<Analysis>,
     bodies: Res<Bodies>,
-    candidates: Res<Candidates>,
-    contacts: Res<Contacts>,
     mut centre: ResMut<Centre>,
-    mut closest: ResMut<Closest>,
-    mut pairs: ResMut<AddedPairs>,
+    mut best: ResMut<BestUnconverged>,
+    mut pairs: ClosedPairs,
     mut restraints: ResMut<Restraints>,
     mut attempt: ResMut<Attempt>,
 ) {
     let solution = &mut *solution;
     let seeks_equilibrium = matches!(attempt.mode, Mode::Equilibrium(_));
     if solution.status == SolveStatus::Stalled && seeks_equilibrium {
-        keep_closest(&bodies, &program, solution, &mut closest);
+        keep_best(&bodies, &program, solution, &mut best);
     }
     let unconverged = |solution: &ConeSolution, reason: String| Verdict::Unconverged {
         reason,
@@ -74,17 +72,9 @@ pub fn judge(
                     Verdict::TooFar(reason)
                 } else {
                     // Pruning must not be the reason why a grain finds no support.
-                    reply(
-                        &bodies,
-                        &candidates,
-                        &contacts,
-                        &program,
-                        solution,
-                        &acceptance,
-                        &mut pairs,
-                        &mut restraints,
-                        reason,
-                    )
+                    let acceptance = &acceptance;
+                    let (pairs, restraints) = (&mut pairs, &mut restraints);
+                    reply(&bodies, &program, solution, acceptance, pairs, restraints, reason)
                 };
                 match verdict {
                     Verdict::Again => Verdict::Again,
@@ -95,11 +85,11 @@ pub fn judge(
                 centre.place.clone_from(&solution.displacements);
                 Verdict::Again
             } else {
-                let verdict = unconverged(solution, complaint(&closest, &acceptance));
+                let verdict = unconverged(solution, complaint(&best, &acceptance));
                 impossible_or(&program, solution, verdict)
             }
         }
-        SolveStatus::Stalled => unconverged(solution, complaint(&closest, &acceptance)),
+        SolveStatus::Stalled => unconverged(solution, complaint(&best, &acceptance)),
     };
     if matches!(attempt.verdict, Verdict::Unconverged { .. }) && seeks_equilibrium {
         attempt.magnitudes = magnitudes(&program, solution);
@@ -153,15 +143,15 @@ fn is_biased(program: &ConeProgram, solution: &ConeSolution, acceptance: &Accept
 
 /// Keeps the residuals of the solution with the smallest error in the increment. Regularised
 /// attempts contain a bias, so later attempts may have larger residuals than the first.
-fn keep_closest(
+fn keep_best(
     bodies: &Bodies,
     program: &ConeProgram,
     solution: &ConeSolution,
-    closest: &mut Closest,
+    best: &mut BestUnconverged,
 ) {
     let worst = solution.residuals.worst();
-    if closest.0.as_ref().is_none_or(|best| !(best.residuals.worst() <= worst)) {
-        closest.0 = Some(Unconverged {
+    if best.0.as_ref().is_none_or(|best| !(best.residuals.worst() <= worst)) {
+        best.0 = Some(Unconverged {
             residuals: solution.residuals,
             place: place(bodies, program, solution),
             message: solution.message.clone(),
@@ -190,8 +180,8 @@ fn magnitudes(program: &ConeProgram, solution: &ConeSolution) -> Option<(f64, f6
     (moves && u.is_finite() && f.is_finite() && f > 0.0).then_some((u, f))
 }
 
-fn complaint(closest: &Closest, acceptance: &Acceptance) -> String {
-    let Some(best) = &closest.0 else { return "no solution was found".to_owned() };
+fn complaint(best: &BestUnconverged, acceptance: &Acceptance) -> String {
+    let Some(best) = &best.0 else { return "no solution was found".to_owned() };
     let (r, place, message) = (best.residuals, &best.place, &best.message);
     format!(
         "no solution was found; residuals of the best one: balance {:.1e}, kinematics {:.1e}, cone \

@@ -44,7 +44,7 @@ pub fn judge(
     let place = match analysis.kind {
         AnalysisKind::Static => 1.0,
         AnalysisKind::Dynamic { theta, .. } => 1.0 - theta,
-        AnalysisKind::LeastMotion { .. } => return,
+        AnalysisKind::Compaction { .. } => return,
     };
     if corrector.passes == 0 {
         return;
@@ -154,11 +154,13 @@ fn of_pair(bodies: &Bodies, [a, b]: [usize; 2], [start, at, finish]: [DVec2; 3])
 }
 
 /// A particle and a wall with curves or ends. The normal of a line is constant. A wall that turns is
-/// left to [`turning`](crate::assemble_program::turning).
+/// left to [`turning`](crate::assemble_program::turning), and one in a rigid group to the frozen
+/// normals of its group.
 fn of_wall(bodies: &Bodies, contact: &Contact, way: [DVec2; 3]) -> Option<Exact> {
     let k = bodies.walls.binary_search_by_key(&contact.b, |w| w.body).ok()?;
     let wall = bodies.walls.get(k).filter(|wall| !wall.is_line())?;
-    if matches!(bodies.wall_drive(wall), WallDrive::Turning { .. }) {
+    let is_grouped = bodies.group(contact.b as usize).is_some();
+    if is_grouped || matches!(bodies.wall_drive(wall), WallDrive::Turning { .. }) {
         return None;
     }
     let radius = bodies.radii[contact.a as usize];

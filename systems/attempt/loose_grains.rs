@@ -7,10 +7,13 @@ use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::contact::Bodies;
 use clastic_cone::program::ConeSolution;
 
-use super::restraints::TAKES_PART;
+use super::restraints::{takes_part, translations};
 
 /// Maximum share of the particles in the mechanism of loose grains, unless it is a single one.
-/// Above it the specimen itself gives way; no study.
+/// Above it the specimen itself gives way.
+///
+/// 0.2: half and double change no scene; without it the motion of a collapse is followed in vain
+/// (docs/decisions/002-lost-equilibrium.md).
 const MAX_SHARE: f64 = 0.2;
 
 /// Tests whether a mechanism moves few particles, and neither a wall, nor a rigid group, nor a
@@ -21,19 +24,17 @@ pub fn judge(bodies: Res<Bodies>, solution: Res<ConeSolution>, mut attempt: ResM
     else {
         return;
     };
-    let mechanism = &certificate.mechanism;
-    let mut far: Vec<f64> = mechanism.iter().map(|u| u[0].hypot(u[1])).collect();
+    let mut far = translations(certificate);
     // A group may turn about its centre, which then stays.
     for group in &bodies.groups {
         let row = group.body as usize;
-        far[row] += mechanism[row][2].abs() * group.extent;
+        far[row] += certificate.mechanism[row][2].abs() * group.extent;
     }
-    let maximum = far.iter().copied().fold(0.0, f64::max);
-    let moves = |i: &usize| far[*i] > TAKES_PART * maximum;
+    let moves = takes_part(&far);
     let is_loaded =
         |i: usize| bodies.loads[i].iter().any(|load| load.from != 0.0 || load.to != 0.0);
     let is_loose = |i: usize| i < bodies.particles && !is_loaded(i) && bodies.group(i).is_none();
-    let moving: Vec<usize> = (0..far.len()).filter(moves).collect();
+    let moving: Vec<usize> = (0..far.len()).filter(|i| moves(*i)).collect();
     // A mechanism without translations is no fall, nor is that of all particles: no particle is left
     // that stands.
     let few = !moving.is_empty()

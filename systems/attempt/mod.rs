@@ -27,6 +27,7 @@ pub mod snaps;
 pub mod thrown_grains;
 
 use bevy_app::{App, Plugin};
+use bevy_ecs::component::Mutable;
 use bevy_ecs::prelude::*;
 use glam::DVec2;
 
@@ -35,7 +36,8 @@ use clastic_components::body::Ramp;
 use clastic_components::contact::{Bodies, DraftHistory};
 use clastic_components::energy::MotionEnergies;
 use clastic_components::findings::{
-    AddedPairs, Centre, Closest, Corrections, EventSearch, Pushed, Restraints, Ruptures, Sliding,
+    AddedPairs, BestUnconverged, Centre, Corrections, EventSearch, Pushed, Restraints, Ruptures,
+    Sliding,
 };
 use clastic_components::increment::{
     Acceptance, Analysis, AnalysisKind, Corrector, FrictionLaw, Progress, RuptureRules,
@@ -43,10 +45,10 @@ use clastic_components::increment::{
 use clastic_components::loads::TrialLoads;
 use clastic_cone::program::ConeSolution;
 
-use self::motion::Cause;
 use self::next::{Budget, Next, next};
 use crate::control_walls::renew_stresses;
 use crate::motion_settings::MotionSettings;
+use crate::rigid_groups::{carry_members, has_groups};
 use crate::schedule::{AttemptIncrement, AttemptSystems, Increment, IncrementSystems};
 use crate::trial_loads::ask_for_loads;
 
@@ -65,7 +67,7 @@ impl Plugin for AttemptPlugin {
             .init_resource::<Pushed>()
             .init_resource::<Restraints>()
             .init_resource::<Centre>()
-            .init_resource::<Closest>()
+            .init_resource::<BestUnconverged>()
             .init_resource::<EventSearch>()
             .init_resource::<MotionEnergies>()
             .init_resource::<Acceptance>()
@@ -78,6 +80,8 @@ impl Plugin for AttemptPlugin {
                 AttemptIncrement,
                 (
                     converged::judge,
+                    // The proof is that of the program, in which members have no motion.
+                    carry_members.run_if(has_groups).run_if(impossible),
                     coulomb::judge.run_if(sound),
                     motion::judge_length.run_if(in_motion),
                     closing_mechanism::judge.run_if(impossible),
@@ -169,9 +173,8 @@ pub fn run_attempts(world: &mut World) {
                 start.get_or_insert_with(|| Start::take(world));
                 let is_released =
                     events::is_released(world.resource(), world.resource(), world.resource());
-                let cause = if is_released { Cause::Rupture } else { Cause::Loss };
                 world.resource_mut::<EventSearch>().moved = true;
-                motion::begin(world, cause, false);
+                motion::begin(world, is_released, false);
             }
             Next::Move => {
                 motion::take_step(world);
@@ -184,16 +187,17 @@ pub fn run_attempts(world: &mut World) {
                 seek_equilibrium(world);
             }
             Next::Repeat => {
-                let cause = motion::cause(world);
                 put_back(world, start.as_ref());
-                world.resource_mut::<Attempt>().motion_strain = 0.0;
+                let mut attempt = world.resource_mut::<Attempt>();
+                attempt.motion_strain = 0.0;
+                let is_released = attempt.motion().is_some_and(|motion| motion.released);
                 open_trial(world);
-                motion::begin(world, cause, true);
+                motion::begin(world, is_released, true);
             }
             Next::Halve | Next::OneRound => {
                 put_back(world, start.take().as_ref());
                 seek_equilibrium(world);
-                *world.resource_mut::<Ruptures>() = Ruptures::default();
+                clear::<Ruptures>(world);
                 world.resource_mut::<Attempt>().motion_strain = 0.0;
                 let mut progress = world.resource_mut::<Progress>();
                 if next == Next::Halve {
@@ -210,7 +214,7 @@ pub fn run_attempts(world: &mut World) {
                     progress.tried =
                         (1.0 - progress.done.fract()).min(progress.total - progress.done);
                     progress.fraction = progress.tried;
-                    *world.resource_mut::<EventSearch>() = EventSearch::default();
+                    clear::<EventSearch>(world);
                 }
                 open_trial(world);
             }
@@ -257,14 +261,19 @@ fn put_back(world: &mut World, start: Option<&Start>) {
     }
 }
 
+/// Sets a resource to its default.
+fn clear<R: Resource<Mutability = Mutable> + Default>(world: &mut World) {
+    *world.resource_mut::<R>() = R::default();
+}
+
 fn begin_increment(world: &mut World) {
-    *world.resource_mut::<Attempt>() = Attempt::default();
-    *world.resource_mut::<AddedPairs>() = AddedPairs::default();
-    *world.resource_mut::<Restraints>() = Restraints::default();
-    *world.resource_mut::<MotionEnergies>() = MotionEnergies::default();
-    *world.resource_mut::<Ruptures>() = Ruptures::default();
-    *world.resource_mut::<Closest>() = Closest::default();
-    *world.resource_mut::<Sliding>() = Sliding::default();
+    clear::<Attempt>(world);
+    clear::<AddedPairs>(world);
+    clear::<Restraints>(world);
+    clear::<MotionEnergies>(world);
+    clear::<Ruptures>(world);
+    clear::<BestUnconverged>(world);
+    clear::<Sliding>(world);
     motion::forget_passes(world);
     let mut progress = world.resource_mut::<Progress>();
     progress.increment += 1;
@@ -308,7 +317,7 @@ fn budget(world: &World) -> Budget {
 
 /// Begins a trial: another fraction of the increment, or other positions of the bodies.
 fn open_trial(world: &mut World) {
-    if world.resource::<Bodies>().resting {
+    if world.resource::<Bodies>().drives_stopped {
         world.resource_scope(|world, mut bodies: Mut<Bodies>| {
             let (world, table_of) = (&*world, |wall| world.get(wall));
             renew_stresses(&mut bodies, table_of, world.resource(), world.resource());
@@ -352,25 +361,21 @@ fn end_increment(
         solution.certificate = solution.certificate.take().filter(|_| proved);
     }
     if status == IncrementStatus::Undecided
-        && let Some(closest) = world.resource_mut::<Closest>().0.take()
+        && let Some(best) = world.resource_mut::<BestUnconverged>().0.take()
     {
-        world.resource_mut::<ConeSolution>().residuals = closest.residuals;
+        world.resource_mut::<ConeSolution>().residuals = best.residuals;
     }
     world.resource_mut::<Attempt>().status = status;
-}
-
-/// Whether any load on a wall or particle satisfies a condition.
-fn any_load(bodies: &Bodies, is_so: impl Fn(&Ramp) -> bool) -> bool {
-    bodies.walls.iter().any(|w| w.drive.load().is_some_and(|ramp| is_so(&ramp)))
-        || bodies.loads.iter().flatten().any(is_so)
 }
 
 /// Whether loads, and not only imposed motions of walls, act on a specimen that carries forces
 /// already. A specimen without forces may reach its first support over any distance.
 fn carries_loads(world: &World) -> bool {
+    let bodies = world.resource::<Bodies>();
     let acts = |ramp: &Ramp| ramp.from != 0.0 || ramp.to != 0.0;
     world.resource::<DraftHistory>().0.0.iter().any(|m| m.p != 0.0)
         && (world.resource::<Analysis>().gravity != DVec2::ZERO
             || !world.resource::<TrialLoads>().is_empty()
-            || any_load(world.resource(), acts))
+            || bodies.walls.iter().any(|w| w.drive.load().as_ref().is_some_and(acts))
+            || bodies.loads.iter().flatten().any(acts))
 }

@@ -25,71 +25,41 @@ use clastic_components::material::Materials;
 use clastic_components::motion::Motion;
 use clastic_cone::program::{ConeProgram, ConeSolution, SolveStatus};
 
+use super::clear;
 use crate::kinetic_damping;
 use crate::mean_field::{furthest, mean_strain};
 use crate::motion_settings::MotionSettings;
 use crate::rupture_bonds::{BuiltInRule, Met, find_ruptures, release, yielding};
 use crate::update_state::remembered;
 
-/// Why a motion begins.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Cause {
-    /// No equilibrium was found near by.
-    Loss,
-    /// Bonds have broken.
-    Rupture,
-}
-
-/// Why the motion under way began.
-#[must_use]
-pub fn cause(world: &World) -> Cause {
-    match world.resource::<Attempt>().motion() {
-        Some(motion) if motion.released => Cause::Rupture,
-        _ => Cause::Loss,
-    }
-}
-
-/// What the steps of a motion are measured by.
-struct Measure {
-    released: bool,
-    length: f64,
-    stiffness: f64,
-    first_weight: f64,
-}
-
-/// After a rupture the means over the intact bonds: of the elongation `C_N f_t = 2 C_N h sigma_t r`
-/// at strength over the radius, and of the stiffness `1/C_N`. One that leaves no bond is followed
-/// as a loss of equilibrium: nothing else can break.
-fn measure(world: &World, cause: Cause) -> Measure {
+/// Length of a step, in radii of the furthest grain, stiffness, N/m, and weight of the first step.
+///
+/// After a rupture they are means over the intact bonds: of the elongation `C_N f_t = 2 C_N h
+/// sigma_t r` at strength over the radius, and of the stiffness `1/C_N`. A rupture that leaves no
+/// bond is followed as a loss of equilibrium, since nothing else can break.
+fn units(world: &World, released: bool) -> (f64, f64, f64) {
     let bonds = &world.resource::<Bodies>().bonds;
-    if cause == Cause::Loss || bonds.is_empty() {
+    if !released || bonds.is_empty() {
         let scales = world.resource::<ConeProgram>().scales;
-        return Measure {
-            released: cause == Cause::Rupture,
-            length: 1.0,
-            stiffness: scales.force / scales.displacement,
-            first_weight: world.resource::<MotionSettings>().first_weight,
-        };
+        let first_weight = world.resource::<MotionSettings>().first_weight;
+        return (1.0, scales.force / scales.displacement, first_weight);
     }
     let mean = |of: fn(&BondRow) -> f64| bonds.iter().map(of).sum::<f64>() / bonds.len() as f64;
     let elongation = mean(|bond| 2.0 * bond.law.normal_compliance * bond.law.tensile_strength);
-    Measure {
-        released: true,
-        length: (elongation * world.resource::<Analysis>().thickness).min(1.0),
-        stiffness: mean(|bond| bond.law.normal_compliance.recip()),
-        first_weight: 1.0,
-    }
+    let length = (elongation * world.resource::<Analysis>().thickness).min(1.0);
+    (length, mean(|bond| bond.law.normal_compliance.recip()), 1.0)
 }
 
-/// Starts a motion from rest. One that is `repeated` aims at steps half as long.
-pub fn begin(world: &mut World, cause: Cause, repeated: bool) {
-    let Measure { released, length, stiffness, first_weight } = measure(world, cause);
+/// Starts a motion from rest. `released`: bonds have broken at an equilibrium; otherwise no
+/// equilibrium was found nearby. A `repeated` motion aims at steps half as long.
+pub fn begin(world: &mut World, released: bool, repeated: bool) {
+    let (length, stiffness, weight) = units(world, released);
     let bodies = world.resource::<Bodies>();
     let goal = length * aimed(world.resource());
     let motion = Motion {
         released,
         length,
-        weight: first_weight,
+        weight,
         stiffness,
         masses: kinetic_damping::relative_masses(bodies),
         velocities: vec![[0.0; 3]; bodies.rows_in_program()],
@@ -101,7 +71,7 @@ pub fn begin(world: &mut World, cause: Cause, repeated: bool) {
     attempt.mode = Mode::Motion(motion);
     attempt.motions += 1;
     attempt.magnitudes = None;
-    world.resource_mut::<Bodies>().resting = true;
+    world.resource_mut::<Bodies>().drives_stopped = true;
     // What a cascade broke stays broken: it is why the grains move.
     let mut ruptures = world.resource_mut::<Ruptures>();
     ruptures.on_the_way = ruptures.list.len();
@@ -124,7 +94,7 @@ pub fn max_steps(acceptance: &Acceptance, settings: &MotionSettings) -> u32 {
 
 /// Ends the motion under way.
 pub fn end(world: &mut World) {
-    world.resource_mut::<Bodies>().resting = false;
+    world.resource_mut::<Bodies>().drives_stopped = false;
 }
 
 /// Drops the pairs that solutions have added from other positions: each step detects its own.
@@ -134,9 +104,9 @@ pub fn forget_pairs(world: &mut World) {
 
 /// Drops what is only true of the solution that was found last.
 pub fn forget_passes(world: &mut World) {
-    *world.resource_mut::<Corrections>() = Corrections::default();
-    *world.resource_mut::<Pushed>() = Pushed::default();
-    *world.resource_mut::<Centre>() = Centre::default();
+    clear::<Corrections>(world);
+    clear::<Pushed>(world);
+    clear::<Centre>(world);
     world.resource_mut::<Restraints>().replies = 0;
 }
 

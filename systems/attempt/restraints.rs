@@ -7,15 +7,26 @@ use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::contact::Bodies;
 use clastic_components::findings::{Bearing, Restraints};
 use clastic_components::increment::Acceptance;
-use clastic_cone::program::{ConeProgram, ConeSolution, Interaction};
+use clastic_cone::program::{Certificate, ConeProgram, ConeSolution, Interaction};
 
-use crate::assemble_program::loose::find_loaded;
+use crate::assemble_program::regularise::find_loaded;
 use crate::assemble_program::taut;
 use crate::mean_field::far_motions;
 
 /// Bodies that move further than this fraction of the accepted throw, or of the maximum motion of a
 /// mechanism, take part in it.
-pub(super) const TAKES_PART: f64 = 0.1;
+const TAKES_PART: f64 = 0.1;
+
+/// How far a mechanism moves each body, relative to the others.
+pub(super) fn translations(certificate: &Certificate) -> Vec<f64> {
+    certificate.mechanism.iter().map(|u| u[0].hypot(u[1])).collect()
+}
+
+/// Whether a body takes part in a mechanism that moves the bodies this far.
+pub(super) fn takes_part(far: &[f64]) -> impl Fn(usize) -> bool + '_ {
+    let maximum = far.iter().copied().fold(0.0, f64::max);
+    move |i| far[i] > TAKES_PART * maximum
+}
 
 /// Judge: is a collapse the mechanism of grains that hang on taut bonds? The program lacks their
 /// geometric stiffness and is solved again with it.
@@ -27,9 +38,9 @@ pub fn judge(
     mut attempt: ResMut<Attempt>,
 ) {
     let Some(certificate) = &solution.certificate else { return };
-    let motion = |i: usize| certificate.mechanism[i][0].hypot(certificate.mechanism[i][1]);
-    let maximum = (0..bodies.particles).map(motion).fold(0.0, f64::max);
-    if pull_back(&bodies, &program, &mut restraints, |i| motion(i) > TAKES_PART * maximum) {
+    let mut far = translations(certificate);
+    far.truncate(bodies.particles);
+    if pull_back(&bodies, &program, &mut restraints, takes_part(&far)) {
         attempt.verdict = Verdict::Again;
     }
 }

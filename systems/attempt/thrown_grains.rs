@@ -6,14 +6,13 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, Verdict};
-use clastic_components::contact::{Bodies, Contacts};
-use clastic_components::findings::{AddedPairs, Restraints};
+use clastic_components::contact::Bodies;
+use clastic_components::findings::Restraints;
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
-use super::closed_pairs::add_closed;
+use super::closed_pairs::ClosedPairs;
 use super::restraints::restrain;
-use crate::detect_contacts::Candidates;
 use crate::mean_field::furthest;
 
 /// Maximum number of consecutive attempts with new restraints before the motion is followed.
@@ -26,31 +25,20 @@ const UNSUPPORTED: f64 = 10.0;
 /// about the mean field.
 pub fn judge(
     bodies: Res<Bodies>,
-    candidates: Res<Candidates>,
-    contacts: Res<Contacts>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
     acceptance: Res<Acceptance>,
     analysis: Res<Analysis>,
-    mut pairs: ResMut<AddedPairs>,
+    mut pairs: ClosedPairs,
     mut restraints: ResMut<Restraints>,
     mut attempt: ResMut<Attempt>,
 ) {
-    if analysis.kind != AnalysisKind::Static {
-        return;
-    }
-    if let Some(reason) = thrown(&bodies, &program, &solution, &acceptance) {
-        attempt.verdict = reply(
-            &bodies,
-            &candidates,
-            &contacts,
-            &program,
-            &solution,
-            &acceptance,
-            &mut pairs,
-            &mut restraints,
-            reason,
-        );
+    if analysis.kind == AnalysisKind::Static
+        && let Some(reason) = thrown(&bodies, &program, &solution, &acceptance)
+    {
+        let acceptance = &acceptance;
+        attempt.verdict =
+            reply(&bodies, &program, &solution, acceptance, &mut pairs, &mut restraints, reason);
     }
 }
 
@@ -60,18 +48,15 @@ pub fn judge(
 /// where no accepted solution can, and such a grain crosses thousands of others.
 pub(super) fn reply(
     bodies: &Bodies,
-    candidates: &Candidates,
-    contacts: &Contacts,
     program: &ConeProgram,
     solution: &ConeSolution,
     acceptance: &Acceptance,
-    pairs: &mut AddedPairs,
+    pairs: &mut ClosedPairs,
     restraints: &mut Restraints,
     reason: String,
 ) -> Verdict {
     // A pair that stops a grain must not be mistaken for a restraint.
-    let learnt = !is_unsupported(bodies, program, solution)
-        && add_closed(bodies, candidates, contacts, program, solution, acceptance, pairs)
+    let learnt = !is_unsupported(bodies, program, solution) && pairs.add(bodies, program, solution)
         || restrain(bodies, program, solution, acceptance, restraints);
     if learnt && restraints.replies < MAX_REPLIES {
         restraints.replies += 1;

@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use clastic_components::body::Drive;
-use clastic_components::contact::Bodies;
+use clastic_components::contact::{Bodies, WallRow};
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::rigid_group::GroupRow;
 use clastic_components::wall::WallDrive;
@@ -57,7 +57,7 @@ pub fn expected_motion(
         AnalysisKind::Static => {
             bodies.last_motion.iter().map(|u| f * DVec2::new(u[0], u[1])).collect()
         }
-        AnalysisKind::LeastMotion { .. } => vec![DVec2::ZERO; bodies.positions.len()],
+        AnalysisKind::Compaction { .. } => vec![DVec2::ZERO; bodies.positions.len()],
     };
     let mut imposed = 0.0_f64;
     for i in 0..bodies.particles {
@@ -87,7 +87,8 @@ pub fn expected_motion(
                 DVec2::new(u[0].map_or(own.x, |_| moved[0]), u[1].map_or(own.y, |_| moved[1]));
         }
     }
-    for wall in &bodies.walls {
+    let alone = |wall: &&WallRow| bodies.group(wall.body as usize).is_none();
+    for wall in bodies.walls.iter().filter(alone) {
         let drive = bodies.wall_drive(wall);
         if let WallDrive::Imposed(u) = drive {
             displacement[wall.body as usize] = f * u;
@@ -105,12 +106,12 @@ pub fn expected_motion(
             displacement[wall.body as usize] = DVec2::ZERO;
         }
     }
-    if let Some(cell) = bodies.cell.filter(|_| !bodies.resting) {
+    if let Some(cell) = bodies.cell.filter(|_| !bodies.drives_stopped) {
         imposed = imposed.max(f * cell.imposed());
     }
     let (hit, floor) = match analysis.kind {
         AnalysisKind::Dynamic { .. } => (settings.hit, settings.min_in_dynamics),
-        AnalysisKind::Static | AnalysisKind::LeastMotion { .. } => (0.0, settings.min),
+        AnalysisKind::Static | AnalysisKind::Compaction { .. } => (0.0, settings.min),
     };
     ExpectedMotion {
         displacement,

@@ -33,6 +33,10 @@ pub fn book_bodies(
     let mut mean = solution.displacements.clone();
     for (id, _, force, velocity, spin) in rows {
         let Some(i) = bodies.row(**id) else { continue };
+        if i >= bodies.particles && bodies.group(i).is_some() {
+            // The forces on a wall of a group act on the group.
+            continue;
+        }
         let u = program.bodies[i].to_global(solution.displacements[i]);
         e.external += (0..3).map(|k| force.0[k] * u[k]).sum::<f64>();
         if let Some(group) = bodies.groups.iter().find(|group| group.body as usize == i) {
@@ -114,7 +118,7 @@ pub(super) fn turned_work(tables: &Tables, group: &GroupRow) -> f64 {
     let Tables { bodies, analysis, fraction, solution, .. } = tables;
     let u = solution.displacements[group.body as usize];
     let mut sum = 0.0;
-    for i in group.members.iter().map(|i| *i as usize) {
+    for i in bodies.particles_of(group) {
         let lever = bodies.lever(group, i);
         let [x, y, _] = GroupRow::carried_linearly(u, lever);
         let aside = DVec2::from_slice(&solution.displacements[i][..2]) - DVec2::new(x, y);

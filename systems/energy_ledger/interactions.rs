@@ -142,7 +142,7 @@ fn part<'a>(
     let Tables { bodies, program, solution, corrections, .. } = tables;
     let theta = match tables.analysis.kind {
         AnalysisKind::Dynamic { theta, .. } => theta,
-        AnalysisKind::Static | AnalysisKind::LeastMotion { .. } => 1.0,
+        AnalysisKind::Static | AnalysisKind::Compaction { .. } => 1.0,
     };
     let kinematics = program.kinematics(c, &solution.displacements);
     let [p, q, _] = forces;

@@ -126,7 +126,7 @@ pub struct Solved<'w> {
 /// Books the increment that was just committed.
 pub fn book_energies(solved: Solved, moved: Moved, mut ledger: ResMut<EnergyLedger>) {
     let Solved { bodies, analysis, program, solution, ruptures, motion, .. } = &solved;
-    if matches!(analysis.kind, AnalysisKind::LeastMotion { .. }) {
+    if matches!(analysis.kind, AnalysisKind::Compaction { .. }) {
         // The forces of a compaction come from its regularisation.
         *ledger = EnergyLedger::default();
         return;

@@ -107,7 +107,9 @@ fn bond_of(tables: &Tables, released: &Released) -> Interaction {
         dilation: 0.0,
         image: DVec2::ZERO,
     };
-    let turns = |wall: &WallRow| matches!(bodies.wall_drive(wall), WallDrive::Turning { .. });
+    let turns = |wall: &WallRow| {
+        matches!(bodies.wall_drive(wall), WallDrive::Turning { .. }) || bodies.group(b).is_some()
+    };
     if wall.is_some_and(turns) {
         let lever = normal * (bodies.radii[a] + half_gap) - apart;
         return c.carried_by(false, released.b, lever);

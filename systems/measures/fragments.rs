@@ -13,8 +13,10 @@ pub fn fragments(bodies: &Bodies) -> Vec<u32> {
         join(&mut parents, bond.a, bond.b);
     }
     for group in &bodies.groups {
-        for pair in group.members.windows(2) {
-            join(&mut parents, pair[0], pair[1]);
+        let mut members = bodies.particles_of(group);
+        let Some(first) = members.next() else { continue };
+        for member in members {
+            join(&mut parents, first as u32, member as u32);
         }
     }
     (0..n).map(|row| root(&mut parents, row)).collect()

@@ -117,7 +117,7 @@ impl EndTables<'_, '_> {
     /// Whether the last solution has physical forces. Those of a compaction come from its
     /// regularisation.
     fn carries(&self) -> bool {
-        !matches!(self.analysis.kind, AnalysisKind::LeastMotion { .. })
+        !matches!(self.analysis.kind, AnalysisKind::Compaction { .. })
             && matches!(self.attempt.status, IncrementStatus::Solved | IncrementStatus::Capped)
     }
 

@@ -115,7 +115,7 @@ impl StressTables<'_, '_> {
     /// Whether the last solution has physical forces. Those of a compaction come from its
     /// regularisation and give no stress.
     fn carries(&self) -> bool {
-        !matches!(self.analysis.kind, AnalysisKind::LeastMotion { .. })
+        !matches!(self.analysis.kind, AnalysisKind::Compaction { .. })
             && matches!(self.attempt.status, IncrementStatus::Solved | IncrementStatus::Capped)
     }
 

@@ -9,7 +9,7 @@ use clastic::scene::{self, LoadedScene};
 
 use crate::common::files;
 use crate::resumed::{COULOMB, run, same_from_anywhere};
-use crate::same_bytes::{EXCAVATION, POURED, THIN, TURNING};
+use crate::same_bytes::{EXCAVATION, HINGED, POURED, THIN, TURNING};
 
 /// A scene of `scenes/`, or a text, under settings.
 fn scene_of(rig: &str, sets: &[String]) -> LoadedScene {
@@ -17,6 +17,7 @@ fn scene_of(rig: &str, sets: &[String]) -> LoadedScene {
     let loaded = match rig {
         "COULOMB" => scene::from_str(COULOMB, Path::new("rig.ron"), Path::new(""), sets),
         "THIN" => scene::from_str(THIN, Path::new("rig.ron"), Path::new(""), sets),
+        "HINGED" => scene::from_str(HINGED, Path::new("rig.ron"), Path::new(""), sets),
         "TURNING" => scene::from_str(TURNING, Path::new("rig.ron"), Path::new(""), sets),
         "POURED" => scene::from_str(POURED, Path::new("rig.ron"), Path::new(""), sets),
         "RIGID" => scene::from_str(RIGID, Path::new("rig.ron"), Path::new(""), sets),
@@ -292,6 +293,24 @@ fn walls_that_have_turned() {
             "drum": Spin(about: (0.0, 0.0), angular_velocity: 3.0) })"#;
     let parent = tempfile::tempdir().unwrap();
     same_in_two("TURNING", &[], [first, second], parent.path());
+}
+
+/// Walls that belong to rigid groups do so in the state, with the moment on them.
+#[test]
+fn walls_in_rigid_groups() {
+    let first = r#"Cement(name: "cement", length: 1.0e-4),
+        Load(name: "lean", increments: 5, rigid: {
+            "gate": (walls: ["gate"], about: (0.11, -0.01), x: Held, y: Held, moment: 0.5),
+            "cap": (walls: ["vane"], select: Index([20, 21]), about: (0.04, 0.052), moment: 0.01) })"#;
+    let second = r#"Load(name: "swing", increments: 10, analysis: Dynamic(dt: 2.0e-3), release: ["cap"], rigid: {
+            "gate": (x: Held, y: Held, moment: 0.2) }),
+        Load(name: "without", increments: 2, release: ["gate"])"#;
+    for law in ["friction_law=Associated", "friction_law=Coulomb()"] {
+        let parent = tempfile::tempdir().unwrap();
+        let (from, rows) = same_in_two("HINGED", &[law], [first, second], parent.path());
+        assert!(rows.len() >= 12, "{law}: {}", rows.len());
+        assert_eq!(from.scene.rigid_at_start, ["cap", "gate"]);
+    }
 }
 
 /// What was poured is in the state, and the next pour goes on after it: with its sizes and places.

@@ -499,6 +499,53 @@ fn walls_that_turn_and_groups_whose_force_is_measured() {
     }
 }
 
+/// A heap behind a gate under a moment, a cap of grains and a polyline that is one body, and a lid that
+/// follows a table of angles.
+pub const HINGED: &str = r#"(
+    version: 2,
+    title: "Walls in rigid groups",
+    gravity: (0.0, -9.81),
+    friction_law: ByAnalysis,
+    materials: { "stone": (density: 2000.0,
+        contact: (normal_stiffness: 1.0e6, tangential_stiffness: 1.0e6, friction: 0.4),
+        bond: (normal_stiffness: 1.0e6, tangential_stiffness: 1.0e6, cohesion: 1.0e4, tensile_strength: 1.0e4)) },
+    specimen: Lattice(columns: 6, rows: 4, radius: 0.01),
+    walls: [
+        (name: "floor", start: (-1.0, -0.01), end: (1.0, -0.01), probe: "floor",
+            contact: (normal_stiffness: 1.0e6, tangential_stiffness: 1.0e6, friction: 0.4)),
+        (name: "back", start: (-0.01, 1.0), end: (-0.01, -1.0), contact: (normal_stiffness: 1.0e6)),
+        (name: "gate", shape: Segment, start: (0.11, -0.01), end: (0.11, 0.08), probe: "plate",
+            contact: (normal_stiffness: 1.0e6, friction: 0.2)),
+        (name: "vane", shape: Polyline([(0.05, 0.09)]), start: (0.02, 0.08), end: (0.08, 0.085), probe: "vane",
+            contact: (normal_stiffness: 1.0e6)),
+        (name: "lid", shape: Segment, start: (0.09, 0.2), end: (-0.01, 0.2), probe: "lid", present: false),
+    ],
+    stages: [
+        Cement(name: "cement", length: 1.0e-4, select: Layer(normal: (0.0, 1.0), from: -1.0, to: 0.02)),
+        Load(name: "lean", increments: 5, rigid: {
+            "gate": (walls: ["gate"], about: (0.11, -0.01), x: Held, y: Held, moment: 0.5),
+            "cap": (walls: ["vane"], select: Index([20, 21]), about: (0.04, 0.052), moment: 0.01) }),
+        Load(name: "swing", increments: 20, analysis: Dynamic(dt: 2.0e-3), release: ["cap"], rigid: {
+            "gate": (x: Held, y: Held, moment: 0.2) }),
+        Load(name: "turn", increments: 6, add_walls: ["lid"], walls: { "lid": Follow(Rotation(about: (0.0, 0.2),
+            angle: [(0.0, 0.0), (0.5, 0.02), (1.0, -0.01)])) }, rigid: { "gate": (x: Held, y: Held, rotation: Displacement(-1.0e-4)) }),
+        Load(name: "back", increments: 4, rigid: { "gate": (x: Held, y: Held, moment: 0.4) }),
+    ],
+    output: (energy: true),
+)"#;
+
+#[test]
+fn walls_in_rigid_groups_and_a_table_of_angles() {
+    for law in ["ByAnalysis", "Associated", "Coulomb()"] {
+        let text = HINGED.replace("ByAnalysis", law);
+        let records = same_from_anywhere(&parse(&text), |k| k % 3 == 1);
+        let last = records.last().unwrap();
+        let probe = |name: &str| last.probes.iter().find(|p| p.name == name).unwrap();
+        assert!((probe("lid").motion[2] + 0.01).abs() < 1e-15, "{law}");
+        assert!((probe("gate").force[2] + 0.4).abs() < 1e-8, "{law}");
+    }
+}
+
 /// A box into which grains of two minerals are poured on a bonded block that stands there; some of
 /// them are taken away, and others come through a full opening.
 pub const POURED: &str = r#"(

@@ -79,7 +79,7 @@ pub fn of_condensed() -> Vec<Field<CondensedSettings>> {
         interior.max_idle_at_goal, interior.max_idle, interior.max_idle_diverging,
         interior.divergence,
         warm.sweeps, warm.full_sweep_every, warm.max_gap, warm.product, warm.max_returns,
-        rest.max_residual,
+        sleep.max_residual,
         polish.max_passes, polish.residual, polish.large_residual, polish.large,
         polish.small_residual, polish.regularisation, polish.max_refinements, polish.progress,
         fallback.tolerance, fallback.max_iterations,

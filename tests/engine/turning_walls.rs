@@ -233,3 +233,43 @@ fn cemented_disks_turn_with_their_plate() {
         }
     });
 }
+
+/// A wall that follows a table of angles is where the table says, at the start, in the middle and at
+/// the end of a stage, in statics and in dynamics, whatever its shape.
+#[test]
+fn a_wall_follows_a_table_of_angles() {
+    for (analysis, end) in [("Static", 1.0), ("Dynamic(dt: 1.0e-3)", 0.04)] {
+        for shape in ["Line", "Segment", "Polyline([(0.0, 0.04)])", "Arc(through: (0.01, 0.05))"] {
+            let scene = parse(&format!(
+                "(version: 2, title: \"table\", analysis: {analysis},
+                  materials: {{ \"m\": (density: 2000.0) }},
+                  specimen: Particles([(position: (-0.5, 0.01), radius: 0.01)]),
+                  walls: [(name: \"wall\", start: (0.0, 0.0), end: (0.0, 0.1), shape: {shape}, probe: \"wall\")],
+                  stages: [
+                    Load(name: \"turn\", increments: 40, particles: [(select: All, x: Held, y: Held)],
+                        walls: {{ \"wall\": Follow(Rotation(about: (0.02, 0.0),
+                            angle: [(0.0, 0.0), ({:?}, 0.3), ({:?}, 0.1), ({:?}, 0.1)])) }}),
+                    Load(name: \"stay\", increments: 1, particles: [(select: All, x: Held, y: Held)]),
+                  ])",
+                0.25 * end, 0.75 * end, end
+            ));
+            let (records, _) = run(&scene);
+            assert_eq!(records.len(), 41, "{analysis} {shape}");
+            for (increment, angle) in
+                [(5, 0.15), (10, 0.3), (20, 0.2), (30, 0.1), (35, 0.1), (41, 0.1)]
+            {
+                let wall = probe(&records[increment - 1], "wall");
+                assert_within(wall.motion[2], angle, 1e-14);
+                let middle = if shape.starts_with("Poly") { 0.02 } else { 0.05 };
+                // The middle of an arc is that of its curve.
+                let x = if shape.starts_with("Arc") { 0.01 } else { 0.0 };
+                let start = DVec2::new(x - 0.02, middle);
+                let moved = DVec2::from_angle(angle).rotate(start) - start;
+                assert!(
+                    DVec2::new(wall.motion[0], wall.motion[1]).distance(moved) < 1e-14,
+                    "{shape}"
+                );
+            }
+        }
+    }
+}

@@ -102,7 +102,7 @@ impl Oracle {
         // increment.
         let begins = simulation.world().resource::<Observation>().increment == 0
             && matches!(scene.stages.first(), Some(Stage::Compact(_)));
-        let compacting = begins || matches!(kind, AnalysisKind::LeastMotion { .. });
+        let compacting = begins || matches!(kind, AnalysisKind::Compaction { .. });
         Self { particles: states(simulation), walls: wall_positions(simulation), compacting }
     }
 
@@ -188,7 +188,7 @@ impl Oracle {
             AnalysisKind::Dynamic { dt, theta } => (true, dt * fraction, theta),
             _ => (false, 0.0, 1.0),
         };
-        let least_motion = matches!(analysis.kind, AnalysisKind::LeastMotion { .. });
+        let is_compaction = matches!(analysis.kind, AnalysisKind::Compaction { .. });
         let coulomb = match scene.friction_law {
             FrictionLaw::Associated => false,
             FrictionLaw::ByAnalysis => dynamic,
@@ -332,7 +332,7 @@ impl Oracle {
                 r[2] += arm * q + sign * tau;
             }
             // What pushes overlaps apart is no answer to forces.
-            if least_motion || is_pushed {
+            if is_compaction || is_pushed {
                 continue;
             }
 
@@ -445,7 +445,7 @@ impl Oracle {
             // Section 4 of the formulation: in static increments what rigid bodies overlap by less
             // than this is what the last increment left, and no overlap.
             let left = -1e-9 * mean_radius..0.0;
-            let start = if cn == 0.0 && !dynamic && !least_motion && left.contains(&start) {
+            let start = if cn == 0.0 && !dynamic && !is_compaction && left.contains(&start) {
                 0.0
             } else {
                 start
@@ -493,7 +493,7 @@ impl Oracle {
                 (before.velocity, before.spin) = (DVec2::ZERO, 0.0);
             }
             for k in 0..3 {
-                if drives[k] != Drive::Free || least_motion {
+                if drives[k] != Drive::Free || is_compaction {
                     continue;
                 }
                 let mass = if k < 2 { s.mass } else { s.inertia };
@@ -524,7 +524,7 @@ impl Oracle {
         let mut query = world.query::<(&BodyId, &Wall, &WallControl, &ExternalForce)>();
         for (id, wall, control, external) in query.iter(world) {
             let loaded = matches!(control, WallControl::Force { .. } | WallControl::Stress { .. });
-            if loaded && !least_motion {
+            if loaded && !is_compaction {
                 // Its force is the sum of its contacts' forces, whatever it was told to carry.
                 let sum = DVec2::new(resist[&id.0][0], resist[&id.0][1]);
                 let given = DVec2::new(external.0[0], external.0[1]);
@@ -536,7 +536,7 @@ impl Oracle {
         // Rigid, unbonded pairs do not overlap at the end, whether in the program or not.
         let rigid_pair = |a: u32, b: u32| {
             let (la, lb) = (law(a).contact, law(b).contact);
-            least_motion || (la.normal_stiffness.is_none() && lb.normal_stiffness.is_none())
+            is_compaction || (la.normal_stiffness.is_none() && lb.normal_stiffness.is_none())
         };
         for a in 0..now.len() as u32 {
             let x = now[a as usize].position;

@@ -11,7 +11,7 @@ use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use super::material::{Grains, inertial};
 use super::{Report, is_specimen, is_test};
-use crate::run::stages::Script;
+use crate::run::script::Script;
 use crate::scene::format::Scene;
 
 /// Name of [`Sanity`] in a state.
@@ -93,7 +93,7 @@ pub fn follow(
     mut sanity: ResMut<Sanity>,
 ) {
     let carries = matches!(o.status, IncrementStatus::Solved | IncrementStatus::Capped);
-    if !carries || matches!(analysis.kind, AnalysisKind::LeastMotion { .. }) {
+    if !carries || matches!(analysis.kind, AnalysisKind::Compaction { .. }) {
         return;
     }
     if let Some(overlap) = overlap(&bodies, &contacts, &program, &solution) {

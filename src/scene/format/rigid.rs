@@ -4,15 +4,18 @@ use serde::{Deserialize, Serialize};
 
 use super::{Motion, Select};
 
-/// Control of a rigid group in a stage. The entry that has `select` makes the group.
+/// Control of a rigid group in a stage. The entry that has `select` or `walls` makes the group.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct RigidControl {
     /// The members, chosen at the start of the stage; left out for a group that exists.
     #[serde(default)]
     pub select: Option<Select>,
+    /// Names of walls that are members.
+    #[serde(default)]
+    pub walls: Vec<String>,
     /// Pivot (x, y) at the start of the stage, m, which moves with the group; the centre of mass if
-    /// left out.
+    /// left out, which a group with walls may not do.
     #[serde(default)]
     pub about: Option<(f64, f64)>,
     /// Motion of the centre along x.
@@ -47,6 +50,12 @@ pub struct Traction {
 }
 
 impl RigidControl {
+    /// Whether the entry makes the group.
+    #[must_use]
+    pub fn makes(&self) -> bool {
+        self.select.is_some() || !self.walls.is_empty()
+    }
+
     /// Force on the centre at the end of the stage, N, for bodies of this thickness (m); `None` if
     /// the entry gives none.
     #[must_use]

@@ -149,6 +149,13 @@ pub enum Table {
     Displacement(Vec<(f64, f64, f64)>),
     /// Force along the inward normal, N.
     Force(Vec<(f64, f64)>),
+    /// Rotation about a fixed point. The pieces of a polyline turn together.
+    Rotation {
+        /// The point, m.
+        about: (f64, f64),
+        /// Points: angle since the start of the stage, rad, anticlockwise.
+        angle: Vec<(f64, f64)>,
+    },
     /// Stress along the inward normal.
     Stress {
         /// Points: stress, Pa, compression positive.

@@ -31,7 +31,7 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
         findings.add(format_args!("stages"), "no stage: nothing would happen".to_owned(), help);
     }
     let mut present: Vec<bool> = scene.walls.iter().map(|wall| wall.present).collect();
-    let mut groups = scene.rigid_at_start.clone();
+    let mut groups = rigid::at_start(&scene.rigid_at_start);
     let mut skins = membranes::inherited(context.specimen);
     for (i, stage) in scene.stages.iter().enumerate() {
         let path = format_args!("stages[{i}]");
@@ -52,12 +52,12 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
             Stage::Load(stage) => {
                 load(context, path, (i, stage), &mut present, findings);
                 pour::none_is_full(path, stage, findings);
-                rigid::check(context, path, stage, &mut groups, findings);
+                rigid::check(context, path, stage, &present, &mut groups, findings);
                 membranes::check(context, path, stage, &present, &mut skins, findings);
             }
             Stage::Pour(stage) => {
                 load(context, path, (i, &stage.load), &mut present, findings);
-                rigid::check(context, path, &stage.load, &mut groups, findings);
+                rigid::check(context, path, &stage.load, &present, &mut groups, findings);
                 membranes::check(context, path, &stage.load, &present, &mut skins, findings);
                 pour::check(context, path, stage, &present, findings);
             }
@@ -223,11 +223,12 @@ fn load(
             *is_there = there;
         }
     }
+    let when = (&present[..], analysis, stage.increments);
     for (name, control) in &stage.walls {
         let walls = format!("{path}.walls");
         let control_path = join(&walls, name);
         let control_path = format_args!("{control_path}");
-        control_of_wall(context, control_path, (name, control), (present, analysis), findings);
+        control_of_wall(context, control_path, (name, control), when, findings);
     }
     for (i, control) in stage.particles.iter().enumerate() {
         let path = format_args!("{path}.particles[{i}]");

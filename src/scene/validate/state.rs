@@ -8,7 +8,7 @@ use crate::scene::suggest;
 
 use super::Context;
 use super::findings::Findings;
-use super::specimen::not_behind;
+use super::outline::not_behind;
 
 pub(super) fn check(
     context: &Context,
@@ -50,6 +50,12 @@ pub(super) fn check(
         }
     }
     if !state.gives_walls {
+        for name in saved.groups_with_walls().unwrap_or_default() {
+            let message =
+                format!("walls of the state, which belong to its rigid group `{name}`, go");
+            let help = "release the group in the run that saves, or leave `walls` out";
+            findings.add(format_args!("walls"), message, help);
+        }
         let before = findings.len();
         for (i, row) in stored.rows.iter().enumerate() {
             let whose = format!("particle {i} of the state");

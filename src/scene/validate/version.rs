@@ -4,6 +4,8 @@ use std::fmt::Arguments;
 
 use crate::scene::format::{Measures, Stage, Stop, Strain, Stress};
 
+use crate::scene::spans::join;
+
 use super::Context;
 use super::findings::Findings;
 
@@ -83,6 +85,12 @@ fn of_two(context: &Context, findings: &mut Findings) {
     for (i, stage) in scene.stages.iter().enumerate() {
         if let Stage::Pour(_) = stage {
             findings.add(format_args!("stages[{i}]"), "`Pour` is of version 2", WRITE_2);
+        }
+        for (name, control) in stage.load().into_iter().flat_map(|load| &load.rigid) {
+            if !control.walls.is_empty() {
+                let path = format!("{}.walls", join(&format!("stages[{i}].rigid"), name));
+                findings.add(format_args!("{path}"), "walls in a group are of version 2", WRITE_2);
+            }
         }
     }
     for_stops(context, findings, |path, stop, findings| {

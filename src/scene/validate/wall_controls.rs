@@ -19,7 +19,7 @@ pub(super) fn control_of_wall(
     context: &Context,
     path: Arguments,
     (name, control): (&str, &WallControl),
-    (present, analysis): (&[bool], Analysis),
+    (present, analysis, increments): (&[bool], Analysis, u32),
     findings: &mut Findings,
 ) {
     let timeless = analysis == Analysis::Static;
@@ -76,6 +76,26 @@ pub(super) fn control_of_wall(
         }
         WallControl::Follow(table) => {
             follow(context, path, (name, table), (present, timeless), findings);
+            if let Table::Rotation { about, angle } = table {
+                findings.vector(format_args!("{path}.about"), *about, "a place in m");
+                // Part of the table that an increment takes.
+                let step = dt.unwrap_or(1.0 / f64::from(increments.max(1)));
+                turns(format_args!("{path}.angle"), angle, step, findings);
+            }
+        }
+    }
+}
+
+/// Checks that no increment, which takes `step` of a table of angles, turns a wall too far.
+fn turns(path: Arguments, angle: &[(f64, f64)], step: f64, findings: &mut Findings) {
+    for (k, pair) in angle.windows(2).enumerate() {
+        let [(s, a), (t, b)] = [pair[0], pair[1]];
+        // Of an interval an increment takes its step or the whole of it.
+        let turn = (b - a).abs() * (step / (t - s)).min(1.0);
+        if t > s && turn > MAX_TURN {
+            let message = format!("a turn of {turn:?} rad in an increment");
+            let help = "give more increments, or a smaller dt: at most 0.2 rad in an increment";
+            findings.add(format_args!("{path}[{}][1]", k + 1), message, help);
         }
     }
 }
@@ -153,13 +173,17 @@ fn follow(
             let points = list.iter().map(|(s, f)| (*s, vec![*f])).collect();
             (points, path.to_string(), "a force in N")
         }
+        Table::Rotation { angle, .. } => {
+            let points = angle.iter().map(|(s, a)| (*s, vec![*a])).collect();
+            (points, format!("{path}.angle"), "an angle in rad")
+        }
         Table::Stress { stress, between } => {
             loaded_between(context, path, (name, between), present, findings);
             let points = stress.iter().map(|(s, p)| (*s, vec![*p])).collect();
             (points, format!("{path}.stress"), "a stress in Pa")
         }
     };
-    if !matches!(table, Table::Displacement(_)) {
+    if !matches!(table, Table::Displacement(_) | Table::Rotation { .. }) {
         one_piece(context, format_args!("{path}"), name, "normal", findings);
     }
     if points.len() < 2 {

@@ -7,7 +7,8 @@ use crate::scene::spans::join;
 
 use super::findings::Findings;
 use super::materials::{bond_of_wall, contact};
-use super::specimen::index_exists;
+use super::places::length;
+use super::references::index_exists;
 use super::{ASKEW, Context, thin_walls};
 
 pub(super) fn check(context: &Context, findings: &mut Findings) {
@@ -45,7 +46,7 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
     made.extend(at_start.map(|name| ("specimen".to_owned(), name.as_str())));
     for (i, stage) in context.scene.stages.iter().enumerate() {
         let Some(load) = stage.load() else { continue };
-        for (name, _) in load.rigid.iter().filter(|(_, control)| control.select.is_some()) {
+        for (name, _) in load.rigid.iter().filter(|(_, control)| control.makes()) {
             if made.iter().all(|(_, other)| other != name) {
                 made.push((join(&format!("stages[{i}].rigid"), name), name));
             }
@@ -70,11 +71,6 @@ fn probes(context: &Context, particles: &[Particle], findings: &mut Findings) {
             findings.add(format_args!("{path}"), message, "give it one name");
         }
     }
-}
-
-/// Length of the drawn segment, m.
-pub(super) fn length(wall: &Wall) -> f64 {
-    (wall.end.0 - wall.start.0).hypot(wall.end.1 - wall.start.1)
 }
 
 /// Whether two walls are parallel, with their insides towards each other. One without a length is

@@ -3,7 +3,7 @@
 //!
 //! A solve goes through these steps until one of them has a solution:
 //!
-//! 1. Bodies at rest keep their forces and are left out (`rest`, `reduced`).
+//! 1. Bodies at rest keep their forces and are left out (`sleeping`, `reduced`).
 //! 2. A dynamic program that may end with the first point within the tolerance has a warm start:
 //!    sweeps from the last forces, then the interior point (`warm`, `sweeps`).
 //! 3. A program in which every force has a compliance goes to a Newton iteration from the last
@@ -25,11 +25,11 @@ pub mod matrix;
 mod newton;
 mod parallel;
 mod reduced;
-pub mod rest;
 #[cfg(test)]
 mod samples;
 pub mod scaled;
 pub mod settings;
+pub mod sleeping;
 mod spring;
 mod sweeps;
 mod warm;
@@ -105,7 +105,7 @@ impl ConeSolver for Condensed {
         if self.last.len() != program.bodies.len() {
             self.last = vec![[0.0; 3]; program.bodies.len()];
         }
-        let asleep = rest::find(program, &self.last, &self.settings.rest);
+        let asleep = sleeping::find(program, &self.last, &self.settings.sleep);
         let awake = asleep.map(|asleep| self.solve_awake(program, asleep)).transpose()?;
         let spent = awake.as_ref().map_or(0, |solution| solution.iterations);
         let solution = match awake {

@@ -1,5 +1,5 @@
 //! Reduces a program to its unknowns: leaves out elastic interactions between bodies whose motion
-//! is known, bodies that no other interaction touches, and bodies [at rest](super::rest).
+//! is known, bodies that no other interaction touches, and bodies [at rest](super::sleeping).
 //!
 //! The forces of an elastic interaction between two bodies with known motion are the projection of
 //! its trial onto its limits. The free bodies and their neighbours remain, so that a few grains

@@ -87,9 +87,9 @@ pub struct CondensedSettings {
     /// Warm start of large dynamic programs.
     #[serde(skip)]
     pub warm: WarmSettings,
-    /// Bodies at rest.
+    /// Sleeping bodies.
     #[serde(skip)]
-    pub rest: RestSettings,
+    pub sleep: SleepSettings,
     /// Polish of what the interior point leaves of a small program.
     #[serde(skip)]
     pub polish: PolishSettings,
@@ -115,7 +115,7 @@ impl Default for CondensedSettings {
             local: LocalSettings::default(),
             interior: InteriorSettings::default(),
             warm: WarmSettings::default(),
-            rest: RestSettings::default(),
+            sleep: SleepSettings::default(),
             polish: PolishSettings::default(),
             fallback: Clarabel::default(),
         }
@@ -170,18 +170,18 @@ impl Default for WarmSettings {
     }
 }
 
-/// Settings of the search for bodies at rest.
+/// Settings of the search for sleeping bodies.
 #[non_exhaustive]
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RestSettings {
-    /// Maximum residual of bodies at rest, without dimension.
+pub struct SleepSettings {
+    /// Maximum residual of sleeping bodies, without dimension.
     ///
-    /// 1e-10: a hundredth of the default tolerance of increments, so that what rest leaves does not
-    /// count beside it.
+    /// 1e-10: a hundredth of the default tolerance of increments, so that the residual of sleeping
+    /// bodies does not count beside it.
     pub max_residual: f64,
 }
 
-impl Default for RestSettings {
+impl Default for SleepSettings {
     fn default() -> Self {
         Self { max_residual: 1e-10 }
     }

@@ -2,8 +2,8 @@
 //! it.
 
 use clastic::components::contact::ContactHistory;
-use clastic::cone::condensed::settings::RestSettings;
-use clastic::cone::condensed::{Condensed, rest};
+use clastic::cone::condensed::settings::SleepSettings;
+use clastic::cone::condensed::{Condensed, sleeping};
 use clastic::cone::program::{ConeProgram, ConeSolution, SolveStatus};
 use clastic::cone::residuals::{displacement_scale, force_scale};
 use clastic::cone::solver::ConeSolver;
@@ -48,7 +48,7 @@ const UPON: [f64; 2] = [0.008, 0.0];
 fn asleep(simulation: &Simulation, moved: &mut Vec<[f64; 3]>) -> Vec<usize> {
     let program = simulation.world().resource::<ConeProgram>();
     moved.resize(program.bodies.len(), [0.0; 3]);
-    let found = rest::find(program, moved, &RestSettings::default()).unwrap_or_default();
+    let found = sleeping::find(program, moved, &SleepSettings::default()).unwrap_or_default();
     moved.clone_from(&simulation.world().resource::<ConeSolution>().displacements);
     (0..found.len()).filter(|i| found[*i]).collect()
 }

@@ -16,7 +16,7 @@
 use crate::program::{ConeProgram, Dof, ProgramBody, Residuals};
 
 use super::super::residuals::Units;
-use super::settings::RestSettings;
+use super::settings::SleepSettings;
 use crate::adjacency::Adjacency;
 
 /// Which bodies sleep; `None` if none does. `moved` are the displacements of the last solution, the
@@ -25,7 +25,7 @@ use crate::adjacency::Adjacency;
 pub fn find(
     program: &ConeProgram,
     moved: &[[f64; 3]],
-    settings: &RestSettings,
+    settings: &SleepSettings,
 ) -> Option<Vec<bool>> {
     let forces = &program.last_forces;
     if forces.is_empty() || !program.is_dynamic() || program.cell.is_some() {

@@ -1,119 +1,13 @@
-//! Regularisation of bodies without stiffness.
+//! Underconstrained bodies, found by counting constraints.
 //!
-//! The displacement of a static body with too few stiff interactions (a rattler, a loose cluster)
-//! is not determined. It gets a proximal term, which selects the smallest displacement. Loose
-//! bodies are found by counting constraints. Bodies with fewer constraints than degrees of freedom
-//! are removed repeatedly. Every connected cluster of the remaining bodies must be held by the
-//! ground against translation and rotation. The weight is the fraction
-//! [`Acceptance::regularisation`] of force scale over displacement scale, so that its force on a
-//! body that is pushed after all stays far below the tolerance. The residuals count this force as
-//! an error of the balance.
+//! Bodies with fewer constraints than degrees of freedom are removed repeatedly. The ground must
+//! hold every connected cluster of the remaining bodies against translation and rotation.
 
 use glam::DVec2;
 
-use clastic_components::attempt::{Effort, Mode};
 use clastic_components::contact::{Bodies, Contact, ContactHistory};
-use clastic_components::findings::{Bearing, Centre, Restraints};
-use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
-use clastic_components::motion::Motion;
-use clastic_cone::program::{ConeProgram, Dof, Interaction};
-
 use clastic_cone::adjacency::Adjacency;
-
-/// First weight in a repeated attempt. It applies to every body, and its centre follows the
-/// solution until no force of the regularisation remains in the balance. The weight decreases by
-/// this factor with every move of the centre, so that a motion without bound becomes visible.
-const WEIGHT_OF_RETRY: f64 = 1e-6;
-const FALL: f64 = 0.1;
-
-/// Sets the proximal weights of the program.
-pub fn regularise(
-    bodies: &Bodies,
-    contacts: &[Contact],
-    history: &ContactHistory,
-    analysis: &Analysis,
-    acceptance: &Acceptance,
-    mode: &Mode,
-    restraints: &Restraints,
-    centre: &Centre,
-    program: &mut ConeProgram,
-) {
-    if analysis.kind != AnalysisKind::Static {
-        return;
-    }
-    if let Mode::Motion(motion) = mode {
-        return give_inertia(motion, program);
-    }
-    let retry = *mode == Mode::Equilibrium(Effort::Regularised);
-    let mut loose = if retry {
-        vec![true; program.bodies.len()]
-    } else {
-        find_loose(bodies, contacts, history, program)
-    };
-    // Counting misses mechanisms whose constraints are in the wrong places. Bodies without load in
-    // the last increment, or in a rejected solution of this one, may be part of a mechanism.
-    let bearing = |i: usize| restraints.bearing.get(i).copied().unwrap_or_default();
-    if !history.0.is_empty() {
-        let forces = history.0.iter().map(|m| (m.a, m.b, m.p.abs().max(m.q.abs())));
-        for (i, loaded) in find_loaded(bodies.particles, forces).into_iter().enumerate() {
-            loose[i] |= !loaded && bearing(i) != Bearing::Load;
-        }
-        // A group without load on any member is such a body.
-        for group in &bodies.groups {
-            loose[group.body as usize] |= group.members.iter().all(|i| loose[*i as usize]);
-        }
-    }
-    for (i, loose) in loose.iter_mut().enumerate() {
-        *loose |= bearing(i) == Bearing::Nothing;
-    }
-    let unit = program.scales.force / program.scales.displacement;
-    let usual = if retry {
-        (WEIGHT_OF_RETRY * FALL.powf(f64::from(centre.moves))).max(acceptance.regularisation)
-    } else {
-        acceptance.regularisation
-    };
-    let weight = unit * usual;
-    let length = program.scales.length;
-    for (i, body) in program.bodies.iter_mut().enumerate().filter(|(i, _)| loose[*i]) {
-        for (k, dof) in body.dofs.iter_mut().enumerate() {
-            if let Dof::Free(free) = dof {
-                free.proximal = if k < 2 { weight } else { weight * length * length };
-                free.reference = centre.place.get(i).map_or(0.0, |c| c[k]);
-            }
-        }
-    }
-}
-
-/// Sets the inertia of a step of a motion, in place of the proximal term. The balance of the
-/// committed equilibrium does not contain it.
-fn give_inertia(motion: &Motion, program: &mut ConeProgram) {
-    for (i, body) in program.bodies.iter_mut().enumerate() {
-        for (k, dof) in body.dofs.iter_mut().enumerate() {
-            if let Dof::Free(free) = dof {
-                (free.proximal, free.reference) = motion.inertia(i, k);
-            }
-        }
-    }
-}
-
-/// Forces below this fraction of the maximum force count as zero.
-const MIN_LOAD: f64 = 1e-6;
-
-/// Whether each particle carries more than `MIN_LOAD` of the maximum force. `forces` are in N, by
-/// pairs of bodies.
-pub fn find_loaded(
-    particles: usize,
-    forces: impl Iterator<Item = (u32, u32, f64)> + Clone,
-) -> Vec<bool> {
-    let threshold = MIN_LOAD * forces.clone().map(|f| f.2).fold(0.0, f64::max);
-    let mut loaded = vec![false; particles];
-    for (a, b, _) in forces.filter(|f| f.2 > threshold) {
-        for body in [a as usize, b as usize].into_iter().filter(|b| *b < particles) {
-            loaded[body] = true;
-        }
-    }
-    loaded
-}
+use clastic_cone::program::{ConeProgram, Dof, Interaction};
 
 /// Whether an interaction is stiff at the start of the increment: a bond, or a closed contact.
 /// `pair` are the rows of its bodies in the memory.
@@ -125,8 +19,8 @@ fn free_dofs(program: &ConeProgram, body: usize) -> usize {
     program.bodies[body].dofs.iter().filter(|d| matches!(d, Dof::Free(_))).count()
 }
 
-/// Flags every body that needs regularisation.
-pub fn find_loose(
+/// Flags every underconstrained body.
+pub fn find_underconstrained(
     bodies: &Bodies,
     contacts: &[Contact],
     history: &ContactHistory,
@@ -152,35 +46,35 @@ pub fn find_loose(
             constraints[body] += held(c);
         }
     }
-    let mut loose = vec![false; n];
+    let mut found = vec![false; n];
     let mut freedom: Vec<usize> = (0..n).map(|i| free_dofs(program, i)).collect();
-    // The cell is no body that could be loose.
+    // The cell is no body that could lack constraints.
     if let Some(cell) = &program.cell {
         freedom[cell.body as usize] = 0;
     }
     let mut queue: Vec<usize> = (0..n).filter(|i| constraints[*i] < freedom[*i]).collect();
     while let Some(i) = queue.pop() {
-        if std::mem::replace(&mut loose[i], true) {
+        if std::mem::replace(&mut found[i], true) {
             continue;
         }
         for &k in adjacency.of(i) {
             let c = stiff[k];
             let j = if c.a as usize == i { c.b } else { c.a } as usize;
             constraints[j] = constraints[j].saturating_sub(held(c));
-            if !loose[j] && constraints[j] < freedom[j] {
+            if !found[j] && constraints[j] < freedom[j] {
                 queue.push(j);
             }
         }
     }
-    for cluster in clusters(program, &stiff, &loose, &freedom) {
+    for cluster in clusters(program, &stiff, &found, &freedom) {
         // One particle is held, and what is periodic does not turn.
         let is_held = |i: &usize| program.bodies[*i].dofs[..2].iter().all(is_fixed);
         if program.cell.is_some() && cluster.iter().any(is_held) {
             continue;
         }
-        hold_cluster(bodies, program, &stiff, &adjacency, &freedom, &cluster, &mut loose);
+        hold_cluster(bodies, program, &stiff, &adjacency, &freedom, &cluster, &mut found);
     }
-    loose
+    found
 }
 
 fn is_fixed(dof: &Dof) -> bool {
@@ -191,7 +85,7 @@ fn is_fixed(dof: &Dof) -> bool {
 fn clusters(
     program: &ConeProgram,
     stiff: &[&Interaction],
-    loose: &[bool],
+    found: &[bool],
     freedom: &[usize],
 ) -> Vec<Vec<usize>> {
     let n = program.bodies.len();
@@ -203,7 +97,7 @@ fn clusters(
         }
         i
     }
-    let takes_part = |i: usize| !loose[i] && freedom[i] > 0;
+    let takes_part = |i: usize| !found[i] && freedom[i] > 0;
     for c in stiff {
         let (a, b) = (c.a as usize, c.b as usize);
         if takes_part(a) && takes_part(b) {
@@ -220,7 +114,7 @@ fn clusters(
     members
 }
 
-/// Flags the bodies of a cluster that need regularisation: none if the ground holds the cluster,
+/// Flags the underconstrained bodies of a cluster: none if the ground holds the cluster,
 /// its loaded walls if they suffice, else all.
 fn hold_cluster(
     bodies: &Bodies,
@@ -229,7 +123,7 @@ fn hold_cluster(
     adjacency: &Adjacency,
     freedom: &[usize],
     cluster: &[usize],
-    loose: &mut [bool],
+    found: &mut [bool],
 ) {
     let first_group = bodies.positions.len() - bodies.group_count;
     let is_wall = |i: usize| (bodies.particles..first_group).contains(&i);
@@ -307,11 +201,11 @@ fn hold_cluster(
     }
     for (w, &wall) in walls.iter().enumerate() {
         gram[3 + w][3 + w] += 1.0;
-        loose[wall] = true;
+        found[wall] = true;
     }
     if !full_rank(gram) {
         for &i in cluster {
-            loose[i] = true;
+            found[i] = true;
         }
     }
 }

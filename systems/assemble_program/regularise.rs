@@ -1,0 +1,112 @@
+//! Regularisation of bodies without stiffness.
+//!
+//! The displacement of an [underconstrained](super::underconstrained) static body (a rattler, a
+//! cluster that nothing holds) is not determined. It gets a proximal term, which selects the
+//! smallest displacement. The weight is the fraction [`Acceptance::regularisation`] of force scale
+//! over displacement scale, so that its force on a body that is pushed after all stays far below
+//! the tolerance. The residuals count this force as an error of the balance.
+
+use clastic_components::attempt::{Effort, Mode};
+use clastic_components::contact::{Bodies, Contact, ContactHistory};
+use clastic_components::findings::{Bearing, Centre, Restraints};
+use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
+use clastic_components::motion::Motion;
+use clastic_cone::program::{ConeProgram, Dof};
+
+use super::underconstrained::find_underconstrained;
+
+/// First weight in a repeated attempt. It applies to every body, and its centre follows the
+/// solution until no force of the regularisation remains in the balance. The weight decreases by
+/// this factor with every move of the centre, so that a motion without bound becomes visible.
+const WEIGHT_OF_RETRY: f64 = 1e-6;
+const FALL: f64 = 0.1;
+
+/// Sets the proximal weights of the program.
+pub fn regularise(
+    bodies: &Bodies,
+    contacts: &[Contact],
+    history: &ContactHistory,
+    analysis: &Analysis,
+    acceptance: &Acceptance,
+    mode: &Mode,
+    restraints: &Restraints,
+    centre: &Centre,
+    program: &mut ConeProgram,
+) {
+    if analysis.kind != AnalysisKind::Static {
+        return;
+    }
+    if let Mode::Motion(motion) = mode {
+        return give_inertia(motion, program);
+    }
+    let retry = *mode == Mode::Equilibrium(Effort::Regularised);
+    let mut regularised = if retry {
+        vec![true; program.bodies.len()]
+    } else {
+        find_underconstrained(bodies, contacts, history, program)
+    };
+    // Counting misses mechanisms whose constraints are in the wrong places. Bodies without load in
+    // the last increment, or in a rejected solution of this one, may be part of a mechanism.
+    let bearing = |i: usize| restraints.bearing.get(i).copied().unwrap_or_default();
+    if !history.0.is_empty() {
+        let forces = history.0.iter().map(|m| (m.a, m.b, m.p.abs().max(m.q.abs())));
+        for (i, loaded) in find_loaded(bodies.particles, forces).into_iter().enumerate() {
+            regularised[i] |= !loaded && bearing(i) != Bearing::Load;
+        }
+        // A group without load on any member is such a body.
+        for group in &bodies.groups {
+            regularised[group.body as usize] |=
+                group.members.iter().all(|i| regularised[*i as usize]);
+        }
+    }
+    for (i, is_regularised) in regularised.iter_mut().enumerate() {
+        *is_regularised |= bearing(i) == Bearing::Nothing;
+    }
+    let unit = program.scales.force / program.scales.displacement;
+    let usual = if retry {
+        (WEIGHT_OF_RETRY * FALL.powf(f64::from(centre.moves))).max(acceptance.regularisation)
+    } else {
+        acceptance.regularisation
+    };
+    let weight = unit * usual;
+    let length = program.scales.length;
+    for (i, body) in program.bodies.iter_mut().enumerate().filter(|(i, _)| regularised[*i]) {
+        for (k, dof) in body.dofs.iter_mut().enumerate() {
+            if let Dof::Free(free) = dof {
+                free.proximal = if k < 2 { weight } else { weight * length * length };
+                free.reference = centre.place.get(i).map_or(0.0, |c| c[k]);
+            }
+        }
+    }
+}
+
+/// Sets the inertia of a step of a motion, in place of the proximal term. The balance of the
+/// committed equilibrium does not contain it.
+fn give_inertia(motion: &Motion, program: &mut ConeProgram) {
+    for (i, body) in program.bodies.iter_mut().enumerate() {
+        for (k, dof) in body.dofs.iter_mut().enumerate() {
+            if let Dof::Free(free) = dof {
+                (free.proximal, free.reference) = motion.inertia(i, k);
+            }
+        }
+    }
+}
+
+/// Forces below this fraction of the maximum force count as zero.
+const MIN_LOAD: f64 = 1e-6;
+
+/// Whether each particle carries more than `MIN_LOAD` of the maximum force. `forces` are in N, by
+/// pairs of bodies.
+pub fn find_loaded(
+    particles: usize,
+    forces: impl Iterator<Item = (u32, u32, f64)> + Clone,
+) -> Vec<bool> {
+    let threshold = MIN_LOAD * forces.clone().map(|f| f.2).fold(0.0, f64::max);
+    let mut loaded = vec![false; particles];
+    for (a, b, _) in forces.filter(|f| f.2 > threshold) {
+        for body in [a as usize, b as usize].into_iter().filter(|b| *b < particles) {
+            loaded[body] = true;
+        }
+    }
+    loaded
+}
