@@ -220,7 +220,7 @@ fn scene_with_bond(sand: &mut Scene) -> Scene {
         scatter: None,
     };
     for material in sand.materials.values_mut() {
-        material.bond = Some(bond.clone());
+        material.bond = Some(bond);
     }
     let mut rock = sand.clone();
     let cement = Cement {
