@@ -41,11 +41,14 @@ fn no_strain(what: &str) -> FigureError {
 
 /// Force on the probes against their motion.
 pub fn probes(runs: &[Run]) -> Result<Chart, FigureError> {
-    let mut charts =
-        runs.iter().filter_map(|run| Some((run, force_displacement::probes("", &run.history)?)));
+    let mut charts = Vec::new();
+    for run in runs {
+        let chart = force_displacement::probes("", &run.history);
+        charts.push((run, chart.ok_or_else(|| no_motion(run))?));
+    }
+    let mut charts = charts.into_iter();
     let Some((first, mut chart)) = charts.next() else {
-        let what = "no probe of the history moved; the scene must name probes".to_owned();
-        return Err(FigureError::Absent(what));
+        return Err(FigureError::Usage("a figure needs a run".to_owned()));
     };
     if runs.len() == 1 {
         return Ok(chart);
@@ -69,6 +72,22 @@ pub fn probes(runs: &[Run]) -> Result<Chart, FigureError> {
         chart.lines.extend(rename(run, other.lines));
     }
     Ok(chart)
+}
+
+/// Why a run has no curve of its probes.
+fn no_motion(run: &Run) -> FigureError {
+    let names = run.history.probes().join("`, `");
+    let what = if names.is_empty() {
+        "the scene names no probe: give a wall `probe: \"NAME\"`, or particles by `probes`, and run \
+         it again"
+            .to_owned()
+    } else {
+        format!(
+            "no probe moved (`{names}`), and without displacement there is no curve; their forces \
+             stand in history.csv"
+        )
+    };
+    FigureError::Absent(format!("{}: {what}", run.name))
 }
 
 /// Energies of the ledger.

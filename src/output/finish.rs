@@ -134,10 +134,10 @@ fn draw(run: &RunDirectory, world: &World, last: &Snapshot) -> Result<(), Output
     if !moments.are_drawn {
         return Ok(());
     }
-    let title = &world.resource::<Script>().scene.title;
+    let scene = &world.resource::<Script>().scene;
+    let title = &scene.title;
     let dir = run.directory();
-    let history =
-        plots::history::History::read(&run.path(names::HISTORY))?.after(run.record.increments);
+    let history = plots::history::History::of_run(dir)?;
     plots::curves(dir, title, &history)?;
     let caption = caption(world.resource::<Observation>());
     let peak = moments.peak.as_ref().map(|(snapshot, caption)| (snapshot, caption.as_str()));
@@ -145,7 +145,7 @@ fn draw(run: &RunDirectory, world: &World, last: &Snapshot) -> Result<(), Output
         dir,
         title,
         &moments.start,
-        plots::specimen::Field::of(&world.resource::<Script>().scene),
+        plots::specimen::Field::of(scene),
         &[
             ([plots::SPECIMEN_PEAK, plots::FIELD_PEAK], peak),
             ([plots::SPECIMEN, plots::FIELD], Some((last, caption.as_str()))),

@@ -11,9 +11,11 @@ use clastic_systems::detect_contacts::grid::pairs_within;
 use clastic_systems::detect_contacts::periodic;
 use clastic_systems::gather_bodies::gather_bodies;
 
+use super::laws::bond_law;
 use super::scatter::scattered;
 use super::select::selected;
-use super::spawn::{BondsOfMaterials, WallCatalogue, bond_law};
+use super::settings::BondsOfMaterials;
+use super::walls::WallCatalogue;
 use crate::scene::format::{Bond as BondOfScene, Cement};
 
 /// Bonds every pair of the selected particles with `g_0 < length` whose materials form bonds and

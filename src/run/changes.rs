@@ -11,8 +11,8 @@ use glam::DVec2;
 use clastic_components::increment::Progress;
 use clastic_components::wall::WallControl;
 
-use super::spawn::find_walls;
 use super::state::StateView;
+use super::walls::find_walls;
 use crate::scene::format::{CellTarget, Load, Measures, Scene, Stage, WallControl as Wanted};
 
 /// Changes in `new` that are not permitted when a run under `old` has reached `state`, each with a

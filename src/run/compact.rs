@@ -5,18 +5,16 @@
 //! overlap after an increment of any size.
 
 use bevy_ecs::prelude::*;
-use glam::DVec2;
 
-use clastic_components::body::{
-    AngularVelocity, BodyId, ExternalForce, LastMotion, Position, Velocity,
-};
+use clastic_components::body::{AngularVelocity, BodyId, ExternalForce, LastMotion, Velocity};
 use clastic_components::cell::PeriodicCell;
 use clastic_components::contact::ContactHistory;
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::particle::Particle;
 use clastic_components::wall::{Wall, WallControl};
 
-use super::spawn::find_wall;
+use super::enclosure::extent;
+use super::walls::find_wall;
 use super::{cell, grow};
 use crate::scene::format::{Compact, CompactBy, CompactRest, CompactTarget};
 
@@ -75,25 +73,6 @@ pub fn reached(world: &mut World, stage: &Compact) -> Option<(f64, f64)> {
     let (wall, base) = (find_wall(world, &stage.wall)?, find_wall(world, &stage.base)?);
     let (height, length) = extent(world, wall, base);
     Some((height, 1.0 - disks(world).area / (height * length)))
-}
-
-/// Area of the cell, or between the walls of the stage over the length of the base, m^2.
-pub(super) fn room(world: &mut World, stage: &Compact) -> Option<f64> {
-    if let Some(cell) = world.get_resource::<PeriodicCell>() {
-        return Some(cell.area());
-    }
-    let (wall, base) = (find_wall(world, &stage.wall)?, find_wall(world, &stage.base)?);
-    let (height, length) = extent(world, wall, base);
-    Some(height * length)
-}
-
-/// Distance between the wall and the base, and length of the base, m.
-fn extent(world: &World, wall: Entity, base: Entity) -> (f64, f64) {
-    let place = |wall| world.get::<Position>(wall).map(|x| x.0).unwrap_or_default();
-    let (inward, length) = world
-        .get::<Wall>(base)
-        .map_or((DVec2::ZERO, 1.0), |base| (base.inward(), 2.0 * base.half_length));
-    ((place(wall) - place(base)).dot(inward), length)
 }
 
 /// The particles together.

@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 use clastic_components::body::BodyId;
 use clastic_components::measure::{NamedMeasures, Quantity};
 
+use super::script::Script;
 use super::select::selected;
-use super::stages::Script;
 use crate::scene::format as scene;
 
 /// Name of [`GroupMembers`] in a state.

@@ -13,7 +13,7 @@ use clastic_components::contact::Bodies;
 use clastic_components::increment::Progress;
 use clastic_components::particle::Particle;
 
-use super::compact::room;
+use super::enclosure::room;
 use super::script::Script;
 use crate::scene::format::{Compact, CompactBy, CompactTarget, Stage};
 

@@ -11,7 +11,7 @@ use clastic_components::wall::{Wall, WallControl};
 use clastic_systems::gather_bodies::gather_bodies;
 use clastic_systems::membranes::{find_shape, renew_shapes};
 
-use super::spawn::{find_wall, find_walls};
+use super::walls::{find_wall, find_walls};
 use crate::scene::format as scene;
 
 /// The membrane with the given name, if it is there.

@@ -1,7 +1,5 @@
 //! `ScenePlugin`: systems for the stages of a scene, around the increment.
 
-use std::collections::BTreeSet;
-
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::{LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor};
@@ -30,6 +28,7 @@ use super::measures::{MeasureKinds, read_custom};
 use super::pour::{POURED, pour};
 use super::sanity::{self, SANITY, Sanity};
 use super::script::Script;
+pub use super::stage_kinds::{BeginStage, EndStage, ProvideStage, StageKinds, StageSystems};
 use super::stages::{CurrentStage, begin_built_in, change_stages, end_built_in};
 use super::state::{
     FIRST_WALL, FirstWall, INHERITED_WALLS, InheritedWalls, MATERIALS, MaterialNames,
@@ -37,66 +36,7 @@ use super::state::{
 };
 use super::stop::end_increment;
 use super::until::{APPROACH, Approach};
-use crate::scene::format::{CustomStage, Stage};
-
-/// Begins the [`CurrentStage`]: sets controls and `Progress::total`, which is 0 for a stage without
-/// increments.
-#[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct BeginStage;
-
-/// Ends the [`CurrentStage`].
-#[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct EndStage;
-
-/// Sets of [`BeginStage`] and [`EndStage`], and of the end of an increment, in order.
-#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum StageSystems {
-    /// Systems of the engine: in [`BeginStage`] and [`EndStage`].
-    BuiltIn,
-    /// Systems of a plugin for its kinds of stages: in [`BeginStage`] and [`EndStage`].
-    Custom,
-    /// Stop conditions of a plugin: in [`Advance`], after the increment. They set [`Script::stop`].
-    Stop,
-}
-
-/// The kinds of `Custom` stages that plugins provide. Stages of other kinds are refused.
-#[derive(Resource, Clone, Debug, Default)]
-pub struct StageKinds(BTreeSet<&'static str>);
-
-impl StageKinds {
-    /// The kinds.
-    pub fn names(&self) -> impl Iterator<Item = &'static str> {
-        self.0.iter().copied()
-    }
-
-    /// Why a stage cannot begin; `None` if a plugin provides its kind.
-    #[must_use]
-    pub fn refusal(&self, stage: &CustomStage) -> Option<String> {
-        let CustomStage { name, kind, .. } = stage;
-        (!self.0.contains(kind.as_str())).then(|| {
-            let known: Vec<_> = self.0.iter().copied().collect();
-            let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
-            format!(
-                "stage `{name}` cannot begin: no plugin of this program provides the kind `{kind}`; it \
-                 provides {known}"
-            )
-        })
-    }
-}
-
-/// Registers the kinds of stages that a plugin provides.
-pub trait ProvideStage {
-    /// Registers a kind of stage. The plugin has systems in [`StageSystems::Custom`] that begin and
-    /// end such stages.
-    fn provide_stage(&mut self, kind: &'static str) -> &mut Self;
-}
-
-impl ProvideStage for App {
-    fn provide_stage(&mut self, kind: &'static str) -> &mut Self {
-        self.world_mut().get_resource_or_init::<StageKinds>().0.insert(kind);
-        self
-    }
-}
+use crate::scene::format::Stage;
 
 /// Whether a plugin drives walls with the control `Custom`. Without one the command line refuses
 /// scenes with such walls, which would stand still.

@@ -14,8 +14,8 @@ use clastic_components::particle::Particle;
 
 use super::group_members::{self, GroupMembers};
 use super::membranes::find_membrane;
-use super::spawn::find_wall;
-use super::stages::Script;
+use super::script::Script;
+use super::walls::find_wall;
 use crate::scene::format as scene;
 
 /// Resolves the names in the scene's measures. A measure with a missing body or wall is left out.

@@ -11,7 +11,7 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 
 use clastic_components::material::BondLaw;
 
-use super::spawn::bond_law;
+use super::laws::bond_law;
 use crate::scene::format::{Bond, Spread};
 
 #[allow(unused_imports, reason = "named in the documentation")]

@@ -9,7 +9,7 @@ use clastic_components::body::{BodyId, Group, Position, Probe};
 use clastic_components::material::Materials;
 use clastic_components::particle::{MaterialIndex, Particle};
 
-use super::stages::Script;
+use super::script::Script;
 use crate::scene::format::Select;
 
 /// What selections ask of a particle.

@@ -8,9 +8,9 @@ use clastic_systems::measures::strain::take_reference;
 use clastic_systems::stepping::Due;
 
 use super::measures::MeasureKinds;
-use super::plugin::{BeginStage, EndStage, StageKinds};
 use super::resolve_measures::resolve_measures;
 pub use super::script::{Collapse, CollapsedBy, EndedBy, Outcome, Script, StageEnd, Step};
+use super::stage_kinds::{BeginStage, EndStage, StageKinds};
 use super::{
     cement, compact, group_members, grow, live_loads, load, membranes, pour, remove, rigid, save,
     until,

@@ -13,10 +13,12 @@ use clastic_components::wall::Wall;
 use clastic_systems::state::StateError;
 use clastic_systems::stepping::Halted;
 
+use super::begin_script::begin_script;
 use super::membranes;
-use super::spawn::{WallCatalogue, begin_script, insert_settings, spawn_wall};
+use super::settings::insert_settings;
 use super::state::RigidAtStart;
 use super::wall_pieces::count;
+use super::walls::{WallCatalogue, spawn_wall};
 use crate::saved::SavedState;
 use crate::scene::StoredState;
 use crate::scene::format::{Scene, Specimen};

@@ -22,7 +22,8 @@ use super::before::Before;
 use super::live_loads::{LIVE_LOADS, LiveLoads};
 use super::resolve_measures::resolve_measures;
 use super::script::{Collapse, Outcome, Script, StageEnd};
-use super::spawn::{WallCatalogue, insert_settings};
+use super::settings::insert_settings;
+use super::walls::WallCatalogue;
 use crate::scene::format::{Scene, Wall};
 use crate::scene::{StoredMembrane, StoredParticle, StoredSpecimen, StoredState};
 

@@ -11,8 +11,8 @@ use serde::{Deserialize, Serialize};
 use clastic_components::increment::Progress;
 use clastic_systems::state::StateOf;
 
+use super::measure_error::error_of;
 use super::measures::reading;
-use super::stop::error_of;
 use crate::scene::format::{Stage, Stop};
 
 /// Name of [`Approach`] in a state.

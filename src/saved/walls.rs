@@ -10,8 +10,8 @@ use glam::DVec2;
 use super::columns::{add, bad, finite, identities, of, some};
 use super::wall_laws::{bond, bond_row, contact, contact_row, law_row};
 use super::{SavedError, wall_controls};
-use crate::run::spawn::WallCatalogue;
 use crate::run::wall_pieces::{count, moved, pieces};
+use crate::run::walls::WallCatalogue;
 use crate::scene::format as scene;
 use crate::tables::{Array, Tables};
 

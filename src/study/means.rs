@@ -4,12 +4,12 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use super::marks::marks;
 use super::plan::Plan;
 use super::table::RESULTS;
 use crate::output::OutputError;
 use crate::output::atomic::write_atomic;
 use crate::output::csv_file::Row;
+use crate::output::marks::marks;
 
 /// Runs that differ in the names that are averaged over, and in nothing else.
 #[derive(Clone, Debug, PartialEq)]

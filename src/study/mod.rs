@@ -10,7 +10,6 @@
 
 mod combinations;
 pub mod format;
-pub mod marks;
 pub mod means;
 mod ordered;
 pub mod plan;

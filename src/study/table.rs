@@ -4,12 +4,12 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use super::marks::marks;
 use super::plan::Plan;
 use crate::output::OutputError;
 use crate::output::atomic::write_atomic;
 use crate::output::csv_file::Row;
 use crate::output::directory;
+use crate::output::marks::marks;
 
 /// Name of the table in the directory of a study.
 pub const FILE: &str = "study.csv";

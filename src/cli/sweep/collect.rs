@@ -3,9 +3,9 @@
 use crate::output::OutputError;
 use crate::output::atomic::write_atomic;
 use crate::output::directory;
+use crate::output::marks::marks;
 use crate::output::plots::history::History;
 use crate::output::plots::{self, compare};
-use crate::study::marks::marks;
 use crate::study::{means, table};
 
 use super::Sweep;

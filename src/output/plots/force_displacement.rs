@@ -27,19 +27,14 @@ fn work(points: &[(f64, f64)]) -> f64 {
     points.windows(2).map(|w| 0.5 * (w[0].1 + w[1].1) * (w[1].0 - w[0].0)).sum::<f64>().abs()
 }
 
-/// Force against displacement along the axis with the maximum work in the last stage. In such rigs
-/// this is the axis that is driven after the specimen is in place.
+/// Force against displacement along the axis with the maximum work in the test, from the reference
+/// stage on. What prepares the specimen moves probes further, with forces of no meaning.
 fn worked(title: &str, history: &History) -> Option<Chart> {
     let probes = history.probes();
     let along = |(motion, force, _): (&str, &str, &str), probe: &str| {
-        let points = history.points(&format!("{probe}{motion}"), &format!("{probe}{force}"));
-        // Displacements are relative to the start, so the curve starts at zero.
-        std::iter::once((0.0, 0.0)).chain(points).collect::<Vec<_>>()
+        history.of_test(&format!("{probe}{motion}"), &format!("{probe}{force}"))
     };
-    // Row k of the history is point k + 1, so this range starts with the last point before the
-    // stage.
-    let late = |points: &[_]| work(points.get(history.last_stage()..).unwrap_or_default());
-    let total = |axis| probes.iter().map(|probe| late(&along(axis, probe))).fold(0.0, f64::max);
+    let total = |axis| probes.iter().map(|probe| work(&along(axis, probe))).fold(0.0, f64::max);
     let axis = AXES.into_iter().max_by(|a, b| total(*a).total_cmp(&total(*b)))?;
     let most = total(axis);
     if most <= 0.0 {
@@ -48,7 +43,7 @@ fn worked(title: &str, history: &History) -> Option<Chart> {
     let lines: Vec<_> = probes
         .iter()
         .map(|probe| Line { name: (*probe).to_owned(), points: along(axis, probe) })
-        .filter(|line| late(&line.points) > 1e-6 * most)
+        .filter(|line| work(&line.points) > 1e-6 * most)
         .collect();
     let turning = axis.2 == "rotation";
     let maximum = lines.iter().flat_map(|l| &l.points).map(|p| p.0.abs()).fold(0.0, f64::max);
@@ -121,7 +116,25 @@ mod tests {
         std::fs::write(file.path(), text)?;
         let history = History::read(file.path()).map_err(std::io::Error::other)?;
         let chart = probes("", &history).unwrap_or_default();
-        assert_eq!(chart.lines[0].points, [(0.0, 0.0), (0.0, 0.0), (1e-6, 0.1), (2e-6, 0.1)]);
+        assert_eq!(chart.lines[0].points, [(0.0, 0.0), (1e-6, 0.1), (2e-6, 0.1)]);
+        Ok(())
+    }
+
+    #[test]
+    fn displacements_count_from_the_start_of_the_test() -> Result<(), std::io::Error> {
+        let file = tempfile::NamedTempFile::new()?;
+        let text = "increment,stage,p.x_m,p.y_m,p.force_x_n,p.force_y_n\n\
+                    8,compact,0,-3,0,-1e9\n9,load,0,-3.5,0,-10\n10,load,0,-4,0,-20\n\
+                    11,unload,0,-3.5,0,-10\n";
+        std::fs::write(file.path(), text)?;
+        let history = History::read(file.path()).map_err(std::io::Error::other)?;
+        let points =
+            |history: &History| probes("", history).unwrap_or_default().lines[0].points.clone();
+        let loaded = history.clone().after(11).from_stage("load");
+        assert_eq!(points(&loaded), [(0.0, -1e9), (-0.5, -10.0), (-1.0, -20.0), (-0.5, -10.0)]);
+        // A run that goes on from a saved state does not know the state before it.
+        let branch = history.after(4).from_stage("compact");
+        assert_eq!(points(&branch)[0], (-3.0, -1e9));
         Ok(())
     }
 }

@@ -10,8 +10,12 @@ use crate::output::{OutputError, directory, names};
 pub struct History {
     names: Vec<String>,
     rows: Vec<Vec<Option<f64>>>,
-    /// First row of the last stage.
-    last_stage: usize,
+    /// Stages, in order, with their first rows.
+    stages: Vec<(String, usize)>,
+    /// First row of the test.
+    test: usize,
+    /// Whether a compaction came right before the test. Its forces have no meaning.
+    is_compacted: bool,
     /// Whether other runs led here, whose last row would be the state before the first row.
     is_continued: bool,
 }
@@ -24,7 +28,16 @@ impl History {
     pub fn of_run(directory: &Path) -> Result<Self, OutputError> {
         let record = directory::record(directory)?;
         let history = Self::read(&directory.join(names::HISTORY))?;
-        Ok(history.after(record["increments"].as_u64().unwrap_or(0)))
+        let stage = record["settings"]["reference_stage"].as_str().unwrap_or_default();
+        let history = history.after(record["increments"].as_u64().unwrap_or(0)).from_stage(stage);
+        // Of the stages with a seed, time passes in those that pour.
+        let before = history.stages.iter().rev().find(|(_, row)| *row < history.test);
+        let is_compacted = before.is_some_and(|(name, row)| {
+            let time = history.column("time_s");
+            record["seeds"].get(format!("stage {name}")).is_some()
+                && time.get(*row) == time.get(history.test - 1)
+        });
+        Ok(Self { is_compacted, ..history })
     }
 
     /// States how many increments the run has made by itself. Increments count over all runs that
@@ -33,6 +46,13 @@ impl History {
     pub fn after(self, made: u64) -> Self {
         let last = self.column("increment").into_iter().flatten().fold(0.0, f64::max);
         Self { is_continued: last > made as f64, ..self }
+    }
+
+    /// States which stage the test begins with. Without it that is the last one.
+    #[must_use]
+    pub fn from_stage(self, name: &str) -> Self {
+        let begins = self.stages.iter().find(|(stage, _)| stage == name).map(|(_, row)| *row);
+        Self { test: begins.unwrap_or(self.test), ..self }
     }
 
     /// Reads a history.
@@ -45,17 +65,18 @@ impl History {
         let names: Vec<_> = names.iter().map(str::to_owned).collect();
         let stage = names.iter().position(|n| n == "stage");
         let mut rows = Vec::new();
-        let mut last_stage = (None, 0);
+        let mut stages: Vec<(String, usize)> = Vec::new();
         for row in reader.records() {
             let row = row.map_err(OutputError::at(path))?;
-            let now = stage.and_then(|k| row.get(k)).map(str::to_owned);
-            if now != last_stage.0 {
-                last_stage = (now, rows.len());
+            let now = stage.and_then(|k| row.get(k)).unwrap_or_default();
+            if stages.last().is_none_or(|(last, _)| last != now) {
+                stages.push((now.to_owned(), rows.len()));
             }
             let number = |field: &str| field.parse().ok().filter(|x: &f64| x.is_finite());
             rows.push(row.iter().map(number).collect());
         }
-        Ok(Self { names, rows, last_stage: last_stage.1, is_continued: false })
+        let test = stages.last().map_or(0, |(_, row)| *row);
+        Ok(Self { names, rows, stages, test, is_compacted: false, is_continued: false })
     }
 
     /// A column; empty if the history does not have it.
@@ -91,10 +112,25 @@ impl History {
         points
     }
 
-    /// First row of the last stage.
+    /// Points of the motion and the force of a probe, from the state before the test on, in which
+    /// the displacement is 0. Before the first row of a run forces are 0. The state before a run
+    /// that goes on from a saved state is not in its history: its displacements are as they stand.
     #[must_use]
-    pub fn last_stage(&self) -> usize {
-        self.last_stage
+    pub fn of_test(&self, motion: &str, force: &str) -> Vec<(f64, f64)> {
+        let mut points = self.points(motion, force);
+        match self.test.checked_sub(1) {
+            Some(before) => {
+                points.drain(..before.min(points.len()));
+                let start = points.first().map_or(0.0, |p| p.0);
+                points.iter_mut().for_each(|p| p.0 -= start);
+                if let Some(first) = points.first_mut().filter(|_| self.is_compacted) {
+                    first.1 = 0.0;
+                }
+            }
+            None if !self.is_continued => points.insert(0, (0.0, 0.0)),
+            None => {}
+        }
+        points
     }
 
     /// Names of the probes.

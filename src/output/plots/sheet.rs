@@ -7,6 +7,7 @@ use glam::DVec2;
 
 use super::page::{self, Style};
 use super::scale::Scale;
+use crate::output::corners::joined;
 use crate::output::snapshot::Snapshot;
 
 /// A disk counts as touching a wall if the distance of its centre is below this, in radii.
@@ -100,11 +101,12 @@ impl Sheet {
         }
     }
 
-    /// Draws the walls: lines extended to all disks that touch them, thin walls as they are.
+    /// Draws the walls: lines extended to all disks that touch them and joined at their corners, thin
+    /// walls as they are.
     pub fn walls(&mut self, now: &Snapshot) {
         let walls: Vec<_> = now.walls.iter().map(|wall| enclosing(*wall, now)).collect();
         let width = 0.15 * self.style.font;
-        self.segments(&walls, DARK, width);
+        self.segments(&joined(&walls), DARK, width);
         self.segments(&now.plates, DARK, width);
     }
 
@@ -164,7 +166,7 @@ impl Sheet {
         let (mut x, mut y) = (margin, self.below(0.7 * font));
         let room = self.width - 2.0 * margin - 1.9 * font;
         for sample in list {
-            let size = 1.9 * font + page::width(&sample.text, font);
+            let size = Sample::width(&sample.text, font);
             if x > margin && x + size > self.width - margin {
                 (x, y) = (margin, y + 1.5 * font);
             }
@@ -234,6 +236,14 @@ pub struct Sample {
     pub stroke: Option<f64>,
     /// Meaning.
     pub text: String,
+}
+
+impl Sample {
+    /// Width of an entry with this text.
+    #[must_use]
+    pub fn width(text: &str, font: f64) -> f64 {
+        1.9 * font + page::width(text, font)
+    }
 }
 
 /// A wall segment extended to all disks that touch the wall. For contact a wall is an infinite

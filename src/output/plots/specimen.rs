@@ -91,16 +91,16 @@ pub fn draw_cracks(sheet: &mut Sheet, now: &Snapshot) {
     }
 }
 
-/// Entries of the legend: how many bonds broke in each mode.
+/// Entries of the legend: how many bonds broke in each mode, in few words where the page is narrow.
 #[must_use]
 pub fn crack_samples(cracks: &[Crack], style: &Style) -> Vec<Sample> {
     let entry = |mode: RuptureMode| {
         let n = cracks.iter().filter(|crack| crack.mode == mode).count();
-        (n > 0).then(|| Sample {
-            color: color(mode),
-            stroke: Some(0.15 * style.font),
-            text: format!("{n} broken in {}", mode.name()),
-        })
+        let mut text = format!("{n} broken in {}", mode.name());
+        if Sample::width(&text, style.font) + 2.0 * style.margin > style.narrowest {
+            text = format!("{n} {}", mode.name());
+        }
+        (n > 0).then(|| Sample { color: color(mode), stroke: Some(0.15 * style.font), text })
     };
     MODES.into_iter().filter_map(entry).collect()
 }

@@ -3,7 +3,7 @@
 //! The bytes of a column are split into planes, all lowest bytes first: the higher bytes of
 //! neighbours are alike and shrink well. A column that changes from frame to frame holds whole
 //! numbers: steps of a scale, identities, or the bits of `float16` (11 bits: three significant
-//! digits) in their order. It is written as the difference from the same column of the frame before,
+//! digits, or steps below the scale) in their order. It is written as the difference from the same column of the frame before,
 //! which loses nothing and is a third smaller. Differences are 0, -1, 1, -2, ... as 0, 1, 2, 3, ...
 //! so that small ones have no higher bytes.
 
@@ -84,11 +84,6 @@ impl Columns {
         self.planes(values.iter().map(|x| x.to_le_bytes()));
     }
 
-    /// Numbers over `scale`, rounded to `float16`.
-    pub fn halves(&mut self, values: &[f32], scale: f64) {
-        self.planes(values.iter().map(|x| half(*x, scale).to_le_bytes()));
-    }
-
     /// Numbers that change in steps of `step`, of two or three bytes each. Not a number is a row
     /// that is not there; numbers beyond the range are at its end.
     pub fn changing_steps(&mut self, values: &[f32], step: f64, width: usize) {
@@ -124,11 +119,13 @@ fn ordered(x: f32, scale: f64) -> i32 {
 /// Level of the compression. Level 6 takes three times as long and gains 5 %.
 const LEVEL: u32 = 1;
 
-/// A scale with which `float16` holds numbers up to `largest`: a power of two, so that it changes
-/// no digit. Numbers down to 2e-9 of the largest keep three digits.
-pub fn scale(largest: f32) -> f64 {
-    if largest > 0.0 && largest.is_finite() {
-        2.0_f64.powi(f64::from(largest).log2().ceil() as i32 - 15)
+/// A scale for `float16` of numbers with this typical magnitude: a power of two, so that it changes
+/// no digit. Numbers down to a sixteenth of it keep three digits (error at most 2^-11 of the number);
+/// smaller ones have steps of at most 2^-14 of it, the subnormal numbers, so that they change little
+/// from frame to frame. Numbers up to 2^25 times it fit.
+pub fn scale(typical: f32) -> f64 {
+    if typical > 0.0 && typical.is_finite() {
+        2.0_f64.powi(f64::from(typical).log2().floor() as i32 + 10)
     } else {
         1.0
     }

@@ -7,6 +7,7 @@
 
 mod choose;
 mod columns;
+mod contacts;
 mod movie;
 mod run;
 mod scales;

@@ -3,18 +3,22 @@
 //! Bodies and bonds have one row each over the whole run, so that a frame has only what changes:
 //! displacement since the start of the test in steps, everything else in `float16` over a scale of
 //! the run. They are written as differences from the frame before, but for one frame in `KEY`, from
-//! which a page can start to read. Contacts without a bond are listed anew in every frame.
+//! which a page can start to read. Contacts without a bond have one list for the frames from one
+//! that is whole to the next.
 
 use std::collections::BTreeSet;
 use std::io;
 
+use glam::DVec2;
 use serde_json::{Value, json};
 
 use super::choose::File;
 use super::columns::{Columns, scale};
+use super::contacts::Contacts;
 use super::scales::{Scales, mean, shear, view};
 use crate::frames::{Frame, NONE, STATES};
 use crate::output::OutputError;
+use crate::output::corners::joined;
 
 /// State of a bond that is not in a frame.
 const NO_BOND: u8 = 255;
@@ -63,10 +67,18 @@ impl Movie {
         let mut blocks = vec![still.text().0];
         let mut described = Vec::new();
         let mut before = Vec::new();
+        let mut contacts = Contacts::of(std::iter::empty(), |id| id);
         for (k, frame) in frames.iter().enumerate() {
             let is_whole = k % KEY == 0;
             let mut columns = Columns::after(if is_whole { Vec::new() } else { before });
-            let contacts = rows.frame(frame, &scales, &mut columns);
+            if is_whole {
+                let of = frames[k..].iter().take(KEY).map(|frame| &frame.pairs);
+                contacts = Contacts::of(of, |id| rows.index(id));
+            }
+            rows.frame(frame, &scales, &contacts, &mut columns);
+            if is_whole {
+                contacts.bodies(&mut columns);
+            }
             let (text, codes) = columns.text();
             blocks.push(text);
             before = codes;
@@ -76,7 +88,7 @@ impl Movie {
                 "time": frame.time_s,
                 "strain": frame.axial_strain,
                 "stress": frame.axial_stress_pa,
-                "contacts": contacts,
+                "contacts": contacts.len(),
                 "walls": walls(frame, first.origin_m),
                 "cell": frame.cell_m,
             }));
@@ -155,8 +167,8 @@ impl Rows {
         to.counts(&self.bonds.iter().map(|bond| bond.2).collect::<Vec<_>>());
     }
 
-    /// What changes. Returns the number of contacts without a bond.
-    fn frame(&self, frame: &Frame, scales: &Scales, to: &mut Columns) -> usize {
+    /// What changes.
+    fn frame(&self, frame: &Frame, scales: &Scales, contacts: &Contacts, to: &mut Columns) {
         let n = self.bodies.len();
         let of = &frame.bodies;
         let at: Vec<usize> = of.id.iter().map(|id| self.index(*id) as usize).collect();
@@ -185,28 +197,21 @@ impl Rows {
         let pairs = &frame.pairs;
         let mut states = vec![NO_BOND; self.bonds.len()];
         let mut forces = [0, 1, 2].map(|_| vec![0.0_f32; self.bonds.len()]);
-        let mut contacts = Vec::new();
         for k in 0..pairs.a.len() {
             let force = [pairs.p_n[k], pairs.q_n[k], pairs.tau_nm[k]];
-            match self.bonds.binary_search(&(pairs.a[k], pairs.b[k], pairs.bond[k])) {
-                Ok(bond) => {
-                    states[bond] = pairs.state[k];
-                    forces.iter_mut().zip(force).for_each(|(column, f)| column[bond] = f);
-                }
-                Err(_) => contacts.push((pairs.a[k], pairs.b[k], force)),
+            if let Ok(bond) = self.bonds.binary_search(&(pairs.a[k], pairs.b[k], pairs.bond[k])) {
+                states[bond] = pairs.state[k];
+                forces.iter_mut().zip(force).for_each(|(column, f)| column[bond] = f);
             }
         }
         to.changing_bytes(&states);
         let kinds = if scales.moment > 0.0 { 3 } else { 2 };
         let of_kind = [scales.force, scales.force, scales.moment].map(scale);
         (0..kinds).for_each(|k| to.changing_halves(&forces[k], of_kind[k]));
-        to.counts(&contacts.iter().map(|contact| self.index(contact.0)).collect::<Vec<_>>());
-        to.counts(&contacts.iter().map(|contact| self.index(contact.1)).collect::<Vec<_>>());
-        for k in 0..kinds {
-            let force: Vec<f32> = contacts.iter().map(|contact| contact.2[k]).collect();
-            to.halves(&force, of_kind[k]);
+        let columns = [&pairs.p_n, &pairs.q_n, &pairs.tau_nm];
+        for (values, scale) in columns.into_iter().zip(of_kind).take(kinds) {
+            to.changing_halves(&contacts.column(pairs, values, |id| self.index(id)), scale);
         }
-        contacts.len()
     }
 }
 
@@ -232,11 +237,21 @@ fn groups(frames: &[Frame]) -> Vec<&str> {
     names.into_iter().collect()
 }
 
-/// The walls of a frame, with the points of their lines from the origin, m.
+/// The walls of a frame, with the points of their lines from the origin, m. Straight lines are joined
+/// at their corners.
 fn walls(frame: &Frame, origin: [f64; 2]) -> Vec<Value> {
-    let point = |x: &[f64; 2]| [(x[0] - origin[0]) as f32, (x[1] - origin[1]) as f32];
-    let wall = |k: usize| {
-        let line: Vec<f32> = frame.wall_line(k).iter().flat_map(point).collect();
+    let number = frame.walls.id.len();
+    let mut points: Vec<Vec<DVec2>> = (0..number)
+        .map(|k| frame.wall_line(k).iter().map(|x| DVec2::from(*x) - DVec2::from(origin)).collect())
+        .collect();
+    let lines: Vec<usize> =
+        (0..number).filter(|k| !frame.walls.is_thin[*k] && points[*k].len() == 2).collect();
+    let ends: Vec<_> = lines.iter().map(|k| [points[*k][0], points[*k][1]]).collect();
+    for (k, ends) in lines.into_iter().zip(joined(&ends)) {
+        points[k] = ends.to_vec();
+    }
+    let wall = |(k, points): (usize, &Vec<DVec2>)| {
+        let line: Vec<f32> = points.iter().flat_map(|x| [x.x as f32, x.y as f32]).collect();
         json!({
             "id": frame.walls.id[k],
             "name": frame.walls.name[k],
@@ -245,5 +260,5 @@ fn walls(frame: &Frame, origin: [f64; 2]) -> Vec<Value> {
             "line": line,
         })
     };
-    (0..frame.walls.id.len()).map(wall).collect()
+    points.iter().enumerate().map(wall).collect()
 }

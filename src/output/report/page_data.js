@@ -88,13 +88,6 @@ Report.data = JSON.parse(document.getElementById("data").textContent);
     numbers(n) {
       return new Float32Array(this.counts(n).buffer);
     }
-    halves(n, scale) {
-      const { bytes, at } = this,
-        column = new Float32Array(n);
-      for (let i = 0; i < n; i++) column[i] = scale * HALF[bytes[at + i] | (bytes[at + n + i] << 8)];
-      this.at += 2 * n;
-      return column;
-    }
   }
 
   async function unpack(name) {
@@ -149,12 +142,17 @@ Report.data = JSON.parse(document.getElementById("data").textContent);
       tau: scales.moment === null ? null : read(scales.moment),
     });
     frame.bonds = forces((scale) => from.changingHalves(b, scale));
+    frame.contacts = forces((scale) => from.changingHalves(c, scale));
+    // Contacts are those of the last frame that was whole.
+    if (last) [frame.a, frame.b] = [last.a, last.b];
+    else {
+      [frame.a, frame.b] = [from.counts(c), from.counts(c)];
+      for (let i = 1; i < c; i++) frame.a[i] += frame.a[i - 1];
+      for (let i = 0; i < c; i++) frame.b[i] += frame.a[i];
+    }
     // Only the next frame needs these.
     if (last) last.codes = null;
     frame.codes = from.codes;
-    frame.a = from.counts(c);
-    frame.b = from.counts(c);
-    frame.contacts = forces((scale) => from.halves(c, scale));
     // Where bodies are.
     frame.x = frame.ux.map((u, i) => Report.still.x[i] + u);
     frame.y = frame.uy.map((u, i) => Report.still.y[i] + u);
@@ -210,6 +208,8 @@ Report.data = JSON.parse(document.getElementById("data").textContent);
     }
     for (let k = 0; k < frame.a.length; k++) {
       const of = frame.contacts;
+      // A contact without force is one of another frame.
+      if (of.p[k] === 0 && of.q[k] === 0 && tau(of, k) === 0) continue;
       see(frame.a[k], frame.b[k], 0, of.p[k], of.q[k], tau(of, k), "contact", k);
     }
   };

@@ -31,7 +31,7 @@
     ["Strain at peak", (r) => r.strain_at_peak !== null && percent(r.strain_at_peak)],
     ["Young\u2019s modulus", (r) => r.youngs_modulus_pa !== null && si(r.youngs_modulus_pa, "Pa")],
     [
-      "Secant modulus at half the peak",
+      "Secant modulus to half of the rise",
       (r) =>
         r.youngs_modulus_secant_half_peak_pa !== null &&
         si(r.youngs_modulus_secant_half_peak_pa, "Pa"),
@@ -108,6 +108,7 @@
       const head = ["", ...runs.map((run) => ({ class: "n", text: run.name }))];
       // Of several runs the table says which numbers are not to be trusted.
       const rows = [
+        ["Marks", ...runs.map(({ marks }) => n(marks.length ? marks.join("; ") : "\u2013"))],
         [
           "Outcome",
           ...runs.map(({ record: { outcome } }) => ({

@@ -7,6 +7,7 @@ use std::path::Path;
 use serde_json::{Map, Value, json};
 
 use crate::output::history::{COLUMNS, ENERGY_COLUMNS};
+use crate::output::marks::marks;
 use crate::output::{OutputError, avalanches, directory, events, names};
 
 /// Columns of texts.
@@ -51,6 +52,7 @@ impl Run {
         }
         let value = json!({
             "name": name,
+            "marks": marks(&record),
             "record": record,
             "scene": scene,
             "history": history,

@@ -14,6 +14,9 @@ const BEYOND: f64 = 0.01;
 /// Minimum number of steps of a displacement in the range of its colours.
 const FINE: f32 = 2000.0;
 
+/// Part of the largest number that a typical one is taken for at least, so that all numbers fit.
+const SPREAD: f32 = 1.0 / 1_048_576.0;
+
 /// Mean stress in the plane, of xx, yy and xy.
 pub fn mean([xx, yy, _]: [f32; 3]) -> f32 {
     0.5 * (xx + yy)
@@ -24,21 +27,22 @@ pub fn shear([xx, yy, xy]: [f32; 3]) -> f32 {
     (0.5 * (xx - yy)).hypot(xy)
 }
 
-/// Largest magnitudes of a run, for `float16`, and quantiles, for colours and widths.
+/// Typical magnitudes of a run, for `float16`, and quantiles, for colours and widths. A typical
+/// magnitude is the quantile that ends the colours, but not below [`SPREAD`] of the largest one.
 #[derive(Default)]
 pub struct Scales {
     displacement: f32,
     /// Number of bytes of a displacement.
     pub width: usize,
-    /// Largest rotation, rad.
+    /// Typical rotation, rad.
     pub rotation: f32,
-    /// Largest mean or shear stress, Pa.
+    /// Typical mean or shear stress, Pa.
     pub stress: f32,
-    /// Largest velocity, m/s; 0 in static analysis.
+    /// Typical velocity, m/s; 0 in static analysis.
     pub velocity: f32,
-    /// Largest normal or shear force, N.
+    /// Typical normal force, N. Shear forces have its steps.
     pub force: f32,
-    /// Largest rolling moment, N m; 0 without any.
+    /// Typical normal force times the mean radius, N m; 0 without moments.
     pub moment: f32,
     /// Ranges of colours by name.
     ranges: Vec<(&'static str, [f32; 2])>,
@@ -60,14 +64,25 @@ impl Scales {
         let mut at = |k: usize, part: f64| quantile(&mut seen[k], part);
         let (low, high) = (BEYOND, 1.0 - BEYOND);
         let (turn, moved) = (at(3, high), at(0, high));
+        let (speed, force, stress) = (at(2, high), at(5, high), [at(4, low), at(4, high)]);
         scales.ranges = vec![
             ("displacement", [0.0, moved]),
             ("motion", [0.0, at(1, high)]),
-            ("velocity", [0.0, at(2, high)]),
+            ("velocity", [0.0, speed]),
             ("rotation", [-turn, turn]),
-            ("stress", [at(4, low), at(4, high)]),
-            ("force", [0.0, at(5, high)]),
+            ("stress", stress),
+            ("force", [0.0, force]),
         ];
+        let typical = |all: &mut f32, quantile: f32| *all = quantile.max(SPREAD * *all);
+        typical(&mut scales.rotation, turn);
+        typical(&mut scales.stress, stress[0].abs().max(stress[1]));
+        if scales.velocity > 0.0 {
+            typical(&mut scales.velocity, speed);
+        }
+        typical(&mut scales.force, force);
+        if scales.moment > 0.0 {
+            typical(&mut scales.moment, scales.force * mean_radius(frames));
+        }
         // Two bytes, if the step is then a small part of the range of colours.
         let is_fine = moved * most_steps(2) as f32 >= FINE * scales.displacement;
         scales.width = if is_fine { 2 } else { 3 };
@@ -128,6 +143,13 @@ fn see_values(seen: &mut [Vec<f32>; 6], frame: &Frame, before: Option<&Frame>) {
     seen[4].extend(bodies.stress_pa.iter().map(|stress| mean(*stress)));
     let forces = frame.pairs.p_n.iter().filter(|p| **p != 0.0);
     seen[5].extend(forces.map(|p| p.abs()));
+}
+
+/// Mean radius of all disks, m; 0 without any.
+fn mean_radius(frames: &[Frame]) -> f32 {
+    let radii = frames.iter().flat_map(|frame| &frame.bodies.radius_m);
+    let (sum, number) = radii.fold((0.0, 0_usize), |(sum, n), r| (sum + f64::from(*r), n + 1));
+    (sum / number.max(1) as f64) as f32
 }
 
 /// Value that the given part of all values does not exceed; 0 without any.

@@ -11,6 +11,7 @@ use serde_json::Value;
 
 use super::choose::{File, choose};
 use super::columns::{Columns, most_steps, scale};
+use super::contacts::Contacts;
 use super::movie::Movie;
 use super::run::Run;
 use super::*;
@@ -25,19 +26,23 @@ fn unpacked(text: &str) -> Vec<u8> {
 
 #[test]
 fn columns_have_planes_and_stated_digits() {
-    let values = [0.0_f32, 1.0, -3.14159e7, 6.6e4, 6.4321e-2];
-    let largest = scale(3.14159e7);
+    let typical = 3.14159e7_f32;
+    let values = [0.0_f32, 1.0, -3.14159e7, 2.1e6, -1.234e6, 6.4321e-2, 6.4e13];
     let mut columns = Columns::default();
-    columns.halves(&values, largest);
     columns.counts(&[0x0403_0201, NONE]);
-    let bytes = unpacked(&columns.text().0);
-    assert_eq!(bytes.len(), 10 + 8);
-    for (k, x) in values.into_iter().enumerate() {
-        let half = f16::from_le_bytes([bytes[k], bytes[5 + k]]);
-        let read = half.to_f64() * largest;
-        assert!((read - f64::from(x)).abs() <= 5e-4 * f64::from(x).abs(), "{x}: {read}");
+    columns.changing_halves(&values, scale(typical));
+    let (text, codes) = columns.text();
+    let bytes = unpacked(&text);
+    assert_eq!(bytes.len(), 8 + 2 * values.len());
+    assert_eq!(bytes[..8], [1, 255, 2, 255, 3, 255, 4, 255]);
+    for (code, x) in codes[0].iter().zip(values) {
+        let bits = if *code < 0 { 0x8000 - code } else { *code };
+        let read = f16::from_bits(bits as u16).to_f64() * scale(typical);
+        let x = f64::from(x);
+        let is_large = x.abs() >= f64::from(typical) / 16.0;
+        let error = if is_large { x.abs() / 2048.0 } else { f64::from(typical) / 32_768.0 };
+        assert!((read - x).abs() <= error, "{x}: {read}");
     }
-    assert_eq!(bytes[10..], [1, 255, 2, 255, 3, 255, 4, 255]);
 }
 
 /// The whole numbers of a column of `width` bytes at this place, after those of the frame before.
@@ -193,4 +198,34 @@ fn a_page_holds_any_text() {
         let found = page.replace("http://www.w3.org/2000/svg", "").contains(outside);
         assert!(!found, "the page refers to {outside}");
     }
+}
+
+#[test]
+fn contacts_have_a_row_from_one_whole_frame_to_the_next() {
+    let pairs = |pairs: &[(u32, u32, f32)]| FramePairs {
+        a: pairs.iter().map(|pair| pair.0).collect(),
+        b: pairs.iter().map(|pair| pair.1).collect(),
+        bond: vec![NONE; pairs.len()],
+        p_n: pairs.iter().map(|pair| pair.2).collect(),
+        ..FramePairs::default()
+    };
+    // Bodies 0, 4, 7 and 9 are particles, 2 is a wall, which comes after them in the page. Two
+    // images of a body touch another one in the last frame.
+    let index = |id: u32| [0, 4, 7, 9, 2].iter().position(|k| *k == id).unwrap() as u32;
+    let frames = [
+        pairs(&[(4, 2, 1.0), (4, 7, 2.0)]),
+        pairs(&[(0, 9, 3.0), (4, 7, 4.0)]),
+        pairs(&[(0, 4, 5.0), (4, 7, 6.0), (4, 7, 7.0)]),
+    ];
+    let contacts = Contacts::of(frames.iter(), index);
+    // (0, 4), (0, 9), (4, 7), (4, 7) once more, (4, 2)
+    let column = |of: &FramePairs| contacts.column(of, &of.p_n, index);
+    assert_eq!(column(&frames[0]), [0.0, 0.0, 2.0, 0.0, 1.0]);
+    assert_eq!(column(&frames[1]), [0.0, 3.0, 4.0, 0.0, 0.0]);
+    assert_eq!(column(&frames[2]), [5.0, 0.0, 6.0, 7.0, 0.0]);
+    let mut columns = Columns::default();
+    contacts.bodies(&mut columns);
+    let bytes = unpacked(&columns.text().0);
+    assert_eq!(bytes.len(), 2 * 5 * 4);
+    assert_eq!((&bytes[..5], &bytes[20..25]), (&[0, 0, 1, 0, 0][..], &[1, 3, 1, 1, 3][..]));
 }

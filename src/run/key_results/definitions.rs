@@ -4,11 +4,9 @@ use std::collections::BTreeMap;
 
 use clastic_components::measure::KeyResult;
 
-use super::failure::LATERAL_CHANGES;
-use super::{KeyResults, Point, Results};
-
-/// Changes of stress below this fraction of the maximum stress count as round-off.
-pub(super) const RESOLVED: f64 = 1e-6;
+use super::collected::{KeyResults, Point};
+use super::reasons::{CAPPED_BEFORE, LATERAL_CHANGES, NO_GAIN, NO_HALF, RESOLVED, RIGID};
+use super::results::Results;
 
 /// Stresses below this fraction of the stress that the stiffness of the grains alone would give at
 /// this strain count as round-off. Loose packings have a thousandth of that stress.
@@ -16,15 +14,8 @@ const SOFTEST: f64 = 1e-9;
 
 const NO_CURVE: &str = "no increment from the start of the reference stage on has both an axial strain and \
                         an axial stress";
-/// Reason where no increment comes to half the peak.
-pub(super) const NO_HALF: &str = "no increment comes to half the peak";
-pub(super) const NO_GAIN: &str =
-    "no increment that strains the specimen gains a thousandth of the peak";
 const UNKNOWN_START: &str = "the run starts from a saved state, whose stress no stage before the reference stage tells; \
                              put a loading stage of one increment before it";
-/// Reason why a rigid specimen has no modulus.
-pub const RIGID: &str = "nothing is elastic";
-pub(super) const CAPPED_BEFORE: &str = "an increment that it would come from is capped";
 
 impl KeyResults {
     /// The results so far.

@@ -1,7 +1,7 @@
 //! Definitions of the key results: Poisson's ratio, strength, thresholds of cracks, friction angle.
 
-use super::definitions::{CAPPED_BEFORE, NO_GAIN, NO_HALF, RESOLVED, RIGID};
-use super::{KeyResults, Point};
+use super::collected::{KeyResults, Point};
+use super::reasons::{CAPPED_BEFORE, LATERAL_CHANGES, NO_GAIN, NO_HALF, RESOLVED, RIGID};
 
 /// Fall of the axial stress below its peak, over the rise to it, after which the peak is passed.
 /// Stresses of a specimen of some hundred grains fluctuate by less before it.
@@ -20,8 +20,6 @@ const LEVEL: f64 = 0.1;
 
 const NOT_PASSED: &str = "the test ends before the axial stress has fallen by a hundredth of its \
                           rise at a larger strain, and without a collapse";
-/// Reason where the lateral stress changes.
-pub(super) const LATERAL_CHANGES: &str = "the lateral stress changes during the test";
 const NO_LATERAL_STRAIN: &str = "no lateral strain is measured";
 const NO_BONDS: &str = "no bonds were there";
 const CONTRACTS: &str = "the volume shrinks up to the peak";

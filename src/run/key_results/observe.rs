@@ -8,8 +8,8 @@ use clastic_components::increment::Progress;
 use clastic_components::measure::{NamedMeasures, Quantity, Readings};
 use clastic_components::observation::Observation;
 
-use super::{KeyResults, Phase};
-use crate::run::stages::Script;
+use super::collected::{KeyResults, Phase};
+use crate::run::script::Script;
 use crate::scene::format::Stage;
 
 /// Run condition: the increment is undecided.

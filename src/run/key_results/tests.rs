@@ -1,5 +1,7 @@
 //! Tests of the key results.
 
+use clastic_components::attempt::IncrementStatus;
+use clastic_components::observation::Observation;
 use clastic_cone::program::Residuals;
 
 use super::*;

@@ -11,7 +11,7 @@ use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use super::material::{Grains, inertial};
 use super::{Report, is_specimen, is_test};
-use crate::run::stages::Script;
+use crate::run::script::Script;
 use crate::scene::format::Scene;
 
 /// Name of [`Sanity`] in a state.

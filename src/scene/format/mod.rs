@@ -14,6 +14,7 @@ mod output;
 mod particle_control;
 mod pour;
 mod quantities;
+mod repeat;
 mod rigid;
 mod scatter;
 mod solver;
@@ -36,7 +37,7 @@ pub use clastic_components::measure::{
 pub use clastic_components::membrane::Sides;
 pub use clastic_components::observation::{StrainComponent, StressComponent as Component};
 
-use super::{repeats, unique_keys};
+use super::unique_keys;
 
 pub use analysis::{Analysis, FrictionLaw};
 pub use cell::{Cell, CellControl, CellStrain, CellTarget};
@@ -48,6 +49,7 @@ pub use output::{Output, Record};
 pub use particle_control::{Motion, ParticleControl, Select};
 pub use pour::{Opening, Pour, Rate, Stream};
 pub use quantities::{Amount, Area, GroupAlong, Length, Modes, Quantity, Strain, Stress};
+pub(super) use repeat::MAX_STAGES;
 pub use rigid::{RigidControl, Traction};
 pub use scatter::{Scatter, Spread};
 #[cfg(test)]
@@ -142,7 +144,7 @@ pub struct Scene {
     #[serde(skip)]
     pub rigid_at_start: Vec<String>,
     /// Stages, in order.
-    #[serde(deserialize_with = "repeats::deserialize")]
+    #[serde(deserialize_with = "repeat::deserialize")]
     pub stages: Vec<Stage>,
     /// Stage at whose start strains are zero; the last stage if left out. Version 2; in version 1
     /// it is a field of `measures`.

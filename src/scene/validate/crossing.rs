@@ -2,7 +2,7 @@
 //! for that of the stage, the walls meet.
 
 use super::findings::Findings;
-use super::walls::length;
+use super::places::length;
 use super::{ASKEW, Context};
 use crate::scene::format::{Load, Wall, WallControl};
 use crate::scene::spans::join;

@@ -9,8 +9,8 @@ use crate::scene::format::{
 
 use super::Context;
 use super::findings::Findings;
+use super::references::index_exists;
 use super::select::select;
-use super::specimen::index_exists;
 use super::thin_walls::one_piece;
 use crate::history_columns::{COLUMNS, ENERGY_COLUMNS};
 

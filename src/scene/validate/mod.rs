@@ -2,6 +2,7 @@
 //!
 //! Every check adds a [`Finding`] and goes on, so that one run reports everything.
 
+mod bonds;
 mod cell;
 mod crossing;
 mod cuts;
@@ -9,14 +10,17 @@ mod findings;
 mod materials;
 mod measures;
 mod membranes;
+mod outline;
 mod parts;
 mod places;
 mod pour;
+mod references;
 mod restitution;
 mod rigid;
 mod select;
 mod selections;
 mod settings;
+mod sizes;
 mod specimen;
 mod stages;
 mod state;

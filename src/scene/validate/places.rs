@@ -1,4 +1,4 @@
-//! Particles behind a wall.
+//! Lengths of walls, and particles behind them.
 
 use crate::scene::format::Wall;
 
@@ -18,7 +18,11 @@ pub(super) fn is_behind(wall: &Wall, (x, y): (f64, f64), radius: f64) -> bool {
     }
     let along = (wall.end.0 - wall.start.0, wall.end.1 - wall.start.1);
     let from = (x - wall.start.0, y - wall.start.1);
-    let length = along.0.hypot(along.1);
-    let inward = (along.0 * from.1 - along.1 * from.0) / length;
+    let inward = (along.0 * from.1 - along.1 * from.0) / length(wall);
     inward < -BEHIND * radius
+}
+
+/// Length of the drawn segment, m.
+pub(super) fn length(wall: &Wall) -> f64 {
+    (wall.end.0 - wall.start.0).hypot(wall.end.1 - wall.start.1)
 }

@@ -8,7 +8,8 @@ use crate::scene::spans::join;
 use super::Context;
 use super::findings::Findings;
 use super::places::is_behind;
-use super::specimen::{material_of, sizes};
+use super::references::material_of;
+use super::sizes::check_sizes;
 
 /// Checks what a stage has beside a loading stage.
 pub(super) fn check(
@@ -37,7 +38,7 @@ pub(super) fn check(
         }
     };
     findings.vector(format_args!("{path}.velocity"), *velocity, "a velocity in m/s");
-    let limits = sizes(format_args!("{path}.sizes"), &stage.stream.sizes, findings);
+    let limits = check_sizes(format_args!("{path}.sizes"), &stage.stream.sizes, findings);
     let all: f64 = minerals.values().sum();
     if minerals.is_empty() || all < 1.0 {
         material_of(context, path, stage.stream.material.as_deref(), findings);

@@ -9,7 +9,7 @@ use crate::scene::spans::join;
 
 use super::Context;
 use super::findings::Findings;
-use super::specimen::index_exists;
+use super::references::index_exists;
 
 /// Checks a selection of particles.
 pub(super) fn select(context: &Context, path: Arguments, select: &Select, findings: &mut Findings) {

@@ -8,7 +8,7 @@ use crate::scene::suggest;
 
 use super::Context;
 use super::findings::Findings;
-use super::specimen::not_behind;
+use super::outline::not_behind;
 
 pub(super) fn check(
     context: &Context,

@@ -4,6 +4,7 @@ use glam::DVec2;
 
 use super::Context;
 use super::findings::Findings;
+use super::places::length;
 use crate::run::minerals::specimen;
 use crate::run::particles::ParticleSeed;
 use crate::run::wall_pieces::{CUT, is_cut, pieces};
@@ -18,7 +19,7 @@ const FLAT: f64 = 1e-6;
 pub(super) fn shape(i: usize, wall: &Wall, findings: &mut Findings) {
     match &wall.shape {
         WallShape::Line | WallShape::Segment => {
-            if super::walls::length(wall) <= 0.0 {
+            if length(wall) <= 0.0 {
                 let message = format!("a wall of zero length ({:?} to {:?})", wall.start, wall.end);
                 findings.add(format_args!("walls[{i}].end"), message, "move its end");
             }

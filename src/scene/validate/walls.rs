@@ -7,7 +7,8 @@ use crate::scene::spans::join;
 
 use super::findings::Findings;
 use super::materials::{bond_of_wall, contact};
-use super::specimen::index_exists;
+use super::places::length;
+use super::references::index_exists;
 use super::{ASKEW, Context, thin_walls};
 
 pub(super) fn check(context: &Context, findings: &mut Findings) {
@@ -70,11 +71,6 @@ fn probes(context: &Context, particles: &[Particle], findings: &mut Findings) {
             findings.add(format_args!("{path}"), message, "give it one name");
         }
     }
-}
-
-/// Length of the drawn segment, m.
-pub(super) fn length(wall: &Wall) -> f64 {
-    (wall.end.0 - wall.start.0).hypot(wall.end.1 - wall.start.1)
 }
 
 /// Whether two walls are parallel, with their insides towards each other. One without a length is

@@ -95,6 +95,12 @@
       };
     });
 
+    // All contacts without a bond.
+    seen.contacts = [];
+    Report.eachPair(frame, (a, b, of, p, q, tau, kind, row) => {
+      if (kind === "contact") seen.contacts.push(Report.values(frame, { kind, row }));
+    });
+
     // Every way to colour and every layer draws something.
     seen.colours = {};
     for (const { value } of document.getElementById("colour").options) {

@@ -9,7 +9,7 @@ use super::super::scaled::{Kind, Local, ROWS};
 use super::super::settings::InteriorSettings;
 use super::law::{Law, Rows, first};
 use super::local_system::{LocalSystem, Slacks};
-use super::{Warm, slack};
+use super::point::{Warm, slack};
 
 /// One interaction.
 #[derive(Clone)]

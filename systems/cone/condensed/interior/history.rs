@@ -1,7 +1,7 @@
 //! The best point so far, and what ends the method.
 
 use super::iteration::Iteration;
-use super::{Goal, Interior};
+use super::point::{Goal, Interior};
 use crate::condensed::settings::InteriorSettings;
 
 /// What the method remembers of its points.

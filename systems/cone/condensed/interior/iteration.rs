@@ -2,7 +2,7 @@
 
 use super::cell::{Ahead, Aim, Sizes, for_each};
 use super::groups::Groups;
-use super::{Interior, Warm, max_magnitude};
+use super::point::{Interior, Warm, max_magnitude};
 use crate::condensed::matrix::BodyMatrix;
 use crate::condensed::scaled::Scaled;
 use crate::condensed::settings::InteriorSettings;

@@ -3,7 +3,7 @@
 use super::super::newton::Step;
 use super::super::scaled::{Local, Scaled};
 use super::super::settings::LocalSettings;
-use super::is_wall;
+use super::patches::is_wall;
 use crate::adjacency::Adjacency;
 
 /// A step without its fast bodies. Where a few loose bodies go far, the state of their contacts

@@ -16,7 +16,7 @@ mod patch;
 mod patches;
 
 use self::fast::SlowPart;
-use self::patches::{Patches, is_wall};
+use self::patches::Patches;
 use super::matrix::BodyMatrix;
 use super::newton::{Between, Goal, Newton, Point, Step, iterate};
 use super::scaled::Scaled;

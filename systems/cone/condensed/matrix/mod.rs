@@ -16,6 +16,7 @@ mod merge;
 mod numeric;
 mod ordering;
 mod packed;
+mod pattern;
 mod unsymmetric;
 
 use std::ops::Range;
@@ -24,17 +25,13 @@ use pulp::Arch;
 
 pub use self::assembly::Assembly;
 use self::assembly::PairPlace;
-use self::fronts::Fronts;
 use self::numeric::{Backward, Eliminate, Forward, Part};
 pub(super) use self::ordering::places;
+use self::pattern::{DIAGONAL, PAIR, Pattern};
 pub use self::unsymmetric::UnsymmetricMatrix;
 use super::images::Images;
 use super::parallel::{in_parallel, split};
 use crate::adjacency::Adjacency;
-
-/// Numbers in a block of the diagonal (its lower triangle by columns) and of a pair.
-const DIAGONAL: usize = 6;
-const PAIR: usize = 9;
 
 /// Shifts of the diagonal, over its maximum, that make up for round-off: a hundred times the unit
 /// round-off, and more where that is not enough.
@@ -53,17 +50,6 @@ pub struct BodyMatrix {
     trunk: Part,
     images: Images,
     instructions: Arch,
-}
-
-/// The fronts, and the places of their values.
-struct Pattern {
-    fronts: Fronts,
-    /// Start of the values of each front.
-    starts: Vec<usize>,
-    /// Place of the block of each pair, in the order of the values, in the trapezoid of its front.
-    targets: Vec<u32>,
-    /// Start of the targets of each front.
-    target_starts: Vec<usize>,
 }
 
 impl BodyMatrix {

@@ -10,7 +10,8 @@ use pulp::{Simd, WithSimd};
 
 use super::dense::{self, LANES, Triangle};
 use super::fronts::{Branch, Front, Fronts};
-use super::{DIAGONAL, PAIR, Pattern, packed};
+use super::packed;
+use super::pattern::{DIAGONAL, PAIR, Pattern};
 
 /// The numbers of a branch, or of the trunk.
 pub struct Part {

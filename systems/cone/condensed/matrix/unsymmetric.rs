@@ -9,7 +9,8 @@
 use pulp::{Arch, Simd, WithSimd};
 
 use super::fronts::{Front, Fronts};
-use super::{layout, lu, ordering, places};
+use super::ordering::places;
+use super::{layout, lu, ordering};
 use crate::adjacency::Adjacency;
 use crate::condensed::images::Images;
 

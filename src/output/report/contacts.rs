@@ -1,0 +1,75 @@
+//! Contacts without a bond as the page has them: one list for the frames from one that is whole to
+//! the next, so that forces are differences from the frame before as those of bonds are. A contact
+//! that a frame lacks has no force there.
+
+use std::collections::BTreeMap;
+
+use super::columns::Columns;
+use crate::frames::{FramePairs, NONE};
+
+/// The contacts of some frames, ascending: indices of their bodies in the page, and which of the
+/// rows of a frame with these bodies it is.
+pub struct Contacts(BTreeMap<(u32, u32, u32), usize>);
+
+impl Contacts {
+    /// Those of all these frames. `index` is the index of a body in the page.
+    pub fn of<'a>(
+        frames: impl Iterator<Item = &'a FramePairs>,
+        index: impl Fn(u32) -> u32,
+    ) -> Self {
+        let mut keys: BTreeMap<_, usize> = BTreeMap::new();
+        for pairs in frames {
+            keys.extend(rows(pairs, &index).map(|(_, key)| (key, 0)));
+        }
+        keys.values_mut().enumerate().for_each(|(k, place)| *place = k);
+        Self(keys)
+    }
+
+    /// Number of contacts.
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Writes the bodies: the first as the difference from that of the row before, the second as
+    /// that from the first.
+    pub fn bodies(&self, to: &mut Columns) {
+        let mut before = 0;
+        let step =
+            |key: &(u32, u32, u32)| key.0.wrapping_sub(std::mem::replace(&mut before, key.0));
+        let first: Vec<_> = self.0.keys().map(step).collect();
+        to.counts(&first);
+        let second: Vec<_> = self.0.keys().map(|key| key.1.wrapping_sub(key.0)).collect();
+        to.counts(&second);
+    }
+
+    /// A column of a frame, with 0 for contacts that it lacks.
+    pub fn column(
+        &self,
+        pairs: &FramePairs,
+        values: &[f32],
+        index: impl Fn(u32) -> u32,
+    ) -> Vec<f32> {
+        let mut column = vec![0.0; self.len()];
+        for (row, key) in rows(pairs, &index) {
+            if let Some(place) = self.0.get(&key) {
+                column[*place] = values[row];
+            }
+        }
+        column
+    }
+}
+
+/// Rows of the contacts without a bond, and their keys.
+fn rows<'a>(
+    pairs: &'a FramePairs,
+    index: &'a impl Fn(u32) -> u32,
+) -> impl Iterator<Item = (usize, (u32, u32, u32))> + 'a {
+    let mut last = (NONE, NONE, 0);
+    (0..pairs.a.len()).filter(|row| pairs.bond[*row] == NONE).map(move |row| {
+        let (a, b) = (index(pairs.a[row]), index(pairs.b[row]));
+        // Rows are in the order of their bodies.
+        let nth = if (last.0, last.1) == (a, b) { last.2 + 1 } else { 0 };
+        last = (a, b, nth);
+        (row, last)
+    })
+}

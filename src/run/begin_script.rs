@@ -1,0 +1,22 @@
+//! The stages of a scene, in a world that has its bodies.
+
+use bevy_ecs::prelude::*;
+
+use clastic_components::observation::{Measures, Observation};
+
+use super::cement::bond_pairs;
+use super::key_results::KeyResults;
+use super::sanity::Sanity;
+use super::script::Script;
+use crate::scene::format as scene;
+
+/// Adds the bonds that the scene lists, and its stages, to a world that has its bodies.
+pub(super) fn begin_script(world: &mut World, scene: &scene::Scene) {
+    bond_pairs(world, scene.bonds.iter().map(|bond| (bond.a, bond.b)));
+    // The stages look at the record, whoever writes it.
+    world.init_resource::<Observation>();
+    world.init_resource::<Measures>();
+    world.insert_resource(KeyResults::of_scene(scene));
+    world.init_resource::<Sanity>();
+    world.insert_resource(Script::new(scene));
+}

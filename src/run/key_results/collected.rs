@@ -1,0 +1,204 @@
+//! What the increments of a run leave for the key results.
+
+use bevy_ecs::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use clastic_components::attempt::IncrementStatus;
+use clastic_components::observation::Observation;
+
+use super::results::{BrokenBonds, Results};
+use super::stiffness;
+use crate::scene::format::{Scene, Specimen};
+
+/// Part of a run to which an increment belongs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// Compaction, whose forces have no physical meaning.
+    Preparation,
+    /// Loading before the reference stage, for example confinement.
+    Loading,
+    /// The reference stage and later stages, in which strains exist.
+    Reference,
+}
+
+/// Collects the key results increment by increment.
+#[derive(Resource, Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct KeyResults {
+    pub(super) rigid: bool,
+    /// Stress that the stiffest contact would have at a strain of 1, Pa.
+    pub(super) stiffness: f64,
+    /// Delay of ruptures in the last increment with ruptures.
+    pub(super) lag: Option<f64>,
+    /// Start of the reference stage.
+    pub(super) start: Point,
+    /// Whether the run starts from a saved state, and no stage before the reference stage has told
+    /// the stress of it.
+    pub(super) is_start_unknown: bool,
+    /// The last increment with load.
+    pub(super) last: Option<Point>,
+    /// Increments from the reference stage on that have both a strain and a stress.
+    pub(super) curve: Vec<Point>,
+    /// Place of the peak on the curve.
+    pub(super) peak: Option<usize>,
+    /// The last increment that was recorded, and whether it is the peak so far.
+    pub(super) seen: (u64, bool),
+    /// Whether the specimen collapsed, and the increment before the collapse.
+    pub(super) collapse: Option<Option<Point>>,
+    /// Whether a bond broke, the stress of the first increment with a rupture, and whether that
+    /// increment is solved.
+    pub(super) crack: Option<(Option<f64>, bool)>,
+    pub(super) results: Results,
+}
+
+/// An increment on the curve.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Point {
+    /// Axial strain; 0 before the reference stage.
+    pub(super) strain: f64,
+    /// Axial stress, Pa.
+    pub(super) stress: f64,
+    /// Whether the status is `solved`; false if a maximum number of passes was reached.
+    pub(super) solved: bool,
+    /// Lateral strain.
+    pub(super) lateral_strain: Option<f64>,
+    /// Volumetric strain.
+    pub(super) volume: Option<f64>,
+    /// Lateral stress, Pa.
+    pub(super) lateral_stress: Option<f64>,
+    /// Number of bonds that broke so far.
+    pub(super) broken: usize,
+}
+
+/// A start without stress.
+const FREE: Point = Point {
+    strain: 0.0,
+    stress: 0.0,
+    solved: true,
+    lateral_strain: None,
+    volume: None,
+    lateral_stress: None,
+    broken: 0,
+};
+
+impl KeyResults {
+    /// Results before the run of a scene.
+    #[must_use]
+    pub fn of_scene(scene: &Scene) -> Self {
+        let stiffness = stiffness::maximum(scene) / scene.thickness;
+        let is_start_unknown = matches!(scene.specimen, Specimen::State { .. });
+        let results = Self::new(stiffness::is_rigid(scene)).with_stiffness(stiffness);
+        Self { is_start_unknown, ..results }
+    }
+
+    /// Results before the run. `rigid` means that nothing in the specimen is elastic.
+    #[must_use]
+    pub fn new(rigid: bool) -> Self {
+        Self {
+            rigid,
+            stiffness: 0.0,
+            lag: None,
+            start: FREE,
+            is_start_unknown: false,
+            last: None,
+            curve: Vec::new(),
+            peak: None,
+            seen: (0, false),
+            collapse: None,
+            crack: None,
+            results: Results::default(),
+        }
+    }
+
+    /// Sets the stiffness of the stiffest contact over the thickness, Pa. Stresses that are small
+    /// relative to it count as round-off.
+    #[must_use]
+    pub fn with_stiffness(self, stiffness: f64) -> Self {
+        Self { stiffness, ..self }
+    }
+
+    /// Records the number of bonds created so far.
+    pub fn see_bonds(&mut self, created: usize) {
+        // Bonds to a removed wall no longer exist, so the number of existing bonds may decrease.
+        self.results.bonds_created = self.results.bonds_created.max(created);
+    }
+
+    /// Whether this increment is the one that was recorded last, and the peak so far.
+    #[must_use]
+    pub fn is_peak(&self, increment: u64) -> bool {
+        self.seen == (increment, true)
+    }
+
+    /// Records an increment. Returns whether it is the peak so far.
+    pub fn observe(&mut self, o: &Observation, phase: Phase) -> bool {
+        let is_peak = self.follow(o, phase);
+        self.seen = (o.increment, is_peak);
+        is_peak
+    }
+
+    fn follow(&mut self, o: &Observation, phase: Phase) -> bool {
+        let results = &mut self.results;
+        let [tension, shear, rolling] = o.broken;
+        results.bonds_broken = BrokenBonds { tension, shear, rolling };
+        results.bonds_intact = o.bonds;
+        self.see_bonds(o.bonds + tension + shear + rolling);
+        let results = &mut self.results;
+        results.solver_iterations += u64::from(o.iterations);
+        let collapsed = o.status == IncrementStatus::Collapsed;
+        if !collapsed {
+            let (worst, r) = (&mut results.worst_residuals, &o.residuals);
+            worst.balance.see(r.balance, o.increment);
+            worst.kinematics.see(r.kinematics, o.increment);
+            worst.cone.see(r.cone, o.increment);
+            worst.complementarity.see(r.complementarity, o.increment);
+        }
+        if phase == Phase::Preparation {
+            self.start = FREE;
+            self.is_start_unknown = false;
+            return false;
+        }
+        let solved = o.status == IncrementStatus::Solved;
+        if collapsed && self.collapse.is_none() {
+            self.collapse = Some(self.last);
+        }
+        if !o.ruptures.is_empty() && self.crack.is_none() {
+            self.crack = Some((o.axial_stress, solved));
+        }
+        if o.in_avalanche {
+            return false;
+        }
+        let Some(stress) = o.axial_stress else { return false };
+        let point = Point {
+            strain: o.axial_strain.unwrap_or_default(),
+            stress,
+            solved,
+            lateral_strain: o.lateral_strain,
+            volume: o.volumetric_strain,
+            lateral_stress: o.lateral_stress,
+            broken: o.broken.iter().sum(),
+        };
+        self.last = Some(point);
+        if phase == Phase::Loading {
+            self.start = Point { strain: 0.0, lateral_strain: None, volume: None, ..point };
+            self.is_start_unknown = false;
+            return false;
+        }
+        if o.axial_strain.is_none() {
+            return false;
+        }
+        self.curve.push(point);
+        let height = |stress: f64| (stress - self.start.stress).abs();
+        let results = &mut self.results;
+        let peak =
+            solved && results.peak_stress_pa.is_none_or(|peak| height(stress) > height(peak));
+        if o.rupture_lag > 0.0 {
+            self.lag = Some(o.rupture_lag);
+        }
+        if peak {
+            self.peak = Some(self.curve.len() - 1);
+            results.peak_stress_pa = Some(stress);
+            results.strain_at_peak = Some(point.strain);
+            results.peak_error_estimate = self.lag;
+        }
+        peak
+    }
+}

@@ -1,0 +1,14 @@
+//! Reasons why a key result is not defined, and the threshold that they share.
+
+/// Changes of stress below this fraction of the maximum stress count as round-off.
+pub(super) const RESOLVED: f64 = 1e-6;
+
+/// Reason where no increment comes to half the peak.
+pub(super) const NO_HALF: &str = "no increment comes to half the peak";
+pub(super) const NO_GAIN: &str =
+    "no increment that strains the specimen gains a thousandth of the peak";
+/// Reason why a rigid specimen has no modulus.
+pub const RIGID: &str = "nothing is elastic";
+pub(super) const CAPPED_BEFORE: &str = "an increment that it would come from is capped";
+/// Reason where the lateral stress changes.
+pub(super) const LATERAL_CHANGES: &str = "the lateral stress changes during the test";

@@ -1,0 +1,34 @@
+//! The laws of contacts and bonds that follow from a scene.
+
+use clastic_components::material::{BondLaw, ContactLaw};
+
+use crate::scene::format as scene;
+
+fn compliance(stiffness: Option<f64>) -> f64 {
+    stiffness.map_or(0.0, f64::recip)
+}
+
+/// The engine's law for a scene's contact.
+#[must_use]
+pub fn contact_law(contact: &scene::Contact) -> ContactLaw {
+    ContactLaw {
+        normal_compliance: compliance(contact.normal_stiffness),
+        tangential_compliance: compliance(contact.tangential_stiffness),
+        friction: contact.friction,
+        rolling_friction: contact.rolling_friction,
+        restitution: contact.restitution,
+    }
+}
+
+/// The engine's law for a scene's bond.
+#[must_use]
+pub fn bond_law(bond: &scene::Bond) -> BondLaw {
+    BondLaw {
+        normal_compliance: compliance(bond.normal_stiffness),
+        tangential_compliance: compliance(bond.tangential_stiffness),
+        friction: bond.friction,
+        rolling_friction: bond.rolling_friction,
+        cohesion: bond.cohesion,
+        tensile_strength: bond.tensile_strength,
+    }
+}

@@ -1,0 +1,67 @@
+//! The settings of a scene as resources.
+
+use bevy_ecs::prelude::*;
+
+use clastic_components::increment as inc;
+use clastic_components::material::{Material, Materials};
+use clastic_cone::clarabel::Clarabel;
+use clastic_cone::condensed::Condensed;
+use clastic_systems::solve_program::Solver;
+
+use super::laws::{bond_law, contact_law};
+use super::walls::WallCatalogue;
+use crate::scene::format as scene;
+
+/// The bond laws of the materials as the scene has them, with their scatter.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct BondsOfMaterials(pub Vec<Option<scene::Bond>>);
+
+/// Inserts the settings of a scene: all resources that no increment changes, and the analysis of
+/// stages that name none.
+pub fn insert_settings(world: &mut World, scene: &scene::Scene, particles: u32) {
+    world.insert_resource(WallCatalogue {
+        first: particles,
+        walls: scene.walls.clone(),
+        inherited: None,
+        membranes: Vec::new(),
+    });
+    world.insert_resource(analysis(scene, scene.analysis, scene.gravity));
+    world.insert_resource(inc::FrictionLaw::from(scene.friction_law));
+    world.insert_resource(scene.rupture);
+    world.insert_resource(scene.corrector.unwrap_or(inc::Corrector::OFF));
+    world.insert_resource(scene.acceptance);
+    world.insert_resource(Solver(match &scene.solver {
+        scene::Solver::Condensed(settings) => Box::new(Condensed::new(**settings)),
+        &scene::Solver::Clarabel { tolerance, max_iterations } => {
+            Box::new(Clarabel { tolerance, max_iterations, ..Default::default() })
+        }
+    }));
+    let bonds = scene.materials.values().map(|material| material.bond);
+    world.insert_resource(BondsOfMaterials(bonds.collect()));
+    world.insert_resource(Materials(
+        scene
+            .materials
+            .iter()
+            .map(|(name, m)| Material {
+                name: name.clone(),
+                density: m.density,
+                contact: contact_law(&m.contact),
+                bond: m.bond.as_ref().map(bond_law),
+            })
+            .collect(),
+    ));
+}
+
+/// Analysis of a stage.
+#[must_use]
+pub fn analysis(scene: &scene::Scene, kind: scene::Analysis, gravity: (f64, f64)) -> inc::Analysis {
+    let (kind, path_theta) = match kind {
+        scene::Analysis::Static => (inc::AnalysisKind::Static, None),
+        // With theta below 1 rigid contacts have a rebound of their own.
+        scene::Analysis::Dynamic { dt, theta } if scene.has_restitution() => {
+            (inc::AnalysisKind::Dynamic { dt, theta: 1.0 }, Some(theta))
+        }
+        scene::Analysis::Dynamic { dt, theta } => (inc::AnalysisKind::Dynamic { dt, theta }, None),
+    };
+    inc::Analysis { kind, gravity: gravity.into(), thickness: scene.thickness, path_theta }
+}

@@ -1,0 +1,84 @@
+//! The walls of a scene: the catalogue, and the bodies in the world.
+
+use bevy_ecs::prelude::*;
+
+use clastic_components::body::{BodyId, Origin, Position, Probe};
+use clastic_components::wall::WallName;
+use clastic_components::wall_shape::WallShape;
+
+use super::laws::contact_law;
+use super::wall_pieces::{count, pieces};
+use crate::scene::StoredMembrane;
+use crate::scene::format as scene;
+
+/// The walls of a scene, for stages that bring them in, with the identity of the first one.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct WallCatalogue {
+    /// Identity of the first wall: the number of particles.
+    pub first: u32,
+    /// All walls of the scene, present or not.
+    pub walls: Vec<scene::Wall>,
+    /// The same walls where the run began, if they are those of a saved state.
+    /// [`walls`](Self::walls) are as the scene of that state drew them, which is where a stage
+    /// brings them in.
+    pub inherited: Option<Vec<scene::Wall>>,
+    /// The membranes that came with these walls.
+    pub membranes: Vec<StoredMembrane>,
+}
+
+impl WallCatalogue {
+    /// Identity of the first piece of a wall; at the end of the list, the first that no wall has.
+    #[must_use]
+    pub fn first_of(&self, index: usize) -> u32 {
+        self.first + self.walls[..index].iter().map(count).sum::<u32>()
+    }
+
+    /// The wall to which a body belongs.
+    #[must_use]
+    pub fn wall(&self, body: BodyId) -> Option<&scene::Wall> {
+        let mut ends = self.first;
+        let is_of = |wall: &&scene::Wall| {
+            ends += count(wall);
+            body.0 < ends
+        };
+        self.walls.iter().find(is_of).filter(|_| body.0 >= self.first)
+    }
+}
+
+/// Spawns a wall of the catalogue by name: all its pieces.
+pub fn spawn_wall(world: &mut World, name: &str) {
+    let catalogue = world.resource::<WallCatalogue>();
+    let Some(index) = catalogue.walls.iter().position(|w| w.name == name) else { return };
+    let first = catalogue.first_of(index);
+    let wall = catalogue.walls[index].clone();
+    for (piece, id) in pieces(&wall).into_iter().zip(first..) {
+        let mut entity = world.spawn((
+            BodyId(id),
+            piece.wall,
+            WallName(wall.name.clone()),
+            Position(piece.position),
+            Origin(piece.position),
+            contact_law(&wall.contact),
+        ));
+        if piece.shape != WallShape::Line {
+            entity.insert(piece.shape);
+        }
+        if let Some(probe) = &wall.probe {
+            entity.insert(Probe(probe.clone()));
+        }
+    }
+}
+
+/// The wall with the given name, if it is there: the first piece of a polyline.
+pub fn find_wall(world: &mut World, name: &str) -> Option<Entity> {
+    find_walls(world, name).first().copied()
+}
+
+/// The pieces of the wall with the given name that are there, by identity.
+pub fn find_walls(world: &mut World, name: &str) -> Vec<Entity> {
+    let mut walls = world.query::<(Entity, &BodyId, &WallName)>();
+    let named = walls.iter(world).filter(|(.., n)| n.0 == name);
+    let mut found: Vec<_> = named.map(|(e, id, _)| (*id, e)).collect();
+    found.sort_unstable_by_key(|(id, _)| *id);
+    found.into_iter().map(|(_, e)| e).collect()
+}
