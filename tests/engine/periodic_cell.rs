@@ -490,7 +490,7 @@ fn waves_in_a_cell_have_their_period() {
         }
         // sin of the phase: the theta-method with 1/2 is late by (omega dt)^2/12 of it.
         for (error, steps) in errors.iter().zip([40.0, 80.0]) {
-            let late = 2.0 * PI * (2.0 * PI / steps as f64).powi(2) / 12.0;
+            let late = 2.0 * PI * (2.0 * PI / steps).powi(2) / 12.0;
             assert!((error + late).abs() < 2e-3, "{errors:?} {late}");
         }
         println!("late by {errors:?}");
