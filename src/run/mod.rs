@@ -11,6 +11,7 @@ mod cell;
 pub mod cement;
 pub mod changes;
 pub mod compact;
+mod drive;
 mod enclosure;
 pub mod extend;
 mod group_members;

@@ -33,7 +33,8 @@ use glam::DVec2;
 
 use clastic_components::attempt::{Attempt, IncrementStatus, Mode, Verdict};
 use clastic_components::body::Ramp;
-use clastic_components::contact::{Bodies, DraftHistory};
+use clastic_components::contact::Bodies;
+use clastic_components::contact_history::DraftHistory;
 use clastic_components::energy::MotionEnergies;
 use clastic_components::findings::{
     AddedPairs, BestUnconverged, Centre, Corrections, EventSearch, Pushed, Restraints, Ruptures,
