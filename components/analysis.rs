@@ -63,7 +63,7 @@ impl Default for Analysis {
 pub struct FrictionLaw {
     /// Coulomb's law in static increments; the paper's if there is none.
     pub in_statics: Option<Coulomb>,
-    /// The same in dynamic ones.
+    /// Coulomb's law in dynamic increments; the paper's if there is none.
     pub in_dynamics: Option<Coulomb>,
 }
 
@@ -71,7 +71,7 @@ pub struct FrictionLaw {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Coulomb {
-    /// Factorisations of one solve at most.
+    /// Maximum number of factorisations of one solve.
     pub factorisations: u32,
 }
 

@@ -58,7 +58,7 @@ pub enum Avalanche {
 }
 
 impl Avalanche {
-    /// Whether it is what a scene has that does not say: records of such scenes do not say either.
+    /// Whether the density is the default, which records of scenes leave out.
     fn is_default(&self) -> bool {
         *self == Self::default()
     }
@@ -104,7 +104,7 @@ pub struct RuptureRules {
     /// With `Events`: what happens after the first bond of an avalanche.
     #[serde(skip_serializing_if = "Avalanche::is_default")]
     pub avalanche: Avalanche,
-    /// A bond is on a limit when its slack is below this fraction of the limit.
+    /// A bond is on a limit if its slack is below this fraction of the limit.
     #[serde(skip)]
     pub slack: f64,
     /// Relative rotation, rad, or slip over mean radius, above which a rigid limit counts as
@@ -118,7 +118,7 @@ impl RuptureRules {
     pub const DENSITY: f64 = 0.1;
 }
 
-/// Whether it is what a scene has that does not say: records of such scenes do not say either.
+/// Whether the density is the default, which records of scenes leave out.
 fn is_usual_density(density: &f64) -> bool {
     density.total_cmp(&RuptureRules::DENSITY).is_eq()
 }
@@ -145,23 +145,23 @@ impl Default for RuptureRules {
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 #[serde(deny_unknown_fields, default)]
 pub struct Acceptance {
-    /// Greatest residual. Where it is more than 1e-8, dynamic and without bonds, the default solver
-    /// aims at it.
+    /// Maximum residual of an accepted solution, without dimension. In dynamic increments without
+    /// bonds the default solver aims at it if it is above 1e-8.
     pub residual: f64,
-    /// Greatest motion of a grain about the mean field, in its radii; static analysis only.
+    /// Maximum motion of a grain relative to the mean field in one static solution, in its radii.
     pub throw: f64,
-    /// Maximum strain of the mean field in one static solution beyond what is imposed. Where a
-    /// loaded specimen strains further the motion is followed; one that strains ten times as far in
-    /// that motion has collapsed.
+    /// Maximum strain of the mean field in one static solution beyond the imposed strain. If a
+    /// loaded specimen strains further, its motion is followed. If it strains ten times as far in
+    /// that motion, it has collapsed.
     pub snap: f64,
     /// Travel of the furthest grain about the mean field that a step of a followed motion aims at,
     /// in its radii; at most half of [`MAX_TRAVEL`](Self::MAX_TRAVEL).
     #[serde(skip)]
     pub motion_step: f64,
-    /// Greatest overlap of a pair that was not in the program, in mean radii.
+    /// Maximum overlap of a pair that was not in the program, in mean radii.
     #[serde(skip)]
     pub overlap: f64,
-    /// How often an increment may be halved.
+    /// Maximum number of times that an increment is halved.
     pub halvings: u32,
     /// Weight of the proximal term on bodies that nothing holds, in units of force scale over
     /// displacement scale: small enough that results do not depend on it.

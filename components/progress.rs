@@ -19,14 +19,15 @@ pub struct Progress {
     pub done: f64,
     /// Number of increments of the stage.
     pub total: f64,
-    /// Fraction of a whole increment that the trial takes; of a committed increment what it took.
+    /// Fraction of a whole increment: that of the trial, or that of the committed increment.
     pub fraction: f64,
-    /// Fraction that the increment tried before an [event](RuptureOrder::Events) shortened it.
+    /// Fraction that the increment tried before an [event](crate::increment::RuptureOrder::Events) shortened it.
     pub tried: f64,
-    /// Whether bonds have just broken: the specimen comes to equilibrium at constant load first.
+    /// Whether bonds have just broken. The next increment then seeks the equilibrium at constant
+    /// load.
     pub relaxing: bool,
     /// Whether many bonds reach their limits soon after each other, so that
-    /// [`Events`](RuptureOrder::Events) breaks them together.
+    /// [`Events`](crate::increment::RuptureOrder::Events) breaks them together.
     pub dense: bool,
     /// Time, s.
     pub time: f64,
