@@ -21,7 +21,8 @@ pub struct Progress {
     pub total: f64,
     /// Fraction of a whole increment: that of the trial, or that of the committed increment.
     pub fraction: f64,
-    /// Fraction that the increment tried before an [event](crate::increment::RuptureOrder::Events) shortened it.
+    /// Fraction that the increment tried before an
+    /// [event](crate::increment::RuptureOrder::Events) shortened it.
     pub tried: f64,
     /// Whether bonds have just broken. The next increment then seeks the equilibrium at constant
     /// load.

@@ -2,8 +2,8 @@
 //!
 //! Judges run in this order, each only if no judge before it objects: [`converged`], [`coulomb`],
 //! [`closing_mechanism`], [`restraints`], [`loose_grains`], [`events`], [`thrown_grains`],
-//! [`closed_pairs`], [`snaps`], [`push_out`], [`corrector`], [`cascade`] or [`dense`]. For a step of a motion
-//! only [`converged`], [`coulomb`], [`motion::judge_length`], [`closed_pairs`] and
+//! [`closed_pairs`], [`snaps`], [`push_out`], [`corrector`], [`cascade`] or [`dense`]. For a step
+//! of a motion only [`converged`], [`coulomb`], [`motion::judge_length`], [`closed_pairs`] and
 //! [`motion::judge_rest`] run. The tables of [`findings`](clastic_components::findings) keep their
 //! findings until the increment is committed. [`mod@next`] maps the verdict to the next action.
 //!
