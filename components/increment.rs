@@ -99,6 +99,10 @@ pub struct RuptureRules {
     /// force, many bonds break together at the end of an increment; above 20: never.
     #[serde(skip_serializing_if = "is_usual_density")]
     pub density: f64,
+    /// With `Events`: many bonds break together at the end of an increment where their ruptures
+    /// release at most this multiple of the mean contact force; 0: only by `density`.
+    #[serde(skip_serializing_if = "is_usual_brittleness")]
+    pub brittleness: f64,
     /// With `AllAtOnce`: maximum number of rounds.
     pub rounds: u32,
     /// With `Events`: what happens after the first bond of an avalanche.
@@ -116,11 +120,17 @@ pub struct RuptureRules {
 impl RuptureRules {
     /// Default of [`density`](Self::density).
     pub const DENSITY: f64 = 0.1;
+    /// Default of [`brittleness`](Self::brittleness).
+    pub const BRITTLENESS: f64 = 0.5;
 }
 
 /// Whether the density is the default, which records of scenes leave out.
 fn is_usual_density(density: &f64) -> bool {
     density.total_cmp(&RuptureRules::DENSITY).is_eq()
+}
+
+fn is_usual_brittleness(brittleness: &f64) -> bool {
+    brittleness.total_cmp(&RuptureRules::BRITTLENESS).is_eq()
 }
 
 impl Default for RuptureRules {
@@ -131,6 +141,7 @@ impl Default for RuptureRules {
             tolerance: 5e-4,
             group: 0.0,
             density: Self::DENSITY,
+            brittleness: Self::BRITTLENESS,
             rounds: 200,
             avalanche: Avalanche::default(),
             slack: 1e-7,
