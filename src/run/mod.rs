@@ -18,6 +18,7 @@ mod group_members;
 mod grow;
 pub mod key_results;
 mod laws;
+mod live_loads;
 pub mod load;
 mod measure_error;
 pub mod measures;
