@@ -329,16 +329,8 @@ fn half_and_double_of_condensed() {
 #[ignore = "takes minutes, and prints a table"]
 fn half_and_double_of_coulomb() {
     let moving = |program: &ConeProgram| program.is_dynamic() && !program.last_forces.is_empty();
-    let any = |_: &ConeProgram| true;
     let mut set = random(1..2);
     set.extend(recorded("column_collapse_small", &[], moving, [60, 50, 4]));
-    // Dense and loose sand in static shear, in which many grains slide.
-    let sand = ["friction_law=Coulomb"];
-    set.extend(recorded("biaxial_small", &sand, any, [20, 3, 50]));
-    set.extend(recorded("prepare_and_branch", &[], any, [40, 2, 50]));
     let (set, starts) = without_dilation(&set);
-    let slid = slide_all(&set, &starts, CoulombSettings::default());
-    let arcs = slid.iter().filter(|s| s.iterations > CoulombSettings::default().max_iterations);
-    println!("{} programs follow an arc", arcs.count());
     print_table(&set, &of_coulomb(), |settings| slide_all(&set, &starts, settings));
 }
