@@ -8,7 +8,7 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::body::{AngularVelocity, BodyId, ExternalForce, LastMotion, Velocity};
 use clastic_components::cell::PeriodicCell;
-use clastic_components::contact::ContactHistory;
+use clastic_components::contact_history::ContactHistory;
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::particle::Particle;
 use clastic_components::wall::{Wall, WallControl};

@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 use clastic_components::body::{AppliedLoad, Ramp};
 use clastic_components::increment::Progress;
 
+use super::script::Script;
 use super::select::selected;
-use super::stages::Script;
 use crate::scene::format::{Load, ParticleControl, Stage};
 
 /// Name of [`LiveLoads`] in a state.

@@ -12,10 +12,12 @@ use clastic_components::wall::{
 };
 use clastic_systems::control_walls::loaded_length;
 
+use super::drive::drive;
+use super::script::Script;
 use super::select::selected;
-use super::spawn::{WallCatalogue, analysis, find_wall, find_walls, spawn_wall};
-use super::stages::Script;
+use super::settings::analysis;
 use super::wall_pieces::{CUT, is_cut};
+use super::walls::{WallCatalogue, find_wall, find_walls, spawn_wall};
 use super::{live_loads, membranes, rigid};
 use crate::scene::format as scene;
 
@@ -231,20 +233,6 @@ fn reaction(world: &World, wall: Entity) -> f64 {
     match (world.get::<Wall>(wall), world.get::<ExternalForce>(wall)) {
         (Some(wall), Some(force)) => DVec2::new(force.0[0], force.0[1]).dot(wall.inward()),
         _ => 0.0,
-    }
-}
-
-/// The drive of a motion in a stage with this analysis.
-pub(super) fn drive(motion: scene::Motion, analysis: &Analysis) -> Drive {
-    let dt = match analysis.kind {
-        AnalysisKind::Dynamic { dt, .. } => dt,
-        AnalysisKind::Static | AnalysisKind::Compaction { .. } => 0.0,
-    };
-    match motion {
-        scene::Motion::Free => Drive::Free,
-        scene::Motion::Held => Drive::Imposed(0.0),
-        scene::Motion::Displacement(u) => Drive::Imposed(u),
-        scene::Motion::Velocity(v) => Drive::Imposed(v * dt),
     }
 }
 

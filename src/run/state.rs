@@ -4,7 +4,8 @@ use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use clastic_components::body::{BodyId, LoadControl, Origin};
-use clastic_components::contact::{Bodies, KeptRows};
+use clastic_components::contact::Bodies;
+use clastic_components::contact_history::KeptRows;
 use clastic_components::increment::Progress;
 use clastic_components::material::Materials;
 use clastic_components::measure::NamedMeasures;

@@ -2,7 +2,8 @@
 //! height and its shear as degrees of freedom, of which each is imposed or free under a stress.
 
 use clastic_components::cell::{CellControl, PeriodicCell};
-use clastic_components::contact::{Bodies, ContactHistory};
+use clastic_components::contact::Bodies;
+use clastic_components::contact_history::ContactHistory;
 use clastic_components::increment::{Analysis, Progress};
 use clastic_cone::program::{ConeProgram, Dof, FreeDof, Interaction, ProgramBody};
 

@@ -1,7 +1,7 @@
 //! What is at rest is left out of the program that is solved, and wakes when something happens to
 //! it.
 
-use clastic::components::contact::ContactHistory;
+use clastic::components::contact_history::ContactHistory;
 use clastic::cone::condensed::settings::SleepSettings;
 use clastic::cone::condensed::{Condensed, sleeping};
 use clastic::cone::program::{ConeProgram, ConeSolution, SolveStatus};
