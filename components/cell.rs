@@ -29,6 +29,9 @@ pub struct PeriodicCell {
     pub stress: [f64; 3],
     /// Controls of the width, the height and the shear.
     pub controls: [CellControl; 3],
+    /// Whether the first two controls are those of the mean of xx and yy, and of the difference, yy
+    /// less xx.
+    pub by_mean: bool,
 }
 
 /// Control of one component of the deformation of a cell during a stage.
@@ -36,10 +39,11 @@ pub struct PeriodicCell {
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum CellControl {
     /// Change of the width, change of the height, or displacement along x of the top over the
-    /// bottom, in every increment, m.
+    /// bottom, in every increment, m. Of a mean or a difference it is that of the strains, times the
+    /// length of the cell, positive where it lengthens.
     Imposed(f64),
-    /// Average stress, Pa, linear over the stage: sigma_xx, sigma_yy (compression positive), or the
-    /// traction along x on a face whose outward normal is y.
+    /// Average stress, Pa, linear over the stage: sigma_xx, sigma_yy (compression positive), their
+    /// mean or difference, or the traction along x on a face whose outward normal is y.
     Stress {
         /// Value at the start of the stage, Pa.
         from: f64,
@@ -93,20 +97,50 @@ impl PeriodicCell {
         ProgramCell { body: row as u32, arm: mean_radius }
     }
 
+    /// Axis of the first degree of freedom of that body. With `by_mean` it is the diagonal, along
+    /// which width and height strain alike.
+    #[must_use]
+    pub fn axis(&self) -> DVec2 {
+        if self.by_mean { DVec2::splat(0.5_f64.sqrt()) } else { DVec2::X }
+    }
+
     /// Displacements of that body for changes of the width and the height and a displacement of the
     /// top, m; the factors of its loads.
     #[must_use]
     pub fn factors(&self, arm: f64) -> [f64; 3] {
         let length = self.length();
-        [length / self.width, length / self.height, length / (self.height * arm)]
+        let shear = length / (self.height * arm);
+        if self.by_mean {
+            // Along (1, 1)/sqrt(2) and (-1, 1)/sqrt(2).
+            return [2.0_f64.sqrt(), 0.5_f64.sqrt(), shear];
+        }
+        [length / self.width, length / self.height, shear]
     }
 
-    /// Loads of that body by unit of stress, N/Pa, N/Pa and N m/Pa. Compression is positive for
+    /// Loads of that body along x and y by unit of stress, N/Pa, N/Pa and N m/Pa. Compression is positive for
     /// sigma_xx and sigma_yy, and shortens; the traction along x on the top moves it along x.
     #[must_use]
     pub fn loads(&self, arm: f64, thickness: f64) -> [f64; 3] {
         let by_length = self.area() * thickness / self.length();
         [-by_length, -by_length, by_length * arm]
+    }
+
+    /// Loads of that body along its axes by unit of what its controls give.
+    #[must_use]
+    pub fn loads_of_controls(&self, arm: f64, thickness: f64) -> [f64; 3] {
+        let loads = self.loads(arm, thickness);
+        if self.by_mean {
+            // (xx + yy)/sqrt(2) of the mean, (yy - xx)/sqrt(2) of the difference.
+            return [loads[0] * 2.0_f64.sqrt(), loads[1] * 0.5_f64.sqrt(), loads[2]];
+        }
+        loads
+    }
+
+    /// Stress of the last increment of the components that are controlled, Pa.
+    #[must_use]
+    pub fn controlled_stress(&self, by_mean: bool) -> [f64; 3] {
+        let [xx, yy, shear] = self.stress;
+        if by_mean { [0.5 * (xx + yy), yy - xx, shear] } else { self.stress }
     }
 
     /// The cell after a displacement (m, m, rad) of the body that stands for it.
@@ -121,6 +155,7 @@ impl PeriodicCell {
             shear: self.shear + xy,
             stress: self.stress,
             controls: self.controls,
+            by_mean: self.by_mean,
         }
     }
 
@@ -165,6 +200,7 @@ mod tests {
                 shear: 0.0,
                 stress: [0.0; 3],
                 controls: [CellControl::default(); 3],
+                by_mean: false,
             };
             for k in 0..400 {
                 let angle = f64::from(k);

@@ -1,18 +1,16 @@
-//! Tables of bodies and potential contacts, and the memory of contacts between increments.
+//! Tables of bodies and potential contacts.
 
 use bevy_ecs::prelude::*;
 #[cfg(feature = "reflect")]
 use bevy_ecs::reflect::ReflectResource;
 use glam::DVec2;
-use serde::{Deserialize, Serialize};
 
 use crate::body::{BodyId, Drive, Ramp};
 use crate::bond::BondId;
 use crate::cell::PeriodicCell;
-use crate::material::{BondLaw, ContactLaw};
 use crate::rigid_group::GroupRow;
-use crate::wall::{WallControl, WallDrive};
-use crate::wall_shape::{Nearest, WallShape};
+pub use crate::rows::{BondRow, WallRow};
+use crate::wall::WallDrive;
 
 /// Bodies, intact bonds and controls in the order of identities, so that results do not depend on
 /// the order of a query. Tables by body have `particles + walls + groups` entries.
@@ -258,143 +256,6 @@ impl Bodies {
     }
 }
 
-/// The identities behind the rows of tables that persist between increments, and the new row of
-/// each former row after bodies were added or removed. A system that owns such a table updates it
-/// in `IncrementSystems::Renumber`.
-#[derive(Resource, Clone, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
-pub struct KeptRows {
-    /// Identity of the body of every row.
-    pub ids: Vec<BodyId>,
-    now: Vec<Option<u32>>,
-}
-
-impl KeptRows {
-    /// Rows of the bodies of a run that is resumed.
-    #[must_use]
-    pub fn of(ids: Vec<BodyId>) -> Self {
-        Self { ids, now: Vec::new() }
-    }
-
-    /// Takes over the rows of `bodies` and records the new row of each former one.
-    pub fn follow(&mut self, bodies: &Bodies) {
-        self.now.clear();
-        // Bodies that are appended after all others change no row.
-        if !bodies.ids.starts_with(&self.ids) {
-            self.now.extend(self.ids.iter().map(|id| bodies.row(*id).map(|row| row as u32)));
-        }
-        self.ids.clone_from(&bodies.ids);
-    }
-
-    /// Whether any row has changed.
-    #[must_use]
-    pub fn is_needed(&self) -> bool {
-        !self.now.is_empty()
-    }
-
-    /// Whether a body was removed.
-    #[must_use]
-    pub fn has_lost(&self) -> bool {
-        self.now.contains(&None)
-    }
-
-    /// New row of the body that was in `row` before; `None` if the body was removed.
-    #[must_use]
-    pub fn now(&self, row: u32) -> Option<u32> {
-        self.now.get(row as usize).copied().flatten()
-    }
-
-    /// Converts a table by former rows to one of `rows` new rows. New bodies get the default.
-    #[must_use]
-    pub fn table<T: Copy + Default>(&self, before: &[T], rows: usize) -> Vec<T> {
-        let mut table = vec![T::default(); rows];
-        for (value, now) in before.iter().zip(&self.now) {
-            if let Some(entry) = now.and_then(|now| table.get_mut(now as usize)) {
-                *entry = *value;
-            }
-        }
-        table
-    }
-}
-
-/// A wall of [`Bodies`].
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
-pub struct WallRow {
-    /// Row of the body.
-    pub body: u32,
-    /// Unit normal into the specimen.
-    pub inward: DVec2,
-    /// Half the length of the drawn segment, m.
-    pub half_length: f64,
-    /// Shape for contact.
-    pub shape: WallShape,
-    /// Law of the wall's contacts.
-    pub law: ContactLaw,
-    /// Control of the wall in the stage.
-    pub control: WallControl,
-    /// Drive of the wall in the increment.
-    pub drive: WallDrive,
-}
-
-impl WallRow {
-    /// The point of the wall that is nearest to `place`, with the wall at `position`, m.
-    #[inline]
-    #[must_use]
-    pub fn nearest(&self, position: DVec2, place: DVec2) -> Nearest {
-        self.shape.nearest(self.inward, self.half_length, place - position)
-    }
-
-    /// The wall turned about its position by an angle, rad.
-    #[must_use]
-    pub fn turned(&self, angle: f64) -> Self {
-        if angle == 0.0 {
-            return *self;
-        }
-        let by = DVec2::from_angle(angle);
-        Self { inward: by.rotate(self.inward).normalize(), shape: self.shape.turned(by), ..*self }
-    }
-
-    /// No drawn point of the wall is further from its position, m.
-    #[must_use]
-    pub fn extent(&self) -> f64 {
-        match self.shape {
-            WallShape::Arc { centre, radius, .. } => centre.length() + radius,
-            WallShape::Line | WallShape::Segment { .. } => self.half_length,
-        }
-    }
-
-    /// Unit vector from the start to the end of the drawn segment.
-    #[must_use]
-    pub fn tangent(&self) -> DVec2 {
-        -self.inward.perp()
-    }
-
-    /// Whether the wall is an infinite line.
-    #[must_use]
-    pub fn is_line(&self) -> bool {
-        matches!(self.shape, WallShape::Line)
-    }
-}
-
-/// An intact bond of [`Bodies`].
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
-pub struct BondRow {
-    /// Identity of the bond.
-    pub id: BondId,
-    /// Entity of the bond.
-    pub entity: Entity,
-    /// Row of the first body, a particle.
-    pub a: u32,
-    /// Row of the second body.
-    pub b: u32,
-    /// Gap at creation, m.
-    pub initial_gap: f64,
-    /// Law of the bond.
-    pub law: BondLaw,
-}
-
 /// A pair of bodies that carries force or may carry force within the increment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
@@ -432,61 +293,3 @@ impl Contact {
 #[derive(Resource, Clone, Debug, Default)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct Contacts(pub Vec<Contact>);
-
-/// Forces of a contact at the end of the last increment.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
-pub struct ContactMemory {
-    /// Row of the first body.
-    pub a: u32,
-    /// Row of the second body.
-    pub b: u32,
-    /// Normal force at the end of the last increment, N.
-    pub p: f64,
-    /// Shear force at the end of the last increment, N, in the frame of the contact, which turns
-    /// with the pair.
-    pub q: f64,
-    /// Rolling moment at the end of the last increment, N m.
-    pub tau: f64,
-}
-
-/// Memory of the contacts at the start of the trial: that of the last committed increment, or that
-/// after the last step of a followed motion.
-#[derive(Resource, Clone, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
-pub struct DraftHistory(pub ContactHistory);
-
-/// Memory of the contacts that carried force, sorted by (a, b). The indices are rows of
-/// [`KeptRows`].
-#[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
-pub struct ContactHistory(pub Vec<ContactMemory>);
-
-impl ContactHistory {
-    /// Updates the rows of bodies. Contacts of removed bodies are dropped.
-    pub fn renumber(&mut self, rows: &KeptRows) {
-        self.0.retain_mut(|m| match (rows.now(m.a), rows.now(m.b)) {
-            (Some(a), Some(b)) => {
-                (m.a, m.b) = (a, b);
-                true
-            }
-            _ => false,
-        });
-    }
-
-    /// Memory of the pair (a, b); `None` if the pair carried nothing.
-    #[must_use]
-    pub fn get(&self, a: u32, b: u32) -> Option<&ContactMemory> {
-        self.0.binary_search_by_key(&(a, b), |m| (m.a, m.b)).ok().map(|k| &self.0[k])
-    }
-
-    /// Look-up of memories for pairs (a, b) in ascending order. It is faster than
-    /// [`get`](Self::get) for each pair.
-    pub fn ascending<'a>(&'a self) -> impl FnMut(u32, u32) -> Option<&'a ContactMemory> {
-        let mut rest = self.0.iter().peekable();
-        move |a, b| {
-            while rest.next_if(|m| (m.a, m.b) < (a, b)).is_some() {}
-            rest.peek().copied().filter(|m| (m.a, m.b) == (a, b))
-        }
-    }
-}

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::body::{BodyId, Origin, Position};
 use crate::bond::{Bond, BondId, BondState, Joint};
-use crate::contact::{ContactHistory, KeptRows};
+use crate::contact_history::{ContactHistory, KeptRows};
 use crate::particle::Particle;
 use crate::wall::Wall;
 

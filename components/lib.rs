@@ -7,11 +7,13 @@
 //! Conventions that hold everywhere: SI units and `f64`; a plane problem of stated thickness;
 //! anticlockwise rotation and compressive force positive.
 
+pub mod analysis;
 pub mod attempt;
 pub mod body;
 pub mod bond;
 pub mod cell;
 pub mod contact;
+pub mod contact_history;
 pub mod energy;
 pub mod findings;
 pub mod identity;
@@ -24,6 +26,8 @@ pub mod motion;
 pub mod observation;
 pub mod particle;
 pub mod poured;
+pub mod progress;
 pub mod rigid_group;
+pub mod rows;
 pub mod wall;
 pub mod wall_shape;

@@ -77,7 +77,8 @@ pub enum StressMeasure {
         /// Area of the average, m^2.
         area: MeasureArea,
     },
-    /// The same average over a rectangle: every contact counts by the part of its branch inside.
+    /// Average stress in a rectangle. Every contact counts by the part of its branch that lies
+    /// inside.
     Region {
         /// Component.
         component: StressComponent,

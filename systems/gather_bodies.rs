@@ -11,9 +11,8 @@ use clastic_components::body::{
 };
 use clastic_components::bond::{Bond, BondId, BondState};
 use clastic_components::cell::PeriodicCell;
-use clastic_components::contact::{
-    Bodies, BondRow, ContactHistory, DraftHistory, KeptRows, WallRow,
-};
+use clastic_components::contact::{Bodies, BondRow, WallRow};
+use clastic_components::contact_history::{ContactHistory, DraftHistory, KeptRows};
 use clastic_components::identity::{Identities, NextIdentities};
 use clastic_components::material::ContactLaw;
 use clastic_components::particle::{MaterialIndex, Particle, Swinging};

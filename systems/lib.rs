@@ -22,6 +22,7 @@ pub mod record;
 pub mod reflect;
 pub mod rigid_groups;
 pub mod rupture_bonds;
+pub mod rupture_brittleness;
 pub mod rupture_density;
 pub mod schedule;
 pub mod solve_program;

@@ -11,7 +11,8 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
 use clastic_components::bond::{Bond, BondState, Rupture, RuptureMode};
-use clastic_components::contact::{Bodies, Contact, ContactHistory, Contacts};
+use clastic_components::contact::{Bodies, Contact, Contacts};
+use clastic_components::contact_history::ContactHistory;
 use clastic_components::findings::Ruptures;
 use clastic_components::increment::{Analysis, RollingLimit, RuptureRules};
 use clastic_components::material::Materials;

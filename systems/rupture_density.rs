@@ -21,16 +21,34 @@ const MIN_COUNT: usize = 10;
 /// if n is below `MIN_COUNT`, which includes trials within the limits whose forces decrease.
 #[must_use]
 pub fn density(below: &EventTrial, trial: &EventTrial) -> f64 {
+    let (_, due) = due(below, trial);
+    if due.len() < MIN_COUNT {
+        0.0
+    } else {
+        due.len() as f64 / (trial.overloads.len() as f64 * WINDOW)
+    }
+}
+
+/// The fraction of the first crossing, and the bonds that reach their limits from there on until
+/// the forces have changed by the fraction `WINDOW` more. Without a crossing the fraction is
+/// infinite.
+#[must_use]
+pub fn due(below: &EventTrial, trial: &EventTrial) -> (f64, Vec<usize>) {
     let step = trial.fraction - below.fraction;
     let overloads = below.overloads.iter().zip(&trial.overloads);
-    let crossings: Vec<f64> = overloads
-        .filter(|(from, to)| to > from)
-        .map(|(from, to)| below.fraction + (1.0 - from).max(0.0) / (to - from) * step)
-        .collect();
+    let crossings: Vec<f64> =
+        overloads.map(|(from, to)| below.fraction + distance_from(*from, *to, step)).collect();
     let first = crossings.iter().copied().fold(f64::INFINITY, f64::min);
     let rate = trial.change / trial.fraction;
-    let count = crossings.iter().filter(|c| (**c - first) * rate <= WINDOW).count();
-    if count < MIN_COUNT { 0.0 } else { count as f64 / (trial.overloads.len() as f64 * WINDOW) }
+    // An infinite crossing is not: its difference to the first one is infinite or NaN.
+    let within = |i: &usize| (crossings[*i] - first) * rate <= WINDOW;
+    (first, (0..crossings.len()).filter(within).collect())
+}
+
+/// Distance from the first of two overloads to the limit, at the rate between them; infinite if it
+/// decreases.
+fn distance_from(from: f64, to: f64, step: f64) -> f64 {
+    if to > from { (1.0 - from).max(0.0) / (to - from) * step } else { f64::INFINITY }
 }
 
 /// Distance to the limit of a bond whose overload goes from one value to another in `step` and goes

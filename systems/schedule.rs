@@ -23,7 +23,7 @@ use bevy_ecs::schedule::{
 };
 
 use clastic_components::attempt::{Attempt, IncrementStatus};
-use clastic_components::contact::KeptRows;
+use clastic_components::contact_history::KeptRows;
 use clastic_components::increment::{Analysis, Progress};
 use clastic_components::observation::Timings;
 

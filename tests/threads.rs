@@ -4,7 +4,7 @@ mod common;
 
 use std::path::Path;
 
-use clastic::components::contact::ContactHistory;
+use clastic::components::contact_history::ContactHistory;
 use clastic::components::observation::Observation;
 use clastic::cone::condensed::matrix::BodyMatrix;
 use clastic::cone::program::ConeProgram;

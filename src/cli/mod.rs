@@ -286,8 +286,8 @@ pub fn main<M>(plugins: impl Plugins<M> + Send) -> ExitCode {
     execute(Cli::parse().command, plugins)
 }
 
-/// The same with other arguments, of which the first is the name of the program. Wrong arguments
-/// end the process.
+/// Runs the command line with these arguments, of which the first is the name of the program. Wrong
+/// arguments end the process.
 pub fn call<M, T: Into<OsString> + Clone>(
     arguments: impl IntoIterator<Item = T>,
     plugins: impl Plugins<M> + Send,

@@ -8,6 +8,7 @@ use bevy_ecs::prelude::*;
 use crate::components::increment::Progress as Place;
 use crate::components::observation::Observation;
 use crate::output::directory::default_directory;
+use crate::output::found::Found;
 use crate::output::prepared::PreparedSpecimen;
 use crate::output::{
     self, Ending, OutputError, OutputFailure, OutputPlugin, RunDirectory, RunOptions,
@@ -115,6 +116,7 @@ pub fn to_the_end(
         script,
         results: &results,
         sanity: &simulation.world().resource::<Sanity>().report(&script.scene),
+        settled: simulation.world().resource::<Found>().settled,
         specimen: simulation.world().resource::<PreparedSpecimen>().written.as_deref(),
         directory,
     });

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::output::Ending;
+use crate::output::found::Settled;
 use crate::run::key_results::{PEAK_ERROR, RIGID, Results};
 use crate::run::sanity::Report;
 use crate::run::stages::Script;
@@ -22,6 +23,8 @@ pub struct Summary<'a> {
     pub results: &'a Results,
     /// Physical sanity of the test.
     pub sanity: &'a Report,
+    /// How a packing settled in the first increment after its compaction.
+    pub settled: Option<Settled>,
     /// Moment of `specimen.csv`, if the file exists.
     pub specimen: Option<&'a str>,
     /// Directory of the results.
@@ -30,7 +33,7 @@ pub struct Summary<'a> {
 
 /// Text of the summary: how the run ended, key results, directory.
 pub fn summary(of: &Summary) -> String {
-    let Summary { ending, increment, script, results, sanity, specimen, directory } = *of;
+    let Summary { ending, increment, script, results, sanity, settled, specimen, directory } = *of;
     let outcome = match ending {
         Ending::Interrupted => format!(
             "interrupted after increment {increment}; `clastic resume {}` goes on",
@@ -61,8 +64,14 @@ pub fn summary(of: &Summary) -> String {
     let mut parts = Vec::new();
     parts.extend(r.youngs_modulus_pa.map(|e| format!("E = {}", stress(e))));
     if let (Some(peak), Some(strain)) = (r.peak_stress_pa, r.strain_at_peak) {
-        parts.push(format!("peak stress {} at a strain of {:.4} %", stress(peak), 100.0 * strain));
+        // The strength is the peak of a test that has passed it.
+        let name = if r.strength_pa.is_some() { "strength (peak stress)" } else { "peak stress" };
+        parts.push(format!("{name} {} at a strain of {:.4} %", stress(peak), 100.0 * strain));
     }
+    parts.extend(r.residual_strength_pa.map(|s| format!("residual strength {}", stress(s))));
+    parts.extend(
+        r.friction_angle_rad.map(|phi| format!("friction angle {:.2} degrees", phi.to_degrees())),
+    );
     parts.extend(r.limit_load_pa.map(|s| format!("limit load {}", stress(s))));
     if r.peak_stress_pa.is_some() {
         parts.extend(r.porosity.map(|n| format!("porosity {n:.4}")));
@@ -96,6 +105,12 @@ pub fn summary(of: &Summary) -> String {
     if !parts.is_empty() {
         lines.push(parts.join("; "));
     }
+    lines.extend(settled.map(|Settled { porosity_before, porosity_after }| {
+        format!(
+            "note: the packing was looser than its jam and settled in the first increment after its \
+             compaction: porosity {porosity_before:.4} before, {porosity_after:.4} after"
+        )
+    }));
     if !sanity.line().is_empty() {
         lines.push(sanity.line());
     }
@@ -242,6 +257,7 @@ mod tests {
             script: &script,
             results,
             sanity: &Report::default(),
+            settled: None,
             specimen: None,
             directory: Path::new("runs/tension"),
         })

@@ -169,11 +169,13 @@ pub fn fabric(run: &Run) -> Result<Chart, FigureError> {
     let all = run.all()?;
     let is_strained = all.iter().any(|moment| moment.strain.is_some());
     let first = all.iter().position(|moment| moment.strain.is_some()).unwrap_or(0);
+    let is_timed = all.first().map(|m| m.time) < all.last().map(|m| m.time);
     let names = ["contacts, a", "normal forces, a_n", "coordination 2 N_c / N"];
     let mut lines = names.map(|name| Line { name: name.to_owned(), points: Vec::new() });
     for (row, moment) in all.iter().enumerate() {
         let x = match moment.strain {
             Some(strain) => 100.0 * strain,
+            None if !is_strained && is_timed => moment.time,
             None if !is_strained => moment.increment as f64,
             // The frame of the start.
             None if row + 1 == first => 0.0,
@@ -195,7 +197,12 @@ pub fn fabric(run: &Run) -> Result<Chart, FigureError> {
     }
     Ok(Chart {
         caption: SIGNS.to_owned(),
-        x: if is_strained { STRAIN } else { "increment" }.to_owned(),
+        x: match (is_strained, is_timed) {
+            (true, _) => STRAIN,
+            (false, true) => "time, s",
+            (false, false) => "increment",
+        }
+        .to_owned(),
         y: "anisotropy".to_owned(),
         lines: vec![contacts, forces],
         second: Some(coordination),

@@ -2,7 +2,8 @@
 
 use clastic_components::body::BodyId;
 use clastic_components::bond::{BondState, RuptureMode};
-use clastic_components::contact::{Bodies, Contact, ContactHistory, ContactMemory, KeptRows};
+use clastic_components::contact::{Bodies, Contact};
+use clastic_components::contact_history::{ContactHistory, ContactMemory, KeptRows};
 use clastic_systems::detect_contacts::gaps::{pair_contact, wall_contact};
 
 use super::{FramePairs, NONE};

@@ -18,6 +18,7 @@ use crate::run::key_results::{KeyResults, Results};
 use crate::run::sanity::Sanity;
 use crate::run::stages::Script;
 use crate::run::{Outcome, StageEnd};
+use crate::scene::format::Stage;
 
 /// How a run ended.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -67,7 +68,8 @@ pub fn finish(world: &mut World, ending: &Ending) -> Result<Results, OutputError
             world.resource_mut::<Found>().see_avalanche(bonds);
         }
         let results = world.resource::<KeyResults>().results();
-        let results = world.resource::<Found>().complete(results);
+        let pours = world.resource::<Script>().scene.stages.iter().any(Stage::pours);
+        let results = world.resource::<Found>().complete(results, pours);
         // The pictures come last, so that the numbers are complete if a picture fails.
         write_record(&mut run, world, ending.outcome(), &results)?;
         draw(&run, world, &last)?;
@@ -108,6 +110,7 @@ fn write_record(
         record.outcome.message = Some(warnings.join("; ")).filter(|m| !m.is_empty());
     }
     record.sanity = world.resource::<Sanity>().report(&world.resource::<Script>().scene);
+    record.settled = world.resource::<Found>().settled;
     record.results = results.clone();
     record.write(&path)
 }

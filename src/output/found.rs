@@ -5,6 +5,15 @@ use serde::{Deserialize, Serialize};
 
 use crate::run::key_results::{MechanismRecord, Results};
 
+/// A packing that was looser than its jam: it settled in the first increment after its compaction.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Settled {
+    /// Porosity after the compaction, of the box around the disks, or of the periodic cell.
+    pub porosity_before: f64,
+    /// The same after the first increment that followed.
+    pub porosity_after: f64,
+}
+
 /// Key results that only a run with output has. They are no part of
 /// [`KeyResults`](crate::run::key_results::KeyResults), because output must not change the state of
 /// a run.
@@ -12,6 +21,8 @@ use crate::run::key_results::{MechanismRecord, Results};
 pub struct Found {
     /// Porosity at the start of the reference stage.
     pub porosity: Option<f64>,
+    /// How a packing settled, the last one if several did.
+    pub settled: Option<Settled>,
     /// The first collapse that has a mechanism.
     mechanism: Option<MechanismRecord>,
     /// Number of avalanches.
@@ -40,11 +51,13 @@ impl Found {
         self.largest_avalanche = self.largest_avalanche.max(bonds);
     }
 
-    /// Adds these results to those of the run.
+    /// Adds these results to those of the run. `pours` says whether grains pour in.
     #[must_use]
-    pub fn complete(&self, mut results: Results) -> Results {
+    pub fn complete(&self, mut results: Results, pours: bool) -> Results {
         if self.porosity.is_some() {
             results.not_defined.remove("porosity");
+        } else if pours {
+            results.not_defined.insert("porosity".to_owned(), POURED.to_owned());
         }
         Results {
             porosity: self.porosity,
@@ -56,6 +69,10 @@ impl Found {
     }
 }
 
+/// Why a scene in which grains pour in has no porosity.
+const POURED: &str = "grains pour in, and the box around grains that fall is no specimen; measure \
+                      `Porosity` of a region";
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -65,9 +82,11 @@ mod tests {
     fn a_porosity_that_was_found_is_not_called_undefined() {
         let results = || KeyResults::new(false).results();
         let found = Found { porosity: Some(0.2), ..Found::default() };
-        assert!(Found::default().complete(results()).not_defined.contains_key("porosity"));
-        let complete = found.complete(results());
+        assert!(Found::default().complete(results(), false).not_defined.contains_key("porosity"));
+        let complete = found.complete(results(), false);
         assert_eq!(complete.porosity, Some(0.2));
         assert!(!complete.not_defined.contains_key("porosity"));
+        let poured = Found::default().complete(results(), true);
+        assert!(poured.not_defined["porosity"].contains("region"), "{poured:?}");
     }
 }

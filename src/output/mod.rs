@@ -45,7 +45,7 @@ pub mod dump;
 mod error;
 pub mod events;
 mod finish;
-mod found;
+pub mod found;
 pub mod frames;
 pub mod history;
 pub mod marks;

@@ -1,7 +1,5 @@
 //! Porosity of a specimen.
 
-use std::f64::consts::PI;
-
 use bevy_ecs::prelude::*;
 use glam::DVec2;
 
@@ -27,15 +25,13 @@ pub fn porosity(measures: &Measures, walls: &Query<&Wall>, start: &Snapshot) -> 
     let [height, width] = measures.reference.unwrap_or([f64::NAN; 2]);
     let height = if axial.is_some() { height } else { extent(start, axis)? };
     let width = if lateral.is_some() { width } else { extent(start, axis.perp())? };
-    let disks: f64 = start.radii.iter().map(|r| PI * r * r).sum();
-    Some(1.0 - disks / (height * width)).filter(|p| p.is_finite())
+    Some(1.0 - start.area() / (height * width)).filter(|p| p.is_finite())
 }
 
 /// Porosity within the axis-aligned box around the disks; `None` without disks.
 #[must_use]
 pub fn in_box(disks: &Snapshot) -> Option<f64> {
-    let area: f64 = disks.radii.iter().map(|r| PI * r * r).sum();
-    Some(1.0 - area / (extent(disks, DVec2::X)? * extent(disks, DVec2::Y)?))
+    Some(1.0 - disks.area() / (extent(disks, DVec2::X)? * extent(disks, DVec2::Y)?))
 }
 
 /// Extent of the disks along a direction, m.
@@ -64,7 +60,7 @@ mod tests {
     fn one_disk_in_its_box() {
         let one = Snapshot { positions: vec![DVec2::ONE], radii: vec![0.5], ..Default::default() };
         let found = of(one).unwrap_or(f64::NAN);
-        assert!((found - (1.0 - PI / 4.0)).abs() < 1e-15, "{found}");
+        assert!((found - (1.0 - std::f64::consts::PI / 4.0)).abs() < 1e-15, "{found}");
         assert_eq!(of(Snapshot::default()), None);
     }
 }

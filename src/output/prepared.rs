@@ -10,13 +10,13 @@ use clastic_components::material::Materials;
 use clastic_components::observation::{Measures, Observation};
 use clastic_components::wall::Wall;
 
-use super::found::Found;
+use super::found::{Found, Settled};
 use super::run_directory::RunDirectory;
 use super::snapshot::{Moments, Scenery, Snapshot};
 use super::{OutputError, directory, frames, porosity};
 use crate::run::stages::Script;
 use crate::scene::StoredParticle;
-use crate::scene::format::Stage;
+use crate::scene::format::{Compact, CompactTarget, Stage};
 
 /// The prepared specimen.
 #[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -66,6 +66,21 @@ pub fn prepare(
 ) -> Result<(), OutputError> {
     let is_reference = progress.stage >= script.reference_stage();
     let now = || Prepared::now(&scenery, &bodies, &materials);
+    if let (Some(before), Some(compact)) = (&specimen.waiting, just_compacted(&script))
+        && observation.motion_steps > 0
+    {
+        let after = scenery.snapshot();
+        let [before, after] = match (&bodies.cell, compact.target) {
+            (Some(cell), CompactTarget::Porosity(target)) => {
+                [Some(target), Some(1.0 - after.area() / cell.area())]
+            }
+            _ => [&before.snapshot, &after].map(porosity::in_box),
+        };
+        let pair = before.zip(after).filter(|(before, after)| after < before);
+        found.settled = pair
+            .map(|(porosity_before, porosity_after)| Settled { porosity_before, porosity_after })
+            .or(found.settled);
+    }
     if !is_reference {
         specimen.waiting = Some(now());
     } else if let Some(prepared) = specimen.waiting.take() {
@@ -73,7 +88,9 @@ pub fn prepare(
         let moment =
             format!("at the start of the reference stage `{stage}`, before its first increment");
         write(&mut run, &mut specimen, &prepared, moment)?;
-        found.porosity = porosity::porosity(&measures, &walls, &prepared.snapshot);
+        if !script.scene.stages.iter().any(Stage::pours) {
+            found.porosity = porosity::porosity(&measures, &walls, &prepared.snapshot);
+        }
         moments.start = prepared.snapshot;
     }
     let is_compaction = matches!(script.stage(progress.stage), Some(Stage::Compact(_)));
@@ -87,6 +104,17 @@ pub fn prepare(
         }
     }
     Ok(())
+}
+
+/// The compaction that came right before the stage whose first increment has just been made.
+fn just_compacted(script: &Script) -> Option<&Compact> {
+    let (now, before) = script.ends.split_last()?;
+    let last = before.iter().rev().find(|end| end.increments > 0)?;
+    let stage = script.scene.stages.iter().find(|stage| stage.name() == last.stage)?;
+    match stage {
+        Stage::Compact(compact) if now.increments == 1 => Some(compact),
+        _ => None,
+    }
 }
 
 fn write(

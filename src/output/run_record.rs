@@ -8,6 +8,7 @@ use sha2::{Digest, Sha256};
 
 use super::OutputError;
 use super::atomic::write_atomic;
+use super::found::Settled;
 use crate::run::key_results::Results;
 use crate::run::sanity::Report;
 use crate::run::{Collapse, CollapsedBy, Outcome, StageEnd};
@@ -46,6 +47,9 @@ pub struct RunRecord {
     pub capped_increments: u64,
     /// Moment of `specimen.csv`; `None` if the file does not exist.
     pub specimen_csv: Option<String>,
+    /// How a packing settled in the first increment after its compaction.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub settled: Option<Settled>,
     /// Physical sanity of the test.
     pub sanity: Report,
     /// Key results.
@@ -227,6 +231,7 @@ impl RunRecord {
             increments: 0,
             capped_increments: 0,
             specimen_csv: None,
+            settled: None,
             sanity: Report::default(),
             results: Results::default(),
             conventions: CONVENTIONS,

@@ -38,6 +38,12 @@ pub struct Snapshot {
 }
 
 impl Snapshot {
+    /// Total area of the disks, m^2.
+    #[must_use]
+    pub fn area(&self) -> f64 {
+        self.radii.iter().map(|r| std::f64::consts::PI * r * r).sum()
+    }
+
     /// Takes a snapshot of a world whose [`Bodies`] are up to date, as they are after an increment.
     ///
     /// # Panics

@@ -9,7 +9,7 @@ use clastic_cone::program::{ConeProgram, ConeSolution, SolveStatus};
 use clastic_systems::assemble_program::known_pairs::{Forced, forced};
 
 use super::compact;
-use crate::scene::format::Stage;
+use crate::scene::format::{CompactBy, Stage};
 use crate::scene::shown::label;
 
 /// A solution whose maximum residual is below this is usable, although it misses the tolerance.
@@ -28,11 +28,18 @@ pub fn with_advice(world: &mut World, stage: &Stage, complaint: &str) -> String 
     }
     advice += &match (locked, stage) {
         (true, Stage::Compact(stage)) => {
-            let reached = compact::reached(world, stage).map_or(String::new(), |(height, porosity)| {
-                format!(": at a height of {height:.4e} m, a porosity of {porosity:.4}")
+            let radii = stage.by == CompactBy::Radii;
+            let targets = if radii { "porosity" } else { "height or porosity" };
+            let reached = compact::reached(world, stage).map_or(String::new(), |reached| {
+                let at = if radii {
+                    format!("mean radius of {:.4e} m", reached.mean_radius)
+                } else {
+                    format!("height of {:.4e} m", reached.height)
+                };
+                format!(": at a {at}, a porosity of {:.4}", reached.porosity)
             });
             format!(
-                "a greater height or porosity as the target (the packing is jammed before this \
+                "a greater {targets} as the target (the packing is jammed before this \
                  one{reached}), a smaller step"
             )
         }

@@ -3,7 +3,7 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::body::BodyId;
-use clastic_components::contact::KeptRows;
+use clastic_components::contact_history::KeptRows;
 use clastic_components::increment::Progress;
 use clastic_components::measure::Readings;
 use clastic_components::observation::Observation;

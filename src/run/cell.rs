@@ -16,6 +16,7 @@ pub fn spawn(world: &mut World, cell: &scene::Cell) {
         shear: 0.0,
         stress: [0.0; 3],
         controls: [CellControl::default(); 3],
+        by_mean: false,
     });
 }
 
@@ -24,8 +25,21 @@ pub fn control(world: &mut World, stage: &scene::Load) {
     let Some(mut cell) = world.get_resource_mut::<PeriodicCell>() else { return };
     let control = stage.cell.as_deref().copied().unwrap_or_default();
     let n = f64::from(stage.increments);
-    let lengths = [-cell.width, -cell.height, cell.height];
-    for (k, target) in [control.xx, control.yy, control.shear].into_iter().enumerate() {
+    let by_mean =
+        control.is_by_mean() || (cell.by_mean && control.xx.is_none() && control.yy.is_none());
+    if by_mean != cell.by_mean {
+        // What was on its way along the other axes holds no longer.
+        cell.controls[..2].fill(CellControl::default());
+        cell.by_mean = by_mean;
+    }
+    let length = cell.length();
+    let stress = cell.controlled_stress(by_mean);
+    let (first, second, lengths) = if by_mean {
+        (control.mean, control.difference, [-length, -length, cell.height])
+    } else {
+        (control.xx, control.yy, [-cell.width, -cell.height, cell.height])
+    };
+    for (k, target) in [first, second, control.shear].into_iter().enumerate() {
         let before = cell.controls[k];
         cell.controls[k] = match (target, before) {
             (None, CellControl::Stress { to, .. }) => CellControl::Stress { from: to, to },
@@ -36,7 +50,7 @@ pub fn control(world: &mut World, stage: &scene::Load) {
             (Some(scene::CellTarget::Stress(to)), before) => {
                 let from = match before {
                     CellControl::Stress { to, .. } => to,
-                    CellControl::Imposed(_) => cell.stress[k],
+                    CellControl::Imposed(_) => stress[k],
                 };
                 CellControl::Stress { from, to }
             }
@@ -60,6 +74,7 @@ pub fn end_early(world: &mut World) {
 pub fn compact(world: &mut World, disks: f64, porosity: f64, step: f64) -> Option<f64> {
     let mut cell = world.get_resource_mut::<PeriodicCell>()?;
     let part = 1.0 - (disks / ((1.0 - porosity) * cell.area())).sqrt();
+    cell.by_mean = false;
     let (width, height, tilt) = (cell.width, cell.height, cell.tilt);
     if part <= 0.0 {
         cell.controls = [CellControl::default(); 3];
@@ -75,6 +90,7 @@ pub fn compact(world: &mut World, disks: f64, porosity: f64, step: f64) -> Optio
 pub fn hold(world: &mut World) {
     if let Some(mut cell) = world.get_resource_mut::<PeriodicCell>() {
         cell.controls = [CellControl::default(); 3];
+        cell.by_mean = false;
         cell.stress = [0.0; 3];
     }
 }

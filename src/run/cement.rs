@@ -8,6 +8,7 @@ use clastic_components::contact::{Bodies, Contact};
 use clastic_components::material::{BondLaw, Materials};
 use clastic_systems::detect_contacts::gaps::{pair_contact, wall_contact};
 use clastic_systems::detect_contacts::grid::pairs_within;
+use clastic_systems::detect_contacts::periodic;
 use clastic_systems::gather_bodies::gather_bodies;
 
 use super::laws::bond_law;
@@ -26,7 +27,13 @@ pub fn cement(world: &mut World, stage: &Cement) {
     let n = bodies.particles;
     let mut pairs = Vec::new();
     if stage.particles {
-        pairs_within(&bodies.positions[..n], &bodies.radii, stage.length, &mut pairs);
+        let disks = &bodies.positions[..n];
+        match &bodies.cell {
+            Some(cell) => {
+                pairs = periodic::pairs_within(cell, disks, &bodies.radii, stage.length);
+            }
+            None => pairs_within(disks, &bodies.radii, stage.length, &mut pairs),
+        }
     }
     let mut contacts: Vec<Contact> =
         pairs.iter().map(|(a, b)| pair_contact(&bodies, *a, *b)).collect();

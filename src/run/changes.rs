@@ -110,8 +110,10 @@ fn stage_under_way(old: &Load, new: &Load, state: &StateView) -> Option<&'static
     }
     let aims = |target: CellTarget| target != CellTarget::Fixed;
     let cell = old.cell.as_deref();
-    let cell_moves =
-        cell.is_some_and(|cell| [cell.xx, cell.yy, cell.shear].into_iter().flatten().any(aims));
+    let cell_moves = cell.is_some_and(|cell| {
+        let all = [cell.xx, cell.yy, cell.shear, cell.mean, cell.difference];
+        all.into_iter().flatten().any(aims)
+    });
     ((state.ramps || cell_moves) && old.increments != new.increments).then_some(
         "a load is on its way to its target over the `increments` of this stage, which is under way",
     )

@@ -8,19 +8,20 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::body::{AngularVelocity, BodyId, ExternalForce, LastMotion, Velocity};
 use clastic_components::cell::PeriodicCell;
-use clastic_components::contact::ContactHistory;
+use clastic_components::contact_history::ContactHistory;
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::particle::Particle;
 use clastic_components::wall::{Wall, WallControl};
 
-use super::enclosure::extent;
+use super::densest::lowest_porosity;
+use super::enclosure::{extent, room};
 use super::walls::find_wall;
 use super::{cell, grow};
 use crate::scene::format::{Compact, CompactBy, CompactRest, CompactTarget};
 
 /// Moves the wall, or grows the radii, towards the target in equal steps.
 pub fn begin(world: &mut World, stage: &Compact) {
-    let Disks { area, mean_radius, largest } = disks(world);
+    let Disks { area, mean_radius, largest, .. } = disks(world);
     world.resource_mut::<Analysis>().kind = AnalysisKind::Compaction {
         affine: stage.rest == CompactRest::Affine,
         agitation: stage.agitation * mean_radius,
@@ -64,15 +65,43 @@ pub fn begin(world: &mut World, stage: &Compact) {
     world.entity_mut(wall).insert(WallControl::Displacement(-inward * (distance / steps)));
 }
 
-/// Height (m) and porosity of the packing between the walls of the stage, as its target defines
-/// them.
-pub fn reached(world: &mut World, stage: &Compact) -> Option<(f64, f64)> {
-    if let Some(cell) = world.get_resource::<PeriodicCell>().copied() {
-        return Some((cell.height, 1.0 - disks(world).area / cell.area()));
-    }
-    let (wall, base) = (find_wall(world, &stage.wall)?, find_wall(world, &stage.base)?);
-    let (height, length) = extent(world, wall, base);
-    Some((height, 1.0 - disks(world).area / (height * length)))
+/// What a packing has reached, as the target of its stage defines it.
+pub struct Reached {
+    /// Height between the walls of the stage or of the cell, m.
+    pub height: f64,
+    /// Mean radius, m.
+    pub mean_radius: f64,
+    /// Porosity there.
+    pub porosity: f64,
+}
+
+/// What the packing has reached after the last committed increment.
+pub fn reached(world: &mut World, stage: &Compact) -> Option<Reached> {
+    let room = room(world, stage)?;
+    let height = match world.get_resource::<PeriodicCell>() {
+        Some(cell) => cell.height,
+        None => {
+            let (wall, base) = (find_wall(world, &stage.wall)?, find_wall(world, &stage.base)?);
+            extent(world, wall, base).0
+        }
+    };
+    let Disks { area, mean_radius, .. } = disks(world);
+    Some(Reached { height, mean_radius, porosity: 1.0 - area / room })
+}
+
+/// Why a compaction to a porosity cannot begin: no disks of these radii are as dense.
+pub(super) fn refusal(world: &mut World, stage: &Compact) -> Option<String> {
+    let CompactTarget::Porosity(target) = stage.target else { return None };
+    let Disks { smallest, largest, .. } = disks(world);
+    let lowest = lowest_porosity(smallest / largest);
+    (target < lowest).then(|| {
+        format!(
+            "stage `{}` cannot begin: a porosity of {target:?} is below {lowest:.4}, the minimum of \
+             disks between {smallest:.3e} and {largest:.3e} m in radius in the plane (Florian 1960); \
+             random packings jam near 0.16",
+            stage.name
+        )
+    })
 }
 
 /// The particles together.
@@ -81,6 +110,8 @@ struct Disks {
     area: f64,
     /// Mean radius, m.
     mean_radius: f64,
+    /// Minimum radius, m.
+    smallest: f64,
     /// Maximum radius, m.
     largest: f64,
 }
@@ -93,6 +124,7 @@ fn disks(world: &mut World) -> Disks {
     Disks {
         area: radii.iter().map(|(_, r)| std::f64::consts::PI * r * r).sum(),
         mean_radius: radii.iter().map(|(_, r)| r).sum::<f64>() / radii.len().max(1) as f64,
+        smallest: radii.iter().map(|(_, r)| *r).fold(f64::INFINITY, f64::min),
         largest: radii.iter().map(|(_, r)| *r).fold(0.0, f64::max),
     }
 }

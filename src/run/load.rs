@@ -12,11 +12,13 @@ use clastic_components::wall::{
 };
 use clastic_systems::control_walls::loaded_length;
 
+use super::drive::drive;
+use super::script::Script;
 use super::select::selected;
-use super::spawn::{WallCatalogue, analysis, find_wall, find_walls, spawn_wall};
-use super::stages::Script;
+use super::settings::analysis;
 use super::wall_pieces::{CUT, is_cut};
-use super::{membranes, rigid};
+use super::walls::{WallCatalogue, find_wall, find_walls, spawn_wall};
+use super::{live_loads, membranes, rigid};
 use crate::scene::format as scene;
 
 /// Sets up a loading stage.
@@ -37,6 +39,7 @@ pub fn begin(world: &mut World, stage: &scene::Load) {
     control_walls(world, stage);
     super::cell::control(world, stage);
     control_particles(world, stage, &analysis);
+    live_loads::begin(world, stage);
     rigid::control_groups(world, stage, &analysis);
     membranes::control_membranes(world, stage, confining);
 }
@@ -199,6 +202,7 @@ pub fn end_early(world: &mut World) {
         }
     }
     membranes::end_early(world, &progress);
+    live_loads::end_early(world, &progress);
     let mut particles = world.query::<&mut LoadControl>();
     for mut control in particles.iter_mut(world) {
         for (from, to) in &mut control.0 {
@@ -232,20 +236,6 @@ fn reaction(world: &World, wall: Entity) -> f64 {
     }
 }
 
-/// The drive of a motion in a stage with this analysis.
-pub(super) fn drive(motion: scene::Motion, analysis: &Analysis) -> Drive {
-    let dt = match analysis.kind {
-        AnalysisKind::Dynamic { dt, .. } => dt,
-        AnalysisKind::Static | AnalysisKind::Compaction { .. } => 0.0,
-    };
-    match motion {
-        scene::Motion::Free => Drive::Free,
-        scene::Motion::Held => Drive::Imposed(0.0),
-        scene::Motion::Displacement(u) => Drive::Imposed(u),
-        scene::Motion::Velocity(v) => Drive::Imposed(v * dt),
-    }
-}
-
 fn control_particles(world: &mut World, stage: &scene::Load, analysis: &Analysis) {
     let mut particles = world.query_filtered::<(&mut Drives, &mut LoadControl), With<Particle>>();
     for (mut drives, mut loads) in particles.iter_mut(world) {
@@ -255,7 +245,7 @@ fn control_particles(world: &mut World, stage: &scene::Load, analysis: &Analysis
         }
     }
     let mut particles = world.query::<(&Position, &mut Drives, &mut LoadControl)>();
-    for control in &stage.particles {
+    for control in stage.particles.iter().filter(|control| !control.live) {
         for (_, entity) in selected(world, &control.select) {
             let Ok((x, mut drives, mut loads)) = particles.get_mut(world, entity) else { continue };
             for (k, motion) in [control.x, control.y, control.rotation].into_iter().enumerate() {
@@ -281,7 +271,9 @@ fn control_particles(world: &mut World, stage: &scene::Load, analysis: &Analysis
 /// An entry of `particles` that selects no particle. The stage is refused, because without this
 /// entry the results would be those of another scene.
 pub fn selects_nothing(world: &mut World, stage: &scene::Load) -> Option<String> {
-    let empty = |control: &scene::ParticleControl| selected(world, &control.select).is_empty();
+    let empty = |control: &scene::ParticleControl| {
+        !control.live && selected(world, &control.select).is_empty()
+    };
     let k = stage.particles.iter().position(empty)?;
     let (what, remedy) = why_empty(&stage.particles[k].select);
     Some(format!(

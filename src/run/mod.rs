@@ -11,12 +11,15 @@ mod cell;
 pub mod cement;
 pub mod changes;
 pub mod compact;
+pub mod densest;
+mod drive;
 mod enclosure;
 pub mod extend;
 mod group_members;
 mod grow;
 pub mod key_results;
 mod laws;
+mod live_loads;
 pub mod load;
 mod measure_error;
 pub mod measures;
@@ -95,7 +98,8 @@ impl Simulation {
         Self::with_plugins(scene, stored, NoPlugins)
     }
 
-    /// The same with plugins of your own, which may provide stages and state.
+    /// A world as [`new`](Self::new) makes it, with plugins of your own, which may provide stages
+    /// and state.
     #[must_use]
     pub fn with_plugins<M>(
         scene: &Scene,
@@ -105,7 +109,8 @@ impl Simulation {
         Self::in_app(app(plugins), scene, stored)
     }
 
-    /// The same in an app that has [`ClasticPlugins`], [`ScenePlugin`] and plugins of your own.
+    /// Adds the scene to an app that has [`ClasticPlugins`], [`ScenePlugin`] and plugins of your
+    /// own.
     #[must_use]
     pub fn in_app(mut app: App, scene: &Scene, stored: Option<&StoredSpecimen>) -> Self {
         spawn::spawn_scene(app.world_mut(), scene, stored);
@@ -121,7 +126,8 @@ impl Simulation {
         Self::resume_with(scene, state, NoPlugins)
     }
 
-    /// The same with plugins of your own: those with which the state was made.
+    /// A world as [`resume`](Self::resume) makes it, with the plugins with which the state was
+    /// made.
     ///
     /// # Errors
     /// If the state has an entry that no plugin registers, or that cannot be decoded.
@@ -133,7 +139,8 @@ impl Simulation {
         Self::resume_in(app(plugins), scene, state)
     }
 
-    /// The same in an app that has [`ClasticPlugins`], [`ScenePlugin`] and plugins of your own.
+    /// Restores a state in an app that has [`ClasticPlugins`], [`ScenePlugin`] and plugins of your
+    /// own.
     ///
     /// # Errors
     /// If the state has an entry that no plugin registers, or that cannot be decoded.

@@ -8,8 +8,11 @@ use clastic_components::body::{BodyId, Group};
 use clastic_components::measure::{NamedMeasures, Quantity};
 use clastic_components::poured::Poured;
 use clastic_components::wall::WallName;
+use clastic_systems::control_loads::control_loads;
+use clastic_systems::control_walls::control_walls;
 use clastic_systems::schedule::{
-    AttemptIncrement, AttemptSystems, Increment, IncrementSystems, committed,
+    AttemptIncrement, AttemptSystems, ControlSystems, ControlWalls, Increment, IncrementSystems,
+    committed,
 };
 use clastic_systems::state::RegisterState;
 use clastic_systems::stepping::{Advance, AdvanceSystems, is_due};
@@ -20,6 +23,7 @@ use super::grow::{are_growing, grow, keep_radii};
 use super::key_results::{
     KEY_RESULTS, KeyResults, is_undecided, observe_increment, read_key_results,
 };
+use super::live_loads::{self, LIVE_LOADS, LiveLoads};
 use super::measures::{MeasureKinds, read_custom};
 use super::pour::{POURED, pour};
 use super::sanity::{self, SANITY, Sanity};
@@ -95,6 +99,15 @@ impl Plugin for ScenePlugin {
             .register_resource::<Sanity>(SANITY)
             .register_resource::<Poured>(POURED)
             .register_resource::<RigidAtStart>(RIGID_AT_START)
+            .register_resource::<LiveLoads>(LIVE_LOADS)
+            .add_systems(
+                ControlWalls,
+                live_loads::add
+                    .in_set(ControlSystems::BuiltIn)
+                    .after(control_loads)
+                    .after(control_walls)
+                    .run_if(resource_exists::<LiveLoads>),
+            )
             .init_resource::<StageKinds>()
             .init_resource::<MeasureKinds>()
             .init_resource::<Before>()

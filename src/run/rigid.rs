@@ -13,10 +13,10 @@ use clastic_components::rigid_group::RigidGroup;
 use clastic_components::wall::{WallControl, WallRotation, WallSlide, WallTable};
 use clastic_systems::rigid_groups::{Member, State};
 
-use super::load::drive;
+use super::drive::drive;
+use super::script::Script;
 use super::select::selected;
-use super::spawn::find_walls;
-use super::stages::Script;
+use super::walls::find_walls;
 use crate::scene::format as scene;
 
 /// The rigid group with the given name, if it is there.

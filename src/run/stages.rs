@@ -12,7 +12,8 @@ use super::resolve_measures::resolve_measures;
 pub use super::script::{Collapse, CollapsedBy, EndedBy, Outcome, Script, StageEnd, Step};
 use super::stage_kinds::{BeginStage, EndStage, StageKinds};
 use super::{
-    cement, compact, group_members, grow, load, membranes, pour, remove, rigid, save, until,
+    cement, compact, group_members, grow, live_loads, load, membranes, pour, remove, rigid, save,
+    until,
 };
 use crate::scene::format::{Load, Stage};
 
@@ -75,7 +76,9 @@ fn refusal(world: &mut World, stage: &Stage) -> Option<String> {
         Stage::Load(load) => load_refusal(world, load),
         Stage::Pour(pour) => load_refusal(world, &pour.load),
         Stage::Remove(stage) => remove::refusal(world, stage),
-        Stage::Compact(stage) => grow::refusal(world, stage),
+        Stage::Compact(stage) => {
+            grow::refusal(world, stage).or_else(|| compact::refusal(world, stage))
+        }
         Stage::Custom(_) | Stage::Cement(_) | Stage::Save(_) => None,
     }
 }
@@ -134,13 +137,19 @@ fn end(world: &mut World, stage: Stage) {
 /// Begins a stage of a built-in kind. Exclusive, because it adds and removes walls and bonds.
 pub(super) fn begin_built_in(world: &mut World) {
     match world.resource::<CurrentStage>().0.clone() {
-        Stage::Compact(stage) => compact::begin(world, &stage),
+        Stage::Compact(stage) => {
+            live_loads::end(world);
+            compact::begin(world, &stage);
+        }
         Stage::Cement(stage) => cement::cement(world, &stage),
         Stage::Save(stage) => save::save(world, &stage),
         Stage::Remove(stage) => remove::remove(world, &stage),
         Stage::Load(stage) => load::begin(world, &stage),
         Stage::Pour(stage) => pour::begin(world, &stage),
-        Stage::Custom(stage) => load::begin_custom(world, &stage),
+        Stage::Custom(stage) => {
+            live_loads::end(world);
+            load::begin_custom(world, &stage);
+        }
     }
 }
 

@@ -4,7 +4,8 @@ use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use clastic_components::body::{BodyId, LoadControl, Origin};
-use clastic_components::contact::{Bodies, KeptRows};
+use clastic_components::contact::Bodies;
+use clastic_components::contact_history::KeptRows;
 use clastic_components::increment::Progress;
 use clastic_components::material::Materials;
 use clastic_components::measure::NamedMeasures;
@@ -19,6 +20,7 @@ pub use clastic_systems::state::{StateError, StateOf, WorldState};
 use clastic_systems::wall_states::{ControlStates, WALL_CONTROL};
 
 use super::before::Before;
+use super::live_loads::{LIVE_LOADS, LiveLoads};
 use super::resolve_measures::resolve_measures;
 use super::script::{Collapse, Outcome, Script, StageEnd};
 use super::settings::insert_settings;
@@ -243,6 +245,10 @@ impl StateView {
             Some(_) => state.get::<MembraneStates>(MEMBRANES)?.0,
             None => Vec::new(),
         };
+        let live = match state.bytes(LIVE_LOADS) {
+            Some(_) => state.get::<LiveLoads>(LIVE_LOADS)?,
+            None => LiveLoads::default(),
+        };
         let materials: MaterialNames = state.get(MATERIALS)?;
         let particles = state.components::<BodyId, Particle>("particle")?;
         let origins = state.components::<BodyId, Origin>("origin")?;
@@ -266,6 +272,7 @@ impl StateView {
             progress: state.get(PROGRESS)?,
             begun: state.get::<ScriptState>(SCRIPT)?.begun,
             ramps: controls.0.iter().any(|(_, control)| control.is_ramp())
+                || live.are_ramps()
                 || membranes.iter().any(|membrane| membrane.pressure.0 != membrane.pressure.1)
                 || loads.iter().any(|(_, load)| load.0.iter().any(|(from, to)| from != to)),
             specimen,

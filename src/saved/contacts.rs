@@ -2,7 +2,8 @@
 
 use bevy_ecs::prelude::*;
 use clastic_components::body::BodyId;
-use clastic_components::contact::{Bodies, Contact, ContactHistory, ContactMemory};
+use clastic_components::contact::{Bodies, Contact};
+use clastic_components::contact_history::{ContactHistory, ContactMemory};
 use clastic_systems::detect_contacts::gaps::{pair_contact, wall_contact};
 use clastic_systems::solve_program::SOLVER_MEMORY;
 use clastic_systems::state::WorldState;

@@ -25,8 +25,8 @@ use clastic_components::material::Materials;
 use clastic_systems::gather_bodies::gather_bodies;
 use clastic_systems::state::{StateError, WorldState};
 
-use crate::run::spawn::WallCatalogue;
 use crate::run::state::capture;
+use crate::run::walls::WallCatalogue;
 use crate::scene::StoredMembrane;
 use crate::scene::format::Wall;
 use crate::tables::{Array, TableError, Tables};

@@ -2,10 +2,10 @@
 //! height and its shear as degrees of freedom, of which each is imposed or free under a stress.
 
 use clastic_components::cell::{CellControl, PeriodicCell};
-use clastic_components::contact::{Bodies, ContactHistory};
+use clastic_components::contact::Bodies;
+use clastic_components::contact_history::ContactHistory;
 use clastic_components::increment::{Analysis, Progress};
 use clastic_cone::program::{ConeProgram, Dof, FreeDof, Interaction, ProgramBody};
-use glam::DVec2;
 
 /// The body of the cell. The stress acts on the area at the start of the increment.
 #[must_use]
@@ -16,7 +16,7 @@ pub fn body(
     progress: &Progress,
 ) -> ProgramBody {
     let factors = cell.factors(bodies.mean_radius);
-    let loads = cell.loads(bodies.mean_radius, analysis.thickness);
+    let loads = cell.loads_of_controls(bodies.mean_radius, analysis.thickness);
     let dof = |k: usize| match cell.controls[k] {
         CellControl::Imposed(_) if bodies.drives_stopped => Dof::Fixed(0.0),
         CellControl::Imposed(u) => Dof::Fixed(progress.fraction * u * factors[k]),
@@ -25,7 +25,7 @@ pub fn body(
             Dof::Free(FreeDof { load: stress * loads[k], ..FreeDof::default() })
         }
     };
-    ProgramBody { axis: DVec2::X, dofs: [dof(0), dof(1), dof(2)] }
+    ProgramBody { axis: cell.axis(), dofs: [dof(0), dof(1), dof(2)] }
 }
 
 /// Sets the shifts of images, and the cell of the program.

@@ -14,7 +14,8 @@
 use glam::DVec2;
 
 use clastic_components::body::Drive;
-use clastic_components::contact::{Bodies, BondRow, Contact, ContactHistory};
+use clastic_components::contact::{Bodies, BondRow, Contact};
+use clastic_components::contact_history::ContactHistory;
 use clastic_components::findings::{Corrections, Pushed, Ruptures};
 use clastic_components::increment::{Analysis, AnalysisKind};
 use clastic_components::material::{ContactLaw, Materials};

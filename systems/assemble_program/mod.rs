@@ -17,7 +17,8 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::Attempt;
-use clastic_components::contact::{Bodies, Contacts, DraftHistory};
+use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::contact_history::DraftHistory;
 use clastic_components::findings::{
     Centre, Corrections, EventSearch, Impacts, Pushed, Restraints, Ruptures,
 };

@@ -7,7 +7,8 @@
 //! the tolerance. The residuals count this force as an error of the balance.
 
 use clastic_components::attempt::{Effort, Mode};
-use clastic_components::contact::{Bodies, Contact, ContactHistory};
+use clastic_components::contact::{Bodies, Contact};
+use clastic_components::contact_history::ContactHistory;
 use clastic_components::findings::{Bearing, Centre, Restraints};
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
 use clastic_components::motion::Motion;

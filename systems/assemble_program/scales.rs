@@ -5,7 +5,8 @@
 use glam::DVec2;
 
 use clastic_components::body::Drive;
-use clastic_components::contact::{Bodies, ContactHistory};
+use clastic_components::contact::Bodies;
+use clastic_components::contact_history::ContactHistory;
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_cone::program::{ConeProgram, Dof, FreeDof, Interaction, Scales};
 

@@ -5,7 +5,9 @@
 
 use glam::DVec2;
 
-use clastic_components::contact::{Bodies, Contact, ContactHistory};
+use clastic_components::contact::{Bodies, Contact};
+
+use clastic_components::contact_history::ContactHistory;
 use clastic_cone::adjacency::Adjacency;
 use clastic_cone::program::{ConeProgram, Dof, Interaction};
 

@@ -6,7 +6,8 @@ use bevy_ecs::prelude::*;
 use glam::DVec2;
 
 use clastic_components::attempt::{Attempt, Verdict};
-use clastic_components::contact::{Bodies, Contacts, DraftHistory, WallRow};
+use clastic_components::contact::{Bodies, Contacts, WallRow};
+use clastic_components::contact_history::DraftHistory;
 use clastic_components::findings::AddedPairs;
 use clastic_components::increment::Acceptance;
 use clastic_cone::program::{ConeProgram, ConeSolution};

@@ -1,8 +1,10 @@
-//! Judge: breaks bonds together where many reach their limits soon after each other.
+//! Judge: breaks bonds together where many reach their limits soon after each other, or where their
+//! ruptures release little force.
 //!
 //! One by one they would need several solves each. Where the
-//! [density](crate::rupture_density::density) of ruptures is above [`RuptureRules::density`], an
-//! increment is solved with the strengths of its bonds, as with `OneRound`, and at its end break
+//! [density](crate::rupture_density::density) of ruptures is above [`RuptureRules::density`], or
+//! their [brittleness](crate::rupture_brittleness::brittleness) at most
+//! [`RuptureRules::brittleness`], an increment is solved with the strengths of its bonds, as with `OneRound`, and at its end break
 //! the bonds
 //!
 //! - that are on a limit: they carry load in the committed state although they should be broken;
@@ -13,7 +15,7 @@
 //!
 //! So about as many bonds break early as late, and the first-order error cancels. Where more than
 //! the share `MAX_SHARE` of the bonds would break, the increment is shortened. Bonds break one by
-//! one again after an increment that would break at most one.
+//! one again after an increment that would break at most one, unless that one releases little force.
 
 use std::collections::HashSet;
 
@@ -21,12 +23,14 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::bond::{BondId, Rupture};
-use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::contact::{Bodies, Contact, Contacts};
 use clastic_components::findings::{EventSearch, Ruptures};
-use clastic_components::increment::{Progress, RuptureRules};
+use clastic_components::increment::{Analysis, Progress, RuptureRules};
+use clastic_components::material::Materials;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use crate::rupture_bonds::{Met, find_ruptures, overloads, rupture};
+use crate::rupture_brittleness::{Laws, brittleness};
 use crate::rupture_density::distance;
 
 /// Share of the intact bonds that an increment breaks at most.
@@ -49,6 +53,7 @@ pub fn judge(
     solution: Res<ConeSolution>,
     mut ruptures: ResMut<Ruptures>,
     mut search: ResMut<EventSearch>,
+    laws: (Res<Materials>, Res<Analysis>),
     mut attempt: ResMut<Attempt>,
 ) {
     let contacts = &contacts.0;
@@ -103,7 +108,16 @@ pub fn judge(
     let next = rest / (rest / wanted.max(1e-3) - 0.3).ceil().max(1.0);
     progress.tried = 0.5 * next;
     let soon = soon(next);
-    if late + soon.len() <= 1 {
+    let is_mild = || {
+        let due: HashSet<BondId> = found.iter().chain(&soon).map(|r| r.bond).collect();
+        let is_due =
+            |c: &Contact| c.bond.is_some_and(|k| due.contains(&bodies.bonds[k as usize].id));
+        let due: Vec<usize> = (0..contacts.len()).filter(|k| is_due(&contacts[*k])).collect();
+        let (materials, analysis) = (&*laws.0, &*laws.1);
+        let laws = Laws { bodies: &bodies, materials, analysis };
+        brittleness(&due, contacts, &solution.forces, laws) <= rules.brittleness
+    };
+    if late + soon.len() <= 1 && !is_mild() {
         // What has not reached its limit breaks there, one by one.
         progress.dense = false;
         search.leaves = true;

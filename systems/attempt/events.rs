@@ -17,13 +17,15 @@ use clastic_components::findings::{Corrections, EventSearch, EventTrial};
 use clastic_components::increment::{
     Analysis, AnalysisKind, Avalanche, Progress, RollingLimit, RuptureOrder, RuptureRules,
 };
+use clastic_components::material::Materials;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use crate::event_search::{Decision, GroupRules, Now, at_constant_load, decide, maximum};
 use crate::rupture_bonds::{
     BuiltInRule, Overload, UNLIMITED, overloads, restore_strengths, rupture,
 };
-use crate::rupture_density::density;
+use crate::rupture_brittleness::{Laws, between, brittleness};
+use crate::rupture_density::{density, due};
 use clastic_cone::residuals::residuals;
 
 /// Run condition: bonds break from event to event.
@@ -72,6 +74,7 @@ pub fn judge(
     mut solution: ResMut<ConeSolution>,
     mut search: ResMut<EventSearch>,
     corrections: Res<Corrections>,
+    laws: (Res<Materials>, Res<Analysis>),
     mut attempt: ResMut<Attempt>,
 ) {
     let RuptureRules { order, tolerance, group, avalanche, .. } = *rules;
@@ -126,7 +129,18 @@ pub fn judge(
             && search.overload >= 1.0
             && progress.fraction > 0.0
             && avalanche != Avalanche::Dynamic;
-        if may_be_dense && density(&below, &trial) >= rules.density {
+        let is_mild = || {
+            // The forces at the first crossing.
+            let (first, due) = due(&below, &trial);
+            let due: Vec<usize> =
+                found.iter().filter(|o| due.contains(&bond(o))).map(|o| o.contact).collect();
+            let part = (first / progress.fraction).min(1.0);
+            let forces = between(&program.last_forces, &solution.forces, part);
+            let (materials, analysis) = (&*laws.0, &*laws.1);
+            let laws = Laws { bodies: &bodies, materials, analysis };
+            brittleness(&due, &contacts.0, &forces, laws) <= rules.brittleness
+        };
+        if may_be_dense && (density(&below, &trial) >= rules.density || is_mild()) {
             // The same fraction again, with the strengths of the bonds.
             (search.active, search.dense, progress.dense) = (false, true, true);
             search.target = progress.fraction;

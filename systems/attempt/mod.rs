@@ -2,8 +2,8 @@
 //!
 //! Judges run in this order, each only if no judge before it objects: [`converged`], [`coulomb`],
 //! [`closing_mechanism`], [`restraints`], [`loose_grains`], [`events`], [`thrown_grains`],
-//! [`closed_pairs`], [`snaps`], [`push_out`], [`corrector`], [`cascade`]. For a step of a motion
-//! only [`converged`], [`coulomb`], [`motion::judge_length`], [`closed_pairs`] and
+//! [`closed_pairs`], [`snaps`], [`push_out`], [`corrector`], [`cascade`] or [`dense`]. For a step
+//! of a motion only [`converged`], [`coulomb`], [`motion::judge_length`], [`closed_pairs`] and
 //! [`motion::judge_rest`] run. The tables of [`findings`](clastic_components::findings) keep their
 //! findings until the increment is committed. [`mod@next`] maps the verdict to the next action.
 //!
@@ -33,7 +33,8 @@ use glam::DVec2;
 
 use clastic_components::attempt::{Attempt, IncrementStatus, Mode, Verdict};
 use clastic_components::body::Ramp;
-use clastic_components::contact::{Bodies, DraftHistory};
+use clastic_components::contact::Bodies;
+use clastic_components::contact_history::DraftHistory;
 use clastic_components::energy::MotionEnergies;
 use clastic_components::findings::{
     AddedPairs, BestUnconverged, Centre, Corrections, EventSearch, Pushed, Restraints, Ruptures,

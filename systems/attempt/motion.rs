@@ -17,7 +17,8 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, Mode, Verdict};
-use clastic_components::contact::{Bodies, BondRow, Contacts, DraftHistory};
+use clastic_components::contact::{Bodies, BondRow, Contacts};
+use clastic_components::contact_history::DraftHistory;
 use clastic_components::energy::EnergyLedger;
 use clastic_components::findings::{AddedPairs, Centre, Corrections, Pushed, Restraints, Ruptures};
 use clastic_components::increment::{Acceptance, Analysis, Progress, RuptureRules};

@@ -70,6 +70,7 @@ mod tests {
                 shear: 0.0,
                 stress: [0.0; 3],
                 controls: [CellControl::default(); 3],
+                by_mean: false,
             };
             let (positions, radii) = uniform(&mut Random(seed), 60, 40.0, 2.0);
             let radii: Vec<f64> = radii.iter().map(|r| r / radii[0].max(1.0)).collect();

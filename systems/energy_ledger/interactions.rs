@@ -3,7 +3,8 @@
 use glam::DVec2;
 
 use clastic_components::bond::BondId;
-use clastic_components::contact::{Bodies, Contact, ContactHistory, Contacts};
+use clastic_components::contact::{Bodies, Contact, Contacts};
+use clastic_components::contact_history::ContactHistory;
 use clastic_components::energy::Energies;
 use clastic_components::findings::Corrections;
 use clastic_components::increment::{Analysis, AnalysisKind};

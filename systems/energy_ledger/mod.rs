@@ -44,7 +44,8 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 
 use clastic_components::body::{AngularVelocity, BodyId, ExternalForce, Position, Velocity};
-use clastic_components::contact::{Bodies, ContactHistory, Contacts, DraftHistory, KeptRows};
+use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::contact_history::{ContactHistory, DraftHistory, KeptRows};
 use clastic_components::energy::{Energies, EnergyLedger, MotionEnergies, Released};
 use clastic_components::findings::{Corrections, Ruptures};
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};

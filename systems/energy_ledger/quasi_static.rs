@@ -10,7 +10,7 @@
 //! The last term is the work of the out-of-balance force at the start: normals have turned, bonds
 //! have broken.
 
-use clastic_components::contact::{ContactHistory, ContactMemory};
+use clastic_components::contact_history::{ContactHistory, ContactMemory};
 use clastic_components::energy::{Energies, Released};
 use clastic_cone::program::{ConeProgram, ConeSolution};
 

@@ -4,7 +4,8 @@ use bevy_ecs::prelude::*;
 use glam::DVec2;
 
 use clastic_components::bond::Rupture;
-use clastic_components::contact::{Bodies, ContactHistory, Contacts};
+use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::contact_history::ContactHistory;
 use clastic_components::energy::{Energies, EnergyLedger, MotionEnergies};
 use clastic_components::findings::Ruptures;
 use clastic_components::increment::{Analysis, Progress};

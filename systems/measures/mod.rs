@@ -16,7 +16,7 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use clastic_components::attempt::{Attempt, IncrementStatus};
-use clastic_components::body::ExternalForce;
+use clastic_components::body::{ExternalForce, LastMotion};
 use clastic_components::bond::RuptureMode;
 use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::energy::EnergyLedger;
@@ -34,7 +34,7 @@ use clastic_cone::residuals::Carrying;
 
 use crate::state::StateOf;
 use strain::StrainTables;
-use stress::StressTables;
+use stress::{StressTables, as_it_carried};
 
 /// Name of [`NamedState`] in a state.
 pub const NAMED: &str = "measures.named";
@@ -109,7 +109,7 @@ pub struct EndTables<'w, 's> {
     cracks: Option<Res<'w, CrackSums>>,
     ledger: Option<Res<'w, EnergyLedger>>,
     poured: Option<Res<'w, Poured>>,
-    forces: Query<'w, 's, (&'static Wall, &'static ExternalForce)>,
+    forces: Query<'w, 's, (&'static Wall, &'static ExternalForce, &'static LastMotion)>,
     membranes: Query<'w, 's, &'static MembraneShape>,
 }
 
@@ -172,7 +172,8 @@ impl EndTables<'_, '_> {
                 Some(self.observation.kinetic_energy / elastic)
             }
             Quantity::WallForce { wall, along } => {
-                let (wall, force) = self.forces.get(*wall).ok()?;
+                let (wall, force, motion) = self.forces.get(*wall).ok()?;
+                let wall = as_it_carried(wall, motion);
                 let force = DVec2::new(force.0[0], force.0[1]);
                 Some(match along {
                     ForceComponent::Normal => force.dot(wall.inward()),

@@ -5,7 +5,7 @@ use bevy_ecs::system::SystemParam;
 use glam::DVec2;
 
 use clastic_components::attempt::{Attempt, IncrementStatus};
-use clastic_components::body::{BodyId, ExternalForce, Position};
+use clastic_components::body::{BodyId, ExternalForce, LastMotion, Position};
 use clastic_components::contact::{Bodies, Contact, Contacts};
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
 use clastic_components::membrane::MembraneShape;
@@ -59,6 +59,13 @@ fn moments(
     sum
 }
 
+/// The wall with its direction at the start of the last increment, along which its contacts carried
+/// their forces.
+pub(super) fn as_it_carried(wall: &Wall, motion: &LastMotion) -> Wall {
+    let [_, _, angle] = motion.0;
+    if angle == 0.0 { *wall } else { wall.turned(DVec2::from_angle(-angle)) }
+}
+
 /// Length of the branch of a contact, m.
 fn branch(bodies: &Bodies, contact: &Contact) -> f64 {
     let (a, b) = (contact.a as usize, contact.b as usize);
@@ -107,7 +114,7 @@ pub struct StressTables<'w, 's> {
     analysis: Res<'w, Analysis>,
     attempt: Res<'w, Attempt>,
     geometry: Geometry<'w, 's>,
-    forces: Query<'w, 's, (&'static Wall, &'static ExternalForce)>,
+    forces: Query<'w, 's, (&'static Wall, &'static ExternalForce, &'static LastMotion)>,
     membranes: Query<'w, 's, &'static MembraneShape>,
 }
 
@@ -138,8 +145,9 @@ impl StressTables<'_, '_> {
             StressMeasure::Walls { walls, length } => {
                 let mut sum = 0.0;
                 for wall in walls {
-                    let (wall, force) = self.forces.get(*wall).ok()?;
-                    sum += DVec2::new(force.0[0], force.0[1]).dot(wall.inward());
+                    let (wall, force, motion) = self.forces.get(*wall).ok()?;
+                    let inward = as_it_carried(wall, motion).inward();
+                    sum += DVec2::new(force.0[0], force.0[1]).dot(inward);
                 }
                 let length = match *length {
                     MeasureLength::Fixed(length) => length,

@@ -7,7 +7,8 @@ use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use clastic_components::attempt::{Attempt, Mode};
-use clastic_components::contact::{Bodies, KeptRows};
+use clastic_components::contact::Bodies;
+use clastic_components::contact_history::KeptRows;
 use clastic_components::findings::Sliding;
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
 use clastic_cone::condensed;

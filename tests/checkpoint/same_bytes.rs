@@ -325,6 +325,12 @@ fn a_periodic_cell_under_both_laws() {
         ];
         let records = same_from_anywhere(&load("simple_shear_periodic", &sets), |k| k % 2 == 1);
         assert!(records.iter().any(|o| o.stage == "shear" && o.fraction == 1.0));
+        // With the mean stress held, in time steps.
+        let mean = "stages.shear.cell=(mean: Stress(50.0e3), shear: Strain(0.02))";
+        let dynamic = "stages.shear.analysis=Dynamic(dt: 1.0e-4)";
+        let sets: Vec<&str> = sets.into_iter().chain([mean, dynamic]).collect();
+        let records = same_from_anywhere(&load("simple_shear_periodic", &sets), |k| k % 2 == 1);
+        assert!(records.iter().any(|o| o.stage == "shear" && o.time > 0.0));
     }
 }
 
@@ -543,6 +549,29 @@ fn walls_in_rigid_groups_and_a_table_of_angles() {
         let probe = |name: &str| last.probes.iter().find(|p| p.name == name).unwrap();
         assert!((probe("lid").motion[2] + 0.01).abs() < 1e-15, "{law}");
         assert!((probe("gate").force[2] + 0.4).abs() < 1e-8, "{law}");
+    }
+}
+
+/// A load on whatever is in a strip, which rises over one stage and holds in the next.
+#[test]
+fn a_load_on_what_is_in_a_strip() {
+    for analysis in ["Static", "Dynamic(dt: 1.0e-3)"] {
+        let records = same_from_anywhere(
+            &parse(&format!(
+                r#"(version: 2, title: "strip", gravity: (0.0, -9.81), analysis: {analysis},
+              materials: {{ "m": (density: 2000.0, contact: (normal_stiffness: 1.0e6, friction: 0.3)) }},
+              specimen: Particles([(position: (0.0, 0.01), radius: 0.01), (position: (0.05, 0.01), radius: 0.01)]),
+              walls: [(name: "floor", start: (-1.0, 0.0), end: (1.0, 0.0), probe: "floor")],
+              stages: [
+                Load(name: "rise", increments: 6, particles: [(select: All, x: Displacement(0.01)),
+                    (select: Box(min: (0.08, -1.0), max: (0.125, 1.0)), live: true, force: (0.0, -7.0))]),
+                Load(name: "hold", increments: 9, particles: [(select: All, x: Displacement(0.01)),
+                    (select: Box(min: (0.08, -1.0), max: (0.125, 1.0)), live: true, force: (0.0, -5.0))]),
+              ], output: (energy: true))"#
+            )),
+            |_| true,
+        );
+        assert_eq!(records.len(), 15, "{analysis}");
     }
 }
 

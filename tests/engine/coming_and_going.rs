@@ -2,7 +2,8 @@
 
 use bevy_app::App;
 use bevy_ecs::prelude::*;
-use clastic::components::contact::{Bodies, ContactHistory, KeptRows};
+use clastic::components::contact::Bodies;
+use clastic::components::contact_history::{ContactHistory, KeptRows};
 use clastic::output::{self, OutputPlugin, RunOptions};
 use clastic::prelude::*;
 use clastic::run::WorldState;

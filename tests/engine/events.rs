@@ -229,3 +229,69 @@ fn many_bonds_that_break_together_leave_what_one_by_one_they_would() {
     let solves: u32 = records.iter().map(|r| r.solves).sum();
     assert!(together > 5 && solves < 80, "{together} increments, {solves} solves");
 }
+
+/// Disks of several sizes that a load presses onto held ones and that are moved sideways. Their
+/// bonds shear. A rupture releases the cohesion alone, 12 to 52 N where a contact carries 100 N, and
+/// at most eight bonds reach their limits while the forces change by 5 %.
+fn sheared(brittleness: f64, increments: u32) -> (Vec<f64>, Simulation) {
+    let (mut disks, mut bonds, mut low, mut high) = (String::new(), String::new(), vec![], vec![]);
+    let radii: Vec<f64> = (0..60).map(|i| 3.0e-3 * (1.0 + f64::from(i) / 18.0)).collect();
+    for (i, r) in radii.iter().enumerate() {
+        let x = 0.1 * i as f64;
+        disks += &format!("(position: ({x:?}, 0.0), radius: {r:?}),");
+        disks += &format!("(position: ({x:?}, {:?}), radius: {:?}, probe: \"{i}\"),", 2.0 * r, r);
+        bonds += &format!("(a: {}, b: {}),", 2 * i, 2 * i + 1);
+        low.push((2 * i).to_string());
+        high.push((2 * i + 1).to_string());
+    }
+    let (low, high) = (low.join(", "), high.join(", "));
+    let pressed = format!(
+        "(select: All, rotation: Held), (select: Index([{low}]), x: Held, y: Held),
+         (select: Index([{high}]), force: (0.0, {:?})",
+        -PRESSED
+    );
+    let step = 5.0e-6 / f64::from(increments);
+    let text = format!(
+        "(
+            version: 1,
+            title: \"pressed and sheared\",
+            rupture: (order: Events, brittleness: {brittleness:?}),
+            materials: {{ \"glue\": (
+                contact: (normal_stiffness: {STIFFNESS:?}, tangential_stiffness: {STIFFNESS:?}, friction: 0.3),
+                bond: (normal_stiffness: {STIFFNESS:?}, tangential_stiffness: {STIFFNESS:?}, friction: 0.3, cohesion: {STRENGTH:?}, tensile_strength: {STRENGTH:?}),
+            ) }},
+            specimen: Particles([{disks}]),
+            bonds: [{bonds}],
+            stages: [
+                Load(name: \"press\", increments: 1, particles: [{pressed}, x: Held)]),
+                Load(name: \"shear\", increments: {increments}, particles: [{pressed}, x: Displacement({step:?}))]),
+            ],
+        )",
+    );
+    (radii, Simulation::new(&parse(&text), None))
+}
+
+/// Force on every pressed disk, N.
+const PRESSED: f64 = 100.0;
+
+#[test]
+fn bonds_that_keep_most_of_their_force_break_together() {
+    let increments = 40;
+    let [together, one_by_one] = [0.5, 0.0].map(|brittleness| {
+        let (radii, mut simulation) = sheared(brittleness, increments);
+        let records = run(&mut simulation);
+        // Cohesion and friction: bonds below 50 N have broken, and some of the next increment.
+        let is_broken = |r: &&f64| STRENGTH * 2.0 * **r + 0.3 * PRESSED < 50.0;
+        let exact = radii.iter().filter(is_broken).count();
+        let broken = records.iter().map(|r| r.ruptures.len()).sum::<usize>();
+        assert!((exact..exact + 5).contains(&broken), "{broken} instead of {exact}");
+        // Friction remains, the same for all disks; normals have turned by 1e-3.
+        let last = records.last().unwrap();
+        for i in 0..exact {
+            assert_relative(probe(last, &i.to_string()).force[0], 0.3 * PRESSED, 1e-2);
+        }
+        records.iter().map(|r| r.solves).sum::<u32>()
+    });
+    let [few, many] = [together, one_by_one].map(|solves| solves - increments);
+    assert!(4 * few < many, "{few} and {many} solves more than increments");
+}

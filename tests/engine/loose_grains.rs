@@ -3,7 +3,8 @@
 
 use bevy_ecs::prelude::*;
 use clastic::components::attempt::Attempt;
-use clastic::components::contact::{Bodies, ContactHistory};
+use clastic::components::contact::Bodies;
+use clastic::components::contact_history::ContactHistory;
 use clastic::components::findings::AddedPairs;
 use clastic::cone::program::{ConeProgram, ConeSolution};
 use clastic::prelude::*;

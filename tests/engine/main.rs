@@ -27,6 +27,7 @@ mod invariance;
 mod language;
 mod lids;
 mod limit_load;
+mod live_loads;
 mod loose_grains;
 mod measures;
 mod membranes;

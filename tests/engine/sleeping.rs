@@ -1,7 +1,7 @@
 //! What is at rest is left out of the program that is solved, and wakes when something happens to
 //! it.
 
-use clastic::components::contact::ContactHistory;
+use clastic::components::contact_history::ContactHistory;
 use clastic::cone::condensed::settings::SleepSettings;
 use clastic::cone::condensed::{Condensed, sleeping};
 use clastic::cone::program::{ConeProgram, ConeSolution, SolveStatus};
@@ -241,6 +241,7 @@ fn a_stack_sleeps_on_or_is_solved_when_what_is_fast_stops() {
     scene.stages.push(Stage::Load(Load { increments: 40, ..hold.clone() }));
     hold.name = "hold".to_owned();
     hold.particles = vec![ParticleControl {
+        live: false,
         select: Select::Index(vec![3]),
         x: Motion::Held,
         y: Motion::Held,

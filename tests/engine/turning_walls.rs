@@ -273,3 +273,39 @@ fn a_wall_follows_a_table_of_angles() {
         }
     }
 }
+
+/// The normal and the tangent of a wall that turns are those along which its contacts carry: without
+/// friction there is no force along the tangent, however far it turns in an increment.
+#[test]
+fn a_smooth_wall_that_turns_carries_along_its_normal_alone() {
+    let scene = parse(
+        "(version: 2, title: \"smooth\",
+          materials: { \"m\": (density: 2000.0, contact: (normal_stiffness: 1e7)) },
+          specimen: Particles([(position: (-0.01, 0.03), radius: 0.01), (position: (-0.01, 0.07), radius: 0.01)]),
+          walls: [(name: \"wall\", start: (0.0, 0.0), end: (0.0, 0.1), contact: (normal_stiffness: 1e7))],
+          stages: [
+            Load(name: \"push\", increments: 5, particles: [(select: All, x: Held, y: Held)],
+                walls: { \"wall\": Rotation(about: (0.0, 0.0), angle: 0.02) }),
+            Load(name: \"hold\", increments: 1, particles: [(select: All, x: Held, y: Held)]),
+          ],
+          measures: [
+            (name: \"normal_n\", of: WallForce(wall: \"wall\", along: Normal)),
+            (name: \"tangent_n\", of: WallForce(wall: \"wall\", along: Tangent)),
+            (name: \"x_n\", of: WallForce(wall: \"wall\", along: X)),
+            (name: \"y_n\", of: WallForce(wall: \"wall\", along: Y)),
+            (name: \"axial_stress\", of: Stress(Walls(walls: [\"wall\"], length: Fixed(1.0)))),
+          ])",
+    );
+    let mut simulation = Simulation::new(&scene, None);
+    let mut count = 0;
+    while next(&mut simulation).is_some() {
+        let read = |name: &str| clastic::run::measures::reading(simulation.world(), name).unwrap();
+        let [normal, tangent, x, y] = ["normal_n", "tangent_n", "x_n", "y_n"].map(read);
+        assert!(normal > 1e3, "{normal}");
+        assert_within(tangent, 0.0, 1e-12 * normal);
+        assert_relative(x.hypot(y), normal, 1e-12);
+        assert_relative(read("axial_stress"), normal, 1e-12);
+        count += 1;
+    }
+    assert_eq!(count, 6);
+}

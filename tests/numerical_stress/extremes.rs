@@ -402,7 +402,7 @@ fn coincident_centres_are_parted() {
 #[test]
 fn a_force_that_nothing_determines_is_not_remembered() {
     use bevy_ecs::system::RunSystemOnce;
-    use clastic::components::contact::ContactHistory;
+    use clastic::components::contact_history::ContactHistory;
     use clastic::cone::program::{ConeProgram, ConeSolution};
     use clastic::systems::update_state::remember_contacts;
     let scene = packed(

@@ -296,6 +296,7 @@ fn load(
         });
         let middle = (0.5 * (low.0 + high.0), 0.5 * (low.1 + high.1));
         particles.push(ParticleControl {
+            live: false,
             select: match r.below(4) {
                 0 => Select::All,
                 1 => Select::Index(vec![0]),

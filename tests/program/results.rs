@@ -262,3 +262,70 @@ fn key_results_are_measures_and_agree_with_the_history() {
     assert!((level - 300.0).abs() < 1e-6, "{level}");
     assert!(sanity["warnings"][0].as_str().unwrap().contains("k/(p h) is 300"));
 }
+
+#[test]
+fn a_packing_that_is_looser_than_its_jam_says_how_it_settled() {
+    let (done, out) = run("prepare_and_branch", &["--set", "stages.settle.record.frames=[1]"]);
+    let said = stdout(&done.code(0));
+    let settled = json(out.path(), "run.json")["settled"].clone();
+    let [before, after] =
+        ["porosity_before", "porosity_after"].map(|name| settled[name].as_f64().unwrap());
+    // The target is 0.23 between the walls; the box around the disks is a little smaller.
+    assert!((before - 0.23).abs() < 0.01, "{before}");
+    let box_of = |file: &str| {
+        let disks: Vec<[f64; 3]> = rows(out.path(), file)
+            .iter()
+            .map(|row| ["x_m", "y_m", "radius_m"].map(|name| row[name].parse().unwrap()))
+            .collect();
+        let side = |axis: usize| {
+            let high = disks.iter().map(|d| d[axis] + d[2]).fold(f64::MIN, f64::max);
+            high - disks.iter().map(|d| d[axis] - d[2]).fold(f64::MAX, f64::min)
+        };
+        let area: f64 = disks.iter().map(|d| std::f64::consts::PI * d[2] * d[2]).sum();
+        1.0 - area / (side(0) * side(1))
+    };
+    let first = rows(out.path(), "history.csv");
+    let first = first.iter().find(|row| row["stage"] == "settle").unwrap();
+    assert!(first["motion_steps"].parse::<u32>().unwrap() > 0, "{first:?}");
+    let number: u32 = first["increment"].parse().unwrap();
+    assert!((after - box_of(&format!("frames/frame_{number:06}.csv"))).abs() < 1e-12, "{after}");
+    let words = format!("porosity {before:.4} before, {after:.4} after");
+    assert!(after < before && said.contains(&words), "no `{words}` in\n{said}");
+
+    // A dense packing does not.
+    let (done, out) = run("isotropic_compression", &[]);
+    assert!(!stdout(&done.code(0)).contains("settled"));
+    assert!(json(out.path(), "run.json").get("settled").is_none());
+}
+
+#[test]
+fn a_porosity_below_that_of_any_disks_is_refused() {
+    let settings = ["--set", "stages.compact.target=Porosity(0.08)"];
+    let (refused, _out) = run("prepare_and_branch", &settings);
+    let said = String::from_utf8_lossy(&refused.code(3).get_output().stderr).into_owned();
+    // Radii between 3 and 5 mm.
+    for words in ["stage `compact` cannot begin", "0.08 is below 0.08", "Florian 1960"] {
+        assert!(said.contains(words), "no `{words}` in\n{said}");
+    }
+}
+
+#[test]
+fn friction_angle_and_strength_are_said_where_they_are_defined() {
+    let (done, out) = run("prepare_and_branch_50kPa", &[]);
+    let said = stdout(&done.code(0));
+    let results = &json(out.path(), "run.json")["results"];
+    let words = match results["friction_angle_rad"].as_f64() {
+        Some(angle) => format!("friction angle {:.2} degrees", angle.to_degrees()),
+        None => panic!("{}", results["not_defined"]["friction_angle_rad"]),
+    };
+    assert!(said.contains(&words) && said.contains("strength (peak stress) "), "{said}");
+}
+
+#[test]
+fn grains_that_pour_in_have_no_porosity() {
+    let (done, out) = run("poured_bin", &["--set", "stages[0].increments=60"]);
+    done.code(0);
+    let results = &json(out.path(), "run.json")["results"];
+    assert!(results["porosity"].is_null(), "{results}");
+    assert!(results["not_defined"]["porosity"].as_str().unwrap().contains("pour in"), "{results}");
+}

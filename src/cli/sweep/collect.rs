@@ -85,7 +85,11 @@ fn average(sweep: &Sweep, records: &[serde_json::Value]) -> Result<(), Failure> 
 /// A number with four significant digits.
 fn rounded(value: f64) -> String {
     let digits = if value == 0.0 { 0.0 } else { 3.0 - value.abs().log10().floor() };
-    format!("{value:.0$}", digits.clamp(0.0, 12.0) as usize)
+    // Digits after many zeros are hard to count.
+    if digits > 8.0 {
+        return format!("{value:.3e}");
+    }
+    format!("{value:.0$}", digits.max(0.0) as usize)
 }
 
 fn draw(sweep: &Sweep, records: &[serde_json::Value]) -> Result<(), Failure> {

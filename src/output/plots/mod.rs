@@ -30,9 +30,9 @@ pub const PROBES: &str = "probes.svg";
 pub const SPECIMEN: &str = "specimen.svg";
 /// The specimen at the peak of the axial stress.
 pub const SPECIMEN_PEAK: &str = "specimen_peak.svg";
-/// The same without the broken bonds, where there are some.
+/// The specimen at the end without its broken bonds, if it has any.
 pub const FIELD: &str = "specimen_field.svg";
-/// The same at the peak.
+/// The specimen at the peak of the axial stress without its broken bonds.
 pub const FIELD_PEAK: &str = "specimen_peak_field.svg";
 /// The mechanism of the first collapse, drawn when it happens.
 pub const MECHANISM: &str = "mechanism.svg";

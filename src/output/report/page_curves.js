@@ -5,10 +5,13 @@
   const node = (id) => document.getElementById(id);
   Report.charts = [];
 
-  // Curves of all runs over the axial strain, or over the increments where none is defined.
+  // Curves of all runs over the axial strain; where none is defined over the time if it passes in
+  // every run, else over the increments.
   Report.drawCurves = (pick) => {
     const strained = runs.some((run) => run.history.axial_strain?.some((x) => x !== null));
     Report.isStrained = strained;
+    const passes = ({ history: { time_s } }) => time_s?.length > 1 && time_s.at(-1) > time_s[0];
+    Report.isTimed = !strained && runs.every(passes);
     // Row of the initial state, at which the strain is 0: that before the first strain, which may
     // be before the history (-1).
     const initial = (run) => {
@@ -16,7 +19,7 @@
       return first < 0 ? null : first - 1;
     };
     const x = (run) => {
-      if (!strained) return run.history.increment;
+      if (!strained) return run.history[Report.isTimed ? "time_s" : "increment"];
       const strains = (run.history.axial_strain ?? []).map((e) => (e === null ? null : 100 * e));
       if (initial(run) === -1) strains.unshift(0);
       else if (initial(run) !== null) strains[initial(run)] = 0;
@@ -33,7 +36,7 @@
       if (row === -1) return [isContinued && !counts ? null : 0, ...values];
       return values.map((y, k) => (k === row && (y === null || counts) ? 0 : y));
     };
-    const xName = strained ? "axial strain, %" : "increment";
+    const xName = strained ? "axial strain, %" : Report.isTimed ? "time, s" : "increment";
     const colour = (k) => `var(--series-${k % 13})`;
     const has = (name) => runs.some((run) => run.history[name]?.some((y) => y !== null));
     const scaled = (name, unit) => {
@@ -134,6 +137,7 @@
 
   Report.xOf = (k) => {
     const frame = movie.frames[k];
+    if (Report.isTimed) return frame.time;
     if (!Report.isStrained) return frame.increment;
     return frame.strain === null ? null : 100 * frame.strain;
   };

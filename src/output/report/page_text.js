@@ -138,7 +138,7 @@
         const cells = runs.map((run) => text(run.record.results));
         if (cells.some(Boolean)) rows.push([name, ...cells.map((cell) => n(cell || "\u2013"))]);
       }
-      results.append(make("div", { class: "scroll" }, table(head, rows)));
+      results.append(make("div", { class: "scroll", style: "max-height: none" }, table(head, rows)));
       return;
     }
     for (const [name, text] of RESULTS) {
@@ -250,8 +250,17 @@
         "the ledger is kept with output: (energy: true)",
       );
     }
+    if (record.settled)
+      add(
+        "Settled packing",
+        null,
+        `${format(record.settled.porosity_before)} to ${format(record.settled.porosity_after)}`,
+        "porosity before and after the first increment: the packing was looser than its jam",
+      );
     for (const [name, reason] of Object.entries(r.not_defined))
-      rows.push([name.replace(/_pa$/, "").replaceAll("_", " "), "not defined", reason]);
+      rows.push([name.replace(/_(pa|rad)$/, "").replaceAll("_", " "), "not defined", reason]);
+    for (const warning of record.sanity?.warnings ?? [])
+      rows.push(["Warning", verdict(false, "to look at"), warning]);
     return panel("Can it be trusted?", table(["", "", ""], rows));
   };
 

@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use crate::run::densest::lowest_porosity;
 use crate::run::minerals::specimen;
 use crate::run::particles::ParticleSeed;
 use crate::scene::format::{
@@ -35,14 +36,35 @@ pub fn before(scene: &Scene, stored: Option<&StoredSpecimen>) -> Report {
         }
         Analysis::Static => None,
     });
-    Report {
+    let mut report = Report {
         stiffness_over_pressure: grains.level(pressure).filter(|_| is_test(scene)),
         inertial_number: number,
         increment_over_elastic_strain: grains.steps(increment, pressure),
         disks_across: packed.map(|packed| packed.across()).filter(|_| is_specimen(scene)),
         ..Report::default()
     }
-    .with_warnings(grains.strength > 0.0, grains.are_rock(pressure))
+    .with_warnings(grains.strength > 0.0, grains.are_rock(pressure));
+    report.warnings.extend(too_dense(scene, &seeds));
+    report
+}
+
+/// Warning of a compaction to a porosity that no disks of these radii reach.
+fn too_dense(scene: &Scene, seeds: &[ParticleSeed]) -> Option<String> {
+    let radii = seeds.iter().map(|seed| seed.radius);
+    let (smallest, largest) =
+        (radii.clone().min_by(f64::total_cmp)?, radii.max_by(f64::total_cmp)?);
+    let lowest = lowest_porosity(smallest / largest);
+    scene.stages.iter().find_map(|stage| match stage {
+        Stage::Compact(Compact { name, target: CompactTarget::Porosity(target), .. })
+            if *target < lowest =>
+        {
+            Some(format!(
+                "stage `{name}` compacts to a porosity of {target:?}, below {lowest:.4}, the minimum \
+                 of disks of these radii in the plane (Florian 1960); random packings jam near 0.16"
+            ))
+        }
+        _ => None,
+    })
 }
 
 /// The smallest stress above 0 that a stage imposes, Pa.

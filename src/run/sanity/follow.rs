@@ -4,6 +4,7 @@ use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use clastic_components::attempt::IncrementStatus;
+use clastic_components::bond::Bond;
 use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::observation::Observation;
@@ -34,13 +35,15 @@ pub struct Sanity {
     mass: f64,
     /// Largest diameters across the smaller side, after the first increment there.
     across: Option<f64>,
+    /// Maximum cohesion or tensile strength of the bonds that were there, Pa; 0 without bonds.
+    strength: f64,
 }
 
 impl Sanity {
     /// The ratios so far.
     #[must_use]
     pub fn report(&self, scene: &Scene) -> Report {
-        let grains = Grains::of(scene);
+        let grains = Grains { strength: self.strength, ..Grains::of(scene) };
         let [time, strain, pressure] = self.dynamic;
         let number = || inertial(strain / time, self.mass, pressure / time, scene.thickness);
         Report {
@@ -89,13 +92,15 @@ pub fn follow(
     (script, progress, analysis): (Res<Script>, Res<Progress>, Res<Analysis>),
     (bodies, contacts): (Res<Bodies>, Res<Contacts>),
     (program, solution): (Res<ConeProgram>, Res<ConeSolution>),
-    o: Res<Observation>,
+    (o, bonds): (Res<Observation>, Query<&Bond>),
     mut sanity: ResMut<Sanity>,
 ) {
     let carries = matches!(o.status, IncrementStatus::Solved | IncrementStatus::Capped);
     if !carries || matches!(analysis.kind, AnalysisKind::Compaction { .. }) {
         return;
     }
+    let strengths = bonds.iter().map(|bond| bond.law.cohesion.max(bond.law.tensile_strength));
+    sanity.strength = strengths.fold(sanity.strength, f64::max);
     if let Some(overlap) = overlap(&bodies, &contacts, &program, &solution) {
         sanity.overlap = Some(sanity.overlap.map_or(overlap, |most| most.max(overlap)));
     }
@@ -103,7 +108,7 @@ pub fn follow(
         return;
     }
     // Without a lateral stress the axial one is the load and no confinement, except on loose grains.
-    let is_loose = Grains::of(&script.scene).strength == 0.0;
+    let is_loose = sanity.strength == 0.0;
     if let Some(pressure) = confining(&o).filter(|_| is_loose || o.lateral_stress.is_some()) {
         sanity.pressure = Some(sanity.pressure.map_or(pressure, |most| most.max(pressure)));
     }

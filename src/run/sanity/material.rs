@@ -1,13 +1,13 @@
 //! What the sanity of a test needs to know of its materials.
 
-use crate::scene::format::Scene;
+use crate::scene::format::{Bond, Scene, Specimen, Stage};
 
 /// Stiffness and strength of the materials of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Grains {
     /// Minimum normal stiffness of elastic contacts, N/m; `None` for rigid grains.
     pub stiffness: Option<f64>,
-    /// Maximum cohesion or tensile strength of the bonds, Pa; 0 without bonds.
+    /// Maximum cohesion or tensile strength of the bonds that the scene makes, Pa; 0 without bonds.
     pub strength: f64,
     /// Out-of-plane thickness, m.
     pub thickness: f64,
@@ -17,10 +17,21 @@ impl Grains {
     pub fn of(scene: &Scene) -> Self {
         let materials = scene.materials.values();
         let stiffness = materials.clone().filter_map(|m| m.contact.normal_stiffness);
-        let bonds = materials.filter_map(|m| m.bond.as_ref());
+        let strength = |bond: &Bond| bond.cohesion.max(bond.tensile_strength);
+        let of_materials = || {
+            let bonds = materials.clone().filter_map(|material| material.bond.as_ref());
+            bonds.map(strength).fold(0.0, f64::max)
+        };
+        let cemented = scene.stages.iter().filter_map(|stage| match stage {
+            Stage::Cement(cement) => Some(cement.bond.as_ref().map_or_else(of_materials, strength)),
+            _ => None,
+        });
+        // A saved state may have bonds.
+        let is_bonded = !scene.bonds.is_empty() || matches!(scene.specimen, Specimen::State { .. });
+        let at_start = is_bonded.then(of_materials);
         Self {
             stiffness: stiffness.min_by(f64::total_cmp),
-            strength: bonds.map(|b| b.cohesion.max(b.tensile_strength)).fold(0.0, f64::max),
+            strength: cemented.chain(at_start).fold(0.0, f64::max),
             thickness: scene.thickness,
         }
     }

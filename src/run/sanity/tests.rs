@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::*;
 use crate::run::Simulation;
-use crate::scene::format::Scene;
+use crate::scene::format::{Bond, Cement, Scene, Stage};
 use crate::scene::from_str;
 
 /// Four columns of five disks of 10 mm, pressed with 10 kPa, then shortened by 0.02 mm an increment.
@@ -188,4 +188,49 @@ fn estimates_know_the_specimen_after_its_compaction() {
     let height = packed("target: Porosity(0.25),", "Static", "Displacement(0.0, -2e-6)");
     let (first, after) = (before(&height.scene, None), measured(&height.scene));
     near(first.increment_over_elastic_strain, after.increment_over_elastic_strain.unwrap(), 0.05);
+}
+
+#[test]
+fn a_material_that_could_be_bonded_is_not_bonded() {
+    // The sand has a law for bonds, and no stage cements it.
+    let mut sand = scene("1e6", "Static", "Displacement(0.0, -2e-5)");
+    let rock = scene_with_bond(&mut sand);
+    for report in [before(&sand, None), measured(&sand)] {
+        near(report.increment_over_elastic_strain, 0.04, 0.02);
+        let few = report.warnings.iter().find(|warning| warning.contains("lie across"));
+        assert!(few.is_some_and(|warning| warning.contains("ASTM")), "{:?}", report.warnings);
+    }
+    for report in [before(&rock, None), measured(&rock)] {
+        // The elastic strain at the strength is ten times that at the pressure.
+        near(report.increment_over_elastic_strain, 0.004, 0.02);
+        let few = report.warnings.iter().find(|warning| warning.contains("lie across"));
+        assert!(few.is_some_and(|warning| warning.contains("ISRM")), "{:?}", report.warnings);
+    }
+}
+
+/// Gives the material a law for bonds of 100 kPa. The scene that is returned cements it too.
+fn scene_with_bond(sand: &mut Scene) -> Scene {
+    let bond = Bond {
+        normal_stiffness: Some(1e6),
+        tangential_stiffness: Some(1e6),
+        friction: 0.5,
+        rolling_friction: 0.0,
+        cohesion: 100e3,
+        tensile_strength: 100e3,
+        scatter: None,
+    };
+    for material in sand.materials.values_mut() {
+        material.bond = Some(bond);
+    }
+    let mut rock = sand.clone();
+    let cement = Cement {
+        name: "cement".to_owned(),
+        length: 1e-4,
+        walls: false,
+        particles: true,
+        select: None,
+        bond: None,
+    };
+    rock.stages.insert(0, Stage::Cement(cement));
+    rock
 }

@@ -25,9 +25,24 @@ pub struct CellControl {
     /// Height, or sigma_yy.
     #[serde(default)]
     pub yy: Option<CellTarget>,
+    /// Mean of xx and yy in their place: strain (xx + yy)/2, or mean stress. Width and height strain
+    /// alike but for `difference`.
+    #[serde(default)]
+    pub mean: Option<CellTarget>,
+    /// Difference, yy less xx, of the strains or of the stresses; fixed if left out.
+    #[serde(default)]
+    pub difference: Option<CellTarget>,
     /// Shear: the top moves along x over the bottom; or the traction along x on the top.
     #[serde(default)]
     pub shear: Option<CellTarget>,
+}
+
+impl CellControl {
+    /// Whether the mean of width and height is controlled, in place of each of them.
+    #[must_use]
+    pub fn is_by_mean(&self) -> bool {
+        self.mean.is_some() || self.difference.is_some()
+    }
 }
 
 /// What a component of the deformation of a cell does in a stage.

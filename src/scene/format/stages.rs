@@ -48,6 +48,12 @@ impl Stage {
         }
     }
 
+    /// Whether grains pour in.
+    #[must_use]
+    pub fn pours(&self) -> bool {
+        matches!(self, Self::Pour(_))
+    }
+
     /// Name of the stage, for changes.
     pub fn name_mut(&mut self) -> &mut String {
         match self {

@@ -2,62 +2,68 @@
 
 use std::f64::consts::PI;
 
-/// Units that appear in scenes, the SI unit of equal dimension, and the value in it.
-const WRITTEN: [(&str, &str, f64); 53] = [
-    ("Pa", "Pa", 1.0),
-    ("hPa", "Pa", 1e2),
-    ("kPa", "Pa", 1e3),
-    ("MPa", "Pa", 1e6),
-    ("GPa", "Pa", 1e9),
-    ("N/m^2", "Pa", 1.0),
-    ("N/mm^2", "Pa", 1e6),
-    ("kN/m^2", "Pa", 1e3),
-    ("bar", "Pa", 1e5),
-    ("m", "m", 1.0),
-    ("cm", "m", 1e-2),
-    ("mm", "m", 1e-3),
-    ("um", "m", 1e-6),
-    ("µm", "m", 1e-6),
-    ("km", "m", 1e3),
-    ("m^2", "m^2", 1.0),
-    ("cm^2", "m^2", 1e-4),
-    ("mm^2", "m^2", 1e-6),
-    ("s", "s", 1.0),
-    ("ms", "s", 1e-3),
-    ("us", "s", 1e-6),
-    ("µs", "s", 1e-6),
-    ("min", "s", 60.0),
-    ("h", "s", 3600.0),
-    ("m/s", "m/s", 1.0),
-    ("cm/s", "m/s", 1e-2),
-    ("mm/s", "m/s", 1e-3),
-    ("m/s^2", "m/s^2", 1.0),
-    ("g", "m/s^2", 9.81),
-    ("rad", "rad", 1.0),
-    ("deg", "rad", PI / 180.0),
-    ("°", "rad", PI / 180.0),
-    ("rad/s", "rad/s", 1.0),
-    ("deg/s", "rad/s", PI / 180.0),
-    ("rpm", "rad/s", PI / 30.0),
-    ("N", "N", 1.0),
-    ("kN", "N", 1e3),
-    ("MN", "N", 1e6),
-    ("mN", "N", 1e-3),
-    ("Nm", "N m", 1.0),
-    ("N m", "N m", 1.0),
-    ("kNm", "N m", 1e3),
-    ("kN m", "N m", 1e3),
-    ("N/m", "N/m", 1.0),
-    ("kN/m", "N/m", 1e3),
-    ("MN/m", "N/m", 1e6),
-    ("GN/m", "N/m", 1e9),
-    ("N/mm", "N/m", 1e3),
-    ("kg/m^3", "kg/m^3", 1.0),
-    ("g/cm^3", "kg/m^3", 1e3),
-    ("t/m^3", "kg/m^3", 1e3),
-    ("Mg/m^3", "kg/m^3", 1e3),
-    ("%", "", 1e-2),
+/// Units that scenes may have: name, value in SI units, and powers of m, kg, s and rad.
+const BASE: [(&str, f64, [i32; 4]); 14] = [
+    ("m", 1.0, [1, 0, 0, 0]),
+    ("g", 1e-3, [0, 1, 0, 0]),
+    ("t", 1e3, [0, 1, 0, 0]),
+    ("s", 1.0, [0, 0, 1, 0]),
+    ("min", 60.0, [0, 0, 1, 0]),
+    ("h", 3600.0, [0, 0, 1, 0]),
+    ("N", 1.0, [1, 1, -2, 0]),
+    ("Pa", 1.0, [-1, 1, -2, 0]),
+    ("bar", 1e5, [-1, 1, -2, 0]),
+    ("rad", 1.0, [0, 0, 0, 1]),
+    ("deg", PI / 180.0, [0, 0, 0, 1]),
+    ("°", PI / 180.0, [0, 0, 0, 1]),
+    ("rpm", PI / 30.0, [0, 0, -1, 1]),
+    ("%", 1e-2, [0; 4]),
 ];
+
+/// Prefixes, and none.
+const PREFIXES: [(&str, f64); 9] = [
+    ("", 1.0),
+    ("G", 1e9),
+    ("M", 1e6),
+    ("k", 1e3),
+    ("h", 1e2),
+    ("c", 1e-2),
+    ("m", 1e-3),
+    ("u", 1e-6),
+    ("µ", 1e-6),
+];
+
+/// Value in SI units and powers of m, kg, s and rad of a unit such as `kN/m2` or `N m`. Of the
+/// readings of a name the longest counts: `mm` is no square metre.
+fn parse(unit: &str) -> Option<(f64, [i32; 4])> {
+    let (mut value, mut powers) = (1.0, [0; 4]);
+    for (k, mut left) in unit.split('/').enumerate() {
+        let sign = if k == 0 { 1 } else { -1 };
+        while !left.is_empty() {
+            let mut longest: Option<(&str, f64, [i32; 4])> = None;
+            for (prefix, factor) in PREFIXES {
+                for (name, of_base, dimension) in BASE {
+                    let rest = left.strip_prefix(prefix).and_then(|l| l.strip_prefix(name));
+                    if let Some(rest) = rest.filter(|r| longest.is_none_or(|l| r.len() < l.0.len()))
+                    {
+                        longest = Some((rest, factor * of_base, dimension));
+                    }
+                }
+            }
+            let (rest, factor, dimension) = longest?;
+            let digits = rest.find(|c: char| c != '-' && !c.is_ascii_digit()).unwrap_or(rest.len());
+            let (power, rest) = rest.split_at(digits);
+            let power =
+                sign * if power.is_empty() { 1 } else { i32::from(power.parse::<i8>().ok()?) };
+            value *= factor.powi(power);
+            for (sum, of_base) in powers.iter_mut().zip(dimension) {
+                *sum += power * of_base;
+            }
+            left = rest.trim_start();
+        }
+    }
+    Some((value, powers))
+}
 
 /// SI unit of a number in a field or variant with this name, inside a value with the unit `around`.
 /// The empty text means a number without dimension. `None` means that the name is unknown or not
@@ -107,17 +113,20 @@ pub(in crate::scene) fn split(literal: &str) -> Option<(f64, &str)> {
 /// The remedy for a number with a unit, if `wanted` is the unit of the field.
 pub(in crate::scene) fn help(number: f64, unit: &str, wanted: Option<&str>) -> String {
     let unit = unit.replace('²', "2").replace('³', "3").replace("**", "").replace('^', "");
-    let alike = |(written, si, _): &&(&str, &str, f64)| {
-        wanted == Some(*si) && written.replace('^', "") == unit
-    };
     let what = match wanted {
         None => return "leave the unit out".to_owned(),
         Some("") => "this is a plain number without a unit".to_owned(),
         Some("Pa") => "stresses and strengths are plain numbers in Pa".to_owned(),
         Some(si) => format!("this is a plain number in {si}"),
     };
-    match WRITTEN.iter().find(alike) {
-        Some((.., factor)) => format!("{what}: write {}", short_number(number * factor)),
+    let si = wanted.unwrap_or_default().replace('^', "");
+    let factor = match (parse(&unit), parse(&si)) {
+        _ if unit == "g" && wanted == Some("m/s^2") => Some(9.81),
+        (Some((value, written)), Some((_, meant))) if written == meant => Some(value),
+        _ => None,
+    };
+    match factor {
+        Some(factor) => format!("{what}: write {}", short_number(number * factor)),
         None => what,
     }
 }
@@ -156,6 +165,23 @@ mod tests {
             "this is a plain number in m/s^2: write 9.81"
         );
         assert_eq!(help(12.0, "%", Some("")), "this is a plain number without a unit: write 0.12");
+        for (unit, si, value) in [
+            ("mm", "m", 1e-3),
+            ("mm^2", "m^2", 1e-6),
+            ("N/mm²", "Pa", 1e6),
+            ("kN m", "N m", 1e3),
+            ("kNm", "N m", 1e3),
+            ("MN/m", "N/m", 1e6),
+            ("Mg/m^3", "kg/m^3", 1e3),
+            ("m s^-2", "m/s^2", 1.0),
+            ("g", "m/s^2", 9.81),
+            ("min", "s", 60.0),
+            ("hPa", "Pa", 100.0),
+            ("deg/s", "rad/s", PI / 180.0),
+        ] {
+            let said = help(1.0, unit, Some(si));
+            assert!(said.ends_with(&format!(": write {}", short_number(value))), "{unit}: {said}");
+        }
         assert_eq!(help(3.0, "mm", Some("Pa")), "stresses and strengths are plain numbers in Pa");
         assert_eq!(help(3.0, "furlongs", Some("m")), "this is a plain number in m");
         assert_eq!(help(5.0, "s", None), "leave the unit out");

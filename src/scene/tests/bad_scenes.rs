@@ -263,6 +263,11 @@ fn settings() {
         ),
         (
             VERSION,
+            "version: 1, rupture: (brittleness: -0.5)",
+            "2:40: rupture.brittleness: negative (-0.5); give a multiple of the mean contact force, 0 or more",
+        ),
+        (
+            VERSION,
             "version: 1, rupture: (order: OneRound, avalanche: Dynamic)",
             "2:55: rupture.avalanche: `Dynamic` has no effect: with `order: OneRound` there are no avalanches; \
              give `order: Events`, or leave `avalanche` out",

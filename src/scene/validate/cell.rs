@@ -2,8 +2,9 @@
 
 use std::fmt::Arguments;
 
-use crate::scene::format::{Analysis, CellTarget, Compact, CompactRest, CompactTarget, Load};
+use crate::scene::format::{CellTarget, Compact, CompactRest, CompactTarget, Load};
 use crate::scene::format::{Scene, Sizes, Specimen, Stage};
+use crate::scene::spans::join;
 
 use super::Context;
 use super::findings::Findings;
@@ -37,9 +38,13 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
         let help = format!("{help} bottom that would carry a weight");
         findings.add(format_args!("gravity"), "gravity in a periodic cell", &help);
     }
-    if scene.analysis != Analysis::Static {
-        let help = "write `analysis: Static`";
-        findings.add(format_args!("analysis"), "a dynamic analysis of a periodic cell", help);
+    for (name, material) in &scene.materials {
+        if material.contact.restitution > 0.0 {
+            let path = join("materials", name);
+            let help = "leave it out; `theta` of the analysis sets the rebound";
+            let path = format_args!("{path}.contact.restitution");
+            findings.add(path, "a restitution in a periodic cell", help);
+        }
     }
     if scene.corrector.is_some() {
         let help = "leave it out, and take smaller increments";
@@ -48,9 +53,6 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
     if scene.output.energy {
         let help = "leave it out; the measure `ElasticEnergy` is defined";
         findings.add(format_args!("output.energy"), "an energy ledger of a periodic cell", help);
-    }
-    if !scene.bonds.is_empty() {
-        findings.add(format_args!("bonds"), "bonds in a periodic cell", "leave them out");
     }
     if matches!(scene.specimen, Specimen::State { .. }) {
         let help = "start from particles, a packing or a file";
@@ -61,12 +63,9 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
         match stage {
             Stage::Compact(stage) => compact(path, stage, findings),
             Stage::Load(stage) => load(path, stage, findings),
-            Stage::Cement(_)
-            | Stage::Remove(_)
-            | Stage::Save(_)
-            | Stage::Pour(_)
-            | Stage::Custom(_) => {
-                let help = "use `Load` and `Compact`";
+            Stage::Cement(_) => {}
+            Stage::Remove(_) | Stage::Save(_) | Stage::Pour(_) | Stage::Custom(_) => {
+                let help = "use `Load`, `Compact` and `Cement`";
                 findings.add(path, "a stage that knows no periodic cell", help);
             }
         }
@@ -116,11 +115,6 @@ fn compact(path: Arguments, stage: &Compact, findings: &mut Findings) {
 }
 
 fn load(path: Arguments, stage: &Load, findings: &mut Findings) {
-    if stage.analysis.is_some_and(|analysis| analysis != Analysis::Static) {
-        let help = "write `Static`, or leave it out";
-        let what = "a dynamic analysis of a periodic cell";
-        findings.add(format_args!("{path}.analysis"), what, help);
-    }
     if stage.gravity.is_some_and(|gravity| gravity != (0.0, 0.0)) {
         let help = "leave it out: a periodic cell has no bottom that would carry a weight";
         findings.add(format_args!("{path}.gravity"), "gravity in a periodic cell", help);
@@ -139,11 +133,23 @@ fn load(path: Arguments, stage: &Load, findings: &mut Findings) {
         findings.add(format_args!("{path}.membranes"), "membranes in a periodic cell", help);
     }
     let Some(control) = &stage.cell else { return };
-    for (field, target) in [("xx", control.xx), ("yy", control.yy), ("shear", control.shear)] {
+    for (field, target) in [("xx", control.xx), ("yy", control.yy)] {
+        if control.is_by_mean() && target.is_some() {
+            let help = "give `xx` and `yy`, or `mean` and `difference`";
+            let message = format!("{field} beside the mean of xx and yy");
+            findings.add(format_args!("{path}.cell.{field}"), message, help);
+        }
+    }
+    let normal = [("xx", control.xx), ("yy", control.yy), ("mean", control.mean)];
+    let others = [("difference", control.difference), ("shear", control.shear)];
+    for (field, target) in normal.into_iter().chain(others) {
         let path = format_args!("{path}.cell.{field}[0]");
         match target {
             Some(CellTarget::Strain(strain)) if field == "shear" => {
                 findings.finite(path, strain, "a shear strain");
+            }
+            Some(CellTarget::Strain(strain)) if field == "difference" => {
+                findings.finite(path, strain, "a difference of strains");
             }
             Some(CellTarget::Strain(strain)) => {
                 let allowed = |strain: f64| strain.is_finite() && strain < 1.0;

@@ -34,6 +34,9 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
     findings.number(format_args!("rupture.group"), rupture.group, allowed, what);
     let what = "a share of the bonds per relative change of force, above 0";
     findings.number(format_args!("rupture.density"), rupture.density, |value| value > 0.0, what);
+    let what = "a multiple of the mean contact force, 0 or more";
+    let path = format_args!("rupture.brittleness");
+    findings.number(path, rupture.brittleness, |value| value >= 0.0, what);
     if rupture.order != RuptureOrder::Events && rupture.avalanche != Avalanche::default() {
         let message = format!(
             "`{:?}` has no effect: with `order: {:?}` there are no avalanches",

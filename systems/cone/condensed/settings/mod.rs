@@ -50,7 +50,7 @@ pub struct CondensedSettings {
     ///
     /// 90: a goal of 1e-10 for the default tolerance. Decision 001.
     pub newton_margin: f64,
-    /// The same margin for a loose tolerance.
+    /// Margin of the Newton iteration for a loose tolerance.
     ///
     /// 3: decision 001.
     pub loose_newton_margin: f64,

@@ -1,0 +1,100 @@
+//! The kind of analysis and the friction law.
+
+use bevy_ecs::prelude::*;
+use glam::DVec2;
+use serde::{Deserialize, Serialize};
+
+/// How bodies resist motion.
+#[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub enum AnalysisKind {
+    /// No inertia: every increment is an equilibrium.
+    #[default]
+    Static,
+    /// Prepares packings (4.4.1 of the paper): rigid grains without friction make the smallest
+    /// motion that separates them. Each has unit inertia, starts from rest, and theta is 1.
+    Compaction {
+        /// Whether the motion is the smallest relative to the mean motion, which is linear between
+        /// the moving wall and the one opposite. Otherwise it is the smallest relative to the
+        /// ground.
+        affine: bool,
+        /// Maximum of the random part of the reference motion, m, which shakes the packing.
+        agitation: f64,
+        /// Seed of the random part.
+        seed: u64,
+    },
+    /// Theta-method with theta-averaged elastic forces.
+    Dynamic {
+        /// Time step, s.
+        dt: f64,
+        /// Weight of the end of the increment, 0 < theta <= 1.
+        theta: f64,
+    },
+}
+
+/// Kind of analysis, gravity and thickness.
+#[derive(Resource, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
+pub struct Analysis {
+    /// Static, compaction or dynamic.
+    pub kind: AnalysisKind,
+    /// Acceleration of gravity, m/s^2.
+    pub gravity: DVec2,
+    /// Out-of-plane thickness h, m.
+    pub thickness: f64,
+    /// Theta of the path of particles, where contacts have restitution: then the theta of
+    /// [`kind`](Self::kind), which is that of velocities and forces, is 1. None: particles move by
+    /// the displacements of the program.
+    pub path_theta: Option<f64>,
+}
+
+impl Default for Analysis {
+    fn default() -> Self {
+        Self { kind: AnalysisKind::Static, gravity: DVec2::ZERO, thickness: 1.0, path_theta: None }
+    }
+}
+
+/// Friction law of contacts without strength: the paper's, convex, by which sliding opens the
+/// contact by mu |slip|, or Coulomb's.
+// The scene's law is another type (`friction_law`): it names combinations of the two fields, and it
+// reads fields of earlier builds that have no effect here.
+#[derive(Resource, Clone, Copy, Debug, PartialEq, Default)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
+pub struct FrictionLaw {
+    /// Coulomb's law in static increments; the paper's if there is none.
+    pub in_statics: Option<Coulomb>,
+    /// Coulomb's law in dynamic increments; the paper's if there is none.
+    pub in_dynamics: Option<Coulomb>,
+}
+
+/// Coulomb's law: sliding and rolling do not open the contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub struct Coulomb {
+    /// Maximum number of factorisations of one solve.
+    pub factorisations: u32,
+}
+
+impl Coulomb {
+    /// Default of the factorisations.
+    pub const FACTORISATIONS: u32 = 600;
+}
+
+impl Default for Coulomb {
+    fn default() -> Self {
+        Self { factorisations: Self::FACTORISATIONS }
+    }
+}
+
+impl FrictionLaw {
+    /// Coulomb's law, if it is the law of this kind of analysis.
+    #[must_use]
+    pub fn coulomb(&self, kind: AnalysisKind) -> Option<Coulomb> {
+        match kind {
+            AnalysisKind::Static => self.in_statics,
+            AnalysisKind::Dynamic { .. } => self.in_dynamics,
+            // A packing is made without friction.
+            AnalysisKind::Compaction { .. } => None,
+        }
+    }
+}

@@ -1,0 +1,106 @@
+//! How far a stage has come.
+
+use crate::body::Ramp;
+use bevy_ecs::prelude::*;
+use serde::{Deserialize, Serialize};
+
+/// How far the run has come. Increments count over all stages; an increment that had to be
+/// halved is committed as several with a smaller fraction each.
+#[derive(Resource, Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
+pub struct Progress {
+    /// Number of the increment under way, from 1.
+    pub increment: u64,
+    /// Index of the stage.
+    pub stage: usize,
+    /// Name of the stage.
+    pub stage_name: String,
+    /// Increments of the stage that are committed, counting fractions.
+    pub done: f64,
+    /// Number of increments of the stage.
+    pub total: f64,
+    /// Fraction of a whole increment: that of the trial, or that of the committed increment.
+    pub fraction: f64,
+    /// Fraction that the increment tried before an
+    /// [event](crate::increment::RuptureOrder::Events) shortened it.
+    pub tried: f64,
+    /// Whether bonds have just broken. The next increment then seeks the equilibrium at constant
+    /// load.
+    pub relaxing: bool,
+    /// Whether many bonds reach their limits soon after each other, so that
+    /// [`Events`](crate::increment::RuptureOrder::Events) breaks them together.
+    pub dense: bool,
+    /// Time, s.
+    pub time: f64,
+}
+
+impl Default for Progress {
+    fn default() -> Self {
+        Self {
+            increment: 0,
+            stage: 0,
+            stage_name: String::new(),
+            done: 0.0,
+            total: 0.0,
+            fraction: 1.0,
+            tried: 1.0,
+            relaxing: false,
+            dense: false,
+            time: 0.0,
+        }
+    }
+}
+
+impl Progress {
+    /// Whether the stage is over: all its increments are done, and no avalanche is under way.
+    #[must_use]
+    pub fn is_over(&self) -> bool {
+        self.done >= self.total && !self.relaxing
+    }
+
+    /// The ramp, over the next whole increment, of a load that goes linearly from one value to
+    /// another over the stage. At the end of the stage the target is met exactly. The ramp goes on
+    /// beyond it where only a part of the last increment is left: fractions are of whole
+    /// increments.
+    #[must_use]
+    pub fn ramp(&self, from: f64, to: f64) -> Ramp {
+        let at = |done: f64| {
+            let is_end = self.total <= 0.0 || (done - self.total).abs() < 1e-9;
+            if is_end { to } else { from + (to - from) * (done / self.total) }
+        };
+        Ramp { from: at(self.done), to: at(self.done + 1.0) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Progress;
+
+    /// 46 commits of one stage had ended at 192.8 of 200 kPa.
+    #[test]
+    fn many_parts_of_the_last_increment_lose_no_load() {
+        let mut progress = Progress { done: 19.0, total: 20.0, ..Progress::default() };
+        for fraction in [0.5, 0.125, 0.25, 0.0625, 0.03125, 0.03125] {
+            let ramp = progress.ramp(0.0, 200.0);
+            let expected = 200.0 * (progress.done + fraction) / 20.0;
+            let reached = ramp.at(fraction);
+            assert!((reached - expected).abs() < 1e-10, "{reached} instead of {expected}");
+            progress.done += fraction;
+        }
+        assert_eq!(progress.ramp(0.0, 200.0).from, 200.0);
+    }
+
+    #[test]
+    fn a_whole_increment_at_the_end_meets_its_target_exactly() {
+        let progress = Progress { done: 2.0, total: 3.0, ..Progress::default() };
+        assert_eq!(progress.ramp(0.1, 0.7).at(1.0), 0.7);
+        assert_eq!(Progress::default().ramp(0.1, 0.7).to, 0.7);
+    }
+
+    #[test]
+    fn a_stage_is_not_over_within_an_avalanche() {
+        let progress = Progress { done: 3.0, total: 3.0, ..Progress::default() };
+        assert!(progress.is_over());
+        assert!(!Progress { relaxing: true, ..progress }.is_over());
+    }
+}

@@ -1,0 +1,72 @@
+//! Commits an accepted attempt: moves bodies, updates velocities and contact history, and records
+//! the external forces.
+
+mod external_forces;
+mod move_bodies;
+mod remember_contacts;
+
+use crate::schedule::{Increment, IncrementSystems, lap};
+use bevy_app::{App, Plugin};
+use bevy_ecs::prelude::*;
+use clastic_components::contact::Bodies;
+use clastic_components::findings::{EventSearch, Restraints, Ruptures};
+use clastic_components::increment::{
+    Analysis, AnalysisKind, Avalanche, Progress, RuptureOrder, RuptureRules,
+};
+use clastic_components::particle::Swinging;
+
+pub use self::external_forces::external_forces;
+pub use self::move_bodies::move_bodies;
+pub use self::remember_contacts::{remember_contacts, remembered};
+
+/// Adds the systems of the update.
+pub struct UpdateStatePlugin;
+
+impl Plugin for UpdateStatePlugin {
+    fn build(&self, app: &mut App) {
+        app.add_systems(
+            Increment,
+            (
+                external_forces,
+                move_bodies,
+                remember_contacts,
+                remember_swinging,
+                advance_progress,
+                lap(|t| &mut t.update),
+            )
+                .chain()
+                .in_set(IncrementSystems::Update),
+        );
+    }
+}
+
+/// Marks particles that the attempts found to be [`Swinging`].
+pub fn remember_swinging(bodies: Res<Bodies>, found: Res<Restraints>, mut commands: Commands) {
+    for (i, _) in found.swinging.iter().enumerate().filter(|(i, s)| **s && !bodies.swinging[*i]) {
+        commands.entity(bodies.entities[i]).insert(Swinging);
+    }
+}
+
+/// Adds the committed fraction of the increment to the progress.
+pub fn advance_progress(
+    analysis: Res<Analysis>,
+    rules: Res<RuptureRules>,
+    search: Res<EventSearch>,
+    ruptures: Res<Ruptures>,
+    mut progress: ResMut<Progress>,
+) {
+    // A released motion ends at rest without the bonds that broke in it.
+    let is_settled = match (rules.order, rules.avalanche) {
+        (RuptureOrder::Events, Avalanche::Dynamic) => ruptures.on_the_way,
+        _ => 0,
+    };
+    progress.relaxing = (search.active || search.leaves) && ruptures.list.len() > is_settled;
+    let fraction = progress.fraction;
+    progress.done += fraction;
+    if (progress.done - progress.done.round()).abs() < 1e-9 {
+        progress.done = progress.done.round();
+    }
+    if let AnalysisKind::Dynamic { dt, .. } = analysis.kind {
+        progress.time += dt * fraction;
+    }
+}

@@ -1,0 +1,73 @@
+//! The forces of contacts that the next increment starts from.
+
+use bevy_ecs::prelude::*;
+use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::contact_history::{ContactHistory, ContactMemory, DraftHistory};
+use clastic_components::findings::Corrections;
+use clastic_components::increment::{Analysis, AnalysisKind};
+use clastic_cone::program::{ConeProgram, ConeSolution};
+use clastic_cone::residuals::Carrying;
+
+/// Stores the forces of contacts that persist.
+pub fn remember_contacts(
+    bodies: Res<Bodies>,
+    analysis: Res<Analysis>,
+    corrections: Res<Corrections>,
+    contacts: Res<Contacts>,
+    program: Res<ConeProgram>,
+    solution: Res<ConeSolution>,
+    draft: Res<DraftHistory>,
+    mut history: ResMut<ContactHistory>,
+) {
+    *history =
+        remembered(&bodies, &analysis, &corrections, &contacts, &program, &solution, &draft.0);
+}
+
+/// Forces of the persistent contacts after a solution, given those `before` it. The shear force of
+/// the program is the average over the increment, so the force at its end is
+/// `q = q_0 + (q_program - q_0)/theta`.
+#[must_use]
+pub fn remembered(
+    bodies: &Bodies,
+    analysis: &Analysis,
+    corrections: &Corrections,
+    contacts: &Contacts,
+    program: &ConeProgram,
+    solution: &ConeSolution,
+    before: &ContactHistory,
+) -> ContactHistory {
+    let theta = match analysis.kind {
+        AnalysisKind::Dynamic { theta, .. } => theta,
+        AnalysisKind::Static | AnalysisKind::Compaction { .. } => 1.0,
+    };
+    let carrying = Carrying::new(program, solution);
+    let mut history = ContactHistory(Vec::with_capacity(contacts.0.len()));
+    let is_known = |body: u32| !program.bodies[body as usize].is_free();
+    let forces = program.interactions.iter().zip(&solution.forces);
+    for (k, (contact, (c, f))) in contacts.0.iter().zip(forces).enumerate() {
+        // The force between two rigid bodies with known motion is not unique. It may be large, and
+        // as a scale it would hide the errors of other forces.
+        if c.normal_compliance == 0.0 && is_known(c.a) && is_known(c.b) {
+            history.0.extend(before.get(contact.a, contact.b).copied());
+            continue;
+        }
+        let is_kept = c.limits.has_strength() || (f[0] > 0.0 && carrying.is_carrying(k));
+        if !is_kept {
+            continue;
+        }
+        let q = if c.tangential_compliance > 0.0 {
+            let shift = corrections.shear_shift((contact.a, contact.b), c.tangential_compliance);
+            let before = c.previous_shear - shift;
+            before + (f[1] - before) / theta
+        } else {
+            f[1]
+        };
+        history.0.push(ContactMemory { a: contact.a, b: contact.b, p: f[0], q, tau: f[2] });
+    }
+    if !bodies.groups.is_empty() {
+        // Within a group nothing moves, and forces stay as they were.
+        history.0.extend(before.0.iter().filter(|m| bodies.are_joined(m.a, m.b)));
+        history.0.sort_unstable_by_key(|m| (m.a, m.b));
+    }
+    history
+}
