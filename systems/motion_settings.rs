@@ -37,7 +37,9 @@ pub struct MotionSettings {
     /// 0.1: a step changes direction, so that the last one does not tell which pairs close. It is
     /// less than what one step aims at; no study.
     pub reach: f64,
-    /// Travel below which a motion is none, radii.
+    /// Travel below which the first motion of an increment is none, radii. A further motion is none
+    /// if it travels less than one step aims at: the equilibrium has rejected the place where it
+    /// begins.
     ///
     /// 1e-2: a fifteenth of what one step aims at; no study.
     pub min_travel: f64,
