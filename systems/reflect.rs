@@ -3,8 +3,8 @@
 use bevy_app::{App, Plugin};
 
 use clastic_components::{
-    attempt, body, bond, contact, energy, findings, identity, increment, loads, material, measure,
-    membrane, observation, particle, rigid_group, wall, wall_shape,
+    attempt, body, bond, contact, contact_history, energy, findings, identity, increment, loads,
+    material, measure, membrane, observation, particle, rigid_group, wall, wall_shape,
 };
 use clastic_cone::program;
 
@@ -46,10 +46,10 @@ impl Plugin for ReflectPlugin {
             bond::Joint,
             bond::BondState,
             contact::Bodies,
-            contact::KeptRows,
+            contact_history::KeptRows,
             contact::Contacts,
-            contact::DraftHistory,
-            contact::ContactHistory,
+            contact_history::DraftHistory,
+            contact_history::ContactHistory,
             energy::EnergyLedger,
             energy::MotionEnergies,
             findings::AddedPairs,
