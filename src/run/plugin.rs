@@ -45,9 +45,8 @@ pub struct WallPlugins;
 
 /// Registers that a plugin drives walls.
 pub trait ProvideWalls {
-    /// The plugin has systems in
-    /// [`ControlSystems::Custom`](clastic_systems::schedule::ControlSystems::Custom) that drive
-    /// walls with the control `Custom`.
+    /// The plugin has systems in [`ControlSystems::Custom`] that drive walls with the control
+    /// `Custom`.
     fn provide_walls(&mut self) -> &mut Self;
 }
 

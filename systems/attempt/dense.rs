@@ -3,9 +3,8 @@
 //!
 //! One by one they would need several solves each. Where the
 //! [density](crate::rupture_density::density) of ruptures is above [`RuptureRules::density`], or
-//! their [brittleness](crate::rupture_brittleness::brittleness) at most
-//! [`RuptureRules::brittleness`], an increment is solved with the strengths of its bonds, as with `OneRound`, and at its end break
-//! the bonds
+//! their [brittleness] is at most [`RuptureRules::brittleness`], an increment is solved with the
+//! strengths of its bonds, as with `OneRound`, and at its end break the bonds
 //!
 //! - that are on a limit: they carry load in the committed state although they should be broken;
 //! - that the next increment would bring to their limits, by the rate of their overloads in this
