@@ -125,9 +125,9 @@ pub struct Attempt {
     pub solves: u32,
     /// Number of solver iterations so far in this increment.
     pub iterations: u32,
-    /// Number of motions followed so far in this increment.
+    /// Number of motions followed so far at this fraction of the increment.
     pub motions: u32,
-    /// Number of steps of these motions, rejected ones included.
+    /// Number of steps of all motions of the increment, rejected ones included.
     pub motion_steps: u32,
     /// Number of these steps that belong to motions released by ruptures.
     pub released_steps: u32,

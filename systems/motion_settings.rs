@@ -24,7 +24,7 @@ pub struct MotionSettings {
     ///
     /// 30: a grain that has passed fifteen others; no study.
     pub travel_to_rest: f64,
-    /// Maximum number of motions of one increment.
+    /// Maximum number of motions of one increment at one fraction of it.
     ///
     /// 12: a bound on the time of an increment; no study.
     pub max_motions: u32,
@@ -37,9 +37,7 @@ pub struct MotionSettings {
     /// 0.1: a step changes direction, so that the last one does not tell which pairs close. It is
     /// less than what one step aims at; no study.
     pub reach: f64,
-    /// Travel below which the first motion of an increment is none, radii. A further motion is none
-    /// if it travels less than one step aims at: the equilibrium has rejected the place where it
-    /// begins.
+    /// Travel below which a motion is none, radii.
     ///
     /// 1e-2: a fifteenth of what one step aims at; no study.
     pub min_travel: f64,

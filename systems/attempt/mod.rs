@@ -199,7 +199,9 @@ pub fn run_attempts(world: &mut World) {
                 put_back(world, start.take().as_ref());
                 seek_equilibrium(world);
                 clear::<Ruptures>(world);
-                world.resource_mut::<Attempt>().motion_strain = 0.0;
+                let mut attempt = world.resource_mut::<Attempt>();
+                attempt.motion_strain = 0.0;
+                attempt.motions = 0;
                 let mut progress = world.resource_mut::<Progress>();
                 if next == Next::Halve {
                     progress.fraction *= 0.5;

@@ -154,10 +154,7 @@ pub fn judge_rest(
         && far <= motion.length * settings.max_travel_at_rest)
         || (is_free && motion.free_steps + 1 >= settings.max_free_steps);
     let travelled = motion.travelled + far;
-    // The equilibrium has rejected the place where a further motion of the increment begins.
-    let min_travel =
-        if attempt.motions > 1 { motion.goal } else { motion.length * settings.min_travel };
-    let moved = travelled > min_travel;
+    let moved = travelled > motion.length * settings.min_travel;
     attempt.verdict = if attempt.bounded && strain > settings.max_strain * acceptance.snap {
         Verdict::GivesWay(format!(
             "the motion under constant loads strains the specimen by {:.0} % and finds no rest; the threshold \

@@ -63,21 +63,26 @@ pub fn solve_sliding(
     let max = if patient { law.factorisations } else { law.factorisations.min(QUICK) };
     // A motion must see that what the associated law balances is not balanced.
     let aim = MARGIN * if moves { enough.min(Sliding::BOUND) } else { enough };
-    let found = match last_solution(&program) {
-        Some(last) => {
-            let found = solver.0.solve(&program, &last, aim, max.min(QUICK));
-            attempt.iterations += found.iterations;
-            found
+    // After a motion the last forces are those of its rest, and the associated solution is far from
+    // it. Elsewhere they are the second start, with a tenth of the factorisations.
+    let rests = attempt.motion_steps > 0;
+    let last = last_solution(&program);
+    let first = if rests { last.as_ref().unwrap_or(&solution) } else { &*solution };
+    let second = if rests { Some(&*solution) } else { last.as_ref() };
+    let (of_first, of_second) =
+        if rests { (max.min(QUICK), max) } else { (max - max / 10, max / 10) };
+    let mut found = solver.0.solve(&program, first, aim, of_first);
+    attempt.iterations += found.iterations;
+    if found.status != SolveStatus::Solved
+        && let Some(second) = second
+    {
+        let other = solver.0.solve(&program, second, aim, of_second);
+        attempt.iterations += other.iterations;
+        let worst = |s: &ConeSolution| super::residuals_of(&attempt, &program, s).worst();
+        if other.status == SolveStatus::Solved || worst(&other) < worst(&found) {
+            found = other;
         }
-        None => ConeSolution::default(),
-    };
-    let found = if found.status == SolveStatus::Solved {
-        found
-    } else {
-        let found = solver.0.solve(&program, &solution, aim, max);
-        attempt.iterations += found.iterations;
-        found
-    };
+    }
     finding.failures += u32::from(!moves && found.status != SolveStatus::Solved);
     solution.forces = found.forces;
     solution.displacements = found.displacements;

@@ -114,6 +114,7 @@ fn from_event_to_event_and_within_avalanches() {
             "rupture.order=Events",
             "rupture.group=0.003",
             "rupture.density=30.0",
+            "rupture.brittleness=0.0",
             "stages.confine.increments=2",
             "stages.load.increments=3",
             "stages.load.walls.top[1]=-0.45e-3",

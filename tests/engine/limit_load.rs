@@ -109,6 +109,7 @@ fn a_stress_that_is_reached_in_many_fractions_is_that_of_its_target() {
         "stages.load.increments=3",
         "rupture.order=Events",
         "rupture.density=30.0",
+        "rupture.brittleness=0.0",
     ];
     let (records, outcome) = run("biaxial_small.ron", &settings);
     assert_eq!(outcome, Outcome::Completed);
