@@ -104,6 +104,8 @@ pub struct Sliding {
     pub lost: bool,
     /// Number of solves in this increment that did not converge.
     pub failures: u32,
+    /// Whether Coulomb's law has rejected an equilibrium of this increment.
+    pub rejected: bool,
 }
 
 impl Sliding {

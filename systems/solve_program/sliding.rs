@@ -14,8 +14,8 @@ use crate::mean_field::furthest;
 
 /// Number of failed solves after which the other solves of the increment are quick.
 const MAX_FAILURES: u32 = 4;
-/// Maximum number of factorisations of a quick solve. Steps of a motion are quick: a step without
-/// a solution is made again with a larger inertia.
+/// Maximum number of factorisations of a quick solve. Steps of a motion are quick: a step without a
+/// solution is made again with a larger inertia.
 const QUICK: u32 = 40;
 
 /// Safety factor: the solver aims at 0.9 times the tolerance.
@@ -25,9 +25,11 @@ const MARGIN: f64 = 0.9;
 #[derive(Resource, Default)]
 pub struct SlidingSolver(Coulomb);
 
-/// Solves the program of an equilibrium, a time step, or a step of a followed motion again without
-/// the dilation of contacts that slide or roll. Interactions with strength keep the dilation: their
-/// law is that of the bond. The proof of a collapse keeps it, because it holds for both laws.
+/// Solves the program of an equilibrium or a time step again without the dilation of contacts that
+/// slide or roll. Interactions with strength keep the dilation: their law is that of the bond. The
+/// proof of a collapse keeps it, because it holds for both laws. A followed motion keeps it until
+/// Coulomb's law has rejected an equilibrium of the increment. Without it, motions would rest where
+/// the associated law does.
 ///
 /// A solution that did not converge is kept with its residual.
 /// [`coulomb::judge`](crate::attempt::coulomb::judge) decides on it.
@@ -42,9 +44,12 @@ pub fn solve_sliding(
     mut attempt: ResMut<Attempt>,
     mut finding: ResMut<Sliding>,
 ) {
-    *finding = Sliding { failures: finding.failures, ..Sliding::default() };
+    let Sliding { failures, rejected, .. } = *finding;
+    *finding = Sliding { failures, rejected, ..Sliding::default() };
     let Some(law) = law.coulomb(analysis.kind) else { return };
-    if matches!(attempt.mode, Mode::Proof) || solution.status != SolveStatus::Solved {
+    let moves = attempt.motion().is_some();
+    let is_left_out = attempt.mode == Mode::Proof || (moves && !rejected);
+    if is_left_out || solution.status != SolveStatus::Solved {
         return;
     }
     // A throw is rejected in any case.
@@ -58,19 +63,19 @@ pub fn solve_sliding(
     let enough = acceptance.residual.max(program.tolerance);
     // The solver treats the regularisation as part of the program, but the residual below counts it
     // as an error. The margin keeps a solution that just converges from failing.
-    let moves = attempt.motion().is_some();
     let patient = finding.failures < MAX_FAILURES && !moves;
     let max = if patient { law.factorisations } else { law.factorisations.min(QUICK) };
     // A motion must see that what the associated law balances is not balanced.
     let aim = MARGIN * if moves { enough.min(Sliding::BOUND) } else { enough };
-    // After a motion the last forces are those of its rest, and the associated solution is far from
-    // it. Elsewhere they are the second start, with a tenth of the factorisations.
-    let rests = attempt.motion_steps > 0;
+    // After a motion under Coulomb's law the last forces are those of its rest, and the associated
+    // solution is far from it. Elsewhere they are the second start, with a tenth of the
+    // factorisations.
     let last = last_solution(&program);
-    let first = if rests { last.as_ref().unwrap_or(&solution) } else { &*solution };
-    let second = if rests { Some(&*solution) } else { last.as_ref() };
-    let (of_first, of_second) =
-        if rests { (max.min(QUICK), max) } else { (max - max / 10, max / 10) };
+    let is_at_rest = rejected && attempt.motion_steps > 0;
+    let (first, second, of_first, of_second) = match &last {
+        Some(last) if is_at_rest => (last, Some(&*solution), max, max),
+        last => (&*solution, last.as_ref(), max - max / 10, max / 10),
+    };
     let mut found = solver.0.solve(&program, first, aim, of_first);
     attempt.iterations += found.iterations;
     if found.status != SolveStatus::Solved
@@ -92,6 +97,7 @@ pub fn solve_sliding(
     finding.natural_map =
         residuals::natural_map(&program, &solution.forces, &solution.displacements);
     finding.lost = !(worst <= enough.max(Sliding::BOUND));
+    finding.rejected |= finding.lost && !moves;
     finding.capped = !finding.lost && worst > enough;
 }
 
