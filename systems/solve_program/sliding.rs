@@ -67,21 +67,16 @@ pub fn solve_sliding(
     let max = if patient { law.factorisations } else { law.factorisations.min(QUICK) };
     // A motion must see that what the associated law balances is not balanced.
     let aim = MARGIN * if moves { enough.min(Sliding::BOUND) } else { enough };
-    // After a motion under Coulomb's law the last forces are those of its rest, and the associated
-    // solution is far from it. Elsewhere they are the second start, with a tenth of the
-    // factorisations.
+    // The last forces are the second start, with a tenth of the factorisations. After a motion they
+    // are those of its rest, and the associated solution may be far from it.
     let last = last_solution(&program);
-    let is_at_rest = rejected && attempt.motion_steps > 0;
-    let (first, second, of_first, of_second) = match &last {
-        Some(last) if is_at_rest => (last, Some(&*solution), max, max),
-        last => (&*solution, last.as_ref(), max - max / 10, max / 10),
-    };
-    let mut found = solver.0.solve(&program, first, aim, of_first);
+    let (of_first, of_second) = if rejected { (max, max) } else { (max - max / 10, max / 10) };
+    let mut found = solver.0.solve(&program, &solution, aim, of_first);
     attempt.iterations += found.iterations;
     if found.status != SolveStatus::Solved
-        && let Some(second) = second
+        && let Some(last) = last
     {
-        let other = solver.0.solve(&program, second, aim, of_second);
+        let other = solver.0.solve(&program, &last, aim, of_second);
         attempt.iterations += other.iterations;
         let worst = |s: &ConeSolution| super::residuals_of(&attempt, &program, s).worst();
         if other.status == SolveStatus::Solved || worst(&other) < worst(&found) {
