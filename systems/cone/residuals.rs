@@ -196,6 +196,42 @@ pub fn regularised_residuals(
     evaluate(program, forces, displacements, 1.0)
 }
 
+/// Residual of the balance up to which momentum counts as conserved where displacements cannot follow
+/// from the forces: the goal of the solvers, and that of sleeping bodies. At 1e-12 disks near rest
+/// are halved still.
+const MAX_BALANCE: f64 = 1e-10;
+
+/// Decides which displacements the solution of a dynamic program has, and returns its residuals.
+///
+/// Displacements that [follow from the forces](ConeProgram::displacements_from_forces) keep the
+/// momentum to round-off, but the error of a force moves a body by its ratio to `m/(theta dt^2)`.
+/// Near rest, where displacements vanish and forces do not, this exceeds any tolerance: a spring
+/// with `k dt^2/m = 1e7` turns it into 1e7 times as much force. Inertia is negligible there. The
+/// displacements of the solver are kept if they solve the program and its balance holds to
+/// [`MAX_BALANCE`]. Rigid contacts have the unit of free motion instead.
+#[must_use]
+pub fn choose_displacements(
+    program: &ConeProgram,
+    solution: &mut ConeSolution,
+    tolerance: f64,
+) -> Residuals {
+    let of = |s: &ConeSolution| regularised_residuals(program, &s.forces, &s.displacements);
+    let own = solution.displacements.clone();
+    program.displacements_from_forces(solution);
+    let following = of(solution);
+    let has_springs = program.interactions.iter().any(|c| c.normal_compliance > 0.0);
+    if following.worst() <= tolerance || !has_springs || !program.is_dynamic() {
+        return following;
+    }
+    let other = std::mem::replace(&mut solution.displacements, own);
+    let balanced = of(solution);
+    if balanced.worst() <= tolerance && balanced.balance <= MAX_BALANCE {
+        return balanced;
+    }
+    solution.displacements = other;
+    following
+}
+
 fn evaluate(
     program: &ConeProgram,
     forces: &[[f64; 3]],

@@ -121,13 +121,14 @@ pub fn solve_program(
         && solution.forces.len() == program.interactions.len()
         && solution.displacements.len() == program.bodies.len()
     {
-        if let AnalysisKind::Dynamic { .. } = analysis.kind {
-            program.displacements_from_forces(&mut solution);
-        }
-        solution.residuals = residuals_of(&attempt, &program, &solution);
+        let enough = acceptance.residual.max(program.tolerance);
+        solution.residuals = if let AnalysisKind::Dynamic { .. } = analysis.kind {
+            residuals::choose_displacements(&program, &mut solution, enough)
+        } else {
+            residuals_of(&attempt, &program, &solution)
+        };
         // The status follows from the residuals and not from the solver, in either direction. NaN
         // compares false.
-        let enough = acceptance.residual.max(program.tolerance);
         let converged = solution.residuals.worst() <= enough;
         solution.status = if converged { SolveStatus::Solved } else { SolveStatus::Stalled };
     }

@@ -31,6 +31,7 @@ mod live_loads;
 mod loose_grains;
 mod measures;
 mod membranes;
+mod near_rest;
 mod periodic_cell;
 mod pour;
 mod radius_expansion;

@@ -42,7 +42,7 @@ use self::reduced::Reduced;
 pub use self::settings::CondensedSettings;
 use super::clarabel::Clarabel;
 use super::lowering::units;
-use super::residuals::regularised_residuals;
+use super::residuals::choose_displacements;
 use super::solver::{ConeSolver, MalformedProgram};
 
 /// Minimum residual that the Newton iteration and the interior point can reach.
@@ -153,8 +153,7 @@ impl Condensed {
         if solution.status == SolveStatus::Solved {
             // The motion that is committed follows from the forces, and those at rest are not
             // exact.
-            program.displacements_from_forces(&mut solution);
-            let r = regularised_residuals(program, &solution.forces, &solution.displacements);
+            let r = choose_displacements(program, &mut solution, self.tolerance(program));
             if !(r.worst() <= self.tolerance(program)) {
                 solution.status = SolveStatus::Stalled;
             }
@@ -261,9 +260,7 @@ fn checked(
         message: message.to_owned(),
         ..ConeSolution::default()
     };
-    program.displacements_from_forces(&mut solution);
-    let r = regularised_residuals(program, &solution.forces, &solution.displacements).worst();
-    if r <= tolerance {
+    if choose_displacements(program, &mut solution, tolerance).worst() <= tolerance {
         solution.status = SolveStatus::Solved;
     }
     solution
