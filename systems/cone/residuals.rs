@@ -207,8 +207,8 @@ const MAX_BALANCE: f64 = 1e-10;
 /// momentum to round-off, but the error of a force moves a body by its ratio to `m/(theta dt^2)`.
 /// Near rest, where displacements vanish and forces do not, this exceeds any tolerance: a spring
 /// with `k dt^2/m = 1e7` turns it into 1e7 times as much force. Inertia is negligible there. The
-/// displacements of the solver are kept if they solve the program and its balance holds to
-/// [`MAX_BALANCE`]. Rigid contacts have the unit of free motion instead.
+/// displacements of the solver are kept if they solve the program and its balance holds to 1e-10.
+/// Rigid contacts have the unit of free motion instead.
 #[must_use]
 pub fn choose_displacements(
     program: &ConeProgram,
