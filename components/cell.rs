@@ -71,7 +71,8 @@ impl PeriodicCell {
         self.area().sqrt()
     }
 
-    /// Maximum length of a contact: of a longer one there could be two between the same particles.
+    /// Maximum distance of two particles in contact, m: half the smaller side of the cell. Beyond it
+    /// a particle could touch two images of another.
     #[must_use]
     pub fn max_branch(&self) -> f64 {
         0.5 * self.width.min(self.height)
