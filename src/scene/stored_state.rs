@@ -83,8 +83,8 @@ impl StoredState {
 }
 
 /// Gives a scene what it takes over from the state from which it starts: the walls if it lists
-/// none, rigid groups, names of recorded particles that it does not use otherwise, and materials by
-/// the names that the scene gives them.
+/// none, rigid groups, names of recorded particles that it does not use otherwise, and materials by the names
+/// that the scene gives them.
 pub(super) fn inherit(scene: &mut Scene, stored: &mut StoredSpecimen) {
     let (Some(state), Specimen::State { materials, .. }) = (&mut stored.state, &scene.specimen)
     else {

@@ -101,8 +101,8 @@ impl Sheet {
         }
     }
 
-    /// Draws the walls: lines extended to all disks that touch them and joined at their corners,
-    /// thin walls as they are.
+    /// Draws the walls: lines extended to all disks that touch them and joined at their corners, thin
+    /// walls as they are.
     pub fn walls(&mut self, now: &Snapshot) {
         let walls: Vec<_> = now.walls.iter().map(|wall| enclosing(*wall, now)).collect();
         let width = 0.15 * self.style.font;
@@ -159,8 +159,8 @@ impl Sheet {
         self.note(&name);
     }
 
-    /// Adds samples of strokes or disks with their meaning, in as many rows as they need. A text
-    /// that is wider than the sheet has several lines.
+    /// Adds samples of strokes or disks with their meaning, in as many rows as they need. A text that
+    /// is wider than the sheet has several lines.
     pub fn samples(&mut self, list: &[Sample]) {
         let (font, margin) = (self.style.font, self.style.margin);
         let (mut x, mut y) = (margin, self.below(0.7 * font));
