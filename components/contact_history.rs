@@ -14,18 +14,20 @@ pub struct KeptRows {
     /// Identity of the body of every row.
     pub ids: Vec<BodyId>,
     now: Vec<Option<u32>>,
+    changed: bool,
 }
 
 impl KeptRows {
     /// Rows of the bodies of a run that is resumed.
     #[must_use]
     pub fn of(ids: Vec<BodyId>) -> Self {
-        Self { ids, now: Vec::new() }
+        Self { ids, ..Self::default() }
     }
 
     /// Takes over the rows of `bodies` and records the new row of each former one.
     pub fn follow(&mut self, bodies: &Bodies) {
         self.now.clear();
+        self.changed = !self.ids.is_empty() && self.ids != bodies.ids;
         // Bodies that are appended after all others change no row.
         if !bodies.ids.starts_with(&self.ids) {
             self.now.extend(self.ids.iter().map(|id| bodies.row(*id).map(|row| row as u32)));
@@ -37,6 +39,12 @@ impl KeptRows {
     #[must_use]
     pub fn is_needed(&self) -> bool {
         !self.now.is_empty()
+    }
+
+    /// Whether bodies have come or gone; those that come after all others change no row.
+    #[must_use]
+    pub fn has_changed(&self) -> bool {
+        self.changed
     }
 
     /// Whether a body was removed.

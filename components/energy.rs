@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 /// Energy balance of an increment, or of several, J.
 ///
 /// ```text
-/// external + gravity = kinetic + elastic + friction + rolling + dilation + collision + rupture
-///                      + motion + turning + numerical
+/// external + gravity + exchange = kinetic + elastic + friction + rolling + dilation + collision + rupture
+///                                 + motion + turning + numerical
 /// ```
 ///
 /// up to [`error`](Self::error), which comes from the residuals of the solver.
@@ -20,6 +20,11 @@ pub struct Energies {
     pub external: f64,
     /// Work of gravity.
     pub gravity: f64,
+    /// What bodies bring when they come, less what they take when they go: their kinetic energy and
+    /// the elastic energy of their contacts. Particles that become a rigid group take the kinetic
+    /// energy of their motion relative to the group, and the elastic energy of the contacts within
+    /// it.
+    pub exchange: f64,
     /// Change of the kinetic energy.
     pub kinetic: f64,
     /// Change of the elastic energy of contacts and bonds at the true geometry.
@@ -53,7 +58,7 @@ impl Energies {
     /// Error of the balance: supplied energy minus all the terms that receive it.
     #[must_use]
     pub fn error(&self) -> f64 {
-        self.external + self.gravity
+        self.external + self.gravity + self.exchange
             - (self.kinetic
                 + self.elastic
                 + self.friction
@@ -74,10 +79,11 @@ impl Energies {
 
     /// All terms, J, in the order of the fields.
     #[must_use]
-    pub fn to_array(&self) -> [f64; 12] {
+    pub fn to_array(&self) -> [f64; 13] {
         [
             self.external,
             self.gravity,
+            self.exchange,
             self.kinetic,
             self.elastic,
             self.friction,
@@ -93,10 +99,11 @@ impl Energies {
 
     /// Energies from their terms, J, in the order of [`to_array`](Self::to_array).
     #[must_use]
-    pub fn from_array(terms: [f64; 12]) -> Self {
+    pub fn from_array(terms: [f64; 13]) -> Self {
         let [
             external,
             gravity,
+            exchange,
             kinetic,
             elastic,
             friction,
@@ -111,6 +118,7 @@ impl Energies {
         Self {
             external,
             gravity,
+            exchange,
             kinetic,
             elastic,
             friction,
@@ -129,6 +137,7 @@ impl std::ops::AddAssign for Energies {
     fn add_assign(&mut self, other: Self) {
         self.external += other.external;
         self.gravity += other.gravity;
+        self.exchange += other.exchange;
         self.kinetic += other.kinetic;
         self.elastic += other.elastic;
         self.friction += other.friction;
@@ -150,11 +159,27 @@ pub struct EnergyLedger {
     pub increment: Energies,
     /// Energies since the start, or since the last compaction. A compaction has no energies.
     pub total: Energies,
-    /// Elastic energy now, J; `None` before the first increment, and before the one that follows
-    /// the removal of a body.
+    /// Elastic energy now, J; `None` before the first increment.
     pub stored: Option<f64>,
+    /// Kinetic energy now, J; `None` before the first increment.
+    pub kinetic: Option<f64>,
+    /// Bodies that have come or gone since the last increment.
+    pub changed: Changed,
     /// Forces that the ruptures of the last increment removed, sorted by pair.
     pub released: Vec<Released>,
+}
+
+/// Bodies that have come or gone between two increments.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub enum Changed {
+    /// None.
+    #[default]
+    Nothing,
+    /// Some have come, and none has gone.
+    Came,
+    /// Some have gone, so that what they held is out of balance.
+    Went,
 }
 
 /// The force that a pair lost when its bond broke.

@@ -256,6 +256,8 @@ pub enum EnergyTerm {
     External,
     /// Work of gravity.
     Gravity,
+    /// What bodies bring when they come, less what they take when they go.
+    Exchange,
     /// Change of the kinetic energy.
     Kinetic,
     /// Work of sliding.

@@ -34,9 +34,10 @@ pub const COLUMNS: [&str; 27] = [
 
 /// Columns after those of the probes, if the scene requests the energy ledger. All are sums since
 /// the start except the elastic energy, which is the current value.
-pub const ENERGY_COLUMNS: [&str; 13] = [
+pub const ENERGY_COLUMNS: [&str; 14] = [
     "energy_external_j",
     "energy_gravity_j",
+    "energy_exchange_j",
     "energy_kinetic_change_j",
     "energy_elastic_j",
     "energy_friction_j",

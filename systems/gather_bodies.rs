@@ -24,6 +24,9 @@ use crate::schedule::{Increment, IncrementSystems};
 use crate::state::{RegisterState, StateOf};
 use crate::stepping::Halted;
 
+/// Name of the [`PeriodicCell`] in a state.
+pub const PERIODIC_CELL: &str = "periodic_cell";
+
 /// Adds [`gather_bodies`] and [`draft_history`].
 pub struct GatherBodiesPlugin;
 
@@ -68,7 +71,7 @@ fn register_bodies(app: &mut App) {
         .register_component::<BodyId, ContactForce>("contact_force")
         .register_component::<BondId, Bond>("bond")
         .register_component::<BondId, BondState>("bond_state")
-        .register_resource::<PeriodicCell>("periodic_cell")
+        .register_resource::<PeriodicCell>(PERIODIC_CELL)
         .register_state::<RowIds>("contact_history.rows")
         .register_resource::<ContactHistory>("contact_history");
 }
@@ -257,7 +260,7 @@ const MIN_CELL: f64 = 1.25;
 
 /// Records the new rows of persistent tables.
 pub fn follow_rows(bodies: Res<Bodies>, mut kept: ResMut<KeptRows>) {
-    if kept.ids != bodies.ids || kept.is_needed() {
+    if kept.ids != bodies.ids || kept.is_needed() || kept.has_changed() {
         kept.follow(&bodies);
     }
 }

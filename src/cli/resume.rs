@@ -9,7 +9,7 @@ use crate::output::directory;
 use crate::output::run_record::CLASTIC_VERSION;
 use crate::output::{self, Checkpoint, OutputPlugin, ResumeError};
 use crate::run::state::{StateError, StateView};
-use crate::run::{Simulation, changes, extend};
+use crate::run::{Simulation, changes};
 use crate::scene::from_str_with;
 
 use super::ResumeArgs;
@@ -21,7 +21,7 @@ use super::run::to_the_end;
 pub fn resume(args: &ResumeArgs, mut app: App) -> Result<Exit, Failure> {
     let directory = args.directory.as_path();
     let is_changed = !args.sets.is_empty() || args.scene.is_some();
-    let mut checkpoint = match Checkpoint::read(directory) {
+    let checkpoint = match Checkpoint::read(directory) {
         Err(ResumeError::NoCheckpoint(_)) if ended(directory)? => {
             if !is_changed {
                 say(format_args!(
@@ -56,7 +56,6 @@ pub fn resume(args: &ResumeArgs, mut app: App) -> Result<Exit, Failure> {
     if let Some(finding) = foreign.first() {
         return Err(Failure { exit: Exit::Scene, message: finding.to_string() });
     }
-    extend::reopen(&mut checkpoint.world, &before, &loaded.scene).map_err(damaged)?;
     let view = StateView::of(&checkpoint.world).map_err(damaged)?;
     let refused = changes::refused(&before, &loaded.scene, &view);
     if !refused.is_empty() {

@@ -247,6 +247,7 @@ mod tests {
             stage: stage.to_owned(),
             increments,
             capped,
+            passed: None,
             ended_by: Some(stop.as_ref().map_or(EndedBy::AllIncrements, |_| EndedBy::Stop)),
             stop,
         });

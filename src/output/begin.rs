@@ -17,7 +17,7 @@ use super::frames::{self, FrameMoments};
 use super::prepared::{Prepared, PreparedSpecimen};
 use super::run_directory::{RunDirectory, RunOptions, Tables};
 use super::run_record::{CLASTIC_VERSION, Resumed, RunFacts, RunRecord};
-use super::save::save;
+use super::save::{is_last_increment, keep_last, save};
 use super::snapshot::Moments;
 use super::wanted::Wanted;
 use super::{OutputError, ResumeError, directory, events, history, names, plots, states, timings};
@@ -200,6 +200,10 @@ pub fn resume(
             clock: Instant::now(),
         },
     );
+    // A run that was interrupted after its last increment has no other.
+    if world.run_system_cached(is_last_increment).unwrap_or(false) {
+        keep_last(world)?;
+    }
     Ok(())
 }
 

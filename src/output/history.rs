@@ -53,11 +53,12 @@ pub fn probes(scene: &Scene) -> Vec<String> {
 
 /// The energies of a row, in the order of [`ENERGY_COLUMNS`].
 #[must_use]
-pub fn energies(ledger: &EnergyLedger) -> [f64; 13] {
+pub fn energies(ledger: &EnergyLedger) -> [f64; 14] {
     let e = &ledger.total;
     [
         e.external,
         e.gravity,
+        e.exchange,
         e.kinetic,
         ledger.stored.unwrap_or_default(),
         e.friction,

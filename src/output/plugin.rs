@@ -10,7 +10,7 @@ use super::avalanches::{self, CurrentAvalanche};
 use super::found::Found;
 use super::prepared::{self, PreparedSpecimen};
 use super::run_directory::RunDirectory;
-use super::save::{is_checkpoint_due, save};
+use super::save::{is_checkpoint_due, is_last_increment, keep_last, save};
 use super::snapshot::Moments;
 use super::{
     OutputError, dump, events, first_mechanism, frames, history, peak, states, timings, wanted,
@@ -56,6 +56,7 @@ impl Plugin for OutputPlugin {
                     dump::write_if_asked.pipe(halt),
                     timings::write_wanted.pipe(halt),
                     save.pipe(halt).run_if(is_checkpoint_due).run_if(not(is_undecided)),
+                    keep_last.pipe(halt).run_if(is_last_increment).run_if(not(is_undecided)),
                 )
                     .chain()
                     .distributive_run_if(can_write)

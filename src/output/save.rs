@@ -9,9 +9,12 @@ use clastic_components::increment::Progress;
 use clastic_components::observation::Observation;
 use clastic_systems::schedule::PROGRESS;
 
+use super::checkpoint::Checkpoint;
 use super::run_directory::RunDirectory;
 use super::{OutputError, frames, names};
+use crate::run::script::Script;
 use crate::run::state::{StateError, WorldState, capture};
+use crate::scene::format::Stage;
 
 /// Run condition: a checkpoint is due.
 pub fn is_checkpoint_due(observation: Res<Observation>, run: Res<RunDirectory>) -> bool {
@@ -31,12 +34,43 @@ pub fn save(world: &mut World) -> Result<(), OutputError> {
     Ok(())
 }
 
-/// Writes the checkpoint of a run that has ended, from which more stages or increments continue.
+/// The checkpoint after the last increment of a run, from which more increments or stages continue.
+/// Its stage has not ended yet, since the end cannot be undone: lids stop, tables are taken away.
+/// Stages without increments that come after it are made anew by the run that goes on.
+#[derive(Resource, Debug)]
+pub struct LastCheckpoint(Checkpoint);
+
+/// Run condition: no stage has another increment, unless one of a plugin changes its mind.
+pub fn is_last_increment(script: Option<Res<Script>>, progress: Res<Progress>) -> bool {
+    script.is_some_and(|script| {
+        let to_come = script.scene.stages.iter().skip(progress.stage + 1);
+        script.begun && progress.is_over() && !to_come.clone().any(Stage::has_increments)
+    })
+}
+
+/// Keeps the checkpoint of the state as it is. Exclusive, because it reads everything that plugins
+/// have registered.
+pub fn keep_last(world: &mut World) -> Result<(), OutputError> {
+    let checkpoint = the_end(world)?;
+    world.insert_resource(LastCheckpoint(checkpoint));
+    Ok(())
+}
+
+/// Writes the checkpoint of a run that has ended: that after its last increment, or of a run without
+/// increments the state as it is.
 pub fn save_the_end(world: &mut World) -> Result<(), OutputError> {
+    let checkpoint = match world.remove_resource::<LastCheckpoint>() {
+        Some(LastCheckpoint(checkpoint)) => checkpoint,
+        None => the_end(world)?,
+    };
+    let run = world.resource::<RunDirectory>();
+    checkpoint.write_as(run.directory(), names::FINAL_CHECKPOINT)
+}
+
+fn the_end(world: &mut World) -> Result<Checkpoint, OutputError> {
     let (increment, state) = state(world, names::FINAL_CHECKPOINT)?;
     let mut run = world.resource_mut::<RunDirectory>();
-    let checkpoint = run.checkpoint(increment, state)?.of_the_end();
-    checkpoint.write_as(run.directory(), names::FINAL_CHECKPOINT)
+    Ok(run.checkpoint(increment, state)?.of_the_end())
 }
 
 /// The state for the file `name`, and its increment: an undecided one was not committed.

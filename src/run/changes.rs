@@ -30,6 +30,7 @@ pub fn refused(old: &Scene, new: &Scene, state: &StateView) -> Vec<String> {
     fixed("specimen", old.specimen == new.specimen, bodies);
     fixed("bonds", old.bonds == new.bonds, bodies);
     fixed("walls", old.walls == new.walls, "control them in stages to come");
+    fixed("cell", old.cell == new.cell, "control it in stages to come");
     fixed("materials", old.materials == new.materials, "the bonds that exist keep theirs");
     fixed("thickness", old.thickness.to_bits() == new.thickness.to_bits(), bodies);
     let own = "stages that have ended used it; give it to stages to come";
@@ -62,7 +63,7 @@ pub fn refused(old: &Scene, new: &Scene, state: &StateView) -> Vec<String> {
             continue;
         };
         let field = format!("stages.{}", stage.name());
-        if k < index || (k == index && state.begun && !state.is_within_stage()) {
+        if k < index || (k == index && state.begun && state.ended) {
             fixed(&field, stage == changed, "it has ended");
         } else if k == index && state.begun {
             let why = match (stage, changed) {

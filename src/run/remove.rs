@@ -7,7 +7,7 @@ use clastic_components::body::BodyId;
 use clastic_components::particle::Particle;
 use clastic_components::rigid_group::RigidGroup;
 
-use super::load::why_empty;
+use super::load_refusals::why_empty;
 use super::select::selected;
 use crate::scene::format::Remove;
 

@@ -65,12 +65,33 @@ pub struct StageEnd {
     pub ended_by: Option<EndedBy>,
     /// The stop condition as the scene writes it; only with [`EndedBy::Stop`].
     pub stop: Option<Stop>,
+    /// The measure of an `Until` that has passed its value by more than the tolerance.
+    pub passed: Option<f64>,
 }
 
 impl StageEnd {
-    /// Warning about capped increments; `None` if the stage has none.
+    /// Warning about capped increments, and about a measure that has passed the value on which it
+    /// should land; `None` if the stage has neither.
     #[must_use]
     pub fn warning(&self) -> Option<String> {
+        let both = [self.capped_warning(), self.passed_warning()];
+        let both: Vec<_> = both.into_iter().flatten().collect();
+        (!both.is_empty()).then(|| both.join("; "))
+    }
+
+    fn passed_warning(&self) -> Option<String> {
+        let (Some(Stop::Until(name, value)), Some(passed)) = (&self.stop, self.passed) else {
+            return None;
+        };
+        Some(format!(
+            "stage {} ends at {} = {passed:?}, beyond {value:?}, since its rate jumped in the last \
+             fraction of an increment; smaller increments come nearer",
+            label(&self.stage),
+            label(name)
+        ))
+    }
+
+    fn capped_warning(&self) -> Option<String> {
         let Self { increments, capped, .. } = self;
         let stage = label(&self.stage);
         match *capped {

@@ -12,8 +12,8 @@ use super::resolve_measures::resolve_measures;
 pub use super::script::{Collapse, CollapsedBy, EndedBy, Outcome, Script, StageEnd, Step};
 use super::stage_kinds::{BeginStage, EndStage, StageKinds};
 use super::{
-    cement, compact, group_members, grow, live_loads, load, membranes, pour, remove, rigid, save,
-    until,
+    cement, compact, end_load, group_members, grow, live_loads, load, load_refusals, membranes,
+    pour, remove, rigid, save, until,
 };
 use crate::scene::format::{Load, Stage};
 
@@ -84,8 +84,8 @@ fn refusal(world: &mut World, stage: &Stage) -> Option<String> {
 }
 
 fn load_refusal(world: &mut World, load: &Load) -> Option<String> {
-    load::selects_nothing(world, load)
-        .or_else(|| load::cuts_through(world, load))
+    load_refusals::selects_nothing(world, load)
+        .or_else(|| load_refusals::cuts_through(world, load))
         .or_else(|| rigid::refusal(world, load))
         .or_else(|| membranes::refusal(world, load))
 }
@@ -103,7 +103,14 @@ fn begin(world: &mut World, stage: Stage) {
     let mut script = world.resource_mut::<Script>();
     script.begun = true;
     let name = stage.name().to_owned();
-    let end = StageEnd { stage: name, increments: 0, capped: 0, ended_by: None, stop: None };
+    let end = StageEnd {
+        stage: name,
+        increments: 0,
+        capped: 0,
+        ended_by: None,
+        stop: None,
+        passed: None,
+    };
     script.ends.push(end);
     script.peak = 0.0;
     script.speed = None;
@@ -157,7 +164,7 @@ pub(super) fn begin_built_in(world: &mut World) {
 pub(super) fn end_built_in(world: &mut World) {
     match world.resource::<CurrentStage>().0 {
         Stage::Compact(_) => compact::end(world),
-        Stage::Load(_) | Stage::Pour(_) => load::end(world),
+        Stage::Load(_) | Stage::Pour(_) => end_load::end(world),
         Stage::Cement(_) | Stage::Custom(_) | Stage::Save(_) | Stage::Remove(_) => {}
     }
 }

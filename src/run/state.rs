@@ -227,6 +227,8 @@ pub struct StateView {
     pub progress: Progress,
     /// Whether the stage at [`Progress::stage`] has begun.
     pub begun: bool,
+    /// Whether a stop or a collapse has ended that stage.
+    pub ended: bool,
     /// Whether any load is on its way to a target.
     pub ramps: bool,
     /// Particles before the first stage.
@@ -268,9 +270,11 @@ impl StateView {
             groups: Vec::new(),
             state: Some(stored_state(state)?),
         };
+        let script: ScriptState = state.get(SCRIPT)?;
         Ok(Self {
             progress: state.get(PROGRESS)?,
-            begun: state.get::<ScriptState>(SCRIPT)?.begun,
+            begun: script.begun,
+            ended: script.ends.last().is_some_and(|end| end.ended_by.is_some()),
             ramps: controls.0.iter().any(|(_, control)| control.is_ramp())
                 || live.are_ramps()
                 || membranes.iter().any(|membrane| membrane.pressure.0 != membrane.pressure.1)
@@ -279,10 +283,11 @@ impl StateView {
         })
     }
 
-    /// Whether the current stage has begun and has not reached its end.
+    /// Whether the current stage has begun and may go on. After its last increment it goes on if it
+    /// gets more of them.
     #[must_use]
     pub fn is_within_stage(&self) -> bool {
-        self.begun && !self.progress.is_over()
+        self.begun && !self.ended
     }
 }
 

@@ -10,7 +10,7 @@ use clastic_components::poured::Poured;
 use clastic_cone::program::ConeSolution;
 
 use super::advice::with_advice;
-use super::load;
+use super::end_load;
 use super::measure_error::error_of;
 use super::measures::reading;
 use super::script::{Collapse, CollapsedBy, EndedBy, Outcome, Script};
@@ -44,16 +44,19 @@ pub fn end_increment(world: &mut World) {
         (attempt.status, attempt.complaint.clone())
     };
     let increment = world.resource::<Progress>().increment;
-    let mut held = None;
+    let (mut held, mut passed) = (None, None);
     let ended_by = match status {
         IncrementStatus::Solved | IncrementStatus::Capped => {
             if !world.resource::<Observation>().in_avalanche {
-                let landed = until::reached(world, stage);
-                held = stopped(world, stage).or(landed);
+                let landing = until::reached(world, stage);
+                held = stopped(world, stage);
+                if let (None, Some(landing)) = (&held, landing) {
+                    (held, passed) = (Some(landing.stop), landing.passed);
+                }
             }
             // A stage ends only after its last avalanche.
             if world.resource::<Progress>().relaxing {
-                held = None;
+                (held, passed) = (None, None);
             }
             let waits = world.resource::<Progress>().relaxing
                 || world.resource::<Observation>().in_avalanche;
@@ -75,10 +78,10 @@ pub fn end_increment(world: &mut World) {
     if let Some(end) = world.resource_mut::<Script>().ends.last_mut() {
         end.increments += 1;
         end.capped += u64::from(status == IncrementStatus::Capped);
-        (end.ended_by, end.stop) = (ended_by, held);
+        (end.ended_by, end.stop, end.passed) = (ended_by, held, passed);
     }
     if matches!(ended_by, Some(EndedBy::Stop | EndedBy::Collapse)) {
-        load::end_early(world);
+        end_load::end_early(world);
         let mut progress = world.resource_mut::<Progress>();
         progress.done = progress.total;
         progress.relaxing = false;

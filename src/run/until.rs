@@ -73,9 +73,18 @@ pub(super) fn begin(world: &mut World, stage: &Stage) {
     world.insert_resource(approach);
 }
 
+/// How a measure came to its value.
+pub(super) struct Landing {
+    /// The condition.
+    pub stop: Stop,
+    /// The measure, if it has passed the value by more than the tolerance: its rate jumped in the
+    /// last fraction, or it is not continuous.
+    pub passed: Option<f64>,
+}
+
 /// Whether the measure has reached the value of the `Until` of the stage. If not, the next
 /// increment is shortened where the whole would pass it.
-pub(super) fn reached(world: &mut World, stage: &Stage) -> Option<Stop> {
+pub(super) fn reached(world: &mut World, stage: &Stage) -> Option<Landing> {
     let (name, value) = until(stage)?;
     let now = reading(world, name)?;
     let error = error_of(world, name);
@@ -83,7 +92,8 @@ pub(super) fn reached(world: &mut World, stage: &Stage) -> Option<Stop> {
     let mut approach = world.resource_mut::<Approach>();
     let tolerance = approach.see(done, now, value, error);
     if approach.side != 0.0 && approach.side * (value - now) <= tolerance {
-        return Some(Stop::Until(name.to_owned(), value));
+        let passed = (approach.side * (now - value) > tolerance).then_some(now);
+        return Some(Landing { stop: Stop::Until(name.to_owned(), value), passed });
     }
     if let Some(fraction) = approach.fraction(value) {
         let mut progress = world.resource_mut::<Progress>();

@@ -87,3 +87,12 @@ pub(super) fn identities(tables: &Tables, name: &str) -> Result<Vec<u32>, SavedE
 pub(super) fn some(text: &str) -> Option<String> {
     (!text.is_empty()).then(|| text.to_owned())
 }
+
+/// That a state without the array `key` has no other array of its kind. Otherwise it is damaged, and
+/// what the others describe would be lost without a word.
+pub(super) fn none_of(tables: &Tables, prefix: &str, key: &str) -> Result<(), SavedError> {
+    match tables.iter().find(|(name, _)| name.starts_with(prefix)) {
+        Some((other, _)) => Err(bad(key, format!("missing beside `{other}`"))),
+        None => Ok(()),
+    }
+}

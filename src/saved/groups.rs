@@ -10,7 +10,7 @@ use clastic_systems::schedule::PROGRESS;
 use clastic_systems::state::{StateError, WorldState};
 
 use super::SavedError;
-use super::columns::{add, bad, each, finite, identities, of, some};
+use super::columns::{add, bad, each, finite, identities, none_of, of, some};
 use crate::tables::{Array, Tables};
 
 pub(super) const ENTRIES: [&str; 2] = ["contact_force", ENTRY];
@@ -110,7 +110,7 @@ pub(super) fn read(
     state: &mut WorldState,
 ) -> Result<(), SavedError> {
     if !tables.has("rigid.id") {
-        return Ok(());
+        return none_of(tables, "rigid.", "rigid.id");
     }
     let numbers = identities(tables, "rigid.id")?;
     let taken = |id: &u32| particles.binary_search(id).is_ok() || walls.contains(id);

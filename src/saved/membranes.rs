@@ -8,7 +8,7 @@ use clastic_systems::schedule::PROGRESS;
 use clastic_systems::state::{StateError, WorldState};
 
 use super::SavedError;
-use super::columns::bad;
+use super::columns::{bad, none_of};
 use crate::scene::StoredMembrane;
 use crate::scene::format::Wall;
 use crate::tables::{Array, Tables};
@@ -62,7 +62,7 @@ pub(super) fn read(
     state: &mut WorldState,
 ) -> Result<(), SavedError> {
     if !tables.has("membranes.name") {
-        return Ok(());
+        return none_of(tables, "membranes.", "membranes.name");
     }
     let n = tables.rows("membranes.name")?;
     let names = tables.text("membranes.name", &[n])?;

@@ -7,6 +7,7 @@
 //! that they encode, in arrays named `plugin.NAME`.
 
 mod bonds;
+pub(crate) mod cell;
 mod columns;
 mod contacts;
 mod groups;
@@ -36,22 +37,26 @@ pub use progress::Counts;
 
 /// First word of the array `format`.
 const FORMAT: &str = "clastic state";
-/// Version of the format, which follows the word. It increases with every change of the arrays.
-const VERSION: u32 = 2;
-/// Version of a state without rigid groups and membranes. Older programs read it too. They would
-/// pass over the arrays of groups and membranes without a word.
+/// Version of the format, which follows the word. It increases with every change of the arrays. A
+/// state is of the first version that has all its arrays, so that older programs read it too, and
+/// none passes over an array without a word.
+const VERSION: u32 = 3;
+/// Version without a periodic cell and with another ledger.
+const WITH_GROUPS: u32 = 2;
+/// Version without rigid groups and membranes.
 const PLAIN: u32 = 1;
 /// Prefix of arrays with the state of other plugins.
 const PLUGIN: &str = "plugin.";
 
 /// Entries of a [`WorldState`] that a saved state has as arrays.
-const AS_ARRAYS: [&[&str]; 7] = [
+const AS_ARRAYS: [&[&str]; 8] = [
     &particles::ENTRIES,
     &walls::ENTRIES,
     &groups::ENTRIES,
     &bonds::ENTRIES,
     &contacts::ENTRIES,
     &membranes::ENTRIES,
+    &cell::ENTRIES,
     &progress::ENTRIES,
 ];
 
@@ -128,7 +133,12 @@ pub fn save(world: &mut World) -> Result<Tables, SavedError> {
     let _ = world.run_system_cached(gather_bodies);
     let mut tables = Tables::default();
     let is_plain = groups::names(&state)?.is_empty() && !membranes::are_there(&state)?;
-    let version = if is_plain { PLAIN } else { VERSION };
+    let is_new = cell::of(&state)?.is_some() || state.bytes(progress::LEDGER).is_some();
+    let version = match (is_plain, is_new) {
+        (_, true) => VERSION,
+        (false, false) => WITH_GROUPS,
+        (true, false) => PLAIN,
+    };
     tables.put("format", Array::word(&format!("{FORMAT} {version}")));
     let thickness = world.resource::<Analysis>().thickness;
     progress::write(&state, thickness, &mut tables)?;
@@ -143,6 +153,7 @@ pub fn save(world: &mut World) -> Result<Tables, SavedError> {
     bonds::write(&state, &mut tables)?;
     contacts::write(&state, world, &mut tables)?;
     membranes::write(&state, &mut tables)?;
+    cell::write(&state, &mut tables)?;
     for name in state.names() {
         let known = AS_ARRAYS.iter().any(|entries| entries.contains(&name));
         if let Some(bytes) = state.bytes(name).filter(|_| !known && !OF_THE_SCENE.contains(&name)) {
@@ -169,9 +180,7 @@ impl SavedState {
         };
         match format.strip_prefix(FORMAT).map(str::trim) {
             None => return Err(SavedError::Foreign(format!("it is `{format}`"))),
-            Some(version)
-                if ![PLAIN, VERSION].map(|v| v.to_string()).contains(&version.to_owned()) =>
-            {
+            Some(version) if !(PLAIN..=VERSION).any(|known| known.to_string() == version) => {
                 return Err(SavedError::Version(version.to_owned()));
             }
             Some(_) => {}
@@ -189,6 +198,7 @@ impl SavedState {
         bonds::read(tables, &bodies, counts.next.bond, &mut world)?;
         contacts::read(tables, &mut world)?;
         membranes::read(tables, &walls.ids, &mut world)?;
+        cell::read(tables, !walls.ids.is_empty(), &mut world)?;
         for (name, array) in tables.iter() {
             if let Some(entry) = name.strip_prefix(PLUGIN) {
                 let bytes = tables.u8(name, &array.shape)?;

@@ -1,13 +1,13 @@
 //! What counts from the start of the first run: increments, time, identities, energies.
 
-use clastic_components::energy::{Energies, EnergyLedger, Released};
+use clastic_components::energy::{Changed, Energies, EnergyLedger, Released};
 use clastic_components::increment::Progress;
 use clastic_systems::identities::NextIdentities;
 use clastic_systems::schedule::PROGRESS;
 use clastic_systems::state::WorldState;
 
 use super::SavedError;
-use super::columns::{bad, count, finite, single};
+use super::columns::{bad, count, finite, none_of, single};
 use crate::tables::{Array, Tables};
 
 /// Entry with the energy ledger.
@@ -47,6 +47,7 @@ pub(super) fn write(
         tables.put("energy.last_increment_j", Array::f64(ledger.increment.to_array().to_vec()));
         // No number before the first increment.
         tables.put("energy.elastic_j", Array::value(ledger.stored.unwrap_or(f64::NAN)));
+        tables.put("energy.kinetic_j", Array::value(ledger.kinetic.unwrap_or(f64::NAN)));
         let released = &ledger.released;
         tables.put("energy.released_a", Array::u32(released.iter().map(|r| r.a).collect()));
         tables.put("energy.released_b", Array::u32(released.iter().map(|r| r.b).collect()));
@@ -67,17 +68,23 @@ pub(super) fn read(tables: &Tables, state: &mut WorldState) -> Result<Counts, Sa
     let next = NextIdentities { body: identity("next_body")?, bond: identity("next_bond")? };
     state.set(IDENTITIES, &next)?;
     state.set(PROGRESS, &Progress { increment, time, ..Progress::default() })?;
-    if tables.has("energy.total_j") {
+    if !tables.has("energy.total_j") {
+        none_of(tables, "energy.", "energy.total_j")?;
+    } else {
         let n = tables.rows("energy.released_a")?;
         let a = tables.u32("energy.released_a", &[n])?;
         let b = tables.u32("energy.released_b", &[n])?;
         let forces = tables.vectors::<3>("energy.released_force", n)?.into_iter();
         let released = forces.zip(a.iter().zip(b));
-        let stored = single(tables, "energy.elastic_j")?;
+        let now = |name: &str| -> Result<Option<f64>, SavedError> {
+            Ok(Some(single(tables, name)?).filter(|energy| !energy.is_nan()))
+        };
         let ledger = EnergyLedger {
             increment: energies(tables, "energy.last_increment_j")?,
             total: energies(tables, "energy.total_j")?,
-            stored: Some(stored).filter(|stored| !stored.is_nan()),
+            stored: now("energy.elastic_j")?,
+            kinetic: now("energy.kinetic_j")?,
+            changed: Changed::Nothing,
             released: released.map(|(forces, (a, b))| Released { a: *a, b: *b, forces }).collect(),
         };
         state.set(LEDGER, &ledger)?;
@@ -86,7 +93,7 @@ pub(super) fn read(tables: &Tables, state: &mut WorldState) -> Result<Counts, Sa
 }
 
 fn energies(tables: &Tables, name: &str) -> Result<Energies, SavedError> {
-    let all = tables.f64(name, &[12])?;
+    let all = tables.f64(name, &[13])?;
     finite(tables, &[name])?;
     Ok(Energies::from_array(std::array::from_fn(|k| all[k])))
 }

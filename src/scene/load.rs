@@ -210,6 +210,7 @@ fn from_text(
             // The names of a state that cannot be read are unknown.
             unsure.push("specimen".to_owned());
             unsure.extend(scene.walls.is_empty().then(|| "walls".to_owned()));
+            unsure.extend(scene.cell.is_none().then(|| "cell".to_owned()));
         }
         found.extend(findings(scene, specimen.as_ref(), &unsure));
         found.extend(further(scene));

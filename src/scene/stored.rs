@@ -6,7 +6,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::diagnostic::SceneErrors;
-use super::format::Wall;
+use super::format::{Cell, Wall};
 use crate::saved::SavedState;
 
 /// A specimen that is stored in a file.
@@ -80,6 +80,10 @@ pub struct StoredState {
     /// Its membranes, which go with its walls: a scene that lists walls of its own has none of
     /// them.
     pub membranes: Vec<StoredMembrane>,
+    /// Its periodic cell where the run begins.
+    pub cell: Option<Cell>,
+    /// Whether it is the cell of the scene, which gives none.
+    pub gives_cell: bool,
     /// Names of its groups, in order.
     pub groups: Vec<String>,
     /// Names of the rigid groups that are there where the run begins.

@@ -11,9 +11,9 @@ use clastic_components::particle::{MaterialIndex, Particle};
 use clastic_systems::state::{StateError, WorldState};
 
 use super::files::read_at_most;
-use super::format::{Scene, Specimen, Wall};
+use super::format::{Cell, Scene, Specimen, Wall};
 use super::stored::{ReadError, StoredMembrane, StoredParticle, StoredSpecimen, StoredState};
-use crate::saved::{SavedError, SavedState};
+use crate::saved::{SavedError, SavedState, cell};
 use crate::tables::Tables;
 
 /// Maximum size of the file, bytes.
@@ -74,6 +74,9 @@ impl StoredState {
             walls,
             gives_walls: false,
             membranes,
+            cell: cell::of(world)?
+                .map(|cell| Cell { size: (cell.width, cell.height), tilt: cell.tilt }),
+            gives_cell: false,
             rigid,
             groups: groups.into_iter().collect(),
             probes: probes.collect(),
@@ -83,7 +86,7 @@ impl StoredState {
 }
 
 /// Gives a scene what it takes over from the state from which it starts: the walls if it lists
-/// none, rigid groups, names of recorded particles that it does not use otherwise, and materials by the names
+/// none, the periodic cell, rigid groups, names of recorded particles that it does not use otherwise, and materials by the names
 /// that the scene gives them.
 pub(super) fn inherit(scene: &mut Scene, stored: &mut StoredSpecimen) {
     let (Some(state), Specimen::State { materials, .. }) = (&mut stored.state, &scene.specimen)
@@ -101,6 +104,10 @@ pub(super) fn inherit(scene: &mut Scene, stored: &mut StoredSpecimen) {
     state.gives_walls = scene.walls.is_empty();
     if state.gives_walls {
         scene.walls.clone_from(&state.walls);
+    }
+    state.gives_cell = scene.cell.is_none();
+    if state.gives_cell {
+        scene.cell = state.cell;
     }
     for (name, index) in &state.probes {
         if !scene.probes.contains_key(name) && !scene.probes.values().any(|i| i == index) {

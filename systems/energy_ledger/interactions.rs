@@ -5,7 +5,7 @@ use glam::DVec2;
 use clastic_components::bond::BondId;
 use clastic_components::contact::{Bodies, Contact, Contacts};
 use clastic_components::contact_history::ContactHistory;
-use clastic_components::energy::Energies;
+use clastic_components::energy::{Changed, Energies, EnergyLedger, MotionEnergies};
 use clastic_components::findings::Corrections;
 use clastic_components::increment::{Analysis, AnalysisKind};
 use clastic_components::material::{ContactLaw, Materials};
@@ -85,13 +85,30 @@ impl Part<'_> {
     }
 }
 
-/// Adds the change of the elastic energy and the dissipation of broken bonds. `before` is the
-/// elastic energy at the start, if known. Every contact and bond is passed to `work`. Returns the
+/// What is known at the start of an increment, or of a step of a motion.
+pub struct Before {
+    /// Elastic energy, J; `None` before the first increment.
+    pub stored: Option<f64>,
+    /// Bodies that have come or gone since that energy was taken.
+    pub changed: Changed,
+}
+
+impl Before {
+    /// After the motion that was followed so far, or after the last increment.
+    pub fn of(motion: &MotionEnergies, ledger: &EnergyLedger) -> Self {
+        match motion.stored {
+            Some(stored) => Self { stored: Some(stored), changed: Changed::Nothing },
+            None => Self { stored: ledger.stored, changed: ledger.changed },
+        }
+    }
+}
+
+/// Adds the change of the elastic energy and the dissipation of broken bonds. Every contact and bond is passed to `work`. Returns the
 /// elastic energy at the end, J.
 pub fn book(
     e: &mut Energies,
     tables: &Tables,
-    before: Option<f64>,
+    before: &Before,
     is_broken: impl Fn(BondId) -> bool,
     mut work: impl FnMut(&mut Energies, &Part),
 ) -> f64 {
@@ -122,10 +139,15 @@ pub fn book(
             finish
         };
     }
-    // `before` and `starts` differ if bonds broke before the last solve, or were cemented between
-    // two increments.
-    let before = before.unwrap_or(starts);
-    *(if broke_before { &mut e.rupture } else { &mut e.numerical }) += before - starts;
+    // The energies before and at the start differ if bodies have come or gone, if bonds broke before
+    // the last solve, or were cemented between two increments.
+    let changed = before.changed != Changed::Nothing;
+    let before = before.stored.unwrap_or(starts);
+    match (changed, broke_before) {
+        (true, _) => e.exchange += starts - before,
+        (false, true) => e.rupture += before - starts,
+        (false, false) => e.numerical += before - starts,
+    }
     e.rupture += ends - state;
     e.elastic = state - before;
     state

@@ -46,14 +46,15 @@ use bevy_ecs::system::SystemParam;
 use clastic_components::body::{AngularVelocity, BodyId, ExternalForce, Position, Velocity};
 use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::contact_history::{ContactHistory, DraftHistory, KeptRows};
-use clastic_components::energy::{Energies, EnergyLedger, MotionEnergies, Released};
+use clastic_components::energy::{Changed, Energies, EnergyLedger, MotionEnergies, Released};
 use clastic_components::findings::{Corrections, Ruptures};
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::material::Materials;
 use clastic_cone::program::{ConeProgram, ConeSolution};
+use glam::DVec2;
 
 use self::dynamic::book_bodies;
-use self::interactions::{Part, Tables, after_rupture, book, gap_at};
+use self::interactions::{Before, Part, Tables, after_rupture, book, gap_at};
 use self::quasi_static::Starts;
 use crate::schedule::{Increment, IncrementSystems, committed};
 use crate::state::RegisterState;
@@ -69,7 +70,11 @@ impl Plugin for EnergyLedgerPlugin {
         let renumber = renumber_released
             .run_if(resource_exists::<EnergyLedger>)
             .in_set(IncrementSystems::Renumber);
-        app.add_systems(Increment, renumber).add_systems(
+        let note = note_change
+            .run_if(resource_exists::<EnergyLedger>)
+            .after(IncrementSystems::Gather)
+            .before(IncrementSystems::Renumber);
+        app.add_systems(Increment, (note, renumber)).add_systems(
             Increment,
             book_energies
                 .run_if(resource_exists::<EnergyLedger>)
@@ -80,12 +85,18 @@ impl Plugin for EnergyLedgerPlugin {
     }
 }
 
-/// Updates the rows of bodies. A body that was taken away has taken the elastic energy of its
-/// contacts with it: what is stored now is known when the next program has its contacts.
-fn renumber_released(rows: Res<KeptRows>, mut ledger: ResMut<EnergyLedger>) {
+/// Notes that bodies have come or gone, until an increment is committed: what elastic energy they
+/// have brought or taken is known when the next program has its contacts.
+fn note_change(rows: Res<KeptRows>, mut ledger: ResMut<EnergyLedger>) {
     if rows.has_lost() {
-        ledger.stored = None;
+        ledger.changed = Changed::Went;
+    } else if rows.has_changed() && ledger.changed == Changed::Nothing {
+        ledger.changed = Changed::Came;
     }
+}
+
+/// Updates the rows of bodies.
+fn renumber_released(rows: Res<KeptRows>, mut ledger: ResMut<EnergyLedger>) {
     ledger.released.retain_mut(|released| match (rows.now(released.a), rows.now(released.b)) {
         (Some(a), Some(b)) => {
             (released.a, released.b) = (a, b);
@@ -155,7 +166,8 @@ pub fn book_energies(solved: Solved, moved: Moved, mut ledger: ResMut<EnergyLedg
     let mut e = Energies::default();
     let is_broken = |bond| ruptures.list.iter().any(|r| r.bond == bond);
     // Motions before the equilibrium were booked step by step.
-    let before = motion.stored.or(ledger.stored);
+    let before = Before::of(motion, &ledger);
+    exchange_kinetic(&mut e, &tables, &rows, &mut ledger);
     let mut released = Vec::new();
     let mut release = |part: &Part| {
         if part.breaks && part.is_bond {
@@ -170,7 +182,7 @@ pub fn book_energies(solved: Solved, moved: Moved, mut ledger: ResMut<EnergyLedg
     let stored = if let AnalysisKind::Dynamic { dt, theta } = analysis.kind {
         let dt = dt * solved.progress.fraction;
         let mean = &*mean.insert(book_bodies(&mut e, &tables, dt, theta, &rows));
-        book(&mut e, &tables, before, is_broken, |e, part| {
+        book(&mut e, &tables, &before, is_broken, |e, part| {
             release(part);
             dynamic::book(e, program, mean, part);
         })
@@ -178,11 +190,12 @@ pub fn book_energies(solved: Solved, moved: Moved, mut ledger: ResMut<EnergyLedg
         // Forces that ended before a followed motion were booked in that motion.
         let ended = if motion.stored.is_some() { &[][..] } else { &ledger.released };
         let mut starts = Starts::new(&solved.draft.0, ended, program, solution);
-        let stored = book(&mut e, &tables, before, is_broken, |e, part| {
+        let stored = book(&mut e, &tables, &before, is_broken, |e, part| {
             release(part);
             starts.book(e, &tables, part);
         });
-        unbalanced::book(&mut e, &tables, &starts, before.is_none());
+        let is_jump = before.stored.is_none() || before.changed == Changed::Went;
+        unbalanced::book(&mut e, &tables, &starts, is_jump);
         stored
     };
     // Interactions of an embedding program lie outside the specimen.
@@ -197,7 +210,36 @@ pub fn book_energies(solved: Solved, moved: Moved, mut ledger: ResMut<EnergyLedg
     }
     e += motion.energies;
     ledger.stored = Some(stored);
+    ledger.changed = Changed::Nothing;
     ledger.released = released;
     ledger.increment = e;
     ledger.total += e;
+}
+
+/// Adds the kinetic energy that has come or gone since the last increment, and keeps that of now.
+/// Static increments leave all velocities as they are.
+fn exchange_kinetic(
+    e: &mut Energies,
+    tables: &Tables,
+    rows: &[(&BodyId, &Position, &ExternalForce, Option<&Velocity>, Option<&AngularVelocity>)],
+    ledger: &mut EnergyLedger,
+) {
+    let Tables { bodies, analysis, .. } = tables;
+    let is_dynamic = matches!(analysis.kind, AnalysisKind::Dynamic { .. });
+    let (mut start, mut end) = (0.0, 0.0);
+    for (id, _, _, velocity, spin) in rows {
+        let (Some(i), Some(v), Some(spin)) = (bodies.row(**id), velocity, spin) else { continue };
+        let of = |v: DVec2, spin: f64| {
+            0.5 * bodies.masses[i] * v.length_squared() + 0.5 * bodies.inertias[i] * spin * spin
+        };
+        end += of(v.0, spin.0);
+        start += match is_dynamic {
+            true => of(bodies.velocities[i], bodies.angular_velocities[i]),
+            false => of(v.0, spin.0),
+        };
+    }
+    let change = start - ledger.kinetic.unwrap_or(start);
+    e.exchange += change;
+    e.kinetic += change;
+    ledger.kinetic = Some(end);
 }

@@ -6,12 +6,12 @@ use glam::DVec2;
 use clastic_components::bond::Rupture;
 use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::contact_history::ContactHistory;
-use clastic_components::energy::{Energies, EnergyLedger, MotionEnergies};
+use clastic_components::energy::{Energies, MotionEnergies};
 use clastic_components::findings::Ruptures;
 use clastic_components::increment::{Analysis, Progress};
 use clastic_cone::program::{ConeProgram, ConeSolution, Dof};
 
-use super::interactions::{Tables, book};
+use super::interactions::{Before, Tables, book};
 
 /// Adds a step before it is applied: with the memory of contacts at its end, the displacements of
 /// the bodies (m, m, rad), and the bonds that break in it.
@@ -52,9 +52,8 @@ pub(crate) fn book_step(
     };
     let ruptures = world.resource::<Ruptures>();
     let is_broken = |bond| ruptures.list.iter().chain(broken).any(|r| r.bond == bond);
-    let so_far = world.resource::<MotionEnergies>().stored;
-    let before = so_far.or(world.resource::<EnergyLedger>().stored);
-    let stored = book(&mut e, &tables, before, is_broken, |e, part| {
+    let before = Before::of(world.resource(), world.resource());
+    let stored = book(&mut e, &tables, &before, is_broken, |e, part| {
         e.friction += part.forces[1] * part.multipliers.slip;
         e.rolling += part.forces[2] * part.multipliers.rotation;
     });

@@ -226,6 +226,7 @@ fn energy(ledger: &EnergyLedger, term: EnergyTerm) -> f64 {
     match term {
         EnergyTerm::External => total.external,
         EnergyTerm::Gravity => total.gravity,
+        EnergyTerm::Exchange => total.exchange,
         EnergyTerm::Kinetic => total.kinetic,
         EnergyTerm::Friction => total.friction,
         EnergyTerm::Rolling => total.rolling,

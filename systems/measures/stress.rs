@@ -61,7 +61,8 @@ fn moments(
 
 /// The wall with its direction at the start of the last increment, along which its contacts carried
 /// their forces.
-pub(super) fn as_it_carried(wall: &Wall, motion: &LastMotion) -> Wall {
+#[must_use]
+pub fn as_it_carried(wall: &Wall, motion: &LastMotion) -> Wall {
     let [_, _, angle] = motion.0;
     if angle == 0.0 { *wall } else { wall.turned(DVec2::from_angle(-angle)) }
 }

@@ -21,6 +21,11 @@ fn scene_of(rig: &str, sets: &[String]) -> LoadedScene {
         "TURNING" => scene::from_str(TURNING, Path::new("rig.ron"), Path::new(""), sets),
         "POURED" => scene::from_str(POURED, Path::new("rig.ron"), Path::new(""), sets),
         "RIGID" => scene::from_str(RIGID, Path::new("rig.ron"), Path::new(""), sets),
+        "CELL" => scene::from_str(CELL, Path::new("rig.ron"), Path::new(""), sets),
+        "CELL_OF_A_STATE" => {
+            let text = CELL.replace("    cell: (size: (0.0808, 0.0808)),\n", "");
+            scene::from_str(&text, Path::new("rig.ron"), Path::new(""), sets)
+        }
         "EXCAVATION" => scene::from_str(EXCAVATION, Path::new("rig.ron"), Path::new(""), sets),
         _ => scene::load(Path::new(&path), sets),
     };
@@ -39,10 +44,11 @@ fn same_in_two(
     [first, second]: [&str; 2],
     parent: &Path,
 ) -> (LoadedScene, Vec<String>) {
-    let with = |more: &[String]| {
+    let of = |rig: &str, more: &[String]| {
         let common = common.iter().map(|set| (*set).to_owned());
         scene_of(rig, &common.chain(more.iter().cloned()).collect::<Vec<_>>())
     };
+    let with = |more: &[String]| of(rig, more);
     let [one, a, b] = ["one", "a", "b"].map(|name| parent.join(name));
     let whole = with(&[format!("stages=[{first}, {second}]")]);
     run(&whole, &one, 0, |_| {});
@@ -50,11 +56,15 @@ fn same_in_two(
     let kept = a.join("state_kept.npz");
     // A state that is saved at the end is that of the end, and both name the last stage.
     assert_eq!(fs::read(&kept).unwrap(), fs::read(a.join(directory::FINAL_STATE)).unwrap());
-    let from = with(&[
-        format!("specimen=State(path: {:?})", kept.display().to_string()),
-        "walls=[]".to_owned(),
-        format!("stages=[{second}]"),
-    ]);
+    // The cell is that of the state.
+    let from = of(
+        if rig == "CELL" { "CELL_OF_A_STATE" } else { rig },
+        &[
+            format!("specimen=State(path: {:?})", kept.display().to_string()),
+            "walls=[]".to_owned(),
+            format!("stages=[{second}]"),
+        ],
+    );
     run(&from, &b, 0, |_| {});
 
     let mut rows = Vec::new();
@@ -333,7 +343,7 @@ fn grains_that_are_poured_in_before_and_after() {
 }
 
 /// Bonded disks on a floor.
-const RIGID: &str = r#"(
+pub const RIGID: &str = r#"(
     version: 2,
     title: "Rigid groups",
     gravity: (0.0, -9.81),
@@ -376,8 +386,71 @@ fn rigid_groups_in_both_analyses_under_both_laws() {
         assert_eq!(from.scene.rigid_at_start, ["lower", "middle", "upper"]);
         let state = fs::read(parent.path().join("a/state_kept.npz")).unwrap();
         let tables = clastic::tables::Tables::decode(&state).unwrap();
-        assert_eq!(tables.text("format", &[]).unwrap(), ["clastic state 2"]);
+        // With the energies of version 3.
+        assert_eq!(tables.text("format", &[]).unwrap(), ["clastic state 3"]);
         // Resumed from anywhere, also where `upper` is gone and where it is there again.
         same_from_anywhere(&from, |_| true);
+    }
+}
+
+/// Bonded and unbonded disks in a periodic cell.
+pub const CELL: &str = r#"(
+    version: 2,
+    title: "Periodic cell",
+    materials: { "sand": (density: 2650.0,
+        contact: (normal_stiffness: 2.0e7, tangential_stiffness: 2.0e7, friction: 0.4),
+        bond: (normal_stiffness: 2.0e7, tangential_stiffness: 1.0e7, friction: 0.4, cohesion: 2.0e4,
+            tensile_strength: 2.0e4)) },
+    specimen: Packing(count: 64, columns: 8, spacing: 10.1e-3, sizes: Uniform(radius: (3.0e-3, 5.0e-3)), seed: 11),
+    cell: (size: (0.0808, 0.0808)),
+    stages: [],
+    measures: [
+        (name: "axial_strain", of: Strain(Cell(Height))),
+        (name: "axial_stress", of: Stress(Average(component: Yy, area: Cell))),
+        (name: "shear_strain", of: Strain(Cell(Shear))),
+        (name: "shear_stress_pa", of: Stress(Average(component: Shear, area: Cell))),
+        (name: "porosity", of: Porosity(Cell)),
+    ],
+    output: (frames_every: 2),
+)"#;
+
+/// A periodic cell is in the state: its size, tilt and shear, its stresses, and those that it keeps.
+/// The second piece takes over a stress, changes to the mean stress and back, and moves.
+#[test]
+fn periodic_cells_in_both_analyses_under_both_laws() {
+    let prepare = r#"Compact(name: "compact", target: Porosity(0.2), step: 2.0e-3, agitation: 0.1, seed: 11),
+        Load(name: "confine", increments: 3, cell: (xx: Stress(50.0e3), yy: Stress(50.0e3), shear: Stress(0.0))),
+        Load(name: "shear", increments: 4, cell: (shear: Strain(0.008)))"#;
+    let by_mean = format!(
+        r#"Cement(name: "cement", length: 1.0e-4), {prepare},
+        Load(name: "mean", increments: 3, cell: (mean: Stress(40.0e3), difference: Strain(0.001)))"#
+    );
+    let second = r#"Load(name: "keep", increments: 2),
+        Load(name: "on", increments: 4, cell: (shear: Strain(0.008), mean: Stress(30.0e3))),
+        Load(name: "apart", increments: 3, cell: (xx: Fixed, yy: Stress(60.0e3), shear: Stress(0.0)))"#;
+    for law in ["friction_law=Associated", "friction_law=Coulomb()"] {
+        for (first, analysis) in [
+            (prepare, "analysis=Static"),
+            (by_mean.as_str(), "analysis=Static"),
+            (prepare, "analysis=Dynamic(dt: 1.0e-4)"),
+        ] {
+            let parent = tempfile::tempdir().unwrap();
+            let common = [law, analysis];
+            let (from, rows) = same_in_two("CELL", &common, [first, second], parent.path());
+            assert!(rows.len() >= 9, "{common:?}: {}", rows.len());
+            let state = fs::read(parent.path().join("a/state_kept.npz")).unwrap();
+            let tables = clastic::tables::Tables::decode(&state).unwrap();
+            assert_eq!(tables.text("format", &[]).unwrap(), ["clastic state 3"]);
+            let sets = [
+                format!("specimen=State(path: {:?})", parent.path().join("a/state_kept.npz")),
+                format!("stages=[{second}]"),
+            ];
+            let error = scene::from_str(CELL, Path::new("rig.ron"), Path::new(""), &sets);
+            let error = error.unwrap_err().to_string();
+            assert!(error.contains("cell: a cell beside that of the state"), "{error}");
+            let size = tables.f64("cell.size_m", &[3]).unwrap();
+            assert!(size[0] < 0.08 && size[1] < 0.08 && size[2] > 1e-4, "{size:?}");
+            same_from_anywhere(&from, |n| n % 2 == 1);
+        }
     }
 }

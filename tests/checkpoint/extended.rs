@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use clastic::output::{self, Checkpoint, OutputPlugin, directory};
 use clastic::run::state::StateView;
-use clastic::run::{Simulation, changes, extend};
+use clastic::run::{Simulation, changes};
 use clastic::scene::{self, LoadedScene};
 
 use crate::common::files;
@@ -16,14 +16,13 @@ use crate::resumed::{COULOMB, finish, load, parse, run};
 /// Extends the run in a directory by the scene `text`, as the program does. Returns what is
 /// refused.
 fn extend(directory: &Path, text: &str) -> Vec<String> {
-    let mut checkpoint = Checkpoint::read_as(directory, directory::FINAL_CHECKPOINT).unwrap();
+    let checkpoint = Checkpoint::read_as(directory, directory::FINAL_CHECKPOINT).unwrap();
     let particles = StateView::of(&checkpoint.world).unwrap().specimen;
     let read = |text: &str| {
         scene::from_str_with(text, Path::new("rig.ron"), particles.clone(), &[])
             .unwrap_or_else(|e| panic!("{e}"))
     };
     let (before, loaded) = (read(&checkpoint.scene).scene, read(text));
-    extend::reopen(&mut checkpoint.world, &before, &loaded.scene).unwrap();
     let view = StateView::of(&checkpoint.world).unwrap();
     let refused = changes::refused(&before, &loaded.scene, &view);
     if !refused.is_empty() {
@@ -180,5 +179,76 @@ fn a_cell_on_its_way_to_a_strain_takes_no_more_increments() {
         short.text.replace("name: \"shear\", increments: 3", "name: \"shear\", increments: 4");
     assert_ne!(short.text, long);
     let said = extend(parent.path(), &long).join("\n");
+    assert!(said.contains("on its way to its target"), "{said}");
+}
+
+/// The state goes back before the stages without increments that ended the run. These are made anew:
+/// the file of `Save` is that of a run in one piece.
+#[test]
+fn by_more_increments_of_a_stage_before_a_save() {
+    let with = |increments: u32, more: &str| {
+        let stages = format!(
+            r#"stages=[Load(name: "fall", increments: {increments}), Save(name: "fallen"), {more}]"#
+        );
+        load("bounce", &["measures=(reference_stage: \"fall\")", &stages])
+    };
+    same_as_in_one_piece(&with(20, ""), &with(33, ""));
+    let on = r#"Load(name: "heavy", increments: 9, gravity: (0.0, -20.0)), Save(name: "end")"#;
+    same_as_in_one_piece(&with(20, ""), &with(20, on));
+    same_as_in_one_piece(&with(20, ""), &with(33, on));
+
+    let with = |increments: u32| {
+        let load_set = format!("stages.load.increments={increments}");
+        let mut loaded = load("biaxial_small", &["stages.confine.increments=2", &load_set]);
+        let end = loaded.text.rfind("    measures:").unwrap();
+        let close = loaded.text[..end].rfind("    ],").unwrap();
+        loaded.text.insert_str(close, "        Save(name: \"sheared\"),\n");
+        let name = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/rig.ron"));
+        let directory = name.parent().unwrap();
+        scene::from_str(&loaded.text, name, directory, &[]).unwrap_or_else(|e| panic!("{e}"))
+    };
+    same_as_in_one_piece(&with(3), &with(5));
+}
+
+/// A lid slides on: its motion, which ends with its stage, is in the state.
+#[test]
+fn by_more_increments_under_a_lid_that_slides() {
+    let with = |increments: u32| {
+        load(
+            "shear_box",
+            &[
+                "specimen.count=100",
+                &format!("stages.shear.increments={increments}"),
+                "walls.lid.start=(0.204, 0.06)",
+                "walls.lid.end=(0.0, 0.06)",
+                "stages.compact.target=Porosity(0.25)",
+                "stages.compact.step=4.0e-3",
+                "walls.low_left.shape=Polyline([(0.0, 0.01)])",
+                "walls.low_left.start=(-0.04, 0.01)",
+                "walls.low_right.shape=Polyline([(0.204, 0.01)])",
+                "walls.low_right.end=(0.244, 0.01)",
+                "walls.high_left.shape=Polyline([(0.0, 0.01)])",
+                "walls.high_left.end=(-0.04, 0.01)",
+                "walls.high_right.shape=Polyline([(0.204, 0.01)])",
+                "walls.high_right.start=(0.244, 0.01)",
+            ],
+        )
+    };
+    same_as_in_one_piece(&with(3), &with(6));
+}
+
+/// A table is followed over the increments of its stage: with more of them those before would have
+/// been others.
+#[test]
+fn a_wall_that_follows_a_table_takes_no_more_increments() {
+    let table = r#"stages.load.walls={ "top": Follow(Displacement([(0.0, 0.0, 0.0), (1.0, 0.0, -0.3e-3)])) }"#;
+    let with = |increments: u32| {
+        let load_set = format!("stages.load.increments={increments}");
+        load("biaxial_small", &["stages.confine.increments=2", table, &load_set])
+    };
+    let (short, long) = (with(2), with(3));
+    let parent = tempfile::tempdir().unwrap();
+    run(&short, parent.path(), 0, |_| {});
+    let said = extend(parent.path(), &long.text).join("\n");
     assert!(said.contains("on its way to its target"), "{said}");
 }

@@ -6,6 +6,8 @@ mod common;
 
 mod branched;
 mod changed;
+mod combined;
+mod damaged;
 mod extended;
 mod refused;
 mod resumed;

@@ -428,6 +428,7 @@ fn isotropic_compression_balances_solid_fraction_and_energy() {
     let (s, ..) = before.unwrap();
     let ends = &simulation.world().resource::<Script>().ends;
     assert_eq!(ends[2].stop, Some(Stop::Until("axial_stress".to_owned(), 80.0e3)));
+    assert_eq!((ends[2].passed, ends[2].warning()), (None, None));
     assert!((s - 80.0e3).abs() <= 80.0e3 * 1e-6, "{s}");
 }
 
@@ -435,4 +436,29 @@ fn isotropic_compression_balances_solid_fraction_and_energy() {
 fn disks(simulation: &Simulation) -> f64 {
     let bodies = simulation.world().resource::<clastic::components::contact::Bodies>();
     bodies.radii.iter().map(|r| r * r).sum()
+}
+
+/// The number of broken bonds jumps from 0 to 1: no fraction of an increment lands on a half. The
+/// stage ends there, and says so.
+#[test]
+fn a_measure_that_jumps_over_its_value_is_said_to_have_passed_it() {
+    let text = r#"(
+        version: 2, title: "pull", rupture: (order: OneRound),
+        materials: { "m": (density: 2000.0, bond: (normal_stiffness: 1.0e6,
+            tangential_stiffness: 1.0e6, cohesion: 1.0e6, tensile_strength: 1.0e3)) },
+        specimen: Particles([(position: (0.0, 0.0), radius: 0.01), (position: (0.02, 0.0), radius: 0.01)]),
+        bonds: [(a: 0, b: 1)],
+        stages: [Load(name: "pull", increments: 20, particles: [
+            (select: Index([0]), x: Held, y: Held, rotation: Held),
+            (select: Index([1]), x: Displacement(2.0e-6), y: Held, rotation: Held),
+        ], stop: [Until("broken", 0.5)])],
+        measures: [(name: "broken", of: Broken(All))],
+    )"#;
+    let mut simulation = Simulation::new(&read(text, &[]).scene, None);
+    while simulation.step() == Step::Increment {}
+    let end = simulation.world().resource::<Script>().ends[0].clone();
+    assert_eq!(end.stop, Some(Stop::Until("broken".to_owned(), 0.5)));
+    assert_eq!(end.passed, Some(1.0));
+    let said = end.warning().unwrap();
+    assert!(said.contains("ends at broken = 1.0, beyond 0.5"), "{said}");
 }

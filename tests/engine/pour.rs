@@ -134,6 +134,13 @@ fn a_grain_comes_with_its_velocity() {
     let velocity = world.query_filtered::<&Velocity, With<Particle>>().single(world).unwrap().0;
     assert_within(velocity.x, 0.1, 1e-12);
     assert_within(velocity.y, 0.5 - 51.0 * 9.81 * DT, 1e-12);
+    // It brings m v^2/2, and the work of gravity adds to that. With theta = 1 the scheme takes
+    // m (g dt)^2/2 in every increment.
+    let (m, vy) = (Particle::disk(0.01, 2000.0, 1.0).mass, 0.5 - 9.81 * DT * 51.0);
+    let total = simulation.world().resource::<EnergyLedger>().total;
+    assert_relative(total.exchange, 0.5 * m * (0.1 * 0.1 + 0.5 * 0.5), 1e-12);
+    assert_relative(total.kinetic, 0.5 * m * (0.1 * 0.1 + vy * vy), 1e-9);
+    assert!(total.error().abs() < 1e-9 * total.throughput(), "{total:?}");
 }
 
 /// A full bin takes no more, and the stage ends after the time without room.

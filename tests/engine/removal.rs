@@ -3,10 +3,13 @@
 use std::f64::consts::PI;
 
 use crate::common::*;
+use clastic::components::body::BodyId;
 use clastic::components::bond::{Bond, BondState};
+use clastic::components::contact::Bodies;
+use clastic::components::contact_history::{ContactHistory, ContactMemory};
 use clastic::components::energy::EnergyLedger;
 use clastic::run::{Outcome, Simulation};
-use clastic::scene::format::{FrictionLaw, Scene};
+use clastic::scene::format::{FrictionLaw, Load, Remove, Scene, Select, Stage};
 
 const MASS: f64 = 2000.0 * PI * 0.01 * 0.01;
 
@@ -111,7 +114,7 @@ fn what_cannot_be_removed_is_refused_when_the_stage_begins() {
 }
 
 /// A disk of weight W on a floor, pressed down with F by another disk or by a wall, which is taken
-/// away. The contact that goes takes F^2/2k with it, which no term has. The floor loses
+/// away. The contact that goes takes F^2/2k with it, which is `exchange`. The floor loses
 /// ((F + W)^2 - W^2)/2k, of which the lifted weight takes W F/k and the jump to equilibrium F^2/2k.
 #[test]
 fn energy_that_a_removal_frees_is_motion_and_neither_turning_nor_numerical() {
@@ -155,10 +158,64 @@ fn energy_that_a_removal_frees_is_motion_and_neither_turning_nor_numerical() {
         let ledger = simulation.world().resource::<EnergyLedger>();
         let (e, left) = (ledger.increment, weight * weight / (2.0 * k));
         assert_relative(ledger.stored.unwrap(), left, 1e-7);
-        assert_relative(e.elastic, left - on_floor, 1e-7);
+        assert_relative(e.elastic, left - pressed, 1e-7);
+        assert_relative(e.exchange, -force * force / (2.0 * k), 1e-7);
         assert_relative(e.gravity, -weight * force / k, 1e-7);
         assert_relative(e.motion, force * force / (2.0 * k), 1e-7);
         let rest = [e.external, e.turning, e.numerical, e.friction, e.dilation, e.error()];
         assert!(rest.iter().all(|x| x.abs() < 1e-7 * e.motion), "{e:?}");
+    }
+}
+
+/// What particles take with them out of a loaded packing is the elastic energy of their contacts,
+/// k o^2/2 of their overlaps o and q^2/2k of their shear forces, and the books balance.
+#[test]
+fn particles_take_the_energy_of_their_contacts_out_of_a_packing() {
+    for law in [FrictionLaw::Associated, FrictionLaw::COULOMB] {
+        let mut scene = load("isotropic_compression");
+        scene.friction_law = law;
+        scene.output.energy = true;
+        scene.measures.reference_stage = None;
+        scene.stages.truncate(2);
+        let Some(Stage::Load(confine)) = scene.stages.last().cloned() else { panic!("a load") };
+        let increments = confine.increments;
+        let hole = Select::Circle { centre: (0.05, 0.035), radius: 0.014 };
+        scene.stages.push(Stage::Remove(Remove { name: "hole".into(), select: hole }));
+        let hold =
+            Load { name: "hold".into(), increments: 1, walls: Default::default(), ..confine };
+        scene.stages.push(Stage::Load(hold));
+        let mut simulation = Simulation::new(&scene, None);
+        while next(&mut simulation).unwrap().stage != "confine" {}
+        for _ in 1..increments {
+            next(&mut simulation).unwrap();
+        }
+        let world = simulation.world();
+        let (bodies, rows) = (world.resource::<Bodies>(), world.resource::<Bodies>().ids.clone());
+        let k = 2.0e7;
+        let energy = |c: &ContactMemory| {
+            let (a, b) = (c.a as usize, c.b as usize);
+            let other = bodies.radii.get(b)?;
+            let apart = bodies.positions[a].distance(bodies.positions[b]);
+            let overlap = (bodies.radii[a] + other - apart).max(0.0);
+            Some(0.5 * k * overlap * overlap + 0.5 * c.q * c.q / k)
+        };
+        let contacts = &world.resource::<ContactHistory>().0;
+        let contacts: Vec<_> = contacts.iter().map(|c| (c.a, c.b, energy(c))).collect();
+        let before = world.resource::<EnergyLedger>().stored.unwrap();
+        next(&mut simulation).unwrap();
+        let world = simulation.world_mut();
+        let left: Vec<BodyId> = world.query::<&BodyId>().iter(world).copied().collect();
+        let gone = |row: u32| !left.contains(&rows[row as usize]);
+        let taken = contacts.iter().filter(|(a, b, _)| gone(*a) || gone(*b));
+        // The hole touches no wall.
+        let taken: f64 = taken.map(|(.., energy)| energy.unwrap()).sum();
+        let ledger = world.resource::<EnergyLedger>();
+        let e = ledger.increment;
+        println!("{law:?}: {e:?}");
+        assert!(rows.len() > left.len() && taken > 0.01 * before, "{taken} of {before}");
+        assert_relative(e.exchange, -taken, 1e-6);
+        assert!(e.error().abs() < 1e-7 * ledger.total.throughput(), "{e:?}");
+        // What is free now is motion.
+        assert!(e.turning.abs() < 0.1 * e.motion, "{e:?}");
     }
 }

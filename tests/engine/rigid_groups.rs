@@ -520,3 +520,79 @@ fn a_drum_carries_the_moment_of_its_grains() {
     assert_relative(on_drum, of_weight, 0.02);
     assert_relative(force, -weight, 0.01);
 }
+
+/// Two disks that move past each other become one body. It keeps the momentum and the angular
+/// momentum 2 m a v; with the inertia I = 2 (m a^2 + m r^2/2) it has L^2/2I of the 2 m v^2/2 that
+/// they had. The rest is lost as in a plastic impact, and stands in the ledger.
+#[test]
+fn disks_that_become_rigid_lose_the_energy_of_their_relative_motion() {
+    let (a, u, v) = (0.025, 0.4, 0.3);
+    for law in ["", "friction_law: Coulomb(),"] {
+        let mut rig = scene(
+            &[(0.0, 0.0), (2.0 * a, 0.0)],
+            &format!("analysis: Dynamic(dt: 1.0e-4), {law}"),
+            "friction: 0.5",
+            "",
+            "Load(name: \"free\", increments: 2),
+             Load(name: \"joined\", increments: 1, rigid: { \"body\": (select: Index([0, 1])) })",
+        );
+        let clastic::scene::format::Specimen::Particles(list) = &mut rig.specimen else { panic!() };
+        (list[0].velocity, list[1].velocity) = ((u, -v), (u, v));
+        let mut simulation = Simulation::new(&rig, None);
+        assert_eq!(records(&mut simulation).len(), 3);
+        let total = simulation.world().resource::<EnergyLedger>().total;
+        let inertia = 2.0 * mass() * (a * a + 0.5 * R * R);
+        let momentum = 2.0 * mass() * a * v;
+        let lost = mass() * v * v - 0.5 * momentum * momentum / inertia;
+        // The disks have moved by 2 v dt each before they are joined: of second order in dt.
+        assert_relative(total.exchange, -lost, 1e-4);
+        assert_relative(total.kinetic, -lost, 1e-4);
+        assert!(total.error().abs() < 1e-12 * total.throughput(), "{total:?}");
+    }
+}
+
+/// A column of two disks between floor and lid, three springs in a row under the force F. While the
+/// disks are one body, the spring between them keeps its F^2/2k to itself; released they have it
+/// again.
+#[test]
+fn the_contacts_within_a_group_keep_their_elastic_energy_until_it_is_released() {
+    let k = 1.0e6;
+    let wall = |name: &str, y: f64, x: f64| {
+        format!(
+            "(name: \"{name}\", start: ({:?}, {y:?}), end: ({x:?}, {y:?}), \
+              contact: (normal_stiffness: {k:?}))",
+            -x
+        )
+    };
+    let walls = format!("{}, {}", wall("floor", 0.0, 1.0), wall("lid", 4.0 * R, -1.0));
+    let upright = "particles: [(select: All, x: Held, rotation: Held)]";
+    let rig = scene(
+        &[(0.0, R), (0.0, 3.0 * R)],
+        "",
+        &format!("normal_stiffness: {k:?}"),
+        &walls,
+        &format!(
+            "Load(name: \"press\", increments: 2, {upright}, walls: {{ \"lid\": Displacement(0.0, -1.0e-5) }}),
+             Load(name: \"one\", increments: 1, rigid: {{ \"body\": (select: Index([0, 1]), x: Held, rotation: Held) }}),
+             Load(name: \"two\", increments: 1, {upright}, release: [\"body\"])"
+        ),
+    );
+    let mut simulation = Simulation::new(&rig, None);
+    let force = 2.0e-5 * k / 3.0;
+    let spring = 0.5 * force * force / k;
+    let mut stored = Vec::new();
+    while next(&mut simulation).is_some() {
+        let ledger = simulation.world().resource::<EnergyLedger>();
+        stored.push((ledger.stored.unwrap(), ledger.total.exchange));
+        assert!(ledger.total.error().abs() < 1e-8 * ledger.total.throughput());
+    }
+    for (found, (elastic, exchange)) in
+        stored[1..].iter().zip([(3.0, 0.0), (2.0, -1.0), (3.0, 0.0)])
+    {
+        assert_within(found.0, elastic * spring, 1e-7 * spring);
+        assert_within(found.1, exchange * spring, 1e-7 * spring);
+    }
+    let total = simulation.world().resource::<EnergyLedger>().total;
+    let rest = [total.motion, total.turning, total.numerical, total.friction];
+    assert!(rest.iter().all(|x| x.abs() < 1e-7 * spring), "{total:?}");
+}

@@ -2,9 +2,11 @@
 
 use crate::common::*;
 use clastic::components::attempt::IncrementStatus;
+use clastic::components::body::ExternalForce;
+use clastic::components::contact_history::ContactHistory;
 use clastic::components::energy::EnergyLedger;
 use clastic::components::observation::Observation;
-use clastic::components::wall::Wall;
+use clastic::components::wall::{Wall, WallControl};
 use clastic::run::Simulation;
 use clastic::scene::format::{FrictionLaw, Scene};
 use glam::DVec2;
@@ -308,4 +310,43 @@ fn a_smooth_wall_that_turns_carries_along_its_normal_alone() {
         count += 1;
     }
     assert_eq!(count, 6);
+}
+
+/// Disks that are held press a rough plate and shear it; it turns by a large angle, and is then to
+/// carry a force. The force starts from the sum of the normal forces of the contacts. Along the
+/// present normal the friction would have a part in it, in proportion to the angle.
+#[test]
+fn a_force_after_a_turn_starts_from_the_normal_forces() {
+    let held = "particles: [(select: All, x: Held, y: Held, rotation: Held)]";
+    let mut errors = Vec::new();
+    for angle in [0.002, 0.001] {
+        let scene = plate(
+            "Static",
+            ELASTIC,
+            &format!(
+                "Load(name: \"press\", increments: 1, particles: [(select: All,
+                    x: Displacement(1.0e-4), y: Displacement(-5.0e-4), rotation: Held)]),
+                 Load(name: \"turn\", increments: 1, {held},
+                    walls: {{ \"plate\": Rotation(about: (0.0, 0.0), angle: {angle:?}) }}),
+                 Load(name: \"carry\", increments: 1, {held}, walls: {{ \"plate\": Force(1.0e4) }})"
+            ),
+        );
+        let mut simulation = Simulation::new(&scene, None);
+        next(&mut simulation).unwrap();
+        next(&mut simulation).unwrap();
+        let world = simulation.world_mut();
+        let normal: f64 = world.resource::<ContactHistory>().0.iter().map(|c| c.p).sum();
+        let mut walls = world.query::<(&Wall, &ExternalForce)>();
+        let (wall, force) = walls.single(world).unwrap();
+        let present = DVec2::new(force.0[0], force.0[1]).dot(wall.inward());
+        next(&mut simulation).unwrap();
+        let world = simulation.world_mut();
+        let mut walls = world.query::<&WallControl>();
+        let WallControl::Force { from, .. } = *walls.single(world).unwrap() else { panic!() };
+        assert_relative(from, normal, 1e-9);
+        errors.push(present / normal - 1.0);
+    }
+    // What the present normal would give is off by an error of first order.
+    println!("{errors:?}");
+    assert!(errors[0].abs() > 1e-5 && (errors[0] / errors[1] - 2.0).abs() < 0.5, "{errors:?}");
 }

@@ -231,7 +231,7 @@
     const errors = values("energy_error_j").filter((e) => e !== null);
     if (errors.length) {
       const work = Math.max(
-        ...["energy_external_j", "energy_gravity_j"].map((name) =>
+        ...["energy_external_j", "energy_gravity_j", "energy_exchange_j"].map((name) =>
           values(name).reduce((a, b) => Math.max(a, Math.abs(b ?? 0)), 0),
         ),
       );
@@ -240,7 +240,7 @@
         "Error of the energy",
         worst <= 0.01 * work,
         work > 0 ? percent(worst / work, 2) : si(worst, "J"),
-        "maximum, over the maximum work of loads and gravity",
+        "maximum, over the maximum work of loads and gravity and what bodies bring and take",
       );
     } else {
       add(
@@ -282,6 +282,7 @@
   Report.ENERGIES = {
     energy_external_j: "work of loads",
     energy_gravity_j: "work of gravity",
+    energy_exchange_j: "bodies that come and go",
     energy_kinetic_change_j: "kinetic",
     energy_elastic_j: "elastic",
     energy_friction_j: "friction",

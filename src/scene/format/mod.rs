@@ -6,6 +6,9 @@
 
 mod analysis;
 mod cell;
+mod cement;
+mod compact;
+mod load;
 mod materials;
 mod measures;
 mod membranes;
@@ -20,6 +23,7 @@ mod scatter;
 mod solver;
 mod specimen;
 mod stages;
+mod stop;
 mod walls;
 
 use std::collections::BTreeMap;
@@ -41,6 +45,9 @@ use super::unique_keys;
 
 pub use analysis::{Analysis, FrictionLaw};
 pub use cell::{Cell, CellControl, CellStrain, CellTarget};
+pub use cement::Cement;
+pub use compact::{Compact, CompactBy, CompactRest, CompactTarget};
+pub use load::Load;
 pub use materials::{Bond, Contact, Material};
 pub use measures::{Measure, Measures, ROLES};
 pub use membranes::MembraneControl;
@@ -57,10 +64,8 @@ pub(super) use solver::CONDENSED_FIELDS;
 pub use solver::Solver;
 pub(super) use solver::WITHOUT_BRACKETS;
 pub use specimen::{ExplicitBond, Particle, Sizes, Specimen};
-pub use stages::{
-    Cement, Compact, CompactBy, CompactRest, CompactTarget, CustomStage, Load, Remove, Save, Stage,
-    Stop,
-};
+pub use stages::{CustomStage, Remove, Save, Stage};
+pub use stop::Stop;
 pub use walls::{LidLoad, Slide, Table, Wall, WallControl, WallShape};
 
 /// Latest version of the format. Version 1 is read too.

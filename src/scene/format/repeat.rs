@@ -3,7 +3,7 @@
 use serde::{Deserialize, Deserializer};
 
 use super::pour::Pour;
-use super::stages::{Cement, Compact, CustomStage, Load, Remove, Save, Stage};
+use super::{Cement, Compact, CustomStage, Load, Remove, Save, Stage};
 
 /// Maximum number of stages. A slip in `times` must not fill the memory.
 pub const MAX_STAGES: usize = 100_000;

@@ -31,7 +31,8 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
         }
     }
     let help = "leave it out: a periodic cell has no";
-    if !scene.walls.is_empty() {
+    let of_state = context.specimen.and_then(|stored| stored.state.as_ref());
+    if !scene.walls.is_empty() && !of_state.is_some_and(|state| state.gives_walls) {
         findings.add(format_args!("walls"), "walls in a periodic cell", &format!("{help} walls"));
     }
     if scene.gravity != (0.0, 0.0) {
@@ -54,18 +55,24 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
         let help = "leave it out; the measure `ElasticEnergy` is defined";
         findings.add(format_args!("output.energy"), "an energy ledger of a periodic cell", help);
     }
-    if matches!(scene.specimen, Specimen::State { .. }) {
-        let help = "start from particles, a packing or a file";
-        findings.add(format_args!("specimen"), "a saved state in a periodic cell", help);
+    if let Some(state) = of_state.filter(|state| !state.gives_cell) {
+        let (what, help) = match state.cell {
+            Some(_) => ("a cell beside that of the state", "leave it out: the run goes on in that"),
+            None => (
+                "a state without a periodic cell",
+                "start from the state of a run with a cell, or leave `cell` out",
+            ),
+        };
+        findings.add(format_args!("cell"), what, help);
     }
     for (i, stage) in scene.stages.iter().enumerate() {
         let path = format_args!("stages[{i}]");
         match stage {
             Stage::Compact(stage) => compact(path, stage, findings),
             Stage::Load(stage) => load(path, stage, findings),
-            Stage::Cement(_) => {}
-            Stage::Remove(_) | Stage::Save(_) | Stage::Pour(_) | Stage::Custom(_) => {
-                let help = "use `Load`, `Compact` and `Cement`";
+            Stage::Cement(_) | Stage::Save(_) => {}
+            Stage::Remove(_) | Stage::Pour(_) | Stage::Custom(_) => {
+                let help = "use `Load`, `Compact`, `Cement` and `Save`";
                 findings.add(path, "a stage that knows no periodic cell", help);
             }
         }

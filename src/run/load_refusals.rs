@@ -1,0 +1,73 @@
+//! Why a loading stage cannot begin: selections without particles, walls where particles are.
+
+use bevy_ecs::prelude::*;
+
+use clastic_components::body::{BodyId, Position};
+use clastic_components::particle::Particle;
+
+use super::select::selected;
+use super::wall_pieces::{CUT, is_cut};
+use super::walls::WallCatalogue;
+use crate::scene::format as scene;
+
+/// An entry of `particles` that selects no particle. The stage is refused, because without this
+/// entry the results would be those of another scene.
+pub fn selects_nothing(world: &mut World, stage: &scene::Load) -> Option<String> {
+    let empty = |control: &scene::ParticleControl| {
+        !control.live && selected(world, &control.select).is_empty()
+    };
+    let k = stage.particles.iter().position(empty)?;
+    let (what, remedy) = why_empty(&stage.particles[k].select);
+    Some(format!(
+        "stage `{}` cannot begin: particles[{k}].select selects no particle: {what}; {remedy}",
+        stage.name
+    ))
+}
+
+/// Why a selection has no particle, and what to do.
+pub(super) fn why_empty(select: &scene::Select) -> (String, String) {
+    match select {
+        scene::Select::All => {
+            ("the specimen has no particles".to_owned(), "leave the entry out".to_owned())
+        }
+        scene::Select::Index(list) => (
+            format!("no particle has an index of {list:?}"),
+            "name particles that exist".to_owned(),
+        ),
+        scene::Select::Group(name) => {
+            (format!("no particle is of group `{name}`"), "name a group that exists".to_owned())
+        }
+        scene::Select::Probe(name) => {
+            (format!("no particle is the probe `{name}`"), "name a probe that exists".to_owned())
+        }
+        scene::Select::Box { min, max } => {
+            let what = format!("no particle has its centre in the box from {min:?} to {max:?}");
+            (what, "give a box that holds the particles where they are by then".to_owned())
+        }
+        _ => (
+            "no particle is in it".to_owned(),
+            "give one that has particles where they are by then".to_owned(),
+        ),
+    }
+}
+
+/// A thin wall that comes where a particle is. The stage is refused, because the side of the
+/// particle is not clear.
+pub fn cuts_through(world: &mut World, stage: &scene::Load) -> Option<String> {
+    let catalogue = world.get_resource::<WallCatalogue>()?;
+    let comes = |wall: &&scene::Wall| stage.add_walls.contains(&wall.name) && !wall.shape.is_line();
+    let walls: Vec<_> = catalogue.walls.iter().filter(comes).cloned().collect();
+    let mut particles = world.query::<(&BodyId, &Particle, &Position)>();
+    let cut = |wall: &scene::Wall| {
+        let all = particles.iter(world);
+        let cut = all.filter(|(_, particle, x)| is_cut(wall, x.0, particle.radius));
+        cut.map(|(id, ..)| id.0).min()
+    };
+    let (wall, particle) =
+        walls.iter().zip(walls.iter().map(cut)).find_map(|(w, p)| Some((w, p?)))?;
+    Some(format!(
+        "stage `{}` cannot begin: wall `{}` of add_walls would cut through particle {particle}, whose \
+         centre is within {CUT:?} radii of it; add it where there is room",
+        stage.name, wall.name
+    ))
+}

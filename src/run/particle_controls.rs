@@ -1,0 +1,45 @@
+//! Controls of particles in a loading stage.
+
+use bevy_ecs::prelude::*;
+
+use clastic_components::body::{Drive, Drives, LoadControl, Position};
+use clastic_components::increment::Analysis;
+use clastic_components::particle::Particle;
+
+use super::drive::drive;
+use super::select::selected;
+use crate::scene::format as scene;
+
+/// Sets drives and loads of the particles for a loading stage. Drives end with their stage, loads
+/// stay at their last values.
+pub(super) fn set(world: &mut World, stage: &scene::Load, analysis: &Analysis) {
+    let mut particles = world.query_filtered::<(&mut Drives, &mut LoadControl), With<Particle>>();
+    for (mut drives, mut loads) in particles.iter_mut(world) {
+        drives.0 = [Drive::Free; 3];
+        for load in &mut loads.0 {
+            load.0 = load.1;
+        }
+    }
+    let mut particles = world.query::<(&Position, &mut Drives, &mut LoadControl)>();
+    for control in stage.particles.iter().filter(|control| !control.live) {
+        for (_, entity) in selected(world, &control.select) {
+            let Ok((x, mut drives, mut loads)) = particles.get_mut(world, entity) else { continue };
+            for (k, motion) in [control.x, control.y, control.rotation].into_iter().enumerate() {
+                if motion != scene::Motion::Free {
+                    drives.0[k] = drive(motion, analysis);
+                }
+            }
+            if let Some(((xx, xy), (yx, yy))) = control.affine {
+                drives.0[0] = Drive::Imposed(xx * x.0.x + xy * x.0.y);
+                drives.0[1] = Drive::Imposed(yx * x.0.x + yy * x.0.y);
+            }
+            if let Some((fx, fy)) = control.force {
+                loads.0[0].1 = fx;
+                loads.0[1].1 = fy;
+            }
+            if let Some(moment) = control.moment {
+                loads.0[2].1 = moment;
+            }
+        }
+    }
+}

@@ -1,0 +1,76 @@
+//! Stages that compact a packing.
+
+use serde::{Deserialize, Serialize};
+
+use super::Record;
+
+/// See [`Stage::Compact`](super::Stage::Compact).
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Compact {
+    /// Name.
+    pub name: String,
+    /// The wall that moves, along its inward normal. A periodic cell has none: it shrinks along both
+    /// of its vectors.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub wall: String,
+    /// The fixed wall opposite, which is the reference of the height.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub base: String,
+    /// Target that ends the compaction.
+    pub target: CompactTarget,
+    /// What moves.
+    #[serde(default, skip_serializing_if = "CompactBy::is_default")]
+    pub by: CompactBy,
+    /// Maximum motion of the wall, change of the width or height of a cell, or growth of the
+    /// largest radius, in an increment, m.
+    pub step: f64,
+    /// Reference motion of particles that nothing pushes.
+    #[serde(default)]
+    pub rest: CompactRest,
+    /// Shaking: maximum random part of the reference motion in an increment, in mean radii. Without
+    /// it a random packing jams before it is dense.
+    #[serde(default)]
+    pub agitation: f64,
+    /// Seed of the shaking.
+    #[serde(default)]
+    pub seed: u64,
+    /// Recording.
+    #[serde(default)]
+    pub record: Record,
+}
+
+/// Target of a compaction.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+pub enum CompactTarget {
+    /// Distance between the two walls, m.
+    Height(f64),
+    /// Porosity between the two walls over the length of the base, or of the cell.
+    Porosity(f64),
+}
+
+/// What brings the packing to its target.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+pub enum CompactBy {
+    /// The wall, or the cell, moves.
+    #[default]
+    Boundary,
+    /// All radii grow by the same factor, while walls and cell stand still (radius expansion).
+    Radii,
+}
+
+impl CompactBy {
+    fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+/// Reference motion of a compaction.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+pub enum CompactRest {
+    /// Particles move with the wall in proportion to their height, which gives a uniform packing.
+    #[default]
+    Affine,
+    /// Particles stay until they are pushed, so that the packing grows from the moving wall.
+    Still,
+}

@@ -1,0 +1,72 @@
+//! Loading stages.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::{
+    Analysis, CellControl, MembraneControl, ParticleControl, Record, RigidControl, Stop,
+    WallControl,
+};
+use crate::scene::unique_keys;
+
+/// See [`Stage::Load`](super::Stage::Load).
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Load {
+    /// Name.
+    pub name: String,
+    /// Number of increments.
+    pub increments: u32,
+    /// Analysis of this stage; that of the scene if left out.
+    #[serde(default)]
+    pub analysis: Option<Analysis>,
+    /// Gravity of this stage, m/s^2; that of the scene if left out.
+    #[serde(default)]
+    pub gravity: Option<(f64, f64)>,
+    /// Control of walls by name. A wall without an entry keeps its load if it is loaded, and
+    /// otherwise stays where it is.
+    #[serde(default, deserialize_with = "unique_keys::deserialize")]
+    pub walls: BTreeMap<String, WallControl>,
+    /// Walls that are removed at the start.
+    #[serde(default)]
+    pub remove_walls: Vec<String>,
+    /// Walls that are added at the start.
+    #[serde(default)]
+    pub add_walls: Vec<String>,
+    /// Controls of particles. Particles that no control selects are free.
+    #[serde(default)]
+    pub particles: Vec<ParticleControl>,
+    /// Rigid groups by name. An entry with `select` makes a group, an entry without it controls a
+    /// group that exists. A group without an entry keeps its loads, and stands still along the
+    /// degrees of freedom that were held or driven.
+    #[serde(
+        default,
+        deserialize_with = "unique_keys::deserialize",
+        skip_serializing_if = "BTreeMap::is_empty"
+    )]
+    pub rigid: BTreeMap<String, RigidControl>,
+    /// Rigid groups that end at the start: their members move on their own.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub release: Vec<String>,
+    /// Flexible membranes by name. The first entry of a name makes a membrane, later ones change its
+    /// pressure. A membrane without an entry keeps its pressure.
+    #[serde(
+        default,
+        deserialize_with = "unique_keys::deserialize",
+        skip_serializing_if = "BTreeMap::is_empty"
+    )]
+    pub membranes: BTreeMap<String, MembraneControl>,
+    /// Membranes that are removed at the start.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub remove_membranes: Vec<String>,
+    /// Control of the periodic cell, boxed since few stages have one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cell: Option<Box<CellControl>>,
+    /// Conditions that end the stage early.
+    #[serde(default)]
+    pub stop: Vec<Stop>,
+    /// Recording.
+    #[serde(default)]
+    pub record: Record,
+}
