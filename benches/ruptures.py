@@ -2,12 +2,13 @@
 """Peak of cemented sand against rule of rupture and increment, on five packings of 900 disks.
 
     cargo build --release
-    python3 benches/ruptures.py [--out bench/ruptures] [--seeds 11,12,13,14,15]
+    python3 benches/ruptures.py [--out bench/ruptures] [--seeds 11,12,13,14,15] [--set rupture.brittleness=0.0]
 
 The packings are made as by scenes/prepare_biaxial.ron, in proportion and without the last leg; the
 packing is that of the last leg that does not jam. Laws are those of scenes/biaxial_10kPa.ron, and
 an increment of 1 is its 0.074 % strain. The table has the mean error of q at 0.5 % and 1 % strain
-and of the peak against `OneRound` at 1/64 of the increment, the errors of the peak of single packings, solves to the peak, and processor seconds.
+and of the peak against `OneRound` at 1/64 of the increment, the errors of the peak of single packings, solves to the
+peak, and processor seconds. `--set` gives fields of the scene to the runs with `Events`.
 """
 
 import argparse
@@ -87,6 +88,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--out", type=Path, default=ROOT / "bench/ruptures")
     parser.add_argument("--seeds", default="11,12,13,14,15")
+    parser.add_argument("--set", action="append", default=[], dest="sets", metavar="FIELD=VALUE")
     args = parser.parse_args()
     args.out.mkdir(parents=True, exist_ok=True)
     found = {}
@@ -99,6 +101,8 @@ def main():
                 f"stages.load.walls.top=Displacement(0.0, {-closing * m:.9e})",
                 f"stages.load.walls.bottom=Displacement(0.0, {closing * m:.9e})",
             ]
+            if order == "Events":
+                sets += args.sets
             out = args.out / f"{seed}_{order}_{m:.4f}"
             cpu = run(scene, out, sets)
             found.setdefault((order, m), []).append([*measured(out), cpu])

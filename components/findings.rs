@@ -66,8 +66,8 @@ pub struct EventSearch {
     /// With `dense`: share of the ruptures of bonds that were on a limit, which the increment
     /// before did not expect.
     pub late: f64,
-    /// Whether the next increment breaks bonds one by one again.
-    pub leaves: bool,
+    /// With `dense`: whether the next increment seeks the equilibrium at constant load.
+    pub settles: bool,
     /// The last trial whose maximum overload is below 1 - tolerance. Initially it is the start of
     /// the increment.
     pub below: Option<EventTrial>,

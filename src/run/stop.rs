@@ -8,6 +8,7 @@ use clastic_components::increment::Progress;
 use clastic_components::observation::Observation;
 use clastic_components::poured::Poured;
 use clastic_cone::program::ConeSolution;
+use clastic_systems::attempt::dense::is_unsettled;
 
 use super::advice::with_advice;
 use super::end_load;
@@ -61,7 +62,15 @@ pub fn end_increment(world: &mut World) {
             let waits = world.resource::<Progress>().relaxing
                 || world.resource::<Observation>().in_avalanche;
             let custom = world.resource::<Script>().stop && !waits;
-            (held.is_some() || custom).then_some(EndedBy::Stop)
+            let ends = held.is_some() || custom;
+            if ends && is_unsettled(world.resource(), world.resource(), world.resource()) {
+                // The conditions are read again in the equilibrium at constant load.
+                world.resource_mut::<Progress>().relaxing = true;
+                held = None;
+                None
+            } else {
+                ends.then_some(EndedBy::Stop)
+            }
         }
         IncrementStatus::Collapsed => {
             let collapse = Collapse::found(world, stage);

@@ -15,6 +15,10 @@
 //! So about as many bonds break early as late, and the first-order error cancels. Where more than
 //! the share `MAX_SHARE` of the bonds would break, the increment is shortened. Bonds break one by
 //! one again after an increment that would break at most one, unless that one releases little force.
+//!
+//! The rate says nothing of the next stage: at the end of a stage no bond breaks ahead. Increments of
+//! fraction 0 follow there until none of them breaks a bond ([`is_unsettled`]). In the first of them
+//! contacts that have slid close again, so that bonds may reach their limits that held before.
 
 use std::collections::HashSet;
 
@@ -40,6 +44,14 @@ const MARGIN: f64 = 1.25;
 /// Run condition: bonds break together.
 pub fn is_dense(search: Res<EventSearch>) -> bool {
     search.dense
+}
+
+/// Whether the increment has broken bonds together, so that the equilibrium without them is not
+/// known yet, or not that at constant load. A stage must not end in such a state: the next one may
+/// load another way.
+#[must_use]
+pub fn is_unsettled(search: &EventSearch, ruptures: &Ruptures, progress: &Progress) -> bool {
+    search.dense && (progress.fraction > 0.0 || ruptures.list.len() > ruptures.on_the_way)
 }
 
 /// Collects the bonds that break, or requests a shorter increment.
@@ -105,8 +117,11 @@ pub fn judge(
     let end = (progress.done + fraction).fract();
     let rest = if end.min(1.0 - end) < 1e-9 { 1.0 } else { 1.0 - end };
     let next = rest / (rest / wanted.max(1e-3) - 0.3).ceil().max(1.0);
-    progress.tried = 0.5 * next;
-    let soon = soon(next);
+    if fraction > 0.0 {
+        progress.tried = 0.5 * next;
+    }
+    let is_last = (progress.done + fraction - progress.total).abs() < 1e-9;
+    let soon = if is_last { Vec::new() } else { soon(next) };
     let is_mild = || {
         let due: HashSet<BondId> = found.iter().chain(&soon).map(|r| r.bond).collect();
         let is_due =
@@ -119,10 +134,14 @@ pub fn judge(
     if late + soon.len() <= 1 && !is_mild() {
         // What has not reached its limit breaks there, one by one.
         progress.dense = false;
-        search.leaves = true;
     } else {
         found.extend(soon);
     }
     search.late = late as f64 / found.len().max(1) as f64;
     ruptures.list.extend(found);
+    search.settles = if is_last {
+        is_unsettled(&search, &ruptures, &progress)
+    } else {
+        !progress.dense && !ruptures.list.is_empty()
+    };
 }

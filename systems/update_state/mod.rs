@@ -60,7 +60,7 @@ pub fn advance_progress(
         (RuptureOrder::Events, Avalanche::Dynamic) => ruptures.on_the_way,
         _ => 0,
     };
-    progress.relaxing = (search.active || search.leaves) && ruptures.list.len() > is_settled;
+    progress.relaxing = search.settles || search.active && ruptures.list.len() > is_settled;
     let fraction = progress.fraction;
     progress.done += fraction;
     if (progress.done - progress.done.round()).abs() < 1e-9 {

@@ -295,3 +295,35 @@ fn bonds_that_keep_most_of_their_force_break_together() {
     let [few, many] = [together, one_by_one].map(|solves| solves - increments);
     assert!(4 * few < many, "{few} and {many} solves more than increments");
 }
+
+/// The row of the last increment has the forces of the bonds that hold, and friction alone where
+/// one has broken.
+#[test]
+fn a_stage_that_ends_where_many_bonds_break_goes_on_until_all_hold() {
+    let increments = 12;
+    let (radii, mut simulation) = sheared(0.5, increments);
+    let mut last = None;
+    let mut broken = 0;
+    let mut together = 0;
+    while let Some(record) = step(&mut simulation) {
+        assert_eq!(record.status, IncrementStatus::Solved);
+        broken += record.ruptures.len();
+        together = together.max(record.ruptures.len());
+        last = Some(record);
+    }
+    let last = last.unwrap();
+    assert!(together > 1 && last.fraction == 0.0 && last.ruptures.is_empty());
+    let mut held = 0;
+    for (i, r) in radii.iter().enumerate() {
+        let force = probe(&last, &i.to_string()).force[0];
+        let strength = STRENGTH * 2.0 * r + 0.3 * PRESSED;
+        if i < broken {
+            assert_relative(force, 0.3 * PRESSED, 1e-2);
+        } else {
+            assert!(force < strength, "bond {i} carries {force} N, its strength is {strength} N");
+            assert!(force > 0.9 * 50.0, "{force}");
+            held += 1;
+        }
+    }
+    assert!(held > 5, "{held}");
+}
