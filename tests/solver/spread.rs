@@ -1,5 +1,5 @@
 //! Several solutions of one increment under Coulomb's law: how far they are apart in running
-//! scenes.
+//! scenes. The table is in `docs/validation.md`.
 
 use clastic::cone::condensed::Condensed;
 use clastic::cone::coulomb::Coulomb;
