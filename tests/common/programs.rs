@@ -14,10 +14,14 @@ pub const RESIDUAL: f64 = 1e-8;
 pub struct Kind {
     /// Name of the kind.
     pub name: &'static str,
-    contact: &'static str,
-    bond: &'static str,
-    scene: &'static str,
-    stages: &'static str,
+    /// Law of contacts.
+    pub contact: &'static str,
+    /// Law of bonds.
+    pub bond: &'static str,
+    /// Fields of the scene.
+    pub scene: &'static str,
+    /// Stages after the compaction.
+    pub stages: &'static str,
 }
 
 const ELASTIC: &str = "normal_stiffness: 6.0e7, tangential_stiffness: 3.0e7, ";

@@ -14,7 +14,7 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 
 /// State of a contact in a combination.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum State {
+pub enum State {
     Open,
     Sticks,
     /// Slides in the direction of positive slip.
@@ -28,10 +28,10 @@ const STATES: [State; 4] = [State::Open, State::Sticks, State::Ahead, State::Bac
 /// Forces (p, q) by interaction and displacements by body in global axes, all in units of the
 /// program's scales.
 #[derive(Clone, Debug)]
-struct Solution {
-    states: Vec<State>,
-    forces: Vec<[f64; 2]>,
-    displacements: Vec<[f64; 3]>,
+pub struct Solution {
+    pub states: Vec<State>,
+    pub forces: Vec<[f64; 2]>,
+    pub displacements: Vec<[f64; 3]>,
 }
 
 /// Accepted violation of an inequality, over the scales of the program.
@@ -39,7 +39,7 @@ const SIGN: f64 = 1e-9;
 
 /// All solutions of a program under Coulomb's law. Interactions with strength are taken to hold.
 /// `None` if a combination has a family of solutions, which no comparison could use.
-fn solutions(program: &ConeProgram) -> Option<Vec<Solution>> {
+pub fn solutions(program: &ConeProgram) -> Option<Vec<Solution>> {
     let contacts: Vec<usize> = (0..program.interactions.len())
         .filter(|k| !program.interactions[*k].limits.has_strength())
         .collect();
@@ -165,7 +165,7 @@ fn system(program: &ConeProgram, states: &[State]) -> System {
 
 /// Gaussian elimination with complete pivoting; `None` if the matrix is singular, which leaves the
 /// reduced system in place.
-fn solve(matrix: &mut [Vec<f64>], right: &mut [f64]) -> Option<Vec<f64>> {
+pub fn solve(matrix: &mut [Vec<f64>], right: &mut [f64]) -> Option<Vec<f64>> {
     let n = right.len();
     let mut columns: Vec<usize> = (0..n).collect();
     for k in 0..n {
@@ -212,7 +212,7 @@ fn is_consistent(matrix: &[Vec<f64>], right: &[f64]) -> bool {
 }
 
 /// The solver as the engine calls it: the associated solution, then Coulomb's law from there.
-fn coulomb(program: &ConeProgram) -> Option<ConeSolution> {
+pub fn coulomb(program: &ConeProgram) -> Option<ConeSolution> {
     let mut associated = program.clone();
     associated.interactions.iter_mut().for_each(|c| c.dilation = 1.0);
     let start = Condensed::default().solve(&associated).ok()?;
@@ -224,18 +224,18 @@ fn coulomb(program: &ConeProgram) -> Option<ConeSolution> {
 }
 
 /// Random numbers of one program.
-struct Random(ChaCha8Rng);
+pub struct Random(pub ChaCha8Rng);
 
 impl Random {
-    fn unit(&mut self) -> f64 {
+    pub fn unit(&mut self) -> f64 {
         self.0.next_u32() as f64 / u32::MAX as f64
     }
 
-    fn between(&mut self, min: f64, max: f64) -> f64 {
+    pub fn between(&mut self, min: f64, max: f64) -> f64 {
         min + (max - min) * self.unit()
     }
 
-    fn below(&mut self, n: usize) -> usize {
+    pub fn below(&mut self, n: usize) -> usize {
         self.0.next_u32() as usize % n
     }
 }
@@ -247,10 +247,15 @@ fn body(free: bool, dofs: impl Fn(usize) -> FreeDof) -> ProgramBody {
 
 /// A program of two to four disks of radius 1 between fixed bodies, with up to six contacts in
 /// random directions. Rigid contacts come with inertia, elastic ones with or without.
-fn random(seed: u64, dynamic: bool) -> ConeProgram {
+pub fn random(seed: u64, dynamic: bool) -> ConeProgram {
     let r = &mut Random(ChaCha8Rng::seed_from_u64(seed));
     let disks = 2 + r.below(3);
     let contacts = disks + 1 + r.below(6 - disks);
+    random_of(r, disks, contacts, dynamic)
+}
+
+/// The same with any number of disks and contacts.
+pub fn random_of(r: &mut Random, disks: usize, contacts: usize, dynamic: bool) -> ConeProgram {
     let rigid = dynamic && r.unit() < 0.5;
     let friction = [0.2, 0.5, 0.9, 1.5][r.below(4)];
     let mut bodies: Vec<ProgramBody> = Vec::new();

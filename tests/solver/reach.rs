@@ -1,0 +1,123 @@
+//! How many increments with sliding contacts Coulomb's law solves in whole scenes, and at what
+//! cost beside the associated law. The table is in `docs/decisions/004-coulomb-friction.md`.
+
+use std::collections::BTreeMap;
+
+use clastic::components::attempt::IncrementStatus;
+use clastic::cone::program::{ConeProgram, ConeSolution};
+use clastic::cone::residuals::{Carrying, displacement_scale, multipliers};
+use clastic::run::Simulation;
+use clastic::scene::LoadedScene;
+use clastic::scene::format::{FrictionLaw, Stage};
+
+use crate::common::{load_with_specimen, step};
+
+/// Slip or rotation of a contact that slides or rolls, over the maximum displacement.
+const SLIP: f64 = 1e-6;
+
+/// Whether a contact without strength that carries a force slides or rolls in a solution.
+pub fn slides(program: &ConeProgram, solution: &ConeSolution) -> bool {
+    let carrying = Carrying::new(program, solution);
+    let unit = displacement_scale(program, &solution.displacements);
+    program.interactions.iter().enumerate().any(|(k, c)| {
+        let e = program.kinematics(c, &solution.displacements);
+        let m = multipliers(c, &e, &solution.forces[k]);
+        !c.limits.has_strength()
+            && carrying.is_carrying(k)
+            && m.slip.abs().max(m.rotation.abs() * program.scales.length) > SLIP * unit
+    })
+}
+
+/// A scene of `scenes/`; `biaxial` is the small biaxial test without cement and with a friction of
+/// 0.5.
+pub fn scene(name: &str) -> LoadedScene {
+    let file = if name == "biaxial" { "biaxial_small" } else { name };
+    let mut loaded = load_with_specimen(file);
+    if name == "biaxial" {
+        loaded.scene.stages.retain(|stage| !matches!(stage, Stage::Cement(_)));
+        let contact = &mut loaded.scene.materials.get_mut("sand").unwrap().contact;
+        (contact.friction, contact.rolling_friction) = (0.5, 0.0);
+    }
+    loaded
+}
+
+/// The scenes of the table.
+const SCENES: [&str; 6] = [
+    "column_collapse_small",
+    "shear_box",
+    "biaxial",
+    "hopper",
+    "rotating_drum_small",
+    "angle_of_repose",
+];
+
+/// Increments of a stage.
+#[derive(Debug, Default)]
+struct Count {
+    increments: usize,
+    sliding: usize,
+    /// Of those with sliding contacts: solved without halving, capped, parts of halved increments.
+    solved: usize,
+    capped: usize,
+    parts: usize,
+    failed: usize,
+    factorisations: u64,
+    seconds: f64,
+}
+
+/// Processor time of this process, s.
+fn processor_time() -> f64 {
+    let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
+    let after_name = stat.rsplit(')').next().unwrap_or_default();
+    let ticks = |k: usize| after_name.split_whitespace().nth(k).and_then(|x| x.parse::<f64>().ok());
+    let ticks: f64 = [11, 12].into_iter().filter_map(ticks).sum();
+    ticks / 100.0
+}
+
+fn measure(name: &str, law: FrictionLaw) -> BTreeMap<String, Count> {
+    let mut loaded = scene(name);
+    loaded.scene.friction_law = law;
+    loaded.scene.acceptance.residual = 1e-8;
+    let mut simulation = Simulation::new(&loaded.scene, loaded.specimen.as_ref());
+    let mut stages: BTreeMap<String, Count> = BTreeMap::new();
+    let mut before = processor_time();
+    while let Some(record) = step(&mut simulation) {
+        let count = stages.entry(record.stage.clone()).or_default();
+        let world = simulation.world();
+        count.increments += 1;
+        count.factorisations += u64::from(record.iterations);
+        let now = processor_time();
+        count.seconds += now - std::mem::replace(&mut before, now);
+        if slides(world.resource::<ConeProgram>(), world.resource::<ConeSolution>()) {
+            count.sliding += 1;
+            let whole = record.fraction == 1.0;
+            count.parts += usize::from(!whole);
+            match record.status {
+                IncrementStatus::Solved => count.solved += usize::from(whole),
+                IncrementStatus::Capped => count.capped += 1,
+                _ => count.failed += 1,
+            }
+        }
+    }
+    stages
+}
+
+/// Prints one line for every scene, law and stage. `REACH=hopper,biaxial` chooses scenes.
+#[test]
+#[ignore = "whole scenes, minutes"]
+fn sliding_increments_are_solved() {
+    let chosen = std::env::var("REACH").unwrap_or_default();
+    let scenes =
+        SCENES.into_iter().filter(|s| chosen.is_empty() || chosen.split(',').any(|c| c == *s));
+    for name in scenes {
+        for (law, text) in
+            [(FrictionLaw::COULOMB, "Coulomb"), (FrictionLaw::Associated, "associated")]
+        {
+            for (stage, count) in measure(name, law) {
+                println!("{name} | {text} | {stage} | {count:?}");
+                // What is committed has its residual within the bound.
+                assert_eq!(count.failed, 0, "{name}, {stage}");
+            }
+        }
+    }
+}
