@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::output::history::PROBE_COLUMNS;
+use crate::history_columns::PROBE_COLUMNS;
 use crate::output::{OutputError, directory, names};
 
 /// Numbers of a history by column. Texts and empty fields are `None`.
