@@ -204,8 +204,8 @@ pub enum FabricComponent {
     /// `E(theta) = (1 + a cos 2 (theta - theta_a)) / (2 pi)` (Rothenburg and Bathurst 1989,
     /// Geotechnique 39, 601-614).
     Anisotropy,
-    /// Angle `theta_a` of the major principal direction from the x axis, rad, above -pi/2 and up to
-    /// pi/2. It is not defined for an isotropic tensor.
+    /// Angle `theta_a` of the major principal direction from the x axis, rad, from 0 to below pi. It
+    /// is not defined for an isotropic tensor.
     Direction,
 }
 
@@ -241,8 +241,8 @@ pub enum FragmentPart {
 pub enum CrackPart {
     /// Sum of their lengths, m.
     Length,
-    /// Mean direction, weighted by length, as an angle from the x axis, rad, above -pi/2 and up to
-    /// pi/2. Directions are axes, so the mean is that of doubled angles.
+    /// Mean direction, weighted by length, as an angle from the x axis, rad, from 0 to below pi.
+    /// Directions are axes, so the mean is that of doubled angles.
     Direction,
     /// Magnitude of that mean: 1 for parallel cracks, 0 without a preferred direction.
     Alignment,

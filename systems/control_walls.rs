@@ -8,7 +8,8 @@ use clastic_components::body::{BodyId, Position, Ramp};
 use clastic_components::contact::Bodies;
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::wall::{
-    LoadedLength, TableOf, Wall, WallControl, WallDrive, WallRotation, WallSlide, WallTable,
+    LoadedLength, TableOf, Wall, WallControl, WallDrive, WallName, WallRotation, WallSlide,
+    WallTable,
 };
 use glam::DVec2;
 
@@ -54,6 +55,7 @@ pub fn control_walls(
         Option<&WallTable>,
         Option<&WallSlide>,
     )>,
+    names: Query<&WallName>,
     mut commands: Commands,
 ) {
     let dt = time_step(&analysis);
@@ -74,9 +76,17 @@ pub fn control_walls(
                 if !(geometry.contains(a) && geometry.contains(b)) =>
             {
                 // The wall would be unloaded without a word.
+                let name = |wall: Entity| match names.get(wall) {
+                    Ok(WallName(name)) => format!("wall `{name}`"),
+                    Err(_) if geometry.contains(wall) => format!("wall {wall}"),
+                    Err(_) => "a wall that is gone".to_owned(),
+                };
                 commands.insert_resource(Halted(format!(
-                    "the stress on wall {entity} acts on the distance of walls {a} and {b}, of which one \
-                     is gone; give it another control before the wall goes"
+                    "the stress on {} acts on the distance of {} and {}; give it another control \
+                     before the wall goes",
+                    name(entity),
+                    name(a),
+                    name(b)
                 )));
                 continue;
             }

@@ -13,6 +13,7 @@ mod list;
 mod memory;
 mod new;
 mod own_findings;
+mod peak_error;
 mod plot;
 mod progress;
 #[cfg(feature = "report")]

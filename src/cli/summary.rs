@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
+use super::peak_error::peak_error;
 use crate::output::Ending;
 use crate::output::found::Settled;
-use crate::run::key_results::{PEAK_ERROR, RIGID, Results};
+use crate::run::key_results::{RIGID, Results};
 use crate::run::sanity::Report;
 use crate::run::stages::Script;
 use crate::run::{Collapse, Outcome, StageEnd};
@@ -99,7 +100,7 @@ pub fn summary(of: &Summary) -> String {
     let has_bonds = results.bonds_created > 0;
     let reason = has_bonds.then(|| one_round(&script.scene)).flatten();
     lines.extend(reason.map(|reason| format!("note: {}", in_one_round(&reason))));
-    lines.extend(peak_error(results));
+    lines.extend(peak_error(&script.scene, results));
     lines.extend(sanity.warnings.iter().map(|warning| format!("WARNING: {warning}")));
     lines.extend(not_defined(script, ending, results));
     if !parts.is_empty() {
@@ -148,18 +149,6 @@ pub(super) fn in_one_round(reason: &str) -> String {
         "`rupture.order: Events` does not hold here: {reason}; bonds break as with `OneRound`, and strength depends \
          on the increment"
     )
-}
-
-/// Warning about a peak that depends on the size of the increments.
-fn peak_error(results: &Results) -> Option<String> {
-    let estimate = results.peak_error_estimate.filter(|e| *e > PEAK_ERROR)?;
-    results.peak_stress_pa?;
-    Some(format!(
-        "WARNING: the peak depends on the increment, by about {:.0} %: bonds broke late; give smaller increments, or \
-         `rupture: (order: Events)` (it holds for static stages and elastic bonds with strength that do not break in \
-         rolling)",
-        100.0 * estimate
-    ))
 }
 
 /// Key results that the measured strain and stress should define but do not, with reasons.

@@ -17,6 +17,7 @@ mod enclosure;
 mod end_load;
 mod group_members;
 mod grow;
+mod kept_stress;
 pub mod key_results;
 mod laws;
 mod live_loads;

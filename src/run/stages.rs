@@ -12,8 +12,8 @@ use super::resolve_measures::resolve_measures;
 pub use super::script::{Collapse, CollapsedBy, EndedBy, Outcome, Script, StageEnd, Step};
 use super::stage_kinds::{BeginStage, EndStage, StageKinds};
 use super::{
-    cement, compact, end_load, group_members, grow, live_loads, load, load_refusals, membranes,
-    pour, remove, rigid, save, until,
+    cement, compact, end_load, group_members, grow, kept_stress, live_loads, load, load_refusals,
+    membranes, pour, remove, rigid, save, until,
 };
 use crate::scene::format::{Load, Stage};
 
@@ -86,6 +86,7 @@ fn refusal(world: &mut World, stage: &Stage) -> Option<String> {
 fn load_refusal(world: &mut World, load: &Load) -> Option<String> {
     load_refusals::selects_nothing(world, load)
         .or_else(|| load_refusals::cuts_through(world, load))
+        .or_else(|| kept_stress::refusal(world, load))
         .or_else(|| rigid::refusal(world, load))
         .or_else(|| membranes::refusal(world, load))
 }

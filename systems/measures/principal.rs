@@ -1,7 +1,9 @@
 //! Principal values of a symmetric tensor in the plane.
 
+use std::f64::consts::PI;
+
 /// Principal values of the tensor with components xx, yy and xy, and the angle of the major
-/// direction from the x axis, rad, above -pi/2 and up to pi/2.
+/// direction from the x axis, rad, from 0 to below pi.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Principal {
     /// Maximum.
@@ -28,23 +30,25 @@ impl Principal {
 }
 
 /// Angle of the axis whose doubled angle has this cosine and sine, up to a positive factor, rad,
-/// above -pi/2 and up to pi/2.
+/// from 0 to below pi. Axes that turn through the vertical, which is pi/2, have no jump there; those
+/// that turn through the horizontal have one.
 #[must_use]
 pub fn axis(cos: f64, sin: f64) -> f64 {
-    // `atan2` of a negative zero is -pi, which would be the axis at -pi/2.
-    let angle = 0.5 * (sin + 0.0).atan2(cos);
-    if angle <= -std::f64::consts::FRAC_PI_2 { -angle } else { angle }
+    let angle = 0.5 * sin.atan2(cos);
+    let angle = if angle < 0.0 { angle + PI } else { angle + 0.0 };
+    // An angle just below zero rounds to pi, which is the axis at 0.
+    if angle < PI { angle } else { 0.0 }
 }
 
 #[cfg(test)]
 mod tests {
-    use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+    use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
     use super::*;
 
     #[test]
     fn a_turned_tensor_has_its_values_and_its_axis() {
-        for k in -5..=6 {
+        for k in 0..12 {
             let angle = f64::from(k) * PI / 12.0;
             let (s, c) = angle.sin_cos();
             let (xx, yy) = (5.0 * c * c + 2.0 * s * s, 5.0 * s * s + 2.0 * c * c);
@@ -57,9 +61,17 @@ mod tests {
     }
 
     #[test]
-    fn the_vertical_has_one_angle() {
+    fn an_axis_that_turns_through_the_vertical_does_not_jump() {
         assert_eq!(axis(-1.0, 0.0), FRAC_PI_2);
         assert_eq!(axis(-1.0, -0.0), FRAC_PI_2);
-        assert_eq!(axis(-1.0, -1e-300), FRAC_PI_2);
+        assert!((axis(-1.0, -1e-3) - axis(-1.0, 1e-3) - 1e-3).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_horizontal_has_one_angle() {
+        for sin in [0.0, -0.0, -1e-300] {
+            assert_eq!(axis(1.0, sin).to_bits(), 0.0_f64.to_bits(), "{sin:?}");
+        }
+        assert!(axis(1.0, -1e-9) < PI);
     }
 }

@@ -201,9 +201,9 @@ fn a_crack_has_the_length_and_the_direction_of_the_bond_that_broke() {
     assert_eq!((length, sheared, fragments), (2.0, 0.0, 3.0));
     assert_within(along, FRAC_PI_2, 1e-12);
     assert_within(alike, 1.0, 1e-12);
-    // Across 45 degrees is -45 degrees; the mean of equal lengths at 90 and 135 degrees is 112.5.
+    // Across 45 degrees is 135 degrees; the mean of equal lengths at 90 and 135 degrees is 112.5.
     let [length, sheared, along, alike, fragments] = seen[2].map(Option::unwrap);
     assert_eq!((length, sheared, fragments), (4.0, 0.0, 4.0));
-    assert_within(along, -PI * 67.5 / 180.0, 1e-9);
+    assert_within(along, PI * 112.5 / 180.0, 1e-9);
     assert_within(alike, 0.5_f64.sqrt(), 1e-9);
 }

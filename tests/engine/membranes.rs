@@ -306,3 +306,55 @@ fn grains_leave_and_join_the_chain_on_the_way_to_12_per_cent() {
     assert!(joined > 0 && left > 0, "{joined} joined, {left} left");
     assert!(seen.trials >= 155, "{}", seen.trials);
 }
+
+/// The scene of a membrane test up to its confining stage, with these stages after it.
+fn after_confining(stages: &str) -> String {
+    let text = std::fs::read_to_string("scenes/biaxial_membrane_small.ron").unwrap();
+    let wrap = text.find("// A new membrane starts").unwrap();
+    let measures = text.find("    measures: [").unwrap();
+    let path = std::path::absolute("scenes/specimens/biaxial_400.csv").unwrap();
+    let text = format!("{}{stages}\n    ],\n{}", &text[..wrap], &text[measures..]);
+    text.replace("specimens/biaxial_400.csv", path.to_str().unwrap())
+}
+
+fn loaded(text: &str) -> Result<clastic::scene::LoadedScene, clastic::scene::LoadError> {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("scene.ron");
+    std::fs::write(&path, text).unwrap();
+    clastic::scene::load(&path, &[])
+}
+
+#[test]
+fn the_membrane_of_the_documentation_runs_as_it_stands() {
+    let text = std::fs::read_to_string("docs/scenes.md").unwrap();
+    let start = text.find("// The walls have brought 200 kPa").unwrap();
+    let snippet = &text[start..start + text[start..].find("```").unwrap()];
+    let loaded = loaded(&after_confining(snippet)).unwrap();
+    let mut simulation = Simulation::new(&loaded.scene, loaded.specimen.as_ref());
+    assert_eq!(simulation.run(), Outcome::Completed);
+    let observation = simulation.world().resource::<Observation>();
+    assert!(observation.axial_strain.unwrap() > 0.1, "{observation:?}");
+    assert_relative(observation.lateral_stress.unwrap(), 200.0e3, 1e-12);
+}
+
+#[test]
+fn walls_on_which_a_kept_stress_acts_stay_or_the_stage_is_refused_with_their_names() {
+    let wrap = r#"Load(name: "wrap", increments: 1, CONTROL remove_walls: ["left", "right"],
+        membranes: { "sides": (pressure: 200.0e3, between: ("bottom", "top")) }),"#;
+    let error = loaded(&after_confining(&wrap.replace("CONTROL", ""))).unwrap_err().to_string();
+    assert!(error.contains("walls `left` and `right`"), "{error}");
+    // A program that does not check its scene.
+    let fixed = r#"walls: { "top": Fixed, "bottom": Fixed },"#;
+    let clastic::scene::LoadedScene { mut scene, specimen, .. } =
+        loaded(&after_confining(&wrap.replace("CONTROL", fixed))).unwrap();
+    let clastic::scene::format::Stage::Load(load) = scene.stages.last_mut().unwrap() else {
+        panic!("no loading stage")
+    };
+    load.walls.remove("top");
+    let outcome = Simulation::new(&scene, specimen.as_ref()).run();
+    let Outcome::Refused { stage, message } = outcome else { panic!("{outcome:?}") };
+    assert_eq!(stage, "wrap");
+    for name in ["`top`", "`left`", "`right`"] {
+        assert!(message.contains(name), "{message}");
+    }
+}

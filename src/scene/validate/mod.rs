@@ -3,6 +3,7 @@
 //! Every check adds a [`Finding`] and goes on, so that one run reports everything.
 
 mod bonds;
+mod carried;
 mod cell;
 mod crossing;
 mod cuts;

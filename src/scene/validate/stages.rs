@@ -13,7 +13,7 @@ use super::findings::Findings;
 use super::parts::{WALL, motion, wall_there};
 use super::select::select;
 use super::wall_controls::control_of_wall;
-use super::{Context, membranes, pour, rigid, stops, walls};
+use super::{Context, carried, membranes, pour, rigid, stops, walls};
 
 /// Maximum number of increments of a compaction.
 const MAX_STEPS: f64 = 1e8;
@@ -33,6 +33,7 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
     let mut present: Vec<bool> = scene.walls.iter().map(|wall| wall.present).collect();
     let mut groups = rigid::at_start(&scene.rigid_at_start);
     let mut skins = membranes::inherited(context.specimen);
+    let mut stresses = carried::inherited(context.specimen);
     for (i, stage) in scene.stages.iter().enumerate() {
         let path = format_args!("stages[{i}]");
         match stage {
@@ -51,12 +52,14 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
             }
             Stage::Load(stage) => {
                 load(context, path, (i, stage), &mut present, findings);
+                carried::check(path, stage, &mut stresses, findings);
                 pour::none_is_full(path, stage, findings);
                 rigid::check(context, path, stage, &present, &mut groups, findings);
                 membranes::check(context, path, stage, &present, &mut skins, findings);
             }
             Stage::Pour(stage) => {
                 load(context, path, (i, &stage.load), &mut present, findings);
+                carried::check(path, &stage.load, &mut stresses, findings);
                 rigid::check(context, path, &stage.load, &present, &mut groups, findings);
                 membranes::check(context, path, &stage.load, &present, &mut skins, findings);
                 pour::check(context, path, stage, &present, findings);

@@ -1,0 +1,82 @@
+//! Stresses that walls keep from stage to stage, on the distance of two walls: both must stay.
+
+use std::fmt::Arguments;
+
+use clastic_components::body::BodyId;
+use clastic_components::wall::WallName;
+use clastic_systems::wall_states::{ControlState, ControlStates, LengthState, WALL_CONTROL};
+
+use crate::scene::StoredSpecimen;
+use crate::scene::format::Load;
+
+use super::findings::Findings;
+
+/// A wall that keeps a stress, and the two walls on whose distance it acts.
+pub(super) struct Carried {
+    wall: String,
+    between: (String, String),
+}
+
+/// The stresses of a saved state from which the scene starts with its walls.
+pub(super) fn inherited(specimen: Option<&StoredSpecimen>) -> Vec<Carried> {
+    let state = specimen.and_then(|stored| stored.state.as_ref());
+    let saved = state.filter(|state| state.gives_walls).and_then(|state| state.saved.as_ref());
+    let Some(world) = saved.map(|saved| &saved.world) else { return Vec::new() };
+    let (Ok(controls), Ok(names)) = (
+        world.get::<ControlStates>(WALL_CONTROL),
+        world.components::<BodyId, WallName>("wall_name"),
+    ) else {
+        return Vec::new();
+    };
+    let name = |id: BodyId| {
+        names.iter().find(|(other, _)| *other == id).map(|(_, WallName(name))| name.clone())
+    };
+    let carried = |(id, control): (BodyId, ControlState)| match control {
+        ControlState::Stress(_, _, LengthState::Between(Some(a), Some(b))) => {
+            Some(Carried { wall: name(id)?, between: (name(a)?, name(b)?) })
+        }
+        _ => None,
+    };
+    controls.0.into_iter().filter_map(carried).collect()
+}
+
+/// Checks the walls that a stage removes; `carried` are the stresses from before, and afterwards
+/// those that the next stage finds.
+pub(super) fn check(
+    path: Arguments,
+    stage: &Load,
+    carried: &mut Vec<Carried>,
+    findings: &mut Findings,
+) {
+    // A wall with a control of its own, or that goes, no longer has the stress from before.
+    carried.retain(|carried| {
+        !stage.walls.contains_key(&carried.wall) && !stage.remove_walls.contains(&carried.wall)
+    });
+    for (i, gone) in stage.remove_walls.iter().enumerate() {
+        let needs = |carried: &&Carried| carried.between.0 == *gone || carried.between.1 == *gone;
+        let keeps: Vec<_> = carried.iter().filter(needs).collect();
+        if let [Carried { wall, between: (a, b) }, ..] = keeps[..]
+            && findings.is_sure_of("stages")
+            && findings.is_sure_of("walls")
+        {
+            let message = format!(
+                "the stress that wall `{wall}` keeps acts on the distance of walls `{a}` and `{b}`"
+            );
+            let others = keeps.iter().map(|carried| format!("\"{}\": Fixed", carried.wall));
+            let help = format!(
+                "give it another control in this stage: `walls: {{ {} }}`",
+                others.collect::<Vec<_>>().join(", ")
+            );
+            findings.add(format_args!("{path}.remove_walls[{i}]"), message, &help);
+        }
+    }
+    carried.retain(|carried| {
+        let gone = |wall: &String| stage.remove_walls.contains(wall);
+        !gone(&carried.between.0) && !gone(&carried.between.1)
+    });
+    for (wall, control) in &stage.walls {
+        if let Some(Some(between)) = control.loaded_between() {
+            carried.push(Carried { wall: wall.clone(), between: between.clone() });
+        }
+    }
+}
