@@ -10,8 +10,9 @@ use crate::output::plots::sheet::{Sample, Sheet};
 use crate::output::plots::specimen::{crack_samples, draw_cracks};
 use crate::output::snapshot::Snapshot;
 
-/// Colour of disks that have no value.
-const PLAIN: &str = "#f3f1ec";
+/// Colours of materials, pale so that cracks stand out.
+const MATERIALS: [&str; 8] =
+    ["#f3f1ec", "#9ecae1", "#fdcf9c", "#b5dfae", "#d4c5e8", "#e8dc96", "#c4c4c4", "#e3b8c4"];
 const COMPRESSION: &str = "#14407a";
 const TENSION: &str = "#d7191c";
 /// Number of widths of lines in a picture of force chains.
@@ -142,13 +143,29 @@ pub fn stress(view: &View) -> Option<String> {
     field(view, &values, &scale)
 }
 
-/// Disks without colours, and broken bonds.
+/// Disks in the colours of their materials, and broken bonds.
 pub fn specimen(view: &View) -> Option<String> {
     let shown = view.now.snapshot();
     let mut sheet = view.begin(&shown)?;
-    view.disks(&mut sheet, &shown, &[PLAIN], |_| 0);
+    let material = |row: usize| view.now.disks[row].material as usize;
+    view.disks(&mut sheet, &shown, &MATERIALS, |row| material(row) % MATERIALS.len());
     draw_cracks(&mut sheet, &shown);
     sheet.walls(&shown);
+    let sample = |(k, name): (usize, &String)| {
+        let number = (0..view.now.disks.len()).filter(|row| material(*row) == k).count();
+        let color = MATERIALS[k % MATERIALS.len()];
+        (number > 0).then(|| Sample {
+            color,
+            stroke: None,
+            text: format!("{number} disks of {name}"),
+        })
+    };
+    let names = &view.now.materials;
+    let samples: Vec<_> = names.iter().enumerate().filter_map(sample).collect();
+    // A single material needs no legend.
+    if samples.len() > 1 {
+        sheet.samples(&samples);
+    }
     Some(view.end(sheet, &shown, true))
 }
 
