@@ -48,9 +48,14 @@ impl Drive {
     /// The probe on which the most work is done; `None` if none is.
     #[must_use]
     pub fn first(history: &History) -> Option<Self> {
+        Self::most(&Self::all(history)).cloned()
+    }
+
+    /// The one of several on which the most work is done; of equal ones the first.
+    #[must_use]
+    pub fn most(drives: &[Self]) -> Option<&Self> {
         let of = |drive: &Self| work(&drive.points);
-        // Of equal ones the first in the history.
-        Self::all(history).into_iter().reduce(|a, b| if of(&b) > of(&a) { b } else { a })
+        drives.iter().reduce(|a, b| if of(b) > of(a) { b } else { a })
     }
 
     fn along(probe: &str, axis: &str, mut points: Vec<TestPoint>) -> Self {
@@ -86,6 +91,61 @@ impl Drive {
     pub fn peak(&self) -> Option<TestPoint> {
         let higher = |a: TestPoint, b: TestPoint| if b.force > a.force { b } else { a };
         self.points.iter().copied().reduce(higher).filter(|peak| peak.force > 0.0)
+    }
+}
+
+/// The peak of the force of a run without a stress, as `run.json` holds it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PeakForce {
+    /// The probe on which the most work is done.
+    pub probe: String,
+    /// Direction of its motion.
+    pub direction: &'static str,
+    /// Increment of the peak.
+    pub increment: u64,
+    /// Force of the outside world in this direction, N.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub force_n: Option<f64>,
+    /// Displacement in this direction since the start of the reference stage, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub displacement_m: Option<f64>,
+    /// Moment, N m, of a probe that turns.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub moment_nm: Option<f64>,
+    /// Its rotation, rad.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rotation_rad: Option<f64>,
+}
+
+impl PeakForce {
+    /// The peak of a history; `None` if nothing drives the test, or no force resists.
+    #[must_use]
+    pub fn of(history: &History) -> Option<Self> {
+        let drive = Drive::first(history)?;
+        let TestPoint { increment, motion, force } = drive.peak()?;
+        let turns = drive.turns();
+        let [straight, turned] =
+            [!turns, turns].map(|is| (Some(force).filter(|_| is), Some(motion).filter(|_| is)));
+        Some(Self {
+            probe: drive.probe,
+            direction: drive.direction,
+            increment,
+            force_n: straight.0,
+            displacement_m: straight.1,
+            moment_nm: turned.0,
+            rotation_rad: turned.1,
+        })
+    }
+
+    /// The peak in a line.
+    #[must_use]
+    pub fn line(&self) -> String {
+        let of = match (self.force_n, self.displacement_m, self.moment_nm, self.rotation_rad) {
+            (Some(f), Some(u), ..) => format!("force {f:.4e} N at a displacement of {u:.4e} m"),
+            (.., Some(m), Some(t)) => format!("moment {m:.4e} N m at a rotation of {t:.4e} rad"),
+            _ => String::new(),
+        };
+        format!("peak {of} ({}, {})", self.probe, self.direction)
     }
 }
 
