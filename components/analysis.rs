@@ -61,9 +61,9 @@ impl Default for Analysis {
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Default)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct FrictionLaw {
-    /// Coulomb's law in static increments; the paper's if there is none.
+    /// Coulomb's law in static increments. `None` is the associated law of the paper.
     pub in_statics: Option<Coulomb>,
-    /// Coulomb's law in dynamic increments; the paper's if there is none.
+    /// Coulomb's law in dynamic increments. `None` is the associated law of the paper.
     pub in_dynamics: Option<Coulomb>,
 }
 

@@ -6,8 +6,6 @@ use bevy_ecs::reflect::ReflectComponent;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-use crate::identity::{body_gone, body_named};
-
 /// Identity of a body. A particle or wall that is inserted without an identity gets the next one.
 /// No identity is used twice.
 ///
@@ -18,7 +16,7 @@ use crate::identity::{body_gone, body_named};
     Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
 )]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
-#[component(immutable, on_insert = body_named, on_discard = body_gone)]
+#[component(immutable)]
 pub struct BodyId(pub u32);
 
 /// Centre of a disk, or middle of a wall's drawn segment, m.

@@ -9,10 +9,10 @@ use serde::{Deserialize, Serialize};
 
 /// A periodic cell with the vectors `(width, 0)` and `(tilt, height)`.
 ///
-/// Particles are never put back into the cell: a contact is between a particle and the nearest image
-/// of another, which is the only one within reach (a cell is at least twice as wide and as high as a
-/// contact is long). The positions of the two disks give the shift of that image, so that it
-/// is not stored.
+/// Particles are never put back into the cell: a contact is between a particle and the nearest
+/// image of another, which is the only one within reach (a cell is at least twice as wide and as
+/// high as a contact is long). The positions of the two disks give the shift of that image, so that
+/// it is not stored.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct PeriodicCell {
@@ -24,8 +24,8 @@ pub struct PeriodicCell {
     pub tilt: f64,
     /// Shear strain since the start of the run: the sum of all increments of `du_x/dy`.
     pub shear: f64,
-    /// Stress in the last increment, Pa: sigma_xx, sigma_yy, and the traction along x on a face whose
-    /// outward normal is y.
+    /// Stress in the last increment, Pa: sigma_xx, sigma_yy, and the traction along x on a face
+    /// whose outward normal is y.
     pub stress: [f64; 3],
     /// Controls of the width, the height and the shear.
     pub controls: [CellControl; 3],
@@ -39,8 +39,8 @@ pub struct PeriodicCell {
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum CellControl {
     /// Change of the width, change of the height, or displacement along x of the top over the
-    /// bottom, in every increment, m. Of a mean or a difference it is that of the strains, times the
-    /// length of the cell, positive where it lengthens.
+    /// bottom, in every increment, m. Of a mean or a difference it is that of the strains, times
+    /// the length of the cell, positive where it lengthens.
     Imposed(f64),
     /// Average stress, Pa, linear over the stage: sigma_xx, sigma_yy (compression positive), their
     /// mean or difference, or the traction along x on a face whose outward normal is y.
@@ -71,7 +71,8 @@ impl PeriodicCell {
         self.area().sqrt()
     }
 
-    /// Maximum length of a contact: of a longer one there could be two between the same particles.
+    /// Maximum distance of two particles in contact, m: half the smaller side of the cell. Beyond it
+    /// a particle could touch two images of another.
     #[must_use]
     pub fn max_branch(&self) -> f64 {
         0.5 * self.width.min(self.height)
@@ -117,8 +118,9 @@ impl PeriodicCell {
         [length / self.width, length / self.height, shear]
     }
 
-    /// Loads of that body along x and y by unit of stress, N/Pa, N/Pa and N m/Pa. Compression is positive for
-    /// sigma_xx and sigma_yy, and shortens; the traction along x on the top moves it along x.
+    /// Loads of that body along x and y by unit of stress, N/Pa, N/Pa and N m/Pa. Compression is
+    /// positive for sigma_xx and sigma_yy, and shortens; the traction along x on the top moves it
+    /// along x.
     #[must_use]
     pub fn loads(&self, arm: f64, thickness: f64) -> [f64; 3] {
         let by_length = self.area() * thickness / self.length();

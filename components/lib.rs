@@ -1,8 +1,7 @@
 //! Components and plain data of the clastic engine.
 //!
-//! Behaviour is limited to arithmetic on one value or table (laws of mixed contacts, load ramps,
-//! relabelling of rows, sums of loads) and to the component hooks that assign identities. Systems
-//! are in `clastic_systems`.
+//! Behaviour is limited to arithmetic on one value or table: laws of mixed contacts, load ramps,
+//! relabelling of rows, sums of loads. Systems and component hooks are in `clastic_systems`.
 //!
 //! Conventions that hold everywhere: SI units and `f64`; a plane problem of stated thickness;
 //! anticlockwise rotation and compressive force positive.
@@ -16,7 +15,6 @@ pub mod contact;
 pub mod contact_history;
 pub mod energy;
 pub mod findings;
-pub mod identity;
 pub mod increment;
 pub mod loads;
 pub mod material;

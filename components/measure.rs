@@ -33,7 +33,8 @@ pub enum Quantity {
     Broken {
         /// Only in this mode; `None` for all.
         mode: Option<RuptureMode>,
-        /// Whether it is the share of the bonds that broke or are intact, instead of their number.
+        /// Whether the value is the number of broken bonds over that of all bonds, instead of their
+        /// number.
         share: bool,
     },
     /// The record's volumetric strain, from axial and lateral strain.
@@ -54,14 +55,14 @@ pub enum Quantity {
         network: Network,
     },
     /// Fragments: sets of particles that intact bonds or rigid groups connect. A particle without
-    /// is a fragment of its own.
+    /// bonds and groups is a fragment.
     Fragments(FragmentPart),
     /// Cracks: each bond that breaks leaves one as long as the diameter of its smaller particle,
     /// across the line between the two centres at the start of the increment in which it breaks.
     Cracks {
         /// Only those that broke in this mode; `None` for all.
         mode: Option<RuptureMode>,
-        /// What of them.
+        /// The value.
         part: CrackPart,
     },
     /// Term of the energy ledger, J. It is not defined without a ledger.
@@ -87,7 +88,7 @@ pub enum Quantity {
         /// 0 and 1 for the force along x and y, 2 for the moment about the centre of mass.
         component: usize,
     },
-    /// What stages have poured in so far: number of grains, or their mass in kg.
+    /// Number of the grains that stages have poured in so far, or their mass in kg.
     Poured {
         /// Whether it is the mass.
         mass: bool,
@@ -119,11 +120,11 @@ pub enum KeyResult {
     PoissonsRatio,
     /// Axial stress at its peak so far, Pa.
     PeakStress,
-    /// Axial strain there.
+    /// Axial strain at that peak.
     StrainAtPeak,
-    /// Axial stress at the peak, once it is passed, Pa.
+    /// Axial stress at the peak, Pa. It is defined once the stress has fallen.
     Strength,
-    /// Axial stress far beyond the peak, where it is level, Pa.
+    /// Axial stress on the plateau far beyond the peak, Pa.
     ResidualStrength,
     /// Friction angle at the strength, rad.
     FrictionAngle,
@@ -220,7 +221,7 @@ pub enum Network {
     Strong,
 }
 
-/// What of the fragments.
+/// Value of the fragments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum FragmentPart {
@@ -234,7 +235,7 @@ pub enum FragmentPart {
     Single,
 }
 
-/// What of the cracks.
+/// Value of the cracks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum CrackPart {
@@ -261,36 +262,36 @@ pub enum EnergyTerm {
     Friction,
     /// Work of rolling.
     Rolling,
-    /// Work of the gaps that associated friction opens.
+    /// Work of opening gaps by the dilation of the associated law.
     Dilation,
-    /// Taken by normal impacts.
+    /// Energy dissipated by normal impulses.
     Collision,
-    /// Taken by bonds that break.
+    /// Energy dissipated by bonds, at their tension limit and by rupture.
     Rupture,
-    /// Taken out of motions by static analysis.
+    /// Kinetic energy that static analysis removes.
     Motion,
-    /// Work of forces whose normals turn.
+    /// Work of contact forces because normals turn.
     Turning,
-    /// Taken by the scheme.
+    /// Energy dissipated by the time integration.
     Numerical,
-    /// Error of the balance.
+    /// Supplied energy minus all the terms that receive it.
     Error,
 }
 
-/// Centres of the particles at the start of the reference stage, m, by identity. It is there if a
-/// strain in a region is measured, from then on.
+/// Centres of the particles at the start of the reference stage, m, by identity. The resource
+/// exists from that stage on, if a measure needs a strain in a region.
 #[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct StrainReference(pub Vec<(BodyId, DVec2)>);
 
-/// Axial and lateral strain after the last increments, oldest first, for angles of dilation. It is
-/// there if one is measured.
+/// Axial and lateral strain after the last increments, oldest first. The resource exists if an
+/// angle of dilation is measured.
 #[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct StrainPath(pub Vec<[f64; 2]>);
 
-/// Sums over the bonds that broke so far, by mode: tension, shear, rolling. It is there if cracks
-/// are measured.
+/// Sums over the bonds that broke so far, by mode: tension, shear, rolling. The resource exists if
+/// cracks are measured.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct CrackSums(pub [CrackSum; 3]);
@@ -317,13 +318,15 @@ pub enum MembraneValue {
     Width,
 }
 
-/// The measures in the order of the scene. `None` for a measure on a body that is not there.
+/// The measures in the order of the scene. The quantity is `None` while its body is not in the
+/// world.
 #[derive(Resource, Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct NamedMeasures {
     /// Name and quantity.
     pub list: Vec<(String, Option<Quantity>)>,
-    /// Distances of the strains at the start of the reference stage, m, in the same order.
+    /// Distance over which each strain is measured, at the start of the reference stage, m. The
+    /// order is that of `list`.
     pub references: Vec<Option<f64>>,
 }
 

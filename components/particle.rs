@@ -9,12 +9,11 @@ use crate::body::{
     AngularVelocity, AppliedLoad, Drives, ExternalForce, LastMotion, LoadControl, Position,
     Rotation, Velocity,
 };
-use crate::identity::body_added;
 
 /// A rigid disk.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
-#[component(immutable, on_add = body_added)]
+#[component(immutable)]
 #[require(
     Position,
     Rotation,

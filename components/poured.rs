@@ -16,8 +16,8 @@ pub struct Poured {
     pub mass: f64,
     /// Number and mass (kg) before the stage that pours, or that poured last.
     pub before: (u64, f64),
-    /// Number of places that were tried in that stage. It counts the random numbers.
+    /// Number of places that were tried in that stage, which is the number of random places drawn.
     pub tries: u64,
-    /// Time since which a grain has found no room, s; `None` if the last one did.
+    /// Time at which the grain that waits first found no room, s; `None` if no grain waits.
     pub waits_since: Option<f64>,
 }

@@ -10,18 +10,17 @@ use crate::body::{
     AppliedLoad, BodyId, Drive, Drives, ExternalForce, LastMotion, LoadControl, Position, Ramp,
     Rotation,
 };
-use crate::identity::body_added;
 
 /// Particles and walls that move as one body. Walls have no mass.
 ///
 /// [`Drives`] and [`LoadControl`] of the group hold, drive or load its three degrees of freedom:
 /// the translations of its centre and its rotation. Loads of the members act on the group. Drives
 /// of the members have no effect. The centre is the centre of mass, or a pivot that moves with the
-/// body; [`Position`] is its place. A group with walls has a pivot. A body is a member of one group at
-/// most.
+/// body; [`Position`] is its place. A group with walls has a pivot. A body is a member of one group
+/// at most.
 #[derive(Component, Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
-#[component(immutable, on_add = body_added)]
+#[component(immutable)]
 #[require(
     Position,
     Rotation,

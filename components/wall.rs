@@ -7,7 +7,6 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use crate::body::{ExternalForce, LastMotion, Position, Ramp};
-use crate::identity::body_added;
 use crate::increment::Progress;
 use crate::material::ContactLaw;
 
@@ -19,7 +18,6 @@ use crate::material::ContactLaw;
 /// turned by +90 degrees.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
-#[component(on_add = body_added)]
 #[require(Position, LastMotion, ExternalForce, ContactLaw, WallDrive, WallControl)]
 pub struct Wall {
     /// Unit vector from the start to the end of the segment, or along the chord of an arc.

@@ -49,3 +49,8 @@ pub const ENERGY_COLUMNS: [&str; 13] = [
     "energy_numerical_j",
     "energy_error_j",
 ];
+
+/// Columns of each probe, after its name: displacement since the start of the stage list, and force
+/// and moment of the outside world on the body.
+pub const PROBE_COLUMNS: [&str; 6] =
+    [".x_m", ".y_m", ".rotation_rad", ".force_x_n", ".force_y_n", ".moment_nm"];

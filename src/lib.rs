@@ -57,6 +57,7 @@ use bevy_app::{PluginGroup, PluginGroupBuilder, Update};
 use bevy_ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
 
 use clastic_systems::assemble_program::AssembleProgramPlugin;
+use clastic_systems::assign_identities::AssignIdentitiesPlugin;
 use clastic_systems::attempt::AttemptPlugin;
 use clastic_systems::control_loads::ControlLoadsPlugin;
 use clastic_systems::control_walls::ControlWallsPlugin;
@@ -101,6 +102,7 @@ impl PluginGroup for ClasticPlugins {
         let engine = PluginGroupBuilder::start::<Self>()
             .add(SchedulePlugin)
             .add(SteppingPlugin { schedule: self.schedule })
+            .add(AssignIdentitiesPlugin)
             .add(GatherBodiesPlugin)
             .add(TrialLoadsPlugin)
             .add(DetectContactsPlugin)

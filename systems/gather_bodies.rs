@@ -13,7 +13,6 @@ use clastic_components::bond::{Bond, BondId, BondState};
 use clastic_components::cell::PeriodicCell;
 use clastic_components::contact::{Bodies, BondRow, WallRow};
 use clastic_components::contact_history::{ContactHistory, DraftHistory, KeptRows};
-use clastic_components::identity::{Identities, NextIdentities};
 use clastic_components::material::ContactLaw;
 use clastic_components::particle::{MaterialIndex, Particle, Swinging};
 use clastic_components::rigid_group::{ContactForce, RigidGroup};
@@ -32,7 +31,6 @@ impl Plugin for GatherBodiesPlugin {
     fn build(&self, app: &mut App) {
         register_bodies(app);
         app.init_resource::<Bodies>()
-            .init_resource::<Identities>()
             .init_resource::<KeptRows>()
             .init_resource::<ContactHistory>()
             .init_resource::<DraftHistory>()
@@ -49,11 +47,9 @@ impl Plugin for GatherBodiesPlugin {
     }
 }
 
-/// Registers the persistent state of bodies and bonds. Identities come first, because the entities
-/// are created from them.
+/// Registers the persistent state of bodies and bonds.
 fn register_bodies(app: &mut App) {
-    app.register_state::<NextIdentities>("identities.next")
-        .register_component::<BodyId, Particle>("particle")
+    app.register_component::<BodyId, Particle>("particle")
         .register_component::<BodyId, Wall>("wall")
         .register_component::<BodyId, WallShape>("wall_shape")
         .register_component::<BodyId, Position>("position")
@@ -75,16 +71,6 @@ fn register_bodies(app: &mut App) {
         .register_resource::<PeriodicCell>("periodic_cell")
         .register_state::<RowIds>("contact_history.rows")
         .register_resource::<ContactHistory>("contact_history");
-}
-
-impl StateOf for NextIdentities {
-    fn take(world: &mut World) -> Option<Self> {
-        world.get_resource::<Identities>().map(Identities::next)
-    }
-
-    fn put(self, world: &mut World) {
-        world.get_resource_or_init::<Identities>().skip_to(self);
-    }
 }
 
 /// The identities behind the rows of persistent tables.
@@ -265,8 +251,8 @@ fn refuse_small_cells(bodies: Res<Bodies>, mut commands: Commands) {
     }
 }
 
-/// Minimum of the maximum length of a contact in a periodic cell, in maximum diameters: contacts are
-/// found a quarter of a diameter before they close.
+/// Minimum of the maximum length of a contact in a periodic cell, in maximum diameters: contacts
+/// are found a quarter of a diameter before they close.
 const MIN_CELL: f64 = 1.25;
 
 /// Records the new rows of persistent tables.

@@ -4,6 +4,7 @@
 //! [`schedule`].
 
 pub mod assemble_program;
+pub mod assign_identities;
 pub mod attempt;
 pub mod control_loads;
 pub mod control_walls;
@@ -11,6 +12,7 @@ pub mod detect_contacts;
 pub mod energy_ledger;
 pub mod event_search;
 pub mod gather_bodies;
+pub mod identities;
 pub mod kinetic_damping;
 pub mod mean_field;
 pub mod measures;

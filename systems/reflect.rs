@@ -3,12 +3,13 @@
 use bevy_app::{App, Plugin};
 
 use clastic_components::{
-    attempt, body, bond, contact, contact_history, energy, findings, identity, increment, loads,
-    material, measure, membrane, observation, particle, rigid_group, wall, wall_shape,
+    attempt, body, bond, contact, contact_history, energy, findings, increment, loads, material,
+    measure, membrane, observation, particle, rigid_group, wall, wall_shape,
 };
 use clastic_cone::program;
 
 use crate::detect_contacts::settings::DetectionSettings;
+use crate::identities::Identities;
 use crate::motion_settings::MotionSettings;
 use crate::stepping::{Due, Halted, Running};
 
@@ -62,7 +63,7 @@ impl Plugin for ReflectPlugin {
             findings::Restraints,
             findings::Centre,
             findings::BestUnconverged,
-            identity::Identities,
+            Identities,
             increment::Analysis,
             increment::FrictionLaw,
             increment::Corrector,

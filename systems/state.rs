@@ -33,7 +33,8 @@ use serde::{Deserialize, Serialize};
 
 use clastic_components::body::BodyId;
 use clastic_components::bond::BondId;
-use clastic_components::identity::Identities;
+
+use crate::identities::Identities;
 
 /// Why a state cannot be captured or restored.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -5,9 +5,9 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use clastic_components::body::BodyId;
-use clastic_components::identity::Identities;
 use clastic_components::wall::{LoadedLength, TableOf, WallControl};
 
+use crate::identities::Identities;
 use crate::state::StateOf;
 
 /// Name of [`ControlStates`] in a state.

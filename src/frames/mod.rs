@@ -108,8 +108,8 @@ pub struct FramePairs {
     pub bond: Vec<u32>,
     /// Index into [`STATES`].
     pub state: Vec<u8>,
-    /// Normal forces, N, compression positive. The force on b is p n + q t, with t the normal turned
-    /// by +90 degrees.
+    /// Normal forces, N, compression positive. The force on b is p n + q t, with t the normal
+    /// turned by +90 degrees.
     pub p_n: Vec<f32>,
     /// Shear forces, N.
     pub q_n: Vec<f32>,

@@ -28,8 +28,8 @@ pub(super) fn code(state: BondState) -> u8 {
     }
 }
 
-/// Pairs with force or a bond, ordered by bodies and bond. A pair of bodies with several bonds has a
-/// row for each. Its force stands with the intact one, or else with the last one.
+/// Pairs with force or a bond, ordered by bodies and bond. A pair of bodies with several bonds has
+/// a row for each. Its force stands with the intact one, or else with the last one.
 pub(super) fn pairs(
     bodies: &Bodies,
     kept: &KeptRows,

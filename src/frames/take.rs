@@ -59,8 +59,8 @@ impl FrameTables<'_, '_> {
         let origin = middle(bodies);
         let (group, groups) = self.groups();
         Frame {
-            // An increment that was not committed counts in the record alone, and a run that goes on
-            // from a saved state has no record yet.
+            // An increment that was not committed counts in the record alone, and a run that goes
+            // on from a saved state has no record yet.
             increment: observation.increment.max(self.progress.increment),
             stage: observation.stage.clone(),
             time_s: self.progress.time,

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use super::OutputError;
 use super::atomic::PART;
 pub use super::names::*;
+use super::pictures;
 
 /// Files of the end of a run besides its pictures.
 const OF_THE_END: [&str; 4] = [FINAL_PARTICLES, FINAL_STATE, FINAL_CHECKPOINT, REPORT];
@@ -85,7 +86,7 @@ pub fn rewind(directory: &Path, increment: u64, there: &[&str]) -> Result<(), Ou
             && (OF_THE_END.contains(&&*name)
                 || [SPECIMEN, MECHANISM].contains(&&*name)
                 || is_saved_state(&name)
-                || super::plots::FILES.contains(&&*name));
+                || pictures::FILES.contains(&&*name));
         let later = numbered(&name, "program_", ".json").is_some_and(|n| n > increment);
         let part = name.strip_suffix(PART).is_some_and(is_ours);
         if of_the_end || later || part {
@@ -165,7 +166,7 @@ fn is_ours(name: &str) -> bool {
         .contains(&name)
         || OF_THE_END.contains(&name)
         || is_saved_state(name)
-        || super::plots::FILES.contains(&name)
+        || pictures::FILES.contains(&name)
         || numbered(name, "program_", ".json").is_some()
 }
 

@@ -16,13 +16,8 @@ use super::OutputError;
 use super::csv_file::Row;
 use super::run_directory::RunDirectory;
 use super::wanted::Wanted;
-pub use crate::history_columns::{COLUMNS, ENERGY_COLUMNS};
+pub use crate::history_columns::{COLUMNS, ENERGY_COLUMNS, PROBE_COLUMNS};
 use crate::scene::format::{Scene, Specimen};
-
-/// Columns of each probe, after its name: displacement since the start of the stage list, and force
-/// and moment of the outside world on the body.
-pub const PROBE_COLUMNS: [&str; 6] =
-    [".x_m", ".y_m", ".rotation_rad", ".force_x_n", ".force_y_n", ".moment_nm"];
 
 /// Names of the rigid groups of a scene: those from the start, then in the order of the stages that
 /// make them.

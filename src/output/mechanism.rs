@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use bevy_ecs::prelude::*;
 use glam::DVec2;
 
 use clastic_components::attempt::IncrementStatus;
@@ -10,14 +9,10 @@ use clastic_components::contact::Bodies;
 use clastic_components::observation::Observation;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
+use super::OutputError;
 use super::atomic::write_atomic;
 use super::csv_file::Row;
-use super::found::Found;
-use super::run_directory::RunDirectory;
-use super::snapshot::{Moments, Scenery};
-use super::{OutputError, directory, plots};
 use crate::run::key_results::MechanismRecord;
-use crate::run::stages::Script;
 
 /// Columns. Displacements are divided by the maximum motion and therefore dimensionless. Rotations
 /// are divided by it as well and are in rad/m.
@@ -100,36 +95,4 @@ impl Mechanism {
         }
         write_atomic(path, text)
     }
-}
-
-/// System: writes the mechanism and its picture, if the increment was the first collapse.
-pub(super) fn write_first(
-    (script, observation): (Res<Script>, Res<Observation>),
-    (bodies, program, solution): (Res<Bodies>, Res<ConeProgram>, Res<ConeSolution>),
-    (scenery, moments): (Scenery, Res<Moments>),
-    mut found: ResMut<Found>,
-    mut run: ResMut<RunDirectory>,
-) -> Result<(), OutputError> {
-    let Some(mechanism) = Mechanism::of(&observation, &bodies, &program, &solution) else {
-        return Ok(());
-    };
-    if !found.see_mechanism(mechanism.record) {
-        return Ok(());
-    }
-    let path = run.path(directory::MECHANISM);
-    mechanism.write(&path)?;
-    run.is_fresh(path);
-    if moments.are_drawn {
-        let caption = format!(
-            "mechanism of the collapse in increment {} of stage {}",
-            observation.increment, observation.stage
-        );
-        let (now, title) = (scenery.snapshot(), &script.scene.title);
-        if let Some(svg) = plots::mechanism::svg(&mechanism, &now, title, &caption) {
-            let path = run.path(plots::MECHANISM);
-            write_atomic(&path, svg)?;
-            run.is_fresh(path);
-        }
-    }
-    Ok(())
 }

@@ -12,7 +12,9 @@ use super::prepared::{self, PreparedSpecimen};
 use super::run_directory::RunDirectory;
 use super::save::{is_checkpoint_due, save};
 use super::snapshot::Moments;
-use super::{OutputError, dump, events, frames, history, mechanism, peak, states, timings, wanted};
+use super::{
+    OutputError, dump, events, first_mechanism, frames, history, peak, states, timings, wanted,
+};
 use crate::run::key_results::is_undecided;
 use crate::run::save::SavedStates;
 
@@ -49,7 +51,7 @@ impl Plugin for OutputPlugin {
                     history::write_wanted.pipe(halt),
                     (prepared::prepare.pipe(halt), frames::write_start.pipe(halt)).chain(),
                     peak::take,
-                    mechanism::write_first.pipe(halt),
+                    first_mechanism::write.pipe(halt),
                     frames::write_wanted.pipe(halt),
                     dump::write_if_asked.pipe(halt),
                     timings::write_wanted.pipe(halt),

@@ -9,9 +9,9 @@ use clastic_components::wall::Wall;
 use super::snapshot::Snapshot;
 
 /// Porosity at the start of the reference stage: one minus the area of the disks over that of the
-/// specimen. An extent of the specimen is the distance between the two walls of a strain measure, or that of a periodic cell.
-/// Without such walls it is the extent of the box around the disks in the other direction. `None`
-/// without disks.
+/// specimen. An extent of the specimen is the distance between the two walls of a strain measure,
+/// or that of a periodic cell. Without such walls it is the extent of the box around the disks in
+/// the other direction. `None` without disks.
 #[must_use]
 pub fn porosity(measures: &Measures, walls: &Query<&Wall>, start: &Snapshot) -> Option<f64> {
     let normal = |measure: &Option<StrainMeasure>| match measure {

@@ -96,9 +96,9 @@ type Particles<'a> = (
     &'a mut AngularVelocity,
 );
 
-/// Makes a group of the selected particles and the named walls. The particles take the velocities of
-/// the rigid motion with their momentum and their angular momentum. What the walls carried is the
-/// load from which the group starts.
+/// Makes a group of the selected particles and the named walls. The particles take the velocities
+/// of the rigid motion with their momentum and their angular momentum. What the walls carried is
+/// the load from which the group starts.
 fn make(world: &mut World, name: &str, control: &scene::RigidControl) {
     let about = control.about;
     let chosen = chosen(world, control);

@@ -121,8 +121,8 @@ mod tests {
 
     #[test]
     fn both_distributions_have_their_mean_and_their_deviation() {
-        // A Weibull distribution of modulus 4: coefficient of variation 0.2806. Four standard errors
-        // of 20000 draws are 0.8 % of the mean and some 3 % of the deviation.
+        // A Weibull distribution of modulus 4: coefficient of variation 0.2806. Four standard
+        // errors of 20000 draws are 0.8 % of the mean and some 3 % of the deviation.
         for (spread, deviation) in [
             (Spread::Weibull { modulus: 4.0 }, 0.280_55),
             (Spread::Weibull { modulus: 1.0 }, 1.0),

@@ -6,8 +6,8 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::body::{AngularVelocity, BodyId, Group, Origin, Position, Probe, Velocity};
 use clastic_components::energy::EnergyLedger;
-use clastic_components::identity::{Identities, NextIdentities};
 use clastic_components::particle::{MaterialIndex, Particle};
+use clastic_systems::identities::{Identities, NextIdentities};
 
 use super::begin_script::begin_script;
 use super::minerals::specimen;

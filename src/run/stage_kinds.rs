@@ -8,8 +8,8 @@ use bevy_ecs::schedule::ScheduleLabel;
 
 use crate::scene::format::CustomStage;
 
-/// Begins the [`CurrentStage`](super::stages::CurrentStage): sets controls and `Progress::total`, which is 0 for a stage without
-/// increments.
+/// Begins the [`CurrentStage`](super::stages::CurrentStage): sets controls and `Progress::total`,
+/// which is 0 for a stage without increments.
 #[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct BeginStage;
 
@@ -24,7 +24,8 @@ pub enum StageSystems {
     BuiltIn,
     /// Systems of a plugin for its kinds of stages: in [`BeginStage`] and [`EndStage`].
     Custom,
-    /// Stop conditions of a plugin: in [`Advance`](clastic_systems::stepping::Advance), after the increment. They set [`Script::stop`](super::script::Script::stop).
+    /// Stop conditions of a plugin: in [`Advance`](clastic_systems::stepping::Advance), after the
+    /// increment. They set [`Script::stop`](super::script::Script::stop).
     Stop,
 }
 

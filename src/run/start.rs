@@ -6,10 +6,10 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::body::{BodyId, Probe};
 use clastic_components::energy::EnergyLedger;
-use clastic_components::identity::Identities;
 use clastic_components::membrane::Membrane;
 use clastic_components::particle::{MaterialIndex, Particle};
 use clastic_components::wall::Wall;
+use clastic_systems::identities::Identities;
 use clastic_systems::state::StateError;
 use clastic_systems::stepping::Halted;
 

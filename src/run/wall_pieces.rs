@@ -80,8 +80,8 @@ fn set_end(shape: &mut WallShape, k: usize, end: WallEnd) {
     }
 }
 
-/// The wall with all its points moved, from a place to another, and turned about it. `by` is the unit
-/// vector (cos, sin) of the angle.
+/// The wall with all its points moved, from a place to another, and turned about it. `by` is the
+/// unit vector (cos, sin) of the angle.
 #[must_use]
 pub fn moved(wall: &scene::Wall, from: DVec2, by: DVec2, to: DVec2) -> scene::Wall {
     let shift = |(x, y): (f64, f64)| {

@@ -1,8 +1,8 @@
 //! What counts from the start of the first run: increments, time, identities, energies.
 
 use clastic_components::energy::{Energies, EnergyLedger, Released};
-use clastic_components::identity::NextIdentities;
 use clastic_components::increment::Progress;
+use clastic_systems::identities::NextIdentities;
 use clastic_systems::schedule::PROGRESS;
 use clastic_systems::state::WorldState;
 

@@ -10,9 +10,10 @@ use super::diagnose::diagnose;
 use super::dialect::ron_options;
 use super::edited::EditedText;
 use super::format::Scene;
-use super::scan::{Entry, Node, Shape, Span, scan};
+use super::scan::scan;
 use super::shown::brief;
 use super::spans::{Step, descend, is_group, item_name, join, parse_path, unwrapped, write_path};
+use super::tree::{Entry, Node, Shape, Span};
 use super::{suggest, values};
 
 /// A `--set` that cannot be applied.

@@ -3,8 +3,9 @@
 
 use super::diagnostic::Finding;
 use super::format::MAX_STAGES;
-use super::scan::{Node, Shape, scan};
+use super::scan::scan;
 use super::spans::unwrapped;
+use super::tree::{Entry, Node, Shape};
 
 /// Places of the stages in a text.
 #[derive(Default)]
@@ -129,6 +130,6 @@ impl Written {
 }
 
 fn field(node: &Node, is: impl Fn(&str) -> bool) -> Option<&Node> {
-    let with_key = |entry: &&super::scan::Entry| entry.key.as_ref().is_some_and(|k| is(&k.text));
+    let with_key = |entry: &&Entry| entry.key.as_ref().is_some_and(|k| is(&k.text));
     node.entries.iter().find(with_key).map(|entry| &entry.value)
 }

@@ -1,5 +1,6 @@
 //! Stored specimens: CSV with the columns `x_m`, `y_m`, `radius_m` and optionally `material` and
-//! `group`, in any order. Other columns of `final_particles.csv` and of frames are permitted and ignored.
+//! `group`, in any order. Other columns of `final_particles.csv` and of frames are permitted and
+//! ignored.
 //!
 //! Lines that begin with `#` are comments. Names of materials contain no commas or quotes.
 

@@ -1,7 +1,8 @@
 //! Version 1 of a scene written as version 2: the text with its comments.
 
-use super::scan::{Entry, Key, Node, Shape, Span, scan};
+use super::scan::scan;
 use super::spans::unwrapped;
+use super::tree::{Entry, Key, Node, Shape, Span};
 
 /// The text of a scene of version 1 in version 2; `None` if it is of another version. The text must
 /// be that of a scene without mistakes.

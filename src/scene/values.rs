@@ -7,9 +7,10 @@ use std::collections::BTreeMap;
 
 use super::diagnostic::Finding;
 use super::edited::EditedText;
-use super::scan::{Entry, Node, Shape, Span, scan};
+use super::scan::scan;
 use super::spans::{is_group, join};
 use super::suggest;
+use super::tree::{Entry, Node, Shape, Span};
 use super::units::unit_of;
 
 /// A number of the scene for which a name stands.

@@ -138,8 +138,8 @@ impl Study {
     }
 }
 
-/// Settings of a scene, `PATH=VALUE`, that give a name a value. `settings` has the fields of a name;
-/// `None` if it does not have the name.
+/// Settings of a scene, `PATH=VALUE`, that give a name a value. `settings` has the fields of a
+/// name; `None` if it does not have the name.
 pub(super) fn sets(
     settings: &Ordered<Vec<String>>,
     name: &str,

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use super::plan::Plan;
+use super::planned::Plan;
 use super::table::RESULTS;
 use crate::output::OutputError;
 use crate::output::atomic::write_atomic;

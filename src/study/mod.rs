@@ -13,8 +13,10 @@ pub mod format;
 pub mod means;
 mod ordered;
 pub mod plan;
+pub mod planned;
 pub mod strength;
 pub mod table;
 
 pub use format::{Study, StudyError};
-pub use plan::{Plan, PlannedRun, Start, Wanted, plan};
+pub use plan::plan;
+pub use planned::{Plan, PlannedRun, Start, Wanted};

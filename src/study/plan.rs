@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::combinations::Combinations;
 use super::format::{Preparation, SCENE, Study, StudyError, sets};
+use super::planned::{Plan, PlannedRun, Start, Wanted};
 use crate::output::directory;
 use crate::output::run_record::{CLASTIC_VERSION, sha256};
 use crate::scene::format::{Save, Scene, Specimen, Stage};
@@ -13,68 +14,6 @@ use crate::scene::{LoadedScene, suggest};
 /// Number of hexadecimal digits of the hash that name a directory: two of a million runs have
 /// one name with a probability of 2e-3.
 const DIGITS: usize = 12;
-
-/// The runs of a study.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Plan {
-    /// Names that differ between runs, in the order of the study.
-    pub names: Vec<String>,
-    /// Runs whose state is the specimen of others, in the order in which they are needed.
-    pub preparations: Vec<PlannedRun>,
-    /// The runs, in the order of the study.
-    pub runs: Vec<PlannedRun>,
-}
-
-/// A run of a study.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct PlannedRun {
-    /// Path of its scene.
-    pub scene: PathBuf,
-    /// Values in RON, in the order of [`Plan::names`]; empty where the run does not have the name.
-    pub values: Vec<String>,
-    /// Settings of the scene, `PATH=VALUE`.
-    pub sets: Vec<String>,
-    /// The state from which it starts.
-    pub start: Option<Start>,
-    /// Name of its directory: the hash of what runs.
-    pub directory: String,
-}
-
-/// A state that a preparation leaves.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Start {
-    /// Index among [`Plan::preparations`].
-    pub preparation: usize,
-    /// Name of the file in the directory of the preparation.
-    pub file: String,
-}
-
-/// A scene that a plan asks for.
-#[derive(Clone, Copy, Debug)]
-pub struct Wanted<'a> {
-    /// The scene as the study names it.
-    pub scene: &'a Path,
-    /// Settings, `PATH=VALUE`.
-    pub sets: &'a [String],
-    /// Whether its saved state is still to be made, so that the scene is to be read without it.
-    pub is_unprepared: bool,
-}
-
-impl PlannedRun {
-    /// The run in one line: its names and values.
-    #[must_use]
-    pub fn label(&self, names: &[String]) -> String {
-        self.label_without(names, &[])
-    }
-
-    /// The run in one line, without some of its names.
-    #[must_use]
-    pub fn label_without(&self, names: &[String], left_out: &[String]) -> String {
-        let parts = names.iter().zip(&self.values);
-        let parts = parts.filter(|(name, value)| !value.is_empty() && !left_out.contains(name));
-        parts.map(|(name, value)| format!("{name} {value}")).collect::<Vec<_>>().join(", ")
-    }
-}
 
 /// Setting that gives a scene its saved state.
 #[must_use]

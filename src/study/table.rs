@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use super::plan::Plan;
+use super::planned::Plan;
 use crate::output::OutputError;
 use crate::output::atomic::write_atomic;
 use crate::output::csv_file::Row;
@@ -78,7 +78,8 @@ pub fn write(path: &Path, plan: &Plan, records: &[Value]) -> Result<(), OutputEr
     write_atomic(path, text)
 }
 
-/// Directory and values of every run of a table that was made, the values as text: `mu 0.2, seed 1`.
+/// Directory and values of every run of a table that was made, the values as text:
+/// `mu 0.2, seed 1`.
 ///
 /// # Errors
 /// If the file cannot be read, or is no such table.

@@ -158,8 +158,8 @@ fn shake(seed: u64, increment: u64, body: usize, dof: usize) -> f64 {
     (bits >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
 }
 
-/// Mean motion of a compaction: that of the periodic cell; else zero at the fixed walls, the motion of the wall at the moving wall,
-/// and linear in between.
+/// Mean motion of a compaction: that of the periodic cell; else zero at the fixed walls, the motion
+/// of the wall at the moving wall, and linear in between.
 struct Affine {
     moving: Option<(DVec2, DVec2, DVec2, f64)>,
     /// Displacement gradient of a periodic cell: width, height and shear.

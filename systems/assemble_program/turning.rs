@@ -1,5 +1,5 @@
-//! Contacts with walls that turn in the increment: arms of the forces about the wall's position, and
-//! offsets with which the gap at the end is exact for a disk that stays.
+//! Contacts with walls that turn in the increment: arms of the forces about the wall's position,
+//! and offsets with which the gap at the end is exact for a disk that stays.
 //!
 //! A wall turns about a point by a finite angle, and its program has the rotation to first order.
 //! At a distance L from the wall's position the two differ by `L alpha^2/2`. The difference is

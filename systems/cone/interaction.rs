@@ -100,8 +100,8 @@ pub struct Interaction {
     /// `a (mu |slip| + mu_r r |d_r|)`. 1 for the associated law, 0 for Coulomb's.
     #[serde(default = "associated")]
     pub dilation: f64,
-    /// Shift s of the image of b in the [cell](crate::program::ProgramCell), over the length of the cell; zero where
-    /// b takes part itself.
+    /// Shift s of the image of b in the [cell](crate::program::ProgramCell), over the length of the
+    /// cell; zero where b takes part itself.
     #[serde(default, skip_serializing_if = "is_none")]
     pub image: DVec2,
 }

@@ -24,8 +24,8 @@
 //! centres, and `e_a = e_b = 0`.
 //!
 //! In a periodic cell b may be the image of a body: the body, shifted by a vector s of the lattice.
-//! With H the displacement gradient of the cell it moves by `u_b + H s`, and the force on it acts on
-//! the cell as well: [`ProgramCell`].
+//! With H the displacement gradient of the cell it moves by `u_b + H s`, and the force on it acts
+//! on the cell as well: [`ProgramCell`].
 
 #[cfg(all(feature = "bevy", feature = "reflect"))]
 use bevy_ecs::reflect::ReflectResource;
@@ -38,11 +38,11 @@ pub use crate::solution::{Certificate, ConeSolution, Residuals, SolveStatus};
 
 /// The deformation of a periodic cell as a body of the program.
 ///
-/// With the translations U (in global axes) and the rotation T of that body, and l the length of the
-/// cell, the displacement gradient is `H = [[U_x/l, arm T/l], [0, U_y/l]]`: an image with the shift s
-/// moves by `u_b + H s`. The loads on the body are `-sigma_xx A h/l`, `-sigma_yy A h/l` and
-/// `-sigma_xy A h arm/l`, with A the area, h the thickness and sigma the average stress (compression
-/// positive), since the sum of the forces on images times their shifts is `sigma A h`.
+/// With the translations U (in global axes) and the rotation T of that body, and l the length of
+/// the cell, the displacement gradient is `H = [[U_x/l, arm T/l], [0, U_y/l]]`: an image with the
+/// shift s moves by `u_b + H s`. The loads on the body are `-sigma_xx A h/l`, `-sigma_yy A h/l` and
+/// `-sigma_xy A h arm/l`, with A the area, h the thickness and sigma the average stress
+/// (compression positive), since the sum of the forces on images times their shifts is `sigma A h`.
 #[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct ProgramCell {
@@ -163,8 +163,8 @@ impl ConeProgram {
         }
     }
 
-    /// Row of the body of the cell and coefficients of (p, q, tau) in its balance rows; `None` for an
-    /// interaction in which no image takes part.
+    /// Row of the body of the cell and coefficients of (p, q, tau) in its balance rows; `None` for
+    /// an interaction in which no image takes part.
     #[must_use]
     pub fn rows_of_cell(&self, c: &Interaction) -> Option<(usize, [[f64; 3]; 3])> {
         let cell = self.cell.as_ref().filter(|_| c.is_across())?;

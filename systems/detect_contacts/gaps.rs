@@ -4,8 +4,8 @@ use glam::DVec2;
 
 use clastic_components::contact::{Bodies, Contact, WallRow};
 
-/// Normal from a to b and gap `g_0 = |x_b - x_a| - (r_a + r_b)` of two particles; in a cell b is its
-/// nearest image.
+/// Normal from a to b and gap `g_0 = |x_b - x_a| - (r_a + r_b)` of two particles; in a cell b is
+/// its nearest image.
 #[must_use]
 pub fn pair_contact(bodies: &Bodies, a: u32, b: u32) -> Contact {
     let (i, j) = (a as usize, b as usize);

@@ -14,8 +14,8 @@ use super::quasi_static::Starts;
 use crate::assemble_program::groups::join;
 
 /// Adds the work of loads that vary linearly from start to end. The out-of-balance force at the
-/// start does work on the way to equilibrium. This is `motion` after a sudden change (`is_jump`: the
-/// first increment, or a removed body), and `turning` otherwise.
+/// start does work on the way to equilibrium. This is `motion` after a sudden change (`is_jump`:
+/// the first increment, or a removed body), and `turning` otherwise.
 pub fn book(e: &mut Energies, tables: &Tables, starts: &Starts, is_jump: bool) {
     let Tables { bodies, analysis, program, solution, contacts, .. } = tables;
     let zero = vec![[0.0; 3]; program.bodies.len()];

@@ -164,8 +164,8 @@ impl<'a> RollingBall<'a> {
 
     /// The open chain from the line `first` to the line `second`. The ball comes along `first` from
     /// the outside, on the side to which the inward normal points when it is turned clockwise.
-    /// Where it comes back to `first`, the disks up to there lie outside of the chain. `None` if no chain
-    /// reaches `second`.
+    /// Where it comes back to `first`, the disks up to there lie outside of the chain. `None` if no
+    /// chain reaches `second`.
     pub fn between(&self, first: &Line, second: &Line) -> Option<Vec<usize>> {
         let along = -first.inward.perp();
         // Where the ball on the line touches a disk as it comes from outside, largest first.

@@ -123,7 +123,7 @@ fn a_second_body_of_an_identity_is_refused() {
 }
 
 #[test]
-#[should_panic(expected = "two walls do not bond")]
+#[should_panic(expected = "a wall bonds to disks")]
 fn a_bond_between_two_walls_is_refused() {
     let mut app = App::new();
     app.add_plugins(ClasticPlugins::default());

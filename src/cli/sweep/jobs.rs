@@ -31,8 +31,8 @@ struct Running {
 }
 
 /// Makes the runs `wanted` and the preparations that they need, at most `jobs` at once. Returns
-/// whether it was interrupted. The runs under way then write a checkpoint, from which the next sweep
-/// continues.
+/// whether it was interrupted. The runs under way then write a checkpoint, from which the next
+/// sweep continues.
 pub fn run_all(
     sweep: &Sweep,
     wanted: &[usize],

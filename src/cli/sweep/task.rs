@@ -8,7 +8,8 @@ use super::Sweep;
 use crate::cli::exit::{Exit, Failure};
 use crate::output::OutputError;
 use crate::output::directory::{self, lock};
-use crate::study::plan::{PlannedRun, Start, state_at};
+use crate::study::plan::state_at;
+use crate::study::planned::{PlannedRun, Start};
 
 /// Number of increments between two checkpoints of a run.
 const CHECKPOINT_EVERY: &str = "20";

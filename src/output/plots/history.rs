@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use crate::output::history::PROBE_COLUMNS;
+use crate::history_columns::PROBE_COLUMNS;
 use crate::output::{OutputError, directory, names};
 
 /// A probe after an increment of the test.

@@ -30,8 +30,8 @@ pub enum Field {
 }
 
 impl Field {
-    /// The field of the pictures of a run: rotations where the scene measures an axial strain, since
-    /// a specimen is tested there, and displacements where grains flow.
+    /// The field of the pictures of a run: rotations where the scene measures an axial strain,
+    /// since a specimen is tested there, and displacements where grains flow.
     #[must_use]
     pub fn of(scene: &Scene) -> Self {
         if scene.measures.axial_strain.is_some() { Self::Rotation } else { Self::Displacement }

@@ -3,9 +3,9 @@
 //! The bytes of a column are split into planes, all lowest bytes first: the higher bytes of
 //! neighbours are alike and shrink well. A column that changes from frame to frame holds whole
 //! numbers: steps of a scale, identities, or the bits of `float16` (11 bits: three significant
-//! digits, or steps below the scale) in their order. It is written as the difference from the same column of the frame before,
-//! which loses nothing and is a third smaller. Differences are 0, -1, 1, -2, ... as 0, 1, 2, 3, ...
-//! so that small ones have no higher bytes.
+//! digits, or steps below the scale) in their order. It is written as the difference from the same
+//! column of the frame before, which loses nothing and is a third smaller. Differences are 0, -1,
+//! 1, -2, ... as 0, 1, 2, 3, ... so that small ones have no higher bytes.
 
 use std::io::Write;
 
@@ -120,9 +120,9 @@ fn ordered(x: f32, scale: f64) -> i32 {
 const LEVEL: u32 = 1;
 
 /// A scale for `float16` of numbers with this typical magnitude: a power of two, so that it changes
-/// no digit. Numbers down to a sixteenth of it keep three digits (error at most 2^-11 of the number);
-/// smaller ones have steps of at most 2^-14 of it, the subnormal numbers, so that they change little
-/// from frame to frame. Numbers up to 2^25 times it fit.
+/// no digit. Numbers down to a sixteenth of it keep three digits (error at most 2^-11 of the
+/// number); smaller ones have steps of at most 2^-14 of it, the subnormal numbers, so that they
+/// change little from frame to frame. Numbers up to 2^25 times it fit.
 pub fn scale(typical: f32) -> f64 {
     if typical > 0.0 && typical.is_finite() {
         2.0_f64.powi(f64::from(typical).log2().floor() as i32 + 10)

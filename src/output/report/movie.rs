@@ -249,8 +249,8 @@ fn groups(frames: &[Frame]) -> Vec<&str> {
     names.into_iter().collect()
 }
 
-/// The walls of a frame, with the points of their lines from the origin, m. Straight lines are joined
-/// at their corners.
+/// The walls of a frame, with the points of their lines from the origin, m. Straight lines are
+/// joined at their corners.
 fn walls(frame: &Frame, origin: [f64; 2]) -> Vec<Value> {
     let number = frame.walls.id.len();
     let mut points: Vec<Vec<DVec2>> = (0..number)

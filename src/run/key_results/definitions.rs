@@ -136,8 +136,8 @@ impl KeyResults {
         positive(0.5 * (peak - self.start.stress) / strain)
     }
 
-    /// The increment that comes to half the peak: the points before and after it, and the part of it
-    /// after which half is reached.
+    /// The increment that comes to half the peak: the points before and after it, and the part of
+    /// it after which half is reached.
     pub(super) fn half_way(&self, peak: f64) -> Option<(Point, Point, f64)> {
         let half = 0.5 * (peak - self.start.stress);
         let gain = |point: &Point| point.stress - self.start.stress;

@@ -3,10 +3,10 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::IncrementStatus;
-use clastic_components::identity::Identities;
 use clastic_components::increment::Progress;
 use clastic_components::measure::{NamedMeasures, Quantity, Readings};
 use clastic_components::observation::Observation;
+use clastic_systems::identities::Identities;
 
 use super::collected::{KeyResults, Phase};
 use crate::run::script::Script;

@@ -19,15 +19,15 @@ pub struct Results {
     /// Secant modulus from the start of the reference stage to half the peak.
     pub youngs_modulus_secant_half_peak_pa: Option<f64>,
     /// Poisson's ratio in the plane: minus the change of the lateral over that of the axial strain,
-    /// from the increment before the first that counts for the modulus to half the peak. The lateral
-    /// stress must stay.
+    /// from the increment before the first that counts for the modulus to half the peak. The
+    /// lateral stress must stay.
     pub poissons_ratio: Option<f64>,
     /// Axial stress with the maximum difference from that at the start of the reference stage.
     pub peak_stress_pa: Option<f64>,
     /// Axial strain at the peak.
     pub strain_at_peak: Option<f64>,
-    /// Strength: the peak, once the test has passed it under a lateral stress that stays. Either the
-    /// stress fell by a hundredth of the rise to the peak at a larger strain, or the specimen
+    /// Strength: the peak, once the test has passed it under a lateral stress that stays. Either
+    /// the stress fell by a hundredth of the rise to the peak at a larger strain, or the specimen
     /// collapsed.
     pub strength_pa: Option<f64>,
     /// Residual strength: mean of the axial stress over the last fifth of the axial strain, if that
@@ -56,9 +56,10 @@ pub struct Results {
     pub porosity: Option<f64>,
     /// Axial stress of the increment in which the first bond broke.
     pub first_crack_stress_pa: Option<f64>,
-    /// Crack initiation: axial stress at which a hundredth of the bonds had broken that are broken at
-    /// the strength (Potyondy and Cundall 2004, Int. J. Rock Mech. Min. Sci. 41, 1329-1364), counted
-    /// from the start of the reference stage. Not defined where these are less than a hundred.
+    /// Crack initiation: axial stress at which a hundredth of the bonds had broken that are broken
+    /// at the strength (Potyondy and Cundall 2004, Int. J. Rock Mech. Min. Sci. 41, 1329-1364),
+    /// counted from the start of the reference stage. Not defined where these are less than a
+    /// hundred.
     pub crack_initiation_stress_pa: Option<f64>,
     /// Crack damage: axial stress at which the volume is at its minimum before the strength (Martin
     /// and Chandler 1994, Int. J. Rock Mech. Min. Sci. 31, 643-659).

@@ -160,9 +160,9 @@ struct Packed {
 }
 
 impl Packed {
-    /// A random packing fills the grid from which it is drawn. A compaction brings it to the height,
-    /// or the porosity, of its target; where none does, its height is not known and its width
-    /// decides.
+    /// A random packing fills the grid from which it is drawn. A compaction brings it to the
+    /// height, or the porosity, of its target; where none does, its height is not known and its
+    /// width decides.
     fn of(scene: &Scene, seeds: &[ParticleSeed]) -> Option<Self> {
         let largest = seeds.iter().map(|seed| seed.radius).max_by(f64::total_cmp)?;
         let area: f64 = seeds.iter().map(|seed| PI * seed.radius * seed.radius).sum();

@@ -107,7 +107,8 @@ pub fn follow(
     if o.in_avalanche {
         return;
     }
-    // Without a lateral stress the axial one is the load and no confinement, except on loose grains.
+    // Without a lateral stress the axial one is the load and no confinement, except on loose
+    // grains.
     let is_loose = sanity.strength == 0.0;
     if let Some(pressure) = confining(&o).filter(|_| is_loose || o.lateral_stress.is_some()) {
         sanity.pressure = Some(sanity.pressure.map_or(pressure, |most| most.max(pressure)));

@@ -29,12 +29,13 @@ const QUASI_STATIC: f64 = 1e-3;
 /// Increments that strain more than this many elastic strains do not resolve the elastic response,
 /// whose range of strain is p h / k (Roux and Combe 2002, C. R. Physique 3, 131-140).
 const STEP: f64 = 1.0;
-/// Largest grains across a bonded specimen: minimum ten (ISRM 1979, Int. J. Rock Mech. Min. Sci. 16,
-/// 135-140).
+/// Largest grains across a bonded specimen: minimum ten (ISRM 1979, Int. J. Rock Mech. Min. Sci.
+/// 16, 135-140).
 const ROCK: f64 = 10.0;
 /// Largest grains across an unbonded specimen: minimum six (ASTM D7181).
 const SOIL: f64 = 6.0;
-/// Relative error of a measured ratio: a stress is as exact as the residual, and ten columns are ten.
+/// Relative error of a measured ratio: a stress is as exact as the residual, and ten columns are
+/// ten.
 const ROUNDING: f64 = 1e-6;
 
 /// Whether the number of grains across counts: a stress and a strain of the whole specimen are

@@ -7,7 +7,8 @@ use crate::run::Simulation;
 use crate::scene::format::{Bond, Cement, Scene, Stage};
 use crate::scene::from_str;
 
-/// Four columns of five disks of 10 mm, pressed with 10 kPa, then shortened by 0.02 mm an increment.
+/// Four columns of five disks of 10 mm, pressed with 10 kPa, then shortened by 0.02 mm an
+/// increment.
 fn scene(stiffness: &str, analysis: &str, motion: &str) -> Scene {
     let text = format!(
         r#"(version: 2, title: "t", thickness: 0.5,

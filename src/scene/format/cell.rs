@@ -25,8 +25,8 @@ pub struct CellControl {
     /// Height, or sigma_yy.
     #[serde(default)]
     pub yy: Option<CellTarget>,
-    /// Mean of xx and yy in their place: strain (xx + yy)/2, or mean stress. Width and height strain
-    /// alike but for `difference`.
+    /// Mean of xx and yy in their place: strain (xx + yy)/2, or mean stress. Width and height
+    /// strain alike but for `difference`.
     #[serde(default)]
     pub mean: Option<CellTarget>,
     /// Difference, yy less xx, of the strains or of the stresses; fixed if left out.

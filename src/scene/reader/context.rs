@@ -5,8 +5,8 @@ use std::fmt;
 
 use serde::de;
 
-use super::scan::{Node, Shape};
 use super::spans::join;
+use super::tree::{Node, Shape};
 use crate::scene::diagnostic::{Finding, Placed};
 use crate::scene::format::VERSION;
 

@@ -1,14 +1,11 @@
 //! A tolerant scanner of RON text, which finds the shape and place of all values but not their
-//! meaning.
+//! meaning: the [tree](super::tree).
 //!
 //! It knows no types and therefore reads texts that `ron` refuses. It also keeps the place of each
 //! value, which `ron` does not. Small mistakes (a missing comma, `=` instead of `:`) are recorded,
 //! and the scan continues.
 
-use std::ops::Range;
-
-/// Range of bytes in the text.
-pub type Span = Range<usize>;
+use super::tree::{Entry, Key, Node, Shape, Span};
 
 /// Maximum nesting. Deeper nesting is refused, as in `ron`, because recursion could overflow the
 /// stack.
@@ -23,62 +20,6 @@ pub(in crate::scene) struct Fault {
     pub message: String,
     /// The remedy.
     pub help: &'static str,
-}
-
-/// Shape of a value.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Shape {
-    /// A missing value.
-    Nothing,
-    /// An identifier: a variant without payload, `true`, `None`.
-    Word,
-    /// A number.
-    Number,
-    /// A string.
-    Text,
-    /// A character.
-    Char,
-    /// `(name: value, ...)`.
-    Struct,
-    /// `(value, ...)` or `()`.
-    Tuple,
-    /// `[value, ...]`.
-    List,
-    /// `{key: value, ...}`.
-    Map,
-}
-
-/// A value of the text.
-#[derive(Clone, Debug)]
-pub struct Node {
-    /// Span of the whole value, with the name before its brackets.
-    pub span: Span,
-    /// Name before the brackets: a struct or a variant with payload.
-    pub name: Option<Span>,
-    /// Shape.
-    pub shape: Shape,
-    /// Entries inside the brackets.
-    pub entries: Vec<Entry>,
-}
-
-/// A value inside brackets.
-#[derive(Clone, Debug)]
-pub struct Entry {
-    /// Key of the entry, in structs and maps.
-    pub key: Option<Key>,
-    /// The value.
-    pub value: Node,
-}
-
-/// A field name or a map key.
-#[derive(Clone, Debug)]
-pub struct Key {
-    /// Span of the key.
-    pub span: Span,
-    /// Text of the key without quotes.
-    pub text: String,
-    /// Whether the key is in quotes.
-    pub quoted: bool,
 }
 
 /// Scans a text. Returns all faults, and the value unless a fault prevents it.

@@ -11,8 +11,9 @@
 
 use std::fmt::Write;
 
-pub use super::scan::Span;
-use super::scan::{Entry, Key, Node, Shape, scan, unquote};
+use super::scan::{scan, unquote};
+pub use super::tree::Span;
+use super::tree::{Entry, Key, Node, Shape};
 
 /// The places of all fields of a text.
 #[derive(Clone, Debug)]

@@ -9,8 +9,8 @@ use crate::scene::spans::join;
 use super::Context;
 use super::findings::Findings;
 
-/// Minimum size of a cell, in maximum diameters. A contact may then be as long as two of them before
-/// there could be another between the same particles.
+/// Minimum size of a cell, in maximum diameters. A contact may then be as long as two of them
+/// before there could be another between the same particles.
 const MIN_SIZE: f64 = 4.0;
 
 pub(super) fn check(context: &Context, findings: &mut Findings) {

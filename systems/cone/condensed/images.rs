@@ -3,8 +3,9 @@
 //! An interaction with the image of a body has three participants: body a, body b and the cell. Its
 //! rows here are those of a and of the image, as if that was a body of its own. The images have the
 //! places after all bodies. [`Images::spread`] gives them the displacements that follow from those
-//! of their bodies and of the cell, and [`Images::fold`] brings the forces on them back: passes over
-//! interactions know nothing of cells. Only the matrix has the three participants ([`Images::rows`]).
+//! of their bodies and of the cell, and [`Images::fold`] brings the forces on them back: passes
+//! over interactions know nothing of cells. Only the matrix has the three participants
+//! ([`Images::rows`]).
 
 use glam::DVec2;
 
@@ -67,7 +68,8 @@ impl Images {
         for (k, image) in list.iter().enumerate() {
             of_interaction[image.interaction] = k as u32;
         }
-        // The arm is a rotation times a length: in units of the scales it is a length over a length.
+        // The arm is a rotation times a length: in units of the scales it is a length over a
+        // length.
         let law = ProgramCell { arm: law.arm / program.scales.length, ..law };
         Self {
             free: list.iter().map(|image| free[image.of]).collect(),
@@ -119,8 +121,8 @@ impl Images {
         self.law.shift(self.list[k].shift, [v.x, v.y, own[2]])
     }
 
-    /// Sets the displacements of the images, as far as they are not known, to those that follow from
-    /// the displacements of their bodies and of the cell.
+    /// Sets the displacements of the images, as far as they are not known, to those that follow
+    /// from the displacements of their bodies and of the cell.
     pub fn spread(&self, u: &mut [[f64; 3]]) {
         for (k, image) in self.list.iter().enumerate() {
             let shift = self.by_cell(k, u);

@@ -9,11 +9,10 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::Chart;
 use super::clip::clipped;
+use super::legend::{LEGEND_ROW, SAMPLE, arranged, rows};
+use super::ranges::{equal, range, thin};
 use super::ticks::{self, tick};
 use crate::output::plots::page::{self, Style};
-
-/// Maximum number of points of a line. Closer points cannot be distinguished.
-const MAX_POINTS: usize = 2000;
 
 /// Size on a screen, and the size of its font.
 const SIZE: (f64, f64) = (760.0, 520.0);
@@ -46,10 +45,6 @@ const MARGIN: f64 = 0.9;
 const LEFT: f64 = 4.9;
 const BOTTOM: f64 = 3.4;
 const SECOND: f64 = 4.6;
-/// Space for an entry of the legend, in sizes of the font.
-const SAMPLE: f64 = 1.4;
-const LEGEND_ROW: f64 = 1.46;
-
 /// Lengths of a chart in units of the drawing.
 #[derive(Clone, Copy)]
 struct Measures {
@@ -238,80 +233,10 @@ impl Chart {
     }
 }
 
-/// An entry of the legend and its position: sizes of the font from the left end of the axis, and
-/// row.
-struct Entry<'a> {
-    name: &'a str,
-    style: ShapeStyle,
-    x: f64,
-    row: f64,
-}
-
-/// Arranges the entries of a legend in rows of a given width, in sizes of the font.
-fn arranged(entries: Vec<(&str, ShapeStyle)>, width: f64) -> Vec<Entry<'_>> {
-    let (mut x, mut row) = (0.0, 0.0);
-    let mut arranged = Vec::with_capacity(entries.len());
-    for (name, style) in entries {
-        let size = SAMPLE + 0.5 + page::width(name, 1.0);
-        if x > 0.0 && x + size > width {
-            (x, row) = (0.0, row + 1.0);
-        }
-        arranged.push(Entry { name, style, x, row });
-        x += size + 1.5;
-    }
-    arranged
-}
-
-/// Number of rows of a legend.
-fn rows(legend: &[Entry]) -> f64 {
-    legend.last().map_or(0.0, |entry| entry.row + 1.0)
-}
-
-/// A range that contains all values with a margin, and is never empty.
-fn range(values: impl Iterator<Item = f64>) -> std::ops::Range<f64> {
-    let (low, high) =
-        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
-    if low > high {
-        return 0.0..1.0;
-    }
-    let room = if high > low { 0.04 * (high - low) } else { low.abs().max(1.0) };
-    // Most curves begin at zero, so the axis begins there if zero is near.
-    (if (0.0..=room).contains(&low) { 0.0 } else { low - room })..(high + room)
-}
-
-/// The ranges with the shorter one made longer at its end, so that both have one scale on an area
-/// that is `ratio` times as wide as high.
-fn equal(
-    x: std::ops::Range<f64>,
-    y: std::ops::Range<f64>,
-    ratio: f64,
-) -> (std::ops::Range<f64>, std::ops::Range<f64>) {
-    let scale = ((x.end - x.start) / ratio).max(y.end - y.start);
-    (x.start..x.start + ratio * scale, y.start..y.start + scale)
-}
-
-/// Every n-th point, and the last one.
-fn thin(points: &[(f64, f64)]) -> impl Iterator<Item = (f64, f64)> {
-    let step = points.len().div_ceil(MAX_POINTS).max(1);
-    let last = if points.len() % step == 1 || step == 1 { None } else { points.last() };
-    points.iter().step_by(step).chain(last).copied()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::output::plots::chart::Line;
-
-    #[test]
-    fn thinning_keeps_the_ends() {
-        for n in [1, 2, 2000, 2001, 4001, 12_345] {
-            let points: Vec<_> = (0..n).map(|k| (f64::from(k), 0.0)).collect();
-            let thinned: Vec<_> = thin(&points).collect();
-            assert!(thinned.len() <= MAX_POINTS + 1);
-            assert_eq!((thinned.first(), thinned.last()), (points.first(), points.last()));
-            assert!(thinned.windows(2).all(|w| w[0].0 < w[1].0));
-        }
-    }
 
     /// Vertical positions (downwards) of the points of the curves, and of the baselines of all
     /// texts with these names.

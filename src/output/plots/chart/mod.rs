@@ -5,6 +5,10 @@ mod clip;
 #[cfg(feature = "plots")]
 mod draw;
 #[cfg(feature = "plots")]
+mod legend;
+#[cfg(feature = "plots")]
+mod ranges;
+#[cfg(feature = "plots")]
 mod ticks;
 
 use std::io;

@@ -130,7 +130,8 @@ impl BodyMatrix {
         self.pattern.fronts.branches.iter().map(|branch| branch.places.clone()).collect()
     }
 
-    /// Takes over the images of a program, which [`Assembly::add`] needs for interactions with them.
+    /// Takes over the images of a program, which [`Assembly::add`] needs for interactions with
+    /// them.
     pub fn set_images(&mut self, images: &Images) {
         self.images.clone_from(images);
     }

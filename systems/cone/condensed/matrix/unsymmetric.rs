@@ -125,7 +125,8 @@ impl UnsymmetricMatrix {
         &self.fronts.order
     }
 
-    /// Takes over the images of a program, which [`add`](Self::add) needs for interactions with them.
+    /// Takes over the images of a program, which [`add`](Self::add) needs for interactions with
+    /// them.
     pub fn set_images(&mut self, images: &Images) {
         self.images.clone_from(images);
     }

@@ -1,0 +1,62 @@
+//! The tree of a RON text: the shape and place of every value, without its meaning.
+
+use std::ops::Range;
+
+/// Range of bytes in the text.
+pub type Span = Range<usize>;
+
+/// Shape of a value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shape {
+    /// A missing value.
+    Nothing,
+    /// An identifier: a variant without payload, `true`, `None`.
+    Word,
+    /// A number.
+    Number,
+    /// A string.
+    Text,
+    /// A character.
+    Char,
+    /// `(name: value, ...)`.
+    Struct,
+    /// `(value, ...)` or `()`.
+    Tuple,
+    /// `[value, ...]`.
+    List,
+    /// `{key: value, ...}`.
+    Map,
+}
+
+/// A value of the text.
+#[derive(Clone, Debug)]
+pub struct Node {
+    /// Span of the whole value, with the name before its brackets.
+    pub span: Span,
+    /// Name before the brackets: a struct or a variant with payload.
+    pub name: Option<Span>,
+    /// Shape.
+    pub shape: Shape,
+    /// Entries inside the brackets.
+    pub entries: Vec<Entry>,
+}
+
+/// A value inside brackets.
+#[derive(Clone, Debug)]
+pub struct Entry {
+    /// Key of the entry, in structs and maps.
+    pub key: Option<Key>,
+    /// The value.
+    pub value: Node,
+}
+
+/// A field name or a map key.
+#[derive(Clone, Debug)]
+pub struct Key {
+    /// Span of the key.
+    pub span: Span,
+    /// Text of the key without quotes.
+    pub text: String,
+    /// Whether the key is in quotes.
+    pub quoted: bool,
+}

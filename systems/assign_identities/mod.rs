@@ -1,0 +1,221 @@
+//! Assigns identities to bodies and bonds on insertion, and turns `Bond::between(a, b, law)` into a
+//! bond. An identity belongs to one entity and is never used twice.
+
+mod joint;
+#[cfg(test)]
+mod tests;
+
+use bevy_app::{App, Plugin};
+use bevy_ecs::archetype::Archetype;
+use bevy_ecs::lifecycle::HookContext;
+use bevy_ecs::prelude::*;
+use bevy_ecs::world::DeferredWorld;
+
+use clastic_components::body::{BodyId, Origin, Position};
+use clastic_components::bond::{Bond, BondId, BondState, Joint};
+use clastic_components::contact_history::{ContactHistory, KeptRows};
+use clastic_components::particle::Particle;
+use clastic_components::rigid_group::RigidGroup;
+use clastic_components::wall::Wall;
+
+use crate::identities::{Identities, NextIdentities};
+use crate::state::{RegisterState, StateOf};
+
+/// Adds the component hooks that assign identities.
+///
+/// # Panics
+/// If the world has had bodies or bonds before: they have no identities.
+pub struct AssignIdentitiesPlugin;
+
+impl Plugin for AssignIdentitiesPlugin {
+    fn build(&self, app: &mut App) {
+        let world = app.world_mut();
+        refuse_earlier(world);
+        world.init_resource::<Identities>();
+        world.register_component_hooks::<Particle>().on_add(body_added);
+        world.register_component_hooks::<Wall>().on_add(body_added);
+        world.register_component_hooks::<RigidGroup>().on_add(body_added);
+        world.register_component_hooks::<BodyId>().on_insert(body_named).on_discard(body_gone);
+        world.register_component_hooks::<Bond>().on_add(bond_added);
+        world.register_component_hooks::<BondId>().on_insert(bond_named).on_discard(bond_gone);
+        world.register_component_hooks::<Joint>().on_add(joined);
+        // Identities are the first state, because the entities are created from them.
+        app.register_state::<NextIdentities>("identities.next");
+    }
+}
+
+/// Panics if an entity has had a component to which a hook is added.
+fn refuse_earlier(world: &mut World) {
+    let hooked = [
+        world.register_component::<Particle>(),
+        world.register_component::<Wall>(),
+        world.register_component::<RigidGroup>(),
+        world.register_component::<BodyId>(),
+        world.register_component::<Bond>(),
+        world.register_component::<BondId>(),
+        world.register_component::<Joint>(),
+    ];
+    let has_any = |archetype: &Archetype| hooked.iter().any(|id| archetype.contains(*id));
+    assert!(
+        !world.archetypes().iter().any(has_any),
+        "the world had bodies or bonds before the plugin that assigns their identities; add \
+         ClasticPlugins before the first of them"
+    );
+}
+
+impl StateOf for NextIdentities {
+    fn take(world: &mut World) -> Option<Self> {
+        world.get_resource::<Identities>().map(Identities::next)
+    }
+
+    fn put(self, world: &mut World) {
+        world.get_resource_or_init::<Identities>().skip_to(self);
+    }
+}
+
+/// Why a body or a bond is refused.
+///
+/// The error goes to Bevy's error handler, which panics unless the app sets another one. The
+/// refused entity loses its identity and its body or bond.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum IdentityError {
+    /// Two bodies have one identity.
+    #[error(
+        "entity {newcomer} was given BodyId({id}), but body {id} is entity {owner}; leave BodyId out, \
+         and the body gets the next free one"
+    )]
+    Body {
+        /// The identity.
+        id: u32,
+        /// The entity that has it.
+        owner: Entity,
+        /// The entity that was refused.
+        newcomer: Entity,
+    },
+    /// Two bonds have one identity.
+    #[error(
+        "entity {newcomer} was given BondId({id}), but bond {id} is entity {owner}; leave BondId out, \
+         and the bond gets the next free one"
+    )]
+    Bond {
+        /// The identity.
+        id: u32,
+        /// The entity that has it.
+        owner: Entity,
+        /// The entity that was refused.
+        newcomer: Entity,
+    },
+    /// The two entities cannot be joined.
+    #[error("Bond::between({a}, {b}): {what}")]
+    Joint {
+        /// First entity.
+        a: Entity,
+        /// Second entity.
+        b: Entity,
+        /// What is wrong and what would be right.
+        what: &'static str,
+    },
+}
+
+/// Hook of bodies: adds an identity and an origin if they are missing.
+fn body_added(mut world: DeferredWorld, context: HookContext) {
+    let entity = context.entity;
+    world.commands().queue(move |world: &mut World| {
+        let Ok(body) = world.get_entity(entity) else { return };
+        let place = body.get::<Position>().map_or_else(Default::default, |x| x.0);
+        let (has_id, has_origin) = (body.contains::<BodyId>(), body.contains::<Origin>());
+        if !has_id {
+            let id = BodyId(world.get_resource_or_init::<Identities>().bodies.next());
+            world.entity_mut(entity).insert(id);
+        }
+        if !has_origin {
+            world.entity_mut(entity).insert(Origin(place));
+        }
+    });
+}
+
+/// Hook of [`BodyId`]: registers the identity.
+fn body_named(mut world: DeferredWorld, context: HookContext) {
+    let newcomer = context.entity;
+    world.commands().queue(move |world: &mut World| -> Result<(), IdentityError> {
+        let Some(BodyId(id)) = world.get::<BodyId>(newcomer).copied() else { return Ok(()) };
+        let taken = world.get_resource_or_init::<Identities>().bodies.take(id, newcomer);
+        taken.map_err(|owner| {
+            world.entity_mut(newcomer).remove::<(BodyId, Particle, Wall, RigidGroup)>();
+            IdentityError::Body { id, owner, newcomer }
+        })
+    });
+}
+
+/// Hook of [`BodyId`]: removes the intact bonds of the body and the memory of its contacts. Bonds
+/// that broke before stay in the record.
+fn body_gone(mut world: DeferredWorld, context: HookContext) {
+    let entity = context.entity;
+    let Some(id) = world.get::<BodyId>(entity).copied() else { return };
+    world.commands().queue(move |world: &mut World| {
+        let mut identities = world.get_resource_or_init::<Identities>();
+        if identities.body(id) != Some(entity) {
+            return;
+        }
+        identities.bodies.release(id.0, entity);
+        let kept = world.get_resource::<KeptRows>();
+        let row = kept.and_then(|kept| kept.ids.iter().position(|kept| *kept == id));
+        if let (Some(row), Some(mut history)) = (row, world.get_resource_mut::<ContactHistory>()) {
+            let row = row as u32;
+            history.0.retain(|memory| memory.a != row && memory.b != row);
+        }
+        let mut bonds = world.query::<(Entity, &Bond, &BondState)>();
+        let joins = |(_, bond, state): &(Entity, &Bond, &BondState)| {
+            **state == BondState::Intact && (bond.a == id || bond.b == id)
+        };
+        let ended: Vec<_> = bonds.iter(world).filter(joins).map(|(bond, ..)| bond).collect();
+        for bond in ended {
+            world.despawn(bond);
+        }
+    });
+}
+
+/// Hook of [`Bond`]: adds an identity if it is missing.
+fn bond_added(mut world: DeferredWorld, context: HookContext) {
+    let entity = context.entity;
+    world.commands().queue(move |world: &mut World| {
+        if world.get_entity(entity).is_ok_and(|bond| !bond.contains::<BondId>()) {
+            let id = BondId(world.get_resource_or_init::<Identities>().bonds.next());
+            world.entity_mut(entity).insert(id);
+        }
+    });
+}
+
+/// Hook of [`BondId`]: registers the identity.
+fn bond_named(mut world: DeferredWorld, context: HookContext) {
+    let newcomer = context.entity;
+    world.commands().queue(move |world: &mut World| -> Result<(), IdentityError> {
+        let Some(BondId(id)) = world.get::<BondId>(newcomer).copied() else { return Ok(()) };
+        let taken = world.get_resource_or_init::<Identities>().bonds.take(id, newcomer);
+        taken.map_err(|owner| {
+            world.entity_mut(newcomer).remove::<(BondId, Bond)>();
+            IdentityError::Bond { id, owner, newcomer }
+        })
+    });
+}
+
+/// Hook of [`BondId`]: releases the identity.
+fn bond_gone(mut world: DeferredWorld, context: HookContext) {
+    let entity = context.entity;
+    let Some(BondId(id)) = world.get::<BondId>(entity).copied() else { return };
+    world.commands().queue(move |world: &mut World| {
+        world.get_resource_or_init::<Identities>().bonds.release(id, entity);
+    });
+}
+
+/// Hook of [`Joint`]: replaces it by a [`Bond`] that is free of stress at the positions of its
+/// bodies.
+fn joined(mut world: DeferredWorld, context: HookContext) {
+    let entity = context.entity;
+    world.commands().queue(move |world: &mut World| -> Result<(), IdentityError> {
+        let Some(joint) = world.entity_mut(entity).take::<Joint>() else { return Ok(()) };
+        let bond = joint::resolve(joint, world)?;
+        world.entity_mut(entity).insert(bond);
+        Ok(())
+    });
+}
