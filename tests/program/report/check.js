@@ -128,6 +128,7 @@
     await Report.follow("#frame=start&colour=strain-step&show=bonds");
     seen.followed = [state.frame === data.movie.start, state.colour, state.layers.bonds];
     await Report.follow("#frame=end&show=cracks,bonds");
+    Report.view.drawNow();
 
     // Zoom and back; a jump to the first rupture picks its bond.
     const before = picture();
