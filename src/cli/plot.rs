@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use crate::figures::run::{At, Run};
+use crate::figures::run::{At, Listed, Run};
 use crate::figures::{FIGURES, FigureError, Request, named, pages};
 use crate::output::OutputError;
 use crate::output::atomic::write_atomic;
@@ -24,10 +24,11 @@ pub struct PlotArgs {
     /// Name of the figure
     #[arg(long, value_name = "NAME", required_unless_present = "list")]
     figure: Option<String>,
-    /// List the figures
+    /// List the figures, or the frames of the runs that are given
     #[arg(long)]
     list: bool,
-    /// Moment of the specimen: start, peak, end, the number of an increment, or a saved state
+    /// Moment of the specimen: start, peak, end, the number of an increment that has a frame, or the
+    /// file of a frame (.npz)
     #[arg(long, value_name = "MOMENT", default_value = "end", value_parser = At::read)]
     frame: At,
     /// Moment from which displacements, rotations and strains count, as for --frame
@@ -86,7 +87,10 @@ impl From<FigureError> for Failure {
 /// Draws a figure, or lists the figures.
 pub fn plot(args: &PlotArgs) -> Result<Exit, Failure> {
     let Some(name) = args.figure.as_deref().filter(|_| !args.list) else {
-        for figure in &FIGURES {
+        for directory in &args.runs {
+            list_frames(&Run::open(directory, String::new())?)?;
+        }
+        for figure in FIGURES.iter().filter(|_| args.runs.is_empty()) {
             say(format_args!("{:<18} {}", figure.name, figure.about))?;
         }
         return Ok(Exit::Ok);
@@ -117,4 +121,17 @@ pub fn plot(args: &PlotArgs) -> Result<Exit, Failure> {
     write_atomic(&path, bytes)?;
     say(format_args!("drawn: {}", path.display()))?;
     Ok(Exit::Ok)
+}
+
+/// Lists the moments of a run that `--frame` and `--since` can name.
+fn list_frames(run: &Run) -> Result<(), Failure> {
+    let frames = run.list()?;
+    say(format_args!("{}: {} frames", run.directory.display(), frames.len()))?;
+    say(format_args!("{:>9}  {:<12} {:>12}  stage", "increment", "also", "axial strain"))?;
+    for Listed { increment, names, stage, strain } in frames {
+        let strain = strain.map_or_else(String::new, |strain| format!("{:.4} %", 100.0 * strain));
+        let names = names.join(", ");
+        say(format_args!("{increment:>9}  {names:<12} {strain:>12}  {stage}"))?;
+    }
+    Ok(())
 }

@@ -116,6 +116,7 @@ pub fn to_the_end(
         script,
         results: &results,
         sanity: &simulation.world().resource::<Sanity>().report(&script.scene),
+        peak_force: run.peak_force(),
         settled: simulation.world().resource::<Found>().settled,
         specimen: simulation.world().resource::<PreparedSpecimen>().written.as_deref(),
         directory,

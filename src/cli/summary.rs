@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::peak_error::peak_error;
 use crate::output::Ending;
+use crate::output::drive::PeakForce;
 use crate::output::found::Settled;
 use crate::run::key_results::{RIGID, Results};
 use crate::run::sanity::Report;
@@ -24,6 +25,8 @@ pub struct Summary<'a> {
     pub results: &'a Results,
     /// Physical sanity of the test.
     pub sanity: &'a Report,
+    /// Peak of the force of a run without a stress.
+    pub peak_force: Option<&'a PeakForce>,
     /// How a packing settled in the first increment after its compaction.
     pub settled: Option<Settled>,
     /// Moment of `specimen.csv`, if the file exists.
@@ -34,7 +37,9 @@ pub struct Summary<'a> {
 
 /// Text of the summary: how the run ended, key results, directory.
 pub fn summary(of: &Summary) -> String {
-    let Summary { ending, increment, script, results, sanity, settled, specimen, directory } = *of;
+    let Summary {
+        ending, increment, script, results, sanity, settled, specimen, directory, ..
+    } = *of;
     let outcome = match ending {
         Ending::Interrupted => format!(
             "interrupted after increment {increment}; `clastic resume {}` goes on",
@@ -69,6 +74,7 @@ pub fn summary(of: &Summary) -> String {
         let name = if r.strength_pa.is_some() { "strength (peak stress)" } else { "peak stress" };
         parts.push(format!("{name} {} at a strain of {:.4} %", stress(peak), 100.0 * strain));
     }
+    parts.extend(of.peak_force.map(PeakForce::line));
     parts.extend(r.residual_strength_pa.map(|s| format!("residual strength {}", stress(s))));
     parts.extend(
         r.friction_angle_rad.map(|phi| format!("friction angle {:.2} degrees", phi.to_degrees())),
@@ -247,6 +253,7 @@ mod tests {
             script: &script,
             results,
             sanity: &Report::default(),
+            peak_force: None,
             settled: None,
             specimen: None,
             directory: Path::new("runs/tension"),

@@ -21,6 +21,7 @@ impl Moment {
             walls: (0..frame.walls.id.len()).flat_map(|row| pieces(frame, row)).collect(),
             pairs: (0..frame.pairs.a.len()).filter_map(|row| pair(frame, row)).collect(),
             bonds: bonds(frame),
+            membranes: links(frame),
         }
     }
 }
@@ -56,6 +57,19 @@ fn pieces(frame: &Frame, row: usize) -> Vec<Piece> {
         force: walls.force[row],
     };
     walls.point_m[points].windows(2).map(piece).collect()
+}
+
+/// The links of the chains of membranes.
+fn links(frame: &Frame) -> Vec<[DVec2; 2]> {
+    let chains = &frame.membranes;
+    let of_chain = |chain: usize| {
+        let points: Vec<DVec2> =
+            chains.point_m[chains.points(chain)].iter().map(|x| DVec2::from(*x)).collect();
+        let back = points.first().filter(|_| chains.is_closed[chain]).copied();
+        let next = points.iter().skip(1).copied().chain(back).collect::<Vec<_>>();
+        points.into_iter().zip(next).map(|(a, b)| [a, b]).collect::<Vec<_>>()
+    };
+    (0..chains.name.len()).flat_map(of_chain).collect()
 }
 
 /// The pair in a row; `None` if it carries no force.

@@ -7,11 +7,12 @@ use super::moment::{Disk, Moment};
 use crate::output::plots::page::Style;
 use crate::output::plots::scale::{KINDS, Scale, with_unit};
 use crate::output::plots::sheet::{Sample, Sheet};
-use crate::output::plots::specimen::{crack_samples, draw_cracks};
+use crate::output::plots::specimen::{crack_samples, draw_cracks, draw_membranes, membrane_sample};
 use crate::output::snapshot::Snapshot;
 
-/// Colour of disks that have no value.
-const PLAIN: &str = "#f3f1ec";
+/// Colours of materials, pale so that cracks stand out.
+const MATERIALS: [&str; 8] =
+    ["#f3f1ec", "#9ecae1", "#fdcf9c", "#b5dfae", "#d4c5e8", "#e8dc96", "#c4c4c4", "#e3b8c4"];
 const COMPRESSION: &str = "#14407a";
 const TENSION: &str = "#d7191c";
 /// Number of widths of lines in a picture of force chains.
@@ -66,8 +67,11 @@ impl View<'_> {
     }
 
     fn end(&self, mut sheet: Sheet, shown: &Snapshot, cracks: bool) -> String {
-        if cracks {
-            sheet.samples(&crack_samples(&shown.cracks, &self.style));
+        let mut samples =
+            if cracks { crack_samples(&shown.cracks, &self.style) } else { Vec::new() };
+        samples.extend(membrane_sample(shown, &self.style));
+        if cracks || !samples.is_empty() {
+            sheet.samples(&samples);
         }
         sheet.end()
     }
@@ -85,6 +89,7 @@ fn field(view: &View, values: &[Option<f64>], scale: &Scale) -> Option<String> {
         draw_cracks(&mut sheet, &shown);
     }
     sheet.walls(&shown);
+    draw_membranes(&mut sheet, &shown);
     sheet.bar(scale);
     if values.iter().any(Option::is_none) {
         sheet.note("white: no value, since the disk or its neighbourhood was not there");
@@ -142,13 +147,30 @@ pub fn stress(view: &View) -> Option<String> {
     field(view, &values, &scale)
 }
 
-/// Disks without colours, and broken bonds.
+/// Disks in the colours of their materials, and broken bonds.
 pub fn specimen(view: &View) -> Option<String> {
     let shown = view.now.snapshot();
     let mut sheet = view.begin(&shown)?;
-    view.disks(&mut sheet, &shown, &[PLAIN], |_| 0);
+    let material = |row: usize| view.now.disks[row].material as usize;
+    view.disks(&mut sheet, &shown, &MATERIALS, |row| material(row) % MATERIALS.len());
     draw_cracks(&mut sheet, &shown);
     sheet.walls(&shown);
+    draw_membranes(&mut sheet, &shown);
+    let sample = |(k, name): (usize, &String)| {
+        let number = (0..view.now.disks.len()).filter(|row| material(*row) == k).count();
+        let color = MATERIALS[k % MATERIALS.len()];
+        (number > 0).then(|| Sample {
+            color,
+            stroke: None,
+            text: format!("{number} disks of {name}"),
+        })
+    };
+    let names = &view.now.materials;
+    let samples: Vec<_> = names.iter().enumerate().filter_map(sample).collect();
+    // A single material needs no legend.
+    if samples.len() > 1 {
+        sheet.samples(&samples);
+    }
     Some(view.end(sheet, &shown, true))
 }
 
@@ -164,12 +186,14 @@ pub fn bonds(view: &View) -> Option<String> {
     sheet.segments(&lines, COMPRESSION, width);
     draw_cracks(&mut sheet, &shown);
     sheet.walls(&shown);
+    draw_membranes(&mut sheet, &shown);
     let mut samples = vec![Sample {
         color: COMPRESSION,
         stroke: Some(width),
         text: format!("{} intact bonds", lines.len()),
     }];
     samples.extend(crack_samples(&shown.cracks, &view.style));
+    samples.extend(membrane_sample(&shown, &view.style));
     sheet.samples(&samples);
     Some(sheet.end())
 }
@@ -201,6 +225,7 @@ pub fn force_chains(view: &View) -> Option<String> {
         sheet.segments(lines, color, width(class % WIDTHS));
     }
     sheet.walls(&shown);
+    draw_membranes(&mut sheet, &shown);
     // The sample is not wider than a line of the legend.
     let parts = (widest / (1.2 * view.style.font)).log2().ceil().max(0.0).exp2();
     let sample = |color, text: String| Sample { color, stroke: Some(widest / parts), text };
@@ -209,6 +234,7 @@ pub fn force_chains(view: &View) -> Option<String> {
     if lines[WIDTHS..].iter().any(|lines| !lines.is_empty()) {
         samples.push(sample(TENSION, format!("of {full} in tension")));
     }
+    samples.extend(membrane_sample(&shown, &view.style));
     sheet.samples(&samples);
     let more = if end.exceeded { "; larger forces are not wider" } else { "" };
     sheet.note(&format!("width in proportion to the force{more}"));
@@ -230,6 +256,7 @@ pub fn layers(view: &View) -> Option<String> {
         draw_cracks(&mut sheet, &shown);
     }
     sheet.walls(&shown);
+    draw_membranes(&mut sheet, &shown);
     Some(view.end(sheet, &shown, view.cracks))
 }
 
@@ -250,6 +277,7 @@ pub fn fragments(view: &View) -> Option<String> {
         draw_cracks(&mut sheet, &shown);
     }
     sheet.walls(&shown);
+    draw_membranes(&mut sheet, &shown);
     let whole = sizes.iter().filter(|size| **size > 1).count();
     let alone = sizes.len() - whole;
     let largest = sizes.first().copied().unwrap_or(0);

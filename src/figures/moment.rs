@@ -106,6 +106,8 @@ pub struct Moment {
     pub pairs: Vec<Pair>,
     /// Bonds by identity.
     pub bonds: Vec<Link>,
+    /// Links of the chains of the membranes, m.
+    pub membranes: Vec<[DVec2; 2]>,
 }
 
 impl Moment {
@@ -206,8 +208,7 @@ impl Moment {
             walls: ends(true),
             plates: ends(false).into_iter().chain(self.sides()).collect(),
             cracks: self.cracks().into_iter().map(|(_, crack)| crack).collect(),
-            // The files of a run do not hold the chains.
-            membranes: Vec::new(),
+            membranes: self.membranes.clone(),
         }
     }
 }

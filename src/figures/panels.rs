@@ -21,14 +21,12 @@ pub fn localisation(run: &Run, title: &str, request: &Request) -> Result<String,
     panel.narrowest = width;
     panel.margin = 0.3 * style.font;
     panel.fit = DVec2::new(width - 2.0 * panel.margin, 2.5 * width);
-    let view = |now, from| View {
-        now,
-        from,
-        style: panel,
-        title: "",
-        window: request.window,
-        cracks: false,
-    };
+    // All panels show the same place, at one scale.
+    let bounds = [&peak, &end].map(|moment| moment.snapshot().bounds());
+    let both = bounds.into_iter().flatten();
+    let both = both.reduce(|(low, high), (l, h)| (low.min(l), high.max(h)));
+    let window = request.window.or(both.map(|(low, high)| [low.to_array(), high.to_array()]));
+    let view = |now, from| View { now, from, style: panel, title: "", window, cracks: false };
     let drawn = [
         maps::specimen(&view(&peak, &start)),
         maps::specimen(&view(&end, &start)),

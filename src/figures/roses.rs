@@ -10,7 +10,6 @@ use super::moment::Moment;
 use crate::output::plots::page::{self, Style};
 use crate::output::plots::scale::{round_up, with_unit};
 
-const GREY: &str = "#555";
 /// Points of a fitted curve.
 const POINTS: u32 = 180;
 
@@ -179,7 +178,17 @@ impl Rose {
         }
         for part in [0.5, 1.0] {
             let at = place(part * end, PI / 4.0) + DVec2::new(0.2 * font, -0.2 * font);
-            page::text(&mut svg, at, 0.85 * font, "start", GREY, &short(part * end));
+            // A white outline, since the number may stand on a sector.
+            let _ = writeln!(
+                svg,
+                "<text x=\"{}\" y=\"{}\" font-size=\"{}\" fill=\"#222\" stroke=\"#fff\" \
+                 stroke-width=\"{}\" stroke-linejoin=\"round\" paint-order=\"stroke\">{}</text>",
+                number(at.x),
+                number(at.y),
+                number(0.85 * font),
+                number(0.3 * font),
+                short(part * end),
+            );
         }
         let mut y = centre.y + radius + 2.2 * font;
         let mut x = margin;

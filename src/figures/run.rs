@@ -7,6 +7,7 @@ use glam::DVec2;
 use super::FigureError;
 use super::moment::Moment;
 use crate::frames::Frame;
+use crate::output::drive::Drive;
 use crate::output::plots::history::History;
 use crate::output::{OutputError, directory};
 
@@ -15,7 +16,7 @@ use crate::output::{OutputError, directory};
 pub enum At {
     /// The start of the reference stage, or of the run.
     Start,
-    /// The peak of the axial stress.
+    /// The peak of the axial stress; without a stress the frame nearest to the peak of the force.
     Peak,
     /// The end.
     End,
@@ -42,6 +43,19 @@ impl At {
             }),
         }
     }
+}
+
+/// A moment of which a run has a frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Listed {
+    /// Increment after which it was taken.
+    pub increment: u64,
+    /// Other names: start, peak, end.
+    pub names: Vec<String>,
+    /// Stage.
+    pub stage: String,
+    /// Axial strain, if the scene defines one.
+    pub strain: Option<f64>,
 }
 
 /// A run.
@@ -97,9 +111,52 @@ impl Run {
         };
         if !path.exists() && !matches!(at, At::File(_)) {
             let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            let list = self.list()?;
+            let named = list.iter().find(|listed| listed.names.contains(&name));
+            if let Some(listed) = named.filter(|_| *at == At::Peak) {
+                return self.at(&At::Increment(listed.increment));
+            }
             return Err(self.no_frame(&format!("the {name}"), &self.all()?));
         }
         Ok(Moment::of_frame(&Frame::read(&path)?))
+    }
+
+    /// The moments that [`at`](Self::at) knows, by increment.
+    ///
+    /// # Errors
+    /// If a frame cannot be read.
+    pub fn list(&self) -> Result<Vec<Listed>, FigureError> {
+        let mut list: Vec<Listed> = Vec::new();
+        for path in crate::frames::list(&self.directory)? {
+            let frame = Frame::read(&path)?;
+            let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            let name = Some(name).filter(|name| !name.starts_with("frame_"));
+            match list.iter_mut().find(|listed| listed.increment == frame.increment) {
+                Some(listed) => listed.names.extend(name),
+                None => list.push(Listed {
+                    increment: frame.increment,
+                    names: name.into_iter().collect(),
+                    stage: frame.stage,
+                    strain: frame.axial_strain,
+                }),
+            }
+        }
+        if let Some(nearest) = self.peak_of_force(&list) {
+            list[nearest].names.push("peak".to_owned());
+        }
+        list.sort_by_key(|listed| listed.increment);
+        Ok(list)
+    }
+
+    /// Place in a list of the frame that is nearest to the peak of the force, the earlier one of two,
+    /// for a run without a frame of the peak of a stress.
+    fn peak_of_force(&self, list: &[Listed]) -> Option<usize> {
+        if list.iter().any(|listed| listed.names.iter().any(|name| name == "peak")) {
+            return None;
+        }
+        let peak = Drive::first(&self.history)?.peak()?.increment;
+        let increment = |k: &usize| list[*k].increment;
+        (0..list.len()).min_by_key(|k| (increment(k).abs_diff(peak), increment(k)))
     }
 
     /// All frames that the run has kept, by increment.

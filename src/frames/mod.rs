@@ -63,6 +63,8 @@ pub struct Frame {
     pub pairs: FramePairs,
     /// The walls.
     pub walls: FrameWalls,
+    /// The chains of the membranes.
+    pub membranes: FrameMembranes,
 }
 
 /// The particles of a frame by column, in the order of identities.
@@ -135,6 +137,31 @@ pub struct FrameWalls {
     pub first_point: Vec<u32>,
     /// Points of all lines, m.
     pub point_m: Vec<[f64; 2]>,
+}
+
+/// The chains of the membranes of a frame by column.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FrameMembranes {
+    /// Name of the membrane to which a chain belongs.
+    pub name: Vec<String>,
+    /// Whether the last grain of a chain is followed by the first. An open chain begins and ends
+    /// with a wall.
+    pub is_closed: Vec<bool>,
+    /// Chain k consists of the points from `first_point[k]` to `first_point[k + 1]`, exclusive.
+    /// Empty without chains.
+    pub first_point: Vec<u32>,
+    /// Identities of the grains, and walls, of the points.
+    pub body: Vec<u32>,
+    /// Centres of the grains, and feet of the outer ones on the walls, m.
+    pub point_m: Vec<[f64; 2]>,
+}
+
+impl FrameMembranes {
+    /// Points of a chain, as places in the columns.
+    #[must_use]
+    pub fn points(&self, chain: usize) -> std::ops::Range<usize> {
+        self.first_point[chain] as usize..self.first_point[chain + 1] as usize
+    }
 }
 
 impl Frame {

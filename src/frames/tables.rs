@@ -1,13 +1,13 @@
 //! A frame as arrays, and back.
 
 use super::files::FrameError;
-use super::{Frame, FrameBodies, FramePairs, FrameWalls, NONE, STATES};
+use super::{Frame, FrameBodies, FrameMembranes, FramePairs, FrameWalls, NONE, STATES};
 use crate::tables::{Array, TableError, Tables};
 
 /// First word of the array `format`.
 const FORMAT: &str = "clastic frame";
-/// Version of the format, which follows the word. It increases with every change of the arrays.
-const VERSION: u32 = 2;
+/// Versions of the format, the last of which follows the word: without and with membranes.
+const VERSIONS: [&str; 2] = ["2", "3"];
 
 impl Frame {
     /// The frame as arrays.
@@ -15,7 +15,8 @@ impl Frame {
     pub fn tables(&self) -> Tables {
         let mut tables = Tables::default();
         let mut put = |name: &str, array: Array| tables.put(name, array);
-        put("format", Array::word(&format!("{FORMAT} {VERSION}")));
+        let version = VERSIONS[usize::from(!self.membranes.name.is_empty())];
+        put("format", Array::word(&format!("{FORMAT} {version}")));
         put("increment", Array::count(self.increment));
         put("stage", Array::word(&self.stage));
         put("time_s", Array::value(self.time_s));
@@ -55,6 +56,14 @@ impl Frame {
         put("walls.force", Array::vectors(walls.force.iter().copied()));
         put("walls.first_point", Array::u32(walls.first_point.clone()));
         put("walls.point_m", Array::vectors(walls.point_m.iter().copied()));
+        let membranes = &self.membranes;
+        if !membranes.name.is_empty() {
+            put("membranes.name", Array::text(membranes.name.iter().cloned()));
+            put("membranes.is_closed", Array::bool(membranes.is_closed.clone()));
+            put("membranes.first_point", Array::u32(membranes.first_point.clone()));
+            put("membranes.body", Array::u32(membranes.body.clone()));
+            put("membranes.point_m", Array::vectors(membranes.point_m.iter().copied()));
+        }
         tables
     }
 
@@ -66,7 +75,7 @@ impl Frame {
         let format = tables.text("format", &[]).map_or("", |format| format[0].as_str());
         match format.strip_prefix(FORMAT).map(str::trim) {
             None => return Err(FrameError::Foreign),
-            Some(version) if version != VERSION.to_string() => {
+            Some(version) if !VERSIONS.contains(&version) => {
                 return Err(FrameError::Version(version.to_owned()));
             }
             Some(_) => {}
@@ -91,6 +100,7 @@ impl Frame {
             bodies: bodies(tables)?,
             pairs: pairs(tables)?,
             walls: walls(tables)?,
+            membranes: membranes(tables)?,
         };
         frame.check()?;
         Ok(frame)
@@ -117,14 +127,39 @@ impl Frame {
         bad("pairs.a", self.pairs.a.iter().position(|id| self.row(*id).is_none()))?;
         let is_body = |id: &u32| self.row(*id).is_some() || self.walls.id.contains(id);
         bad("pairs.b", self.pairs.b.iter().position(|id| !is_body(id)))?;
-        let first = &self.walls.first_point;
-        let ends = first.first() == Some(&0)
-            && first.last().is_some_and(|last| *last as usize == self.walls.point_m.len());
-        if !ends || first.windows(2).any(|pair| pair[0] > pair[1]) {
-            return Err(TableError::at("walls.first_point", "does not go from 0 to all points"));
+        let membranes = &self.membranes;
+        bad("membranes.body", membranes.body.iter().position(|id| !is_body(id)))?;
+        from_all("walls.first_point", &self.walls.first_point, self.walls.point_m.len())?;
+        if membranes.name.is_empty() {
+            return Ok(());
         }
-        Ok(())
+        from_all("membranes.first_point", &membranes.first_point, membranes.point_m.len())
     }
+}
+
+/// Whether places of first points go from 0 to the number of all points.
+fn from_all(name: &str, first: &[u32], points: usize) -> Result<(), TableError> {
+    let ends =
+        first.first() == Some(&0) && first.last().is_some_and(|last| *last as usize == points);
+    if !ends || first.windows(2).any(|pair| pair[0] > pair[1]) {
+        return Err(TableError::at(name, "does not go from 0 to all points"));
+    }
+    Ok(())
+}
+
+fn membranes(tables: &Tables) -> Result<FrameMembranes, TableError> {
+    if !tables.has("membranes.name") {
+        return Ok(FrameMembranes::default());
+    }
+    let n = tables.rows("membranes.name")?;
+    let points = tables.rows("membranes.point_m")?;
+    Ok(FrameMembranes {
+        name: tables.text("membranes.name", &[n])?.to_vec(),
+        is_closed: tables.bool("membranes.is_closed", &[n])?.to_vec(),
+        first_point: tables.u32("membranes.first_point", &[n + 1])?.to_vec(),
+        body: tables.u32("membranes.body", &[points])?.to_vec(),
+        point_m: tables.vectors("membranes.point_m", points)?,
+    })
 }
 
 fn bodies(tables: &Tables) -> Result<FrameBodies, TableError> {

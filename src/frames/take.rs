@@ -11,10 +11,11 @@ use clastic_components::contact::Bodies;
 use clastic_components::contact_history::{ContactHistory, KeptRows};
 use clastic_components::increment::{Analysis, Progress};
 use clastic_components::material::Materials;
+use clastic_components::membrane::{Membrane, MembraneShape};
 use clastic_components::observation::Observation;
 use clastic_components::wall::{Wall, WallName};
 
-use super::{Frame, FrameBodies, FrameWalls, NONE, pairs};
+use super::{Frame, FrameBodies, FrameMembranes, FrameWalls, NONE, pairs};
 
 /// The parts of a world that a [`Frame`] shows.
 #[derive(SystemParam)]
@@ -30,6 +31,7 @@ pub struct FrameTables<'w, 's> {
     bonds: Query<'w, 's, (&'static BondId, &'static Bond, &'static BondState)>,
     origins: Query<'w, 's, (&'static Origin, Option<&'static Group>)>,
     walls: Query<'w, 's, (Option<&'static WallName>, &'static ExternalForce)>,
+    membranes: Query<'w, 's, (&'static Membrane, &'static MembraneShape)>,
 }
 
 impl Frame {
@@ -77,6 +79,7 @@ impl FrameTables<'_, '_> {
             },
             pairs: pairs::columns(&all),
             walls: self.walls(),
+            membranes: self.chains(),
         }
     }
 
@@ -118,6 +121,25 @@ impl FrameTables<'_, '_> {
         };
         let indices = entities.iter().map(|entity| index(*entity).unwrap_or(NONE)).collect();
         (indices, names.into_iter().map(str::to_owned).collect())
+    }
+
+    fn chains(&self) -> FrameMembranes {
+        let mut list: Vec<_> = self.membranes.iter().collect();
+        list.sort_unstable_by(|(a, _), (b, _)| a.name.cmp(&b.name));
+        let mut columns = FrameMembranes::default();
+        for (membrane, shape) in list {
+            for chain in &shape.chains {
+                columns.name.push(membrane.name.clone());
+                columns.is_closed.push(chain.closed);
+                columns.first_point.push(columns.body.len() as u32);
+                columns.body.extend(chain.bodies.iter().map(|id| id.0));
+                columns.point_m.extend(chain.points.iter().map(DVec2::to_array));
+            }
+        }
+        if !columns.name.is_empty() {
+            columns.first_point.push(columns.body.len() as u32);
+        }
+        columns
     }
 
     fn walls(&self) -> FrameWalls {

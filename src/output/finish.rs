@@ -7,6 +7,7 @@ use clastic_components::observation::Observation;
 
 use super::avalanches::CurrentAvalanche;
 use super::caption::caption;
+use super::drive::PeakForce;
 use super::found::Found;
 use super::prepared::PreparedSpecimen;
 use super::run_directory::RunDirectory;
@@ -112,7 +113,12 @@ fn write_record(
     record.sanity = world.resource::<Sanity>().report(&world.resource::<Script>().scene);
     record.settled = world.resource::<Found>().settled;
     record.results = results.clone();
-    record.write(&path)
+    if results.peak_stress_pa.is_none() && !run.probes.is_empty() {
+        let record = serde_json::to_value(&run.record).map_err(OutputError::at(&path))?;
+        let history = plots::history::History::of_record(run.directory(), &record)?;
+        run.record.peak_force = PeakForce::of(&history);
+    }
+    run.record.write(&path)
 }
 
 /// Writes the page, if the scene asks for it.

@@ -41,6 +41,7 @@ mod corners;
 pub mod crack;
 pub mod csv_file;
 pub mod directory;
+pub mod drive;
 pub mod dump;
 mod error;
 pub mod events;

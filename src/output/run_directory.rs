@@ -11,6 +11,7 @@ use super::OutputError;
 use super::atomic::sync;
 use super::checkpoint::Checkpoint;
 use super::csv_file::CsvFile;
+use super::drive::PeakForce;
 use super::run_record::{CLASTIC_VERSION, RunFacts, RunRecord};
 use crate::run::WorldState;
 
@@ -82,6 +83,12 @@ impl Tables {
 }
 
 impl RunDirectory {
+    /// Peak of the force of a run without an axial stress, once the run has ended.
+    #[must_use]
+    pub fn peak_force(&self) -> Option<&PeakForce> {
+        self.record.peak_force.as_ref()
+    }
+
     /// Path of the directory.
     #[must_use]
     pub fn directory(&self) -> &Path {

@@ -8,6 +8,7 @@ use sha2::{Digest, Sha256};
 
 use super::OutputError;
 use super::atomic::write_atomic;
+use super::drive::PeakForce;
 use super::found::Settled;
 use crate::run::key_results::Results;
 use crate::run::sanity::Report;
@@ -52,6 +53,9 @@ pub struct RunRecord {
     pub settled: Option<Settled>,
     /// Physical sanity of the test.
     pub sanity: Report,
+    /// Peak of the force of a run without an axial stress.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub peak_force: Option<PeakForce>,
     /// Key results.
     pub results: Results,
     conventions: Conventions,
@@ -233,6 +237,7 @@ impl RunRecord {
             specimen_csv: None,
             settled: None,
             sanity: Report::default(),
+            peak_force: None,
             results: Results::default(),
             conventions: CONVENTIONS,
         }

@@ -54,8 +54,9 @@ impl Snapshot {
             .unwrap_or_else(|error| panic!("{error}"))
     }
 
-    /// Lower left and upper right corner of the box around the disks, without strays, and the thin
-    /// walls, m; none without disks.
+    /// Lower left and upper right corner of the box around the disks, without strays, and the walls,
+    /// m; none without disks. Walls that are lines count up to a quarter of the extent of the disks
+    /// beyond these.
     #[must_use]
     pub fn bounds(&self) -> Option<(DVec2, DVec2)> {
         let range = |axis: usize| {
@@ -67,8 +68,9 @@ impl Snapshot {
         };
         let (x, y) = (range(0)?, range(1)?);
         let disks = (DVec2::new(x[0], y[0]), DVec2::new(x[1], y[1]));
-        let ends = self.plates.iter().flatten();
-        Some(ends.fold(disks, |(low, high), x| (low.min(*x), high.max(*x))))
+        let lines = view::near(disks, &self.walls);
+        let ends = self.plates.iter().flatten().copied().chain(lines);
+        Some(ends.fold(disks, |(low, high), x| (low.min(x), high.max(x))))
     }
 }
 

@@ -2,6 +2,8 @@
 //!
 //! A disk that has left the specimen would otherwise shrink everything else in the picture.
 
+use glam::DVec2;
+
 /// Part of the disks at either end of an axis that may be strays.
 const STRAY: f64 = 0.01;
 /// Minimum distance of a stray from the others, over the extent of the others.
@@ -20,6 +22,13 @@ pub fn range(mut low: Vec<f64>, mut high: Vec<f64>) -> Option<[f64; 2]> {
     let lowest = low.iter().copied().filter(|x| *x >= inner[0] - apart).fold(inner[0], f64::min);
     let highest = high.iter().copied().filter(|x| *x <= inner[1] + apart).fold(inner[1], f64::max);
     Some([lowest, highest])
+}
+
+/// Ends of walls as a picture of disks between two corners shows them: none is farther outside than
+/// a stray disk may be.
+pub fn near((low, high): (DVec2, DVec2), walls: &[[DVec2; 2]]) -> impl Iterator<Item = DVec2> {
+    let apart = APART * (high - low);
+    walls.iter().flatten().map(move |x| x.clamp(low - apart, high + apart))
 }
 
 #[cfg(test)]

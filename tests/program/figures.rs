@@ -29,7 +29,10 @@ fn run(parent: &Path) -> PathBuf {
 const CONTENT: [(&str, &[&str]); 20] = [
     ("stress-strain", &["axial stress", "lateral stress", "broken bonds", "axial strain, %"]),
     ("volumetric", &["volumetric strain, %"]),
-    ("force-displacement", &["displacement along", "<polyline"]),
+    (
+        "force-displacement",
+        &["displacement the way of the drive, mm", "force this way, N", "<polyline"],
+    ),
     ("energies", &["external", "elastic", "energy, "]),
     ("fabric", &["contacts, a", "normal forces, a_n", "coordination"]),
     ("mohr", &["normal stress, MPa", "shear stress, MPa"]),
@@ -77,6 +80,17 @@ fn every_figure_has_its_content_and_size_and_the_same_bytes() {
         assert_eq!(svg, draw(), "{name}");
     }
 
+    // The frames of the run, those that the scene asks for and three more.
+    let frames = clastic(&["plot", dir, "--list"], 0);
+    for words in ["increment", "start", "peak", "end", "load"] {
+        assert!(frames.contains(words), "{words}: {frames}");
+    }
+    let number = |line: &str| line.split_whitespace().next().and_then(|n| n.parse::<u64>().ok());
+    let listed: Vec<_> = frames.lines().filter_map(number).collect();
+    let kept: Vec<_> =
+        clastic::frames::series(&out).unwrap().iter().map(|frame| frame.increment).collect();
+    assert_eq!(listed, kept);
+
     // A crop holds fewer disks; a field since another frame is another field; the same frame is
     // found by its number and by its file.
     let figure = |more: &[&str]| {
@@ -100,6 +114,56 @@ fn every_figure_has_its_content_and_size_and_the_same_bytes() {
     // Curves of two runs lie over one another.
     let two = figure(&["stress-strain", dir]);
     assert!(two.contains("biaxial (2)"), "{two}");
+}
+
+/// Two minerals without bonds between two platens, which no measure calls a stress.
+const MINERALS: &str = r#"(
+    version: 2,
+    title: "Two minerals",
+    materials: {
+        "quartz": (density: 2650.0, contact: (normal_stiffness: 6.0e9, friction: 0.5)),
+        "mica": (density: 2800.0, contact: (normal_stiffness: 2.0e9, friction: 0.3)),
+    },
+    specimen: Particles([
+        (position: (0.0, 1.0), radius: 1.0, material: "quartz"),
+        (position: (4.0, 1.0), radius: 1.0, material: "mica"),
+        (position: (8.0, 1.0), radius: 1.0, material: "mica"),
+    ]),
+    walls: [
+        (name: "floor", start: (-1.0, 0.0), end: (9.0, 0.0), contact: (normal_stiffness: 6.0e9)),
+        (name: "lid", start: (9.0, 2.0), end: (-1.0, 2.0), contact: (normal_stiffness: 6.0e9),
+            probe: "lid"),
+    ],
+    stages: [
+        Load(name: "press", increments: 4, walls: { "lid": Displacement(0.0, -1.0e-4) }),
+        Load(name: "lift", increments: 3, walls: { "lid": Displacement(0.0, 1.0e-4) }),
+    ],
+    reference_stage: "press",
+    output: (frames_every: 1),
+)"#;
+
+#[test]
+fn minerals_have_colours_and_a_test_without_stress_the_peak_of_its_force() {
+    let parent = tempfile::tempdir().unwrap();
+    let (scene, out) = (parent.path().join("minerals.ron"), parent.path().join("out"));
+    fs::write(&scene, MINERALS).unwrap();
+    let dir = out.to_str().unwrap();
+    clastic(&["run", scene.to_str().unwrap(), "--quiet", "--out", dir], 0);
+    let frames = clastic(&["plot", dir, "--list"], 0);
+    let peak = frames.lines().find(|line| line.contains("peak")).unwrap_or(&frames);
+    assert!(peak.trim_start().starts_with("4 "), "{frames}");
+    let figure = |name: &str| {
+        clastic(&["plot", dir, "--figure", name, "--frame", "peak"], 0);
+        fs::read_to_string(out.join("figures").join(name).with_extension("svg")).unwrap()
+    };
+    let specimen = figure("specimen");
+    assert!(specimen.contains("1 disks of quartz") && specimen.contains("2 disks of mica"));
+    for (color, number) in [("#f3f1ec", 2), ("#9ecae1", 1)] {
+        let group = specimen.split("<g ").find(|g| g.contains(&format!("fill=\"{color}\" stroke")));
+        let group = group.unwrap().split("</g>").next().unwrap();
+        assert_eq!(group.matches("<circle").count(), number, "{color}: {group}");
+    }
+    assert!(figure("force-displacement").contains("displacement along -y, mm"));
 }
 
 #[test]

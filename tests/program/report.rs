@@ -8,6 +8,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
+use clastic::figures::fields;
+use clastic::figures::moment::Moment;
 use clastic::frames;
 use clastic::tables::Tables;
 use serde_json::Value;
@@ -98,7 +100,7 @@ fn a_reader_finds_what_the_engine_has() {
     assert_eq!(seen["arrow"].as_u64().unwrap() as usize, series.len() - 2);
     assert!(number(&seen, "zoomed") > 0.01);
     let colours = seen["colours"].as_object().unwrap();
-    assert_eq!(colours.len(), 5, "{colours:?}");
+    assert_eq!(colours.len(), 7, "{colours:?}");
     assert!(colours.values().all(|part| part.as_f64() > Some(1e-3)), "{colours:?}");
 
     // Grains and bonds as the state at the end has them.
@@ -142,6 +144,24 @@ fn a_reader_finds_what_the_engine_has() {
         assert!(is_shown(number(grain, "shear_stress_pa"), shear, stress), "{grain} {shear}");
         assert_eq!(grain["fragment"], end.bodies.fragment[i]);
     }
+
+    // Strains are those of the figures, but for the steps of displacements.
+    let moment = |frame| Moment::of_frame(frame);
+    let before = &series[series.len() - 2];
+    for (k, from) in [&start, before].into_iter().enumerate() {
+        let exact = fields::strains(&moment(end), &moment(from));
+        let most = exact.iter().flatten().map(|s| s.shear).fold(0.0, f64::max);
+        assert!(most > 1e-4, "{most}");
+        for (grain, shown) in grains.iter().zip(seen["strains"].as_array().unwrap()) {
+            let i = grain["grain"].as_u64().unwrap() as usize;
+            let (shown, exact) = (shown[k].as_f64().unwrap(), exact[i].unwrap().shear);
+            assert!((shown - exact).abs() < 1e-3 * exact + 5e-3 * most, "{i}: {shown} {exact}");
+        }
+    }
+    let resized = &seen["resized"];
+    assert_eq!(resized[0], 480);
+    assert!(resized[1].as_f64() > Some(0.05), "blank after a resize: {resized}");
+    assert_eq!(seen["followed"], serde_json::json!([true, "strain-step", true]));
 
     let ids = |name: &str| state.u32(name, &[state.rows(name).unwrap()]).unwrap();
     let (bond_ids, bond_a, bond_b) = (ids("bonds.id"), ids("bonds.a"), ids("bonds.b"));

@@ -3,13 +3,10 @@
 
 use super::chart::{Chart, Line};
 use super::history::History;
+use crate::output::drive::Drive;
 
-/// Columns of motion and of force, and the label of the axes.
-const AXES: [(&str, &str, &str); 3] = [
-    (".x_m", ".force_x_n", "x"),
-    (".y_m", ".force_y_n", "y"),
-    (".rotation_rad", ".moment_nm", "rotation"),
-];
+/// Columns of displacements.
+const MOTIONS: [(&str, &str); 2] = [(".x_m", "x"), (".y_m", "y")];
 
 /// The chart of the probes; `None` if no probe moved or carried force.
 #[must_use]
@@ -22,53 +19,44 @@ pub fn probes(title: &str, history: &History) -> Option<Chart> {
     Some(chart)
 }
 
-/// Work done along a path: |integral of force over displacement|, trapezoidal.
-fn work(points: &[(f64, f64)]) -> f64 {
-    points.windows(2).map(|w| 0.5 * (w[0].1 + w[1].1) * (w[1].0 - w[0].0)).sum::<f64>().abs()
-}
-
-/// Force against displacement along the axis with the maximum work in the test, from the reference
-/// stage on. What prepares the specimen moves probes further, with forces of no meaning.
+/// Force against displacement along the axis with the maximum work in the test, both positive in the
+/// direction of the drive.
 fn worked(title: &str, history: &History) -> Option<Chart> {
-    let probes = history.probes();
-    let along = |(motion, force, _): (&str, &str, &str), probe: &str| {
-        history.of_test(&format!("{probe}{motion}"), &format!("{probe}{force}"))
-    };
-    let total = |axis| probes.iter().map(|probe| work(&along(axis, probe))).fold(0.0, f64::max);
-    let axis = AXES.into_iter().max_by(|a, b| total(*a).total_cmp(&total(*b)))?;
-    let most = total(axis);
-    if most <= 0.0 {
-        return None;
-    }
-    let lines: Vec<_> = probes
-        .iter()
-        .map(|probe| Line { name: (*probe).to_owned(), points: along(axis, probe) })
-        .filter(|line| work(&line.points) > 1e-6 * most)
-        .collect();
-    let turning = axis.2 == "rotation";
-    let maximum = lines.iter().flat_map(|l| &l.points).map(|p| p.0.abs()).fold(0.0, f64::max);
-    let (unit, metres) = match maximum {
+    let drives = Drive::all(history);
+    let first = drives.first()?;
+    let turning = first.turns();
+    let one = drives.iter().all(|drive| drive.direction == first.direction);
+    let points = || drives.iter().flat_map(|drive| &drive.points);
+    let (unit, metres) = match points().map(|p| p.motion.abs()).fold(0.0, f64::max) {
         _ if turning => ("rad", 1.0),
         u if u >= 0.1 => ("m", 1.0),
         u if u >= 1e-4 => ("mm", 1e-3),
         _ => ("µm", 1e-6),
     };
-    let scaled = |line: Line| Line {
-        points: line.points.into_iter().map(|(u, f)| (u / metres, f)).collect(),
-        ..line
+    let line = |drive: &Drive| Line {
+        name: match one {
+            true => drive.probe.clone(),
+            false => format!("{}, {}", drive.probe, drive.direction),
+        },
+        points: drive.points.iter().map(|p| (p.motion / metres, p.force)).collect(),
+    };
+    let (x, y) = match (turning, one) {
+        (true, true) => (format!("{} rotation, rad", first.direction), "moment this way, N m"),
+        (true, false) => ("rotation the way of the drive, rad".to_owned(), "moment this way, N m"),
+        (false, true) => {
+            (format!("displacement along {}, {unit}", first.direction), "force this way, N")
+        }
+        (false, false) => {
+            (format!("displacement the way of the drive, {unit}"), "force this way, N")
+        }
     };
     Some(Chart {
         title: title.to_owned(),
-        caption: "force of the outside world on the probe; axes of the scene, rotation positive \
-                  anticlockwise"
+        caption: "force of the outside world on the probe; positive in the direction of the drive"
             .to_owned(),
-        x: if turning {
-            "rotation, rad".to_owned()
-        } else {
-            format!("displacement along {}, {unit}", axis.2)
-        },
-        y: if turning { "moment, N m".to_owned() } else { format!("force along {}, N", axis.2) },
-        lines: lines.into_iter().map(scaled).collect(),
+        x,
+        y: y.to_owned(),
+        lines: drives.iter().map(line).collect(),
         second: None,
         equal: false,
         window: None,
@@ -81,7 +69,7 @@ fn moved(title: &str, history: &History) -> Option<Chart> {
     let timeless = history.column("time_s").iter().all(|t| *t == Some(0.0));
     let (along, x) = if timeless { ("increment", "increment") } else { ("time_s", "time, s") };
     for probe in history.probes() {
-        for (motion, _, axis) in &AXES[..2] {
+        for (motion, axis) in MOTIONS {
             let points = history.points(along, &format!("{probe}{motion}"));
             let moves =
                 points.iter().any(|p| p.1 != 0.0) && points.windows(2).any(|w| w[0].0 < w[1].0);
@@ -131,10 +119,10 @@ mod tests {
         let points =
             |history: &History| probes("", history).unwrap_or_default().lines[0].points.clone();
         let loaded = history.clone().after(11).from_stage("load");
-        assert_eq!(points(&loaded), [(0.0, -1e9), (-0.5, -10.0), (-1.0, -20.0), (-0.5, -10.0)]);
+        assert_eq!(points(&loaded), [(0.0, 1e9), (0.5, 10.0), (1.0, 20.0), (0.5, 10.0)]);
         // A run that goes on from a saved state does not know the state before it.
         let branch = history.after(4).from_stage("compact");
-        assert_eq!(points(&branch)[0], (-3.0, -1e9));
+        assert_eq!(points(&branch)[0], (3.0, 1e9));
         Ok(())
     }
 }

@@ -2,8 +2,21 @@
 
 use std::path::Path;
 
+use serde::Serialize;
+
 use crate::history_columns::PROBE_COLUMNS;
 use crate::output::{OutputError, directory, names};
+
+/// A probe after an increment of the test.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct TestPoint {
+    /// The increment; 0 for the state before the first one.
+    pub increment: u64,
+    /// Displacement in m or rotation in rad since the start of the test.
+    pub motion: f64,
+    /// Force in N or moment in N m of the outside world.
+    pub force: f64,
+}
 
 /// Numbers of a history by column. Texts and empty fields are `None`.
 #[derive(Clone, Debug, Default)]
@@ -26,7 +39,14 @@ impl History {
     /// # Errors
     /// If it has no run, or the history cannot be read.
     pub fn of_run(directory: &Path) -> Result<Self, OutputError> {
-        let record = directory::record(directory)?;
+        Self::of_record(directory, &directory::record(directory)?)
+    }
+
+    /// Reads the history of a run directory with this record.
+    ///
+    /// # Errors
+    /// If the history cannot be read.
+    pub fn of_record(directory: &Path, record: &serde_json::Value) -> Result<Self, OutputError> {
         let history = Self::read(&directory.join(names::HISTORY))?;
         let stage = record["settings"]["reference_stage"].as_str().unwrap_or_default();
         let history = history.after(record["increments"].as_u64().unwrap_or(0)).from_stage(stage);
@@ -112,23 +132,27 @@ impl History {
         points
     }
 
-    /// Points of the motion and the force of a probe, from the state before the test on, in which
-    /// the displacement is 0. Before the first row of a run forces are 0. The state before a run
-    /// that goes on from a saved state is not in its history: its displacements are as they stand.
+    /// Motion and force of a probe after every increment of the test, from the state before it on,
+    /// in which the displacement is 0. Before the first row of a run forces are 0. The state before a
+    /// run that goes on from a saved state is not in its history: its displacements are as they stand.
     #[must_use]
-    pub fn of_test(&self, motion: &str, force: &str) -> Vec<(f64, f64)> {
-        let mut points = self.points(motion, force);
-        match self.test.checked_sub(1) {
-            Some(before) => {
-                points.drain(..before.min(points.len()));
-                let start = points.first().map_or(0.0, |p| p.0);
-                points.iter_mut().for_each(|p| p.0 -= start);
-                if let Some(first) = points.first_mut().filter(|_| self.is_compacted) {
-                    first.1 = 0.0;
-                }
+    pub fn of_test(&self, motion: &str, force: &str) -> Vec<TestPoint> {
+        let increments = self.column("increment");
+        let values = self.column(motion).into_iter().zip(self.column(force));
+        let point = |(row, (motion, force)): (usize, (Option<f64>, Option<f64>))| {
+            let increment = increments.get(row).copied().flatten().unwrap_or_default() as u64;
+            Some(TestPoint { increment, motion: motion?, force: force? })
+        };
+        let first = self.test.saturating_sub(1);
+        let mut points: Vec<_> = values.enumerate().skip(first).filter_map(point).collect();
+        if self.test > 0 {
+            let start = points.first().map_or(0.0, |p| p.motion);
+            points.iter_mut().for_each(|p| p.motion -= start);
+            if let Some(first) = points.first_mut().filter(|_| self.is_compacted) {
+                first.force = 0.0;
             }
-            None if !self.is_continued => points.insert(0, (0.0, 0.0)),
-            None => {}
+        } else if !self.is_continued {
+            points.insert(0, TestPoint::default());
         }
         points
     }

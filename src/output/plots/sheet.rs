@@ -10,8 +10,6 @@ use super::scale::Scale;
 use crate::output::corners::joined;
 use crate::output::snapshot::Snapshot;
 
-/// A disk counts as touching a wall if the distance of its centre is below this, in radii.
-const TOUCHING: f64 = 1.05;
 /// Colours of texts.
 const DARK: &str = "#222";
 const GREY: &str = "#555";
@@ -101,12 +99,10 @@ impl Sheet {
         }
     }
 
-    /// Draws the walls: lines extended to all disks that touch them and joined at their corners, thin
-    /// walls as they are.
+    /// Draws the walls as the scene gives them, lines joined at their corners.
     pub fn walls(&mut self, now: &Snapshot) {
-        let walls: Vec<_> = now.walls.iter().map(|wall| enclosing(*wall, now)).collect();
         let width = 0.15 * self.style.font;
-        self.segments(&joined(&walls), DARK, width);
+        self.segments(&joined(&now.walls), DARK, width);
         self.segments(&now.plates, DARK, width);
     }
 
@@ -246,35 +242,30 @@ impl Sample {
     }
 }
 
-/// A wall segment extended to all disks that touch the wall. For contact a wall is an infinite
-/// line, and disks may rest on it beyond the ends of its drawn segment.
-fn enclosing([start, end]: [DVec2; 2], now: &Snapshot) -> [DVec2; 2] {
-    let length = start.distance(end);
-    let along = (end - start) / length;
-    let touching = now.positions.iter().zip(&now.radii).filter_map(|(x, r)| {
-        let from = *x - start;
-        (along.perp_dot(from).abs() <= TOUCHING * r)
-            .then(|| (from.dot(along) - r, from.dot(along) + r))
-    });
-    let ends = touching.fold((0.0_f64, length), |(low, high), (l, h)| (low.min(l), high.max(h)));
-    [start + along * ends.0, start + along * ends.1]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn walls_are_as_long_as_what_touches_them() {
-        // Three disks on a floor whose drawn segment lies under the middle disk only, and one disk
-        // in the air.
-        let now = Snapshot {
-            positions: [(-3.0, 1.0), (0.0, 1.0), (4.0, 1.0), (9.0, 3.0)].map(DVec2::from).to_vec(),
-            radii: vec![1.0; 4],
+    fn a_platen_is_as_wide_as_given_where_grains_bulge_or_lie_inside() {
+        let platen = |half: f64| Snapshot {
+            positions: vec![DVec2::new(-2.0, 1.0), DVec2::new(2.0, 1.0)],
+            radii: vec![1.0; 2],
+            walls: vec![[DVec2::new(-half, 0.0), DVec2::new(half, 0.0)]],
             ..Default::default()
         };
-        let floor = enclosing([DVec2::new(-0.5, 0.0), DVec2::new(0.5, 0.0)], &now);
-        assert_eq!(floor, [DVec2::new(-4.0, 0.0), DVec2::new(5.0, 0.0)]);
+        for half in [1.0, 3.2] {
+            let now = platen(half);
+            let mut sheet = Sheet::new(&now, "", "").unwrap_or_else(|| unreachable!());
+            let ends = [-half, half].map(|x| sheet.place(DVec2::new(x, 0.0)));
+            sheet.walls(&now);
+            let [a, b] = ends.map(|x| format!("{:.2} {:.2}", x.x, x.y));
+            let svg = sheet.end();
+            assert!(svg.contains(&format!("M{a}L{b}\"")), "{svg}");
+        }
+        // The picture shows the whole platen, but no more than a quarter of the specimen beyond it.
+        let right = |half: f64| platen(half).bounds().map(|(_, high)| high.x);
+        assert_eq!([1.0, 3.2, 99.0].map(right), [Some(3.0), Some(3.2), Some(4.5)]);
     }
 
     #[test]

@@ -17,6 +17,8 @@ const CRACK: f64 = 0.13;
 const THINNEST: f64 = 0.06;
 /// Colour of a membrane.
 const MEMBRANE: &str = "#0a7f3f";
+/// Width of a membrane over the size of the font.
+const MEMBRANE_WIDTH: f64 = 0.1;
 
 /// What the colours of the disks show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,18 +56,28 @@ pub fn svg(
         draw_cracks(&mut sheet, now);
     }
     sheet.walls(now);
-    let membrane = 0.1 * sheet.style.font;
-    sheet.segments(&now.membranes, MEMBRANE, membrane);
+    draw_membranes(&mut sheet, now);
     sheet.bar(&scale);
     let mut samples = if cracks { crack_samples(&now.cracks, &sheet.style) } else { Vec::new() };
-    if !now.membranes.is_empty() {
-        let text = "membrane".to_owned();
-        samples.push(Sample { color: MEMBRANE, stroke: Some(membrane), text });
-    }
+    samples.extend(membrane_sample(now, &sheet.style));
     if cracks || !samples.is_empty() {
         sheet.samples(&samples);
     }
     Some(sheet.end())
+}
+
+/// Draws the chains of membranes.
+pub fn draw_membranes(sheet: &mut Sheet, now: &Snapshot) {
+    let width = MEMBRANE_WIDTH * sheet.style.font;
+    sheet.segments(&now.membranes, MEMBRANE, width);
+}
+
+/// Entry of the legend for membranes, if there are any.
+#[must_use]
+pub fn membrane_sample(now: &Snapshot, style: &Style) -> Option<Sample> {
+    let stroke = Some(MEMBRANE_WIDTH * style.font);
+    let text = "membrane".to_owned();
+    (!now.membranes.is_empty()).then_some(Sample { color: MEMBRANE, stroke, text })
 }
 
 /// Colour of a crack.

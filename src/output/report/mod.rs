@@ -21,8 +21,10 @@ use super::atomic::write_atomic;
 
 const PAGE: &str = include_str!("page.html");
 const STYLES: [&str; 2] = [include_str!("page.css"), include_str!("page_parts.css")];
-const SCRIPTS: [&str; 13] = [
+const SCRIPTS: [&str; 15] = [
     include_str!("page_data.js"),
+    include_str!("page_mesh.js"),
+    include_str!("page_strain.js"),
     include_str!("page_chart.js"),
     include_str!("page_curves.js"),
     include_str!("page_roses.js"),

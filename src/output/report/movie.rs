@@ -91,6 +91,7 @@ impl Movie {
                 "contacts": contacts.len(),
                 "walls": walls(frame, first.origin_m),
                 "cell": frame.cell_m,
+                "membranes": rows.chains(frame),
             }));
         }
         let description = json!({
@@ -131,6 +132,17 @@ impl Rows {
         let particle = self.bodies.binary_search(&id).ok();
         let wall = || self.walls.binary_search(&id).ok().map(|k| self.bodies.len() + k);
         particle.or_else(wall).map_or(NONE, |k| k as u32)
+    }
+
+    /// The chains of the membranes of a frame, as indices of their bodies.
+    fn chains(&self, frame: &Frame) -> Vec<Value> {
+        let chains = &frame.membranes;
+        let chain = |k: usize| {
+            let bodies = &chains.body[chains.points(k)];
+            let bodies: Vec<u32> = bodies.iter().map(|id| self.index(*id)).collect();
+            json!({ "bodies": bodies, "closed": chains.is_closed[k] })
+        };
+        (0..chains.name.len()).map(chain).collect()
     }
 
     /// What does not change: of bodies place without displacement, radius, identity, material,

@@ -19,12 +19,17 @@
       this.zoomed = 1;
     }
 
+    // A canvas is blank after its size was set. It is drawn before the browser shows that, since
+    // what is drawn in the next frame of the screen comes too late.
     resize() {
       const { canvas } = this,
         ratio = Math.min(2, window.devicePixelRatio || 1);
-      canvas.width = Math.max(1, Math.round(canvas.clientWidth * ratio));
-      canvas.height = Math.max(1, Math.round(canvas.clientHeight * ratio));
-      this.draw();
+      const size = [canvas.clientWidth, canvas.clientHeight].map((pixels) =>
+        Math.max(1, Math.round(pixels * ratio)),
+      );
+      if (canvas.width === size[0] && canvas.height === size[1]) return;
+      [canvas.width, canvas.height] = size;
+      if (this.isLoaded) this.drawNow();
     }
 
     // Metres in a pixel of the canvas.

@@ -5,7 +5,7 @@
   const RIGHT = 14,
     TOP = 10,
     BOTTOM = 42,
-    LETTER = 6.7;
+    LETTER = 7.7;
 
   function ticks(low, high, number) {
     const raw = (high - low) / number,
@@ -39,18 +39,20 @@
   // `series`: {name, colour, x, y, first} with columns; null ends a stroke. `first` is the row of the
   // history's first row.
   class Chart {
-    constructor({ title, xName, yName, series, onPick, size }) {
+    constructor({ title, xName, yName, series, onPick, size, span, placeOf }) {
       [this.width, this.height] = size;
       this.series = series;
       const all = (axis) =>
         series.flatMap((one) => one[axis].filter((_, k) => one.x[k] !== null && one.y[k] !== null));
-      this.x = range(all("x"));
+      // Curves of one axis have one range, so that marks of one frame stand at one place.
+      this.x = range(span ?? all("x"));
+      this.placeOf = placeOf;
       const [low, high] = range(all("y").concat(0));
       const room = 0.05 * (high - low);
       this.y = [low < 0 ? low - room : low, high > 0 ? high + room : high];
       // The name of the axis stands beside its widest label.
       const labels = ticks(...this.y, 5).map((y) => format(y).length);
-      this.left = Math.max(62, 30 + LETTER * Math.max(...labels));
+      this.left = Math.max(62, 32 + LETTER * Math.max(...labels));
       this.names = make("div", { class: "names" });
       this.svg = make("svg", {
         viewBox: `0 0 ${size.join(" ")}`,
@@ -182,15 +184,16 @@
     // Marks the frame shown: its x, and the row of the history.
     mark(x, row) {
       [this.marked, this.row] = [x, row];
-      this.now.setAttribute("visibility", x === null ? "hidden" : "visible");
-      if (x !== null) ["x1", "x2"].forEach((name) => this.now.setAttribute(name, this.px(x)));
+      const isWithin = x !== null && x >= this.x[0] && x <= this.x[1];
+      this.now.setAttribute("visibility", isWithin ? "visible" : "hidden");
+      if (isWithin) ["x1", "x2"].forEach((name) => this.now.setAttribute(name, this.px(x)));
       if (this.pointer === null) this.hover(null);
     }
   }
 
   function nearest({ x, y, first }, at, row) {
     const known = row >= 0 ? row + first : -1;
-    if (known >= 0 && x[known] !== null && y[known] !== null) return known;
+    if (known >= 0 && known < x.length && x[known] !== null && y[known] !== null) return known;
     let best = -1;
     for (let k = 0; k < x.length; k++) {
       if (x[k] === null || y[k] === null) continue;

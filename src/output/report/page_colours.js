@@ -26,15 +26,16 @@
     [170, 24, 44],
   ];
   const LARGEST = [168, 176, 186];
+  // Pale as well; those of materials in the figures.
   const KINDS = [
-    [91, 142, 196],
-    [226, 150, 72],
-    [104, 172, 110],
-    [176, 122, 190],
-    [196, 178, 90],
-    [92, 178, 178],
-    [208, 116, 140],
-    [140, 140, 150],
+    [243, 241, 236],
+    [158, 202, 225],
+    [253, 207, 156],
+    [181, 223, 174],
+    [212, 197, 232],
+    [232, 220, 150],
+    [196, 196, 196],
+    [227, 184, 196],
   ];
 
   // A body that is not in the frame has no number; it is not drawn.
@@ -99,6 +100,16 @@
       signed: true,
       of: (f, b, i) => f.rotation[i],
     },
+    strain: {
+      name: "shear strain since the start of the test",
+      unit: "%",
+      field: (f) => Report.totalStrains(f),
+    },
+    "strain-step": {
+      name: "shear strain since the frame before",
+      unit: "%",
+      field: (f, b) => Report.strainSteps(f, b),
+    },
     stress: {
       name: "mean stress in the grain (compression +)",
       unit: "Pa",
@@ -146,11 +157,13 @@
     if (key === "fragment") frame.largest ??= largest(frame);
     const [low, high] = way.range ?? [0, 1],
       scale = STEPS / (high - low || 1);
+    const values = way.field?.(frame, before);
     for (let i = 0; i < n; i++) {
       if (way.kinds) out.set(way.kinds(frame, i), 4 * i);
       else {
         // A body that is not in the frame has no number, and becomes the first step.
-        const step = Math.round((way.of(frame, before, i) - low) * scale);
+        const value = values ? values[i] : way.of(frame, before, i);
+        const step = Math.round((value - low) * scale);
         const k = 3 * (step > 0 ? Math.min(STEPS, step) : 0);
         out[4 * i] = map[k];
         out[4 * i + 1] = map[k + 1];
@@ -160,6 +173,9 @@
     }
     return out;
   };
+
+  const told = (x, unit) =>
+    unit === "%" ? `${Report.format(100 * x, 3)} %` : Report.si(x, unit, 3);
 
   Report.drawLegend = (key, layers) => {
     const way = COLOURS[key],
@@ -193,8 +209,8 @@
           "span",
           { class: "scale" },
           bar,
-          make("span", {}, Report.si(low, way.unit, 3)),
-          make("span", {}, Report.si(high, way.unit, 3)),
+          make("span", {}, told(low, way.unit)),
+          make("span", {}, told(high, way.unit)),
         ),
       );
     }
@@ -210,6 +226,7 @@
         key2("--push", `compression, ${Report.si(ranges.force[1], "N", 3)} at full width`),
         key2("--pull", "tension"),
       );
+    if (layers.membrane) parts.push(key2("--membrane", "membrane"));
     document.getElementById("legend").replaceChildren(...parts);
   };
 })();

@@ -25,6 +25,22 @@
     requestAnimationFrame(tick);
   };
 
+  // What a link to the page asks for, as in `report.html#colour=material&frame=177&show=bonds`:
+  // `frame` is an increment, start, peak or end, `show` the layers that are drawn.
+  Report.follow = async (hash) => {
+    const asked = new URLSearchParams(hash.slice(1));
+    const show = asked.get("show")?.split(",");
+    if (show)
+      for (const box of document.querySelectorAll("#layers input"))
+        if (box.checked !== show.includes(box.id.slice(6))) box.click();
+    const at = asked.get("frame"),
+      last = movie.frames.length - 1;
+    const named = { start: movie.start, peak: Report.peakFrame, end: last }[at];
+    if (at) await Report.show(named ?? Report.frameOf(Number(at) || 0));
+    const options = [...node("colour").options].map((option) => option.value);
+    if (options.includes(asked.get("colour"))) await Report.colourBy(asked.get("colour"));
+  };
+
   Report.listen = () => {
     const canvas = node("canvas"),
       { view } = Report,
@@ -40,10 +56,7 @@
       view.showAll();
       view.draw();
     });
-    node("colour").addEventListener("change", (event) => {
-      state.colour = event.target.value;
-      Report.restyle();
-    });
+    node("colour").addEventListener("change", (event) => Report.colourBy(event.target.value));
     node("find").addEventListener("submit", (event) => {
       event.preventDefault();
       const id = Number(node("number").value),

@@ -36,6 +36,7 @@
       if (row === -1) return [isContinued && !counts ? null : 0, ...values];
       return values.map((y, k) => (k === row && (y === null || counts) ? 0 : y));
     };
+    const span = runs.flatMap((run) => x(run).filter((value) => value !== null));
     const xName = strained ? "axial strain, %" : Report.isTimed ? "time, s" : "increment";
     const colour = (k) => `var(--series-${k % 13})`;
     const has = (name) => runs.some((run) => run.history[name]?.some((y) => y !== null));
@@ -66,10 +67,13 @@
           .filter((one) => one.y.some((y) => y !== null)),
       );
       if (!series.length) return;
+      add({ title, xName, yName, series, onPick: pick, span });
+    };
+    const add = (of) => {
       // The first curve stands beside the picture, whose time it shows.
       const isBeside = movie && !Report.charts.length;
       const size = isBeside || window.innerWidth < 600 ? [400, 270] : [440, 280];
-      const chart = new Report.Chart({ title, xName, yName, series, onPick: pick, size });
+      const chart = new Report.Chart({ ...of, size });
       Report.charts.push(chart);
       node(isBeside ? "beside" : "curves").append(chart.node);
     };
@@ -82,6 +86,7 @@
           : [];
       draw("Stress", `stress, ${unit}`, [["axial", of, column("axial_stress_pa")], ...lateral]);
     }
+    if (!has("axial_stress_pa")) drawDrive(add);
     if (has("volumetric_strain"))
       draw("Volume", "volumetric strain, %", [
         ["volumetric strain", (y) => (y === null ? null : 100 * y), column("volumetric_strain")],
@@ -133,6 +138,57 @@
     for (const name of measures.filter(has)) draw(name, name, [[name, (y) => y, column(name)]]);
     if (Report.charts.length < 2)
       draw("Contacts", "number", [["contacts", (y) => y, column("contacts")]]);
+  };
+
+  // Force against displacement of what drives the tests, in the direction of the drive.
+  function drawDrive(add) {
+    const drives = runs.flatMap((run) => (run.drives ?? []).map((drive) => ({ run, ...drive })));
+    if (!drives.length) return;
+    const turns = drives[0].direction.endsWith("clockwise");
+    const most = (name) =>
+      Math.max(...drives.flatMap(({ points }) => points.map((p) => Math.abs(p[name]))));
+    const [u, f] = ["motion", "force"].map((name) => Report.prefix(most(name)));
+    const one = drives.every(({ direction }) => direction === drives[0].direction);
+    const way = one ? drives[0].direction.replace("-", "\u2212") : "the drive";
+    const series = drives.map(({ run, probe, direction, points }, k) => ({
+      name: [runs.length > 1 ? run.name : "", probe, one ? "" : direction].filter(Boolean).join(", "),
+      colour: `var(--series-${k % 13})`,
+      x: points.map((p) => p.motion / u[0]),
+      y: points.map((p) => p.force / f[0]),
+      first: 0,
+    }));
+    const { points } = drives[0];
+    // Row of the last increment up to that of a frame.
+    const rowOf = (increment) => points.findLastIndex((p) => p.increment <= increment);
+    const nearest = (x) => {
+      const far = (k) => Math.abs(series[0].x[k] - x);
+      const k = points.reduce((best, _, k) => (far(k) < far(best) ? k : best), 0);
+      Report.play(false);
+      Report.show(Report.frameOf(points[k].increment));
+    };
+    add({
+      title: turns ? "Moment and rotation" : "Force and displacement",
+      xName: `${turns ? "rotation" : "displacement"} along ${way}, ${u[1]}${turns ? "rad" : "m"}`,
+      yName: `${turns ? "moment" : "force"} along ${way}, ${f[1]}${turns ? "N m" : "N"}`,
+      series,
+      onPick: movie ? nearest : null,
+      placeOf: (k) => {
+        const row = rowOf(movie.frames[k].increment);
+        return row < 0 ? [null, -1] : [series[0].x[row], row];
+      },
+    });
+  }
+
+  // The peak of the force of a run without a stress.
+  Report.peakOfForce = (run) => {
+    const of = (name) => run.history[name]?.some((y) => y !== null);
+    return of("axial_stress_pa") ? null : (run.peak ?? null);
+  };
+
+  // The frame that is nearest to an increment, the earlier one of two.
+  Report.frameOf = (increment) => {
+    const far = (k) => Math.abs(movie.frames[k].increment - increment);
+    return movie.frames.reduce((best, _, k) => (far(k) < far(best) ? k : best), 0);
   };
 
   Report.xOf = (k) => {

@@ -157,6 +157,7 @@ Report.data = JSON.parse(document.getElementById("data").textContent);
     frame.x = frame.ux.map((u, i) => Report.still.x[i] + u);
     frame.y = frame.uy.map((u, i) => Report.still.y[i] + u);
     frame.walls = movie.frames[k].walls;
+    frame.membranes = movie.frames[k].membranes;
     frame.cell = movie.frames[k].cell;
     return frame;
   }

@@ -112,13 +112,27 @@
           if (isFresh) {
             recent.add(x0, y0, x1, y1, 0.18 * r, 4, fresh);
             recent.add(x0, y0, x1, y1, 0.08 * r, 1.6, modes[state]);
-          } else cracks.add(x0, y0, x1, y1, 0.07 * r, 1.3, modes[state]);
+          } else cracks.add(x0, y0, x1, y1, 0.08 * r, 1.6, modes[state]);
         }
       });
     out.append(cracks);
     out.append(recent);
     for (const { line } of frame.walls) {
       for (let k = 0; k + 3 < line.length; k += 2) out.add(...line.slice(k, k + 4), 0, 2.2, wall);
+    }
+    if (layers.membrane) {
+      const skin = bytes("--membrane");
+      // A chain goes from grain to grain; an open one begins and ends at walls.
+      for (const { bodies, closed } of frame.membranes ?? []) {
+        const count = bodies.length;
+        const place = (k) => {
+          if (bodies[k] < n) return [frame.x[bodies[k]], frame.y[bodies[k]]];
+          return Report.otherEnd(frame, bodies[k === 0 ? 1 : k - 1], bodies[k]);
+        };
+        const points = bodies.map((_, k) => place(k));
+        for (let k = 0; k + (closed ? 0 : 1) < count; k++)
+          out.add(...points[k], ...points[(k + 1) % count], 0, 2, skin);
+      }
     }
     if (frame.cell) {
       const [width, height, tilt] = frame.cell,

@@ -66,7 +66,9 @@
     );
     node("slider").setAttribute("aria-valuetext", `increment ${told.increment}`);
     const row = runs[0].history.increment?.indexOf(told.increment) ?? -1;
-    Report.charts.forEach((chart) => chart.mark(Report.xOf(state.frame), row));
+    Report.charts.forEach((chart) =>
+      chart.mark(...(chart.placeOf?.(state.frame) ?? [Report.xOf(state.frame), row])),
+    );
     Report.tellPicked(frame);
     Report.drawRoses(frame);
   };
@@ -74,6 +76,18 @@
   Report.restyle = () => {
     Report.drawLegend(state.colour, state.layers);
     Report.paint(state.now, state.before);
+  };
+
+  // Colours grains by this. The range of strains is measured when they are first asked for.
+  Report.colourBy = async (key) => {
+    const way = Report.COLOURS[key];
+    if (!way.range && way.field) {
+      node("message").textContent = "Measuring strains \u2026";
+      way.range = await Report.strainRange(way.field);
+      node("message").textContent = "";
+    }
+    state.colour = node("colour").value = key;
+    Report.restyle();
   };
 
   function offer() {
@@ -88,7 +102,9 @@
               ? movie.materials.length > 1
               : key === "group"
                 ? movie.groups.length > 0
-                : true;
+                : way.field
+                  ? frames.length > movie.start + 1
+                  : true;
       if (isThere) node("colour").append(make("option", { value: key }, way.name));
     }
     // Rotations show where a specimen that is tested shears; grains that flow move.
@@ -106,6 +122,7 @@
       ["normals", "contact normals", false],
       ["spokes", "rotation marks", false],
     );
+    if (frames.some((frame) => frame.membranes?.length)) layers.push(["membrane", "membrane", true]);
     for (const [key, name, on] of layers) {
       state.layers[key] = on;
       const box = make("input", {
@@ -147,10 +164,14 @@
           "first rupture",
         ),
       );
-    const stress = record.results.peak_stress_pa;
+    const stress = record.results.peak_stress_pa,
+      force = Report.peakOfForce(runs[0]);
+    // Without a stress the frame nearest to the peak of the force.
     const peak =
       stress === null
-        ? -1
+        ? force
+          ? Report.frameOf(force.increment)
+          : -1
         : frames.findIndex(
             (frame) => frame.stress !== null && Math.abs(frame.stress / stress - 1) < 1e-6,
           );
@@ -187,8 +208,11 @@
     offer();
     Report.view = Report.openView(node("canvas"));
     Report.drawLegend(state.colour, state.layers);
+    Report.startFrame = await Report.frame(movie.start);
     await Report.show(Report.peakFrame >= 0 ? Report.peakFrame : movie.frames.length - 1);
     Report.listen();
+    await Report.follow(location.hash);
+    addEventListener("hashchange", () => Report.follow(location.hash));
     // The rest is unpacked while nothing else is to be done.
     (async () => {
       for (let k = 0; k < movie.frames.length; k++) await Report.frame(k);

@@ -74,6 +74,22 @@
   const isNumber = (value) => typeof value === "number";
   const broken = (r) => r.bonds_broken.tension + r.bonds_broken.shear + r.bonds_broken.rolling;
 
+  // Peak of the force and displacement there, of a run without a stress: names and texts.
+  const peakOfForce = (run) => {
+    const peak = Report.peakOfForce(run);
+    if (!peak) return [];
+    const { probe, direction } = peak,
+      turns = direction.endsWith("clockwise");
+    const way = `${probe}, ${direction.replace("-", "\u2212")}`;
+    return [
+      [`Peak ${turns ? "moment" : "force"} (${way})`, si(peak.force, turns ? "N m" : "N")],
+      [
+        turns ? "Rotation at the peak" : "Displacement at the peak",
+        si(peak.motion, turns ? "rad" : "m"),
+      ],
+    ];
+  };
+
   const outcome = (record) => {
     const { status, increment, message } = record.outcome;
     const told =
@@ -134,20 +150,32 @@
           }),
         ],
       ];
+      const peaks = runs.map((run) => peakOfForce(run).map(([name, value]) => `${value}, ${name}`));
+      if (peaks.some((peak) => peak.length))
+        rows.push(["Peak of the force", ...peaks.map((peak) => n(peak[0]?.replace("Peak ", "") ?? "\u2013"))]);
       for (const [name, text] of RESULTS) {
         const cells = runs.map((run) => text(run.record.results));
         if (cells.some(Boolean)) rows.push([name, ...cells.map((cell) => n(cell || "\u2013"))]);
       }
-      results.append(make("div", { class: "scroll", style: "max-height: none" }, table(head, rows)));
+      const scrolled = make("div", { class: "scroll wide-table" }, table(head, rows));
+      const cue = make("p", { class: "hint" });
+      results.append(cue, scrolled);
+      // A table that is wider than the window says so.
+      new ResizeObserver(() => {
+        const isWide = scrolled.scrollWidth > scrolled.clientWidth + 1;
+        cue.textContent = isWide ? `${runs.length} runs; scroll the table sideways \u2192` : "";
+      }).observe(scrolled);
       return;
     }
+    const card = (value, name, isFirst = false) =>
+      results[isFirst ? "prepend" : "append"](
+        make("div", { class: "card" }, make("b", {}, value), make("span", {}, name)),
+      );
     for (const [name, text] of RESULTS) {
       const value = text(record.results);
-      if (value)
-        results.append(
-          make("div", { class: "card" }, make("b", {}, value), make("span", {}, name)),
-        );
+      if (value) card(value, name);
     }
+    for (const [name, value] of peakOfForce(runs[0]).reverse()) card(value, name, true);
   };
 
   const panel = (title, ...content) => make("div", {}, make("h2", {}, title), ...content);

@@ -6,8 +6,10 @@ use std::path::Path;
 
 use serde_json::{Map, Value, json};
 
+use crate::output::drive::Drive;
 use crate::output::history::{COLUMNS, ENERGY_COLUMNS};
 use crate::output::marks::marks;
+use crate::output::plots::history::{History, TestPoint};
 use crate::output::{OutputError, avalanches, directory, events, names};
 
 /// Columns of texts.
@@ -50,6 +52,21 @@ impl Run {
         for increment in numbers(&broken, "increment").into_iter().flatten() {
             *ruptures.entry(increment as u64).or_default() += 1;
         }
+        // Curves of a run without a stress: the force of what drives it.
+        let drives = match history.get("axial_stress_pa").and_then(Value::as_array) {
+            Some(stress) if stress.iter().any(Value::is_number) => Vec::new(),
+            _ => Drive::all(&History::of_record(path, &record)?),
+        };
+        let peak = Drive::most(&drives).and_then(|drive| {
+            let TestPoint { increment, motion, force } = drive.peak()?;
+            Some(json!({
+                "probe": drive.probe,
+                "direction": drive.direction,
+                "increment": increment,
+                "motion": motion,
+                "force": force,
+            }))
+        });
         let value = json!({
             "name": name,
             "marks": marks(&record),
@@ -57,6 +74,8 @@ impl Run {
             "scene": scene,
             "history": history,
             "measures": measures,
+            "drives": drives,
+            "peak": peak,
             "events": broken,
             "avalanches": released,
         });

@@ -2,11 +2,12 @@
 //! those of all frames, so that nothing jumps from one to the next. A stray grain or a few large
 //! values do not decide about them.
 
+use glam::DVec2;
 use serde_json::{Value, json};
 
 use super::columns::{most_steps, scale};
 use crate::frames::Frame;
-use crate::output::view::range;
+use crate::output::view::{near, range};
 
 /// Part of values that lie beyond a colour scale.
 const BEYOND: f64 = 0.01;
@@ -161,8 +162,8 @@ fn quantile(values: &mut [f32], part: f64) -> f32 {
     *values.select_nth_unstable_by(at, f32::total_cmp).1
 }
 
-/// The box that shows the specimen in these frames without its stray grains: left, bottom, right,
-/// top from the origin, m.
+/// The box that shows the specimen in these frames without its stray grains, and its walls up to a
+/// quarter of it beyond: left, bottom, right, top from the origin, m.
 pub fn view(frames: &[Frame], origin: [f64; 2]) -> [f64; 4] {
     let ends = |axis: usize, sign: f64| {
         let of_frame = |frame: &Frame| -> Vec<f64> {
@@ -175,5 +176,18 @@ pub fn view(frames: &[Frame], origin: [f64; 2]) -> [f64; 4] {
     };
     let range = |axis| range(ends(axis, -1.0), ends(axis, 1.0)).unwrap_or_default();
     let ([left, right], [bottom, top]) = (range(0), range(1));
-    [left, bottom, right, top]
+    let disks = (DVec2::new(left, bottom), DVec2::new(right, top));
+    let ends = |thin: bool| -> Vec<[DVec2; 2]> {
+        let of_frame = |frame: &Frame| -> Vec<[DVec2; 2]> {
+            let walls = (0..frame.walls.id.len()).filter(|k| frame.walls.is_thin[*k] == thin);
+            let from = |x: [f64; 2]| DVec2::from(x) - DVec2::from(origin);
+            let pieces = walls.flat_map(|k| frame.wall_line(k).windows(2));
+            pieces.map(|ends| [from(ends[0]), from(ends[1])]).collect()
+        };
+        frames.iter().flat_map(of_frame).collect()
+    };
+    let (lines, plates) = (ends(false), ends(true));
+    let all = near(disks, &lines).chain(plates.iter().flatten().copied());
+    let (low, high) = all.fold(disks, |(low, high), x| (low.min(x), high.max(x)));
+    [low.x, low.y, high.x, high.y]
 }

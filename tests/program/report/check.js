@@ -106,9 +106,30 @@
     for (const { value } of document.getElementById("colour").options) {
       document.getElementById("colour").value = value;
       document.getElementById("colour").dispatchEvent(new Event("change"));
+      for (let n = 0; n < 1000 && state.colour !== value; n++) await wait(10);
       Report.view.drawNow();
       seen.colours[value] = differing(picture(), end);
     }
+    // Strains of the same grains, since the start and since the frame before.
+    const previous = await Report.frame(last - 1);
+    const strains = [Report.totalStrains(frame), Report.strainSteps(frame, previous)];
+    seen.strains = chosen.map((i) => strains.map((of) => of[i]));
+    // A resize leaves no blank picture behind.
+    const box = document.getElementById("picture");
+    box.style.width = "480px";
+    await new Promise((done) => new ResizeObserver(() => done()).observe(canvas));
+    const small = picture();
+    const small_width = canvas.width;
+    seen.resized = [small_width, differing(small, small.map((_, i) => small[i % 4]))];
+    await wait(50);
+    box.style.width = "";
+    for (let n = 0; n < 1000 && canvas.width === small_width; n++) await wait(10);
+    // A link asks for a frame and a colour.
+    await Report.follow("#frame=start&colour=strain-step&show=bonds");
+    seen.followed = [state.frame === data.movie.start, state.colour, state.layers.bonds];
+    await Report.follow("#frame=end&show=cracks,bonds");
+    Report.view.drawNow();
+
     // Zoom and back; a jump to the first rupture picks its bond.
     const before = picture();
     key("+");

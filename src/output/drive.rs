@@ -1,0 +1,191 @@
+//! The probes that drive a test: force against motion, both in the direction of the motion. Rigs
+//! that define no stress have their curve and their peak from here.
+
+use serde::Serialize;
+
+use super::plots::history::{History, TestPoint};
+
+/// Columns of motion and of force, and the name of the axis.
+const AXES: [(&str, &str, &str); 3] = [
+    (".x_m", ".force_x_n", "x"),
+    (".y_m", ".force_y_n", "y"),
+    (".rotation_rad", ".moment_nm", "rotation"),
+];
+/// Part of the maximum work that a probe must do to count.
+const IDLE: f64 = 1e-6;
+
+/// A probe on which the outside world does work in the test.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Drive {
+    /// Name of the probe.
+    pub probe: String,
+    /// Direction of the maximum motion: `+x`, `-x`, `+y`, `-y`, `anticlockwise` or `clockwise`.
+    pub direction: &'static str,
+    /// Motion and force in this direction. The force is that of the outside world on the probe.
+    pub points: Vec<TestPoint>,
+}
+
+impl Drive {
+    /// The probes that drive the test along the axis with the most work, in the order of the
+    /// history. What prepares the specimen moves probes further, with forces of no meaning, and does
+    /// not count.
+    #[must_use]
+    pub fn all(history: &History) -> Vec<Self> {
+        let probes = history.probes();
+        let along = |(motion, force, _): (&str, &str, &str), probe: &str| {
+            history.of_test(&format!("{probe}{motion}"), &format!("{probe}{force}"))
+        };
+        let total = |axis| probes.iter().map(|probe| work(&along(axis, probe))).fold(0.0, f64::max);
+        let axis = AXES.into_iter().max_by(|a, b| total(*a).total_cmp(&total(*b)));
+        let Some((axis, most)) = axis.map(|axis| (axis, total(axis))).filter(|of| of.1 > 0.0)
+        else {
+            return Vec::new();
+        };
+        let drives = probes.iter().map(|probe| Self::along(probe, axis.2, along(axis, probe)));
+        drives.filter(|drive| work(&drive.points) > IDLE * most).collect()
+    }
+
+    /// The probe on which the most work is done; `None` if none is.
+    #[must_use]
+    pub fn first(history: &History) -> Option<Self> {
+        Self::most(&Self::all(history)).cloned()
+    }
+
+    /// The one of several on which the most work is done; of equal ones the first.
+    #[must_use]
+    pub fn most(drives: &[Self]) -> Option<&Self> {
+        let of = |drive: &Self| work(&drive.points);
+        drives.iter().reduce(|a, b| if of(b) > of(a) { b } else { a })
+    }
+
+    fn along(probe: &str, axis: &str, mut points: Vec<TestPoint>) -> Self {
+        let farthest = points
+            .iter()
+            .map(|p| p.motion)
+            .fold(0.0, |far: f64, motion| if motion.abs() > far.abs() { motion } else { far });
+        let is_back = farthest < 0.0;
+        if is_back {
+            for point in &mut points {
+                (point.motion, point.force) = (0.0 - point.motion, 0.0 - point.force);
+            }
+        }
+        let direction = match (axis, is_back) {
+            ("x", false) => "+x",
+            ("x", true) => "-x",
+            ("y", false) => "+y",
+            ("y", true) => "-y",
+            (_, false) => "anticlockwise",
+            (_, true) => "clockwise",
+        };
+        Self { probe: probe.to_owned(), direction, points }
+    }
+
+    /// Whether motion is rotation, and force moment.
+    #[must_use]
+    pub fn turns(&self) -> bool {
+        self.direction.ends_with("clockwise")
+    }
+
+    /// The first point with the maximum force; `None` if no force resists the motion.
+    #[must_use]
+    pub fn peak(&self) -> Option<TestPoint> {
+        let higher = |a: TestPoint, b: TestPoint| if b.force > a.force { b } else { a };
+        self.points.iter().copied().reduce(higher).filter(|peak| peak.force > 0.0)
+    }
+}
+
+/// The peak of the force of a run without a stress, as `run.json` holds it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PeakForce {
+    /// The probe on which the most work is done.
+    pub probe: String,
+    /// Direction of its motion.
+    pub direction: &'static str,
+    /// Increment of the peak.
+    pub increment: u64,
+    /// Force of the outside world in this direction, N.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub force_n: Option<f64>,
+    /// Displacement in this direction since the start of the reference stage, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub displacement_m: Option<f64>,
+    /// Moment, N m, of a probe that turns.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub moment_nm: Option<f64>,
+    /// Its rotation, rad.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rotation_rad: Option<f64>,
+}
+
+impl PeakForce {
+    /// The peak of a history; `None` if nothing drives the test, or no force resists.
+    #[must_use]
+    pub fn of(history: &History) -> Option<Self> {
+        let drive = Drive::first(history)?;
+        let TestPoint { increment, motion, force } = drive.peak()?;
+        let turns = drive.turns();
+        let [straight, turned] =
+            [!turns, turns].map(|is| (Some(force).filter(|_| is), Some(motion).filter(|_| is)));
+        Some(Self {
+            probe: drive.probe,
+            direction: drive.direction,
+            increment,
+            force_n: straight.0,
+            displacement_m: straight.1,
+            moment_nm: turned.0,
+            rotation_rad: turned.1,
+        })
+    }
+
+    /// The peak in a line.
+    #[must_use]
+    pub fn line(&self) -> String {
+        let of = match (self.force_n, self.displacement_m, self.moment_nm, self.rotation_rad) {
+            (Some(f), Some(u), ..) => format!("force {f:.4e} N at a displacement of {u:.4e} m"),
+            (.., Some(m), Some(t)) => format!("moment {m:.4e} N m at a rotation of {t:.4e} rad"),
+            _ => String::new(),
+        };
+        format!("peak {of} ({}, {})", self.probe, self.direction)
+    }
+}
+
+/// Work along a path: |integral of force over motion|, trapezoidal.
+fn work(points: &[TestPoint]) -> f64 {
+    let piece = |w: &[TestPoint]| 0.5 * (w[0].force + w[1].force) * (w[1].motion - w[0].motion);
+    points.windows(2).map(piece).sum::<f64>().abs()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn history(text: &str) -> Result<History, std::io::Error> {
+        let file = tempfile::NamedTempFile::new()?;
+        std::fs::write(file.path(), text)?;
+        History::read(file.path()).map_err(std::io::Error::other)
+    }
+
+    /// A beam that is pressed down: its force is largest, and not smallest, at the peak.
+    #[test]
+    fn motion_and_force_of_a_probe_count_in_the_direction_of_its_motion() -> std::io::Result<()> {
+        let rows = "increment,stage,a.x_m,a.y_m,a.force_x_n,a.force_y_n,b.x_m,b.y_m,b.force_x_n,\
+                    b.force_y_n\n\
+                    4,bend,0,-0.5,0,-10,0,0,0,5\n5,bend,0,-1,0,-30,0,0,0,15\n\
+                    6,bend,0,-1.5,0,-2,0,0,0,1\n";
+        let history = history(rows)?.after(3);
+        let drive = Drive::first(&history);
+        let drive = drive.unwrap_or_else(|| unreachable!("work is done"));
+        assert_eq!((drive.probe.as_str(), drive.direction), ("a", "-y"));
+        let peak = TestPoint { increment: 5, motion: 1.0, force: 30.0 };
+        assert_eq!((drive.points[1], drive.peak()), (peak, Some(peak)));
+        assert_eq!(Drive::all(&history).len(), 1, "a support does no work");
+        Ok(())
+    }
+
+    #[test]
+    fn a_test_without_work_has_no_drive() -> std::io::Result<()> {
+        let rows = "increment,stage,a.x_m,a.y_m,a.force_x_n,a.force_y_n\n1,fall,0,-1,0,0\n";
+        assert_eq!(Drive::first(&history(rows)?), None);
+        Ok(())
+    }
+}
