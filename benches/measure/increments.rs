@@ -139,7 +139,7 @@ pub fn run(scenes: &Scenes, extent: Extent) -> Result<Part, BenchError> {
             errors.rows.push(row);
         }
         if let Some(first) = curves.into_iter().next() {
-            let name = test.name.replace(", ", "_");
+            let name = test.name.replace(", ", "_").replace(' ', "_");
             charts.push((format!("increments_{name}"), chart(test, first)));
         }
     }

@@ -25,6 +25,9 @@ pub const UNIQUE: f64 = 1e-4;
 /// Tolerances that references are tried with, tightest first.
 const TIGHT: [f64; 5] = [1e-12, 1e-11, 1e-10, 1e-9, 9e-9];
 
+/// Maximum residual of a reference. What it leaves of error is in `floor`.
+const REFERENCE: f64 = 1e-7;
+
 /// Errors that the summary gives the time for.
 const LEVELS: [f64; 4] = [1e-2, 1e-4, 1e-6, 1e-8];
 
@@ -65,7 +68,7 @@ impl Kind {
             self.warm(solver.as_mut(), problem);
             let solution = solver.solve(&problem.program).ok()?;
             let own = self == Self::Clarabel || own_method(&solution);
-            let sound = worst(&problem.program, &solution) <= 1e-8;
+            let sound = worst(&problem.program, &solution) <= REFERENCE;
             (own && sound).then_some(solution)
         })
     }
@@ -80,7 +83,8 @@ impl Kind {
 
 /// Whether the condensed solver solved it without Clarabel.
 fn own_method(solution: &ConeSolution) -> bool {
-    ["newton", "interior"].iter().any(|name| solution.message.starts_with(name))
+    let methods = ["newton", "interior", "warm", "sweeps"];
+    methods.iter().any(|name| solution.message.starts_with(name))
 }
 
 /// Maximum residual, regularisation excluded; none where there is no solution.

@@ -83,6 +83,14 @@ class Bench:
                 print(f"  {turn + 1}/{self.options.repeat} {name}", file=sys.stderr)
         return results
 
+    @staticmethod
+    def arguments():
+        """Arguments of this run that change what is measured."""
+        given = list(sys.argv[1:])
+        while "--out" in given:
+            del given[(at := given.index("--out")) : at + 2]
+        return " ".join(given)
+
     def report(self, name, header, rows):
         path = self.out / f"{name}.csv"
         with open(path, "w", newline="") as f:
@@ -95,11 +103,9 @@ class Bench:
         lines.insert(1, "|" + "|".join("-" * (w + 2) for w in widths) + "|")
         table = "\n".join(lines)
         load = " ".join(f"{x:.2f}" for x in os.getloadavg())
-        small = " --small" if self.options.small else ""
         text = (
-            f"**{name}**: `python3 benches/peers/run.py {name}{small} --repeat "
-            f"{self.options.repeat}`, {time.strftime('%Y-%m-%d', time.gmtime())}, "
-            f"load averages at the end {load}\n\n{table}\n"
+            f"**{name}**: `python3 benches/peers/run.py {self.arguments()}`, "
+            f"{time.strftime('%Y-%m-%d', time.gmtime())}, load averages at the end {load}\n\n{table}\n"
         )
         (self.out / f"{name}.md").write_text(text)
         print(text)
