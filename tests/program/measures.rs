@@ -252,7 +252,7 @@ fn check(cohesion: &str) {
     within("axial_stress_pa", axial);
 
     // Porosity, volume, dilation and energy.
-    let area: f64 = disks.r.iter().map(|r| std::f64::consts::PI * r * r).sum();
+    let area: f64 = disks.r.iter().map(|r| PI * r * r).sum();
     near("n", 1.0 - area / (width * height), 1e-9);
     near("volume", value("volumetric_strain"), 0.0);
     near("friction", value("energy_friction_j"), 0.0);
