@@ -83,6 +83,7 @@ Scene(
             increments: 10,
             walls: {
                 "left": Velocity(0.1, 0.0),
+                "top": Fixed,
                 "bottom": Follow(Displacement([(0.0, 0.0, 0.0), (1.0, 0.0, -1e-3)])),
                 "plate": Lid(load: Stress(stress: 1e5, between: ("left", "top")), slide: Velocity(0.1)),
                 "bowl": Follow(Stress(stress: [(0.0, 0.0), (0.5, 1e3)])),
