@@ -1,7 +1,7 @@
 //! What a rig adds to random scenes: walls that come, go and are cemented, measures, stop
 //! conditions, probes, tolerances, and the corrector.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use clastic::scene::format::*;
 
@@ -44,6 +44,7 @@ fn with_rig(mut scene: Scene, seed: u64) -> Scene {
     scene.measures.reference_stage = first.map(|stage| stage.name().to_owned());
     let measured = scene.measures.axial_strain.clone();
     let dynamic = scene.analysis != Analysis::Static;
+    let mut kept: BTreeMap<String, (String, String)> = BTreeMap::new();
     for stage in &mut scene.stages {
         let Stage::Load(load) = stage else { continue };
         for wall in &scene.walls {
@@ -66,6 +67,20 @@ fn with_rig(mut scene: Scene, seed: u64) -> Scene {
             };
             present.contains(name) && between
         });
+        // A wall whose stress acts on a distance that goes with this stage is held instead.
+        kept.retain(|wall, _| present.contains(wall) && !load.walls.contains_key(wall));
+        kept.retain(|wall, (a, b)| {
+            let stays = present.contains(a) && present.contains(b);
+            if !stays {
+                load.walls.insert(wall.clone(), WallControl::Fixed);
+            }
+            stays
+        });
+        for (wall, control) in &load.walls {
+            if let WallControl::Stress { between: Some(between), .. } = control {
+                kept.insert(wall.clone(), between.clone());
+            }
+        }
         let moves = load.analysis.map_or(dynamic, |analysis| analysis != Analysis::Static);
         load.stop = stops(r, strain, stress, moves);
     }
