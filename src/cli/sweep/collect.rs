@@ -1,5 +1,8 @@
 //! The results of a sweep: one table and one figure.
 
+use std::fs::{File, OpenOptions};
+use std::path::Path;
+
 use crate::output::OutputError;
 use crate::output::atomic::write_atomic;
 use crate::output::directory;
@@ -16,10 +19,15 @@ const MEANS: &str = "study_means.csv";
 /// Name of the figure.
 const FIGURE: &str = "study.svg";
 
+/// Lock of the table, the means and the figure.
+const LOCK: &str = "study.lock";
+
 /// Writes the table and the figure, and prints how many runs can be trusted. Runs that failed are
 /// rows with marks, and curves with marks in the legend.
 pub fn collect(sweep: &Sweep) -> Result<Exit, Failure> {
     let Sweep { plan, folder, .. } = sweep;
+    // Two sweeps in one folder may end at the same moment: one writes after the other.
+    let _turn = turn(&folder.join(LOCK))?;
     let records = table::records(plan, folder);
     let path = folder.join(table::FILE);
     table::write(&path, plan, &records)?;
@@ -47,6 +55,19 @@ pub fn collect(sweep: &Sweep) -> Result<Exit, Failure> {
     } else {
         Exit::Ok
     })
+}
+
+/// Waits for the lock of the results. It is held until the file is dropped.
+fn turn(path: &Path) -> Result<File, OutputError> {
+    let file = OpenOptions::new()
+        .create(true)
+        .truncate(false)
+        .write(true)
+        .open(path)
+        .map_err(OutputError::at(path))?;
+    // A file system without locks has no other holder to wait for.
+    let _ = file.lock();
+    Ok(file)
 }
 
 /// Writes and prints the means, if the study asks for them.
