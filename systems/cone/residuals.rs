@@ -196,10 +196,9 @@ pub fn regularised_residuals(
     evaluate(program, forces, displacements, 1.0)
 }
 
-/// Residual of the balance up to which momentum counts as conserved where displacements cannot follow
-/// from the forces: the goal of the solvers, and that of sleeping bodies. At 1e-12 disks near rest
-/// are halved still.
-const MAX_BALANCE: f64 = 1e-10;
+/// Residual of the balance up to which momentum counts as conserved to round-off, where displacements
+/// cannot follow from the forces.
+pub const MAX_BALANCE: f64 = 1e-11;
 
 /// Decides which displacements the solution of a dynamic program has, and returns its residuals.
 ///
@@ -207,8 +206,8 @@ const MAX_BALANCE: f64 = 1e-10;
 /// momentum to round-off, but the error of a force moves a body by its ratio to `m/(theta dt^2)`.
 /// Near rest, where displacements vanish and forces do not, this exceeds any tolerance: a spring
 /// with `k dt^2/m = 1e7` turns it into 1e7 times as much force. Inertia is negligible there. The
-/// displacements of the solver are kept if they solve the program and its balance holds to 1e-10.
-/// Rigid contacts have the unit of free motion instead.
+/// displacements of the solver are kept if they solve the program and the residual of its balance
+/// is at most [`MAX_BALANCE`]. Rigid contacts have the unit of free motion instead.
 #[must_use]
 pub fn choose_displacements(
     program: &ConeProgram,

@@ -480,7 +480,6 @@ impl Oracle {
 
         // Balance of every particle that is free to move.
         let (mut defects, mut turning) = (Vec::new(), 0.0_f64);
-        let springs = program.interactions.iter().any(|c| c.normal_compliance > 0.0);
         for body in &program.bodies[now.len()..] {
             if let Dof::Free(wall) = body.dofs[0] {
                 force = force.max(wall.load.abs());
@@ -517,13 +516,8 @@ impl Oracle {
         }
         let name = if dynamic { "balance (dynamic)" } else { "balance (static)" };
         for defect in defects {
-            // In dynamics the motion follows from the forces, to round-off; with springs near rest
-            // to the bound of section 5 of the formulation.
-            let accepted = match (dynamic, springs) {
-                (true, false) => 1e-11,
-                (true, true) => 1e-10 * SECOND_WAY,
-                (false, _) => residual * SECOND_WAY,
-            };
+            // In dynamics the motion follows from the forces, to round-off.
+            let accepted = if dynamic { 1e-11 } else { residual * SECOND_WAY };
             let unit = if dynamic { force.max(turning) } else { force };
             findings.book(name, defect.abs() / unit, accepted, n);
         }

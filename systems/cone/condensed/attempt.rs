@@ -12,7 +12,7 @@ use super::{ROUND_OFF, checked};
 use crate::lowering::{Lowered, lower, polish, units};
 use crate::polish::Point;
 use crate::program::{ConeProgram, ConeSolution, SolveStatus};
-use crate::residuals::regularised_residuals;
+use crate::residuals::{MAX_BALANCE, regularised_residuals};
 
 /// What is asked of a solution.
 #[derive(Clone, Copy, Debug)]
@@ -111,12 +111,29 @@ impl<'a> Attempt<'a> {
         (self.demand.tolerance / margin).max(ROUND_OFF)
     }
 
-    /// The Newton iteration with local elimination.
+    /// The Newton iteration with local elimination. Near rest its displacements solve the program
+    /// and those from its forces do not: there it goes on until the balance conserves momentum.
     pub fn newton(&mut self, start: &[[f64; 3]], iterations: &mut u32) -> (Newton, ConeSolution) {
         let settings = self.settings;
         let margin =
             if self.demand.loose { settings.loose_newton_margin } else { settings.newton_margin };
         let goal = self.goal(margin);
+        let (result, solution) = self.newton_to(start, goal, iterations);
+        let is_enough = solution.status == SolveStatus::Solved || !result.converged;
+        if is_enough || !self.program.is_dynamic() {
+            return (result, solution);
+        }
+        self.newton_to(&result.u, goal.min(MAX_BALANCE / margin), iterations)
+    }
+
+    /// The Newton iteration to a goal.
+    fn newton_to(
+        &mut self,
+        start: &[[f64; 3]],
+        goal: f64,
+        iterations: &mut u32,
+    ) -> (Newton, ConeSolution) {
+        let settings = self.settings;
         let Self { scaled, matrix, .. } = self;
         let result = in_pool(self.has_branches, || {
             local::solve(scaled, matrix, start, &settings.newton, &settings.local, goal)

@@ -24,7 +24,7 @@ pub struct Goal {
     pub absolute: f64,
 }
 
-/// Result of the iteration, converged or not.
+/// Result of the iteration.
 pub struct Newton {
     /// Displacements by body, in the order of elimination.
     pub u: Vec<[f64; 3]>,
@@ -32,6 +32,8 @@ pub struct Newton {
     pub s: Vec<[f64; 3]>,
     /// Number of factorisations.
     pub iterations: u32,
+    /// Whether the goal was reached.
+    pub converged: bool,
 }
 
 /// What the caller does between two steps of the iteration.
@@ -108,9 +110,9 @@ pub fn iterate(
         tiny_steps = if step.length < settings.tiny_step { tiny_steps + 1 } else { 0 };
         point.make(&step);
     }
-    let s = point.forces();
+    let (s, converged) = (point.forces(), point.is_at(goal));
     point.u.truncate(program.free.len());
-    Newton { s, u: point.u, iterations }
+    Newton { s, u: point.u, iterations, converged }
 }
 
 /// The bodies of an interaction and the rows of its two forces.
