@@ -39,11 +39,14 @@ enum Format {
 /// Exports a run.
 pub fn export(args: &ExportArgs) -> Result<Exit, Failure> {
     let run = Run::open(&args.directory, String::new())?;
-    let moments = if args.frames.is_empty() {
+    let mut moments = if args.frames.is_empty() {
         run.all()?
     } else {
-        args.frames.iter().map(|at| run.at(at)).collect::<Result<_, _>>()?
+        args.frames.iter().map(|at| run.at(at)).collect::<Result<Vec<_>, _>>()?
     };
+    // A series goes forward, and has every frame once.
+    moments.sort_by_key(|moment| moment.increment);
+    moments.dedup_by_key(|moment| moment.increment);
     if moments.is_empty() {
         let message = format!(
             "{}: no frames; run the scene again with this clastic",

@@ -12,7 +12,7 @@ use crate::output::OutputError;
 use crate::output::atomic::write_atomic;
 
 /// Kinds of files, one of each for every frame.
-pub const KINDS: [&str; 5] = ["bodies", "contacts", "bonds", "walls", "cracks"];
+pub const KINDS: [&str; 6] = ["bodies", "contacts", "bonds", "walls", "cracks", "membranes"];
 
 /// Writes the moments of a run as VTK files, and a series for ParaView (`.pvd`) for each kind.
 ///

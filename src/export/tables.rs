@@ -7,9 +7,16 @@ use clastic_components::bond::RuptureMode;
 use super::vtp::{Field, PolyData, Values};
 use crate::figures::moment::{Disk, Moment};
 
-/// Bodies, contacts, bonds, walls and cracks, in the order of [`super::KINDS`].
-pub fn of(moment: &Moment) -> [PolyData; 5] {
-    [bodies(moment), contacts(moment), bonds(moment), walls(moment), cracks(moment)]
+/// Bodies, contacts, bonds, walls, cracks and membranes, in the order of [`super::KINDS`].
+pub fn of(moment: &Moment) -> [PolyData; 6] {
+    [
+        bodies(moment),
+        contacts(moment),
+        bonds(moment),
+        walls(moment),
+        cracks(moment),
+        membranes(moment),
+    ]
 }
 
 fn flat(v: DVec2) -> [f64; 3] {
@@ -139,6 +146,15 @@ fn cracks(moment: &Moment) -> PolyData {
     lines.named(&["bond", "mode"], &[])
 }
 
+/// The links of the chains.
+fn membranes(moment: &Moment) -> PolyData {
+    let mut lines = Lines::default();
+    for ends in &moment.membranes {
+        lines.push(*ends, &[], &[]);
+    }
+    lines.named(&[], &[])
+}
+
 /// The rows as CSV: points by `x_m`, `y_m`, lines by the ends `x1_m`, `y1_m`, `x2_m`, `y2_m`.
 pub fn csv(data: &PolyData) -> String {
     let are_lines = data.of_points.is_empty();
@@ -189,10 +205,13 @@ mod tests {
 
     #[test]
     fn every_kind_has_its_rows() {
-        let moment = row_of_three();
-        let [bodies, contacts, bonds, walls, cracks] = of(&moment);
-        let lines = [&contacts, &bonds, &walls, &cracks].map(|data| data.lines.len());
-        assert_eq!((bodies.points.len(), lines), (3, [2, 3, 1, 2]));
+        let link = [DVec2::new(0.0, 1.0), DVec2::new(2.0, 1.0)];
+        let moment = Moment { membranes: vec![link], ..row_of_three() };
+        let [bodies, contacts, bonds, walls, cracks, membranes] = of(&moment);
+        let lines = [&contacts, &bonds, &walls, &cracks, &membranes].map(|data| data.lines.len());
+        assert_eq!((bodies.points.len(), lines), (3, [2, 3, 1, 2, 1]));
+        assert_eq!(membranes.points, [[0.0, 1.0, 0.0], [2.0, 1.0, 0.0]]);
+        assert_eq!(csv(&membranes), "x1_m,y1_m,x2_m,y2_m\n0.0,1.0,2.0,1.0\n");
         // The second contact rests on the floor: its line ends there.
         assert_eq!(contacts.points[3], [2.0, 0.0, 0.0]);
         let text = csv(&contacts);

@@ -5,7 +5,8 @@ use clastic::components::observation::Observation;
 
 use crate::resumed::{load, parse, same_from_anywhere};
 
-/// A packing, on which grains are poured; some of both are rigid groups for a while.
+/// Grains are poured on a packing. Some grains of the packing and some of the poured ones form rigid
+/// groups in between.
 const POUR: &str = r#"(
     version: 2,
     title: "Pour beside rigid groups, a compaction and a landing",

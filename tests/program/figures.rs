@@ -220,6 +220,20 @@ fn an_export_has_the_rows_of_the_frames() {
     assert_eq!(rows("bonds").len(), column("bonds") + broken.iter().sum::<usize>());
     assert_eq!(rows("bonds").iter().filter(|row| row.ends_with(",0")).count(), column("bonds"));
 
+    // In the order of time, and each once, however they are asked for.
+    let some = out.join("some");
+    let moments = ["--frame", "end", "--frame", "start", "--frame", "end"];
+    let to = ["export", dir, "--format", "vtk", "--out", some.to_str().unwrap()];
+    let said = clastic(&[&to[..], &moments].concat(), 0);
+    assert!(said.starts_with("2 frames"), "{said}");
+    let series = fs::read_to_string(some.join("bodies.pvd")).unwrap();
+    let times: Vec<f64> = series
+        .split("timestep=\"")
+        .skip(1)
+        .map(|rest| rest.split('"').next().unwrap().parse().unwrap())
+        .collect();
+    assert!(times.len() == 2 && times[0] < times[1], "{times:?}");
+
     clastic(&["export", dir, "--format", "vtk"], 0);
     let frames = fs::read_dir(out.join("frames")).unwrap();
     let moments = frames.filter(|entry| {

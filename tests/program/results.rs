@@ -34,6 +34,32 @@ fn a_collapse_is_a_result() {
     assert_eq!(rows(out.path(), "history.csv").last().unwrap()["status"], "collapsed");
 }
 
+/// Of a test of one bond without a stress: the strength of the bond by hand, as in the comments of
+/// the scenes, and the motion at which it is reached.
+#[test]
+fn the_peak_force_of_a_probe_is_a_result() {
+    let peak = |scene: &str| {
+        let (done, out) = run(scene, &["--quiet"]);
+        let said = stdout(&done.code(0));
+        assert!(said.contains("peak "), "{said}");
+        json(out.path(), "run.json")["peak_force"].clone()
+    };
+    let near = |found: &serde_json::Value, expected: f64| {
+        let found = found.as_f64().unwrap();
+        assert!((found - expected).abs() < 1e-6 * expected, "{found} {expected}");
+    };
+    // 2 x 6 mm x 1 m x 2 kPa, over 8 MN/m.
+    let tension = peak("tension");
+    near(&tension["force_n"], 24.0);
+    near(&tension["displacement_m"], 24.0 / 8e6);
+    assert_eq!(tension["moment_nm"], serde_json::Value::Null);
+    // 2 x 6 mm x 1 m x 4 kPa at an arm of 6 mm; the slip is 12 mm times the rotation.
+    let shear = peak("direct_shear_0N");
+    near(&shear["moment_nm"], 48.0 * 6e-3);
+    near(&shear["rotation_rad"], 48.0 / 4e6 / 12e-3);
+    assert_eq!((&shear["direction"], &shear["increment"]), (&"anticlockwise".into(), &100.into()));
+}
+
 #[test]
 fn the_mechanism_of_a_collapse_is_a_result() {
     // When the bond breaks nothing holds the 10 N that pull the free disk along x.
