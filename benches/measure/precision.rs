@@ -194,10 +194,11 @@ pub fn run(scenes: &Scenes, extent: Extent) -> Result<Part, BenchError> {
             table.rows.push(row);
         }
         levels.rows.extend(summary(&problem, &points, &floor));
-        charts.push((
-            format!("precision_{}", problem.name.replace(' ', "_")),
-            chart(&problem, &points),
-        ));
+        // Without a reference no error is known.
+        let chart = chart(&problem, &points);
+        if chart.lines.iter().any(|line| !line.points.is_empty()) {
+            charts.push((format!("precision_{}", problem.name.replace(' ', "_")), chart));
+        }
     }
     let text = "Programs are those of increments of running scenes. The condensed solver comes to \
         each from the increment before, as in a run, with order and symbolic factorisation kept where \
