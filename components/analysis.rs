@@ -76,7 +76,7 @@ pub struct Coulomb {
 }
 
 impl Coulomb {
-    /// Default of the factorisations.
+    /// Default of [`factorisations`](Self::factorisations).
     pub const FACTORISATIONS: u32 = 600;
 }
 

@@ -29,8 +29,8 @@ pub struct PeriodicCell {
     pub stress: [f64; 3],
     /// Controls of the width, the height and the shear.
     pub controls: [CellControl; 3],
-    /// Whether the first two controls are those of the mean of xx and yy, and of the difference, yy
-    /// less xx.
+    /// Whether the first two controls are those of the mean of xx and yy and of their difference yy
+    /// - xx, instead of those of xx and yy.
     pub by_mean: bool,
 }
 
@@ -38,9 +38,9 @@ pub struct PeriodicCell {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum CellControl {
-    /// Change of the width, change of the height, or displacement along x of the top over the
-    /// bottom, in every increment, m. Of a mean or a difference it is that of the strains, times
-    /// the length of the cell, positive where it lengthens.
+    /// Change of the width, change of the height, or displacement along x of the top relative to
+    /// the bottom, in every increment, m. For the mean or the difference: that of the strains,
+    /// times the length of the cell, positive where it lengthens.
     Imposed(f64),
     /// Average stress, Pa, linear over the stage: sigma_xx, sigma_yy (compression positive), their
     /// mean or difference, or the traction along x on a face whose outward normal is y.
@@ -65,7 +65,7 @@ impl PeriodicCell {
         self.width * self.height
     }
 
-    /// The length that makes displacements of the cell lengths: the root of the area, m.
+    /// Length that converts strains of the cell into displacements: the square root of the area, m.
     #[must_use]
     pub fn length(&self) -> f64 {
         self.area().sqrt()
@@ -78,13 +78,13 @@ impl PeriodicCell {
         0.5 * self.width.min(self.height)
     }
 
-    /// Shift of the image of b that is nearest to a, for `apart` the way from a to b, m.
+    /// Shift of the image of b that is nearest to a, m. `apart` is the vector from a to b, m.
     #[must_use]
     pub fn shift(&self, apart: DVec2) -> DVec2 {
         shift([self.width, self.height, self.tilt], apart)
     }
 
-    /// The place in the cell of a place, m.
+    /// Position within the cell that is equivalent to `place`, m.
     #[must_use]
     pub fn wrapped(&self, place: DVec2) -> DVec2 {
         let rows = (place.y / self.height).floor();
@@ -92,7 +92,7 @@ impl PeriodicCell {
         DVec2::new(x - (x / self.width).floor() * self.width, place.y - rows * self.height)
     }
 
-    /// The body of the program that stands for the cell, which has this row.
+    /// The body of the program that represents the cell, in this row.
     #[must_use]
     pub fn in_program(&self, row: usize, mean_radius: f64) -> ProgramCell {
         ProgramCell { body: row as u32, arm: mean_radius }
@@ -127,7 +127,7 @@ impl PeriodicCell {
         [-by_length, -by_length, by_length * arm]
     }
 
-    /// Loads of that body along its axes by unit of what its controls give.
+    /// Loads of that body along its axes per unit of the controlled stresses.
     #[must_use]
     pub fn loads_of_controls(&self, arm: f64, thickness: f64) -> [f64; 3] {
         let loads = self.loads(arm, thickness);
@@ -172,8 +172,8 @@ impl PeriodicCell {
     }
 }
 
-/// Shift of the image of b that is nearest to a in a cell of this width, height and tilt (m), for
-/// `apart` the way from a to b, m.
+/// Shift of the image of b that is nearest to a in a cell of this width, height and tilt (m).
+/// `apart` is the vector from a to b, m.
 #[must_use]
 pub fn shift([width, height, tilt]: [f64; 3], apart: DVec2) -> DVec2 {
     let rows = (apart.y / height).round();

@@ -73,7 +73,7 @@ pub struct Bodies {
 }
 
 impl Bodies {
-    /// What messages call the body of a row: its kind and its identity.
+    /// Name of a body in messages: its kind and its identity.
     #[must_use]
     pub fn name(&self, row: usize) -> String {
         match row.checked_sub(self.particles) {
@@ -94,7 +94,7 @@ impl Bodies {
         self.cell.as_ref().map_or(DVec2::ZERO, |cell| cell.shift(apart()))
     }
 
-    /// Way from particle a to the nearest image of particle b, m.
+    /// Vector from particle a to the nearest image of particle b, m.
     #[must_use]
     pub fn way(&self, a: usize, b: usize) -> DVec2 {
         let apart = self.positions[b] - self.positions[a];

@@ -20,8 +20,8 @@ pub struct Energies {
     pub external: f64,
     /// Work of gravity.
     pub gravity: f64,
-    /// What bodies bring when they come, less what they take when they go: their kinetic energy and
-    /// the elastic energy of their contacts. Particles that become a rigid group take the kinetic
+    /// Energy that added bodies bring minus energy that removed bodies take: kinetic energy, and
+    /// elastic energy of their contacts. Particles that become a rigid group take the kinetic
     /// energy of their motion relative to the group, and the elastic energy of the contacts within
     /// it.
     pub exchange: f64,

@@ -8,8 +8,9 @@ use serde::{Deserialize, Serialize};
 pub use crate::analysis::{Analysis, AnalysisKind, Coulomb, FrictionLaw};
 pub use crate::progress::Progress;
 
-/// Solves an increment again with normals and gaps at the new place. The resource of a world
-/// without it is [`OFF`](Self::OFF); the default is that of a scene that asks for it.
+/// The corrector of the geometry: an increment is solved again with the normals and gaps of the
+/// position to which it leads. A world without a corrector has [`OFF`](Self::OFF). The default is
+/// that of a scene with `corrector`.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 #[serde(deny_unknown_fields, default)]
@@ -35,7 +36,7 @@ impl Default for Corrector {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum RollingLimit {
-    /// It breaks: the letter of 3.4.2 of the paper.
+    /// It breaks, as in 3.4.2 of the paper.
     #[default]
     Breaks,
     /// Its moment stays on the limit and the bond lives.
@@ -58,7 +59,7 @@ pub enum Avalanche {
 }
 
 impl Avalanche {
-    /// Whether the density is the default, which records of scenes leave out.
+    /// Whether the rule is the default, which records of scenes leave out.
     fn is_default(&self) -> bool {
         *self == Self::default()
     }
@@ -86,21 +87,21 @@ pub enum RuptureOrder {
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 #[serde(rename = "Rupture", deny_unknown_fields, default)]
 pub struct RuptureRules {
-    /// At the rolling limit.
+    /// What a bond does at its rolling limit.
     pub rolling: RollingLimit,
     /// The order in which bonds break.
     pub order: RuptureOrder,
     /// With `Events`: a bond is at its limit when its overload R lies between 1 - tolerance and 1.
     pub tolerance: f64,
-    /// With `Events`: bonds break together that reach their limit while the bond forces change by
-    /// this fraction after the first; 0: one by one.
+    /// With `Events`: bonds that reach their limits while the bond forces change by this fraction
+    /// after the first rupture break together. 0: bonds break one by one.
     pub group: f64,
-    /// With `Events`: from this density of ruptures on, a share of the bonds per relative change of
-    /// force, many bonds break together at the end of an increment; above 20: never.
+    /// With `Events`: density of ruptures (share of the bonds per relative change of force) from
+    /// which many bonds break together at the end of an increment. Above 20: never.
     #[serde(skip_serializing_if = "is_usual_density")]
     pub density: f64,
-    /// With `Events`: many bonds break together at the end of an increment where their ruptures
-    /// release at most this multiple of the mean contact force; 0: only by `density`.
+    /// With `Events`: maximum force that ruptures release, as a multiple of the mean contact force,
+    /// at which many bonds break together at the end of an increment. 0: only `density` decides.
     #[serde(skip_serializing_if = "is_usual_brittleness")]
     pub brittleness: f64,
     /// With `AllAtOnce`: maximum number of rounds.
@@ -182,7 +183,7 @@ pub struct Acceptance {
 
 impl Acceptance {
     /// Maximum travel of the furthest grain about the mean field in a step of a followed motion, in
-    /// its radii: what normals that stay as they are allow.
+    /// its radii. Constant normals allow no more.
     pub const MAX_TRAVEL: f64 = 0.3;
 }
 

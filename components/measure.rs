@@ -182,7 +182,7 @@ pub enum ForceComponent {
     /// Along the inward normal: positive where the wall presses.
     #[default]
     Normal,
-    /// Along the way from start to end.
+    /// Along the direction from start to end.
     Tangent,
     /// Along x.
     X,
@@ -256,7 +256,7 @@ pub enum EnergyTerm {
     External,
     /// Work of gravity.
     Gravity,
-    /// What bodies bring when they come, less what they take when they go.
+    /// Energy that added bodies bring minus energy that removed bodies take.
     Exchange,
     /// Change of the kinetic energy.
     Kinetic,

@@ -76,7 +76,7 @@ impl Progress {
 mod tests {
     use super::Progress;
 
-    /// 46 commits of one stage had ended at 192.8 of 200 kPa.
+    /// A stage of 46 commits once ended at 192.8 of 200 kPa.
     #[test]
     fn many_parts_of_the_last_increment_lose_no_load() {
         let mut progress = Progress { done: 19.0, total: 20.0, ..Progress::default() };

@@ -96,7 +96,7 @@ impl WallShape {
         }
     }
 
-    /// Apart from [`nearest`](Self::nearest), so that lines stay as fast as a product.
+    /// A separate function, so that [`nearest`](Self::nearest) of a line stays a single product.
     fn nearest_of_thin(&self, inward: DVec2, half_length: f64, place: DVec2) -> Nearest {
         match self {
             Self::Line => flat(inward, place.dot(inward)),
@@ -136,7 +136,7 @@ impl WallShape {
         }
     }
 
-    /// Whether the straight way between two places, relative to the wall, crosses it. Nothing
+    /// Whether the straight segment between two places, relative to the wall, crosses it. Nothing
     /// crosses a line: on its outer side distances are negative.
     #[inline]
     #[must_use]
@@ -157,7 +157,7 @@ impl WallShape {
                 let (a, b) = (way.length_squared(), from.dot(way));
                 let c = from.length_squared() - radius * radius;
                 let root = (b * b - a * c).sqrt();
-                // No root is real where the way misses the circle: comparisons with NaN fail.
+                // Without a real root the segment misses the circle: comparisons with NaN fail.
                 [(-b - root) / a, (-b + root) / a].into_iter().any(|s| {
                     let out = (from + s * way) / *radius;
                     s > 0.0 && s <= 1.0 && opens(*half_angle, *axis, out)
@@ -220,7 +220,7 @@ fn flat(inward: DVec2, height: f64) -> Nearest {
     Nearest { outward, distance: height.abs(), curve: Curve::Flat, is_own: true }
 }
 
-/// Contact with an end point. A centre on the point has no normal: any fixed one will do.
+/// Contact with an end point. If the centre lies on the point, any fixed normal will do.
 fn point(end: DVec2, place: DVec2, inward: DVec2) -> Nearest {
     let from = place - end;
     let distance = from.length();

@@ -26,8 +26,8 @@ impl Sine {
 
 fn follow(progress: Res<Progress>, mut lids: Query<(&Sine, &body::Position, &mut WallDrive)>) {
     for (sine, place, mut drive) in &mut lids {
-        // A drive is for a whole increment. If one was halved, only `left` of it is to come.
-        // Measured from where the lid is, no error adds up.
+        // A drive is for a whole increment. If an increment was halved, only `left` of it remains.
+        // The motion is computed from the position of the lid, so that no error adds up.
         let left = 1.0 - progress.done.fract();
         let motion = (sine.height(progress.done + left) - place.0.y) / left;
         *drive = WallDrive::Imposed(DVec2::new(0.0, motion));

@@ -75,15 +75,15 @@ pub fn control_walls(
             | WallControl::Table(TableOf::Stress(LoadedLength::Between(a, b)))
                 if !(geometry.contains(a) && geometry.contains(b)) =>
             {
-                // The wall would be unloaded without a word.
+                // Without this message the wall would silently lose its load.
                 let name = |wall: Entity| match names.get(wall) {
                     Ok(WallName(name)) => format!("wall `{name}`"),
                     Err(_) if geometry.contains(wall) => format!("wall {wall}"),
-                    Err(_) => "a wall that is gone".to_owned(),
+                    Err(_) => "a removed wall".to_owned(),
                 };
                 commands.insert_resource(Halted(format!(
-                    "the stress on {} acts on the distance of {} and {}; give it another control \
-                     before the wall goes",
+                    "the stress on {} acts on the distance between {} and {}; give it another \
+                     control before that wall is removed",
                     name(entity),
                     name(a),
                     name(b)

@@ -1,5 +1,4 @@
-//! Kinetic damping: the length of the steps of a motion that is followed, and what is left of its
-//! momentum.
+//! Kinetic damping: the length of the steps of a followed motion, and the momentum that it keeps.
 //!
 //! The kinetic energy of a step is `E = W k_0 sum m_i u_i^2` (N m; see [`Motion`]). While it rises
 //! the motion keeps its velocities; when it falls it has passed an equilibrium, and the velocities
@@ -51,21 +50,21 @@ pub fn relative_masses(bodies: &Bodies) -> Vec<[f64; 2]> {
     masses
 }
 
-/// Gives a rejected step a shorter time. `too_far` is how far its furthest grain went, in its
-/// radii, if that is why it was rejected.
+/// Gives a rejected step a shorter time. `too_far` is the travel of its furthest grain, in radii,
+/// if the step was rejected for its length.
 pub fn shorten(motion: &mut Motion, too_far: Option<f64>, settings: &MotionSettings) {
     motion.failures += 1;
     let ratio = match too_far {
         Some(far) => stretch(motion, far, settings).min(settings.max_shortened),
-        // Nothing is known of the motion but that it is no solution.
+        // The only information on the motion is that the step has no solution.
         None => settings.min_ratio,
     };
     motion.weight /= ratio * ratio;
 }
 
-/// Factor of the time of a step that went `far` by which its furthest grain would have travelled
-/// what a step aims at: momentum takes it `v dt` far, and forces take it on in proportion to
-/// `dt^2`.
+/// Factor of the time of a step with the travel `far` with which its furthest grain would have
+/// travelled the intended distance. Momentum moves it by `v dt`, and forces move it in proportion
+/// to `dt^2`.
 fn stretch(motion: &Motion, far: f64, settings: &MotionSettings) -> f64 {
     let momentum = (motion.speed * motion.dt()).min(far);
     let gained = (far - momentum).max(settings.min_gain * far);
@@ -80,7 +79,7 @@ fn time_ratio(momentum: f64, gained: f64, goal: f64, settings: &MotionSettings) 
 }
 
 /// Sets momentum and weight of the next step after one with these displacements (m, m, rad; by body
-/// in its own axes), in which the furthest grain went `far` of its radii.
+/// in its own axes), in which the furthest grain travelled `far` radii.
 pub fn carry_on(
     motion: &mut Motion,
     displacements: &[[f64; 3]],

@@ -1,4 +1,4 @@
-//! Settings of the motion that is followed where equilibrium is lost: every number that steers
+//! Settings of followed motions: every number that steers
 //! [`attempt::motion`](crate::attempt::motion) and [`kinetic_damping`](crate::kinetic_damping).
 //!
 //! Travels are of the furthest grain about the mean field, in its radii. Weights are those of
@@ -9,18 +9,18 @@ use bevy_ecs::prelude::*;
 #[cfg(feature = "reflect")]
 use bevy_ecs::reflect::ReflectResource;
 
-/// Settings of a motion that is followed. A world that is to have others gets the resource before
-/// its first increment.
+/// Settings of a followed motion. To change them, insert the resource before the first increment.
 #[non_exhaustive]
 #[derive(Resource, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct MotionSettings {
     /// Maximum travel of all motions of one increment, radii, rejected steps included, if each step
-    /// is as long as it aims to be. It bounds the number of steps.
+    /// has its intended length. It bounds the number of steps.
     ///
     /// 150: five times [`travel_to_rest`](Self::travel_to_rest).
     pub max_travel: f64,
-    /// Maximum travel of one motion, radii: the sum over its steps. A motion beyond finds no rest.
+    /// Maximum travel of one motion, radii: the sum over its steps. A motion beyond it does not
+    /// come to rest.
     ///
     /// 30: a grain that has passed fifteen others; no study.
     pub travel_to_rest: f64,
@@ -34,39 +34,40 @@ pub struct MotionSettings {
     pub max_failures: u32,
     /// Gap up to which a pair takes part in every step, mean radii.
     ///
-    /// 0.1: a step changes direction, so that the last one does not tell which pairs close. It is
-    /// less than what one step aims at; no study.
+    /// 0.1: a step may change direction, so that the last step does not tell which pairs close. The
+    /// value is below the intended travel of one step; no study.
     pub reach: f64,
-    /// Travel below which a motion is none, radii.
+    /// Minimum travel that counts as a motion, radii.
     ///
-    /// 1e-2: a fifteenth of what one step aims at; no study.
+    /// 1e-2: a fifteenth of the intended travel of one step; no study.
     pub min_travel: f64,
     /// Maximum strain under constant loads, over
-    /// [`Acceptance::snap`](clastic_components::increment::Acceptance::snap). A specimen beyond
-    /// finds no rest.
+    /// [`Acceptance::snap`](clastic_components::increment::Acceptance::snap). A specimen beyond it
+    /// does not come to rest.
     ///
     /// 10: a specimen that strains ten times as far as a static solution may has collapsed.
     pub max_strain: f64,
-    /// Maximum travel, radii, of a step at [`rest_weight`](Self::rest_weight) or below that tells
-    /// that the motion is at rest.
+    /// Maximum travel, radii, of a step with a weight of at most [`rest_weight`](Self::rest_weight)
+    /// that counts as rest.
     ///
-    /// 0.05: a third of what a step aims at; no study.
+    /// 0.05: a third of the intended travel of one step; no study.
     pub max_travel_at_rest: f64,
-    /// Maximum overload of a bond in a step of a motion that a rupture released: the part of the
-    /// travel that a step aims at, in elongations at strength, by which it may go beyond its limit.
+    /// Maximum overload of a bond in a step of a motion that a rupture released. It is the part of
+    /// the intended travel of a step, in elongations at strength, by which a bond may exceed its
+    /// limit.
     ///
-    /// 1/3: bonds are to break close to their limits.
+    /// 1/3: bonds should break close to their limits.
     pub max_overload: f64,
     /// Weight of the first step of a motion where equilibrium was lost.
     ///
     /// 1e-3: a step that is too long is repeated in a shorter time; no study.
     pub first_weight: f64,
-    /// Weight of a step that tells whether the motion is at rest.
+    /// Maximum weight of a step that shows whether the motion is at rest.
     ///
     /// 1e-6: its inertia is small beside the stiffness of a contact, which has the weight 1.
     pub rest_weight: f64,
-    /// Number of steps at [`min_weight`](Self::min_weight) that end the motion: what still moves
-    /// then is free.
+    /// Number of steps at [`min_weight`](Self::min_weight) that end the motion: bodies that still
+    /// move then are free.
     ///
     /// 4: grains that nothing holds never come to rest; no study.
     pub max_free_steps: u32,
@@ -79,9 +80,9 @@ pub struct MotionSettings {
     ///
     /// 1e-9: a thousandth of [`rest_weight`](Self::rest_weight); no study.
     pub min_weight: f64,
-    /// Minimum factor between the times of two steps, and that of a step without a solution.
+    /// Minimum factor between the times of two steps, and factor after a step without a solution.
     ///
-    /// 0.3: nothing is known of a step without a solution but that it has none; no study.
+    /// 0.3: a step without a solution gives no other information; no study.
     pub min_ratio: f64,
     /// Maximum factor between the times of two steps.
     ///
@@ -89,7 +90,7 @@ pub struct MotionSettings {
     pub max_ratio: f64,
     /// Maximum factor between the times of a step that went too far and of its repetition.
     ///
-    /// 0.7: half of the travel, where forces cause it; no study.
+    /// 0.7: halves a travel that forces cause; no study.
     pub max_shortened: f64,
     /// Minimum share of the travel of a step that counts as caused by forces, not by momentum.
     ///

@@ -170,7 +170,7 @@ fn kinds(n: usize, program: &ConeProgram, solution: &ConeSolution, impacts: &Imp
     for impact in &impacts.single {
         let c = &program.interactions[impact.interaction];
         let pair = [c.a as usize, c.b as usize];
-        // A pair that would meet after the step carries no force.
+        // A pair that would meet after the end of the step carries no force.
         let own = u32::from(carrying.is_carrying(impact.interaction));
         let is_alone = |i: &usize| *i >= n || !program.bodies[*i].is_free() || carried[*i] == own;
         if pair.iter().all(is_alone) {

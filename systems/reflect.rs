@@ -16,8 +16,8 @@ use crate::stepping::{Due, Halted, Running};
 /// Registers the components and resources of the engine, so that inspectors and scripts can show
 /// and set them by name. `clastic::ClasticPlugins` contains it if the feature `reflect` is on.
 ///
-/// What belongs to one attempt of an increment (contacts, program, findings) is made anew in the
-/// next one: setting it has no effect.
+/// Data of one attempt (contacts, program, findings) are made anew in the next one. Setting them
+/// has no effect.
 pub struct ReflectPlugin;
 
 macro_rules! register {

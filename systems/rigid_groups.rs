@@ -25,8 +25,8 @@ pub type GroupQuery<'w, 's> = Query<
 >;
 
 /// Fills the rows of the groups from those of the particles. The state of motion of a group follows
-/// from its members: a centre of mass is theirs, and velocity and spin have their linear momentum
-/// and their angular momentum.
+/// from its members: their centre of mass, and a velocity and spin with their linear and angular
+/// momentum.
 pub fn gather(bodies: &mut Bodies, groups: &GroupQuery) {
     bodies.groups.clear();
     bodies.group_of.clear();

@@ -10,7 +10,7 @@ use clastic_components::material::Materials;
 
 use crate::assemble_program::interactions::contact_law;
 
-/// What contacts keep after a rupture.
+/// Data from which the forces after a rupture follow.
 #[derive(Clone, Copy)]
 pub struct Laws<'a> {
     /// Bodies of the contacts.
@@ -47,7 +47,7 @@ fn released(contact: &Contact, [p, q, _]: [f64; 3], laws: Laws) -> f64 {
     (p - kept).hypot((q.abs() - law.friction * kept).max(0.0))
 }
 
-/// Forces at a part of the way from one state to another.
+/// Forces at a fraction of the way from one state to another.
 #[must_use]
 pub fn between(from: &[[f64; 3]], to: &[[f64; 3]], part: f64) -> Vec<[f64; 3]> {
     let starts = from.iter().copied().chain(std::iter::repeat([0.0; 3]));

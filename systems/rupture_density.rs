@@ -1,11 +1,12 @@
-//! How soon after each other bonds reach their limits: a pure function of two states of an
-//! increment.
+//! Density of ruptures, which measures how closely bonds follow each other in reaching their
+//! limits: a pure function of two states of an increment.
 
 use clastic_components::findings::EventTrial;
 
 /// Relative change of the contact forces in which bonds are counted.
 const WINDOW: f64 = 0.05;
-/// Minimum number of these bonds: with fewer the density of a small specimen is chance.
+/// Minimum number of these bonds: with fewer, the density of a small specimen is a matter of
+/// chance.
 const MIN_COUNT: usize = 10;
 
 /// Density of ruptures between a state and a trial: the share of the bonds that reach their limits
@@ -40,7 +41,7 @@ pub fn due(below: &EventTrial, trial: &EventTrial) -> (f64, Vec<usize>) {
         overloads.map(|(from, to)| below.fraction + distance_from(*from, *to, step)).collect();
     let first = crossings.iter().copied().fold(f64::INFINITY, f64::min);
     let rate = trial.change / trial.fraction;
-    // An infinite crossing is not: its difference to the first one is infinite or NaN.
+    // An infinite crossing is not within: its difference to the first one is infinite or NaN.
     let within = |i: &usize| (crossings[*i] - first) * rate <= WINDOW;
     (first, (0..crossings.len()).filter(within).collect())
 }
@@ -51,8 +52,8 @@ fn distance_from(from: f64, to: f64, step: f64) -> f64 {
     if to > from { (1.0 - from).max(0.0) / (to - from) * step } else { f64::INFINITY }
 }
 
-/// Distance to the limit of a bond whose overload goes from one value to another in `step` and goes
-/// on at this rate; infinite if it decreases.
+/// Distance to the limit of a bond whose overload changes from one value to another in `step`, if
+/// it continues at this rate; infinite if it decreases.
 #[must_use]
 pub fn distance(from: f64, to: f64, step: f64) -> f64 {
     if to > from { (1.0 - to).max(0.0) / (to - from) * step } else { f64::INFINITY }

@@ -151,11 +151,12 @@ impl Plugin for SchedulePlugin {
             hierarchy_detection: LogLevel::Error,
             ..Default::default()
         };
-        // Edited and not added: a plugin that was added before this one may have systems in them.
+        // The schedules are edited and not added: a plugin that was added before this one may have
+        // systems in them.
         let mut edit = |label: InternedScheduleLabel, configure: fn(&mut Schedule)| {
             app.edit_schedule(label, |schedule| {
                 schedule.set_build_settings(settings.clone());
-                // The parts of an increment form a chain: threads would only wait.
+                // The parts of an increment form a chain: threads would only wait for each other.
                 schedule.set_executor(SingleThreadedExecutor::new());
                 configure(schedule);
             });

@@ -64,8 +64,8 @@ type Restore = fn(&mut World, &[u8]) -> Result<(), postcard::Error>;
 
 struct Entry {
     name: &'static str,
-    /// Whether it is of components: these come first, so that all bodies and bonds are there when
-    /// other state names them.
+    /// Whether the entry is of components. These are restored first, so that other state can refer
+    /// to all bodies and bonds.
     is_component: bool,
     capture: Capture,
     restore: Restore,

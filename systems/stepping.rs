@@ -49,7 +49,7 @@ impl Default for Due {
     }
 }
 
-/// Whether the app goes on by itself when the schedule of its plugins runs. A world without
+/// Whether the app makes increments when the schedule of its plugins runs. A world without
 /// particles makes no increment.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
@@ -64,12 +64,12 @@ pub enum Running {
 }
 
 impl Running {
-    /// Whether the app may go on.
+    /// Whether the app may make another increment.
     fn may_go_on(self) -> bool {
         !matches!(self, Self::Times(0) | Self::Paused)
     }
 
-    /// Takes one increment off.
+    /// Reduces the number of remaining increments by one.
     fn made_one(&mut self) {
         if let Self::Times(n) = *self {
             *self = if n <= 1 { Self::Paused } else { Self::Times(n - 1) };
@@ -104,7 +104,8 @@ impl Default for SteppingPlugin {
 
 impl Plugin for SteppingPlugin {
     fn build(&self, app: &mut App) {
-        // Edited and not added: a plugin that was added before this one may have systems in it.
+        // The schedule is edited and not added: a plugin that was added before this one may have
+        // systems in it.
         app.edit_schedule(Advance, |advance| {
             advance.set_build_settings(ScheduleBuildSettings {
                 ambiguity_detection: LogLevel::Error,
@@ -129,7 +130,7 @@ impl Plugin for SteppingPlugin {
     }
 }
 
-/// Run condition: [`Advance`] is to make an increment, and nothing has halted it.
+/// Run condition: [`Advance`] makes an increment, and nothing has halted it.
 pub fn is_due(due: Res<Due>, halted: Option<Res<Halted>>) -> bool {
     due.0 && halted.is_none()
 }

@@ -1,4 +1,4 @@
-//! How far a solution is from a reference, in quantities that are unique where anything is.
+//! Distance of a solution from a reference, in quantities that are unique.
 //!
 //! | error | measure | unique where |
 //! |---|---|---|
@@ -7,13 +7,13 @@
 //! | walls | maximum difference of the reactions to imposed motion over the maximum reaction | elastic; at a limit load |
 //! | displacements | with inertia the kinetic norm `sqrt(sum m du^2)`; else the root mean square of the bodies that carry load on three interactions or more | bodies are held |
 //!
-//! Rolling moments have no compliance and forces of rigid contacts are not unique: they are in no
-//! measure. Whether the rest is unique in a given program is not taken for granted: two references
-//! from two solvers must agree on it.
+//! Rolling moments have no compliance, and forces of rigid contacts are not unique: no measure
+//! contains them. Other quantities are not assumed to be unique in a given program either: two
+//! references from two solvers must agree on them.
 
 use clastic::cone::program::{ConeProgram, ConeSolution, Dof};
 
-/// Errors by measure; none where the program does not define it.
+/// Errors by measure; `None` where the program does not define it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Errors {
     /// Of the objective.
@@ -33,8 +33,8 @@ impl Errors {
         [self.objective, self.forces, self.walls, self.displacements]
     }
 
-    /// The same errors without those on which the references differ by more than `maximum`: what
-    /// they measure is not unique.
+    /// The errors without those on which the references differ by more than `maximum`, because
+    /// these quantities are not unique.
     #[must_use]
     pub fn unique(&self, floor: &Self, maximum: f64) -> Self {
         let keep = |error: Option<f64>, floor: Option<f64>| {
@@ -74,7 +74,7 @@ pub fn errors(program: &ConeProgram, solution: &ConeSolution, reference: &ConeSo
     }
 }
 
-/// `a / b`, none where there is nothing to compare with.
+/// `a / b`; `None` without a reference value.
 fn ratio(a: f64, b: f64) -> Option<f64> {
     (b > 0.0 && a.is_finite()).then(|| a / b)
 }
@@ -128,7 +128,7 @@ fn forces(program: &ConeProgram, s: &ConeSolution, reference: &ConeSolution) -> 
     ratio(difference.sqrt(), whole.sqrt())
 }
 
-/// Reactions along imposed motion; where nothing moves, of all that is held.
+/// Reactions along imposed motion; if nothing moves, of all held degrees of freedom.
 fn walls(program: &ConeProgram, s: &ConeSolution, reference: &ConeSolution) -> Option<f64> {
     let reactions = |s: &ConeSolution| {
         let mut rows = vec![[0.0; 3]; program.bodies.len()];
@@ -171,7 +171,7 @@ fn displacements(program: &ConeProgram, s: &ConeSolution, reference: &ConeSoluti
                 f64::from(u8::from(free && k < 2 && holds[i] >= 3))
             };
             let (found, expected) = (s.displacements[i][k], reference.displacements[i][k]);
-            // Not zero times something that may not be finite.
+            // Zero is not multiplied by a value that may not be finite.
             if weight > 0.0 {
                 difference += weight * (found - expected).powi(2);
                 whole += weight * expected * expected;

@@ -8,7 +8,8 @@ use clastic::scene::LoadedScene;
 
 use crate::BenchError;
 
-/// The program of an increment and that of the increment before: what a solver comes from.
+/// The program of an increment and that of the preceding increment, which gives the solver its
+/// start.
 #[derive(Clone, Debug)]
 pub struct Captured {
     /// Name of the problem.
@@ -19,7 +20,7 @@ pub struct Captured {
     pub program: ConeProgram,
 }
 
-/// Which increment of a run is wanted.
+/// An increment of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Moment<'a> {
     /// The nth increment of a stage, from 1.
@@ -30,11 +31,11 @@ pub enum Moment<'a> {
     AfterPeak,
 }
 
-/// Runs a scene and captures the programs of some increments, in the order asked for. A run that
-/// ends before it gets there is an error.
+/// Runs a scene and captures the programs of some increments, in the given order. A run that ends
+/// before one of them is an error.
 ///
 /// # Errors
-/// Where one of the increments does not come.
+/// If one of the increments does not occur.
 pub fn capture(
     scene: &LoadedScene,
     wanted: &[(&str, Moment)],
@@ -44,7 +45,7 @@ pub fn capture(
     let mut before: Option<ConeProgram> = None;
     let (mut stage, mut count, mut peak) = (String::new(), 0, 0.0);
     let last_stage = scene.scene.stages.last().map_or("", |s| s.name());
-    // The peak is only known to be one when it is over.
+    // The peak is known only after it has passed.
     let follows_peak = wanted.iter().any(|w| matches!(w.1, Moment::Peak | Moment::AfterPeak));
     while found.iter().any(Option::is_none) || follows_peak {
         let Step::Increment = simulation.step() else { break };

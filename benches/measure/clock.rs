@@ -2,14 +2,14 @@
 
 use std::time::Instant;
 
-/// How often something is measured.
+/// Number of repetitions of a measurement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Repetitions {
-    /// At least so often.
+    /// Minimum number.
     pub minimum: usize,
-    /// At most so often.
+    /// Maximum number.
     pub maximum: usize,
-    /// No more than `minimum` after this many seconds.
+    /// Time after which only the minimum number is made, s.
     pub seconds: f64,
 }
 
@@ -26,7 +26,7 @@ pub fn median(repetitions: &Repetitions, mut measure: impl FnMut() -> f64) -> f6
     middle(&mut times)
 }
 
-/// The median of some numbers; not a number where there are none.
+/// The median of some numbers; NaN without numbers.
 pub fn middle(numbers: &mut [f64]) -> f64 {
     numbers.sort_by(f64::total_cmp);
     match numbers.len() {
@@ -36,7 +36,7 @@ pub fn middle(numbers: &mut [f64]) -> f64 {
     }
 }
 
-/// Seconds that something takes, and what it returns.
+/// Seconds that a call takes, and its result.
 pub fn time<T>(run: impl FnOnce() -> T) -> (f64, T) {
     let clock = Instant::now();
     let out = run();

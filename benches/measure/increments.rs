@@ -48,7 +48,7 @@ const fn biaxial_test(name: &'static str, order: RuptureOrder) -> Test {
     Test { name, strains: [2e-3, 1e-2], order, prepare: biaxial }
 }
 
-/// What a curve comes down to.
+/// Values of a curve.
 struct Curve {
     points: Vec<(f64, f64)>,
     seconds: f64,
@@ -220,7 +220,8 @@ fn curve(loaded: &LoadedScene, test: &Test) -> Result<Curve, BenchError> {
             }
         }
     });
-    // Where the run stalls depends on the increment; what was before counts.
+    // The increment at which the run stalls depends on the size of the increments; the earlier ones
+    // count.
     if let (Outcome::Undecided { message, .. } | Outcome::Refused { message, .. }, true) =
         (&outcome, points.is_empty())
     {

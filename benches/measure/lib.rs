@@ -40,7 +40,7 @@ use clastic::scene::LoadError;
 
 pub use table::Part;
 
-/// How much is measured.
+/// Extent of the measurements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Extent {
     /// Small specimens, few repetitions: about a minute.
@@ -54,13 +54,13 @@ pub enum Extent {
 /// Why a benchmark could not be run.
 #[derive(Debug, thiserror::Error)]
 pub enum BenchError {
-    /// A scene of the benchmark is not there or not sound.
+    /// A scene of the benchmark is missing or has errors.
     #[error(transparent)]
     Scene(#[from] LoadError),
     /// Something could not be written.
     #[error(transparent)]
     Output(#[from] OutputError),
-    /// A rig did not do what it is there for.
+    /// A rig did not behave as intended.
     #[error("{0}")]
     Run(String),
 }

@@ -1,11 +1,11 @@
-//! The machine that the numbers were taken on: without it they mean little.
+//! The machine on which the numbers were measured.
 
 use std::fs;
 
 use clastic::output::run_record::CLASTIC_VERSION;
 use time::OffsetDateTime;
 
-/// Processor, memory, load and date, one fact a line; what the system does not tell is left out.
+/// Processor, memory, load and date, one fact per line, as far as the system tells them.
 #[must_use]
 pub fn describe() -> Vec<(&'static str, String)> {
     let today = OffsetDateTime::now_utc().date().to_string();
@@ -23,7 +23,8 @@ pub fn describe() -> Vec<(&'static str, String)> {
     facts
 }
 
-/// Load averages of 1, 5 and 15 minutes: above the number of cores the machine is contended.
+/// Load averages of 1, 5 and 15 minutes. Above the number of cores other programs slow the
+/// measurement.
 #[must_use]
 pub fn load() -> Option<String> {
     let text = fs::read_to_string("/proc/loadavg").ok()?;
@@ -39,9 +40,9 @@ pub fn peak_memory() -> Option<f64> {
     Some(1024.0 * kibibytes)
 }
 
-/// Lets [`peak_memory`] begin anew, where the system can.
+/// Restarts [`peak_memory`], if the system can.
 pub fn forget_peak_memory() {
-    // Elsewhere than on Linux there is no such file, and no peak either.
+    // Only Linux has this file, and only there a peak is measured.
     let _ = fs::write("/proc/self/clear_refs", "5");
 }
 

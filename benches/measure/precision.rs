@@ -22,10 +22,10 @@ use crate::{BenchError, Extent};
 /// Maximum difference of the references in a measure that is taken to be unique.
 pub const UNIQUE: f64 = 1e-4;
 
-/// Tolerances that references are tried with, tightest first.
+/// Tolerances with which references are tried, tightest first.
 const TIGHT: [f64; 5] = [1e-12, 1e-11, 1e-10, 1e-9, 9e-9];
 
-/// Errors that the summary gives the time for.
+/// Errors for which the summary gives the time.
 const LEVELS: [f64; 4] = [1e-2, 1e-4, 1e-6, 1e-8];
 
 /// The solvers.
@@ -57,8 +57,9 @@ impl Kind {
         }
     }
 
-    /// A solution as tight as this solver gets. The condensed solver hands what it cannot solve to
-    /// Clarabel: that would be no reference for it, and a looser tolerance is tried first.
+    /// The most accurate solution of this solver. The condensed solver passes programs that it
+    /// cannot solve to Clarabel. Such a solution is no reference for Clarabel, and a looser
+    /// tolerance is tried.
     fn reference(self, problem: &Captured) -> Option<ConeSolution> {
         TIGHT.iter().find_map(|&tolerance| {
             let mut solver = self.solver(tolerance, true);
@@ -70,7 +71,7 @@ impl Kind {
         })
     }
 
-    /// What the solver has behind it when it comes to the program in a run.
+    /// Prepares the solver with the data that it has in a run before this program.
     fn warm(self, solver: &mut dyn ConeSolver, problem: &Captured) {
         if let (Self::Condensed, Some(before)) = (self, &problem.before) {
             let _ = solver.solve(before);
@@ -295,7 +296,7 @@ fn summary(problem: &Captured, points: &[Point], floor: &Errors) -> Vec<Vec<Cell
     Kind::ALL.map(row).to_vec()
 }
 
-/// The error that counts: of the objective only where nothing else is unique.
+/// The error that counts: that of the objective only if no other error is defined.
 fn score(point: &Point) -> Option<f64> {
     point.errors.worst().or(point.errors.objective)
 }

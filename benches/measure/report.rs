@@ -44,7 +44,7 @@ fn page(part: &Part, command: &str) -> String {
     out
 }
 
-/// Puts the pages of all parts that are there into one, `summary.md`.
+/// Joins the existing pages of all parts to one, `summary.md`.
 ///
 /// # Errors
 /// Where a file cannot be read or written.
@@ -60,9 +60,9 @@ pub fn write_summary(directory: &Path) -> Result<(), OutputError> {
     write_atomic(&directory.join("summary.md"), out)
 }
 
-/// Brings a Markdown page up to date: what stands between the lines `<!-- begin NAME.md -->` and
-/// `<!-- end NAME.md -->` becomes the content of that file in `directory`, with links to pictures
-/// that lead there. Passages whose file is not there stay as they are.
+/// Updates a Markdown page: the text between the lines `<!-- begin NAME.md -->` and `<!-- end
+/// NAME.md -->` becomes the content of that file in `directory`, with links to its pictures.
+/// Passages whose file is missing do not change.
 ///
 /// # Errors
 /// Where a file cannot be read or written, or a passage has no end.

@@ -34,7 +34,7 @@ impl Scenes {
     /// A scene by name, with settings.
     ///
     /// # Errors
-    /// Where it is not there or not sound.
+    /// If it is missing or has errors.
     pub fn load(&self, name: &str, sets: &[&str]) -> Result<LoadedScene, LoadError> {
         let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
         load(&self.directory.join(format!("{name}.ron")), &sets)

@@ -12,7 +12,8 @@ use crate::rigs::Scenes;
 use crate::table::{Part, Table};
 use crate::{BenchError, Extent};
 
-/// Increments of every specimen; the first one, which orders and analyses the matrix, is apart.
+/// Increments of every specimen. The first one, which orders and analyses the matrix, is listed
+/// separately.
 const INCREMENTS: u32 = 6;
 
 /// Specimens: whether tiles are the large ones (7380 disks, else 400), columns, rows.

@@ -15,7 +15,7 @@ use crate::table::{Cell, Part, Table};
 use crate::written::written_run;
 use crate::{BenchError, Extent};
 
-/// Increments of the last stage that are averaged over, after the first one.
+/// Number of increments of the last stage, after the first one, over which times are averaged.
 const INCREMENTS: u32 = 5;
 
 /// Runs this part. Runs are written below `scratch` and removed again.
@@ -162,7 +162,7 @@ fn row(
     if let Some(error) = failed {
         return Err(error);
     }
-    // The run with the least total: what others on the machine take only adds.
+    // The run with the minimum total: other programs on the machine only add time.
     let total = |times: &[f64]| times.iter().sum::<f64>();
     runs.sort_by(|a, b| total(&a.1).total_cmp(&total(&b.1)));
     let Some((cells, times)) = runs.into_iter().next() else {

@@ -10,7 +10,7 @@ pub enum Cell {
     Text(String),
     /// A count.
     Count(u64),
-    /// A number; what is not finite is not there.
+    /// A number; an empty field if it is not finite.
     Number(f64),
 }
 
@@ -93,7 +93,7 @@ impl Table {
         std::iter::once(header.line()).chain(rows).collect()
     }
 
-    /// The table in Markdown, its columns aligned so that it can be read as it is.
+    /// The table in Markdown, with aligned columns.
     #[must_use]
     pub fn markdown(&self) -> String {
         let texts: Vec<Vec<String>> = std::iter::once(
@@ -144,7 +144,7 @@ fn short(cell: &Cell) -> String {
     }
 }
 
-/// What a part of the benchmark found.
+/// Results of a part of the benchmark.
 #[derive(Clone, Debug, Default)]
 pub struct Part {
     /// Name.

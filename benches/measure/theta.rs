@@ -28,11 +28,11 @@ const STIFFNESS: f64 = 1e7;
 const SPEED: f64 = 1e-4;
 /// Time that is computed, over sqrt(m/k).
 const TIME: f64 = 6.0;
-/// Increments of the coarsest run, and how often they are doubled.
+/// Increments of the coarsest run, and number of times that they are doubled.
 const COARSEST: u32 = 50;
 const DOUBLINGS: u32 = 5;
 
-/// Values of theta with the order that is expected.
+/// Values of theta with the expected order.
 const ORDERS: [(f64, f64); 4] = [(0.5, 2.0), (0.6, 1.0), (0.75, 1.0), (1.0, 1.0)];
 
 /// sqrt(k/m), 1/s.

@@ -159,7 +159,9 @@ fn report(sweep: &Sweep, points: &[Point]) -> Result<(), Failure> {
     let strengths: Vec<_> = points.iter().map(|point| point.strength).collect();
     let left_out = sweep.plan.runs.len() - points.len();
     if left_out > 0 {
-        say(format_args!("{left_out} runs without a peak are in no envelope (see `marks`)"))?;
+        say(format_args!(
+            "{left_out} runs without a peak are left out of the envelopes (see `marks`)"
+        ))?;
     }
     let records = table::records(&sweep.plan, &sweep.folder);
     let uncertain = records.iter().filter(|record| {

@@ -26,11 +26,15 @@ impl Interrupt {
             }
         });
         if let Err(error) = listening {
-            complain(format_args!("Ctrl-C will not wait for the increment: {error}"));
+            complain(format_args!(
+                "Ctrl-C will stop the run in the middle of an increment: {error}"
+            ));
         }
         #[cfg(unix)]
         if let Err(error) = signals::listen(interrupt.clone()) {
-            complain(format_args!("SIGTERM will not wait for the increment: {error}"));
+            complain(format_args!(
+                "SIGTERM will stop the run in the middle of an increment: {error}"
+            ));
         }
         interrupt
     }
@@ -40,7 +44,7 @@ impl Interrupt {
         let again = self.0.swap(true, Ordering::Relaxed);
         if !again {
             complain(format_args!(
-                "\n{what}finishing the increment; Ctrl-C again stops at once, without what is new since the \
+                "\n{what}finishing the increment; a second Ctrl-C stops at once and loses what came after the \
                  last checkpoint"
             ));
         }

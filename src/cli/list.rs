@@ -15,7 +15,7 @@ pub fn list() -> Result<Exit, Failure> {
     let width = scenes.keys().map(|name| name.chars().count()).max().unwrap_or(0);
     for (name, path) in scenes {
         let title = load(&path, &[]).map_or_else(
-            |_| format!("(not sound; see `clastic check {name}`)"),
+            |_| format!("(has errors; see `clastic check {name}`)"),
             |loaded| label(&loaded.scene.title),
         );
         say(format_args!("{name:width$}  {title}"))?;

@@ -1,7 +1,7 @@
 //! The command line: arguments, and the file that handles each command.
 //!
-//! A program with plugins of its own has it by one call, [`main`]: `check`, `run` and `resume` know
-//! the stages, measures and walls that the plugins provide.
+//! A program with plugins of its own gets this command line from one call, [`main`]: `check`, `run`
+//! and `resume` know the stages, measures and walls that the plugins provide.
 
 mod check;
 mod compare;
@@ -72,7 +72,7 @@ enum Command {
     /// Run a scene and write its results
     #[command(after_help = EXAMPLES)]
     Run(RunArgs),
-    /// Go on with a run that was interrupted, killed or stalled, or extend one that has ended
+    /// Continue a run that was interrupted, killed or stalled, or extend one that has ended
     Resume(ResumeArgs),
     /// Read a scene and report everything that is wrong with it
     Check(CheckArgs),
@@ -91,8 +91,8 @@ enum Command {
     Plot(plot::PlotArgs),
     /// Write the frames of a run for ParaView (VTK) or as tables (CSV)
     Export(export::ExportArgs),
-    /// Write a run as a page for a browser: curves, animation, key results; of several runs their
-    /// curves over one another and a table
+    /// Write a page for a browser: curves, animation and key results of a run, or curves and a
+    /// table of several runs
     #[cfg(feature = "report")]
     Report {
         /// Directories of runs, or of studies with all their runs
@@ -102,7 +102,7 @@ enum Command {
         #[arg(long, value_name = "FILE")]
         out: Option<PathBuf>,
     },
-    /// Draw the curves of several runs over one another and print their key results
+    /// Draw the curves of several runs in one picture and print their key results
     Compare {
         /// Directories of runs
         #[arg(required = true, value_name = "DIR")]
@@ -121,19 +121,19 @@ struct SweepArgs {
     /// Directory for the runs and the table [default: runs/<name of the study>]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Runs to make at once [default: as many as there are cores]
+    /// Maximum number of simultaneous runs [default: number of cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     jobs: Option<u32>,
     /// Make only the Nth run of the study, as a task of a job array does
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     only: Option<u32>,
-    /// Make no run; write table and figure of the runs that are there
+    /// Make no run; write table and figure of the existing runs
     #[arg(long, conflicts_with = "only")]
     collect: bool,
     /// Print a job array for a cluster and make no run
     #[arg(long, value_name = "FORM", conflicts_with_all = ["only", "collect"])]
     emit: Option<Emit>,
-    /// No progress, only the result
+    /// Show no progress, only the result
     #[arg(short, long)]
     quiet: bool,
 }
@@ -167,10 +167,10 @@ struct EnvelopeArgs {
     /// Directory for the runs and the envelope [default: runs/<name of the scene>_envelope]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Runs to make at once [default: as many as there are cores]
+    /// Maximum number of simultaneous runs [default: number of cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     jobs: Option<u32>,
-    /// No progress, only the result
+    /// Show no progress, only the result
     #[arg(short, long)]
     quiet: bool,
 }
@@ -205,7 +205,7 @@ struct SceneArgs {
 struct CheckArgs {
     #[command(flatten)]
     scene: SceneArgs,
-    /// Write the scene, if it is of version 1, as one of version 2 to standard output
+    /// Convert a scene of version 1 to version 2 and write it to standard output
     #[arg(long)]
     upgrade: bool,
 }
@@ -217,7 +217,7 @@ struct RunArgs {
     /// Directory for the results [default: runs/<name of the scene>]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Write over the results of an earlier run
+    /// Overwrite the results of an earlier run
     #[arg(long)]
     force: bool,
     /// Write the cone program and solution of an increment as JSON; may be repeated. N counts the
@@ -255,11 +255,12 @@ struct ResumeArgs {
     /// Directory of the run
     #[arg(value_name = "DIR")]
     directory: PathBuf,
-    /// Set a field of the scene for what is still to come, e.g. --set acceptance.throw=0.5; may be
+    /// Set a field of the scene for the rest of the run, e.g. --set acceptance.throw=0.5; may be
     /// repeated
     #[arg(long = "set", value_name = "PATH=VALUE")]
     sets: Vec<String>,
-    /// Go on with this scene: the one of the run with other stages to come, or with more of them
+    /// Continue with this scene: that of the run, with other or additional stages after the present
+    /// one
     #[arg(long, value_name = "FILE")]
     scene: Option<PathBuf>,
     #[command(flatten)]
@@ -273,10 +274,10 @@ struct OutputArgs {
     /// before]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     checkpoint_every: Option<u32>,
-    /// Threads to use at most; results do not depend on it [default: as many as there are cores]
+    /// Maximum number of threads; results do not depend on it [default: number of cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     threads: Option<u32>,
-    /// No progress, only the result
+    /// Show no progress, only the result
     #[arg(short, long)]
     quiet: bool,
 }

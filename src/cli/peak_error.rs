@@ -25,7 +25,7 @@ pub(super) fn peak_error(scene: &Scene, results: &Results) -> Option<String> {
         )
     };
     Some(format!(
-        "WARNING: the peak depends on the increment, by about {:.0} %: {why}; give smaller \
+        "WARNING: the peak depends on the size of the increments, by about {:.0} %: {why}; give smaller \
          increments, or {remedy}",
         100.0 * estimate
     ))

@@ -40,7 +40,8 @@ pub struct PlotArgs {
     /// Size of the font, pt
     #[arg(long, value_name = "PT", default_value_t = 8.0, value_parser = length(3.0, 72.0))]
     font: f64,
-    /// Show only what is between two corners: of the specimen in m, of curves in values of the axes
+    /// Show only the part between two corners: in m for the specimen, in values of the axes for
+    /// curves
     #[arg(long, value_name = "X0,Y0,X1,Y1", allow_hyphen_values = true, value_parser = window)]
     crop: Option<[[f64; 2]; 2]>,
     /// Draw broken bonds over fields

@@ -66,7 +66,7 @@ pub fn resume(args: &ResumeArgs, mut app: App) -> Result<Exit, Failure> {
     if checkpoint.clastic_version != CLASTIC_VERSION {
         complain(format_args!(
             "the checkpoint was written by clastic {}, this is {CLASTIC_VERSION}: the results from \
-             increment {} on need not be those of one version",
+             increment {} on may differ from those of a run with one version",
             checkpoint.clastic_version,
             increment + 1
         ));

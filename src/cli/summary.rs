@@ -114,7 +114,7 @@ pub fn summary(of: &Summary) -> String {
     }
     lines.extend(settled.map(|Settled { porosity_before, porosity_after }| {
         format!(
-            "note: the packing was looser than its jam and settled in the first increment after its \
+            "note: the packing was not jammed and settled in the first increment after its \
              compaction: porosity {porosity_before:.4} before, {porosity_after:.4} after"
         )
     }));
@@ -140,7 +140,7 @@ fn warnings(stages: &[StageEnd]) -> Vec<String> {
         .collect();
     if !lines.is_empty() {
         lines.push(
-            "a capped increment is no converged state: Coulomb's law is fulfilled to a residual of 1e-4 only; a \
+            "a capped increment has not converged: it satisfies Coulomb's law to a residual of 1e-4 only; a \
              greater `acceptance.residual`, where the test allows it, or `friction_law: Associated` may help. Key \
              results leave it out"
                 .to_owned(),
@@ -149,11 +149,11 @@ fn warnings(stages: &[StageEnd]) -> Vec<String> {
     lines
 }
 
-/// What it means that `rupture.order: Events` does not hold for a scene.
+/// Warning that `rupture.order: Events` does not hold for a scene.
 pub(super) fn in_one_round(reason: &str) -> String {
     format!(
-        "`rupture.order: Events` does not hold here: {reason}; bonds break as with `OneRound`, and strength depends \
-         on the increment"
+        "`rupture.order: Events` does not hold here: {reason}; bonds break as with `OneRound`, and the strength \
+         depends on the size of the increments"
     )
 }
 
@@ -281,7 +281,7 @@ mod tests {
         let all = said([(28, 0), (7, 7)], false, &Results::default());
         assert!(all.contains("\nWARNING: all 7 increments of stage shear are capped\n"), "{all}");
         assert!(
-            all.contains("no converged state") && all.contains("`acceptance.residual`"),
+            all.contains("has not converged") && all.contains("`acceptance.residual`"),
             "{all}"
         );
     }

@@ -121,7 +121,7 @@ pub fn energies(run: &Run) -> Result<Chart, FigureError> {
             "the history has no energies; run the scene with `output: (energy: true)`".to_owned(),
         ));
     }
-    // Terms that no line of the picture would show.
+    // Other terms would be invisible in the picture.
     lines.retain(|line| line.points.iter().any(|p| p.1.abs() > 2e-3 * largest));
     let (unit, size) = match largest {
         e if e >= 1e6 => ("MJ", 1e6),

@@ -27,10 +27,10 @@ use run::{At, Run};
 /// Why a figure cannot be drawn.
 #[derive(Debug, thiserror::Error)]
 pub enum FigureError {
-    /// What was asked for makes no figure.
+    /// The request does not describe a figure.
     #[error("{0}")]
     Usage(String),
-    /// The run has not what the figure shows.
+    /// The run lacks the data of the figure.
     #[error("{0}")]
     Absent(String),
     /// A file cannot be read or written.
@@ -44,7 +44,7 @@ pub enum FigureError {
     Drawing(#[from] io::Error),
 }
 
-/// What a figure is drawn with.
+/// Settings with which a figure is drawn.
 #[derive(Clone, Debug)]
 pub struct Request {
     /// Moment of figures of the specimen.
@@ -152,13 +152,13 @@ pub fn named(name: &str) -> Result<&'static Figure, FigureError> {
 }
 
 impl Figure {
-    /// Whether several runs go into it.
+    /// Whether the figure takes several runs.
     #[must_use]
     pub fn takes_several(&self) -> bool {
         matches!(self.kind, Kind::Curves(_))
     }
 
-    /// Draws it as SVG.
+    /// Draws the figure as SVG.
     ///
     /// # Errors
     /// If the runs lack what it shows.

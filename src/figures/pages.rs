@@ -17,7 +17,7 @@ impl Format {
     /// The format of a file with this ending.
     ///
     /// # Errors
-    /// If it is none, or if this build does not write it.
+    /// If no format has this ending, or if this build does not write it.
     pub fn of(ending: Option<&str>) -> Result<Self, FigureError> {
         let format = match ending {
             Some("svg") => Self::Svg,

@@ -1,4 +1,4 @@
-//! Roses: how many cracks or contacts, or what force, in every direction.
+//! Roses: number of cracks or contacts, or mean force, by direction.
 
 use std::f64::consts::PI;
 use std::fmt::Write as _;
@@ -19,7 +19,7 @@ pub struct Rose {
     pub layers: Vec<(&'static str, String, [f64; SECTORS])>,
     /// Value at a direction in rad that a fit gives.
     pub fit: Option<Box<dyn Fn(f64) -> f64>>,
-    /// What the length of a sector is, and the fit.
+    /// Notes on the length of a sector and on the fit.
     pub notes: Vec<String>,
 }
 

@@ -30,7 +30,7 @@ impl At {
     /// Reads `start`, `peak`, `end`, a number, or the path of a `.npz` file.
     ///
     /// # Errors
-    /// With what would be right.
+    /// The message says what would be right.
     pub fn read(text: &str) -> Result<Self, String> {
         match text {
             "start" => Ok(Self::Start),

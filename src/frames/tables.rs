@@ -106,10 +106,12 @@ impl Frame {
         Ok(frame)
     }
 
-    /// Whether identities ascend, and indices are those of something.
+    /// Checks that identities ascend, and that indices are in range.
     fn check(&self) -> Result<(), TableError> {
         let bad = |name: &str, row: Option<usize>| match row {
-            Some(row) => Err(TableError::at(name, format!("a value in row {row} is of nothing"))),
+            Some(row) => {
+                Err(TableError::at(name, format!("the value in row {row} is out of range")))
+            }
             None => Ok(()),
         };
         let bodies = &self.bodies;

@@ -156,7 +156,7 @@ fn a_frame_reads_back_and_damage_is_named() {
     let said = |tables: &crate::tables::Tables| Frame::from_tables(tables).unwrap_err().to_string();
     let mut tables = frame.tables();
     tables.put("pairs.state", crate::tables::Array::u8(vec![9; frame.pairs.a.len()]));
-    assert_eq!(said(&tables), "array `pairs.state`: a value in row 0 is of nothing");
+    assert_eq!(said(&tables), "array `pairs.state`: the value in row 0 is out of range");
     tables.put("format", crate::tables::Array::word("clastic state 1"));
     assert!(said(&tables).starts_with("not a frame"), "{}", said(&tables));
     tables.put("format", crate::tables::Array::word("clastic frame 9"));

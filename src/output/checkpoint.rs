@@ -129,7 +129,7 @@ impl Checkpoint {
         let rest = line.and_then(|line| line.strip_prefix(MAGIC));
         let (version, hash) = rest
             .and_then(|rest| rest.split_once(", sha256 "))
-            .ok_or_else(|| damaged("its first line is not that of a checkpoint"))?;
+            .ok_or_else(|| damaged("its first line does not belong to a checkpoint"))?;
         if version != VERSION.to_string() {
             return Err(ResumeError::Version {
                 path: path.to_owned(),
@@ -139,11 +139,11 @@ impl Checkpoint {
         }
         let content = &bytes[end + 1..];
         if sha256(content) != hash {
-            return Err(damaged("its content is not that of its hash"));
+            return Err(damaged("its content does not match its hash"));
         }
         match postcard::take_from_bytes(content) {
             Ok((checkpoint, [])) => Ok(checkpoint),
-            Ok(_) => Err(damaged("there is something after its end")),
+            Ok(_) => Err(damaged("further bytes follow its end")),
             Err(error) => Err(damaged(&error.to_string())),
         }
     }

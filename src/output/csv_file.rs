@@ -64,13 +64,15 @@ impl CsvFile {
         let mut file = OpenOptions::new().read(true).write(true).open(&path).map_err(at())?;
         let found = file.metadata().map_err(at())?.len();
         if found < length {
-            let what = format!("{found} bytes, and {length} when the checkpoint was written");
+            let what = format!("{found} bytes, but {length} when the checkpoint was written");
             return Err(cut(what));
         }
         let mut last = [0];
         file.seek(SeekFrom::Start(length.saturating_sub(1))).map_err(at())?;
         if length == 0 || file.read_exact(&mut last).is_err() || last != *b"\n" {
-            return Err(cut("other rows than when the checkpoint was written".to_owned()));
+            return Err(cut(
+                "its rows differ from those when the checkpoint was written".to_owned()
+            ));
         }
         Ok(Self { path, file, length })
     }

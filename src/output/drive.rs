@@ -27,8 +27,8 @@ pub struct Drive {
 
 impl Drive {
     /// The probes that drive the test along the axis with the most work, in the order of the
-    /// history. What prepares the specimen moves probes further, with forces of no meaning, and does
-    /// not count.
+    /// history. Preparation does not count: it moves probes further, and its forces have no
+    /// meaning.
     #[must_use]
     pub fn all(history: &History) -> Vec<Self> {
         let probes = history.probes();
@@ -45,13 +45,13 @@ impl Drive {
         drives.filter(|drive| work(&drive.points) > IDLE * most).collect()
     }
 
-    /// The probe on which the most work is done; `None` if none is.
+    /// The probe on which the most work is done; `None` if no work is done on any.
     #[must_use]
     pub fn first(history: &History) -> Option<Self> {
         Self::most(&Self::all(history)).cloned()
     }
 
-    /// The one of several on which the most work is done; of equal ones the first.
+    /// The drive with the most work; ties go to the first.
     #[must_use]
     pub fn most(drives: &[Self]) -> Option<&Self> {
         let of = |drive: &Self| work(&drive.points);

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::run::key_results::{MechanismRecord, Results};
 
-/// A packing that was looser than its jam: it settled in the first increment after its compaction.
+/// A packing that was not jammed: it settled in the first increment after its compaction.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Settled {
     /// Porosity after the compaction, of the box around the disks, or of the periodic cell.
@@ -14,7 +14,7 @@ pub struct Settled {
     pub porosity_after: f64,
 }
 
-/// Key results that only a run with output has. They are no part of
+/// Key results that only a run with output has. They do not belong to
 /// [`KeyResults`](crate::run::key_results::KeyResults), because output must not change the state of
 /// a run.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]

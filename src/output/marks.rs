@@ -1,4 +1,4 @@
-//! What makes a run not trustworthy.
+//! Marks of a run whose results need care.
 
 use serde_json::Value;
 

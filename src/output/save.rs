@@ -25,7 +25,7 @@ pub fn is_checkpoint_due(observation: Res<Observation>, run: Res<RunDirectory>) 
 /// Writes a checkpoint. Exclusive, because it reads everything that plugins have registered.
 pub fn save(world: &mut World) -> Result<(), OutputError> {
     let clock = Instant::now();
-    // The checkpoint does not have it.
+    // The checkpoint does not contain this frame.
     frames::write_peak(world)?;
     let (increment, state) = state(world, names::CHECKPOINT)?;
     let mut run = world.resource_mut::<RunDirectory>();
@@ -40,7 +40,7 @@ pub fn save(world: &mut World) -> Result<(), OutputError> {
 #[derive(Resource, Debug)]
 pub struct LastCheckpoint(Checkpoint);
 
-/// Run condition: no stage has another increment, unless one of a plugin changes its mind.
+/// Run condition: no stage has another increment. A stage of a plugin may still decide otherwise.
 pub fn is_last_increment(script: Option<Res<Script>>, progress: Res<Progress>) -> bool {
     script.is_some_and(|script| {
         let to_come = script.scene.stages.iter().skip(progress.stage + 1);

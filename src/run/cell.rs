@@ -28,7 +28,7 @@ pub fn control(world: &mut World, stage: &scene::Load) {
     let by_mean =
         control.is_by_mean() || (cell.by_mean && control.xx.is_none() && control.yy.is_none());
     if by_mean != cell.by_mean {
-        // What was on its way along the other axes holds no longer.
+        // Earlier controls of the two sides end.
         cell.controls[..2].fill(CellControl::default());
         cell.by_mean = by_mean;
     }

@@ -25,28 +25,32 @@ pub fn refused(old: &Scene, new: &Scene, state: &StateView) -> Vec<String> {
             refused.push(format!("`{field}` cannot change: {why}"));
         }
     };
-    let bodies = "the particles are on their way; start a new run";
-    fixed("version", old.version == new.version, "it is that of the checkpoint");
+    let bodies = "the run has moved the particles already; start a new run";
+    fixed("version", old.version == new.version, "the checkpoint belongs to the other version");
     fixed("specimen", old.specimen == new.specimen, bodies);
     fixed("bonds", old.bonds == new.bonds, bodies);
-    fixed("walls", old.walls == new.walls, "control them in stages to come");
-    fixed("cell", old.cell == new.cell, "control it in stages to come");
-    fixed("materials", old.materials == new.materials, "the bonds that exist keep theirs");
+    fixed("walls", old.walls == new.walls, "control them in later stages");
+    fixed("cell", old.cell == new.cell, "control it in later stages");
+    fixed("materials", old.materials == new.materials, "existing bonds keep their laws");
     fixed("thickness", old.thickness.to_bits() == new.thickness.to_bits(), bodies);
-    let own = "stages that have ended used it; give it to stages to come";
+    let own = "stages that have ended used it; give it to later stages";
     fixed("analysis", old.analysis == new.analysis, own);
     fixed("gravity", old.gravity == new.gravity, own);
     // A run that gets more stages names the reference stage that it had by default.
     let measures =
         Measures { reference_stage: old.measures.reference_stage.clone(), ..new.measures.clone() };
-    fixed("measures", old.measures == measures, "the history has a column under each");
+    fixed("measures", old.measures == measures, "the history has a column for each");
     let counts_on = old.reference_stage() == new.reference_stage();
     let is_named = old.strains_from() != new.strains_from();
     let field = if new.version == 1 { "measures" } else { "reference_stage" };
     fixed(field, counts_on || !is_named, "strains count from its stage");
     fixed("probes", old.probes == new.probes, "the history has columns for each");
     let energy = old.output.energy == new.output.energy;
-    fixed("output.energy", energy, "the history has its columns or not, and the ledger its past");
+    fixed(
+        "output.energy",
+        energy,
+        "the columns of the history and the ledger exist from the start",
+    );
     let why = if new.version == 1 {
         "strains count from the same stage; name it in `measures.reference_stage`"
     } else {
@@ -69,13 +73,13 @@ pub fn refused(old: &Scene, new: &Scene, state: &StateView) -> Vec<String> {
             let why = match (stage, changed) {
                 (Stage::Load(old), Stage::Load(new)) => stage_under_way(old, new, state),
                 (Stage::Pour(old), Stage::Pour(new)) if old.stream != new.stream => {
-                    Some("it is under way, and the grains to come follow those that came")
+                    Some("it is under way, and later grains must continue its sequence")
                 }
                 (Stage::Pour(old), Stage::Pour(new))
                     if old.stream.rate.is_over_stage()
                         && old.load.increments != new.load.increments =>
                 {
-                    Some("it is under way, and its rate is that over all its increments")
+                    Some("it is under way, and its rate is spread over all increments")
                 }
                 (Stage::Pour(old), Stage::Pour(new)) => {
                     stage_under_way(&old.load, &new.load, state)
@@ -103,11 +107,11 @@ fn stage_under_way(old: &Load, new: &Load, state: &StateView) -> Option<&'static
     }
     if allowed != *old {
         return Some(
-            "it is under way; of such a stage `increments`, `stop`, `record` and the motion of walls can change",
+            "it is under way; only its `increments`, `stop`, `record` and motions of walls can change",
         );
     }
     if f64::from(new.increments) < state.progress.done {
-        return Some("it is under way and has made more increments than that");
+        return Some("it is under way and has made more increments already");
     }
     let aims = |target: CellTarget| target != CellTarget::Fixed;
     let cell = old.cell.as_deref();
@@ -115,9 +119,8 @@ fn stage_under_way(old: &Load, new: &Load, state: &StateView) -> Option<&'static
         let all = [cell.xx, cell.yy, cell.shear, cell.mean, cell.difference];
         all.into_iter().flatten().any(aims)
     });
-    ((state.ramps || cell_moves) && old.increments != new.increments).then_some(
-        "a load is on its way to its target over the `increments` of this stage, which is under way",
-    )
+    ((state.ramps || cell_moves) && old.increments != new.increments)
+        .then_some("it is under way, and a load reaches its target at the end of its `increments`")
 }
 
 /// Control of a wall with imposed motion; `None` for other controls.

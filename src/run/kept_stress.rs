@@ -8,7 +8,7 @@ use clastic_components::wall::{LoadedLength, WallControl, WallName};
 use crate::scene::format as scene;
 
 /// A wall keeps a stress on the distance of two walls of which the stage removes one. The stage is
-/// refused: the wall would be unloaded without a word.
+/// refused, because the wall would silently lose its load.
 pub fn refusal(world: &mut World, stage: &scene::Load) -> Option<String> {
     let mut walls = world.query::<(&BodyId, &WallName, &WallControl)>();
     let mut kept: Vec<_> = walls

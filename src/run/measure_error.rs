@@ -1,4 +1,4 @@
-//! Errors of measures, below which a change is none.
+//! Errors of measures. A change below the error does not count.
 
 use bevy_ecs::prelude::*;
 

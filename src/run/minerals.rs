@@ -11,8 +11,8 @@ use super::select::{Candidate, selects};
 use crate::scene::format::{Clusters, Mineral, Scene, Select};
 use crate::scene::specimen_file::StoredSpecimen;
 
-/// Particles of a scene in the order of identities: those of its specimen, with the materials that
-/// `minerals` gives them, that `keep` selects. Both see the particles as the specimen has them.
+/// Particles of a scene in the order of identities: those of its specimen that `keep` selects, with
+/// the materials that `minerals` gives them. Both select from the uncut specimen.
 #[must_use]
 pub fn specimen(scene: &Scene, stored: Option<&StoredSpecimen>) -> Vec<ParticleSeed> {
     let mut seeds = particles(&scene.specimen, stored);
@@ -55,9 +55,9 @@ pub fn specimen(scene: &Scene, stored: Option<&StoredSpecimen>) -> Vec<ParticleS
 /// Those of the chosen particles that are in clusters.
 ///
 /// A square grid of the size of a cluster has one random point in every cell, and a random rank. A
-/// particle belongs to the nearest point. Points take their particles in the order of their ranks,
-/// as long as that brings the share of the area nearer to the one that is asked for. The result
-/// does not depend on the order of the particles.
+/// particle belongs to the nearest point. In the order of their ranks, points take their particles
+/// as long as that brings the share of the area nearer to the requested one. The result does not
+/// depend on the order of the particles.
 fn in_clusters(seeds: &[ParticleSeed], chosen: Vec<usize>, clusters: &Clusters) -> Vec<usize> {
     let mut cells: BTreeMap<(u64, [i32; 2]), Vec<usize>> = BTreeMap::new();
     let mut points = Points { seed: clusters.seed, known: BTreeMap::new() };

@@ -10,8 +10,8 @@ use super::drive::drive;
 use super::select::selected;
 use crate::scene::format as scene;
 
-/// Sets drives and loads of the particles for a loading stage. Drives end with their stage, loads
-/// stay at their last values.
+/// Sets drives and loads of the particles for a loading stage. Drives end with their stage. Loads
+/// keep their last values.
 pub(super) fn set(world: &mut World, stage: &scene::Load, analysis: &Analysis) {
     let mut particles = world.query_filtered::<(&mut Drives, &mut LoadControl), With<Particle>>();
     for (mut drives, mut loads) in particles.iter_mut(world) {

@@ -131,7 +131,8 @@ impl Grain {
         Self { disk: Particle::disk(radius, density, scene.thickness), material: at as u32 }
     }
 
-    /// Whether the grain is due, so that what has come stays within half a grain of what should.
+    /// Whether the grain is due, so that the number or mass stays within half a grain of the
+    /// intended one.
     fn is_due(&self, rate: Rate, due: f64, come: f64) -> bool {
         let size = if rate.is_of_mass() { self.disk.mass } else { 1.0 };
         due - come >= 0.5 * size

@@ -35,7 +35,7 @@ pub struct Script {
 pub enum CollapsedBy {
     /// A mechanism proves that no forces within the limits balance the loads.
     Proof,
-    /// The motion did not come to rest under constant loads, also not in steps of half the length.
+    /// The motion did not come to rest under constant loads, nor in steps of half the length.
     Motion,
 }
 

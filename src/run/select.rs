@@ -1,4 +1,4 @@
-//! Which particles a selection has.
+//! The particles of a selection.
 
 use std::collections::BTreeMap;
 
@@ -12,7 +12,7 @@ use clastic_components::particle::{MaterialIndex, Particle};
 use super::script::Script;
 use crate::scene::format::Select;
 
-/// What selections ask of a particle.
+/// Data of a particle on which selections depend.
 #[derive(Clone, Copy, Debug)]
 pub struct Candidate<'a> {
     /// Index in the specimen.

@@ -41,7 +41,8 @@ pub fn change_stages(world: &mut World) {
         if let Stage::Custom(custom) = &stage
             && let Some(message) = world.resource::<StageKinds>().refusal(custom)
         {
-            // Also in the middle of the stage: a resumed run may lack the plugin.
+            // This also applies in the middle of the stage, because a resumed run may lack the
+            // plugin.
             let stage = custom.name.clone();
             world.resource_mut::<Script>().outcome = Some(Outcome::Refused { stage, message });
             break false;

@@ -291,7 +291,7 @@ impl StateView {
     }
 }
 
-/// What a run that started from a saved state has taken over from it.
+/// The part of a saved state that a run has taken over from it.
 fn stored_state(state: &WorldState) -> Result<StoredState, StateError> {
     let taken = match state.bytes(INHERITED_WALLS) {
         Some(_) => {

@@ -25,8 +25,9 @@ impl Collapse {
         let (by, reason) = if world.resource::<ConeSolution>().certificate.is_some() {
             (CollapsedBy::Proof, "no equilibrium exists: a mechanism proves it".to_owned())
         } else {
-            let reason =
-                format!("{complaint}; the same in steps half as long; no mechanism proves it");
+            let reason = format!(
+                "{complaint}; nor does it in steps half as long; no mechanism proves the collapse"
+            );
             (CollapsedBy::Motion, reason)
         };
         let increment = world.resource::<Progress>().increment;

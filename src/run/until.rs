@@ -1,9 +1,9 @@
 //! `Until`: the last increments of a stage are shortened, so that a measure lands on a value.
 //!
 //! After every increment the fraction to the value follows from the rate of the measure over the
-//! last increment. Twice the relative change of that rate is kept as a margin, and a rate that
-//! rises is expected to rise on, so that the measure comes to the value from one side and a linear
-//! measure gets there in one fraction.
+//! last increment. Twice the relative change of that rate is kept as a margin, and a rising rate is
+//! expected to continue rising. The measure thus approaches the value from one side, and a linear
+//! measure reaches it in one fraction.
 
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -28,7 +28,7 @@ const FIRST: f64 = 0.25;
 /// Minimum fraction of an increment. It must exceed the round-off of the progress.
 const FINEST: f64 = 1e-8;
 
-/// The way of the measure of an `Until` to its value in the current stage.
+/// The approach of the measure of an `Until` to its value in the current stage.
 #[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Approach {
     /// Whether the stage has an `Until`.
@@ -134,7 +134,7 @@ impl Approach {
         // A measure that steepens is expected to steepen by the same ratio again, but by no more
         // than fourfold: after a rate of zero, as before a gap closes, the ratio says nothing.
         let steeper = earlier.map_or(1.0, |earlier| (now / earlier).clamp(1.0, 4.0));
-        // A rate that is not known to be steady leaves half of the way.
+        // A rate that may not be steady leaves half of the distance.
         Some((1.0 - 2.0 * change).max(0.5) * (value - last[1]) / (now * steeper))
     }
 }

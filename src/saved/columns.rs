@@ -88,8 +88,8 @@ pub(super) fn some(text: &str) -> Option<String> {
     (!text.is_empty()).then(|| text.to_owned())
 }
 
-/// That a state without the array `key` has no other array of its kind. Otherwise it is damaged, and
-/// what the others describe would be lost without a word.
+/// Checks that a state without the array `key` has no other array of its kind. Otherwise the state
+/// is damaged, and the content of the other arrays would be lost without a message.
 pub(super) fn none_of(tables: &Tables, prefix: &str, key: &str) -> Result<(), SavedError> {
     match tables.iter().find(|(name, _)| name.starts_with(prefix)) {
         Some((other, _)) => Err(bad(key, format!("missing beside `{other}`"))),

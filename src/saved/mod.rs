@@ -38,8 +38,8 @@ pub use progress::Counts;
 /// First word of the array `format`.
 const FORMAT: &str = "clastic state";
 /// Version of the format, which follows the word. It increases with every change of the arrays. A
-/// state is of the first version that has all its arrays, so that older programs read it too, and
-/// none passes over an array without a word.
+/// state has the first version that has all its arrays, so that older programs read it too, and no
+/// program silently skips an array.
 const VERSION: u32 = 3;
 /// Version without a periodic cell and with another ledger.
 const WITH_GROUPS: u32 = 2;
@@ -61,7 +61,7 @@ const AS_ARRAYS: [&[&str]; 8] = [
 ];
 
 /// Entries that a scene which starts from the state has of its own: its place among its stages, its
-/// settings, its output, and what the next increment makes anew.
+/// settings, its output, and tables that the next increment makes anew.
 const OF_THE_SCENE: [&str; 20] = [
     "analysis",
     "key_results",

@@ -3,8 +3,8 @@
 //! A scene goes from text to [`LoadedScene`] in five steps, one file each: [`overrides`] edits the
 //! text, `values` puts the values of `let` in place of their names, `ron` reads it into the types
 //! of [`format`](mod@format), [`specimen_file`] reads a stored specimen, and [`validate`] checks
-//! the meaning. A text that `ron` refuses is read a second time by `reader`, which does not stop
-//! at the first mistake.
+//! the meaning. A text that `ron` refuses is read a second time by `reader`, which does not stop at
+//! the first mistake.
 
 mod coincident;
 pub mod diagnostic;

@@ -54,7 +54,7 @@ fn stored(saved: SavedState) -> Result<StoredSpecimen, SavedError> {
 }
 
 impl StoredState {
-    /// What the state of a world says to a scene.
+    /// Data of a world's state that a scene needs.
     ///
     /// # Errors
     /// If an entry of the state is of another type.
@@ -85,9 +85,9 @@ impl StoredState {
     }
 }
 
-/// Gives a scene what it takes over from the state from which it starts: the walls if it lists
-/// none, the periodic cell, rigid groups, names of recorded particles that it does not use otherwise, and materials by the names
-/// that the scene gives them.
+/// Gives a scene the parts of the state from which it starts: the walls if it lists none, the
+/// periodic cell, rigid groups, names of recorded particles that it does not use otherwise, and
+/// materials by the names that the scene gives them.
 pub(super) fn inherit(scene: &mut Scene, stored: &mut StoredSpecimen) {
     let (Some(state), Specimen::State { materials, .. }) = (&mut stored.state, &scene.specimen)
     else {

@@ -11,12 +11,12 @@ use crate::output::atomic::write_atomic;
 use crate::output::csv_file::Row;
 use crate::output::marks::marks;
 
-/// Runs that differ in the names that are averaged over, and in nothing else.
+/// Runs that differ only in the names over which the means are taken.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Group {
     /// Values of the other names, in their order; empty where the runs lack a name.
     pub values: Vec<String>,
-    /// Number of runs without marks, which the means are of.
+    /// Number of runs without marks, over which the means are taken.
     pub runs: usize,
     /// Number of runs with marks, which are in no mean.
     pub marked: usize,
@@ -47,7 +47,7 @@ impl Spread {
     }
 }
 
-/// Names that the groups differ in: all but `over`.
+/// Names in which the groups differ: all except `over`.
 #[must_use]
 pub fn names<'a>(plan: &'a Plan, over: &[String]) -> Vec<&'a str> {
     plan.names.iter().filter(|name| !over.contains(name)).map(String::as_str).collect()
@@ -78,8 +78,8 @@ pub fn groups(plan: &Plan, records: &[Value], over: &[String]) -> Vec<Group> {
     groups.into_iter().map(group).collect()
 }
 
-/// Writes the table: per group its values, the number of runs that the means are of, the number of
-/// marked runs that they leave out, and mean and standard deviation of every key result.
+/// Writes the table: per group its values, the number of runs in the means, the number of marked
+/// runs that they leave out, and mean and standard deviation of every key result.
 ///
 /// # Errors
 /// If the file cannot be written.

@@ -24,7 +24,7 @@ pub struct PlannedRun {
     pub sets: Vec<String>,
     /// The state from which it starts.
     pub start: Option<Start>,
-    /// Name of its directory: the hash of what runs.
+    /// Name of its directory: the hash of its content.
     pub directory: String,
 }
 

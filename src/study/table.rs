@@ -47,7 +47,7 @@ pub fn records(plan: &Plan, folder: &Path) -> Vec<Value> {
 }
 
 /// Writes the table. `records` are those of the runs, in the order of the plan. The column `marks`
-/// holds what makes a run not trustworthy, and is empty otherwise.
+/// holds the reasons to doubt a run, and is empty otherwise.
 ///
 /// # Errors
 /// If the file cannot be written.

@@ -100,7 +100,7 @@ pub fn assemble(
                 // A loaded wall without contact stands still until the specimen touches it.
                 let waits = !touched[wall.body as usize].0 && load.load == 0.0;
                 let along = if waits { Dof::Fixed(0.0) } else { Dof::Free(load) };
-                // The second axis is the tangent turned round.
+                // The second axis is the negative tangent.
                 let slid = match drive {
                     WallDrive::Sliding { along, .. } => -fraction * along,
                     _ => 0.0,
@@ -158,8 +158,8 @@ fn shake(seed: u64, increment: u64, body: usize, dof: usize) -> f64 {
     (bits >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
 }
 
-/// Mean motion of a compaction: that of the periodic cell; else zero at the fixed walls, the motion
-/// of the wall at the moving wall, and linear in between.
+/// Mean motion of a compaction. In a periodic cell it is the deformation of the cell. Otherwise it
+/// is linear between zero at the fixed walls and the motion of the wall at the moving wall.
 struct Affine {
     moving: Option<(DVec2, DVec2, DVec2, f64)>,
     /// Displacement gradient of a periodic cell: width, height and shear.

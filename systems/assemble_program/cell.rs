@@ -36,8 +36,8 @@ pub fn set_images(bodies: &Bodies, interactions: &mut [Interaction]) {
     }
 }
 
-/// Holds a particle, since nothing else keeps the specimen from moving as a whole: the one that
-/// carried the largest normal forces, or touches most others.
+/// Holds one particle, because nothing else keeps the specimen from moving as a whole: the particle
+/// that carried the largest normal forces, or touches the largest number of others.
 pub fn hold_one(bodies: &Bodies, history: &ContactHistory, program: &mut ConeProgram) {
     if bodies.cell.is_none() {
         return;
@@ -57,7 +57,7 @@ pub fn hold_one(bodies: &Bodies, history: &ContactHistory, program: &mut ConePro
     }
     let is_free =
         |i: &usize| program.bodies[*i].dofs[..2].iter().all(|d| matches!(d, Dof::Free(_)));
-    // Of equal ones the first.
+    // Ties go to the first particle.
     let most = (0..bodies.particles)
         .rev()
         .filter(is_free)

@@ -24,7 +24,7 @@ pub fn join(bodies: &Bodies, interactions: &mut [Interaction]) {
 }
 
 /// The body of a group: its loads, and its inertia in dynamics. `acts` tells whether interactions
-/// act on its translations and on its rotation, `added` are the loads of an embedding program by
+/// act on its translations and on its rotation. `added` are the loads of an embedding program, by
 /// row.
 #[must_use]
 pub fn body(

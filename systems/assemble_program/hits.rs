@@ -121,8 +121,8 @@ pub struct Hit {
 const MAX_STEPS: u32 = 60;
 /// Gap that counts as zero, over the sum of the radii: a few units of round-off.
 const ROUND_OFF: f64 = 1e-15;
-/// Overlap of an impact on the inside of an arc, over the radius: far below the tolerance of gaps,
-/// so that the time is exact to that.
+/// Overlap at an impact on the inside of an arc, over the radius. It is far below the tolerance of
+/// gaps.
 const RESIDUAL: f64 = 1e-12;
 
 impl Approach {

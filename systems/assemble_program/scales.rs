@@ -65,7 +65,7 @@ fn displacement(bodies: &Bodies, analysis: &Analysis, progress: &Progress) -> f6
     });
     let walls = bodies.walls.iter().map(|w| f * bodies.wall_travel(w, bodies.wall_drive(w)));
     let groups = bodies.groups.iter().map(|group| f * bodies.imposed_motion(group));
-    // Of a body across the cell.
+    // Imposed displacement of a body on one side of the cell relative to the other side.
     let cell = bodies.cell.filter(|_| !bodies.drives_stopped).map(|cell| f * cell.imposed());
     let groups = groups.chain(cell);
     let moved = bodies.last_motion.iter().map(|u| f * DVec2::new(u[0], u[1]).length());

@@ -50,7 +50,7 @@ pub fn find_underconstrained(
     }
     let mut found = vec![false; n];
     let mut freedom: Vec<usize> = (0..n).map(|i| free_dofs(program, i)).collect();
-    // The cell is no body that could lack constraints.
+    // The cell cannot lack constraints.
     if let Some(cell) = &program.cell {
         freedom[cell.body as usize] = 0;
     }

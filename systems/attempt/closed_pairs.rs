@@ -84,8 +84,8 @@ pub(super) fn add(pairs: &mut AddedPairs, new: impl Iterator<Item = (u32, u32)>)
 /// Positions of all bodies, m, and the periodic cell.
 pub(super) type Places<'a> = (&'a [DVec2], Option<&'a PeriodicCell>);
 
-/// Gap between a particle and a particle or wall at the given places, m. `walls` are those of
-/// `bodies`, turned as they are there.
+/// Gap between a particle and a particle or wall at the given places, m. `walls` are the walls of
+/// `bodies` after their rotation.
 pub(super) fn gap(
     bodies: &Bodies,
     walls: &[WallRow],
@@ -98,7 +98,7 @@ pub(super) fn gap(
         Some(wall) => {
             let from = |places: &[DVec2]| places[a as usize] - places[b as usize];
             let mut way = [from(&bodies.positions), from(positions)];
-            // The way is that in the axes of the wall as it is at the end.
+            // The path of the centre is taken in the axes of the wall at the end.
             if let Some(before) = bodies.walls.iter().find(|w| w.body == b)
                 && before.inward != wall.inward
             {
@@ -107,7 +107,7 @@ pub(super) fn gap(
                 way[0] = by.rotate(way[0]);
             }
             if wall.shape.is_crossed(wall.inward, wall.half_length, way) {
-                // The centre has gone through: it is on the other side, and not free.
+                // The centre has passed through the wall: this is an overlap and not a gap.
                 -r - way[0].distance(way[1])
             } else {
                 wall_gap(wall, positions[b as usize], x, r)

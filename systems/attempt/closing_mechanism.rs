@@ -42,7 +42,7 @@ pub fn judge(
             DVec2::new(u[0], u[1])
         })
         .collect();
-    // A wall of a rigid group may turn about its middle, which then stays.
+    // A wall of a rigid group may turn about its middle, so that its position does not change.
     let turns: Vec<f64> = certificate.mechanism.iter().map(|u| u[2]).collect();
     let travel = |wall: &WallRow| {
         let row = wall.body as usize;
@@ -80,8 +80,8 @@ pub fn judge(
     let walls = walls.filter(|pair| !is_listed(&contacts, *pair));
     let closing: Vec<(u32, u32)> = near.into_iter().chain(walls).filter(closes).collect();
     if !closing.is_empty() {
-        // The next solution moves by about the smallest of these gaps, and not by as much as the
-        // last one.
+        // The next solution moves by about the smallest of these gaps, and not as far as the last
+        // one.
         let gaps = closing.iter().map(|(a, b)| gap(&bodies, &bodies.walls, start, *a, *b));
         let nearest = gaps.fold(f64::INFINITY, f64::min).max(1e-3 * bodies.mean_radius);
         attempt.magnitudes = Some((nearest.max(program.scales.displacement), program.scales.force));

@@ -45,7 +45,8 @@ pub fn judge(
         SolveStatus::Solved => match runaway(&program, solution) {
             None => Verdict::Sound,
             Some(body) => {
-                let reason = format!("{} leaves without end: nothing holds it", bodies.name(body));
+                let body = bodies.name(body);
+                let reason = format!("{body} would move without bound: nothing holds it");
                 let verdict = unconverged(solution, reason);
                 impossible_or(&program, solution, verdict)
             }
@@ -63,7 +64,7 @@ pub fn judge(
         SolveStatus::Locked => Verdict::Locked,
         SolveStatus::Stalled if seeks_equilibrium && is_biased(&program, solution, &acceptance) => {
             if let Some(reason) = thrown(&bodies, &program, solution, &acceptance) {
-                // Where all bodies are regularised and no bond can pull back, another solve adds no
+                // If all bodies are regularised and no bond can pull back, another solve adds no
                 // support to such a grain.
                 let verdict = if attempt.effort() == Some(Effort::Regularised)
                     && bodies.bonds.is_empty()
@@ -163,7 +164,7 @@ fn keep_best(
 fn place(bodies: &Bodies, program: &ConeProgram, solution: &ConeSolution) -> String {
     let Some([a, b]) = worst_bodies(program, solution) else { return String::new() };
     let partner = if a == b { String::new() } else { format!(" and {}", bodies.name(b)) };
-    // The cell is nowhere.
+    // The cell has no position.
     let Some(at) = bodies.positions.get(a) else { return format!(", worst at {}", bodies.name(a)) };
     format!(", worst at {}{partner} near ({:.4e}, {:.4e}) m", bodies.name(a), at.x, at.y)
 }
@@ -185,7 +186,7 @@ fn complaint(best: &BestUnconverged, acceptance: &Acceptance) -> String {
     let (r, place, message) = (best.residuals, &best.place, &best.message);
     format!(
         "no solution was found; residuals of the best one: balance {:.1e}, kinematics {:.1e}, cone \
-         {:.1e}, complementarity {:.1e}{place}; accepted {:.0e} (the solver says \"{message}\")",
+         {:.1e}, complementarity {:.1e}{place}; tolerance {:.0e} (the solver: \"{message}\")",
         r.balance, r.kinematics, r.cone, r.complementarity, acceptance.residual
     )
 }

@@ -95,7 +95,7 @@ pub fn judge(
                     shift - normal.perp().dot(moved) + 0.5 * arms * turn
                 };
                 let arms = if is_grouped {
-                    // Arms of a group are those about its centre.
+                    // The arms of a group are about its centre.
                     let other = bodies.radii.get(b).copied();
                     let apart = bodies.radii[a] + old.map_or(contact.gap, |o| o.gap);
                     apart + other.unwrap_or(bodies.radii[a])
@@ -136,8 +136,8 @@ struct Exact {
     arms: f64,
 }
 
-/// Two particles. The way is that of b relative to a: at the start, where the normal counts, at the
-/// end.
+/// Two particles. The three vectors are the position of b relative to a at the start, where the
+/// normal counts, and at the end.
 fn of_pair(bodies: &Bodies, [a, b]: [usize; 2], [start, at, finish]: [DVec2; 3]) -> Option<Exact> {
     let (length, far) = (at.length(), finish.length());
     if !(length > 0.0 && far > 0.0 && start.length() > 0.0) {

@@ -1,24 +1,25 @@
 //! Judge: breaks bonds together where many reach their limits soon after each other, or where their
 //! ruptures release little force.
 //!
-//! One by one they would need several solves each. Where the
+//! One by one, these ruptures would need several solves each. Where the
 //! [density](crate::rupture_density::density) of ruptures is above [`RuptureRules::density`], or
 //! their [brittleness] is at most [`RuptureRules::brittleness`], an increment is solved with the
-//! strengths of its bonds, as with `OneRound`, and at its end break the bonds
+//! strengths of its bonds, as with `OneRound`. At its end three sets of bonds break:
 //!
-//! - that are on a limit: they carry load in the committed state although they should be broken;
-//! - that the next increment would bring to their limits, by the rate of their overloads in this
-//!   one;
-//! - as many of those that follow as were on a limit: they are broken in the next state although
-//!   they should carry load.
+//! - bonds on a limit: they carry load in the committed state although they should be broken;
+//! - bonds that the next increment would bring to their limits, by the rate of their overloads in
+//!   this increment;
+//! - of the bonds that come next, as many as were on a limit: they are broken in the next state
+//!   although they should carry load.
 //!
-//! So about as many bonds break early as late, and the first-order error cancels. Where more than
-//! the share `MAX_SHARE` of the bonds would break, the increment is shortened. Bonds break one by
-//! one again after an increment that would break at most one, unless that one releases little force.
+//! About as many bonds therefore break early as late, and the first-order error cancels. If more
+//! than the share `MAX_SHARE` of the bonds would break, the increment is shortened. Bonds break one
+//! by one again after an increment that would break at most one, unless that rupture releases
+//! little force.
 //!
-//! The rate says nothing of the next stage: at the end of a stage no bond breaks ahead. Increments of
-//! fraction 0 follow there until none of them breaks a bond ([`is_unsettled`]). In the first of them
-//! contacts that have slid close again, so that bonds may reach their limits that held before.
+//! The rate does not predict the next stage: at the end of a stage no bond breaks early. Increments
+//! of fraction 0 follow there until none of them breaks a bond ([`is_unsettled`]). In the first of
+//! them, contacts that have slid close again, and further bonds may reach their limits.
 
 use std::collections::HashSet;
 
@@ -36,9 +37,9 @@ use crate::rupture_bonds::{Met, find_ruptures, overloads, rupture};
 use crate::rupture_brittleness::{Laws, brittleness};
 use crate::rupture_density::distance;
 
-/// Share of the intact bonds that an increment breaks at most.
+/// Maximum share of the intact bonds that an increment breaks.
 const MAX_SHARE: f64 = 0.04;
-/// Excess over [`MAX_SHARE`] that is accepted, so that few solves are made in vain.
+/// Factor by which the share may exceed [`MAX_SHARE`], so that few solves are rejected.
 const MARGIN: f64 = 1.25;
 
 /// Run condition: bonds break together.
@@ -46,9 +47,9 @@ pub fn is_dense(search: Res<EventSearch>) -> bool {
     search.dense
 }
 
-/// Whether the increment has broken bonds together, so that the equilibrium without them is not
-/// known yet, or not that at constant load. A stage must not end in such a state: the next one may
-/// load another way.
+/// Whether the increment has broken bonds together, so that the equilibrium at constant load
+/// without these bonds is not yet known. A stage must not end in such a state, because the next
+/// stage may load in another way.
 #[must_use]
 pub fn is_unsettled(search: &EventSearch, ruptures: &Ruptures, progress: &Progress) -> bool {
     search.dense && (progress.fraction > 0.0 || ruptures.list.len() > ruptures.on_the_way)
@@ -77,7 +78,7 @@ pub fn judge(
     let late = found.len();
     let moved = search.moved;
     let soon = |next: f64| -> Vec<Rupture> {
-        // The rate of a motion that was followed says nothing of the next increment.
+        // The rate of a followed motion does not predict the next increment.
         if fraction == 0.0 || moved {
             return Vec::new();
         }
@@ -132,7 +133,7 @@ pub fn judge(
         brittleness(&due, contacts, &solution.forces, laws) <= rules.brittleness
     };
     if late + soon.len() <= 1 && !is_mild() {
-        // What has not reached its limit breaks there, one by one.
+        // The bonds that have not reached their limits break at their limits, one by one.
         progress.dense = false;
     } else {
         found.extend(soon);

@@ -12,20 +12,20 @@ use super::restraints::{takes_part, translations};
 /// Maximum share of the particles in the mechanism of loose grains, unless it is a single one.
 /// Above it the specimen itself gives way.
 ///
-/// 0.2: half and double change no scene; without it the motion of a collapse is followed in vain
-/// (docs/decisions/002-lost-equilibrium.md).
+/// 0.2: half and double of it change no scene. Without a maximum the motion of a collapse is
+/// followed in vain (docs/decisions/002-lost-equilibrium.md).
 const MAX_SHARE: f64 = 0.2;
 
 /// Tests whether a mechanism moves few particles, and neither a wall, nor a rigid group, nor a
 /// particle with a load of its own.
 pub fn judge(bodies: Res<Bodies>, solution: Res<ConeSolution>, mut attempt: ResMut<Attempt>) {
-    // A motion that has found no rest ends with the proof, whoever moves in it.
+    // A motion that has found no rest ends with the proof, whatever bodies move in the mechanism.
     let Some(certificate) = solution.certificate.as_ref().filter(|_| attempt.effort().is_some())
     else {
         return;
     };
     let mut far = translations(certificate);
-    // A group may turn about its centre, which then stays.
+    // A group may turn about its centre, so that its position does not change.
     for group in &bodies.groups {
         let row = group.body as usize;
         far[row] += certificate.mechanism[row][2].abs() * group.extent;
@@ -35,8 +35,7 @@ pub fn judge(bodies: Res<Bodies>, solution: Res<ConeSolution>, mut attempt: ResM
         |i: usize| bodies.loads[i].iter().any(|load| load.from != 0.0 || load.to != 0.0);
     let is_loose = |i: usize| i < bodies.particles && !is_loaded(i) && bodies.group(i).is_none();
     let moving: Vec<usize> = (0..far.len()).filter(|i| moves(*i)).collect();
-    // A mechanism without translations is no fall, nor is that of all particles: no particle is left
-    // that stands.
+    // Without translations no grain falls. If all particles move, none stands.
     let few = !moving.is_empty()
         && moving.len() < bodies.particles
         && moving.len() as f64 <= (MAX_SHARE * bodies.particles as f64).max(1.0);

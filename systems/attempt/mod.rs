@@ -58,7 +58,7 @@ pub struct AttemptPlugin;
 
 impl Plugin for AttemptPlugin {
     fn build(&self, app: &mut App) {
-        // Its default is what a scene has that asks for it.
+        // The default of a `Corrector` is for scenes that ask for one.
         app.world_mut().get_resource_or_insert_with(|| Corrector::OFF);
         app.init_resource::<Attempt>()
             .init_resource::<MotionSettings>()
@@ -81,7 +81,8 @@ impl Plugin for AttemptPlugin {
                 AttemptIncrement,
                 (
                     converged::judge,
-                    // The proof is that of the program, in which members have no motion.
+                    // The certificate belongs to the program, in which members of groups have no
+                    // motion.
                     carry_members.run_if(has_groups).run_if(impossible),
                     coulomb::judge.run_if(sound),
                     motion::judge_length.run_if(in_motion),
@@ -152,8 +153,8 @@ pub fn run_attempts(world: &mut World) {
             (&attempt.mode, next)
         {
             let end = match verdict {
-                Verdict::AtRest { .. } => "; nothing moves under these loads".to_owned(),
-                _ => format!("; the motion that followed was lost after {} steps", motion.steps),
+                Verdict::AtRest { .. } => "; no body moves under these loads".to_owned(),
+                _ => format!("; the followed motion failed after {} steps", motion.steps),
             };
             attempt.complaint += &end;
         }

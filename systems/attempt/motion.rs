@@ -1,17 +1,17 @@
 //! Where equilibrium is lost the motion is followed: the static program with inertia, step by step
 //! under constant loads, with kinetic damping, until it is at rest ([`Motion`]).
 //!
-//! A static solution knows no path. A grain that has lost its support finds its new place by frozen
-//! normals, far away and through others. In a step of a motion no grain moves by more than a
-//! fraction of its radius, and contacts are detected again after each. Loads keep their values at
-//! the end of the trial, stresses act on the lengths that the walls leave, and imposed motions
-//! rest. Velocities are set to zero when the kinetic energy falls: the motion loses what it has
-//! gained since its last maximum and comes to rest without overshoot. Bonds that reach a limit on
-//! the way break. The equilibrium that follows is exact: nothing of the inertia is left in it.
+//! A static solution has no path. With constant normals, a grain that has lost its support moves
+//! far away and through other grains. In a step of a motion no grain moves by more than a fraction
+//! of its radius, and contacts are detected again after each step. Loads have their values at the
+//! end of the trial, stresses act on the current distances between walls, and imposed motions stop.
+//! Velocities are set to zero when the kinetic energy falls: the motion loses the energy that it
+//! has gained since its last maximum, and comes to rest without overshoot. Bonds that reach a limit
+//! on the way break. The equilibrium at the end contains no inertia.
 //!
 //! With [`Avalanche::Dynamic`](clastic_components::increment::Avalanche) the motion that a rupture
 //! releases is followed as well. Which bonds break in it depends on where waves carry the force of
-//! the broken one. Its steps are therefore short: lengths are measured in the elongation at which
+//! the broken bond. Its steps are therefore short: lengths are measured in the elongation at which
 //! bonds break instead of in radii, and the first step has the time sqrt(m/k) of a grain on a bond.
 
 use bevy_ecs::prelude::*;
@@ -73,7 +73,7 @@ pub fn begin(world: &mut World, released: bool, repeated: bool) {
     attempt.motions += 1;
     attempt.magnitudes = None;
     world.resource_mut::<Bodies>().drives_stopped = true;
-    // What a cascade broke stays broken: it is why the grains move.
+    // Bonds that a cascade broke stay broken: their rupture is the cause of the motion.
     let mut ruptures = world.resource_mut::<Ruptures>();
     ruptures.on_the_way = ruptures.list.len();
     (ruptures.rounds, ruptures.capped) = (0, false);
@@ -81,8 +81,8 @@ pub fn begin(world: &mut World, released: bool, repeated: bool) {
     forget_pairs(world);
 }
 
-/// How far the furthest grain is to go in a step, in its radii: far enough below the limit that few
-/// steps are rejected.
+/// Intended travel of the furthest grain in a step, in its radii. It is so far below the limit that
+/// few steps are rejected.
 fn aimed(acceptance: &Acceptance) -> f64 {
     acceptance.motion_step.min(0.5 * Acceptance::MAX_TRAVEL)
 }
@@ -103,7 +103,7 @@ pub fn forget_pairs(world: &mut World) {
     world.resource_mut::<AddedPairs>().0.clear();
 }
 
-/// Drops what is only true of the solution that was found last.
+/// Drops findings that hold only for the last solution.
 pub fn forget_passes(world: &mut World) {
     clear::<Corrections>(world);
     clear::<Pushed>(world);
@@ -111,8 +111,8 @@ pub fn forget_passes(world: &mut World) {
     world.resource_mut::<Restraints>().replies = 0;
 }
 
-/// Judge: may the step be taken with the normals of its start? In one that a rupture released bonds
-/// are to break close to their limits.
+/// Judge: is the step short enough for constant normals? In a motion that a rupture released, it
+/// must also be so short that bonds break close to their limits.
 pub fn judge_length(
     bodies: Res<Bodies>,
     contacts: Res<Contacts>,
@@ -125,19 +125,21 @@ pub fn judge_length(
     let far = furthest(&bodies, &program, &solution).map_or(0.0, |(_, far)| far);
     let length = attempt.motion().map_or(1.0, |motion| motion.length);
     if !(far <= length * Acceptance::MAX_TRAVEL) {
-        attempt.verdict = Verdict::TooFar(format!("a step of the motion went {far:.2} radii"));
+        attempt.verdict =
+            Verdict::TooFar(format!("a step of the motion moves a grain by {far:.2} radii"));
         return;
     }
     if attempt.motion().is_some_and(|motion| motion.released) {
         let overload = yielding(&contacts.0, &program, &solution);
         if overload > 1.0 + settings.max_overload * aimed(&acceptance) {
-            let message = format!("a bond went to {overload:.2} times its limit within a step");
+            let message =
+                format!("a step of the motion loads a bond to {overload:.2} times its limit");
             attempt.verdict = Verdict::TooFar(message);
         }
     }
 }
 
-/// Judge: is the motion at rest after the step, and does the specimen find any?
+/// Judge: is the motion at rest after the step, or has the specimen moved too far to find rest?
 pub fn judge_rest(
     bodies: Res<Bodies>,
     program: Res<ConeProgram>,
@@ -157,8 +159,8 @@ pub fn judge_rest(
     let moved = travelled > motion.length * settings.min_travel;
     attempt.verdict = if attempt.bounded && strain > settings.max_strain * acceptance.snap {
         Verdict::GivesWay(format!(
-            "the motion under constant loads strains the specimen by {:.0} % and finds no rest; the threshold \
-             is {} times `acceptance.snap`",
+            "the motion under constant loads strains the specimen by {:.0} % and does \
+             not come to rest; the threshold is {} times `acceptance.snap`",
             100.0 * strain,
             settings.max_strain,
         ))
@@ -166,8 +168,8 @@ pub fn judge_rest(
         Verdict::AtRest { moved }
     } else if travelled > settings.travel_to_rest {
         Verdict::GivesWay(format!(
-            "the motion under constant loads finds no rest: grains went on over {} radii in {} \
-             steps",
+            "the motion under constant loads does not come to rest: its furthest grains \
+             travelled more than {} radii in {} steps",
             settings.travel_to_rest,
             motion.steps + 1
         ))
@@ -243,7 +245,7 @@ fn move_tables(world: &mut World) {
     } else {
         Vec::new()
     };
-    // What a cascade broke is a contact already.
+    // Bonds that a cascade broke are contacts already.
     let known = &world.resource::<Ruptures>().list;
     broken.retain(|rupture| !known.iter().any(|r| r.bond == rupture.bond));
     let materials = world.resource::<Materials>();

@@ -70,9 +70,9 @@ fn after_equilibrium(effort: Effort, verdict: &Verdict, budget: Budget) -> Next 
     match verdict {
         Verdict::Sound => Next::End(IncrementStatus::Solved),
         Verdict::Overloaded if budget.solve => Next::Approach,
-        // At the smallest fraction the proof decides: a motion that is lost would leave none.
+        // At the smallest fraction the proof decides, because a failed motion would leave none.
         Verdict::Loose if can_follow && budget.half => Next::Follow,
-        // Bonds may break before the load that no equilibrium can carry.
+        // Bonds may break at a load below the one that has no equilibrium.
         Verdict::Impossible | Verdict::Loose if budget.searches && budget.half => Next::Halve,
         Verdict::Impossible | Verdict::Loose => Next::End(IncrementStatus::Collapsed),
         Verdict::Again if budget.solve => Next::Solve,

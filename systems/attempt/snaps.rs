@@ -57,7 +57,8 @@ fn snapped(
     let imposed = 2.0 * imposed / (high - low).min_element().max(bodies.mean_radius);
     (strain > acceptance.snap + imposed).then(|| {
         format!(
-            "the specimen strains by {:.1} % at once; accepted {:.1} % beyond what is imposed",
+            "one solution strains the specimen by {:.1} %; `acceptance.snap` allows {:.1} % \
+             beyond the imposed strain",
             100.0 * strain,
             100.0 * acceptance.snap
         )

@@ -78,8 +78,12 @@ pub fn thrown(
     (!(far <= acceptance.throw)).then(|| {
         let at = bodies.positions[i];
         format!(
-            "{} at ({:.4e}, {:.4e}) m was thrown by {far:.2} radii about the mean motion; accepted {}",
-            bodies.name(i), at.x, at.y, acceptance.throw
+            "{} at ({:.4e}, {:.4e}) m would be thrown by {far:.2} radii relative to the mean \
+             motion; `acceptance.throw` allows {}",
+            bodies.name(i),
+            at.x,
+            at.y,
+            acceptance.throw
         )
     })
 }

@@ -49,7 +49,7 @@ interaction with image = (x, y) moves by u_b + (x U_x + y cell.arm T, y U_y), an
 this gives the force on that body.";
 
 /// The first words of the formats that [`from_json`] reads. Version 2 had no arms of normal forces;
-/// such a dump reads as one in which they are 0.
+/// they are read as 0.
 const READ: [&str; 2] = ["clastic cone program, version 2. ", "clastic cone program, version 3. "];
 
 /// A cone program and its solution, with their place in a run.

@@ -205,7 +205,7 @@ pub(super) fn polish(
         let displacements = displacements(program, &low.rows, &point.z);
         let polished = ConeSolution { forces, displacements, ..Default::default() };
         let now = worst(&polished);
-        // For the reason above, of two solutions with small residuals the polished one is the more
+        // For the reason above, the polished one of two solutions with small residuals is the more
         // accurate. The negation also replaces a solution whose residual is NaN.
         if now <= goal.max(settings.small_residual) || !(best <= now) {
             best = now;

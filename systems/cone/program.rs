@@ -181,7 +181,7 @@ impl ConeProgram {
 
     /// Replaces the displacements of degrees of freedom with inertia by `u = (load - G f)/inertia`,
     /// so that momentum holds to round-off whatever the solver's tolerance. An error of the forces
-    /// then shows in the motion: it is that motion whose residuals count.
+    /// then appears in the displacements, of which the residuals are computed.
     pub fn displacements_from_forces(&self, solution: &mut ConeSolution) {
         let mut rows = vec![[0.0; 3]; self.bodies.len()];
         self.add_forces(&solution.forces, &mut rows);

@@ -49,7 +49,8 @@ pub fn multipliers(c: &Interaction, e: &Kinematics, f: &[f64; 3]) -> Multipliers
 }
 
 /// Maximum unit of force over the maximum of expected and applied forces. Rigid bodies that are
-/// locked into each other carry any force, and relative to that a load without balance elsewhere
+/// locked into each other carry any force. Relative to such a force, an unbalanced load on another
+/// body would not show.
 /// would not show.
 const MAX_FORCE: f64 = 1e5;
 

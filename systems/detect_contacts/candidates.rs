@@ -9,9 +9,10 @@ use super::settings::{ListSettings, SearchMethod};
 
 /// Pairs of disks that are, or may soon be, within reach of each other.
 ///
-/// The list is built with a *skin*: it holds every pair with gap <= reach + skin, and so every pair
-/// with gap <= reach for as long as no two disks have together moved farther than the skin. Those
-/// of its pairs that are within reach do not depend on when it was built: a resumed run sees the
+/// The list is built with a *skin*: it holds every pair with gap <= reach + skin. It therefore
+/// holds every pair with gap <= reach until two disks have together moved farther than the skin.
+/// Which of its pairs are within reach does not depend on when it was built, so that a resumed run
+/// finds the pairs of an uninterrupted one.
 /// pairs of an uninterrupted one.
 #[derive(Clone, Debug)]
 pub struct CandidatePairs {
@@ -23,7 +24,8 @@ pub struct CandidatePairs {
     built_positions: Vec<DVec2>,
     built_radii: Vec<f64>,
     mean_radius: f64,
-    /// Maximum overlap (m) at the last build: a forecast of whether triangulating will be worth it.
+    /// Maximum overlap (m) at the last build, which predicts whether a triangulation is worth its
+    /// cost.
     overlap: f64,
     method: SearchMethod,
     rebuilds: u64,
@@ -49,9 +51,8 @@ impl CandidatePairs {
     /// Makes sure that every pair with gap <= `reach` (m) is listed, and returns whether the list
     /// had to be rebuilt.
     ///
-    /// It is rebuilt where it may not be [complete](Self::is_complete), and where it has become
-    /// much wider than asked for. A disk whose position or radius is not finite is in no pair for
-    /// as long.
+    /// It is rebuilt if it may not be [complete](Self::is_complete), or if it is much wider than
+    /// `reach`. A disk is in no pair while its position or radius is not finite.
     pub fn ensure(&mut self, positions: &[DVec2], radii: &[f64], reach: f64) -> bool {
         let excess = self.built_reach - reach - self.settings.skin * self.mean_radius;
         let too_wide = excess > self.settings.max_excess * self.mean_radius;
@@ -67,18 +68,18 @@ impl CandidatePairs {
         &self.pairs
     }
 
-    /// Whether every pair with gap <= `reach` (m) at these positions is surely listed: the disks
-    /// are those that the list was built for, and `reach + d₁ + d₂` does not exceed what it was
-    /// built to, with d₁ and d₂ the two largest displacements since: no gap has closed by more than
-    /// their sum.
+    /// Whether every pair with gap <= `reach` (m) at these positions is certainly listed. This
+    /// holds if the list was built for these disks and `reach + d₁ + d₂` is at most the reach that
+    /// it was built for. d₁ and d₂ are the two largest displacements since then: no gap has closed
+    /// by more than their sum.
     pub fn is_complete(&self, positions: &[DVec2], radii: &[f64], reach: f64) -> bool {
         positions.len() == self.built_positions.len()
             && radii == self.built_radii
             && reach + max_approach(&self.built_positions, positions) <= self.built_reach
     }
 
-    /// The listed pairs with gap <= `reach` (m) at these positions, sorted: all there are, if the
-    /// list [is complete](Self::is_complete) there.
+    /// The listed pairs with gap <= `reach` (m) at these positions, sorted. These are all such
+    /// pairs if the list [is complete](Self::is_complete) there.
     pub fn within(
         &self,
         positions: &[DVec2],
@@ -100,11 +101,11 @@ impl CandidatePairs {
     }
 
     fn rebuild(&mut self, positions: &[DVec2], radii: &[f64], reach: f64) {
-        // A disk without a proper radius is in no pair, and must not spoil the skin of the others.
+        // A disk without a finite radius is in no pair, and must not spoil the skin of the others.
         let usable = || radii.iter().copied().filter(|r| r.is_finite());
         self.mean_radius = usable().sum::<f64>() / usable().count().max(1) as f64;
         let skin = self.settings.skin * self.mean_radius;
-        // The list reaches farther than is claimed by what rounding may do to gaps and
+        // The list reaches farther than stated, by the possible round-off of gaps and
         // displacements.
         let largest = usable().fold(0.0, f64::max);
         let guard = ROUNDING * (2.0 * largest + reach.abs() + skin);
@@ -158,8 +159,8 @@ fn max_overlap(positions: &[DVec2], radii: &[f64], pairs: &[(u32, u32)]) -> f64 
     pairs.iter().fold(0.0, |maximum, &pair| f64::max(maximum, -gap(positions, radii, pair)))
 }
 
-/// Sum of the two largest displacements (m): the most by which any gap can have closed. Infinite
-/// where a disk has come back from a position that was not finite.
+/// Sum of the two largest displacements (m): no gap can have closed by more. Infinite where a disk
+/// has come back from a position that was not finite.
 fn max_approach(before: &[DVec2], now: &[DVec2]) -> f64 {
     let (mut first, mut second) = (0.0_f64, 0.0_f64);
     for (before, now) in before.iter().zip(now) {

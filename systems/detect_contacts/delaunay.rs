@@ -6,7 +6,7 @@ use spade::{DelaunayTriangulation, HasPosition, Point2, Triangulation};
 
 use super::grid::ROUNDING;
 
-/// A centre that remembers its disk: spade merges coincident points and may reorder.
+/// A centre with the number of its disk: spade merges coincident points and may reorder.
 struct Site {
     position: Point2<f64>,
     id: u32,
@@ -23,9 +23,9 @@ impl HasPosition for Site {
 /// Replaces `out` by the edges `i < j` of the Delaunay triangulation of `positions` (m), in no
 /// particular order.
 ///
-/// Returns `false`, with `out` empty, where there is no triangulation of *all* the centres: fewer
-/// than three, all on a line, two of them coincident, or one that spade refuses (not finite, or
-/// beyond the range of its exact predicates).
+/// Returns `false`, with `out` empty, if no triangulation contains *all* centres: fewer than three,
+/// all on a line, two of them coincident, or one that spade refuses (not finite, or beyond the
+/// range of its exact predicates).
 pub fn edges(positions: &[DVec2], out: &mut Vec<(u32, u32)>) -> bool {
     out.clear();
     let sites = (0u32..)
@@ -46,8 +46,8 @@ pub fn edges(positions: &[DVec2], out: &mut Vec<(u32, u32)>) -> bool {
 }
 
 /// Maximum gap (m) up to which every pair of disks is joined by an edge of *every* Delaunay
-/// triangulation of the centres, if no *edge* overlaps by more than `max_overlap` (m, >= 0);
-/// `None` where not even touching is enough.
+/// triangulation of the centres, if no *edge* overlaps by more than `max_overlap` (m, >= 0). `None`
+/// if not even all touching pairs are edges.
 ///
 /// With the two largest radii `A >= B`, the smallest `m` and the overlap `o`:
 ///
@@ -70,14 +70,15 @@ pub fn edges(positions: &[DVec2], out: &mut Vec<(u32, u32)>) -> bool {
 /// ```
 ///
 /// so `g >= f(a, b) = sqrt((a + m - o)² + (b + m - o)²) - a - b`. Its derivative by a is
-/// `(a + m - o)/sqrt(…) - 1 <= 0`, and the same by b: f is least for the two largest disks, and so
-/// `g >= R`. Every pair with `g < R` is an edge.
+/// `(a + m - o)/sqrt(…) - 1 <= 0`, and likewise by b. f is at its minimum for the two largest
+/// disks, and so `g >= R`. Every pair with `g < R` is an edge.
 ///
-/// It is enough that no *edge* overlaps by more than o, if `R >= -o`. For suppose a pair does and
-/// is no edge. Its disk has a third centre c. If neither (a, c) nor (b, c) overlapped by more than
-/// o, the inequalities above would hold and give `g >= R >= -o`: an overlap of no more than o after
-/// all. So one of them does, and it is shorter than ab. Repeated, this ends, as there are finitely
-/// many pairs: at an edge that overlaps by more than o, against what was supposed.
+/// It suffices that no *edge* overlaps by more than o, if `R >= -o`. Suppose that a pair overlaps
+/// by more than o and is no edge. Its disk has a third centre c. If neither (a, c) nor (b, c)
+/// overlapped by more than o, the inequalities above would hold and give `g >= R >= -o`, which
+/// contradicts the overlap. So one of the two pairs overlaps by more than o, and it is shorter than
+/// ab. Repeated, this ends, because the number of pairs is finite. It ends at an edge that overlaps
+/// by more than o, which contradicts the condition.
 pub fn complete_reach(radii: &[f64], max_overlap: f64) -> Option<f64> {
     let mut smallest = f64::INFINITY;
     let (mut largest, mut second) = (0.0_f64, 0.0_f64);
@@ -90,14 +91,14 @@ pub fn complete_reach(radii: &[f64], max_overlap: f64) -> Option<f64> {
         largest = largest.max(r);
     }
     let third = smallest - max_overlap;
-    // Written so that NaN fails; no disks at all fail below.
+    // Written so that NaN fails. Without disks the next check fails.
     if !(max_overlap >= 0.0 && third >= 0.0) {
         return None;
     }
     let sum = largest + second;
     let reach = DVec2::new(largest + third, second + third).length() - sum;
-    // Less what rounding may do to this and to the gaps compared with it; it also makes the
-    // inequality strict.
+    // Less the possible round-off of this value and of the gaps compared with it. This also makes
+    // the inequality strict.
     let reach = reach - ROUNDING * (sum + largest);
     (reach >= 0.0 && reach.is_finite()).then_some(reach)
 }

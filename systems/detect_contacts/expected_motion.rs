@@ -1,4 +1,4 @@
-//! How far bodies are expected to move in the increment: what pruning goes by.
+//! Estimates how far bodies move in the increment. Pruning uses this estimate.
 
 use glam::DVec2;
 
@@ -15,9 +15,9 @@ pub struct ExpectedMotion {
     displacement: Vec<DVec2>,
     /// Gap over the expected relative displacement.
     motion: f64,
-    /// Part of the motion of the faster body that comes on top in dynamics.
+    /// Additional gap in dynamics, over the motion of the faster body.
     hit: f64,
-    /// Gap of every pair that comes on top, m.
+    /// Additional gap of every pair, m.
     margin: f64,
     ceiling: f64,
 }
@@ -38,8 +38,8 @@ impl ExpectedMotion {
     }
 }
 
-/// Imposed motion where there is one; in dynamics free flight; else the last increment again. Every
-/// pair is kept up to a gap of `minimum` (m).
+/// The expected motion is the imposed motion, if any, else free flight in dynamics, else the motion
+/// of the last increment. Every pair is kept up to a gap of `minimum` (m).
 pub fn expected_motion(
     bodies: &Bodies,
     analysis: &Analysis,
@@ -82,7 +82,7 @@ pub fn expected_motion(
             let own = displacement[i];
             let lever = bodies.lever(group, i);
             let moved = GroupRow::carried(u.map(Option::unwrap_or_default), lever);
-            // Along a free translation the member goes on as before.
+            // Along a free translation the member continues its last motion.
             displacement[i] =
                 DVec2::new(u[0].map_or(own.x, |_| moved[0]), u[1].map_or(own.y, |_| moved[1]));
         }

@@ -9,24 +9,23 @@ use std::ops::ControlFlow;
 
 use glam::DVec2;
 
-/// Ratio of the sizes at the two ends of a class. A wide class makes small disks look through
-/// windows cut for large ones, a narrow one makes them look in more classes; with 2, radii that
-/// spread over decades take half as long again, and 4 gains nothing over 3.
+/// Ratio of the sizes at the two ends of a class. In a wide class small disks search windows that
+/// are cut for large ones; narrow classes mean more classes to search. With 2, radii that spread
+/// over decades take half as long again, and 4 gains nothing over 3.
 const CLASS_RATIO: f64 = 3.0;
 
 /// Disks smaller than this part of the largest share the finest class, which bounds the number of
 /// classes.
 const FINEST_PART: f64 = 1e-6;
 
-/// Relative allowance for the rounding of a gap, a sum of four terms: generous, as it only widens
+/// Relative allowance for the rounding of a gap, a sum of four terms. A generous value only widens
 /// searches.
 pub(super) const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// Gap between two disks, `|xⱼ - xᵢ| - rᵢ - rⱼ` (m): negative where they overlap, NaN where a
 /// position is not finite.
 ///
-/// Every search of this folder decides by this one function, so that all list the same pairs to the
-/// last bit.
+/// Every search of this folder uses this function, so that all list the same pairs to the last bit.
 #[inline]
 pub fn gap(positions: (DVec2, DVec2), radii: (f64, f64)) -> f64 {
     // The sum of the radii first: the gap is then the same for (i, j) and (j, i).
@@ -56,9 +55,9 @@ struct Class {
 }
 
 impl Class {
-    /// Key of the row that holds the height `y`. It never decreases with `y`, in floating point
-    /// too, on which the search rests; heights beyond ±2³¹ rows share the outermost row, which
-    /// costs time and no pair.
+    /// Key of the row that holds the height `y`. The search relies on it never decreasing with `y`,
+    /// in floating point too. Heights beyond ±2³¹ rows share the outermost row, which costs time
+    /// but loses no pair.
     fn key(&self, y: f64) -> i64 {
         self.base + i64::from((y / self.row_height).floor() as i32)
     }
@@ -78,8 +77,8 @@ pub fn pairs_within(positions: &[DVec2], radii: &[f64], reach: f64, out: &mut Ve
     out.sort_unstable();
 }
 
-/// Number of the pairs that [`pairs_within`] lists, up to `most`: memory stays O(n) where the pairs
-/// would not fit into it.
+/// Number of the pairs that [`pairs_within`] lists, up to `most`. Memory stays O(n) even if the
+/// list of pairs would not fit into it.
 #[must_use]
 pub fn count_within(positions: &[DVec2], radii: &[f64], reach: f64, most: usize) -> usize {
     let mut count = 0;
@@ -160,7 +159,8 @@ fn meet(
 
 /// Table of the disks, sorted by class, row and x, and the classes from the finest to the coarsest.
 fn classify(positions: &[DVec2], radii: &[f64], reach: f64) -> (Vec<Disk>, Vec<Class>) {
-    // Half of the reach goes with each disk: where the reach dwarfs the radii, one class is best.
+    // Half of the reach is added to each disk: where the reach is much larger than the radii, one
+    // class is best.
     let size = |radius: f64| radius + 0.5 * reach;
     let usable = || {
         let disks = (0u32..).zip(positions).zip(radii);
@@ -190,8 +190,9 @@ fn classify(positions: &[DVec2], radii: &[f64], reach: f64) -> (Vec<Disk>, Vec<C
     for class in &mut classes {
         (class.begin, class.end) = (begin, begin + class.end);
         begin = class.end;
-        // The widest pair takes up a little less than a row: less by more than a height divided by
-        // that of a row, up to 2³¹, is rounded by. So it never reaches beyond the next row.
+        // The widest pair takes up less than a row. The difference exceeds the round-off of a
+        // height divided by the height of a row, up to 2³¹ rows. So the pair never reaches beyond
+        // the next row.
         class.row_height = (width(2.0 * class.radius, reach) * (1.0 + 1e-5)).max(f64::MIN_POSITIVE);
     }
 

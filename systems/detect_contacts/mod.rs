@@ -63,7 +63,7 @@ pub fn detect_contacts(
     mut candidates: ResMut<Candidates>,
     mut contacts: ResMut<Contacts>,
 ) {
-    // A step of a motion changes direction: pairs near by take part whatever the last one did.
+    // A step of a motion may change direction: nearby pairs take part whatever the last motion was.
     let (settings, of_motion) = (*settings.0, &settings.1);
     let minimum = attempt.motion().map_or(0.0, |_| of_motion.reach * bodies.mean_radius);
     let expected =
@@ -71,7 +71,7 @@ pub fn detect_contacts(
     let n = bodies.particles;
     let (positions, radii) = (&bodies.positions[..n], &bodies.radii[..]);
     candidates.0.settings = settings.list;
-    // The list of candidates knows no images: in a cell they are found anew.
+    // The list of candidates does not handle images: in a cell the pairs are found anew.
     let in_cell = bodies
         .cell
         .map(|cell| periodic::pairs_within(&cell, positions, radii, expected.max_reach(n)));
@@ -139,7 +139,7 @@ fn merged_pairs(
         let x: DVec2 = bodies.positions[a as usize];
         let r = bodies.radii[a as usize];
         for wall in &bodies.walls {
-            // Far from the wall by many radii: not even the expected motion needs to be asked.
+            // A wall that is many radii away needs no estimate of the motion.
             let gap = wall_gap(wall, bodies.positions[wall.body as usize], x, r);
             if gap <= wall_reach * bodies.mean_radius.max(r) {
                 all.push((a, wall.body));

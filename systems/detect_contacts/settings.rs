@@ -9,8 +9,7 @@ use bevy_ecs::prelude::*;
 #[cfg(feature = "reflect")]
 use bevy_ecs::reflect::ReflectResource;
 
-/// Settings of contact detection. A world that is to have others gets the resource before its first
-/// increment.
+/// Settings of contact detection. To change them, insert the resource before the first increment.
 #[non_exhaustive]
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Default)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
@@ -30,14 +29,14 @@ pub struct ReachSettings {
     ///
     /// 2: the expected motion may be wrong by as much again; no study.
     pub motion: f64,
-    /// Gap over the maximum imposed displacement, on top.
+    /// Additional gap, over the maximum imposed displacement.
     ///
-    /// 0.5: imposed motion passes on to bodies that it is not imposed on; no study.
+    /// 0.5: imposed motion passes on to bodies on which it is not imposed; no study.
     pub imposed: f64,
-    /// Gap over the displacement of the faster body, on top, in dynamics.
+    /// Additional gap in dynamics, over the displacement of the faster body.
     ///
-    /// 0.25: one body that hits another gives it part of its motion, and free flight of the two
-    /// says nothing of it.
+    /// 0.25: a body that hits another gives it part of its motion, which the free flight of the two
+    /// does not predict.
     pub hit: f64,
     /// Minimum gap in dynamics, mean radii.
     ///
@@ -49,11 +48,11 @@ pub struct ReachSettings {
     pub min: f64,
     /// Maximum gap, mean radii.
     ///
-    /// 2: a few radii are enough to begin with. The check of the solution finds what comes from
+    /// 2: a few radii suffice at first. The check of the solution finds pairs that come from
     /// further away.
     pub max: f64,
-    /// Distance to a wall, radii of the particle or mean radii, beyond which the expected motion is
-    /// not asked.
+    /// Distance to a wall, in radii of the particle or mean radii, beyond which the expected motion
+    /// is not evaluated.
     ///
     /// 4: twice [`max`](Self::max).
     pub wall: f64,
@@ -80,7 +79,7 @@ pub enum SearchMethod {
     /// Edges of the Delaunay triangulation of the centres, where
     /// [`complete_reach`](super::delaunay::complete_reach) proves them complete.
     Delaunay,
-    /// Exact search by [`pairs_within`](super::grid::pairs_within), which asks for nothing.
+    /// Exact search by [`pairs_within`](super::grid::pairs_within), which has no preconditions.
     Grid,
 }
 
@@ -91,7 +90,7 @@ pub enum SearchMethod {
 pub struct ListSettings {
     /// Skin of the list, mean radii.
     ///
-    /// 0.1: a thicker one is rebuilt less often and is longer to go through.
+    /// 0.1: a thicker skin means fewer rebuilds and a longer list.
     pub skin: f64,
     /// Minimum part of the skin that the Delaunay bound must leave for the triangulation to be
     /// used.
@@ -101,7 +100,7 @@ pub struct ListSettings {
     /// Maximum width of a complete list beyond what is asked for, mean radii. A wider one is
     /// rebuilt.
     ///
-    /// 1: after one violent increment, all quiet ones would otherwise drag its many pairs along.
+    /// 1: after one violent increment all quiet ones would otherwise go through its many pairs.
     pub max_excess: f64,
     /// [`Delaunay`](SearchMethod::Delaunay) to triangulate where that is provably complete, else
     /// search by grid; [`Grid`](SearchMethod::Grid) never to triangulate.

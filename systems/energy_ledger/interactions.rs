@@ -85,16 +85,16 @@ impl Part<'_> {
     }
 }
 
-/// What is known at the start of an increment, or of a step of a motion.
+/// Initial state of an increment, or of a step of a motion.
 pub struct Before {
     /// Elastic energy, J; `None` before the first increment.
     pub stored: Option<f64>,
-    /// Bodies that have come or gone since that energy was taken.
+    /// Bodies that have come or gone since that energy was computed.
     pub changed: Changed,
 }
 
 impl Before {
-    /// After the motion that was followed so far, or after the last increment.
+    /// The state after the motion that was followed so far, or after the last increment.
     pub fn of(motion: &MotionEnergies, ledger: &EnergyLedger) -> Self {
         match motion.stored {
             Some(stored) => Self { stored: Some(stored), changed: Changed::Nothing },
@@ -103,8 +103,8 @@ impl Before {
     }
 }
 
-/// Adds the change of the elastic energy and the dissipation of broken bonds. Every contact and bond is passed to `work`. Returns the
-/// elastic energy at the end, J.
+/// Adds the change of the elastic energy and the dissipation of broken bonds. Every contact and
+/// bond is passed to `work`. Returns the elastic energy at the end, J.
 pub fn book(
     e: &mut Energies,
     tables: &Tables,

@@ -85,8 +85,8 @@ impl Plugin for EnergyLedgerPlugin {
     }
 }
 
-/// Notes that bodies have come or gone, until an increment is committed: what elastic energy they
-/// have brought or taken is known when the next program has its contacts.
+/// Notes that bodies have come or gone, until an increment is committed. Their elastic energy is
+/// known only when the next program has its contacts.
 fn note_change(rows: Res<KeptRows>, mut ledger: ResMut<EnergyLedger>) {
     if rows.has_lost() {
         ledger.changed = Changed::Went;
@@ -216,8 +216,8 @@ pub fn book_energies(solved: Solved, moved: Moved, mut ledger: ResMut<EnergyLedg
     ledger.total += e;
 }
 
-/// Adds the kinetic energy that has come or gone since the last increment, and keeps that of now.
-/// Static increments leave all velocities as they are.
+/// Adds the kinetic energy that has come or gone since the last increment, and stores the present
+/// value. Static increments do not change velocities.
 fn exchange_kinetic(
     e: &mut Energies,
     tables: &Tables,

@@ -1,4 +1,4 @@
-//! Fragments: what intact bonds hold together.
+//! Fragments: sets of particles that intact bonds connect.
 
 use clastic_components::contact::Bodies;
 use clastic_components::measure::FragmentPart;

@@ -94,7 +94,7 @@ pub fn read_start(tables: StressTables, named: Res<NamedMeasures>, mut out: ResM
     out.0.extend(named.list.iter().map(|(_, quantity)| read(quantity)));
 }
 
-/// What the readings at the end of an increment follow from.
+/// Tables from which the readings at the end of an increment follow.
 #[derive(SystemParam)]
 pub struct EndTables<'w, 's> {
     bodies: Res<'w, Bodies>,
@@ -125,7 +125,7 @@ impl EndTables<'_, '_> {
         let elastic = || self.carries().then(|| elastic_energy(&self.program, &self.solution));
         match quantity {
             Quantity::Strain(measure) => self.strains.strain(measure, reference),
-            // Read at the start, by the stages, and by the plugin.
+            // These are read at the start, by the stages, or by the plugin.
             Quantity::Stress(_)
             | Quantity::GroupForce { .. }
             | Quantity::KeyResult(_)
@@ -220,7 +220,7 @@ impl EndTables<'_, '_> {
     }
 }
 
-/// A term of the ledger since the start, J.
+/// A term of the totals of the ledger, J.
 fn energy(ledger: &EnergyLedger, term: EnergyTerm) -> f64 {
     let total = &ledger.total;
     match term {
@@ -240,7 +240,7 @@ fn energy(ledger: &EnergyLedger, term: EnergyTerm) -> f64 {
     }
 }
 
-/// Reads all other measures but those of plugins.
+/// Reads all other measures except those of plugins.
 pub fn read_end(tables: EndTables, named: Res<NamedMeasures>, mut out: ResMut<Readings>) {
     for (k, (_, quantity)) in named.list.iter().enumerate() {
         let Some(quantity) = quantity else { continue };

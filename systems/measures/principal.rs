@@ -18,7 +18,7 @@ pub struct Principal {
 const ROUND_OFF: f64 = 1e-12;
 
 impl Principal {
-    /// Of a tensor.
+    /// Principal values of a tensor.
     #[must_use]
     pub fn of(xx: f64, yy: f64, xy: f64) -> Self {
         let mean = 0.5 * (xx + yy);
@@ -29,9 +29,9 @@ impl Principal {
     }
 }
 
-/// Angle of the axis whose doubled angle has this cosine and sine, up to a positive factor, rad,
-/// from 0 to below pi. Axes that turn through the vertical, which is pi/2, have no jump there; those
-/// that turn through the horizontal have one.
+/// Angle of an axis from cosine and sine of the doubled angle, up to a positive factor, rad, from 0
+/// to below pi. The angle is continuous for axes that turn through the vertical (pi/2), and jumps
+/// for axes that turn through the horizontal.
 #[must_use]
 pub fn axis(cos: f64, sin: f64) -> f64 {
     let angle = 0.5 * sin.atan2(cos);

@@ -29,8 +29,9 @@ pub struct StrainTables<'w, 's> {
 }
 
 impl StrainTables<'_, '_> {
-    /// Current value of the distance of a strain measure, m; of a shear of the periodic cell the
-    /// strain itself. `None` for one that compares no distance, or whose bodies are not all there.
+    /// Current value of the distance of a strain measure, m. For a shear of the periodic cell it is
+    /// the strain itself. `None` for a measure that compares no distance, or whose bodies are not
+    /// all in the world.
     #[must_use]
     pub fn distance(&self, measure: &StrainMeasure) -> Option<f64> {
         match *measure {
@@ -54,7 +55,7 @@ impl StrainTables<'_, '_> {
         places
     }
 
-    /// Distance of two walls, m. Between walls of which one is gone there is no distance.
+    /// Distance of two walls, m; `None` if one of them was removed.
     #[must_use]
     pub fn between(&self, a: Entity, b: Entity) -> Option<f64> {
         let there = self.walls.contains(a) && self.walls.contains(b);
@@ -120,7 +121,7 @@ pub fn take_reference(
     }
 }
 
-/// Keeps the strains that angles of dilation are taken over.
+/// Keeps the strains from which angles of dilation are computed.
 pub fn follow_path(
     named: Res<NamedMeasures>,
     attempt: Res<Attempt>,
@@ -142,17 +143,17 @@ pub fn follow_path(
 }
 
 /// Index of the last entry from which the axial strain has changed by at least `over`, so that the
-/// last increment is not over a shorter way; `None` if it has not changed so far.
+/// change covers at least `over`; `None` if the strain has not changed so far.
 fn start_of(path: &[[f64; 2]], over: f64) -> Option<usize> {
     let (last, before) = path.split_last()?;
-    // Strains are sums over increments: round-off must not lengthen the way by an increment.
+    // Strains are sums over increments: round-off must not lengthen the path by an increment.
     let far = |point: &[f64; 2]| (last[0] - point[0]).abs() >= over * (1.0 - 1e-9);
     before.iter().rposition(far)
 }
 
-/// Angle of dilation at the end of a path of axial and lateral strains, rad; `None` before the
-/// axial strain has changed by `over`, and where the two strains change alike: then nothing is
-/// sheared.
+/// Angle of dilation at the end of a path of axial and lateral strains, rad. `None` before the
+/// axial strain has changed by `over`, and without shear, that is, if the two strains change
+/// equally.
 #[must_use]
 pub fn dilation_angle(path: &[[f64; 2]], over: f64) -> Option<f64> {
     let (from, to) = (path[start_of(path, over)?], path.last()?);
@@ -162,7 +163,7 @@ pub fn dilation_angle(path: &[[f64; 2]], over: f64) -> Option<f64> {
     (sine.abs() <= 1.0).then(|| sine.asin())
 }
 
-/// What [`StrainReference`] and [`StrainPath`] leave in a state: nothing without such measures.
+/// [`StrainReference`] and [`StrainPath`] in a state. Without such measures they leave no entry.
 macro_rules! state_if_there {
     ($($what:ty),*) => {$(
         impl StateOf for $what {

@@ -59,7 +59,7 @@ fn moments(
     sum
 }
 
-/// The wall with its direction at the start of the last increment, along which its contacts carried
+/// The wall in its direction at the start of the last increment, in which its contacts carried
 /// their forces.
 #[must_use]
 pub fn as_it_carried(wall: &Wall, motion: &LastMotion) -> Wall {
@@ -256,7 +256,7 @@ pub fn stress_error(
             };
             (errors.map(error).sum(), (*max - *min).element_product())
         }
-        // It is imposed.
+        // The pressure is imposed, so that it has no error.
         StressMeasure::Membrane(_) => return 0.0,
     };
     sum / (area * analysis.thickness)

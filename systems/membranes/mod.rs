@@ -58,9 +58,9 @@ impl StateOf for MembraneStates {
     }
 }
 
-/// Finds the chains of every membrane where the trial starts, and adds their forces at the pressure
-/// at its end. A followed motion may go through states in which no chain reaches from wall to wall;
-/// the grains of the last chain then go on to carry the pressure.
+/// Finds the chains of every membrane at the start of the trial, and adds their forces at the
+/// pressure at its end. A followed motion may go through states in which no chain reaches from wall
+/// to wall. The grains of the last chain then continue to carry the pressure.
 pub fn press(
     bodies: Res<Bodies>,
     progress: Res<Progress>,
@@ -78,7 +78,7 @@ pub fn press(
     }
 }
 
-/// The chains of the same bodies where these are now.
+/// The chains of a shape, at the present places of their bodies.
 fn moved(shape: &MembraneShape, pressure: f64, bodies: &Bodies) -> MembraneShape {
     let mut shape = MembraneShape { pressure, ..shape.clone() };
     for chain in &mut shape.chains {
@@ -114,8 +114,8 @@ fn add_forces(chain: &Chain, pressure: f64, loads: &mut TrialLoads) {
     }
 }
 
-/// Finds the chains at the end of an increment, for measures and pictures. A membrane that finds
-/// none halts the run: what it presses on is no longer between its walls.
+/// Finds the chains at the end of an increment, for measures and pictures. A membrane without a
+/// chain halts the run, because its grains are no longer between its walls.
 pub fn renew_shapes(
     bodies: Res<Bodies>,
     mut membranes: Query<(&Membrane, &mut MembraneShape)>,

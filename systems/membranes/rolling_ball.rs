@@ -1,23 +1,24 @@
-//! The outermost disks of an assembly: those that a ball touches which rolls along its outside.
+//! The outermost disks of an assembly: those touched by a ball that rolls along its outside.
 //!
-//! Disks that grow by the radius of the ball have the place of its centre as their outer boundary.
-//! It consists of arcs, and the ball goes from disk to disk where the arcs meet. It rolls with the
+//! If all disks grow by the radius of the ball, their outer boundary is the path of its centre. The
+//! path consists of arcs, and the ball goes from disk to disk where arcs meet. It rolls with the
 //! assembly on its left. The chain is the outer boundary of the alpha shape of Edelsbrunner,
-//! Kirkpatrick and Seidel (1983), "On the shape of a set of points in the plane", IEEE
-//! Transactions on Information Theory 29, 551-559, for points with radii.
+//! Kirkpatrick and Seidel (1983), "On the shape of a set of points in the plane", IEEE Transactions
+//! on Information Theory 29, 551-559, for points with radii.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use glam::DVec2;
 
-/// Rotations of the ball that differ by less than this are one: three disks that touch the ball at
-/// once, within rounding, rad.
+/// Rotations of the ball that differ by less than this count as equal, rad: within rounding, three
+/// disks touch the ball at once.
 const AT_ONCE: f64 = 1e-9;
-/// A ball passes between two disks into which it reaches by less than this, over the distance of
-/// their centres: it just fits, within rounding. Above it rotations are exact to [`AT_ONCE`].
+/// Minimum overlap of the ball with two disks between which it does not pass, over the distance of
+/// their centres: below it the ball just fits, within rounding. Above it rotations are exact to
+/// [`AT_ONCE`].
 const FITS: f64 = 1e-12;
 
-/// A straight wall, which bounds the way of the ball.
+/// A straight wall, which bounds the path of the ball.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Line {
     /// A point of it, m.
@@ -42,13 +43,13 @@ pub(super) struct RollingBall<'a> {
     positions: &'a [DVec2],
     radii: &'a [f64],
     ball: f64,
-    /// Edge of a cell: no disks that the ball touches at once are more than one cell apart, m.
+    /// Edge of a cell, m: disks that the ball touches at once are at most one cell apart.
     edge: f64,
     /// Cells (row, column) with their disks, in order.
     cells: Vec<(i64, i64, usize)>,
 }
 
-/// What the ball meets first.
+/// The object that the ball meets first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Met {
     Disk(usize),
@@ -58,7 +59,7 @@ enum Met {
 }
 
 impl<'a> RollingBall<'a> {
-    /// A ball of radius `ball` (m). Without one it is the maximum radius of the disks.
+    /// A ball of radius `ball` (m). `None`: the maximum radius of the disks.
     pub fn new(positions: &'a [DVec2], radii: &'a [f64], ball: Option<f64>) -> Self {
         let largest = radii.iter().copied().fold(0.0, f64::max);
         let ball = ball.unwrap_or(largest);
@@ -109,7 +110,7 @@ impl<'a> RollingBall<'a> {
             let beyond = self.reach(other);
             let cosine =
                 (reach * reach + distance * distance - beyond * beyond) / (2.0 * reach * distance);
-            // Of two disks that lie within each other the ball touches one.
+            // If one of two disks lies within the other, the ball cannot touch them at once.
             if !(cosine.abs() <= 1.0) {
                 continue;
             }
@@ -119,7 +120,8 @@ impl<'a> RollingBall<'a> {
             }
             let beside =
                 (reach * reach + beyond * beyond - distance * distance) / (2.0 * reach * beyond);
-            // Of disks that it meets at once the chain takes each, in order around the ball.
+            // If the ball meets several disks at once, the chain takes each of them, in order
+            // around the ball.
             if next.is_none_or(|(_, least)| {
                 turn < least - AT_ONCE || (turn <= least + AT_ONCE && beside > nearest)
             }) {
@@ -133,13 +135,13 @@ impl<'a> RollingBall<'a> {
     /// Rotation about `disk` after which the ball touches a line.
     fn to_line(&self, disk: usize, angle: f64, line: &Line) -> Option<f64> {
         let cosine = (self.ball - line.height(self.positions[disk])) / self.reach(disk);
-        // Above its maximum the ball passes by. It came from above the line.
+        // Otherwise the ball passes above the line.
         (cosine.abs() <= 1.0)
             .then(|| (line.inward.to_angle() + cosine.acos() - angle).rem_euclid(TAU))
     }
 
-    /// The closed chain around the largest piece of the assembly, anticlockwise. A piece are disks
-    /// between which the ball does not pass. `None` without disks.
+    /// The closed chain around the largest piece of the assembly, anticlockwise. A piece is a set
+    /// of disks between which the ball does not pass. `None` without disks.
     pub fn around(&self) -> Option<Vec<usize>> {
         let piece = self.largest_piece();
         let lowest = |i: &usize| self.positions[*i].y - self.radii[*i];
@@ -149,7 +151,8 @@ impl<'a> RollingBall<'a> {
         while chain.len() <= self.most_links() {
             chain.push(disk);
             let next = self.next_disk(disk, from, angle);
-            // The start is the lowest point: the ball is back where it would roll over it again.
+            // The start is the lowest point. The chain is closed when the ball rolls over this
+            // point again.
             let to_start = (-FRAC_PI_2 - angle).rem_euclid(TAU);
             if disk == start && chain.len() > 1 && next.is_none_or(|(_, turn)| to_start <= turn) {
                 chain.pop();
@@ -249,7 +252,7 @@ impl<'a> RollingBall<'a> {
         6 * self.positions.len() + 6
     }
 
-    /// The piece with the most disks; of equal ones that with the first disk.
+    /// The piece with the most disks; ties go to the piece with the first disk.
     fn largest_piece(&self) -> Vec<usize> {
         let mut largest = Vec::new();
         let mut seen = vec![false; self.positions.len()];

@@ -65,10 +65,11 @@ pub fn solve_sliding(
     // as an error. The margin keeps a solution that just converges from failing.
     let patient = finding.failures < MAX_FAILURES && !moves;
     let max = if patient { law.factorisations } else { law.factorisations.min(QUICK) };
-    // A motion must see that what the associated law balances is not balanced.
+    // The tolerance of a motion must be so small that states which only the associated law balances
+    // show as out of balance.
     let aim = MARGIN * if moves { enough.min(Sliding::BOUND) } else { enough };
     // The last forces are the second start, with a tenth of the factorisations. After a motion they
-    // are those of its rest, and the associated solution may be far from it.
+    // belong to its state at rest, from which the associated solution may be far away.
     let last = last_solution(&program);
     let (of_first, of_second) = if rejected { (max, max) } else { (max - max / 10, max / 10) };
     let mut found = solver.0.solve(&program, &solution, aim, of_first);
@@ -96,9 +97,9 @@ pub fn solve_sliding(
     finding.capped = !finding.lost && worst > enough;
 }
 
-/// The state that the last solution has left: its forces, and no motion but what is imposed. Near
-/// rest it is closer to the next solution than the associated one, and it has the sliding contacts
-/// of Coulomb's law. `None` if nothing carried a force.
+/// The state after the last solution: its forces, and only imposed motion. Near rest it is closer
+/// to the next solution than the associated one, and it has the sliding contacts of Coulomb's law.
+/// `None` if nothing carried a force.
 fn last_solution(program: &ConeProgram) -> Option<ConeSolution> {
     let mut forces = program.last_forces.clone();
     forces.resize(program.interactions.len(), [0.0; 3]);

@@ -1,4 +1,4 @@
-//! The forces of contacts that the next increment starts from.
+//! The forces of contacts with which the next increment starts.
 
 use bevy_ecs::prelude::*;
 use clastic_components::contact::{Bodies, Contacts};

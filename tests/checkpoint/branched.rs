@@ -447,7 +447,7 @@ fn periodic_cells_in_both_analyses_under_both_laws() {
             ];
             let error = scene::from_str(CELL, Path::new("rig.ron"), Path::new(""), &sets);
             let error = error.unwrap_err().to_string();
-            assert!(error.contains("cell: a cell beside that of the state"), "{error}");
+            assert!(error.contains("cell: the state has a periodic cell already"), "{error}");
             let size = tables.f64("cell.size_m", &[3]).unwrap();
             assert!(size[0] < 0.08 && size[1] < 0.08 && size[2] > 1e-4, "{size:?}");
             same_from_anywhere(&from, |n| n % 2 == 1);

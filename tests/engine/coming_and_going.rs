@@ -225,5 +225,5 @@ fn a_wall_under_a_stress_whose_length_is_gone_halts_the_run() {
     assert!(!app.world().contains_resource::<Halted>());
     app.world_mut().despawn(right);
     app.update();
-    assert!(app.world().resource::<Halted>().0.contains("a wall that is gone"));
+    assert!(app.world().resource::<Halted>().0.contains("a removed wall"));
 }

@@ -114,7 +114,7 @@ fn shipped_scenes_are_found_anywhere() {
     fs::write(here.path().join("scenes/tension.ron"), "(").unwrap();
     let own = stderr(&call(&["check", "tension"]).code(3));
     assert!(own.starts_with("scenes/tension.ron:1:"), "{own}");
-    assert!(stdout(&call(&["list"]).code(0)).contains("(not sound; see `clastic check tension`)"));
+    assert!(stdout(&call(&["list"]).code(0)).contains("(has errors; see `clastic check tension`)"));
     // Mistakes say that the scene is the shipped one; what is nowhere says where it was looked for.
     let set = ["check", "stack", "--set", "specimen=File(path: \"none.csv\")"];
     let missing = stderr(&call(&set).code(3));

@@ -31,7 +31,7 @@ const CONTENT: [(&str, &[&str]); 20] = [
     ("volumetric", &["volumetric strain, %"]),
     (
         "force-displacement",
-        &["displacement the way of the drive, mm", "force this way, N", "<polyline"],
+        &["displacement of the probe, mm", "force in this direction, N", "<polyline"],
     ),
     ("energies", &["external", "elastic", "energy, "]),
     ("fabric", &["contacts, a", "normal forces, a_n", "coordination"]),

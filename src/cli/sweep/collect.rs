@@ -74,7 +74,7 @@ fn turn(path: &Path) -> Result<File, OutputError> {
 fn average(sweep: &Sweep, records: &[serde_json::Value]) -> Result<(), Failure> {
     let path = sweep.folder.join(MEANS);
     if sweep.average_over.is_empty() {
-        // The table may come from an earlier form of the study.
+        // The existing table may come from an earlier form of the study.
         return Ok(directory::remove_if_there(&path)?);
     }
     let names = means::names(&sweep.plan, &sweep.average_over);
@@ -106,7 +106,7 @@ fn average(sweep: &Sweep, records: &[serde_json::Value]) -> Result<(), Failure> 
 /// A number with four significant digits.
 fn rounded(value: f64) -> String {
     let digits = if value == 0.0 { 0.0 } else { 3.0 - value.abs().log10().floor() };
-    // Digits after many zeros are hard to count.
+    // Digits after many zeros are hard to read.
     if digits > 8.0 {
         return format!("{value:.3e}");
     }

@@ -1,8 +1,8 @@
 //! The runs of a sweep as processes, several at once.
 //!
-//! A run belongs to the process that holds the lock of its directory, `NAME.lock` beside it. A
-//! sweep that was killed leaves its runs behind, which hold the lock of their history; a run with
-//! either lock is left alone until it is free. Two sweeps in one folder therefore share the runs.
+//! A run belongs to the process that holds the lock of its directory, `NAME.lock` beside it. Runs
+//! of a killed sweep continue and hold the lock of their history. A run with either lock is left
+//! alone until it is free, so that two sweeps in one folder share the runs.
 
 use std::collections::BTreeSet;
 use std::env;
@@ -19,7 +19,7 @@ use super::task::{Begun, Task};
 use crate::cli::exit::{Exit, Failure};
 use crate::cli::interrupt::Interrupt;
 
-/// Time between two looks at the processes.
+/// Time between two checks of the processes.
 const PAUSE: Duration = Duration::from_millis(50);
 
 /// A run under way.

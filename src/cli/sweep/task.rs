@@ -23,7 +23,7 @@ pub enum Task {
     Run(usize),
 }
 
-/// What became of a task that was to begin.
+/// Result of an attempt to begin a task.
 pub enum Begun {
     /// The run is there already.
     Done,
@@ -35,7 +35,7 @@ pub enum Begun {
     Runs(Child, File),
 }
 
-/// What is to be done for a run.
+/// Action that a run needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Todo {
     /// It is done.
@@ -48,7 +48,7 @@ enum Todo {
     Wait,
 }
 
-/// What is to be done for the run in a directory.
+/// The action that the run in a directory needs.
 fn todo(directory: &Path) -> Todo {
     let history = directory.join(directory::HISTORY);
     if File::open(history).is_ok_and(|history| !lock(&history)) {

@@ -41,13 +41,18 @@ fn worked(title: &str, history: &History) -> Option<Chart> {
         points: drive.points.iter().map(|p| (p.motion / metres, p.force)).collect(),
     };
     let (x, y) = match (turning, one) {
-        (true, true) => (format!("{} rotation, rad", first.direction), "moment this way, N m"),
-        (true, false) => ("rotation the way of the drive, rad".to_owned(), "moment this way, N m"),
-        (false, true) => {
-            (format!("displacement along {}, {unit}", first.direction), "force this way, N")
+        (true, true) => {
+            (format!("{} rotation, rad", first.direction), "moment in this direction, N m")
         }
+        (true, false) => {
+            ("rotation in its direction, rad".to_owned(), "moment in this direction, N m")
+        }
+        (false, true) => (
+            format!("displacement along {}, {unit}", first.direction),
+            "force in this direction, N",
+        ),
         (false, false) => {
-            (format!("displacement the way of the drive, {unit}"), "force this way, N")
+            (format!("displacement of the probe, {unit}"), "force in this direction, N")
         }
     };
     Some(Chart {

@@ -27,9 +27,10 @@ pub struct History {
     stages: Vec<(String, usize)>,
     /// First row of the test.
     test: usize,
-    /// Whether a compaction came right before the test. Its forces have no meaning.
+    /// Whether a compaction came immediately before the test. Its forces have no meaning.
     is_compacted: bool,
-    /// Whether other runs led here, whose last row would be the state before the first row.
+    /// Whether earlier runs preceded this one. Their last row would be the state before the first
+    /// row.
     is_continued: bool,
 }
 
@@ -113,9 +114,9 @@ impl History {
         pairs.filter_map(|(x, y)| Some((x?, y?))).collect()
     }
 
-    /// Points of a column against the axial strain from the initial state on, at which the strain
-    /// is 0. The value there is that of the row before the first strain, and 0 where that row has
-    /// none or does not exist. The initial state of a run that goes on from a saved state is not in
+    /// Points of a column against the axial strain, from the initial state on, at which the strain
+    /// is 0. The value there is that of the row before the first strain, or 0 if that row has no
+    /// value or does not exist. The initial state of a run that starts from a saved state is not in
     /// its history.
     #[must_use]
     pub fn curve(&self, column: &str) -> Vec<(f64, f64)> {
@@ -133,8 +134,9 @@ impl History {
     }
 
     /// Motion and force of a probe after every increment of the test, from the state before it on,
-    /// in which the displacement is 0. Before the first row of a run forces are 0. The state before a
-    /// run that goes on from a saved state is not in its history: its displacements are as they stand.
+    /// in which the displacement is 0. Before the first row of a run forces are 0. The state before
+    /// a run that starts from a saved state is not in its history: its displacements are not
+    /// shifted.
     #[must_use]
     pub fn of_test(&self, motion: &str, force: &str) -> Vec<TestPoint> {
         let increments = self.column("increment");

@@ -1,4 +1,4 @@
-//! Which frames a page has: all, or of a longer run those that tell most.
+//! Selects the frames of a page: all of them, or the most informative ones of a longer run.
 
 use std::collections::BTreeMap;
 use std::io;

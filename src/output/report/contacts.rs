@@ -1,14 +1,14 @@
-//! Contacts without a bond as the page has them: one list for the frames from one that is whole to
-//! the next, so that forces are differences from the frame before as those of bonds are. A contact
-//! that a frame lacks has no force there.
+//! Contacts without a bond in a page: one list for the frames from one whole frame to the next, so
+//! that forces are differences from the preceding frame, like those of bonds. A contact that is
+//! missing in a frame has no force there.
 
 use std::collections::BTreeMap;
 
 use super::columns::Columns;
 use crate::frames::{FramePairs, NONE};
 
-/// The contacts of some frames, ascending: indices of their bodies in the page, and which of the
-/// rows of a frame with these bodies it is.
+/// The contacts of some frames, ascending: indices of their bodies in the page, and the number of
+/// the row among the rows of a frame with these bodies.
 pub struct Contacts(BTreeMap<(u32, u32, u32), usize>);
 
 impl Contacts {

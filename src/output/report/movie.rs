@@ -1,10 +1,10 @@
 //! The frames of a run as the page has them.
 //!
-//! Bodies and bonds have one row each over the whole run, so that a frame has only what changes:
+//! Bodies and bonds have one row each over the whole run, so that a frame contains only changes:
 //! displacement since the start of the test in steps, everything else in `float16` over a scale of
-//! the run. They are written as differences from the frame before, but for one frame in `KEY`, from
-//! which a page can start to read. Contacts without a bond have one list for the frames from one
-//! that is whole to the next.
+//! the run. They are written as differences from the preceding frame. One frame in `KEY` is written
+//! whole, so that a page can start to read there. Contacts without a bond have one list for the
+//! frames from one whole frame to the next.
 
 use std::collections::BTreeSet;
 use std::io;

@@ -283,7 +283,7 @@
         "Settled packing",
         null,
         `${format(record.settled.porosity_before)} to ${format(record.settled.porosity_after)}`,
-        "porosity before and after the first increment: the packing was looser than its jam",
+        "porosity before and after the first increment: the packing was not jammed",
       );
     for (const [name, reason] of Object.entries(r.not_defined))
       rows.push([name.replace(/_(pa|rad)$/, "").replaceAll("_", " "), "not defined", reason]);

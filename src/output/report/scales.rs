@@ -15,7 +15,7 @@ const BEYOND: f64 = 0.01;
 /// Minimum number of steps of a displacement in the range of its colours.
 const FINE: f32 = 2000.0;
 
-/// Part of the largest number that a typical one is taken for at least, so that all numbers fit.
+/// Minimum of a typical magnitude, as a part of the largest number, so that all numbers fit.
 const SPREAD: f32 = 1.0 / 1_048_576.0;
 
 /// Mean stress in the plane, of xx, yy and xy.

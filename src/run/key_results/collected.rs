@@ -1,4 +1,4 @@
-//! What the increments of a run leave for the key results.
+//! Collects the data from which the key results follow.
 
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -31,8 +31,8 @@ pub struct KeyResults {
     pub(super) lag: Option<f64>,
     /// Start of the reference stage.
     pub(super) start: Point,
-    /// Whether the run starts from a saved state, and no stage before the reference stage has told
-    /// the stress of it.
+    /// Whether the run starts from a saved state whose stress is unknown, because no loading stage
+    /// comes before the reference stage.
     pub(super) is_start_unknown: bool,
     /// The last increment with load.
     pub(super) last: Option<Point>,

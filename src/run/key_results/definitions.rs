@@ -14,8 +14,8 @@ const SOFTEST: f64 = 1e-9;
 
 const NO_CURVE: &str = "no increment from the start of the reference stage on has both an axial strain and \
                         an axial stress";
-const UNKNOWN_START: &str = "the run starts from a saved state, whose stress no stage before the reference stage tells; \
-                             put a loading stage of one increment before it";
+const UNKNOWN_START: &str = "the run starts from a saved state, whose stress no earlier stage has measured; \
+                             put a loading stage of one increment before the reference stage";
 
 impl KeyResults {
     /// The results so far.

@@ -21,7 +21,7 @@ const LEVEL: f64 = 0.1;
 const NOT_PASSED: &str = "the test ends before the axial stress has fallen by a hundredth of its \
                           rise at a larger strain, and without a collapse";
 const NO_LATERAL_STRAIN: &str = "no lateral strain is measured";
-const NO_BONDS: &str = "no bonds were there";
+const NO_BONDS: &str = "the specimen has no bonds";
 const CONTRACTS: &str = "the volume shrinks up to the peak";
 
 impl KeyResults {

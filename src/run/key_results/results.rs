@@ -20,14 +20,14 @@ pub struct Results {
     pub youngs_modulus_secant_half_peak_pa: Option<f64>,
     /// Poisson's ratio in the plane: minus the change of the lateral over that of the axial strain,
     /// from the increment before the first that counts for the modulus to half the peak. The
-    /// lateral stress must stay.
+    /// lateral stress must be constant.
     pub poissons_ratio: Option<f64>,
     /// Axial stress with the maximum difference from that at the start of the reference stage.
     pub peak_stress_pa: Option<f64>,
     /// Axial strain at the peak.
     pub strain_at_peak: Option<f64>,
-    /// Strength: the peak, once the test has passed it under a lateral stress that stays. Either
-    /// the stress fell by a hundredth of the rise to the peak at a larger strain, or the specimen
+    /// Strength: the peak, once the test has passed it under a constant lateral stress. Either the
+    /// stress fell by a hundredth of the rise to the peak at a larger strain, or the specimen
     /// collapsed.
     pub strength_pa: Option<f64>,
     /// Residual strength: mean of the axial stress over the last fifth of the axial strain, if that

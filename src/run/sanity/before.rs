@@ -14,7 +14,7 @@ use crate::scene::specimen_file::StoredSpecimen;
 use super::material::{Grains, inertial};
 use super::{Report, is_specimen, is_test};
 
-/// What the scene imposes says of the ratios.
+/// The ratios that follow from the imposed motions and stresses.
 #[must_use]
 pub fn before(scene: &Scene, stored: Option<&StoredSpecimen>) -> Report {
     let grains = Grains::of(scene);

@@ -18,7 +18,7 @@ use crate::scene::format::Scene;
 /// Name of [`Sanity`] in a state.
 pub const SANITY: &str = "sanity";
 
-/// What an increment adds to the sanity of a run.
+/// Data of the increments from which the sanity of a run follows.
 #[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Sanity {
     /// Maximum of the smaller one of axial and lateral stress, Pa.

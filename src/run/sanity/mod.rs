@@ -74,7 +74,7 @@ pub struct Report {
     pub increment_over_elastic_strain: Option<f64>,
     /// Diameters of the largest disk across the smaller side of the specimen, where it is one.
     pub disks_across: Option<f64>,
-    /// What would be challenged, with the source.
+    /// Warnings, each with its source.
     pub warnings: Vec<String>,
 }
 

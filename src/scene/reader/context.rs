@@ -1,4 +1,4 @@
-//! What all readers of a text share, and the error with which serde stops.
+//! Data that all readers of a text share, and the error with which serde stops.
 
 use std::cell::RefCell;
 use std::fmt;

@@ -408,7 +408,7 @@ fn stages() {
          "22:58: stages[0].walls.top.between[0]: the wall itself (`top`); name the two walls that bound its loaded length"),
         (r#""top": Force(1.0)"#, r#""top": Stress(stress: NaN, between: ("bottom", "bottom"))"#,
          "22:43: stages[0].walls.top.stress: not finite (NaN); give a stress in Pa
-22:57: stages[0].walls.top.between: twice the same wall; name two walls"),
+22:57: stages[0].walls.top.between: a wall given twice; name two walls"),
         (CONTROL, r#"remove_walls: ["top"], walls: {"top": Fixed}"#,
          "22:51: stages[0].walls.top: wall `top` is not there in this stage; bring it in with `add_walls`"),
         (CONTROL, r#"remove_walls: ["top", "top"], add_walls: ["bottom"]"#,
@@ -469,7 +469,7 @@ fn measures() {
         (STAGES, r#"measures: (reference_stage: "laod", axial_strain: Walls("top", "top"), lateral_strain: Particles(0, 2)),
     stages: ["#,
          "18:33: measures.reference_stage: unknown stage (`laod`); did you mean `load`? there is only `load`
-18:55: measures.axial_strain: twice the same wall; name two walls
+18:55: measures.axial_strain: a wall given twice; name two walls
 18:105: measures.lateral_strain[1]: no such particle (2); the particles are 0 to 1"),
         (STAGES, "measures: (axial_stress: Walls(walls: [], length: Fixed(0.0)), lateral_stress: Average(component: Xz, area: Fixed(-1.0))),
     stages: [",

@@ -57,7 +57,9 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
     }
     if let Some(state) = of_state.filter(|state| !state.gives_cell) {
         let (what, help) = match state.cell {
-            Some(_) => ("a cell beside that of the state", "leave it out: the run goes on in that"),
+            Some(_) => {
+                ("the state has a periodic cell already", "leave it out: the run continues in it")
+            }
             None => (
                 "a state without a periodic cell",
                 "start from the state of a run with a cell, or leave `cell` out",
@@ -73,7 +75,7 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
             Stage::Cement(_) | Stage::Save(_) => {}
             Stage::Remove(_) | Stage::Pour(_) | Stage::Custom(_) => {
                 let help = "use `Load`, `Compact`, `Cement` and `Save`";
-                findings.add(path, "a stage that knows no periodic cell", help);
+                findings.add(path, "this stage does not support a periodic cell", help);
             }
         }
     }

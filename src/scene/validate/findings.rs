@@ -134,7 +134,7 @@ impl<'a> Findings<'a> {
     /// Checks two references to different parts.
     pub(super) fn pair<T: PartialEq>(&mut self, path: Arguments, (a, b): (T, T), kind: &str) {
         if a == b {
-            self.add(path, format!("twice the same {kind}"), &format!("name two {kind}s"));
+            self.add(path, format!("a {kind} given twice"), &format!("name two {kind}s"));
         }
     }
 

@@ -83,7 +83,8 @@ fn condensed(settings: &CondensedSettings, residual: f64, findings: &mut Finding
     let tolerance = settings.tolerance;
     let is_sound =
         findings.number(format_args!("solver.tolerance"), tolerance, is_tolerance, TOLERANCE);
-    // The default is above a small residual as well: whoever sets none may not know of it.
+    // The default is above a small residual as well: the author of a scene without the field may
+    // not know of it.
     if is_sound && tolerance != CondensedSettings::default().tolerance && tolerance > residual {
         let message = format!("above `acceptance.residual` ({tolerance:?} > {residual:?})");
         findings.add(

@@ -142,7 +142,7 @@ fn compact(
         let increments = 0.5 * (a.0 - b.0).hypot(a.1 - b.1) / step;
         if increments > MAX_STEPS {
             let message =
-                format!("so small a step ({step:?}) takes about {increments:.0e} increments");
+                format!("too small a step: {step:?} m takes about {increments:.0e} increments");
             findings.add(format_args!("{path}.step"), message, "give a greater step in m");
         }
     }

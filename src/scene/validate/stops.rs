@@ -78,7 +78,7 @@ pub(super) fn check(
     }
 }
 
-/// What a measure is, by its name.
+/// The quantity that a measure of this name reads.
 enum Of<'a> {
     Strain(&'a Strain),
     Stress(&'a Stress),

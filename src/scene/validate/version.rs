@@ -1,4 +1,4 @@
-//! What only one version of the format has.
+//! Parts of a scene that exist in one version of the format only.
 
 use std::fmt::Arguments;
 

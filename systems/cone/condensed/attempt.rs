@@ -14,7 +14,7 @@ use crate::polish::Point;
 use crate::program::{ConeProgram, ConeSolution, SolveStatus};
 use crate::residuals::{MAX_BALANCE, regularised_residuals};
 
-/// What is asked of a solution.
+/// Requirements on a solution.
 #[derive(Clone, Copy, Debug)]
 pub struct Demand {
     /// Maximum residual.
@@ -23,9 +23,9 @@ pub struct Demand {
     pub loose: bool,
     /// Whether the program is large.
     pub large: bool,
-    /// Whether the first point within the tolerance will do. Not in statics, where grains without
-    /// load float the further the less exact the solution is. Not where bonds count: which of them
-    /// are at a limit shows in exact forces only.
+    /// Whether the first point within the tolerance suffices. It does not suffice in statics, where
+    /// grains without load drift further the less exact the solution is. It does not suffice with
+    /// bonds either, because only exact forces show which bonds are at a limit.
     pub at_once: bool,
 }
 
@@ -65,7 +65,8 @@ pub struct Attempt<'a> {
     has_branches: bool,
     /// The program in the units of its scales.
     pub scaled: Scaled,
-    /// Static, and not all bodies are regularised: a later attempt regularises it.
+    /// Whether the program is static with some bodies that are not regularised. A later attempt
+    /// regularises them all.
     is_undamped: bool,
 }
 
@@ -111,8 +112,9 @@ impl<'a> Attempt<'a> {
         (self.demand.tolerance / margin).max(ROUND_OFF)
     }
 
-    /// The Newton iteration with local elimination. Near rest its displacements solve the program
-    /// and those from its forces do not: there it goes on until the balance conserves momentum.
+    /// The Newton iteration with local elimination. Near rest, displacements of the iteration solve
+    /// the program, but displacements that follow from its forces do not. The iteration then
+    /// continues until the balance conserves momentum.
     pub fn newton(&mut self, start: &[[f64; 3]], iterations: &mut u32) -> (Newton, ConeSolution) {
         let settings = self.settings;
         let margin =
@@ -197,8 +199,9 @@ impl<'a> Attempt<'a> {
         best
     }
 
-    /// Whether the solution of an interior point is taken without a polish: solved, where a polish
-    /// costs more than it gains or would do harm; not solved, where Clarabel does no better.
+    /// Whether the solution of an interior point is returned without a polish. A solved program is,
+    /// if a polish costs more than it gains or would do harm. An unsolved program is, if Clarabel
+    /// does no better.
     pub fn is_final(&self, solution: &ConeSolution) -> bool {
         let Demand { loose, large, .. } = self.demand;
         let is_solved = solution.status == SolveStatus::Solved;
@@ -240,9 +243,9 @@ fn solution(
     checked(program, s, displacements, tolerance, iterations, message)
 }
 
-/// Whether bonds without compliance make forces and mechanism a matter of choice. The interior
-/// point converges to the middle of all choices, where a limit is active only if it is so in all of
-/// them: those are the bonds that break. A polish would take it to a corner.
+/// Whether forces and mechanism are not unique, because bonds have no compliance. The interior
+/// point converges to the middle of all solutions, where a limit is active only if it is active in
+/// all of them: these bonds break. A polish would move the solution to a corner.
 fn is_rigid_plastic(program: &ConeProgram) -> bool {
     program.interactions.iter().any(|c| c.limits.tension > 0.0 && c.normal_compliance == 0.0)
         && !program.is_dynamic()

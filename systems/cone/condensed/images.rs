@@ -1,10 +1,10 @@
 //! Images of bodies in a periodic cell.
 //!
 //! An interaction with the image of a body has three participants: body a, body b and the cell. Its
-//! rows here are those of a and of the image, as if that was a body of its own. The images have the
-//! places after all bodies. [`Images::spread`] gives them the displacements that follow from those
-//! of their bodies and of the cell, and [`Images::fold`] brings the forces on them back: passes
-//! over interactions know nothing of cells. Only the matrix has the three participants
+//! rows here are those of a and of the image, as if the image were a body. Images have the places
+//! after all bodies. [`Images::spread`] computes their displacements from those of their bodies and
+//! of the cell, and [`Images::fold`] moves the forces on them to bodies and cell. Passes over
+//! interactions therefore need not know the cell. Only the matrix has the three participants
 //! ([`Images::rows`]).
 
 use glam::DVec2;

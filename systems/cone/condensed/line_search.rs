@@ -72,7 +72,7 @@ mod tests {
     use crate::program::ConeProgram;
     use glam::DVec2;
 
-    /// A body with weight 1 at a contact of stiffness 10 is moved down by `a du`: the derivative of
+    /// A body with weight 1 at a contact of stiffness 10 moves down by `a du`: the derivative of
     /// the energy vanishes at a depth of 0.1, whatever the length of du.
     #[test]
     fn the_minimum_of_a_parabola() {

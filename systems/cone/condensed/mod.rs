@@ -151,8 +151,8 @@ impl Condensed {
             self.solve_reduced(program, asleep)?
         };
         if solution.status == SolveStatus::Solved {
-            // The motion that is committed follows from the forces, and those at rest are not
-            // exact.
+            // The committed motion follows from the forces, and the forces of bodies at rest are
+            // not exact.
             let r = choose_displacements(program, &mut solution, self.tolerance(program));
             if !(r.worst() <= self.tolerance(program)) {
                 solution.status = SolveStatus::Stalled;
@@ -222,10 +222,11 @@ impl Condensed {
             if solution.status == SolveStatus::Solved {
                 return Some(solution);
             }
-            // The point where it gave up is mostly a better start than the last solution.
+            // The point where the iteration gave up is mostly a better start than the last
+            // solution.
             starts.insert(0, Start::at(result.u));
         } else if warm::is_elastic_step(program, &attempt.scaled) {
-            // The last step of the motion has moved the bodies to where they are now: its forces
+            // The last step of the motion has moved the bodies to their present places: its forces
             // belong to a displacement of zero.
             let displacements = vec![[0.0; 3]; program.bodies.len()];
             let forces = Some(warm::last_forces(program));

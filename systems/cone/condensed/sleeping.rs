@@ -1,8 +1,8 @@
 //! Finds sleeping bodies: bodies that need not move, because the forces of the last increment still
 //! balance them and obey all limits.
 //!
-//! In dynamics whole clusters of touching bodies rest while others move: a pile on the ground onto
-//! which more falls, an island in a large scene. A cluster sleeps if zero displacement with the
+//! In dynamics whole clusters of touching bodies rest while others move: a pile on the ground that
+//! grows from above, an island in a large scene. A cluster sleeps if zero displacement with the
 //! forces of the last increment solves its rows with a residual below that of a solver.
 //!
 //! A cluster wakes without further rules. A body that comes near is a contact that joins it to

@@ -23,7 +23,7 @@ struct Contact<const F: usize> {
     rows: [[[f64; F]; 3]; 2],
     compliance: [f64; F],
     linear: [f64; F],
-    /// D: what a unit of each force closes its own contact by.
+    /// D: closing of the contact per unit of each force.
     diagonal: [f64; F],
     /// 1/D.
     stiffness: [f64; F],
@@ -123,7 +123,8 @@ fn accelerated<const F: usize>(
     (forces.collect(), u)
 }
 
-/// Makes the new points the last ones, and goes on from them along the way from the last ones.
+/// Extrapolates the new points along their change from the last ones, and makes them the last
+/// points.
 fn extrapolate<const N: usize>(new: &mut [[f64; N]], last: &mut [[f64; N]], momentum: f64) {
     for (new, last) in new.iter_mut().zip(last) {
         let at = *new;
@@ -263,8 +264,8 @@ fn clamped(x: f64, limit: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// The projection fulfils the conditions of the minimum: what is taken off is normal to the
-    /// cone.
+    /// The projection fulfils the conditions of the minimum: the difference to the trial is normal
+    /// to the cone.
     #[test]
     fn projections_are_the_nearest_forces() {
         let contact = |slopes, diagonal| Contact::<3> {

@@ -13,14 +13,14 @@ use super::{Condensed, ROUND_OFF, checked, interior, sweeps};
 
 impl Condensed {
     /// Solves the program from the forces of the last increment. `None` where that does not apply
-    /// or does not lead to a solution; `iterations` were spent in any case.
+    /// or does not lead to a solution. Adds the factorisations to `iterations` in any case.
     pub(super) fn try_warm(
         &mut self,
         program: &ConeProgram,
         iterations: &mut u32,
     ) -> Option<ConeSolution> {
-        // Nothing moved before: the last forces are not those of a motion that goes on.
-        // Sweeps know no images.
+        // Without momentum the last forces do not belong to a continuing motion. Sweeps do not
+        // handle images.
         if program.last_forces.is_empty() || !program.has_momentum() || program.cell.is_some() {
             return None;
         }
@@ -50,7 +50,7 @@ impl Condensed {
             if let Some(solution) = evaluate(&s, *iterations, "warm") {
                 return Some(solution);
             }
-            // Again with what was left out and has closed.
+            // Solve again with the contacts that were left out and have closed.
             let gaps = gaps(&u);
             if !keep.iter().zip(&gaps).any(|(keep, gap)| !keep && *gap < 0.0) {
                 return None;
@@ -62,9 +62,9 @@ impl Condensed {
         None
     }
 
-    /// Takes the forces of all interactions and the displacements of all bodies to those of the
-    /// interior point of the interactions that are kept; the others have no force. Returns the
-    /// factorisations.
+    /// Sets the forces of all interactions and the displacements of all bodies to those of the
+    /// interior point of the kept interactions. Other interactions have no force. Returns the
+    /// number of factorisations.
     fn solve_kept(
         &mut self,
         program: &ConeProgram,
@@ -124,10 +124,10 @@ pub(super) fn raised<'a>(forces: &'a [[f64; 3]], settings: &WarmSettings) -> int
     interior::Warm { forces, product: settings.product }
 }
 
-/// Whether a program is an elastic step of a motion that is followed: static, with a weight on
-/// every degree of freedom, and not to be solved exactly. The last forces are those after the step
-/// before. Springs have them at zero displacement, so that only the balance is off there; of what
-/// is rigid forces need not be unique.
+/// Whether a program is an elastic step of a followed motion: static, with a weight on every degree
+/// of freedom and a tolerance of its own. The last forces are those after the preceding step.
+/// Elastic interactions carry them at zero displacement, so that only the balance is violated
+/// there. Forces of rigid interactions need not be unique.
 pub(super) fn is_elastic_step(program: &ConeProgram, scaled: &Scaled) -> bool {
     let is_elastic = || program.interactions.iter().all(|c| c.normal_compliance > 0.0);
     program.tolerance > 0.0

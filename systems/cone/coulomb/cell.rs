@@ -199,8 +199,8 @@ impl Cell {
         Linear { stiffness, theta }
     }
 
-    /// Steps of the multipliers without steps of the forces, and the kinematics that demand the
-    /// same forces as the residual.
+    /// Steps of the multipliers if the forces do not change, and the kinematics that would cause
+    /// the residual's forces.
     #[inline]
     fn asked(&self, x: &Entry, r: &Entry) -> ([f64; LIMITS], [f64; 3]) {
         let mut h = [0.0; LIMITS];

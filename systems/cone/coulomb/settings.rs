@@ -2,8 +2,8 @@
 //!
 //! Forces are in units of the maximum force of the start, displacements in units of the program's
 //! displacement scale, and a complementarity product is a force times a displacement.
-//! `docs/decisions/001-solver-settings.md` has the effect of half and double of the fields,
-//! but for those of the arc.
+//! `docs/decisions/001-solver-settings.md` has the effect of half and double of every field, except
+//! those of the arc.
 
 /// Settings of the solver of Coulomb's law.
 #[non_exhaustive]

@@ -167,9 +167,9 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
         let is_rigid = law.compliance[0] == 0.0;
         let compliance =
             if is_rigid { 1.0 } else { law.compliance[0].min(settings.max_start_compliance) };
-        // The multipliers of a rigid open contact add up to its gap: the stationarity of p. Smaller
-        // ones would shorten the steps of all others, since near rest gaps are thousands of
-        // displacements. An interaction with strength does not open by itself.
+        // The multipliers of a rigid open contact add up to its gap: the stationarity of p. Near
+        // rest gaps are thousands of displacements, and smaller multipliers would shorten the steps
+        // of all other interactions. An interaction with strength does not open by itself.
         let has_strength = law.right.iter().any(|right| *right > 0.0);
         let gap = if has_strength { 0.0 } else { (law.linear[0] - e[0]).max(0.0) };
         let multiplier = gap / (0..Q).map(|q| -local.limits[q][0]).sum::<f64>();

@@ -52,8 +52,8 @@ impl<'a> History<'a> {
         self.best.as_ref().map_or(self.merit, |b| b.merit)
     }
 
-    /// Whether the best point may end the method and is good enough. Asked once of every point: the
-    /// answer takes a look at the whole program.
+    /// Whether the best point may end the method and is accurate enough. Each point is checked
+    /// once, because the check evaluates the whole program.
     pub fn is_enough(&mut self, is_enough: impl Fn(&Interior) -> bool) -> bool {
         let Goal { residual, first } = self.goal;
         let is_slow = self.merit > self.settings.slow * self.last_merit;
@@ -69,9 +69,9 @@ impl<'a> History<'a> {
 
     /// Whether more iterations lead nowhere: at the goal, far from the best point, or slowly.
     ///
-    /// The residual is relative to the scales of the program. Where bodies hardly move, a point
-    /// that is good enough may have a residual far below the goal: the method goes on from there
-    /// while it finds better points.
+    /// The residual is relative to the scales of the program. Where bodies hardly move, an accurate
+    /// point may need a residual far below the goal. The method then continues while it finds
+    /// better points.
     pub fn is_over(&self) -> bool {
         let settings = self.settings;
         let best = self.best_merit();

@@ -38,8 +38,8 @@ pub struct Iteration<'a> {
 }
 
 impl<'a> Iteration<'a> {
-    /// Starts from displacements and forces; without forces from the elastic trial at the
-    /// displacements, or at zero where that is wild.
+    /// Starts from displacements and forces. Without forces it starts from the elastic trial at the
+    /// displacements, or from zero where that trial has forces that are too large.
     pub fn new(
         program: &'a Scaled,
         matrix: &'a mut BodyMatrix,
@@ -134,7 +134,7 @@ impl<'a> Iteration<'a> {
         let Self { program, matrix, settings, groups, weight, right, .. } = self;
         matrix.clear();
         let mut values = matrix.assembly();
-        // A vanishing proximal weight keeps what nothing holds from going to infinity.
+        // A small proximal weight keeps bodies that nothing holds from moving to infinity.
         let proximal = settings.min_proximal + settings.proximal * self.mu.min(1.0);
         for i in 0..program.free.len() {
             for k in 0..3 {
@@ -159,8 +159,8 @@ impl<'a> Iteration<'a> {
         solved
     }
 
-    /// The mean product that the corrector aims at: the third power of what the predictor would
-    /// leave of it, over what is there (Mehrotra 1992).
+    /// The mean product that the corrector aims at: `mu (mu_p/mu)^3`, with mu the mean product now
+    /// and mu_p that after the predictor (Mehrotra 1992).
     pub fn target(&mut self) -> f64 {
         let after = self.steps_of_interactions().products_after() / self.limits;
         let ratio = if self.mu > 0.0 { after / self.mu } else { 0.0 };
@@ -180,7 +180,7 @@ impl<'a> Iteration<'a> {
         self.refine();
     }
 
-    /// Makes the step in the bodies, up to a part of the way to the boundary.
+    /// Moves the bodies along the step, up to a part of the distance to the boundary.
     pub fn make_step(&mut self) {
         let step = self.steps_of_interactions().length;
         let [lower, upper] = self.settings.step;

@@ -97,7 +97,7 @@ impl<const F: usize, const Q: usize> LocalSystem<F, Q> {
             self.tension = lambda[Q - 1] / w[Q - 1];
             sum += self.tension;
         }
-        // Of forces without limits of their own.
+        // Stiffness of forces without limits of their own.
         let mut own = law.compliance.map(|c| 1.0 / c);
         let mut with_p = [0.0; F];
         for k in 0..Law::<F, Q>::PAIRS {
@@ -147,7 +147,7 @@ impl<const F: usize, const Q: usize> LocalSystem<F, Q> {
         for k in 0..Law::<F, Q>::PAIRS {
             of_p += law.slopes[k] * self.free_sum(k, e, b);
         }
-        // Of forces without limits of their own; the others follow.
+        // Steps of forces without limits of their own; the other steps follow.
         let mut ds: [f64; F] = std::array::from_fn(|f| e[f] / law.compliance[f]);
         ds[0] = self.stiffness[0][0] * of_p;
         for k in 0..Law::<F, Q>::PAIRS {
@@ -173,14 +173,14 @@ impl<const F: usize, const Q: usize> LocalSystem<F, Q> {
         let b = right(slacks);
         let ds = self.forces_of(law, e, &b);
         let Slacks { w, lambda, dw, dlambda, defect, product } = slacks;
-        // First as if no limit were active.
+        // At first no limit counts as active.
         for q in 0..Q {
             let step = -defect[q] - law.limit(q, &ds);
             dw[q] = step;
             dlambda[q] = -(product[q] + lambda[q] * step) / w[q];
         }
         let is_active = |q: usize| lambda[q] > w[q];
-        // Of the multipliers of a pair.
+        // Difference of the multipliers of a pair.
         let difference = |k: usize| {
             let f = Law::<F, Q>::force(k);
             e[f] - law.compliance[f] * ds[f]
@@ -291,7 +291,8 @@ mod tests {
         input.prop_map(|([n, t], first, second)| Law {
             bodies: [0, 1],
             rows: [[[0.0; F]; 3]; 2],
-            // A rolling moment has none; the shear of a wheel has one, and no limits.
+            // A rolling moment has no compliance. The shear force of a wheel has a compliance and
+            // no limits.
             compliance: std::array::from_fn(|f| match f {
                 0 => n,
                 1 if Law::<F, Q>::force(0) == 2 => 1.0,
@@ -299,7 +300,7 @@ mod tests {
                 _ => 0.0,
             }),
             linear: [0.0; F],
-            // Something limits p.
+            // At least one limit involves p.
             slopes: if Q % 2 == 1 || Q == 4 { [first, second] } else { [second, 0.0] },
             right: [0.0; Q],
         })

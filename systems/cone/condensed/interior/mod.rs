@@ -28,8 +28,8 @@ use super::matrix::BodyMatrix;
 use super::scaled::Scaled;
 use super::settings::InteriorSettings;
 
-/// Runs the method from the displacements `start` until a point near the `goal` `is_enough`, or the
-/// residual no longer falls. Returns the best point on the way, `None` if there is none.
+/// Runs the method from the displacements `start` until `is_enough` accepts a point near the
+/// `goal`, or the residual no longer falls. Returns the best point, `None` if there was none.
 #[must_use]
 pub fn solve(
     program: &Scaled,

@@ -36,13 +36,13 @@ pub struct Goal {
 }
 
 impl Goal {
-    /// This residual, or a little more where the method is slow.
+    /// The goal is this residual, or a slightly larger one where the method is slow.
     #[must_use]
     pub fn exact(residual: f64) -> Self {
         Self { residual, first: None }
     }
 
-    /// The first point that is good enough, from a residual of `near` on.
+    /// The goal is the first point that is accurate enough, from a residual of `near` on.
     #[must_use]
     pub fn enough(residual: f64, near: f64) -> Self {
         Self { residual, first: Some(near / residual) }

@@ -6,14 +6,14 @@ use super::super::settings::LocalSettings;
 use super::patches::is_wall;
 use crate::adjacency::Adjacency;
 
-/// A step without its fast bodies. Where a few loose bodies go far, the state of their contacts
-/// changes at once: alone they would end a step that all others could make.
+/// A step without its fast bodies. Where a few loose bodies move far, the state of their contacts
+/// changes at once. These contacts would shorten a step that all other bodies could make.
 pub struct SlowPart {
     /// Which bodies are fast.
     pub fast: Vec<bool>,
     /// The step, zero for fast bodies.
     pub du: Vec<[f64; 3]>,
-    /// Its kinematics, zero for interactions of fast bodies: what the step does to them is not
+    /// Kinematics of the step. They are zero for interactions of fast bodies, which are not
     /// counted.
     pub de: Vec<[f64; 2]>,
 }

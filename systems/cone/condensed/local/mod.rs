@@ -2,14 +2,14 @@
 //! surroundings, are brought to balance with all others held before the next global step.
 //!
 //! After a rupture a few contacts out of thousands change their state, and a cluster that came
-//! loose sends the global direction far off. One global step length then serves one cluster per
-//! factorisation. Each cluster on its own is a small problem ([`patches`]). It is solved to the
-//! end: what is left would be the residual of the whole program after the next step, if all but a
-//! few clusters are elastic. (Nonlinear elimination, or nonlinearly preconditioned Newton: Cai and
-//! Keyes 2002.)
+//! loose dominates the global direction. One global step length then serves one cluster per
+//! factorisation. Each cluster on its own is a small problem ([`patches`]). It is solved to high
+//! accuracy: if all but a few clusters are elastic, its residual becomes the residual of the whole
+//! program after the next step. (Nonlinear elimination, or nonlinearly preconditioned Newton: Cai
+//! and Keyes 2002.)
 //!
-//! Where a few fast bodies shorten a global step it is made without them ([`fast`]), and local
-//! elimination takes them on next.
+//! Where a few fast bodies shorten a global step, the step is made without them ([`fast`]). Local
+//! elimination then balances them.
 
 mod fast;
 mod patch;

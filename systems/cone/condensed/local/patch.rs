@@ -29,8 +29,8 @@ pub fn balance_all(
     solutions.into_iter().flatten().flatten().collect()
 }
 
-/// Displacements of the `members` with all others held where `start` has them; `None` if nothing
-/// finite came of it.
+/// Displacements of the `members` with all others held where `start` has them; `None` if the result
+/// is not finite.
 fn balance(
     program: &Scaled,
     adjacency: &Adjacency,

@@ -1,4 +1,4 @@
-//! Which bodies are eliminated, and how they fall into patches.
+//! Selects the bodies that are eliminated and divides them into patches.
 
 use super::super::scaled::Scaled;
 use super::super::settings::LocalSettings;
@@ -49,8 +49,8 @@ impl<'a> Patches<'a> {
             && !self.program.images.is_cell(i)
     }
 
-    /// The other body of interaction `k` if it joins it to body `i`: a bond does, and a contact
-    /// that is closed or nearly so.
+    /// The other body of interaction `k`, if the interaction joins it to body `i`. Bonds do, and
+    /// contacts that are closed or nearly closed.
     fn neighbour(&self, k: usize, i: usize) -> Option<usize> {
         let l = &self.program.locals[k];
         let [a, b] = self.program.pair(l);

@@ -3,8 +3,9 @@
 //!
 //! A trapezoid is computed column by column, with `height` numbers in each and room for padding to
 //! [`LANES`]; its entries above the diagonal have no meaning. The factor is stored without that
-//! room: blocks of three columns, each from the row below its pivots and padded at its end, and
-//! apart from them the triangles of the pivots. Solves read all of it and wait for memory.
+//! room, because solves read all of it and memory bandwidth limits them: blocks of three columns,
+//! each from the row below its pivots and padded at its end, and separately the triangles of the
+//! pivots.
 //!
 //! All functions are inlined into a caller that is compiled for the instructions of the machine
 //! (`pulp`): loops over constant lengths become vector instructions. The results do not depend on
@@ -48,7 +49,7 @@ macro_rules! in_pieces {
     };
 }
 
-/// Subtracts the products of the columns before from rows of a block of three columns.
+/// Subtracts the products of the preceding columns from rows of a block of three columns.
 #[inline(always)]
 fn take_away<const R: usize>(
     i: usize,
@@ -100,7 +101,7 @@ pub fn factorise(panel: &mut [f64], height: usize, triangles: &mut [Triangle]) -
     true
 }
 
-/// Factorises three columns, after the products of the columns before have been subtracted.
+/// Factorises three columns, after the products of the preceding columns have been subtracted.
 #[inline(always)]
 pub fn finish_block(
     block: &mut [f64],

@@ -104,7 +104,7 @@ fn solve_front(
 /// whether it was positive definite.
 pub struct Eliminate<'a> {
     pub pattern: &'a Pattern,
-    /// Of the whole matrix.
+    /// Values of the whole matrix.
     pub values: &'a [f64],
     pub branch: &'a Branch,
     pub part: &'a mut Part,

@@ -1,8 +1,8 @@
 //! The arithmetic of a large front, on a copy of its columns in chunks of rows.
 //!
-//! In a trapezoid the numbers of a sum lie a column apart, each in a memory page of its own if a
-//! column has some hundred rows. A chunk has [`CHUNK`] rows of all columns, one after the other.
-//! Sums and their order are those of [`dense`](super::dense), and so are the results, byte by byte.
+//! In a trapezoid the numbers of a sum lie a column apart, and with some hundred rows each is in a
+//! memory page of its own. A chunk has [`CHUNK`] rows of all columns, one after the other. Sums and
+//! their order are those of [`dense`](super::dense), and the results are equal byte by byte.
 
 use super::dense::{LANES, Triangle, finish_block};
 use super::fronts::Front;
@@ -129,8 +129,8 @@ mod tests {
         }
     }
 
-    /// The factor times its transpose is the matrix: every entry within gamma_(n+1) of what it is a
-    /// sum of (Higham 2002, theorem 10.3).
+    /// The factor times its transpose is the matrix: every entry is within gamma_(n+1) of its exact
+    /// sum (Higham 2002, theorem 10.3).
     #[test]
     fn the_factor_of_a_trapezoid() {
         for (pivots, bodies) in [(1, 1), (1, 4), (2, 3), (5, 5), (4, 11)] {

@@ -7,13 +7,13 @@
 pub struct InteriorSettings {
     /// Maximum number of factorisations.
     ///
-    /// 80: 59 is the most that a solved program is known to take (docs/benchmarks.md).
+    /// 80: no solved program is known to have taken more than 59.
     pub max_iterations: u32,
     /// Maximum force of the elastic trial at the starting displacements. Where a contact carries
     /// more, the method starts from zero.
     ///
-    /// 1e5: the last solution may load contacts a million times as much as the loads do, and
-    /// nothing leads back from there (docs/benchmarks.md, *Wild starts*).
+    /// 1e5: the last solution may load contacts a million times as much as the loads do. The method
+    /// does not recover from such a start (decision 006).
     pub max_start_force: f64,
     /// Root of the complementarity product of the starting point, for a compliance of 1.
     ///
@@ -48,14 +48,13 @@ pub struct InteriorSettings {
     pub product_weight: f64,
     /// Minimum force that the residual is relative to.
     ///
-    /// 1e-3: where no contact carries anything, the loads are what counts, and they are of the
-    /// order of 1.
+    /// 1e-3: where no contact carries a force, the loads count, and they are of the order of 1.
     pub min_force: f64,
     /// Residual over the goal at which a point may end the method, if it is good enough and the
     /// method is slow. Only for exact goals.
     ///
-    /// 10: ending wherever the method was slow cost half of the time of a collapse, ending only at
-    /// the goal wastes iterations near round-off (docs/benchmarks.md, *Collapse, polish*).
+    /// 10: ending wherever the method was slow cost half of the time of a collapse. Ending only at
+    /// the goal wastes iterations near round-off (decision 006).
     pub near: f64,
     /// Residual over that of the last iteration above which the method is slow.
     ///
@@ -87,7 +86,7 @@ pub struct InteriorSettings {
     /// 1e3: decision 001.
     pub divergence: f64,
     /// Minimum and maximum part of the way to the boundary that a step takes. Between them it is 1
-    /// less the mean product.
+    /// minus the mean product.
     ///
     /// 0.99 and 0.9995: decision 001.
     pub step: [f64; 2],

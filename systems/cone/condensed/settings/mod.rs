@@ -22,8 +22,8 @@ use crate::program::ConeProgram;
 /// Tolerance of increments by default (`acceptance.residual` of a scene).
 const DEFAULT_RESIDUAL: f64 = 1e-8;
 
-/// Settings of the condensed solver. serde reads and writes those that a scene may have: the fields
-/// that are numbers, without the safety factor.
+/// Settings of the condensed solver. serde reads and writes the fields that a scene may have: all
+/// numbers except the safety factor.
 #[non_exhaustive]
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -35,15 +35,15 @@ pub struct CondensedSettings {
     pub tolerance: f64,
     /// Safety factor on the tolerance that a program states.
     ///
-    /// 0.9: whoever judges the increment computes the residual again, with another round-off.
+    /// 0.9: the judge of the increment computes the residual again, with different round-off.
     #[serde(skip)]
     pub safety: f64,
     /// A tolerance above this is loose: small programs are not polished, and dynamic programs end
     /// with the first point within the tolerance.
     ///
     /// The default tolerance. Ending with the first point saves an eighth of the iterations in
-    /// dynamics and must not happen in statics, where it threw grains in 129 of 169 increments
-    /// (docs/benchmarks.md, *The first point that is accepted*).
+    /// dynamics. It must not happen in statics, where it threw grains in 129 of 169 increments
+    /// (decision 006).
     pub loose_tolerance: f64,
     /// Tolerance over the goal of the Newton iteration. The iteration measures the unbalance, which
     /// is not the residual of the program.
@@ -90,7 +90,7 @@ pub struct CondensedSettings {
     /// Sleeping bodies.
     #[serde(skip)]
     pub sleep: SleepSettings,
-    /// Polish of what the interior point leaves of a small program.
+    /// Polish of the solution of the interior point, in small programs.
     #[serde(skip)]
     pub polish: PolishSettings,
     /// The solver that is called where all others fail.

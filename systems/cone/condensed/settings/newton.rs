@@ -7,7 +7,7 @@ pub struct NewtonSettings {
     /// Maximum number of factorisations.
     ///
     /// 16 for the whole program: giving up earlier costs a tenth to a third of the time at the peak
-    /// of the rock specimen, since the interior point that follows is dearer (docs/benchmarks.md).
+    /// of the rock specimen, because the interior point that follows costs more (decision 007).
     pub max_iterations: u32,
     /// Length below which a step is tiny, as a fraction of the Newton step. Tiny steps in a row
     /// mean that every loose cluster holds all others back.
@@ -31,8 +31,8 @@ pub struct NewtonSettings {
     /// Damping of the first matrix: added to its diagonal, force over displacement. Halved by every
     /// factorisation. Keeps a step short where nothing is stiff.
     ///
-    /// 1e-10 for the whole program, 1e-6 for patches: less in patches than before gained a tenth to
-    /// a fifth of the time (docs/benchmarks.md, *leaving fast bodies behind*).
+    /// 1e-10 for the whole program, 1e-6 for patches. With less damping in patches than before, and
+    /// patches of up to 1500 bodies, a tenth to a fifth of the time was saved (decision 007).
     pub damping: f64,
     /// Minimum damping, force over displacement.
     ///
@@ -40,8 +40,7 @@ pub struct NewtonSettings {
     pub min_damping: f64,
     /// Minimum force that the unbalance is compared with.
     ///
-    /// 1e-3: where no contact carries anything, the loads are what counts, and they are of the
-    /// order of 1.
+    /// 1e-3: where no contact carries a force, the loads count, and they are of the order of 1.
     pub min_force: f64,
     /// Line search along a step.
     pub line_search: LineSearchSettings,
@@ -109,18 +108,19 @@ pub struct LocalSettings {
     pub min_unbalance: f64,
     /// Unbalance above which a body is eliminated, as a fraction of the maximum unbalance.
     ///
-    /// 0.05: fractions of 1 to 10 % make a tenth of the time (docs/benchmarks.md).
+    /// 0.05: fractions of 1 to 10 % change the time by a tenth (decision 007).
     pub share: f64,
     /// Interactions from a body that is eliminated to the bodies that are eliminated with it.
     ///
-    /// 2: 2 to 5 make a tenth of the time (docs/benchmarks.md).
+    /// 2: values of 2 to 5 change the time by a tenth (decision 007).
     pub rings: usize,
     /// Maximum number of bodies of a patch. Larger ones are left to the global step.
     ///
-    /// 1500: part of a tenth to a fifth of the time gained (docs/benchmarks.md).
+    /// 1500: saved a tenth to a fifth of the time, together with
+    /// [`damping`](NewtonSettings::damping) (decision 007).
     pub max_bodies: usize,
-    /// Maximum number of interactions of a body that is eliminated. Bodies with more are walls,
-    /// mostly, and would join everything to one patch.
+    /// Maximum number of interactions of a body that is eliminated. Bodies with more are mostly
+    /// walls, which would join everything to one patch.
     ///
     /// 32: a disk among equal ones has at most six contacts.
     pub max_interactions: usize,
@@ -128,18 +128,17 @@ pub struct LocalSettings {
     ///
     /// 50: far enough that the step of a patch does not close it unseen. Inert in decision 001.
     pub max_gap: f64,
-    /// Number of bodies to be eliminated from which on patches are shared out among threads.
-    /// Changes no result.
+    /// Minimum number of eliminated bodies for which patches are distributed among threads. Changes
+    /// no result.
     ///
-    /// 300: handing out less costs more time than it saves.
+    /// 300: distributing less costs more time than it saves.
     pub min_parallel_bodies: usize,
-    /// Unbalance that is left of a patch, over the maximum unbalance before.
+    /// Unbalance that a patch may keep, over the maximum unbalance before.
     ///
-    /// 1e-8: what is left is the residual of the whole program after the next step, if all but a
-    /// few clusters are elastic.
+    /// 1e-8: if all but a few clusters are elastic, the unbalance of a patch becomes the residual
+    /// of the whole program after the next step.
     pub residual: f64,
-    /// Unbalance that is left of a patch, over its maximum force: the looser of the two goals
-    /// counts.
+    /// Unbalance that a patch may keep, over its maximum force: the looser of the two goals counts.
     ///
     /// 1e-10: decision 001.
     pub goal: f64,
@@ -150,7 +149,7 @@ pub struct LocalSettings {
     pub fast: f64,
     /// Quantile of the steps of all bodies that fast bodies are compared with.
     ///
-    /// 0.97: other quantiles make a tenth of the time (docs/benchmarks.md).
+    /// 0.97: other quantiles change the time by a tenth (decision 007).
     pub fast_quantile: f64,
     /// Factor by which a step without the fast bodies must be longer for them to be left behind.
     ///
