@@ -318,6 +318,10 @@ pub enum MembraneValue {
     Area,
     /// Area over the distance of its two walls, m.
     Width,
+    /// Area that it encloses with the outermost grains, m^2.
+    OuterArea,
+    /// This area over the distance of its two walls, m.
+    OuterWidth,
 }
 
 /// The measures in the order of the scene. The quantity is `None` while its body is not in the

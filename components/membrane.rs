@@ -90,20 +90,30 @@ pub struct MembraneShape {
 
 impl MembraneShape {
     /// Area that the chains enclose, together with the two walls if they are open, m^2. It runs
-    /// through the centres of the grains. `None` if only one side is covered.
+    /// through the centres of the grains, on which the pressure acts: its work is that of the
+    /// pressure on the change of this area. `None` if only one side is covered.
     #[must_use]
     pub fn area(&self) -> Option<f64> {
-        let is_closed = match self.chains.as_slice() {
+        let points: Vec<DVec2> =
+            self.chains.iter().flat_map(|chain| &chain.points).copied().collect();
+        area_within(&points).filter(|_| self.is_around())
+    }
+
+    /// Area within the outer points of the chains ([`Chain::outer_points`]), m^2: the area of the
+    /// specimen with its outermost grains. `None` if only one side is covered.
+    #[must_use]
+    pub fn outer_area(&self) -> Option<f64> {
+        let points: Vec<DVec2> = self.chains.iter().flat_map(Chain::outer_points).collect();
+        area_within(&points).filter(|_| self.is_around())
+    }
+
+    /// Whether the chains enclose the specimen, alone or with two walls.
+    fn is_around(&self) -> bool {
+        match self.chains.as_slice() {
             [one] => one.closed,
             [_, _] => true,
             _ => false,
-        };
-        let points: Vec<DVec2> =
-            self.chains.iter().flat_map(|chain| &chain.points).copied().collect();
-        let first = *points.first().filter(|_| is_closed)?;
-        let next = points[1..].iter().chain([&first]);
-        // Relative to the first point, which keeps digits where the origin is far away.
-        Some(points.iter().zip(next).map(|(a, b)| 0.5 * (*a - first).perp_dot(*b - first)).sum())
+        }
     }
 
     /// Mean width, m: area over the distance of the two walls. `None` unless both sides are
@@ -113,13 +123,66 @@ impl MembraneShape {
         self.area().filter(|_| self.height > 0.0).map(|area| area / self.height)
     }
 
+    /// Mean width with the outermost grains, m: outer area over the distance of the two walls.
+    /// `None` unless both sides are covered.
+    #[must_use]
+    pub fn outer_width(&self) -> Option<f64> {
+        self.outer_area().filter(|_| self.height > 0.0).map(|area| area / self.height)
+    }
+
+    /// Distance between the feet of the two chains on one of the two walls, m. `None` unless both
+    /// sides are covered, and for any other body.
+    #[must_use]
+    pub fn base(&self, wall: BodyId) -> Option<f64> {
+        let [one, other] = self.chains.as_slice() else { return None };
+        let foot = |chain: &Chain| {
+            let at = [0, chain.bodies.len().checked_sub(1)?];
+            at.into_iter().find(|i| chain.bodies[*i] == wall).map(|i| chain.points[i])
+        };
+        Some(foot(one)?.distance(foot(other)?))
+    }
+
+    /// Unit vector along the first wall, in either direction. `None` if the membrane is closed.
+    #[must_use]
+    pub fn along(&self) -> Option<DVec2> {
+        let chain = self.chains.first().filter(|chain| !chain.closed)?;
+        let [foot, grain, ..] = chain.points.as_slice() else { return None };
+        (*grain - *foot).try_normalize().map(DVec2::perp)
+    }
+
+    /// Whether a particle, with its identity and its centre, belongs to the specimen within the
+    /// chains: it is one of theirs, or its centre lies between them.
+    pub fn holds(&self) -> impl Fn(BodyId, DVec2) -> bool + use<> {
+        let grains = self.ids();
+        let points: Vec<DVec2> =
+            self.chains.iter().flat_map(|chain| &chain.points).copied().collect();
+        move |id, x| {
+            if grains.binary_search(&id).is_ok() {
+                return true;
+            }
+            // Around a point within, the boundary winds once.
+            let crosses = |a: DVec2, b: DVec2| {
+                let side = (b - a).perp_dot(x - a);
+                let (up, down) = (a.y <= x.y && b.y > x.y, a.y > x.y && b.y <= x.y);
+                i32::from(up && side > 0.0) - i32::from(down && side < 0.0)
+            };
+            let next = points.iter().skip(1).chain(points.first());
+            points.iter().zip(next).map(|(a, b)| crosses(*a, *b)).sum::<i32>() != 0
+        }
+    }
+
     /// Number of grains in the chains. A grain that a chain passes twice counts once.
     #[must_use]
     pub fn grains(&self) -> usize {
+        self.ids().len()
+    }
+
+    /// Identities of the grains in the chains, in order.
+    fn ids(&self) -> Vec<BodyId> {
         let mut ids: Vec<BodyId> = self.chains.iter().flat_map(Chain::grains).copied().collect();
         ids.sort_unstable();
         ids.dedup();
-        ids.len()
+        ids
     }
 
     /// The links of all chains, from point to point, m.
@@ -128,6 +191,14 @@ impl MembraneShape {
             .iter()
             .flat_map(|chain| chain.links().map(|(i, j)| [chain.points[i], chain.points[j]]))
     }
+}
+
+/// Area within a closed polygon, m^2, positive anticlockwise. `None` without points.
+fn area_within(points: &[DVec2]) -> Option<f64> {
+    let first = *points.first()?;
+    let next = points[1..].iter().chain([&first]);
+    // Relative to the first point, which keeps digits where the origin is far away.
+    Some(points.iter().zip(next).map(|(a, b)| 0.5 * (*a - first).perp_dot(*b - first)).sum())
 }
 
 /// A chain of neighbouring grains with the specimen on its left.
@@ -139,6 +210,8 @@ pub struct Chain {
     /// Centres of the grains, and the feet of the perpendiculars from the outer grains to the
     /// walls, m.
     pub points: Vec<DVec2>,
+    /// Radii of the grains, m; 0 for a wall.
+    pub radii: Vec<f64>,
     /// Whether the last grain is followed by the first.
     pub closed: bool,
 }
@@ -163,6 +236,35 @@ impl Chain {
         }
     }
 
+    /// The outer points: of each grain the point of its surface that the resultant of the pressure
+    /// on it meets, a radius from the centre against the direction of that force; and of a wall the
+    /// foot of the perpendicular from the next one. A grain on which no force acts has its centre.
+    #[must_use]
+    pub fn outer_points(&self) -> Vec<DVec2> {
+        let mut ways = vec![DVec2::ZERO; self.points.len()];
+        for (a, b) in self.links() {
+            let way = self.points[b] - self.points[a];
+            let [on_a, on_b] = self.shares(a, b);
+            ways[a] += on_a * way;
+            ways[b] += on_b * way;
+        }
+        let outer = |((point, way), radius): ((&DVec2, &DVec2), &f64)| {
+            // The specimen is on the left of the way.
+            *point - way.normalize_or_zero().perp() * *radius
+        };
+        let mut points: Vec<DVec2> =
+            self.points.iter().zip(&ways).zip(&self.radii).map(outer).collect();
+        let n = points.len();
+        if !self.closed && n > 2 {
+            for (wall, next) in [(0, 1), (n - 1, n - 2)] {
+                let normal = (self.points[next] - self.points[wall]).normalize_or_zero();
+                let height = (points[next] - self.points[wall]).dot(normal);
+                points[wall] = points[next] - normal * height;
+            }
+        }
+        points
+    }
+
     /// The grains of the chain.
     fn grains(&self) -> &[BodyId] {
         let n = self.bodies.len();
@@ -176,7 +278,51 @@ mod tests {
 
     fn chain(points: &[(f64, f64)], closed: bool) -> Chain {
         let bodies = (0..points.len() as u32).map(BodyId).collect();
-        Chain { bodies, points: points.iter().map(|x| DVec2::from(*x)).collect(), closed }
+        let points: Vec<DVec2> = points.iter().map(|x| DVec2::from(*x)).collect();
+        let mut radii = vec![0.5; points.len()];
+        if let ([first, .., last], false) = (radii.as_mut_slice(), closed) {
+            (*first, *last) = (0.0, 0.0);
+        }
+        Chain { bodies, points, radii, closed }
+    }
+
+    /// Ten disks of radius 0.5: two columns of five between walls at 0 and 5.
+    #[test]
+    fn outer_points_lie_a_radius_from_the_centres_on_the_side_of_the_pressure() {
+        let column = |x: f64| (0..5).map(move |k| (x, 0.5 + f64::from(k)));
+        let right: Vec<_> = [(1.0, 0.0)].into_iter().chain(column(1.0)).chain([(1.0, 5.0)]).collect();
+        let mut left: Vec<_> =
+            [(0.0, 0.0)].into_iter().chain(column(0.0)).chain([(0.0, 5.0)]).collect();
+        left.reverse();
+        let mut chains = vec![chain(&right, false), chain(&left, false)];
+        // Walls 100 and 101; the grains of the chains have other identities.
+        for (chain, ends) in chains.iter_mut().zip([[100, 101], [101, 100]]) {
+            let n = chain.bodies.len();
+            (chain.bodies[0], chain.bodies[n - 1]) = (BodyId(ends[0]), BodyId(ends[1]));
+        }
+        let shape = MembraneShape { chains, height: 5.0, pressure: 0.0 };
+        assert_eq!((shape.area(), shape.width()), (Some(5.0), Some(1.0)));
+        assert_eq!((shape.outer_area(), shape.outer_width()), (Some(10.0), Some(2.0)));
+        assert_eq!((shape.base(BodyId(100)), shape.base(BodyId(101))), (Some(1.0), Some(1.0)));
+        assert_eq!((shape.base(BodyId(2)), shape.along().map(|t| t.abs())), (None, Some(DVec2::X)));
+        // The identity of a grain of the chain, a centre within, and one without.
+        let holds = shape.holds();
+        assert!(holds(BodyId(1), DVec2::new(9.0, 9.0)));
+        assert!(holds(BodyId(50), DVec2::new(0.5, 2.0)));
+        assert!(!holds(BodyId(50), DVec2::new(1.4, 2.0)));
+    }
+
+    /// The outer points of a ring lie on the circle that is a radius larger.
+    #[test]
+    fn outer_points_of_a_ring_are_a_ring() {
+        let n = 10;
+        let turn = std::f64::consts::TAU / f64::from(n);
+        let place = |k: i32| (3.0 * (turn * f64::from(k)).cos(), 3.0 * (turn * f64::from(k)).sin());
+        let ring: Vec<_> = (0..n).map(place).collect();
+        let shape = MembraneShape { chains: vec![chain(&ring, true)], ..Default::default() };
+        let expected = 0.5 * f64::from(n) * turn.sin() * 3.5 * 3.5;
+        assert!((shape.outer_area().unwrap() - expected).abs() < 1e-12 * expected);
+        assert_eq!(shape.along(), None);
     }
 
     #[test]

@@ -138,7 +138,7 @@ impl EndTables<'_, '_> {
                         self.strains.between(*a, *b)? * self.strains.between(*c, *d)?
                     }
                     MeasureArea::Membrane(membrane) => {
-                        self.membranes.get(*membrane).ok()?.area()?
+                        return self.porosity_within(self.membranes.get(*membrane).ok()?);
                     }
                 };
                 let disks: f64 = self.bodies.radii.iter().map(|r| PI * r * r).sum();
@@ -188,6 +188,8 @@ impl EndTables<'_, '_> {
                     MembraneValue::Grains => Some(shape.grains() as f64),
                     MembraneValue::Area => shape.area(),
                     MembraneValue::Width => shape.width(),
+                    MembraneValue::OuterArea => shape.outer_area(),
+                    MembraneValue::OuterWidth => shape.outer_width(),
                 }
             }
             Quantity::Poured { mass } => {
@@ -196,6 +198,16 @@ impl EndTables<'_, '_> {
             }
             Quantity::Time => Some(self.observation.time),
         }
+    }
+
+    /// Porosity of the outer area of a membrane. Disks that have left the specimen do not count.
+    fn porosity_within(&self, shape: &MembraneShape) -> Option<f64> {
+        let area = shape.outer_area()?;
+        let bodies = &self.bodies;
+        let particles = bodies.ids.iter().zip(&bodies.positions).zip(&bodies.radii);
+        let holds = shape.holds();
+        let held = particles.filter(|((id, x), _)| holds(**id, **x));
+        Some(1.0 - held.map(|(_, r)| PI * r * r).sum::<f64>() / area)
     }
 
     fn coordination(&self, rattlers: bool) -> Option<f64> {

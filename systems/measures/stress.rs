@@ -105,6 +105,13 @@ fn component(stress: [[f64; 2]; 2], component: StressComponent) -> f64 {
     }
 }
 
+/// What the pressure on the leaning sides of a specimen adds to the force of one of the two walls
+/// of the membrane in the mean over all sections along it, over the thickness, N/m. The pressure
+/// acts on the difference of the width of a section from that at the wall.
+fn leaning(shape: &MembraneShape, wall: BodyId) -> Option<f64> {
+    Some(shape.pressure * (shape.width()? - shape.base(wall)?))
+}
+
 /// Tables of the increment from which stresses follow. Average stresses refer to the geometry at
 /// its start, which [`Bodies`] holds until it is gathered anew.
 #[derive(SystemParam)]
@@ -115,7 +122,11 @@ pub struct StressTables<'w, 's> {
     analysis: Res<'w, Analysis>,
     attempt: Res<'w, Attempt>,
     geometry: Geometry<'w, 's>,
-    forces: Query<'w, 's, (&'static Wall, &'static ExternalForce, &'static LastMotion)>,
+    forces: Query<
+        'w,
+        's,
+        (&'static Wall, &'static ExternalForce, &'static LastMotion, &'static BodyId),
+    >,
     membranes: Query<'w, 's, &'static MembraneShape>,
 }
 
@@ -144,18 +155,21 @@ impl StressTables<'_, '_> {
         let thickness = self.analysis.thickness;
         match measure {
             StressMeasure::Walls { walls, length } => {
+                let membrane = match *length {
+                    MeasureLength::Membrane(membrane) => self.membranes.get(membrane).ok(),
+                    _ => None,
+                };
                 let mut sum = 0.0;
-                for wall in walls {
-                    let (wall, force, motion) = self.forces.get(*wall).ok()?;
+                for entity in walls {
+                    let (wall, force, motion, id) = self.forces.get(*entity).ok()?;
                     let inward = as_it_carried(wall, motion).inward();
                     sum += DVec2::new(force.0[0], force.0[1]).dot(inward);
+                    sum += thickness * membrane.and_then(|m| leaning(m, *id)).unwrap_or(0.0);
                 }
                 let length = match *length {
                     MeasureLength::Fixed(length) => length,
                     MeasureLength::Between(a, b) => self.distance(a, b)?,
-                    MeasureLength::Membrane(membrane) => {
-                        self.membranes.get(membrane).ok()?.width()?
-                    }
+                    MeasureLength::Membrane(_) => membrane?.outer_width()?,
                 };
                 Some(sum / walls.len() as f64 / (length * thickness))
             }
@@ -167,7 +181,8 @@ impl StressTables<'_, '_> {
                         self.distance(*a, *b)? * self.distance(*c, *d)?
                     }
                     MeasureArea::Membrane(membrane) => {
-                        self.membranes.get(*membrane).ok()?.area()?
+                        let shape = self.membranes.get(*membrane).ok()?;
+                        return Some(component(self.within(shape)?, *of));
                     }
                 };
                 let (bodies, contacts) = (&self.bodies, &self.contacts);
@@ -182,6 +197,28 @@ impl StressTables<'_, '_> {
             }
             StressMeasure::Membrane(membrane) => Some(self.membranes.get(*membrane).ok()?.pressure),
         }
+    }
+
+    /// Average stress within a membrane, Pa. A closed one acts on the centres of its grains, and so
+    /// does all else that loads the specimen: the average is that over the polygon through them.
+    /// Between walls, which act on whole grains, it is that over the outer area. The strip from the
+    /// centres to the outer points carries the pressure across, and nothing along the sides but the
+    /// contacts.
+    fn within(&self, shape: &MembraneShape) -> Option<[[f64; 2]; 2]> {
+        let (inner, thickness) = (shape.area()?, self.analysis.thickness);
+        let (area, across) = match shape.along() {
+            Some(along) => (shape.outer_area()?, along),
+            None => (inner, DVec2::ZERO),
+        };
+        let (bodies, contacts) = (&self.bodies, &self.contacts);
+        let mut stress = average_stress(bodies, contacts, &self.solution, area, thickness);
+        let strip = shape.pressure * (area - inner) / area;
+        for (i, row) in stress.iter_mut().enumerate() {
+            for (j, entry) in row.iter_mut().enumerate() {
+                *entry += strip * across[i] * across[j];
+            }
+        }
+        Some(stress)
     }
 
     /// Distance of two walls at the start of the increment, m. The load of a stress-controlled wall
@@ -232,7 +269,7 @@ pub fn stress_error(
                 MeasureLength::Fixed(length) => length,
                 MeasureLength::Between(a, b) => distance(a, b),
                 MeasureLength::Membrane(membrane) => {
-                    shape(membrane).and_then(MembraneShape::width).unwrap_or(f64::NAN)
+                    shape(membrane).and_then(MembraneShape::outer_width).unwrap_or(f64::NAN)
                 }
             };
             (at_walls.map(|(_, error)| error).sum::<f64>() / walls.len() as f64, length)

@@ -16,7 +16,6 @@ mod rolling_ball;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
-use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use clastic_components::body::BodyId;
@@ -139,25 +138,28 @@ pub fn renew_shapes(
 pub fn find_shape(membrane: &Membrane, pressure: f64, bodies: &Bodies) -> MembraneShape {
     let positions = &bodies.positions[..bodies.particles];
     let ball = RollingBall::new(positions, &bodies.radii, membrane.ball);
-    let grains = |chain: &[usize]| -> (Vec<BodyId>, Vec<DVec2>) {
-        chain.iter().map(|i| (bodies.ids[*i], positions[*i])).unzip()
+    let grains = |chain: &[usize]| -> Chain {
+        Chain {
+            bodies: chain.iter().map(|i| bodies.ids[*i]).collect(),
+            points: chain.iter().map(|i| positions[*i]).collect(),
+            radii: chain.iter().map(|i| bodies.radii[*i]).collect(),
+            closed: true,
+        }
     };
     let open = |(first, from): (BodyId, Line), (second, to): (BodyId, Line)| {
-        let (mut ids, mut points) = grains(&ball.between(&from, &to)?);
-        let (start, end) = (from.foot(*points.first()?), to.foot(*points.last()?));
-        ids.insert(0, first);
-        ids.push(second);
-        points.insert(0, start);
-        points.push(end);
-        Some(Chain { bodies: ids, points, closed: false })
+        let mut chain = grains(&ball.between(&from, &to)?);
+        let (start, end) = (from.foot(*chain.points.first()?), to.foot(*chain.points.last()?));
+        chain.bodies.insert(0, first);
+        chain.bodies.push(second);
+        chain.points.insert(0, start);
+        chain.points.push(end);
+        chain.radii.insert(0, 0.0);
+        chain.radii.push(0.0);
+        Some(Chain { closed: false, ..chain })
     };
     let (chains, height) = match membrane.course {
         Course::Closed => {
-            let around = ball.around().map(|chain| {
-                let (bodies, points) = grains(&chain);
-                vec![Chain { bodies, points, closed: true }]
-            });
-            (around, 0.0)
+            (ball.around().map(|chain| vec![grains(&chain)]), 0.0)
         }
         Course::Between { first, second, sides } => {
             match (wall_line(bodies, first), wall_line(bodies, second)) {
