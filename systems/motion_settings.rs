@@ -37,9 +37,11 @@ pub struct MotionSettings {
     /// 0.1: a step changes direction, so that the last one does not tell which pairs close. It is
     /// less than what one step aims at; no study.
     pub reach: f64,
-    /// Travel below which a motion is none, radii.
+    /// Travel below which a motion is none, over
+    /// [`Acceptance::throw`](clastic_components::increment::Acceptance::throw). A fixed length would
+    /// take a motion for none that a small `throw` has asked for.
     ///
-    /// 1e-2: a fifteenth of what one step aims at; no study.
+    /// 1/30: a fifteenth of what one step aims at where `throw` has its default; no study.
     pub min_travel: f64,
     /// Maximum strain under constant loads, over
     /// [`Acceptance::snap`](clastic_components::increment::Acceptance::snap). A specimen beyond
@@ -106,7 +108,7 @@ impl Default for MotionSettings {
             max_motions: 12,
             max_failures: 10,
             reach: 0.1,
-            min_travel: 1e-2,
+            min_travel: 1.0 / 30.0,
             max_strain: 10.0,
             max_travel_at_rest: 0.05,
             max_overload: 1.0 / 3.0,

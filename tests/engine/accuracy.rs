@@ -1,0 +1,128 @@
+//! Static stages that choose their increments by an accuracy: the error against small increments,
+//! loads that land on their targets, and stages to which an accuracy does not apply.
+
+use clastic::components::observation::Observation;
+use clastic::components::step_control::StepControl;
+use clastic::prelude::*;
+use clastic::scene::format::Scene;
+
+use crate::common::{self, parse, stage};
+use crate::followed_motion::confinement;
+
+/// The biaxial test of 200 disks without bonds under 100 kPa: `increments` close it by 1.2 % of its
+/// height.
+fn biaxial(increments: u32, accuracy: Option<f64>) -> Scene {
+    let closing = 0.6 * 0.012 * 0.105 / f64::from(increments);
+    let text = confinement(0.2, 0.3, 7).replace(
+        "            ],\n            measures: (",
+        &format!(
+            "Load(name: \"shear\", increments: {increments}, walls: {{
+                \"bottom\": Displacement(0.0, {closing:?}), \"top\": Displacement(0.0, {:?}) }}),
+            ],
+            measures: (
+                axial_strain: Walls(\"bottom\", \"top\"),",
+            -closing
+        ),
+    );
+    let mut scene = parse(&text);
+    stage(&mut scene, "shear").accuracy = accuracy;
+    scene
+}
+
+/// Axial strain and axial stress in the stage.
+fn curve(records: &[Observation]) -> Vec<(f64, f64)> {
+    let shear = records.iter().filter(|o| o.stage == "shear");
+    shear.map(|o| (o.axial_strain.unwrap(), o.axial_stress.unwrap())).collect()
+}
+
+/// Mean error of the axial stress at the ends of increments, over that of small increments.
+fn error(curve: &[(f64, f64)], exact: &[(f64, f64)]) -> f64 {
+    let at = |strain: f64| {
+        let k = exact.partition_point(|(e, _)| *e < strain - 1e-12).min(exact.len() - 1).max(1);
+        let ((a, x), (b, y)) = (exact[k - 1], exact[k]);
+        x + (y - x) * (strain - a) / (b - a)
+    };
+    // Weights are the lengths of the increments.
+    let mut last = 0.0;
+    let mut sum = 0.0;
+    for (strain, stress) in curve {
+        sum += (strain - last) * (stress / at(*strain) - 1.0).abs();
+        last = *strain;
+    }
+    sum / last
+}
+
+/// 4 increments of 0.3 % strain are wrong by several per cent. With an accuracy the error is that
+/// accuracy or less, and no smaller increments are made than it needs.
+#[test]
+fn the_error_follows_the_accuracy() {
+    let run = |increments, accuracy| {
+        let (records, outcome) = common::run(&biaxial(increments, accuracy));
+        assert_eq!(outcome, Outcome::Completed);
+        curve(&records)
+    };
+    let exact = run(256, None);
+    let coarse = error(&run(4, None), &exact);
+    assert!(coarse > 0.03, "{coarse}: nothing to improve");
+    let mut rows = 4;
+    for accuracy in [0.02, 0.005] {
+        let chosen = run(4, Some(accuracy));
+        let found = error(&chosen, &exact);
+        assert!(found <= accuracy, "{accuracy}: {found} in {} increments", chosen.len());
+        assert!(chosen.len() > rows && chosen.len() < 160, "{}", chosen.len());
+        rows = chosen.len();
+        // The ends of the increments that the stage asks for are ends of increments.
+        let last = chosen.last().unwrap().0;
+        assert!((last - exact.last().unwrap().0).abs() < 1e-12);
+        for k in 1..4 {
+            let wanted = last * f64::from(k) / 4.0;
+            let near = chosen.iter().any(|(strain, _)| (strain - wanted).abs() < 1e-9);
+            assert!(near, "no increment ends at {wanted}");
+        }
+    }
+}
+
+/// What the estimates solve in vain is counted in the rows, and leaves the loads where they should
+/// be.
+#[test]
+fn stresses_land_on_their_targets() {
+    let mut scene = parse(&confinement(0.2, 0.3, 7));
+    stage(&mut scene, "confine").accuracy = Some(0.02);
+    stage(&mut scene, "confine").increments = 3;
+    let (records, outcome) = common::run(&scene);
+    assert_eq!(outcome, Outcome::Completed);
+    let last = records.last().unwrap();
+    for stress in [last.axial_stress, last.lateral_stress] {
+        assert!((stress.unwrap() / 100e3 - 1.0).abs() < 1e-7, "{stress:?}");
+    }
+    let confine: Vec<_> = records.iter().filter(|o| o.stage == "confine").collect();
+    let sum: f64 = confine.iter().map(|o| o.fraction).sum();
+    assert!((sum - 3.0).abs() < 1e-9, "{sum}");
+    // A pair takes three solves.
+    let solves: u32 = confine.iter().map(|o| o.solves).sum();
+    assert!(solves as usize >= confine.len() * 3 / 2, "{solves} in {}", confine.len());
+}
+
+/// A stage without an accuracy after one that has it makes the increments that it asks for.
+#[test]
+fn an_accuracy_is_that_of_its_stage() {
+    let mut scene = biaxial(4, None);
+    stage(&mut scene, "confine").accuracy = Some(0.02);
+    let (records, _) = common::run(&scene);
+    assert!(records.iter().filter(|o| o.stage == "shear").all(|o| o.fraction == 1.0));
+    assert!(records.iter().any(|o| o.stage == "confine" && o.fraction < 1.0));
+}
+
+/// Bonds of a saved state are only known when the stage begins.
+#[test]
+fn a_stage_with_bonds_is_refused() {
+    let mut scene = common::load("tension");
+    let load = scene.stages.iter().find_map(|s| s.load()).unwrap().name.clone();
+    stage(&mut scene, &load).accuracy = Some(0.01);
+    let mut simulation = Simulation::new(&scene, None);
+    let Outcome::Refused { message, .. } = simulation.run() else {
+        panic!("the stage was not refused")
+    };
+    assert!(message.contains("`accuracy` is for stages without bonds"), "{message}");
+    assert!(!simulation.world().contains_resource::<StepControl>());
+}
