@@ -1,37 +1,41 @@
 //! Static stages that choose their increments by an accuracy: the error against small increments,
 //! loads that land on their targets, and stages to which an accuracy does not apply.
 
+use std::path::Path;
+
 use clastic::components::observation::Observation;
 use clastic::components::step_control::StepControl;
 use clastic::prelude::*;
-use clastic::scene::format::Scene;
+use clastic::scene;
 
 use crate::common::{self, parse, stage};
 use crate::followed_motion::confinement;
 
-/// The biaxial test of 200 disks without bonds under 100 kPa: `increments` close it by 1.2 % of its
-/// height.
-fn biaxial(increments: u32, accuracy: Option<f64>) -> Scene {
-    let closing = 0.6 * 0.012 * 0.105 / f64::from(increments);
-    let text = confinement(0.2, 0.3, 7).replace(
-        "            ],\n            measures: (",
-        &format!(
-            "Load(name: \"shear\", increments: {increments}, walls: {{
-                \"bottom\": Displacement(0.0, {closing:?}), \"top\": Displacement(0.0, {:?}) }}),
-            ],
-            measures: (
-                axial_strain: Walls(\"bottom\", \"top\"),",
-            -closing
-        ),
-    );
-    let mut scene = parse(&text);
-    stage(&mut scene, "shear").accuracy = accuracy;
-    scene
+/// `biaxial_small` without its bonds: `increments` close it by 1.2 % of its height. `accuracies` are those of the
+/// two stages.
+fn biaxial(increments: u32, accuracies: [Option<f64>; 2]) -> Vec<Observation> {
+    let closing = 0.006 * 0.2147896 / f64::from(increments);
+    let sets = [
+        format!("stages.load.increments={increments}"),
+        format!("stages.load.walls.bottom=Displacement(0.0, {closing:?})"),
+        format!("stages.load.walls.top=Displacement(0.0, {:?})", -closing),
+        "stages.load.stop=[]".to_owned(),
+    ];
+    let path = format!("{}/scenes/biaxial_small.ron", env!("CARGO_MANIFEST_DIR"));
+    let mut loaded = scene::load(Path::new(&path), &sets).unwrap();
+    loaded.scene.stages.retain(|stage| stage.name() != "cement");
+    for (name, accuracy) in ["confine", "load"].into_iter().zip(accuracies) {
+        stage(&mut loaded.scene, name).accuracy = accuracy;
+    }
+    let mut simulation = Simulation::new(&loaded.scene, loaded.specimen.as_ref());
+    let records = std::iter::from_fn(|| common::next(&mut simulation)).collect();
+    assert_eq!(simulation.run(), Outcome::Completed);
+    records
 }
 
 /// Axial strain and axial stress in the stage.
 fn curve(records: &[Observation]) -> Vec<(f64, f64)> {
-    let shear = records.iter().filter(|o| o.stage == "shear");
+    let shear = records.iter().filter(|o| o.stage == "load");
     shear.map(|o| (o.axial_strain.unwrap(), o.axial_stress.unwrap())).collect()
 }
 
@@ -56,12 +60,8 @@ fn error(curve: &[(f64, f64)], exact: &[(f64, f64)]) -> f64 {
 /// accuracy or less, and no smaller increments are made than it needs.
 #[test]
 fn the_error_follows_the_accuracy() {
-    let run = |increments, accuracy| {
-        let (records, outcome) = common::run(&biaxial(increments, accuracy));
-        assert_eq!(outcome, Outcome::Completed);
-        curve(&records)
-    };
-    let exact = run(256, None);
+    let run = |increments, accuracy| curve(&biaxial(increments, [None, accuracy]));
+    let exact = run(128, None);
     let coarse = error(&run(4, None), &exact);
     assert!(coarse > 0.03, "{coarse}: nothing to improve");
     let mut rows = 4;
@@ -86,7 +86,7 @@ fn the_error_follows_the_accuracy() {
 /// be.
 #[test]
 fn stresses_land_on_their_targets() {
-    let mut scene = parse(&confinement(0.2, 0.3, 7));
+    let mut scene = parse(&confinement(0.21, 0.4, 7));
     stage(&mut scene, "confine").accuracy = Some(0.02);
     stage(&mut scene, "confine").increments = 3;
     let (records, outcome) = common::run(&scene);
@@ -106,10 +106,8 @@ fn stresses_land_on_their_targets() {
 /// A stage without an accuracy after one that has it makes the increments that it asks for.
 #[test]
 fn an_accuracy_is_that_of_its_stage() {
-    let mut scene = biaxial(4, None);
-    stage(&mut scene, "confine").accuracy = Some(0.02);
-    let (records, _) = common::run(&scene);
-    assert!(records.iter().filter(|o| o.stage == "shear").all(|o| o.fraction == 1.0));
+    let records = biaxial(4, [Some(0.02), None]);
+    assert!(records.iter().filter(|o| o.stage == "load").all(|o| o.fraction == 1.0));
     assert!(records.iter().any(|o| o.stage == "confine" && o.fraction < 1.0));
 }
 
