@@ -83,7 +83,7 @@ mod tests {
                 }
                 found
             };
-            let Part { fraction, is_checked } = part(&control, 1.0 - done.fract(), FINEST);
+            let Part { fraction, is_checked } = part(&control, 1.0 - done.fract(), 1e-4);
             if !is_checked {
                 take(&mut done, fraction);
                 control.unchecked += 1;
