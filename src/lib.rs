@@ -69,6 +69,7 @@ use clastic_systems::record::RecordPlugin;
 use clastic_systems::rupture_bonds::RuptureBondsPlugin;
 use clastic_systems::schedule::SchedulePlugin;
 use clastic_systems::solve_program::SolveProgramPlugin;
+use clastic_systems::step_control::StepControlPlugin;
 use clastic_systems::stepping::SteppingPlugin;
 use clastic_systems::trial_loads::TrialLoadsPlugin;
 use clastic_systems::update_state::UpdateStatePlugin;
@@ -109,6 +110,7 @@ impl PluginGroup for ClasticPlugins {
             .add(AssembleProgramPlugin)
             .add(SolveProgramPlugin)
             .add(AttemptPlugin)
+            .add(StepControlPlugin)
             .add(UpdateStatePlugin)
             .add(RuptureBondsPlugin)
             .add(EnergyLedgerPlugin)

@@ -29,6 +29,7 @@ pub mod rupture_density;
 pub mod schedule;
 pub mod solve_program;
 pub mod state;
+pub mod step_control;
 pub mod stepping;
 pub mod trial_loads;
 pub mod update_state;

@@ -37,9 +37,11 @@ pub struct MotionSettings {
     /// 0.1: a step may change direction, so that the last step does not tell which pairs close. The
     /// value is below the intended travel of one step; no study.
     pub reach: f64,
-    /// Minimum travel that counts as a motion, radii.
+    /// Travel below which a motion is none, over
+    /// [`Acceptance::throw`](clastic_components::increment::Acceptance::throw). A fixed length would
+    /// take a motion for none that a small `throw` has asked for.
     ///
-    /// 1e-2: a fifteenth of the intended travel of one step; no study.
+    /// 1/30: a fifteenth of what one step aims at where `throw` has its default; no study.
     pub min_travel: f64,
     /// Maximum strain under constant loads, over
     /// [`Acceptance::snap`](clastic_components::increment::Acceptance::snap). A specimen beyond it
@@ -107,7 +109,7 @@ impl Default for MotionSettings {
             max_motions: 12,
             max_failures: 10,
             reach: 0.1,
-            min_travel: 1e-2,
+            min_travel: 1.0 / 30.0,
             max_strain: 10.0,
             max_travel_at_rest: 0.05,
             max_overload: 1.0 / 3.0,

@@ -3,6 +3,7 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::increment::{Analysis, Progress};
+use clastic_components::step_control::StepControl;
 
 use super::script::Script;
 use super::settings::analysis;
@@ -13,6 +14,9 @@ use crate::scene::format as scene;
 /// Sets up a loading stage.
 pub fn begin(world: &mut World, stage: &scene::Load) {
     let analysis = set_up(world, stage.analysis, stage.gravity, stage.increments);
+    if let Some(accuracy) = stage.accuracy {
+        world.insert_resource(StepControl::new(accuracy));
+    }
 
     let confining = membranes::stress_of(world, &stage.remove_walls);
     for name in &stage.remove_walls {

@@ -3,6 +3,7 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::body::{BodyId, Position};
+use clastic_components::bond::BondState;
 use clastic_components::particle::Particle;
 
 use super::select::selected;
@@ -49,6 +50,21 @@ pub(super) fn why_empty(select: &scene::Select) -> (String, String) {
             "give one that has particles where they are by then".to_owned(),
         ),
     }
+}
+
+/// A bond in a stage that chooses its increments by their error: the error of ruptures is not
+/// estimated.
+pub fn bonds_with_accuracy(world: &mut World, stage: &scene::Load) -> Option<String> {
+    stage.accuracy?;
+    let mut bonds = world.query::<&BondState>();
+    let intact = bonds.iter(world).filter(|state| **state == BondState::Intact).count();
+    (intact > 0).then(|| {
+        format!(
+            "stage `{}` cannot begin: `accuracy` is for stages without bonds, and there are \
+             {intact}; leave it out",
+            stage.name
+        )
+    })
 }
 
 /// A thin wall that comes where a particle is. The stage is refused, because the side of the

@@ -4,6 +4,7 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::increment::Progress;
 use clastic_components::observation::Measures;
+use clastic_components::step_control::StepControl;
 use clastic_systems::measures::strain::take_reference;
 use clastic_systems::stepping::Due;
 
@@ -87,6 +88,7 @@ fn refusal(world: &mut World, stage: &Stage) -> Option<String> {
 fn load_refusal(world: &mut World, load: &Load) -> Option<String> {
     load_refusals::selects_nothing(world, load)
         .or_else(|| load_refusals::cuts_through(world, load))
+        .or_else(|| load_refusals::bonds_with_accuracy(world, load))
         .or_else(|| kept_stress::refusal(world, load))
         .or_else(|| rigid::refusal(world, load))
         .or_else(|| membranes::refusal(world, load))
@@ -119,6 +121,7 @@ fn begin(world: &mut World, stage: Stage) {
     script.stop = false;
     let is_reference = index == script.reference_stage();
     until::begin(world, &stage);
+    world.remove_resource::<StepControl>();
     if is_reference {
         world.resource_mut::<Measures>().reference_stage = index;
     }

@@ -44,6 +44,7 @@ use clastic_components::increment::{
     Acceptance, Analysis, AnalysisKind, Corrector, FrictionLaw, Progress, RuptureRules,
 };
 use clastic_components::loads::TrialLoads;
+use clastic_components::step_control::StepControl;
 use clastic_cone::program::ConeSolution;
 
 use self::next::{Budget, Next, next};
@@ -76,7 +77,12 @@ impl Plugin for AttemptPlugin {
             .init_resource::<FrictionLaw>()
             .init_resource::<RuptureRules>()
             .init_resource::<Progress>()
-            .add_systems(Increment, run_attempts.in_set(IncrementSystems::Attempts))
+            .add_systems(
+                Increment,
+                run_attempts
+                    .in_set(IncrementSystems::Attempts)
+                    .run_if(not(resource_exists::<StepControl>)),
+            )
             .add_systems(
                 AttemptIncrement,
                 (

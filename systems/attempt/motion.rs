@@ -27,6 +27,7 @@ use clastic_components::motion::Motion;
 use clastic_cone::program::{ConeProgram, ConeSolution, SolveStatus};
 
 use super::clear;
+use super::thrown_grains::digits;
 use crate::kinetic_damping;
 use crate::mean_field::{furthest, mean_strain};
 use crate::motion_settings::MotionSettings;
@@ -126,7 +127,7 @@ pub fn judge_length(
     let length = attempt.motion().map_or(1.0, |motion| motion.length);
     if !(far <= length * Acceptance::MAX_TRAVEL) {
         attempt.verdict =
-            Verdict::TooFar(format!("a step of the motion moves a grain by {far:.2} radii"));
+            Verdict::TooFar(format!("a step of the motion moves a grain by {} radii", digits(far)));
         return;
     }
     if attempt.motion().is_some_and(|motion| motion.released) {
@@ -156,7 +157,7 @@ pub fn judge_rest(
         && far <= motion.length * settings.max_travel_at_rest)
         || (is_free && motion.free_steps + 1 >= settings.max_free_steps);
     let travelled = motion.travelled + far;
-    let moved = travelled > motion.length * settings.min_travel;
+    let moved = travelled > settings.min_travel * acceptance.throw;
     attempt.verdict = if attempt.bounded && strain > settings.max_strain * acceptance.snap {
         Verdict::GivesWay(format!(
             "the motion under constant loads strains the specimen by {:.0} % and does \

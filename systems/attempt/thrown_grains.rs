@@ -78,14 +78,25 @@ pub fn thrown(
     (!(far <= acceptance.throw)).then(|| {
         let at = bodies.positions[i];
         format!(
-            "{} at ({:.4e}, {:.4e}) m would be thrown by {far:.2} radii relative to the mean \
+            "{} at ({:.4e}, {:.4e}) m would be thrown by {} radii relative to the mean \
              motion; `acceptance.throw` allows {}",
             bodies.name(i),
             at.x,
             at.y,
+            digits(far),
             acceptance.throw
         )
     })
+}
+
+/// A number with three significant digits and at least two decimals.
+pub(super) fn digits(number: f64) -> String {
+    let decimals = (2.0 - number.abs().log10().floor()).max(2.0);
+    if decimals.is_finite() {
+        format!("{number:.0$}", decimals as usize)
+    } else {
+        number.to_string()
+    }
 }
 
 /// Whether a solution moves a grain so far that the grain lacks support. Other scales do not help
@@ -97,4 +108,20 @@ pub(super) fn is_unsupported(
 ) -> bool {
     solution.displacements.len() == bodies.rows_in_program()
         && furthest(bodies, program, solution).is_some_and(|(_, far)| far > UNSUPPORTED)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::digits;
+
+    /// A grain was "thrown by 0.00 radii; accepted 0.003".
+    #[test]
+    fn small_numbers_keep_their_digits() {
+        assert_eq!(digits(0.004_512), "0.00451");
+        assert_eq!(digits(0.301), "0.301");
+        assert_eq!(digits(12.345), "12.35");
+        assert_eq!(digits(0.0), "0");
+        assert_eq!(digits(f64::NAN), "NaN");
+        assert_eq!(digits(f64::INFINITY), "inf");
+    }
 }

@@ -24,6 +24,26 @@ fn biaxial_test_after_every_increment() {
     assert!(records.iter().any(|o| !o.ruptures.is_empty()), "no bond broke");
 }
 
+/// The fraction that an accuracy has chosen, its estimate, and the first half of a pair whose second
+/// is to come, are those of the state.
+#[test]
+fn increments_that_an_accuracy_chooses() {
+    let sets = [
+        "specimen.count=64",
+        "specimen.columns=8",
+        "cell.size=(0.0808, 0.0808)",
+        "stages.compact.step=4.0e-3",
+        "stages.confine.increments=2",
+        "stages.shear.increments=6",
+        "stages.shear.accuracy=0.02",
+    ];
+    let loaded = load("simple_shear_periodic", &sets);
+    let records = same_from_anywhere(&loaded, |_| true);
+    let shear: Vec<_> = records.iter().filter(|o| o.stage == "shear").collect();
+    let short = shear.iter().filter(|o| o.fraction < 1.0).count();
+    assert!(short >= 4 && short % 2 == 0, "{short} of {}", shear.len());
+}
+
 /// Radii that have grown are those of the state, and grow on to the same end.
 #[test]
 fn radius_expansion_under_either_law_of_friction() {

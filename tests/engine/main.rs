@@ -4,6 +4,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod accuracy;
 mod analytic_bonds;
 mod analytic_dynamics;
 mod analytic_lattice;

@@ -334,6 +334,7 @@ fn load(
         membranes: Default::default(),
         remove_membranes: Vec::new(),
         cell: None,
+        accuracy: None,
         stop: Vec::new(),
     }
 }

@@ -63,6 +63,10 @@ pub struct Load {
     /// Control of the periodic cell, boxed since few stages have one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cell: Option<Box<CellControl>>,
+    /// Error of the mean stress at which the increments aim, over the stress; without it they are
+    /// those that the stage asks for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub accuracy: Option<f64>,
     /// Conditions that end the stage early.
     #[serde(default)]
     pub stop: Vec<Stop>,

@@ -161,6 +161,7 @@ impl From<Fields> for Pour {
             membranes: BTreeMap::new(),
             remove_membranes: Vec::new(),
             cell: None,
+            accuracy: None,
             stop: of.stop,
             record: of.record,
         };

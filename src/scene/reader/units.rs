@@ -89,8 +89,8 @@ pub(in crate::scene) fn unit_of(name: &str, around: Option<&'static str>) -> Opt
         "force" | "Force" => "N",
         "moment" => "N m",
         "theta" | "friction" | "rolling_friction" | "restitution" | "tolerance" | "residual"
-        | "throw" | "deviation" | "agitation" | "affine" | "Porosity" | "AxialStrain"
-        | "StressDrop" => "",
+        | "throw" | "deviation" | "accuracy" | "agitation" | "affine" | "Porosity"
+        | "AxialStrain" | "StressDrop" => "",
         // Lengths and areas share this name of a variant.
         "Fixed" => return around,
         _ => return None,

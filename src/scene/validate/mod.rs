@@ -2,6 +2,7 @@
 //!
 //! Every check adds a [`Finding`] and goes on, so that one run reports everything.
 
+mod accuracy;
 mod bonds;
 mod carried;
 mod cell;

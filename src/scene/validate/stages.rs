@@ -13,7 +13,7 @@ use super::findings::Findings;
 use super::parts::{WALL, motion, wall_there};
 use super::select::select;
 use super::wall_controls::control_of_wall;
-use super::{Context, carried, membranes, pour, rigid, stops, walls};
+use super::{Context, accuracy, carried, membranes, pour, rigid, stops, walls};
 
 /// Maximum number of increments of a compaction.
 const MAX_STEPS: f64 = 1e8;
@@ -52,6 +52,7 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
             }
             Stage::Load(stage) => {
                 load(context, path, (i, stage), &mut present, findings);
+                accuracy::check(context, path, (i, stage), findings);
                 carried::check(path, stage, &mut stresses, findings);
                 pour::none_is_full(path, stage, findings);
                 rigid::check(context, path, stage, &present, &mut groups, findings);

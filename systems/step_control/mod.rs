@@ -1,0 +1,146 @@
+//! Increments of a static stage that are chosen by their error ([`StepControl`]).
+//!
+//! The normals of the start of an increment hold until its end. The stress at its end therefore has
+//! an error in proportion to the increment, which later increments do not inherit. Two increments
+//! are solved in one as well: the difference of the mean stresses at the end is the error of the
+//! two. The two are committed. The solution in one is made on the tables and leaves nothing behind
+//! but the starting point of the solver.
+
+pub mod control;
+
+use bevy_app::{App, Plugin};
+use bevy_ecs::prelude::*;
+
+use clastic_components::attempt::{Attempt, IncrementStatus};
+use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::contact_history::DraftHistory;
+use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
+use clastic_components::step_control::{StepControl, Whole};
+use clastic_cone::program::ConeSolution;
+
+use crate::attempt::run_attempts;
+use crate::measures::stress::average_stress;
+use crate::schedule::{Increment, IncrementSystems};
+use crate::state::RegisterState;
+use control::{Part, part, see};
+
+/// Name of [`StepControl`] in a state.
+pub const STEP_CONTROL: &str = "step_control";
+
+/// Adds [`attempt_by_error`].
+pub struct StepControlPlugin;
+
+impl Plugin for StepControlPlugin {
+    fn build(&self, app: &mut App) {
+        app.register_resource::<StepControl>(STEP_CONTROL).add_systems(
+            Increment,
+            attempt_by_error
+                .in_set(IncrementSystems::Attempts)
+                .after(run_attempts)
+                .run_if(resource_exists::<StepControl>),
+        );
+    }
+}
+
+/// Makes the attempts at an increment whose fraction the error chooses. In dynamic analysis, and
+/// where there are bonds, the stage chooses it. Exclusive, because it runs attempts.
+pub fn attempt_by_error(world: &mut World) {
+    let is_static = world.resource::<Analysis>().kind == AnalysisKind::Static;
+    if !is_static || !world.resource::<Bodies>().bonds.is_empty() {
+        return run_attempts(world);
+    }
+    let mut control = world.resource::<StepControl>().clone();
+    let progress = world.resource::<Progress>();
+    let done = progress.done;
+    // What stops the stage at a value may have shortened the increment, or a halved one is near.
+    let left = (1.0 - done.fract()).min(2.0 * progress.tried);
+    if let Some(whole) = control.whole.take() {
+        attempt(world, (whole.end - done).min(left));
+        if is_at(world, whole.end) {
+            let fraction = world.resource::<Progress>().fraction;
+            see(&mut control, &whole, moment(world), fraction);
+        }
+    } else {
+        let finest = 0.5_f64.powf(f64::from(world.resource::<Acceptance>().halvings));
+        let Part { fraction, is_checked } = part(&control, left, finest);
+        let whole = if is_checked { try_whole(world, 2.0 * fraction) } else { None };
+        attempt(world, whole.as_ref().map_or(fraction, |tried| 0.5 * tried.fraction));
+        control.unchecked += 1;
+        if let Some(tried) = whole {
+            let mut now = world.resource_mut::<Attempt>();
+            now.solves += tried.solves;
+            now.iterations += tried.iterations;
+            now.motion_steps += tried.motion_steps;
+            if is_at(world, done + 0.5 * tried.fraction) {
+                control.whole = Some(Whole { end: done + tried.fraction, moment: tried.moment });
+            }
+        }
+    }
+    // An undecided increment is tried again from the state before it.
+    if is_committed(world) {
+        world.insert_resource(control);
+    }
+}
+
+/// Runs the attempts at an increment of at most this fraction. Where it was not halved the next one
+/// may be whole.
+fn attempt(world: &mut World, fraction: f64) {
+    // Attempts begin with twice the last fraction.
+    world.resource_mut::<Progress>().tried = 0.5 * fraction;
+    run_attempts(world);
+    let mut progress = world.resource_mut::<Progress>();
+    if progress.fraction >= fraction * (1.0 - 1e-9) {
+        progress.tried = 1.0;
+    }
+}
+
+/// Whether an increment is committed that ends here.
+fn is_at(world: &World, end: f64) -> bool {
+    let progress = world.resource::<Progress>();
+    is_committed(world) && (progress.done + progress.fraction - end).abs() < 1e-9
+}
+
+/// Whether the attempts ended in a state that is committed.
+fn is_committed(world: &World) -> bool {
+    let status = world.resource::<Attempt>().status;
+    matches!(status, IncrementStatus::Solved | IncrementStatus::Capped)
+}
+
+/// Sum of f (x) l over the contacts (xx, xy, yx, yy), N m: the mean stress times the volume.
+fn moment(world: &World) -> [f64; 4] {
+    let (bodies, contacts) = (world.resource::<Bodies>(), world.resource::<Contacts>());
+    let solution = world.resource::<ConeSolution>();
+    let [[xx, xy], [yx, yy]] = average_stress(bodies, contacts, solution, 1.0, 1.0);
+    [xx, xy, yx, yy]
+}
+
+/// A solution that is not committed.
+struct Tried {
+    fraction: f64,
+    moment: [f64; 4],
+    solves: u32,
+    iterations: u32,
+    motion_steps: u32,
+}
+
+/// Solves an increment and restores the tables. `None` if it has no solution.
+fn try_whole(world: &mut World, fraction: f64) -> Option<Tried> {
+    let progress = world.resource::<Progress>().clone();
+    let (bodies, draft) =
+        (world.resource::<Bodies>().clone(), world.resource::<DraftHistory>().clone());
+    attempt(world, fraction);
+    let tried = is_committed(world).then(|| {
+        let attempt = world.resource::<Attempt>();
+        Tried {
+            fraction: world.resource::<Progress>().fraction,
+            moment: moment(world),
+            solves: attempt.solves,
+            iterations: attempt.iterations,
+            motion_steps: attempt.motion_steps,
+        }
+    });
+    *world.resource_mut::<Progress>() = progress;
+    *world.resource_mut::<Bodies>() = bodies;
+    *world.resource_mut::<DraftHistory>() = draft;
+    tried
+}
