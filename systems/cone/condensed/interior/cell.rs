@@ -8,8 +8,9 @@ use super::super::matrix::Assembly;
 use super::super::scaled::{Kind, Local, ROWS};
 use super::super::settings::InteriorSettings;
 use super::law::{Law, Rows, first};
-use super::local_system::{LocalSystem, Slacks};
+use super::local_system::LocalSystem;
 use super::point::{Warm, slack};
+use super::slacks::Slacks;
 
 /// One interaction.
 #[derive(Clone)]

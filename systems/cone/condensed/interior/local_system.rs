@@ -29,34 +29,11 @@
 //! stationarity of p gives their sum only, and the relation of each tie to p gives its share.
 
 use super::law::{Law, MAX_PAIRS};
+use super::slacks::{Slacks, right};
 
 /// Minimum slope of a tie. With a smaller slope p hardly enters, and the sum follows from the
 /// limits of the pair alone.
 const MIN_TIE_SLOPE: f64 = 1e-6;
-
-/// Slacks and multipliers of the limits, their steps, and the right sides of the system.
-#[derive(Clone, Copy, Debug)]
-pub struct Slacks<const Q: usize> {
-    /// Slacks w.
-    pub w: [f64; Q],
-    /// Multipliers lambda.
-    pub lambda: [f64; Q],
-    /// Steps of w.
-    pub dw: [f64; Q],
-    /// Steps of lambda.
-    pub dlambda: [f64; Q],
-    /// Defects d of the limits.
-    pub defect: [f64; Q],
-    /// Products c that the step takes away.
-    pub product: [f64; Q],
-}
-
-impl<const Q: usize> Default for Slacks<Q> {
-    fn default() -> Self {
-        let zero = [0.0; Q];
-        Self { w: zero, lambda: zero, dw: zero, dlambda: zero, defect: zero, product: zero }
-    }
-}
 
 /// The pair of limits of a force x.
 #[derive(Clone, Copy, Debug, Default)]
@@ -247,12 +224,6 @@ impl<const F: usize, const Q: usize> LocalSystem<F, Q> {
     }
 }
 
-/// Right sides of the limits, `b = c/lambda - d`.
-#[inline]
-fn right<const Q: usize>(slacks: &Slacks<Q>) -> [f64; Q] {
-    std::array::from_fn(|q| slacks.product[q] / slacks.lambda[q] - slacks.defect[q])
-}
-
 /// A tie of p: active limits whose multipliers have the sum `free - fall dp`. The sum enters the
 /// stationarity of p with the factor `slope`.
 struct Tie {
@@ -278,7 +249,8 @@ mod tests {
     use proptest::test_runner::TestRunner;
 
     use super::super::law::Law;
-    use super::{LocalSystem, MIN_TIE_SLOPE, Slacks};
+    use super::super::slacks::Slacks;
+    use super::{LocalSystem, MIN_TIE_SLOPE};
 
     fn power(range: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
         range.prop_map(|x| 10.0_f64.powf(x))

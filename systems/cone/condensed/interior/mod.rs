@@ -12,6 +12,7 @@
 //! | `groups` | the interactions by branches of the matrix |
 //! | `cell` | one interaction |
 //! | `local_system` | elimination of one interaction |
+//! | `slacks` | slacks and multipliers of its limits |
 
 mod cell;
 mod groups;
@@ -20,6 +21,7 @@ mod iteration;
 mod law;
 mod local_system;
 mod point;
+mod slacks;
 
 use self::history::History;
 use self::iteration::Iteration;

@@ -1,0 +1,189 @@
+//! KKT residuals of a solution, from forces and displacements alone.
+//!
+//! The multipliers of the limits follow from the displacements: with `e = (d_n, d_t, d_r)` the
+//! kinematics of an interaction and a its dilation, stationarity (equation 34 of the paper) gives
+//!
+//! ```text
+//! s_t = d_t - C_T (q - q_0)                       lambda_q = |s_t|, at the limit of its sign
+//! s_r = d_r                                       lambda_r = |s_r|, at the limit of its sign
+//! lambda_T = g + C_N p - d_n - a (mu lambda_q + mu_r r lambda_r)         of p >= -f_t
+//! ```
+//!
+//! Two errors are left: a negative `lambda_T` (kinematics), and a multiplier of a limit with slack
+//! (complementarity; kinematics if the slack exceeds the maximum force). If the apex of the shear
+//! limit is above the tension limit (`c A < mu f_t`), both shear rows are active there and share
+//! `lambda_T`.
+
+mod carrying;
+mod units;
+
+pub use self::carrying::Carrying;
+pub(crate) use self::units::{Units, applied_force};
+pub use self::units::{displacement_scale, force_scale};
+use crate::program::{ConeProgram, ConeSolution, Interaction, Kinematics, Residuals};
+
+/// Multipliers of the limits of one interaction, m, m, rad: tension, slip (signed), rotation
+/// (signed).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Multipliers {
+    /// `lambda_T` of `p >= -f_t`.
+    pub tension: f64,
+    /// Inelastic slip `s_t`.
+    pub slip: f64,
+    /// Inelastic rotation `s_r`.
+    pub rotation: f64,
+}
+
+/// The multipliers that follow from the kinematics `e` and the forces `f` of an interaction.
+#[must_use]
+pub fn multipliers(c: &Interaction, e: &Kinematics, f: &[f64; 3]) -> Multipliers {
+    let l = &c.limits;
+    let slip = if l.has_shear() {
+        e[1] - c.tangential_compliance * (f[1] - c.previous_shear)
+    } else {
+        0.0
+    };
+    let rotation = if l.has_rolling() { e[2] } else { 0.0 };
+    let tension = c.offset + c.normal_compliance * f[0]
+        - e[0]
+        - c.dilation * (l.friction * slip.abs() + l.rolling * rotation.abs());
+    Multipliers { tension, slip, rotation }
+}
+
+/// The four residuals of a solution. The force of a regularisation counts as an error of the
+/// balance.
+#[must_use]
+pub fn residuals(
+    program: &ConeProgram,
+    forces: &[[f64; 3]],
+    displacements: &[[f64; 3]],
+) -> Residuals {
+    evaluate(program, forces, displacements, 0.0)
+}
+
+/// The residuals of the program that the solver was given: the force of a regularisation is part of
+/// the balance.
+#[must_use]
+pub fn regularised_residuals(
+    program: &ConeProgram,
+    forces: &[[f64; 3]],
+    displacements: &[[f64; 3]],
+) -> Residuals {
+    evaluate(program, forces, displacements, 1.0)
+}
+
+/// Residual of the balance up to which momentum counts as conserved to round-off, where displacements
+/// cannot follow from the forces.
+pub const MAX_BALANCE: f64 = 1e-11;
+
+/// Decides which displacements the solution of a dynamic program has, and returns its residuals.
+///
+/// Displacements that [follow from the forces](ConeProgram::displacements_from_forces) keep the
+/// momentum to round-off, but the error of a force moves a body by its ratio to `m/(theta dt^2)`.
+/// Near rest, where displacements vanish and forces do not, this exceeds any tolerance: a spring
+/// with `k dt^2/m = 1e7` turns it into 1e7 times as much force. Inertia is negligible there. The
+/// displacements of the solver are kept if they solve the program and the residual of its balance
+/// is at most [`MAX_BALANCE`]. Rigid contacts have the unit of free motion instead.
+#[must_use]
+pub fn choose_displacements(
+    program: &ConeProgram,
+    solution: &mut ConeSolution,
+    tolerance: f64,
+) -> Residuals {
+    let of = |s: &ConeSolution| regularised_residuals(program, &s.forces, &s.displacements);
+    let own = solution.displacements.clone();
+    program.displacements_from_forces(solution);
+    let following = of(solution);
+    let has_springs = program.interactions.iter().any(|c| c.normal_compliance > 0.0);
+    if following.worst() <= tolerance || !has_springs || !program.is_dynamic() {
+        return following;
+    }
+    let other = std::mem::replace(&mut solution.displacements, own);
+    let balanced = of(solution);
+    if balanced.worst() <= tolerance && balanced.balance <= MAX_BALANCE {
+        return balanced;
+    }
+    solution.displacements = other;
+    following
+}
+
+fn evaluate(
+    program: &ConeProgram,
+    forces: &[[f64; 3]],
+    displacements: &[[f64; 3]],
+    regularisation: f64,
+) -> Residuals {
+    let units = Units::of(program, forces, displacements);
+    let mut out = Residuals::default();
+    let mut rows = vec![[0.0; 3]; program.bodies.len()];
+    program.add_forces(forces, &mut rows);
+    for ((body, row), u) in program.bodies.iter().zip(&rows).zip(displacements) {
+        units.of_balance(body, row, u, regularisation, &mut out);
+    }
+    for (c, f) in program.interactions.iter().zip(forces) {
+        units.of_interaction(c, &program.kinematics(c, displacements), f, &mut out);
+    }
+    out
+}
+
+/// The bodies at the maximum residual of a solution: one body twice if it is a residual of the
+/// balance, else the two bodies of an interaction. `None` for a solution without forces and
+/// displacements.
+#[must_use]
+pub fn worst_bodies(program: &ConeProgram, solution: &ConeSolution) -> Option<[usize; 2]> {
+    let (forces, displacements) = (&solution.forces, &solution.displacements);
+    if forces.len() != program.interactions.len() || displacements.len() != program.bodies.len() {
+        return None;
+    }
+    let units = Units::of(program, forces, displacements);
+    let mut rows = vec![[0.0; 3]; program.bodies.len()];
+    program.add_forces(forces, &mut rows);
+    let balance = program.bodies.iter().zip(&rows).zip(displacements).enumerate();
+    let balance = balance.map(|(i, ((body, row), u))| {
+        let mut out = Residuals::default();
+        units.of_balance(body, row, u, 0.0, &mut out);
+        (out.worst(), [i, i])
+    });
+    let laws = program.interactions.iter().zip(forces).map(|(c, f)| {
+        let mut out = Residuals::default();
+        units.of_interaction(c, &program.kinematics(c, displacements), f, &mut out);
+        (out.worst(), [c.a as usize, c.b as usize])
+    });
+    balance.chain(laws).max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, bodies)| bodies)
+}
+
+/// Maximum of the natural map of the contacts without strength, without dimension. With P, Q, T the
+/// forces and s_n, s_t, s_r the gap, slip and rotation of the law, each over its unit, the map is
+///
+/// ```text
+/// |min(P, s_n)|,   |Q - clamp(Q + s_t, -mu P, mu P)|,   |T - clamp(T + s_r, -mu_r r P, mu_r r P)|
+/// ```
+///
+/// Unlike a product of force and gap it is not small where both are small and neither vanishes.
+#[must_use]
+pub fn natural_map(program: &ConeProgram, forces: &[[f64; 3]], displacements: &[[f64; 3]]) -> f64 {
+    let units = Units::of(program, forces, displacements);
+    let Units { force, length, .. } = units;
+    let interactions = program.interactions.iter().zip(forces);
+    let of = |(c, f): (&Interaction, &[f64; 3])| {
+        let m = multipliers(c, &program.kinematics(c, displacements), f);
+        let displacement = units.displacement_of(c);
+        let (p, q, t) = (f[0] / force, f[1] / force, f[2] / (force * length));
+        let projected = |x: f64, step: f64, slope: f64| {
+            let limit = slope * p.max(0.0);
+            (x - (x + step).clamp(-limit, limit)).abs()
+        };
+        let l = &c.limits;
+        let mut out = p.min(m.tension / displacement).abs();
+        if l.has_shear() {
+            out = out.max(projected(q, m.slip / displacement, l.friction));
+        }
+        if l.has_rolling() {
+            out = out.max(projected(t, m.rotation * length / displacement, l.rolling / length));
+        }
+        out
+    };
+    // f64::max drops NaN.
+    let larger = |m: f64, x: f64| if x <= m || m.is_nan() { m } else { x };
+    interactions.filter(|(c, _)| !c.limits.has_strength()).map(of).fold(0.0, larger)
+}
