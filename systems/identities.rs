@@ -10,6 +10,9 @@ use serde::{Deserialize, Serialize};
 use clastic_components::body::BodyId;
 use clastic_components::bond::BondId;
 
+/// Name of [`NextIdentities`] in a state.
+pub const NEXT_IDENTITIES: &str = "identities.next";
+
 /// The identities in use, and the next free ones.
 ///
 /// Component hooks update this resource.
@@ -92,4 +95,23 @@ impl Identities {
         self.bodies.next = self.bodies.next.max(next.body);
         self.bonds.next = self.bonds.next.max(next.bond);
     }
+}
+
+/// Removes the bodies and bonds whose identities these, or later ones, are: they have come since
+/// these were the next.
+pub fn go_back(world: &mut World, next: NextIdentities) {
+    let identities = world.get_resource_or_init::<Identities>();
+    let since = |register: &Register, next: u32| -> Vec<Entity> {
+        (next..register.next).filter_map(|id| register.owners.get(&id).copied()).collect()
+    };
+    // Bonds end with their bodies.
+    let mut late = since(&identities.bonds, next.bond);
+    late.extend(since(&identities.bodies, next.body));
+    for entity in late {
+        world.despawn(entity);
+    }
+    world.flush();
+    let mut identities = world.resource_mut::<Identities>();
+    identities.bodies.next = next.body;
+    identities.bonds.next = next.bond;
 }

@@ -34,7 +34,7 @@ use serde::{Deserialize, Serialize};
 use clastic_components::body::BodyId;
 use clastic_components::bond::BondId;
 
-use crate::identities::Identities;
+use crate::identities::{Identities, NEXT_IDENTITIES, go_back};
 
 /// Why a state cannot be captured or restored.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -61,6 +61,8 @@ pub enum StateError {
 /// Encodes an entry; `None` if the world does not have it.
 type Capture = fn(&mut World) -> Result<Option<Vec<u8>>, postcard::Error>;
 type Restore = fn(&mut World, &[u8]) -> Result<(), postcard::Error>;
+/// Takes away what the world has of an entry.
+type Forget = fn(&mut World);
 
 struct Entry {
     name: &'static str,
@@ -69,6 +71,7 @@ struct Entry {
     is_component: bool,
     capture: Capture,
     restore: Restore,
+    forget: Forget,
 }
 
 /// What is registered: components, then the rest, each in the order of registration.
@@ -143,6 +146,9 @@ impl RegisterState for App {
                 world.insert_resource(postcard::from_bytes::<T>(bytes)?);
                 Ok(())
             },
+            |world| {
+                world.remove_resource::<T>();
+            },
         )
     }
 
@@ -150,7 +156,8 @@ impl RegisterState for App {
         &mut self,
         name: &'static str,
     ) -> &mut Self {
-        register(self, name, true, capture_component::<I, T>, restore_component::<I, T>)
+        let (capture, restore) = (capture_component::<I, T>, restore_component::<I, T>);
+        register(self, name, true, capture, restore, |world| keep_components::<I, T>(world, &[]))
     }
 
     fn register_state<S: StateOf>(&mut self, name: &'static str) -> &mut Self {
@@ -163,6 +170,7 @@ impl RegisterState for App {
                 postcard::from_bytes::<S>(bytes)?.put(world);
                 Ok(())
             },
+            |_| {},
         )
     }
 }
@@ -173,12 +181,13 @@ fn register<'a>(
     is_component: bool,
     capture: Capture,
     restore: Restore,
+    forget: Forget,
 ) -> &'a mut App {
     app.init_resource::<StateRegistry>();
     let mut registry = app.world_mut().resource_mut::<StateRegistry>();
     let is_new = registry.entries.iter().all(|entry| entry.name != name);
     assert!(is_new, "state `{name}` is registered twice: give each a name of its own");
-    registry.entries.push(Entry { name, is_component, capture, restore });
+    registry.entries.push(Entry { name, is_component, capture, restore, forget });
     // A stable sort: entries of one kind stay in the order of registration.
     registry.entries.sort_by_key(|entry| !entry.is_component);
     app
@@ -200,12 +209,25 @@ fn restore_component<I: Identity, T: Component + DeserializeOwned>(
     world: &mut World,
     bytes: &[u8],
 ) -> Result<(), postcard::Error> {
-    for (id, value) in postcard::from_bytes::<Vec<(I, T)>>(bytes)? {
+    let rows = postcard::from_bytes::<Vec<(I, T)>>(bytes)?;
+    let ids: Vec<I> = rows.iter().map(|(id, _)| *id).collect();
+    keep_components::<I, T>(world, &ids);
+    for (id, value) in rows {
         let known = id.entity(&world.get_resource_or_init::<Identities>());
         let entity = known.unwrap_or_else(|| world.spawn(id).id());
         world.entity_mut(entity).insert(value);
     }
     Ok(())
+}
+
+/// Takes the component from all entities but those with these identities, which are sorted.
+fn keep_components<I: Identity, T: Component>(world: &mut World, ids: &[I]) {
+    let mut all = world.query_filtered::<(Entity, &I), With<T>>();
+    let others = all.iter(world).filter(|(_, id)| ids.binary_search(id).is_err());
+    let others: Vec<Entity> = others.map(|(entity, _)| entity).collect();
+    for entity in others {
+        world.entity_mut(entity).remove::<T>();
+    }
 }
 
 /// The state of a world between two increments.
@@ -222,7 +244,7 @@ impl WorldState {
     pub fn capture(world: &mut World) -> Result<Self, StateError> {
         let mut entries = Vec::new();
         let registered = names(world);
-        for (name, capture, _) in registered {
+        for (name, capture, ..) in registered {
             if let Some(bytes) = capture(world).map_err(|error| encoding(name, &error))? {
                 entries.push((name.to_owned(), bytes));
             }
@@ -243,13 +265,32 @@ impl WorldState {
             }
         }
         // In the order of this registry, whatever that of the captured world was.
-        for (name, _, restore) in registered {
+        for (name, _, restore, _) in registered {
             if let Some(bytes) = self.bytes(name) {
                 restore(world, bytes).map_err(|error| encoding(name, &error))?;
                 world.flush();
             }
         }
         Ok(())
+    }
+
+    /// Restores the state in the world that was captured, whatever has happened there since: bodies
+    /// and bonds that have come since then go, those that have gone come back, as other entities,
+    /// and so do components and resources that are registered.
+    ///
+    /// # Errors
+    /// If an entry is not registered or cannot be decoded. The world must then not be used.
+    pub fn rewind(&self, world: &mut World) -> Result<(), StateError> {
+        if self.bytes(NEXT_IDENTITIES).is_some() {
+            go_back(world, self.get(NEXT_IDENTITIES)?);
+        }
+        for (name, _, _, forget) in names(world) {
+            if self.bytes(name).is_none() {
+                forget(world);
+            }
+        }
+        world.flush();
+        self.restore(world)
     }
 
     /// Replaces the value of an entry.
@@ -306,9 +347,9 @@ impl WorldState {
     }
 }
 
-fn names(world: &mut World) -> Vec<(&'static str, Capture, Restore)> {
+fn names(world: &mut World) -> Vec<(&'static str, Capture, Restore, Forget)> {
     let registry = world.get_resource_or_init::<StateRegistry>();
-    registry.entries.iter().map(|e| (e.name, e.capture, e.restore)).collect()
+    registry.entries.iter().map(|e| (e.name, e.capture, e.restore, e.forget)).collect()
 }
 
 fn encoding(name: &str, error: &postcard::Error) -> StateError {

@@ -49,7 +49,23 @@ impl Default for Due {
     }
 }
 
-/// Whether the app makes increments when the schedule of its plugins runs. A world without
+/// Whether the increment has been undone. [`advance`] then runs [`Advance`] again.
+#[derive(Resource, Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
+pub struct Undone(pub bool);
+
+/// Runs [`Advance`] to the end of an increment that stays. Whoever undoes one sets [`Undone`], and
+/// [`Due`] to false, so that nothing is written of it.
+pub fn advance(world: &mut World) {
+    loop {
+        world.run_schedule(Advance);
+        if !std::mem::take(&mut world.resource_mut::<Undone>().0) {
+            break;
+        }
+    }
+}
+
+/// Whether the app goes on by itself when the schedule of its plugins runs. A world without
 /// particles makes no increment.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
@@ -125,6 +141,7 @@ impl Plugin for SteppingPlugin {
             advance.add_systems(increment.in_set(AdvanceSystems::Increment));
         });
         app.init_resource::<Due>()
+            .init_resource::<Undone>()
             .init_resource::<Running>()
             .add_systems(self.schedule, step.in_set(Stepping));
     }
@@ -148,7 +165,7 @@ fn step(world: &mut World, particles: &mut QueryState<(), With<Particle>>) {
         return;
     }
     let before = world.resource::<Progress>().increment;
-    world.run_schedule(Advance);
+    advance(world);
     if world.resource::<Progress>().increment != before {
         world.resource_mut::<Running>().made_one();
     }

@@ -19,6 +19,7 @@ mod group_members;
 mod grow;
 mod kept_stress;
 pub mod key_results;
+mod landing;
 mod laws;
 mod live_loads;
 pub mod load;
@@ -56,7 +57,7 @@ pub mod walls;
 use bevy_app::{App, Plugin, Plugins};
 use bevy_ecs::prelude::*;
 
-use clastic_systems::stepping::{Advance, Due, Halted};
+use clastic_systems::stepping::{self, Due, Halted};
 
 pub use plugin::ScenePlugin;
 pub use script::{Collapse, CollapsedBy, EndedBy, Outcome, StageEnd, Step};
@@ -194,9 +195,9 @@ impl Simulation {
     }
 }
 
-/// Advances a world with a scene to the end of the next increment: runs [`Advance`] once.
+/// Advances a world with a scene to the end of the next increment.
 pub fn advance(world: &mut World) -> Step {
-    world.run_schedule(Advance);
+    stepping::advance(world);
     if let Some(Halted(message)) = world.get_resource::<Halted>() {
         return Step::Finished(Outcome::Halted(message.clone()));
     }

@@ -35,7 +35,7 @@ use super::state::{
     RIGID_AT_START, RigidAtStart, SCRIPT, ScriptState,
 };
 use super::stop::end_increment;
-use super::until::{APPROACH, Approach};
+use super::until::{APPROACH, Approach, is_on, keep_state};
 use crate::scene::format::Stage;
 
 /// Whether a plugin drives walls with the control `Custom`. Without one the command line refuses
@@ -127,6 +127,7 @@ impl Plugin for ScenePlugin {
                 (
                     (
                         change_stages,
+                        keep_state.run_if(is_due).run_if(is_on),
                         // Before whatever looks at the bodies of the increment.
                         pour.run_if(is_due).run_if(resource_exists::<Poured>),
                         begin_increment.run_if(is_due).run_if(are_measured),

@@ -84,8 +84,7 @@ impl StageEnd {
             return None;
         };
         Some(format!(
-            "stage {} ends at {} = {passed:?}, beyond {value:?}, since its rate jumped in the last \
-             fraction of an increment; smaller increments come nearer",
+            "stage {} ends at {} = {passed:?}, beyond {value:?}: it jumps there",
             label(&self.stage),
             label(name)
         ))

@@ -220,6 +220,17 @@ pub fn restore(world: &mut World, scene: &Scene, state: &WorldState) -> Result<(
     Ok(())
 }
 
+/// Restores the state of this world before an increment, as if the increment had not been made.
+///
+/// # Errors
+/// If a part of it cannot be decoded.
+pub(super) fn rewind(world: &mut World, state: &WorldState) -> Result<(), StateError> {
+    state.rewind(world)?;
+    let _ = world.run_system_cached(gather_bodies);
+    let _ = world.run_system_cached(renew_shapes);
+    Ok(())
+}
+
 /// The part of a state that is needed to resume a run, before a world exists.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StateView {

@@ -41,6 +41,9 @@ pub fn end_increment(world: &mut World) {
     let index = world.resource::<Progress>().stage;
     let Some(stage) = world.resource::<Script>().stage(index).cloned() else { return };
     let stage = &stage;
+    if until::repeats(world, stage) {
+        return;
+    }
     let (status, complaint) = {
         let attempt = world.resource::<Attempt>();
         (attempt.status, attempt.complaint.clone())

@@ -1,18 +1,23 @@
-//! `Until`: the last increments of a stage are shortened, so that a measure lands on a value.
+//! `Until`: the last increment of a stage is shortened, so that a measure lands on a value.
 //!
-//! After every increment the fraction to the value follows from the rate of the measure over the
-//! last increment. Twice the relative change of that rate is kept as a margin, and a rising rate is
-//! expected to continue rising. The measure thus approaches the value from one side, and a linear
-//! measure reaches it in one fraction.
+//! The state before every increment of such a stage is kept. An increment in which the measure
+//! passes the value is undone and repeated shorter ([`landing`](super::landing)). Repeats leave no
+//! trace in the state: they begin with the memory of the solver that the increment began with.
 
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use clastic_components::attempt::{Attempt, IncrementStatus};
 use clastic_components::increment::Progress;
-use clastic_systems::state::StateOf;
+use clastic_components::observation::Observation;
+use clastic_systems::state::{StateOf, WorldState};
+use clastic_systems::stepping::{Due, Halted, Undone};
 
+use super::landing::{Next, Point, RESOLUTION, Search, Side, Try};
 use super::measure_error::error_of;
 use super::measures::reading;
+use super::script::Script;
+use super::state::{capture, rewind};
 use crate::scene::format::{Stage, Stop};
 
 /// Name of [`Approach`] in a state.
@@ -22,13 +27,10 @@ pub const APPROACH: &str = "until";
 /// the stage, if that is more.
 pub const TOLERANCE: f64 = 1e-6;
 
-/// Part of an increment with which a stage begins: the rate of the measure is not known yet.
+/// Part of an increment with which a run begins: the measure is not known yet.
 const FIRST: f64 = 0.25;
 
-/// Minimum fraction of an increment. It must exceed the round-off of the progress.
-const FINEST: f64 = 1e-8;
-
-/// The approach of the measure of an `Until` to its value in the current stage.
+/// The way of the measure of an `Until` to its value in the current stage.
 #[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Approach {
     /// Whether the stage has an `Until`.
@@ -37,8 +39,8 @@ pub struct Approach {
     side: f64,
     /// Maximum magnitude of the measure in the stage.
     scale: f64,
-    /// Progress of the stage and measure after the last increments, three at most.
-    points: Vec<[f64; 2]>,
+    /// Progress of the stage and measure after the last increments, two at most.
+    points: Vec<Point>,
 }
 
 impl StateOf for Approach {
@@ -49,6 +51,18 @@ impl StateOf for Approach {
     fn put(self, world: &mut World) {
         world.insert_resource(self);
     }
+}
+
+/// The increment that may be undone. It is no part of the state: between two increments of the
+/// history nothing is searched.
+#[derive(Resource)]
+pub struct Undoable {
+    state: WorldState,
+    /// [`Script::stop`], which is no part of the state.
+    stop: bool,
+    search: Search,
+    /// Where the increment under way is to end.
+    asked: f64,
 }
 
 fn until(stage: &Stage) -> Option<(&str, f64)> {
@@ -67,23 +81,105 @@ pub(super) fn begin(world: &mut World, stage: &Stage) {
         if let Some(reading) = reading(world, name) {
             approach.see(0.0, reading, value, 0.0);
         }
-        // The next increment tries twice this.
-        world.resource_mut::<Progress>().tried = 0.5 * FIRST;
     }
     world.insert_resource(approach);
+}
+
+/// Run condition: the stage has an `Until`.
+pub(super) fn is_on(approach: Option<Res<Approach>>) -> bool {
+    approach.is_some_and(|approach| approach.on)
+}
+
+/// Keeps the state before an increment that may be undone, and shortens the increment where the
+/// measure is expected to come to its value. Exclusive, because it reads everything that plugins
+/// have registered.
+pub(super) fn keep_state(world: &mut World) {
+    if world.contains_resource::<Undoable>() {
+        return;
+    }
+    let progress = world.resource::<Progress>();
+    let stage = world.resource::<Script>().stage(progress.stage);
+    let Some((_, value)) = stage.and_then(until) else { return };
+    let (done, tried) = (progress.done, progress.tried);
+    // Ruptures at constant load are not undone.
+    if progress.relaxing || world.resource::<Observation>().in_avalanche {
+        return;
+    }
+    // As the attempts do it.
+    let whole = done + (2.0 * tried).min(1.0 - done.fract());
+    let points = world.resource::<Approach>().points.clone();
+    let Some(search) = Search::new(&points, whole, value) else {
+        // Before the first increment of a run no measure is read, and the side is not known.
+        world.resource_mut::<Progress>().tried = 0.5 * FIRST;
+        return;
+    };
+    let Ok(state) = capture(world) else { return };
+    let stop = world.resource::<Script>().stop;
+    let asked = search.first().unwrap_or(whole);
+    world.resource_mut::<Progress>().tried = 0.5 * (asked - done);
+    world.insert_resource(Undoable { state, stop, search, asked });
+}
+
+/// Undoes the increment and has it repeated shorter, where the measure has passed the value of the
+/// `Until` of the stage. Whether it has done so.
+pub(super) fn repeats(world: &mut World, stage: &Stage) -> bool {
+    let Some(mut undoable) = world.remove_resource::<Undoable>() else { return false };
+    let Some((name, value)) = until(stage) else { return false };
+    if world.contains_resource::<Halted>() {
+        return false;
+    }
+    let next = match world.resource::<Attempt>().status {
+        IncrementStatus::Solved | IncrementStatus::Capped => {
+            let Some(made) = tried(world, name, value, undoable.asked) else { return false };
+            undoable.search.see(made)
+        }
+        IncrementStatus::Undecided | IncrementStatus::Collapsed => {
+            undoable.search.without_last().map_or(Next::GoOn, Next::Repeat)
+        }
+    };
+    let Next::Repeat(end) = next else { return false };
+    // What was captured from this world fits it.
+    if rewind(world, &undoable.state).is_err() {
+        return false;
+    }
+    undoable.asked = end;
+    world.resource_mut::<Script>().stop = undoable.stop;
+    let mut progress = world.resource_mut::<Progress>();
+    progress.tried = 0.5 * (end - progress.done);
+    world.insert_resource(undoable);
+    world.insert_resource(Due(false));
+    world.insert_resource(Undone(true));
+    true
+}
+
+/// The increment as a try; `None` if the measure is not defined.
+fn tried(world: &mut World, name: &str, value: f64, asked: f64) -> Option<Try> {
+    let now = reading(world, name)?;
+    let error = error_of(world, name);
+    let end = [world.resource::<Progress>().done, now];
+    let ruptures = world.resource::<Observation>().in_avalanche;
+    let mut approach = world.resource::<Approach>().clone();
+    let tolerance = approach.see(end[0], now, value, error);
+    let way = approach.side * (value - now);
+    let side = match way {
+        _ if approach.side == 0.0 || way > tolerance => Side::Short,
+        _ if way < -tolerance => Side::Past,
+        _ => Side::At,
+    };
+    // Before a rupture that ends the increment at the value the stage cannot end.
+    let side = if ruptures && side == Side::At { Side::Short } else { side };
+    Some(Try { end, side, is_cut: end[0] < asked - 0.1 * RESOLUTION, ruptures })
 }
 
 /// How a measure came to its value.
 pub(super) struct Landing {
     /// The condition.
     pub stop: Stop,
-    /// The measure, if it has passed the value by more than the tolerance: its rate jumped in the
-    /// last fraction, or it is not continuous.
+    /// The measure, if it has passed the value by more than the tolerance: it jumps there.
     pub passed: Option<f64>,
 }
 
-/// Whether the measure has reached the value of the `Until` of the stage. If not, the next
-/// increment is shortened where the whole would pass it.
+/// Whether the measure has reached the value of the `Until` of the stage.
 pub(super) fn reached(world: &mut World, stage: &Stage) -> Option<Landing> {
     let (name, value) = until(stage)?;
     let now = reading(world, name)?;
@@ -94,10 +190,6 @@ pub(super) fn reached(world: &mut World, stage: &Stage) -> Option<Landing> {
     if approach.side != 0.0 && approach.side * (value - now) <= tolerance {
         let passed = (approach.side * (now - value) > tolerance).then_some(now);
         return Some(Landing { stop: Stop::Until(name.to_owned(), value), passed });
-    }
-    if let Some(fraction) = approach.fraction(value) {
-        let mut progress = world.resource_mut::<Progress>();
-        progress.tried = progress.tried.min(0.5 * fraction.max(FINEST));
     }
     None
 }
@@ -113,78 +205,9 @@ impl Approach {
         // States of an avalanche have the same progress; the last one counts.
         self.points.retain(|[at, _]| *at < done);
         self.points.push([done, now]);
-        if self.points.len() > 3 {
+        if self.points.len() > 2 {
             self.points.remove(0);
         }
         tolerance
-    }
-
-    /// Fraction of an increment that is safe to take; `None` if the measure does not approach the
-    /// value.
-    fn fraction(&self, value: f64) -> Option<f64> {
-        let rate = |[a, x]: [f64; 2], [b, y]: [f64; 2]| (y - x) / (b - a);
-        let n = self.points.len();
-        let (before, last) = (*self.points.get(n.checked_sub(2)?)?, *self.points.last()?);
-        let now = rate(before, last);
-        if self.side * now <= 0.0 {
-            return None;
-        }
-        let earlier = n.checked_sub(3).map(|k| rate(self.points[k], before));
-        let change = earlier.map_or(1.0, |earlier| ((now - earlier) / now).abs());
-        // A measure that steepens is expected to steepen by the same ratio again, but by no more
-        // than fourfold: after a rate of zero, as before a gap closes, the ratio says nothing.
-        let steeper = earlier.map_or(1.0, |earlier| (now / earlier).clamp(1.0, 4.0));
-        // A rate that may not be steady leaves half of the distance.
-        Some((1.0 - 2.0 * change).max(0.5) * (value - last[1]) / (now * steeper))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Increments until a function of the progress has landed, and where.
-    fn land(f: impl Fn(f64) -> f64, value: f64) -> (usize, f64) {
-        let mut approach = Approach { on: true, ..Default::default() };
-        approach.see(0.0, f(0.0), value, 0.0);
-        let (mut done, mut tried) = (0.0, 0.5 * FIRST);
-        for n in 1..100 {
-            // As the attempts do: twice the last fraction, up to the end of the whole increment.
-            tried = f64::min(2.0 * tried, 1.0 - f64::fract(done));
-            done += tried;
-            let now = f(done);
-            let tolerance = approach.see(done, now, value, 0.0);
-            if approach.side * (value - now) <= tolerance {
-                return (n, now);
-            }
-            if let Some(fraction) = approach.fraction(value) {
-                tried = tried.min(0.5 * fraction.max(FINEST));
-            }
-        }
-        (100, f64::NAN)
-    }
-
-    #[test]
-    fn a_straight_line_takes_one_fraction() {
-        let (n, at) = land(|x| 3.0 * x, 10.0);
-        // 0.25, 0.75, 1, 1.5, 2, 3, 3.333...
-        assert!((at - 10.0).abs() <= 1e-5 && n == 7, "{n}: {at}");
-        assert!((land(|x| 5.0 - 2.0 * x, 0.0).1).abs() <= 5e-6);
-    }
-
-    #[test]
-    fn curves_land_from_one_side() {
-        for (name, f, value) in [
-            ("hardens", (|x: f64| x * x) as fn(f64) -> f64, 7.3),
-            ("softens", |x: f64| x.sqrt(), 2.2),
-            ("saturates", |x: f64| 1.0 - (-x).exp(), 0.9),
-            ("explodes", |x: f64| x.exp(), 50.0),
-            ("closes a gap", |x: f64| (x - 1.6).max(0.0), 1.7),
-            ("unloads", |x: f64| (4.0 - x).powf(1.5), 0.1),
-        ] {
-            let (n, at) = land(f, value);
-            let error = (at - value).abs() / value.max(f(0.0));
-            assert!(error <= 2.0 * TOLERANCE && n < 20, "{name}: {at} after {n}, {error:.1e}");
-        }
     }
 }

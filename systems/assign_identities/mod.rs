@@ -18,7 +18,7 @@ use clastic_components::particle::Particle;
 use clastic_components::rigid_group::RigidGroup;
 use clastic_components::wall::Wall;
 
-use crate::identities::{Identities, NextIdentities};
+use crate::identities::{Identities, NEXT_IDENTITIES, NextIdentities};
 use crate::state::{RegisterState, StateOf};
 
 /// Adds the component hooks that assign identities.
@@ -40,7 +40,7 @@ impl Plugin for AssignIdentitiesPlugin {
         world.register_component_hooks::<BondId>().on_insert(bond_named).on_discard(bond_gone);
         world.register_component_hooks::<Joint>().on_add(joined);
         // Identities are the first state, because the entities are created from them.
-        app.register_state::<NextIdentities>("identities.next");
+        app.register_state::<NextIdentities>(NEXT_IDENTITIES);
     }
 }
 

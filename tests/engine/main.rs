@@ -25,6 +25,7 @@ mod held_bodies;
 mod hinged_walls;
 mod hopper;
 mod invariance;
+mod landing;
 mod language;
 mod lids;
 mod limit_load;

@@ -19,7 +19,7 @@ pub enum Stop {
     Below(String, f64),
     /// A measure, by name, is at or above this value. Version 2.
     Above(String, f64),
-    /// A measure, by name, lands on this value: the last increments are shortened. Version 2.
+    /// A measure, by name, lands on this value: the last increment is shortened. Version 2.
     Until(String, f64),
     /// No grain that is due has found room for this time, s, in a stage that pours.
     Full(f64),
