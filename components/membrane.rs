@@ -290,7 +290,8 @@ mod tests {
     #[test]
     fn outer_points_lie_a_radius_from_the_centres_on_the_side_of_the_pressure() {
         let column = |x: f64| (0..5).map(move |k| (x, 0.5 + f64::from(k)));
-        let right: Vec<_> = [(1.0, 0.0)].into_iter().chain(column(1.0)).chain([(1.0, 5.0)]).collect();
+        let right: Vec<_> =
+            [(1.0, 0.0)].into_iter().chain(column(1.0)).chain([(1.0, 5.0)]).collect();
         let mut left: Vec<_> =
             [(0.0, 0.0)].into_iter().chain(column(0.0)).chain([(0.0, 5.0)]).collect();
         left.reverse();

@@ -158,9 +158,7 @@ pub fn find_shape(membrane: &Membrane, pressure: f64, bodies: &Bodies) -> Membra
         Some(Chain { closed: false, ..chain })
     };
     let (chains, height) = match membrane.course {
-        Course::Closed => {
-            (ball.around().map(|chain| vec![grains(&chain)]), 0.0)
-        }
+        Course::Closed => (ball.around().map(|chain| vec![grains(&chain)]), 0.0),
         Course::Between { first, second, sides } => {
             match (wall_line(bodies, first), wall_line(bodies, second)) {
                 (Some(a), Some(b)) => {
