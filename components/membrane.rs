@@ -305,7 +305,7 @@ mod tests {
         assert_eq!((shape.area(), shape.width()), (Some(5.0), Some(1.0)));
         assert_eq!((shape.outer_area(), shape.outer_width()), (Some(10.0), Some(2.0)));
         assert_eq!((shape.base(BodyId(100)), shape.base(BodyId(101))), (Some(1.0), Some(1.0)));
-        assert_eq!((shape.base(BodyId(2)), shape.along().map(|t| t.abs())), (None, Some(DVec2::X)));
+        assert_eq!((shape.base(BodyId(2)), shape.along().map(DVec2::abs)), (None, Some(DVec2::X)));
         // The identity of a grain of the chain, a centre within, and one without.
         let holds = shape.holds();
         assert!(holds(BodyId(1), DVec2::new(9.0, 9.0)));

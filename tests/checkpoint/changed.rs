@@ -17,7 +17,7 @@ use crate::resumed::{COULOMB, assert_same_files, copy, load, parse, resume, run}
 fn an_undecided_run_goes_on_with_other_settings() {
     // Grains move further than is accepted here, and walls at rest do not move them.
     let sets = [
-        "acceptance.throw=0.005",
+        "acceptance.throw=1e-5",
         "stages.confine.increments=2",
         "stages.load.increments=11",
         "stages.load.walls.top[1]=-0.2e-3",

@@ -179,7 +179,7 @@ fn a_cell_on_its_way_to_a_strain_takes_no_more_increments() {
         short.text.replace("name: \"shear\", increments: 3", "name: \"shear\", increments: 4");
     assert_ne!(short.text, long);
     let said = extend(parent.path(), &long).join("\n");
-    assert!(said.contains("on its way to its target"), "{said}");
+    assert!(said.contains("a load reaches its target at the end"), "{said}");
 }
 
 /// The state goes back before the stages without increments that ended the run. These are made anew:
@@ -250,5 +250,5 @@ fn a_wall_that_follows_a_table_takes_no_more_increments() {
     let parent = tempfile::tempdir().unwrap();
     run(&short, parent.path(), 0, |_| {});
     let said = extend(parent.path(), &long.text).join("\n");
-    assert!(said.contains("on its way to its target"), "{said}");
+    assert!(said.contains("a load reaches its target at the end"), "{said}");
 }

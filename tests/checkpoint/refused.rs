@@ -107,7 +107,7 @@ fn a_directory_that_lost_rows_or_is_in_use_is_refused() {
     edit(&history, |bytes| bytes.truncate(bytes.len() - 20));
     assert!(try_resume().is_err_and(|e| e.contains("history.csv") && e.contains("bytes")));
     edit(&history, |bytes| bytes.extend([b'x'; 20]));
-    assert!(try_resume().is_err_and(|e| e.contains("other rows")));
+    assert!(try_resume().is_err_and(|e| e.contains("its rows differ")));
 }
 
 #[derive(Resource, Serialize, Deserialize, PartialEq, Debug)]
