@@ -113,7 +113,13 @@ pub(super) fn keep_state(world: &mut World) {
         world.resource_mut::<Progress>().tried = 0.5 * FIRST;
         return;
     };
-    let Ok(state) = capture(world) else { return };
+    let state = match capture(world) {
+        Ok(state) => state,
+        Err(error) => {
+            world.insert_resource(Halted(format!("the state before an increment: {error}")));
+            return;
+        }
+    };
     let stop = world.resource::<Script>().stop;
     let asked = search.first().unwrap_or(whole);
     world.resource_mut::<Progress>().tried = 0.5 * (asked - done);
@@ -138,9 +144,11 @@ pub(super) fn repeats(world: &mut World, stage: &Stage) -> bool {
         }
     };
     let Next::Repeat(end) = next else { return false };
-    // What was captured from this world fits it.
-    if rewind(world, &undoable.state).is_err() {
-        return false;
+    if let Err(error) = rewind(world, &undoable.state) {
+        // A part of the state is that before the increment, and a part that after it.
+        world.insert_resource(Halted(format!("an increment cannot be undone: {error}")));
+        world.insert_resource(Due(false));
+        return true;
     }
     undoable.asked = end;
     world.resource_mut::<Script>().stop = undoable.stop;
