@@ -101,6 +101,12 @@ pub enum IncrementStatus {
 }
 
 impl IncrementStatus {
+    /// Whether the increment was committed.
+    #[must_use]
+    pub fn is_committed(self) -> bool {
+        matches!(self, Self::Solved | Self::Capped)
+    }
+
     /// The word that the history file uses.
     #[must_use]
     pub fn name(self) -> &'static str {
@@ -142,7 +148,8 @@ pub struct Attempt {
     pub magnitudes: Option<(f64, f64)>,
     /// Status under which the increment ended.
     pub status: IncrementStatus,
-    /// Why the increment ended with this status; empty if it was solved.
+    /// Complaint about the last rejected attempt. For the statuses `Collapsed` and `Undecided` it is
+    /// the reason.
     pub complaint: String,
 }
 

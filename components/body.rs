@@ -106,9 +106,30 @@ pub struct AppliedLoad(pub [Ramp; 3]);
 
 /// Loads of a particle over the stage: (value at the start, value at the end) of force x, force y
 /// (N) and moment (N m). [`AppliedLoad`] follows from them.
+///
+/// The stage has [`Progress::total`](crate::increment::Progress::total) increments. Where it is 0,
+/// as in an app without stages, the values at the end act from the next increment on; an app begins
+/// a stage with `clastic_systems::load_stage::begin_stage`.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 pub struct LoadControl(pub [(f64, f64); 3]);
+
+impl LoadControl {
+    /// Constant force x, y (N) and moment (N m).
+    #[must_use]
+    pub fn constant(loads: [f64; 3]) -> Self {
+        Self(loads.map(|load| (load, load)))
+    }
+
+    /// Changes the values at the end of the stage and keeps the current values
+    /// ([`Progress::retarget`](crate::increment::Progress::retarget)).
+    #[must_use]
+    pub fn retarget(self, progress: &crate::increment::Progress, targets: [f64; 3]) -> Self {
+        let Self([x, y, moment]) = self;
+        let aim = |(from, to), target| progress.retarget(from, to, target);
+        Self([aim(x, targets[0]), aim(y, targets[1]), aim(moment, targets[2])])
+    }
+}
 
 /// Force (x, y; N) and moment (N m) of the outside world on the body in the last committed
 /// increment: applied loads, reactions to imposed motion, and the forces that hold or move walls.

@@ -36,11 +36,7 @@ impl Membrane {
     /// Changes the target at the end of the stage. The pressure continues from the value that it
     /// has reached.
     pub fn retarget(&mut self, progress: &Progress, target: f64) {
-        let now = self.ramp(progress).from;
-        // The ramp over the whole stage that has the present value now.
-        let left = 1.0 - progress.done / progress.total;
-        let from = if left > 0.0 { target + (now - target) / left } else { target };
-        self.pressure = (from, target);
+        self.pressure = progress.retarget(self.pressure.0, self.pressure.1, target);
     }
 }
 

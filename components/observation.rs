@@ -167,8 +167,14 @@ pub struct ProbeReading {
     pub force: [f64; 3],
 }
 
-/// Record of the last committed increment. Quantities that the scene does not define are `None`,
-/// and empty in the history.
+/// Record of the last increment. Quantities that the scene does not define are `None`, and empty in
+/// the history.
+///
+/// If [`status`](Self::status) is
+/// [committed](crate::attempt::IncrementStatus::is_committed), the record is of the state of the
+/// world. Otherwise nothing was committed: strains, probes and the kinetic energy are those of the
+/// unchanged state, stresses are `None`, and contacts and residuals are those of the last attempt.
+/// After a collapse bonds may be broken all the same; [`ruptures`](Self::ruptures) has them.
 #[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct Observation {

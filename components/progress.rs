@@ -61,14 +61,27 @@ impl Progress {
     /// The ramp, over the next whole increment, of a load that goes linearly from one value to
     /// another over the stage. At the end of the stage the target is met exactly. The ramp goes on
     /// beyond it where only a part of the last increment is left: fractions are of whole
-    /// increments.
+    /// increments. After the stage the load stays at its target. Without a stage, `total` is 0, and
+    /// the load is at its target from the first increment on.
     #[must_use]
     pub fn ramp(&self, from: f64, to: f64) -> Ramp {
+        if self.done >= self.total - 1e-9 {
+            return Ramp { from: to, to };
+        }
         let at = |done: f64| {
-            let is_end = self.total <= 0.0 || (done - self.total).abs() < 1e-9;
+            let is_end = (done - self.total).abs() < 1e-9;
             if is_end { to } else { from + (to - from) * (done / self.total) }
         };
         Ramp { from: at(self.done), to: at(self.done + 1.0) }
+    }
+
+    /// The ends of a ramp over the stage that has the value now that this one has, and goes to
+    /// another target. With `s = done/total` it starts at `(now - target s)/(1 - s)`.
+    #[must_use]
+    pub fn retarget(&self, from: f64, to: f64, target: f64) -> (f64, f64) {
+        let s = self.done / self.total;
+        let now = self.ramp(from, to).from;
+        (if s < 1.0 { (now - target * s) / (1.0 - s) } else { target }, target)
     }
 }
 
@@ -88,6 +101,15 @@ mod tests {
             progress.done += fraction;
         }
         assert_eq!(progress.ramp(0.0, 200.0).from, 200.0);
+    }
+
+    #[test]
+    fn a_load_stays_at_its_target_after_its_stage() {
+        for done in [3.0, 4.0, 10.5] {
+            let progress = Progress { done, total: 3.0, ..Progress::default() };
+            let ramp = progress.ramp(1.0, 7.0);
+            assert_eq!((ramp.from, ramp.to), (7.0, 7.0), "after {done} increments");
+        }
     }
 
     #[test]

@@ -161,20 +161,18 @@ impl WallTable {
 }
 
 impl WallControl {
-    /// Changes the value at the end of the stage and keeps the current value. With `s = done/total`
-    /// the ramp starts at `(current - to s)/(1 - s)`, so that its line passes through the current
-    /// value. Controls without a load do not change.
+    /// Changes the value at the end of the stage and keeps the current value
+    /// ([`Progress::retarget`]). Controls without a load do not change.
     #[must_use]
     pub fn retarget(self, progress: &Progress, target: f64) -> Self {
-        let aim = |from: f64, to: f64| {
-            let s = progress.done / progress.total;
-            let reached = progress.ramp(from, to).from;
-            if s < 1.0 { (reached - target * s) / (1.0 - s) } else { target }
-        };
         match self {
-            Self::Force { from, to } => Self::Force { from: aim(from, to), to: target },
+            Self::Force { from, to } => {
+                let (from, to) = progress.retarget(from, to, target);
+                Self::Force { from, to }
+            }
             Self::Stress { from, to, length } => {
-                Self::Stress { from: aim(from, to), to: target, length }
+                let (from, to) = progress.retarget(from, to, target);
+                Self::Stress { from, to, length }
             }
             other => other,
         }

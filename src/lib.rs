@@ -131,6 +131,7 @@ impl PluginGroup for ClasticPlugins {
 /// `material::Material`.
 pub mod prelude {
     pub use crate::ClasticPlugins;
+    pub use crate::components::attempt::{Attempt, IncrementStatus};
     pub use crate::components::body::{
         AngularVelocity, BodyId, Drive, Drives, ExternalForce, LoadControl, Velocity,
     };
@@ -147,8 +148,12 @@ pub mod prelude {
     pub use crate::components::{body, material};
     pub use crate::cone::program::{ConeProgram, ConeSolution};
     pub use crate::run::{Outcome, ScenePlugin, Simulation, Step};
+    pub use crate::systems::load_stage::begin_stage;
     pub use crate::systems::schedule::{
         AttemptSystems, ControlSystems, ControlWalls, Increment, IncrementSystems, Loads,
     };
-    pub use crate::systems::stepping::{Advance, AdvanceSystems, Halted, Running};
+    pub use crate::systems::state::WorldState;
+    pub use crate::systems::stepping::{
+        Advance, AdvanceSystems, Halted, Running, Stepping, Stopped, StoppedBy,
+    };
 }

@@ -19,6 +19,7 @@ use clastic_components::rigid_group::{ContactForce, RigidGroup};
 use clastic_components::wall::{Wall, WallControl, WallDrive, WallRotation};
 use clastic_components::wall_shape::WallShape;
 
+use crate::material_names::{MATERIALS, MaterialNames};
 use crate::rigid_groups::{self, GroupQuery};
 use crate::schedule::{Increment, IncrementSystems};
 use crate::state::{RegisterState, StateOf};
@@ -72,6 +73,7 @@ fn register_bodies(app: &mut App) {
         .register_component::<BondId, Bond>("bond")
         .register_component::<BondId, BondState>("bond_state")
         .register_resource::<PeriodicCell>(PERIODIC_CELL)
+        .register_state::<MaterialNames>(MATERIALS)
         .register_state::<RowIds>("contact_history.rows")
         .register_resource::<ContactHistory>("contact_history");
 }

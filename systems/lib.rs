@@ -14,6 +14,8 @@ pub mod event_search;
 pub mod gather_bodies;
 pub mod identities;
 pub mod kinetic_damping;
+pub mod load_stage;
+pub mod material_names;
 pub mod mean_field;
 pub mod measures;
 pub mod membranes;

@@ -11,7 +11,7 @@ use clastic_cone::program;
 use crate::detect_contacts::settings::DetectionSettings;
 use crate::identities::Identities;
 use crate::motion_settings::MotionSettings;
-use crate::stepping::{Due, Halted, Running};
+use crate::stepping::{Due, Halted, Running, Undone};
 
 /// Registers the components and resources of the engine, so that inspectors and scripts can show
 /// and set them by name. `clastic::ClasticPlugins` contains it if the feature `reflect` is on.
@@ -104,6 +104,7 @@ impl Plugin for ReflectPlugin {
             Due,
             Halted,
             Running,
+            Undone,
         );
     }
 }

@@ -126,14 +126,13 @@ pub fn rows_changed(rows: Res<KeptRows>) -> bool {
 
 /// Run condition: the attempts ended in a state that is committed.
 pub fn committed(attempt: Res<Attempt>) -> bool {
-    matches!(attempt.status, IncrementStatus::Solved | IncrementStatus::Capped)
+    attempt.status.is_committed()
 }
 
 /// Run condition: bonds break. If a cascade ends in a collapse, the bonds of its earlier rounds
 /// break although nothing else is committed.
 pub fn ruptured(attempt: Res<Attempt>) -> bool {
-    attempt.status == IncrementStatus::Collapsed
-        || matches!(attempt.status, IncrementStatus::Solved | IncrementStatus::Capped)
+    attempt.status == IncrementStatus::Collapsed || attempt.status.is_committed()
 }
 
 /// Adds the four schedules with their sets.

@@ -56,20 +56,43 @@ pub enum StateError {
     /// The state has no such entry.
     #[error("the state has no entry `{0}`")]
     Missing(String),
+    /// The world has bodies or bonds, with which those of the state would be mixed.
+    #[error(
+        "the world is not empty (bodies: {bodies}, bonds: {bonds}); restore the state in a new \
+         world, or `rewind` the world from which it was captured"
+    )]
+    Occupied {
+        /// Number of its bodies.
+        bodies: usize,
+        /// Number of its bonds.
+        bonds: usize,
+    },
+    /// The settings of the world contradict an entry.
+    #[error("entry `{name}` of the state: {what}")]
+    Unsuitable {
+        /// The entry.
+        name: String,
+        /// What differs, and what to do.
+        what: String,
+    },
 }
 
 /// Encodes an entry; `None` if the world does not have it.
 type Capture = fn(&mut World) -> Result<Option<Vec<u8>>, postcard::Error>;
 type Restore = fn(&mut World, &[u8]) -> Result<(), postcard::Error>;
+/// What in the world contradicts an entry; `None` if nothing does.
+type Check = fn(&World, &[u8]) -> Result<Option<String>, postcard::Error>;
 /// Takes away what the world has of an entry.
 type Forget = fn(&mut World);
 
+#[derive(Clone, Copy)]
 struct Entry {
     name: &'static str,
     /// Whether the entry is of components. These are restored first, so that other state can refer
     /// to all bodies and bonds.
     is_component: bool,
     capture: Capture,
+    check: Check,
     restore: Restore,
     forget: Forget,
 }
@@ -85,6 +108,14 @@ pub struct StateRegistry {
 pub trait StateOf: Serialize + DeserializeOwned {
     /// Reads the state; `None` if the world does not have it.
     fn take(world: &mut World) -> Option<Self>;
+    /// Checks that the settings of the world suit the state, before anything is restored.
+    ///
+    /// # Errors
+    /// What differs, and what to do.
+    fn check(&self, _world: &World) -> Result<(), String> {
+        Ok(())
+    }
+
     /// Restores the state in a world that contains all bodies and bonds.
     fn put(self, world: &mut World);
 }
@@ -139,15 +170,18 @@ impl RegisterState for App {
     ) -> &mut Self {
         register(
             self,
-            name,
-            false,
-            |world| world.get_resource::<T>().map(postcard::to_stdvec).transpose(),
-            |world, bytes| {
-                world.insert_resource(postcard::from_bytes::<T>(bytes)?);
-                Ok(())
-            },
-            |world| {
-                world.remove_resource::<T>();
+            Entry {
+                name,
+                is_component: false,
+                capture: |world| world.get_resource::<T>().map(postcard::to_stdvec).transpose(),
+                check: |_, _| Ok(None),
+                restore: |world, bytes| {
+                    world.insert_resource(postcard::from_bytes::<T>(bytes)?);
+                    Ok(())
+                },
+                forget: |world| {
+                    world.remove_resource::<T>();
+                },
             },
         )
     }
@@ -156,38 +190,44 @@ impl RegisterState for App {
         &mut self,
         name: &'static str,
     ) -> &mut Self {
-        let (capture, restore) = (capture_component::<I, T>, restore_component::<I, T>);
-        register(self, name, true, capture, restore, |world| keep_components::<I, T>(world, &[]))
+        register(
+            self,
+            Entry {
+                name,
+                is_component: true,
+                capture: capture_component::<I, T>,
+                check: |_, _| Ok(None),
+                restore: restore_component::<I, T>,
+                forget: |world| keep_components::<I, T>(world, &[]),
+            },
+        )
     }
 
     fn register_state<S: StateOf>(&mut self, name: &'static str) -> &mut Self {
         register(
             self,
-            name,
-            false,
-            |world| S::take(world).as_ref().map(postcard::to_stdvec).transpose(),
-            |world, bytes| {
-                postcard::from_bytes::<S>(bytes)?.put(world);
-                Ok(())
+            Entry {
+                name,
+                is_component: false,
+                capture: |world| S::take(world).as_ref().map(postcard::to_stdvec).transpose(),
+                check: |world, bytes| Ok(postcard::from_bytes::<S>(bytes)?.check(world).err()),
+                restore: |world, bytes| {
+                    postcard::from_bytes::<S>(bytes)?.put(world);
+                    Ok(())
+                },
+                forget: |_| {},
             },
-            |_| {},
         )
     }
 }
 
-fn register<'a>(
-    app: &'a mut App,
-    name: &'static str,
-    is_component: bool,
-    capture: Capture,
-    restore: Restore,
-    forget: Forget,
-) -> &'a mut App {
+fn register(app: &mut App, entry: Entry) -> &mut App {
     app.init_resource::<StateRegistry>();
     let mut registry = app.world_mut().resource_mut::<StateRegistry>();
-    let is_new = registry.entries.iter().all(|entry| entry.name != name);
+    let name = entry.name;
+    let is_new = registry.entries.iter().all(|known| known.name != name);
     assert!(is_new, "state `{name}` is registered twice: give each a name of its own");
-    registry.entries.push(Entry { name, is_component, capture, restore, forget });
+    registry.entries.push(entry);
     // A stable sort: entries of one kind stay in the order of registration.
     registry.entries.sort_by_key(|entry| !entry.is_component);
     app
@@ -243,8 +283,7 @@ impl WorldState {
     /// If an entry cannot be encoded.
     pub fn capture(world: &mut World) -> Result<Self, StateError> {
         let mut entries = Vec::new();
-        let registered = names(world);
-        for (name, capture, ..) in registered {
+        for Entry { name, capture, .. } in registered(world) {
             if let Some(bytes) = capture(world).map_err(|error| encoding(name, &error))? {
                 entries.push((name.to_owned(), bytes));
             }
@@ -252,26 +291,18 @@ impl WorldState {
         Ok(Self { entries })
     }
 
-    /// Restores the state in a world without bodies. Its plugins must be those of the captured
-    /// world.
+    /// Restores the state in a world without bodies and bonds. Its plugins and the names of its
+    /// materials must be those of the captured world. Other settings, as the laws of the materials,
+    /// may differ.
     ///
     /// # Errors
-    /// If an entry is not registered or cannot be decoded. The world must then not be used.
+    /// If the world has bodies or bonds, if an entry is not registered or contradicts the settings
+    /// of the world: the world is then unchanged. If an entry cannot be decoded: the world must
+    /// then not be used.
     pub fn restore(&self, world: &mut World) -> Result<(), StateError> {
-        let registered = names(world);
-        for (name, _) in &self.entries {
-            if registered.iter().all(|(known, ..)| known != name) {
-                return Err(StateError::Unknown(name.clone()));
-            }
-        }
-        // In the order of this registry, whatever that of the captured world was.
-        for (name, _, restore, _) in registered {
-            if let Some(bytes) = self.bytes(name) {
-                restore(world, bytes).map_err(|error| encoding(name, &error))?;
-                world.flush();
-            }
-        }
-        Ok(())
+        expect_empty(world)?;
+        self.check(world)?;
+        self.put(world)
     }
 
     /// Restores the state in the world that was captured, whatever has happened there since: bodies
@@ -279,18 +310,45 @@ impl WorldState {
     /// and so do components and resources that are registered.
     ///
     /// # Errors
-    /// If an entry is not registered or cannot be decoded. The world must then not be used.
+    /// If an entry is not registered or contradicts the settings of the world: the world is then
+    /// unchanged. If an entry cannot be decoded: the world must then not be used.
     pub fn rewind(&self, world: &mut World) -> Result<(), StateError> {
+        self.check(world)?;
         if self.bytes(NEXT_IDENTITIES).is_some() {
             go_back(world, self.get(NEXT_IDENTITIES)?);
         }
-        for (name, _, _, forget) in names(world) {
+        for Entry { name, forget, .. } in registered(world) {
             if self.bytes(name).is_none() {
                 forget(world);
             }
         }
         world.flush();
-        self.restore(world)
+        self.put(world)
+    }
+
+    /// Checks that every entry is registered, and that it suits the settings of the world.
+    fn check(&self, world: &mut World) -> Result<(), StateError> {
+        let registered = registered(world);
+        for (name, bytes) in &self.entries {
+            let Some(entry) = registered.iter().find(|entry| entry.name == name) else {
+                return Err(StateError::Unknown(name.clone()));
+            };
+            if let Some(what) = (entry.check)(world, bytes).map_err(|e| encoding(name, &e))? {
+                return Err(StateError::Unsuitable { name: name.clone(), what });
+            }
+        }
+        Ok(())
+    }
+
+    /// Restores the entries in the order of this registry, whatever that of the captured world was.
+    fn put(&self, world: &mut World) -> Result<(), StateError> {
+        for Entry { name, restore, .. } in registered(world) {
+            if let Some(bytes) = self.bytes(name) {
+                restore(world, bytes).map_err(|error| encoding(name, &error))?;
+                world.flush();
+            }
+        }
+        Ok(())
     }
 
     /// Replaces the value of an entry.
@@ -347,9 +405,18 @@ impl WorldState {
     }
 }
 
-fn names(world: &mut World) -> Vec<(&'static str, Capture, Restore, Forget)> {
-    let registry = world.get_resource_or_init::<StateRegistry>();
-    registry.entries.iter().map(|e| (e.name, e.capture, e.restore, e.forget)).collect()
+/// Checks that a state can be restored in the world: it has no bodies and no bonds.
+///
+/// # Errors
+/// The numbers of its bodies and bonds.
+pub fn expect_empty(world: &mut World) -> Result<(), StateError> {
+    let bodies = world.query::<&BodyId>().iter(world).count();
+    let bonds = world.query::<&BondId>().iter(world).count();
+    if bodies + bonds == 0 { Ok(()) } else { Err(StateError::Occupied { bodies, bonds }) }
+}
+
+fn registered(world: &mut World) -> Vec<Entry> {
+    world.get_resource_or_init::<StateRegistry>().entries.clone()
 }
 
 fn encoding(name: &str, error: &postcard::Error) -> StateError {

@@ -16,8 +16,10 @@ use bevy_ecs::schedule::{
     InternedScheduleLabel, LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor,
 };
 
+use clastic_components::attempt::{Attempt, IncrementStatus};
 use clastic_components::increment::Progress;
 use clastic_components::particle::Particle;
+use clastic_cone::program::ConeSolution;
 
 use crate::schedule::Increment;
 
@@ -77,12 +79,45 @@ pub enum Running {
     Times(u32),
     /// No increments.
     Paused,
+    /// No increments, because the next one would be the last one again, or because the world is
+    /// [`Halted`]. The message [`Stopped`] has the reason. After you have changed what made the
+    /// increment fail, insert another `Running`.
+    Stopped(StoppedBy),
 }
+
+/// What has stopped the app.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub enum StoppedBy {
+    /// The last increment has no equilibrium. Nothing of it was committed.
+    Collapsed,
+    /// Neither an equilibrium nor a collapse was found. Nothing was committed.
+    Undecided,
+    /// The world has the resource [`Halted`].
+    Halted,
+}
+
+/// Message of the app when it stops by itself, and [`Running`] becomes [`Running::Stopped`].
+#[derive(Message, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub struct Stopped {
+    /// What has stopped it.
+    pub by: StoppedBy,
+    /// Number of the last increment.
+    pub increment: u64,
+    /// The reason in words.
+    pub reason: String,
+}
+
+/// Marks a world in which a plugin decides what follows an increment that was not committed, as the
+/// stages of a scene do. The app then stops by itself only if it is [`Halted`].
+#[derive(Resource, Clone, Copy, Debug, Default)]
+pub struct DecidesOnFailure;
 
 impl Running {
     /// Whether the app may make another increment.
     fn may_go_on(self) -> bool {
-        !matches!(self, Self::Times(0) | Self::Paused)
+        !matches!(self, Self::Times(0) | Self::Paused | Self::Stopped(_))
     }
 
     /// Reduces the number of remaining increments by one.
@@ -143,6 +178,7 @@ impl Plugin for SteppingPlugin {
         app.init_resource::<Due>()
             .init_resource::<Undone>()
             .init_resource::<Running>()
+            .add_message::<Stopped>()
             .add_systems(self.schedule, step.in_set(Stepping));
     }
 }
@@ -166,7 +202,31 @@ fn step(world: &mut World, particles: &mut QueryState<(), With<Particle>>) {
     }
     let before = world.resource::<Progress>().increment;
     advance(world);
-    if world.resource::<Progress>().increment != before {
+    let increment = world.resource::<Progress>().increment;
+    if let Some((by, reason)) = obstacle(world, increment != before) {
+        world.insert_resource(Running::Stopped(by));
+        world.write_message(Stopped { by, increment, reason });
+    } else if increment != before {
         world.resource_mut::<Running>().made_one();
+    }
+}
+
+/// What keeps the app from going on. `tried` is whether it has just tried an increment.
+fn obstacle(world: &World, tried: bool) -> Option<(StoppedBy, String)> {
+    if let Some(Halted(reason)) = world.get_resource::<Halted>() {
+        return Some((StoppedBy::Halted, reason.clone()));
+    }
+    if !tried || world.contains_resource::<DecidesOnFailure>() {
+        return None;
+    }
+    let attempt = world.get_resource::<Attempt>()?;
+    let proof = world.get_resource::<ConeSolution>().and_then(|s| s.certificate.as_ref());
+    match attempt.status {
+        IncrementStatus::Solved | IncrementStatus::Capped => None,
+        IncrementStatus::Collapsed if proof.is_some() => {
+            Some((StoppedBy::Collapsed, "no equilibrium exists: a mechanism proves it".to_owned()))
+        }
+        IncrementStatus::Collapsed => Some((StoppedBy::Collapsed, attempt.complaint.clone())),
+        IncrementStatus::Undecided => Some((StoppedBy::Undecided, attempt.complaint.clone())),
     }
 }

@@ -47,8 +47,13 @@ examples! {
     custom_stage in "../examples/custom_stage.rs"
     custom_wall in "../examples/custom_wall.rs"
     embed in "../examples/embed.rs"
+    fixed_update in "../examples/fixed_update.rs"
+    load_until_collapse in "../examples/load_until_collapse.rs"
     run_scene in "../examples/run_scene.rs"
+    scene_in_app in "../examples/scene_in_app.rs"
+    states in "../examples/states.rs"
     step_by_hand in "../examples/step_by_hand.rs"
+    sub_apps in "../examples/sub_apps.rs"
 }
 
 #[path = "../examples/custom_program.rs"]

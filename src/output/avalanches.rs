@@ -9,7 +9,6 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 use serde::{Deserialize, Serialize};
 
-use clastic_components::attempt::IncrementStatus;
 use clastic_components::bond::RuptureMode;
 use clastic_components::findings::EventSearch;
 use clastic_components::increment::Progress;
@@ -62,7 +61,7 @@ impl Avalanche {
     /// Returns the row of an ended avalanche and the number of its bonds.
     fn follow(open: &mut Option<Self>, now: &Now) -> Option<(Row, usize)> {
         let observation = &*now.observation;
-        if !matches!(observation.status, IncrementStatus::Solved | IncrementStatus::Capped) {
+        if !observation.status.is_committed() {
             return None;
         }
         let is_loaded = observation.fraction > 0.0;

@@ -3,6 +3,7 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::observation::{Measures, Observation};
+use clastic_systems::stepping::DecidesOnFailure;
 
 use super::cement::bond_pairs;
 use super::key_results::KeyResults;
@@ -18,5 +19,12 @@ pub(super) fn begin_script(world: &mut World, scene: &scene::Scene) {
     world.init_resource::<Measures>();
     world.insert_resource(KeyResults::of_scene(scene));
     world.init_resource::<Sanity>();
+    insert_script(world, scene);
+}
+
+/// Inserts the stages of a scene, before the first one.
+pub(super) fn insert_script(world: &mut World, scene: &scene::Scene) {
     world.insert_resource(Script::new(scene));
+    // A collapse ends a stage, and an undecided increment the run.
+    world.insert_resource(DecidesOnFailure);
 }

@@ -31,8 +31,8 @@ use super::script::Script;
 pub use super::stage_kinds::{BeginStage, EndStage, ProvideStage, StageKinds, StageSystems};
 use super::stages::{CurrentStage, begin_built_in, change_stages, end_built_in};
 use super::state::{
-    FIRST_WALL, FirstWall, INHERITED_WALLS, InheritedWalls, MATERIALS, MaterialNames,
-    RIGID_AT_START, RigidAtStart, SCRIPT, ScriptState,
+    FIRST_WALL, FirstWall, INHERITED_WALLS, InheritedWalls, RIGID_AT_START, RigidAtStart, SCRIPT,
+    ScriptState,
 };
 use super::stop::end_increment;
 use super::until::{APPROACH, Approach, is_on, keep_state};
@@ -87,7 +87,6 @@ impl Plugin for ScenePlugin {
         let runs_scene = resource_exists::<Script>;
         app.register_component::<BodyId, Group>("group")
             .register_component::<BodyId, WallName>("wall_name")
-            .register_state::<MaterialNames>(MATERIALS)
             .register_state::<FirstWall>(FIRST_WALL)
             .register_state::<InheritedWalls>(INHERITED_WALLS)
             // The script resolves the measures, which have these particles.

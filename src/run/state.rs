@@ -7,19 +7,21 @@ use clastic_components::body::{BodyId, LoadControl, Origin};
 use clastic_components::contact::Bodies;
 use clastic_components::contact_history::KeptRows;
 use clastic_components::increment::Progress;
-use clastic_components::material::Materials;
 use clastic_components::measure::NamedMeasures;
 use clastic_components::particle::{MaterialIndex, Particle};
 use clastic_systems::gather_bodies::gather_bodies;
+use clastic_systems::material_names::{MATERIALS, MaterialNames};
 use clastic_systems::measures::{NAMED, NamedState};
 use clastic_systems::membranes::{MEMBRANES, MembraneStates, renew_shapes};
 use clastic_systems::record::OBSERVATION;
 use clastic_systems::schedule::PROGRESS;
 use clastic_systems::solve_program::SOLVER_MEMORY;
+use clastic_systems::state::expect_empty;
 pub use clastic_systems::state::{StateError, StateOf, WorldState};
 use clastic_systems::wall_states::{ControlStates, WALL_CONTROL};
 
 use super::before::Before;
+use super::begin_script::insert_script;
 use super::live_loads::{LIVE_LOADS, LiveLoads};
 use super::resolve_measures::resolve_measures;
 use super::script::{Collapse, Outcome, Script, StageEnd};
@@ -30,9 +32,6 @@ use crate::scene::{StoredMembrane, StoredParticle, StoredSpecimen, StoredState};
 
 /// Name of [`ScriptState`] in a state.
 pub const SCRIPT: &str = "script";
-/// Name of [`MaterialNames`] in a state.
-pub const MATERIALS: &str = "materials.names";
-
 /// Name of [`FirstWall`] in a state.
 pub const FIRST_WALL: &str = "walls.first";
 
@@ -83,20 +82,6 @@ impl StateOf for ScriptState {
             resolve_measures(world);
         }
     }
-}
-
-/// Names of the materials, by the index that particles have. They follow from the scene. The state
-/// contains them for readers without a world.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct MaterialNames(pub Vec<String>);
-
-impl StateOf for MaterialNames {
-    fn take(world: &mut World) -> Option<Self> {
-        let materials = world.get_resource::<Materials>()?;
-        Some(Self(materials.0.iter().map(|m| m.name.clone()).collect()))
-    }
-
-    fn put(self, _: &mut World) {}
 }
 
 /// Identity of the first wall of the scene: the number of particles when it was spawned.
@@ -208,11 +193,12 @@ pub fn capture(world: &mut World) -> Result<WorldState, StateError> {
 /// the plugins of the captured world and no bodies.
 ///
 /// # Errors
-/// If the state has an entry that no plugin registers, or that cannot be decoded.
+/// Those of [`WorldState::restore`].
 pub fn restore(world: &mut World, scene: &Scene, state: &WorldState) -> Result<(), StateError> {
+    expect_empty(world)?;
     let FirstWall(first) = state.get(FIRST_WALL)?;
     insert_settings(world, scene, first);
-    world.insert_resource(Script::new(scene));
+    insert_script(world, scene);
     state.restore(world)?;
     // Readers of the world before the next increment need the tables.
     let _ = world.run_system_cached(gather_bodies);

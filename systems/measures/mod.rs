@@ -15,7 +15,7 @@ use bevy_ecs::system::SystemParam;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-use clastic_components::attempt::{Attempt, IncrementStatus};
+use clastic_components::attempt::Attempt;
 use clastic_components::body::{ExternalForce, LastMotion};
 use clastic_components::bond::RuptureMode;
 use clastic_components::contact::{Bodies, Contacts};
@@ -118,7 +118,7 @@ impl EndTables<'_, '_> {
     /// regularisation.
     fn carries(&self) -> bool {
         !matches!(self.analysis.kind, AnalysisKind::Compaction { .. })
-            && matches!(self.attempt.status, IncrementStatus::Solved | IncrementStatus::Capped)
+            && self.attempt.status.is_committed()
     }
 
     fn read(&self, quantity: &Quantity, reference: Option<f64>) -> Option<f64> {

@@ -4,7 +4,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 use glam::DVec2;
 
-use clastic_components::attempt::{Attempt, IncrementStatus};
+use clastic_components::attempt::Attempt;
 use clastic_components::body::{BodyId, Position};
 use clastic_components::cell::PeriodicCell;
 use clastic_components::measure::{NamedMeasures, Quantity, StrainPath, StrainReference};
@@ -129,7 +129,7 @@ pub fn follow_path(
     path: Option<ResMut<StrainPath>>,
 ) {
     let Some(mut path) = path else { return };
-    let committed = matches!(attempt.status, IncrementStatus::Solved | IncrementStatus::Capped);
+    let committed = attempt.status.is_committed();
     let strains = (observation.axial_strain, observation.lateral_strain);
     let (true, (Some(axial), Some(lateral))) = (committed, strains) else { return };
     path.0.push([axial, lateral]);

@@ -4,7 +4,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 use glam::DVec2;
 
-use clastic_components::attempt::{Attempt, IncrementStatus};
+use clastic_components::attempt::Attempt;
 use clastic_components::body::{BodyId, ExternalForce, LastMotion, Position};
 use clastic_components::contact::{Bodies, Contact, Contacts};
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
@@ -135,7 +135,7 @@ impl StressTables<'_, '_> {
     /// regularisation and give no stress.
     fn carries(&self) -> bool {
         !matches!(self.analysis.kind, AnalysisKind::Compaction { .. })
-            && matches!(self.attempt.status, IncrementStatus::Solved | IncrementStatus::Capped)
+            && self.attempt.status.is_committed()
     }
 
     /// Force (N) and moment (N m) of the contacts on these particles; `None` where nothing carries

@@ -11,7 +11,7 @@ pub mod control;
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use clastic_components::attempt::{Attempt, IncrementStatus};
+use clastic_components::attempt::Attempt;
 use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::contact_history::DraftHistory;
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
@@ -102,8 +102,7 @@ fn is_at(world: &World, end: f64) -> bool {
 
 /// Whether the attempts ended in a state that is committed.
 fn is_committed(world: &World) -> bool {
-    let status = world.resource::<Attempt>().status;
-    matches!(status, IncrementStatus::Solved | IncrementStatus::Capped)
+    world.resource::<Attempt>().status.is_committed()
 }
 
 /// Sum of f (x) l over the contacts (xx, xy, yx, yy), N m: the mean stress times the volume.

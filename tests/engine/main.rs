@@ -45,6 +45,7 @@ mod rupture;
 mod sleeping;
 mod specimens;
 mod stages;
+mod stopping;
 mod stress;
 mod swinging;
 mod thin_walls;

@@ -3,7 +3,6 @@
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use clastic_components::attempt::IncrementStatus;
 use clastic_components::bond::Bond;
 use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
@@ -95,7 +94,7 @@ pub fn follow(
     (o, bonds): (Res<Observation>, Query<&Bond>),
     mut sanity: ResMut<Sanity>,
 ) {
-    let carries = matches!(o.status, IncrementStatus::Solved | IncrementStatus::Capped);
+    let carries = o.status.is_committed();
     if !carries || matches!(analysis.kind, AnalysisKind::Compaction { .. }) {
         return;
     }
