@@ -1,6 +1,6 @@
-//! What can happen to a run from outside: killed, interrupted, disk full, directory gone or
-//! read-only, nobody listening. Whatever it is, what is written is whole, the program says what is
-//! wrong, and the run goes on from its last checkpoint as if nothing had happened.
+//! Faults from outside: a run is killed or interrupted, its disk is full, its directory is removed
+//! or read-only, its output is a closed pipe. Files that were written are complete, the program
+//! names the fault, and the run resumes from its last checkpoint with the same results.
 //!
 //! Two hundred kills instead of a few: `cargo test --release --test faults -- --ignored`.
 #![cfg(unix)]
@@ -153,7 +153,7 @@ fn spread(k: u32) -> f64 {
 fn kill_after(mut child: Child, time: Duration) -> bool {
     thread::sleep(time);
     let running = child.try_wait().unwrap().is_none();
-    // SIGKILL: nothing of the program runs any more.
+    // SIGKILL: the program cannot react.
     let _ = child.kill();
     child.wait().unwrap();
     running
@@ -162,7 +162,7 @@ fn kill_after(mut child: Child, time: Duration) -> bool {
 /// Increments between checkpoints.
 const EVERY: u64 = 3;
 
-/// Kills runs, and what resumes them, at moments spread over their whole length.
+/// Kills runs and resumed runs at moments spread over their whole length.
 fn killed(times: u32) {
     let place = Place::new();
     let every = EVERY.to_string();
@@ -194,7 +194,7 @@ fn killed(times: u32) {
             assert!(rows <= from + EVERY, "{what}: {rows} rows, resumed after {from}");
             lost = lost.max(rows.saturating_sub(from));
         } else if !out.join("final_particles.csv").exists() {
-            // Killed before there was anything to lose.
+            // Killed before the first file was written.
             assert_eq!(rows, 0, "{what}");
             without += 1;
             let done = place.run(&out, &["--quiet", "--force"]).output().unwrap();
@@ -373,7 +373,7 @@ fn more_increments_for_a_completed_run_without_its_checkpoint_are_refused_with_a
     }
     fs::write(&last, kept).unwrap();
     place.assert_as_undisturbed(&plain, "refused");
-    // The way out leads there.
+    // The advice of the message works.
     let done = place.run(&plain, &["--force", "--quiet"]).args(set).output().unwrap();
     assert_eq!(done.status.code(), Some(0), "{}", said(&done));
     let history = fs::read_to_string(plain.join("history.csv")).unwrap();
@@ -413,7 +413,7 @@ fn a_change_that_cannot_be_is_wrong_usage() {
     let refused = resume(&out).args(["--set", "specimen.radius=4.0e-3"]).output().unwrap();
     assert_eq!(refused.status.code(), Some(2), "{}", said(&refused));
     assert!(said(&refused).contains("`specimen` cannot change"), "{}", said(&refused));
-    // Nothing came of it.
+    // It has left no files.
     place.resume_to_the_end(&out, "after a refusal");
 }
 

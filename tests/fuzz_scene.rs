@@ -1,6 +1,6 @@
 //! Fuzzing of scene text: the shipped scenes with tokens deleted, doubled, swapped and replaced. No
-//! text makes the reader panic, loop or take memory, every refusal says something with a place in
-//! the text, and what is accepted runs.
+//! text makes the reader panic, loop or take much memory; every refusal has a message with a place
+//! in the text; and accepted scenes run.
 //!
 //! A case is its number: the same on every machine. `CLASTIC_CASES=100000 cargo test --release
 //! --test fuzz_scene` runs more of them. A text that fails is written to `tests/corpus/scenes`,
@@ -21,7 +21,7 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 const CORPUS: &str = "tests/corpus/scenes";
 /// Cases of a normal run of the tests.
 const CASES: u64 = 4000;
-/// Nothing may take longer than this, on a machine that does other things as well.
+/// Maximum time of a case, on a machine with other load.
 const LONGEST: Duration = Duration::from_secs(10);
 /// Accepted scenes of at most this many particles are run for some increments.
 const FEW: u64 = 60;
@@ -54,7 +54,7 @@ fn tokens(text: &str) -> Vec<String> {
     tokens
 }
 
-/// A number as nobody should write it, or a likely one.
+/// An unusual number, or a likely one.
 fn number(random: &mut ChaCha8Rng) -> String {
     const ODD: [&str; 18] = [
         "0",

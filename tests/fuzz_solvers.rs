@@ -52,7 +52,7 @@ impl Random {
         10_f64.powf(low + 0.5 * (self.unit() + 1.0) * (high - low))
     }
 
-    /// Zero so often, else of some decades.
+    /// Zero with this probability, else spread over some decades.
     fn or_zero(&mut self, percent: usize, low: f64, high: f64) -> f64 {
         if self.chance(percent) { 0.0 } else { self.decades(low, high) }
     }
@@ -189,7 +189,7 @@ fn try_program(program: &ConeProgram) -> [ConeSolution; 2] {
     })
 }
 
-/// What a status rests on.
+/// The residuals or the certificate behind a status.
 fn grounds(solution: &ConeSolution) -> String {
     let proof = solution.certificate.as_ref().map(|c| (c.margin, c.defect));
     let ConeSolution { status, residuals, message, forces, .. } = solution;
@@ -241,7 +241,7 @@ fn statuses_are_true(program: fn(u64) -> ConeProgram) {
                 }
                 stalled.push(case);
             }
-            // What locks in one part and collapses in another is both.
+            // A program that locks in one part and collapses in another is both.
             [SolveStatus::Locked, SolveStatus::Collapsed]
             | [SolveStatus::Collapsed, SolveStatus::Locked] => {}
             [a, b] if a != b => {

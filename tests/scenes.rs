@@ -1,6 +1,6 @@
-//! Every scene of `scenes/` as it is shipped. Quantities up to the peak stand here with the values
-//! that they had when they were last looked at; after the peak a specimen of 400 grains may take
-//! another way on another machine, and only residuals and statuses count.
+//! Every scene of `scenes/` as it is shipped. Quantities up to the peak are compared with stored
+//! values. After the peak the round-off of another machine may change the curve of 400 grains: only
+//! residuals and statuses are checked there.
 //!
 //! Scenes at full size take minutes to hours: `cargo test --release --test scenes -- --ignored`.
 
@@ -422,7 +422,7 @@ fn every_scene_is_sound_and_opens_with_what_it_shows() {
         if let Err(error) = scene::load(&directory().join(&name).with_extension("ron"), &[]) {
             wrong.push(error.to_string());
         }
-        // More than a title: what it shows and where its numbers come from.
+        // The comment says what the scene shows and where its numbers come from.
         let comment = text.lines().take_while(|line| line.starts_with("//"));
         if comment.map(str::len).sum::<usize>() < 80 {
             wrong.push(format!("{name} says too little about itself"));

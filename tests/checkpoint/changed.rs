@@ -15,7 +15,7 @@ use crate::resumed::{COULOMB, assert_same_files, copy, load, parse, resume, run}
 
 #[test]
 fn an_undecided_run_goes_on_with_other_settings() {
-    // Grains move further than is accepted here, and walls at rest do not move them.
+    // Grains move further than the limit of this scene allows, and no wall drives them.
     let sets = [
         "acceptance.throw=1e-5",
         "stages.confine.increments=2",

@@ -61,8 +61,8 @@ fn a_pour_with_rigid_groups_a_compaction_and_a_landing_under_either_law() {
     }
 }
 
-/// A wall on a table, bonds that break one by one and increments that are halved, all at once. The
-/// wall ends at the end of its table whatever the increments were.
+/// A wall on a table, bonds that break one by one, and halved increments in one run. The wall ends
+/// at the end of its table whatever the increments were.
 #[test]
 fn halved_increments_with_events_and_a_wall_on_a_table() {
     let table = r#"stages.load.walls={ "bottom": Fixed, "top": Follow(Displacement([

@@ -39,8 +39,8 @@ fn with(tables: &Tables, name: &str, array: Array) -> Tables {
     changed
 }
 
-/// Every array whose name begins with `prefix` is missed, and refused in another shape, of another
-/// type, and with a number that is not finite unless it may be one.
+/// Every array whose name begins with `prefix` must be there, and is refused with another shape,
+/// with another type, and with a number that is not finite (unless the format allows it).
 fn refuses_damage(sound: &Tables, prefix: &str, may_be_nan: &[&str]) {
     SavedState::read(sound).unwrap();
     let refused = |tables: &Tables, name: &str, what: &str| {

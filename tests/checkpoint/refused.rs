@@ -99,11 +99,11 @@ fn a_directory_that_lost_rows_or_is_in_use_is_refused() {
     drop(simulation);
     let history = dir.join(directory::HISTORY);
     let whole = fs::read(&history).unwrap();
-    // Half of the row that came after the checkpoint is no harm ...
+    // An incomplete row after the checkpoint is dropped ...
     fs::write(&history, &whole[..whole.len() - 20]).unwrap();
     assert_eq!(try_resume(), Ok(()));
     assert_eq!(fs::read_to_string(&history).unwrap().lines().count(), 3);
-    // ... half of one that the checkpoint counts on is.
+    // ... but an incomplete row before the checkpoint is an error.
     edit(&history, |bytes| bytes.truncate(bytes.len() - 20));
     assert!(try_resume().is_err_and(|e| e.contains("history.csv") && e.contains("bytes")));
     edit(&history, |bytes| bytes.extend([b'x'; 20]));

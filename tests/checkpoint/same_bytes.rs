@@ -124,8 +124,8 @@ fn measures_that_look_back() {
     assert!(broken(&records[5]) > 0 && broken(&records[8]) > broken(&records[5]), "no cracks");
 }
 
-/// A run that is interrupted within an avalanche has its bonds, its row of the avalanche and its
-/// way through it still to come.
+/// A run is interrupted within an avalanche: further bonds break and the row of the avalanche is
+/// written after it is resumed.
 #[test]
 fn from_event_to_event_and_within_avalanches() {
     let loaded = load(
@@ -142,7 +142,7 @@ fn from_event_to_event_and_within_avalanches() {
     );
     let stops = |increment: u64| increment % 3 == 1;
     let records = same_from_anywhere(&loaded, stops);
-    // With the first of them behind it and the next one to come.
+    // After the first of them and before the second.
     let within = records.iter().filter(|o| stops(o.increment) && o.in_avalanche).count();
     assert!(within >= 2, "stopped {within} times within an avalanche, of {}", records.len());
 }
@@ -196,7 +196,7 @@ fn before_motions_that_ruptures_release() {
 
 #[test]
 fn biaxial_test_whose_motion_is_followed_and_whose_increments_are_halved() {
-    // A limit of throw that grains meet all the time.
+    // A limit of throw that grains reach in many increments.
     let sets = [
         "acceptance.throw=0.01",
         "stages.confine.increments=2",
@@ -312,7 +312,7 @@ const COLLAPSE: &str = r#"(
 
 #[test]
 fn the_mechanism_of_a_collapse_is_of_whoever_sees_it() {
-    // Before the collapse, at it and after it; every other time in a directory that has it already.
+    // Before, at and after the collapse; every other time in the directory of the finished run.
     let records = same_from_anywhere(&parse(COLLAPSE), |k| [7, 8, 25, 26, 27].contains(&k));
     let collapsed = |o: &&Observation| o.status == IncrementStatus::Collapsed;
     let increments: Vec<_> = records.iter().filter(collapsed).map(|o| o.increment).collect();

@@ -16,8 +16,8 @@ fn stored() -> PathBuf {
 }
 
 /// Writes it, once for every new version of the format:
-/// `CLASTIC_STORE_CHECKPOINT=1 cargo test --release --test checkpoint -- --ignored`. Not by a bare
-/// `--ignored`, which only runs what is long.
+/// `CLASTIC_STORE_CHECKPOINT=1 cargo test --release --test checkpoint -- --ignored`. Without the
+/// variable `--ignored` does not write it.
 #[test]
 #[ignore = "writes the stored checkpoint, with CLASTIC_STORE_CHECKPOINT=1"]
 fn write_the_stored_checkpoint() {
@@ -45,11 +45,11 @@ fn the_format_is_that_of_its_version() {
     assert_eq!(checkpoint.increment, 15);
     let ruptures: RuptureCount = checkpoint.world.get("rupture_count").unwrap();
     assert!(ruptures.0.iter().sum::<usize>() > 0);
-    // A world made of it has its state, to the bit: every entry is what its plugin expects.
+    // A world restored from it has the same state, to the bit.
     let scene = parse(COULOMB).scene;
     let mut simulation = Simulation::resume_with(&scene, &checkpoint.world, OutputPlugin).unwrap();
     assert!(bytes(&simulation.state().unwrap()) == bytes(&checkpoint.world));
-    // Written again it is the same: nothing of it was left out or read as something else.
+    // It is written again to the same bytes: every entry was read.
     checkpoint.write(parent.path()).unwrap();
     let again = fs::read(parent.path().join(directory::CHECKPOINT)).unwrap();
     assert!(again == fs::read(stored()).unwrap());

@@ -51,7 +51,7 @@ pub fn cases(default: u64) -> u64 {
     }
 }
 
-/// Seeds of the cases: the one in `CLASTIC_SEED` if it is set, else one per case.
+/// Seeds of the cases: `CLASTIC_SEED` if it is set, else the numbers of the cases.
 pub fn seeds(default: u64) -> std::ops::Range<u64> {
     match std::env::var("CLASTIC_SEED") {
         Ok(text) => {

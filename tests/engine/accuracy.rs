@@ -86,8 +86,7 @@ fn the_error_follows_the_accuracy() {
     }
 }
 
-/// What the estimates solve in vain is counted in the rows, and leaves the loads where they should
-/// be.
+/// Solves that only estimate an error are counted in the rows and do not change the loads.
 #[test]
 fn stresses_land_on_their_targets() {
     let mut scene = parse(&confinement(0.21, 0.4, 7));

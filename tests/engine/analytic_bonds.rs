@@ -8,7 +8,7 @@ use clastic::components::bond::RuptureMode;
 use clastic::run::{Collapse, Outcome};
 use clastic::scene::format::{Motion, Scene};
 
-/// What a program solved to a residual near 1e-11 must reproduce.
+/// Tolerance for a program that is solved to a residual near 1e-11.
 const EXACT: f64 = 1e-9;
 
 const NORMAL_STIFFNESS: f64 = 8e6;
@@ -230,7 +230,7 @@ fn bonded_chain_fails_at_its_root_in_rolling() {
     for bonds in 1..=6 {
         let n = bonds as f64;
         let limit = 0.1 * TENSILE_STRENGTH / (2.0 * n - 1.0);
-        // Driven half as far again as the chain bends elastically.
+        // Driven 1.5 times as far as the elastic limit of the chain.
         let drive = 1.5 * n * limit / TANGENTIAL_STIFFNESS;
         let (records, _) = run(&chain(bonds, &format!("y: Displacement({drive:?})")));
         assert_relative(probe(&records[0], "tip").force[1], limit, EXACT);

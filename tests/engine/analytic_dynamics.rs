@@ -10,7 +10,7 @@ use clastic::run::Simulation;
 use clastic::scene::format::{Analysis, FrictionLaw, Scene, Specimen, WallControl};
 use glam::DVec2;
 
-/// What programs solved to a residual near 1e-11 must reproduce after some hundred increments.
+/// Tolerance after some hundred increments that are solved to a residual near 1e-11.
 const EXACT: f64 = 1e-9;
 
 const COULOMB: FrictionLaw = FrictionLaw::COULOMB;
@@ -252,7 +252,7 @@ fn a_plate_that_starts_sideways_drags_a_disk_and_does_not_lift_it() {
         assert_relative(p, weight, 1e-10);
         assert_relative(q.abs(), friction * weight, 1e-10);
         assert_relative(end.velocity.x, friction * G * 10e-3, 1e-10);
-        // The associated law opens by mu v dt what slides.
+        // Under the associated law a sliding contact opens by mu v dt.
         let (start, end, _) = on_a_plate_that_starts(FrictionLaw::Associated, friction, 1);
         let rise = end.position.y - start.position.y;
         assert_relative(rise, friction * (5.0 - end.velocity.x) * 1e-3, 1e-8);
@@ -397,8 +397,8 @@ fn theta_method_is_second_order_at_one_half_and_first_order_elsewhere() {
 
 #[test]
 fn linear_spring_impact_has_its_contact_time_and_maximum_overlap() {
-    // dt such that the trapezoidal rule turns the phase by pi/2 in n increments: n of them to the
-    // maximum overlap v sqrt(m*/k), n more to the last touch.
+    // dt such that the trapezoidal rule turns the phase by pi/2 in n increments: the overlap has
+    // its maximum v sqrt(m*/k) after n of them, and the contact ends after 2 n.
     let contact_time = |n: u32| {
         let dt = 2.0 / frequency() * (PI / f64::from(4 * n)).tan();
         let rig = two_disks(false, dt, 0.5, 2 * n + 1);

@@ -28,7 +28,7 @@ fn run(simulation: &mut Simulation) -> Vec<Observation> {
 /// A disk is pulled from another one that a bond under 30 degrees and two bonds in a row behind it
 /// hold. The bond under 30 degrees (12 N) breaks first. At the same place of the pulled disk the
 /// row then carries 11.55 N in an equilibrium, and its bonds hold 8 and 10 N: both are above their
-/// limits. One of them is enough to end that.
+/// limits. The break of one relieves the other.
 fn row_behind_a_prop(avalanche: &str, increments: u32) -> Simulation {
     let prop = 15.0e-3;
     let step = 4.2e-6 / f64::from(increments);
@@ -113,8 +113,9 @@ fn the_energies_of_a_followed_avalanche_add_up() {
             continue;
         }
         let e = simulation.world().resource::<EnergyLedger>().increment;
-        // 1.875 k u^2 were stored, of which the prop took 0.5 k u^2 with it. Nothing is left, and
-        // nothing drives. The normal of the prop turns by u/15 mm < 1e-4 on the way.
+        // 1.875 k u^2 were stored, of which 0.5 k u^2 were in the prop. At the end no energy is
+        // stored, and the drive does no work. The normal of the prop turns by u/15 mm < 1e-4 on the
+        // way.
         assert_relative(e.elastic, -1.375 * unit, 1e-4);
         assert_within(e.external, 0.0, 1e-9 * unit);
         assert_within(e.numerical, 0.0, 1e-9 * unit);
@@ -181,8 +182,7 @@ fn with_coulombs_law_the_peak_of_a_rock_does_not_depend_on_the_increment() {
     assert!(fine.2 > 30 && coarse.2 > 30, "{} and {}", fine.2, coarse.2);
 }
 
-/// The table of docs/validation.md. Until its first bond breaks a specimen knows nothing of the
-/// rule.
+/// The table of docs/validation.md. Until the first bond breaks the rule has no effect.
 #[test]
 #[ignore = "takes minutes"]
 fn curves_after_the_peak() {

@@ -1,6 +1,6 @@
-//! What the paper says of the biaxial test (4.5), on the 400 disks of `biaxial_small`: the strength
-//! R of the bonds is 0 (no bonds), 10, 50 and 100 kPa. After the peak so few grains may take
-//! another way on another machine: what is asserted there leaves room for it.
+//! Statements of the paper about the biaxial test (4.5), on the 400 disks of `biaxial_small`: the
+//! strength R of the bonds is 0 (no bonds), 10, 50 and 100 kPa. After the peak the round-off of
+//! another machine may change the curve of so small a specimen: bounds there are wide.
 
 use std::sync::LazyLock;
 
@@ -146,11 +146,11 @@ fn bonds_that_break_in_rolling_do_not_outlive_the_confinement() {
     let [tension, shear, rolling] = confined.broken;
     let bonds = confined.bonds + tension + shear + rolling;
     assert!(10 * rolling > 9 * bonds, "{rolling} of {bonds} bonds in rolling");
-    // Where they yield instead the confinement breaks next to none.
+    // Where they yield instead the confinement breaks hardly any.
     let yielding = TESTS.iter().find(|test| test.strength == 10e3).unwrap();
     let broken: usize = yielding.confined.last().unwrap().broken.iter().sum();
     assert!(100 * broken < bonds, "{broken} of {bonds} bonds");
-    // What is left has the strength of the sand without bonds.
+    // The residual strength is that of the sand without bonds.
     let (letter, sand) = (test.peak(), TESTS[0].peak());
     assert!((letter - sand).abs() < 0.1 * sand, "{letter} and {sand} Pa");
 }

@@ -65,8 +65,8 @@ fn column_collapse_loses_energy_and_spreads_as_published() {
             column = height(&now);
         }
     }
-    // What is hit hits others: those pairs are in the program from the start, or every fifth
-    // increment would be solved twice.
+    // Bodies that are hit may hit others: these pairs are in the program from the start. Without
+    // them every fifth increment would be solved twice.
     assert!(20 * solves <= 21 * increments, "{solves} solves in {increments} increments");
     let end = states(&mut simulation);
     let aspect = column / width;
@@ -165,8 +165,8 @@ fn run_out_and_height_grow_with_the_aspect_ratio_as_published() {
     assert_within(slump, 2.0 / 3.0, 0.05);
 }
 
-/// A greater residual that is accepted is what the solver aims at: fewer iterations, and the pile
-/// is the same within what chance makes of it.
+/// With a larger `acceptance.residual` the solver takes fewer iterations, and the pile differs no
+/// more than between runs with other round-off.
 #[test]
 fn what_need_not_be_exact_takes_fewer_iterations() {
     let collapse = |residual: f64| {

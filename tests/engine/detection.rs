@@ -65,7 +65,8 @@ fn step(simulation: &mut Simulation) -> Option<usize> {
 #[test]
 fn a_pair_that_pruning_missed_is_added() {
     // The first disk flies into the second, which is at rest and is thrown on the third, also at
-    // rest and 3 mm away: nothing says beforehand that these two will meet within the increment.
+    // rest and 3 mm away: their velocities at the start do not show that these two will meet within
+    // the increment.
     let row = [[0.0, 0.0, 5.0, 100.0, 0.0], [11.0, 0.0, 5.0, 0.0, 0.0], [24.0, 0.0, 5.0, 0.0, 0.0]];
     let mut simulation = flight(&row, "", 1);
     assert_eq!(step(&mut simulation), Some(1));

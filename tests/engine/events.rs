@@ -1,5 +1,5 @@
-//! Rupture from event to event, on assemblies with exact answers: what breaks, at which load, and
-//! what is left does not depend on the increment.
+//! Rupture from event to event, on assemblies with exact answers: which bonds break and at which
+//! loads does not depend on the increment.
 
 use crate::common::*;
 use clastic::components::attempt::IncrementStatus;

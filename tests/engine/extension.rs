@@ -130,7 +130,7 @@ fn the_wall_is_in_its_place_after_a_halved_increment() {
     let sine = Sine { rest: 2.0 * RADIUS, amplitude: 1.0e-6, period: 12.0 };
     let sought = sine.height(1.0);
     let lid = world.spawn((wall(2, DVec2::NEG_X, sine.rest), WallControl::Custom, sine)).id();
-    // As if the increment before had been quartered: what was halved grows by doubling.
+    // As if the increment before had been quartered: fractions grow by doubling.
     world.resource_mut::<Progress>().tried = 0.25;
     for done in [0.5, 1.0] {
         world.run_schedule(Increment);

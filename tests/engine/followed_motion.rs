@@ -1,6 +1,6 @@
 //! Where a static increment has no equilibrium near by the motion is followed: loose packings come
 //! to rest under their first confining stress, the energies of the motion are booked, loads of
-//! other programs act in it, and what finds no rest has collapsed.
+//! other programs act in it, and a motion that finds no rest is a collapse.
 
 use bevy_ecs::prelude::*;
 use clastic::components::attempt::IncrementStatus;

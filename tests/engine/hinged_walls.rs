@@ -154,7 +154,7 @@ fn the_work_of_the_moment_is_the_energy_of_the_springs() {
 }
 
 /// A plate of no mass on a hinge carries two disks that hold still along it: the moment on it is
-/// that of their weights, whatever its angle; and it carries nothing where there is no plate.
+/// that of their weights, whatever its angle; and the moment is zero without the plate.
 #[test]
 fn a_seesaw_balances_by_the_law_of_the_lever() {
     let weight = |r: f64| 2000.0 * std::f64::consts::PI * r * r * 9.81;

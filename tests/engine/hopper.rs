@@ -25,7 +25,7 @@ fn discharged(scene: &Scene) -> Vec<usize> {
     while let Some(record) = step(&mut simulation) {
         let disks = states(&mut simulation);
         let below = disks.iter().filter(|disk| disk.position.y < 0.0).count();
-        // Nobody goes through a wall.
+        // No disk passes through a wall.
         for disk in disks.iter().filter(|disk| disk.position.y > 0.08) {
             assert!(disk.position.x.abs() <= 0.1 - 0.99 * disk.radius);
         }

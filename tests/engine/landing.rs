@@ -1,5 +1,5 @@
-//! `Until`: where stages land, against hand calculations, and what an increment that is undone
-//! leaves behind.
+//! `Until`: where stages land, against hand calculations, and traces of an increment that is
+//! undone.
 
 use bevy_ecs::schedule::IntoScheduleConfigs as _;
 use clastic::components::body::BodyId;
@@ -157,7 +157,7 @@ fn an_increment_that_pours_is_undone_with_its_grains() {
 #[derive(bevy_ecs::prelude::Resource, Default, serde::Serialize, serde::Deserialize)]
 struct Made(u64);
 
-/// What a plugin has registered goes back as well, and a run that is resumed between any two
+/// State that a plugin has registered goes back as well, and a run that is resumed between any two
 /// increments lands with the same bytes.
 #[test]
 fn undone_increments_leave_no_trace_in_states_of_plugins() -> Result<(), StateError> {

@@ -53,7 +53,7 @@ fn a_disk_gains_the_work_of_the_field_that_it_crosses() {
     }
 }
 
-/// A disk that is led over a floor carries the load of a strip while it is in it, and nothing of it
+/// A disk that is led over a floor carries the load of a strip while it is in it, and no load
 /// before and afterwards; the load rises over its stage, holds in the next, and ends.
 #[test]
 fn a_disk_carries_the_load_of_a_strip_while_it_is_in_it() {

@@ -14,7 +14,7 @@ use clastic::systems::schedule::{AttemptIncrement, AttemptSystems};
 use crate::common::{self, parse, step};
 use crate::followed_motion::confinement;
 
-/// What the attempts at a confinement have come across.
+/// Counts of the attempts at a confinement.
 #[derive(Resource, Default)]
 struct Throws {
     /// Solutions that moved a grain by more than ten radii while an equilibrium was sought.

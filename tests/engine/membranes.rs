@@ -152,7 +152,7 @@ fn a_side_carries_pressure_times_height_even_in_halved_increments() {
         let id = |world: &World, wall: Entity| *world.get::<BodyId>(wall).unwrap();
         let (first, second) = (id(world, bottom), id(world, top));
         world.spawn(membrane(Course::Between { first, second, sides }));
-        // As if the increment before had been quartered: what was halved grows by doubling.
+        // As if the increment before had been quartered: fractions grow by doubling.
         world.resource_mut::<Progress>().tried = 0.25;
         let mut before = None;
         for done in [0.5, 1.0, 2.0, 3.0] {
@@ -211,7 +211,7 @@ fn a_loose_grain_outside_is_pressed_against_the_others() {
     }
 }
 
-/// What the loads were when the attempts ended: those of the chains where the trial started.
+/// The loads when the attempts ended: those of the chains at the start of the trial.
 #[derive(Resource, Default)]
 struct Seen {
     motions: u32,

@@ -54,7 +54,7 @@ fn mass(disks: &[(u32, DVec2, Particle)]) -> f64 {
     disks.iter().map(|(.., disk)| disk.mass).sum()
 }
 
-/// What has come is rate times time to within half a grain, by number and by mass, per second and
+/// The poured mass is rate times time to within half a grain, by number and by mass, per second and
 /// over the stage; no two disks overlap; the floor carries the weight at rest.
 #[test]
 fn what_comes_is_rate_times_time_and_the_floor_carries_it() {

@@ -6,7 +6,7 @@ use clastic::cone::program::ConeSolution;
 use clastic::run::Simulation;
 use clastic::scene::format::Scene;
 
-/// What programs solved to a residual near 1e-11 must reproduce after some hundred increments.
+/// Tolerance after some hundred increments that are solved to a residual near 1e-11.
 const EXACT: f64 = 1e-9;
 const G: f64 = 9.81;
 const R: f64 = 0.01;

@@ -492,7 +492,7 @@ fn motions_are_followed_with_a_group_in_the_specimen() {
 }
 
 /// In a drum that turns the moment on the axis is on average that of the weight of the grains, and
-/// the drum carries their weight: no more than the change of their momenta is missing.
+/// the drum carries their weight, to within the change of their momenta.
 #[test]
 #[ignore = "half a minute"]
 fn a_drum_carries_the_moment_of_its_grains() {

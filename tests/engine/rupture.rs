@@ -1,5 +1,5 @@
-//! Rupture, walls and loads over many increments: what breaks when, what is left of it, and what
-//! walls exert.
+//! Rupture, walls and loads over many increments: which bonds break when, the forces that remain,
+//! and the forces of walls.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -15,8 +15,8 @@ use clastic::run::{Outcome, Simulation, Step};
 use clastic::scene::format::{CompactTarget, Load, Motion, Stage, WallControl};
 use clastic::systems::measures::stress::average_stress;
 
-/// The small disks' normals turn by less than 1e-4 while the middle one moves: what an answer for
-/// small displacements may be off by.
+/// The small disks' normals turn by less than 1e-4 while the middle one moves: the error of an
+/// answer for small displacements.
 const TURNS: f64 = 1e-5;
 
 fn fork(rules: &str) -> Simulation {
@@ -61,7 +61,7 @@ fn a_cascade_runs_to_its_end_within_the_increment() {
     let rounds: Vec<_> = records.iter().map(broken).collect();
     assert!(rounds[..8].iter().all(Vec::is_empty), "{rounds:?}");
     assert_eq!(rounds[8..], [vec![1, 2], vec![], vec![]]);
-    // One solve finds each bond, the third finds that nothing is left to break.
+    // Each solve finds one bond; the third finds none.
     assert_eq!((records[8].solves, records[8].status), (3, IncrementStatus::Solved));
     assert_eq!(records[8].broken, [2, 0, 0]);
     assert_within(pull(&records[8]), 0.0, 1e-7);
@@ -79,8 +79,8 @@ fn a_cascade_that_hits_its_cap_says_so() {
     let mut at_the_ninth = [""; 11];
     at_the_ninth[8] = "cascade";
     assert_eq!(caps, at_the_ninth);
-    // What the last round found breaks too, but nobody looked at what follows: half of the way,
-    // less what the second bond's limit leaves.
+    // Bonds that the last round found break too, but the forces after that are not solved for: half
+    // of the way, less the force at the limit of the second bond.
     assert_eq!((broken(&records[8]), records[8].solves), (vec![1, 2], 2));
     assert!(pull(&records[8]) > 10.0);
     assert!(records.iter().all(|r| r.residuals.worst() <= 1e-8));
@@ -265,7 +265,7 @@ fn walls_carry_their_stress_exactly_and_the_specimen_carries_that_of_the_walls()
             );
             let [axial, lateral] = [record.axial_stress.unwrap(), record.lateral_stress.unwrap()];
             if record.stage == "confine" {
-                // Five equal steps from nothing: what the compaction left behind is gone.
+                // Five equal steps from zero: forces of the compaction are gone.
                 confined += 1;
                 assert_relative(axial, 40e3 * f64::from(confined), 1e-8);
                 assert_relative(lateral, 40e3 * f64::from(confined), 1e-8);
@@ -334,7 +334,7 @@ fn results_do_not_depend_on_the_regularisation() {
         let mut scene = load("uniaxial_small");
         let load = stage(&mut scene, "load");
         load.increments = 68;
-        // First nothing moves: the free specimen must carry nothing.
+        // First no wall moves: the free specimen must carry no force.
         let mut still = load.clone();
         still.name = "still".into();
         still.increments = 1;
@@ -355,7 +355,7 @@ fn results_do_not_depend_on_the_regularisation() {
         }
         (stresses, bias / maximum)
     };
-    // The last is none at all.
+    // The last list is empty.
     let [usual, weak, strong, none] = [1e-9, 1e-11, 1e-8, 0.0].map(stresses);
     let peak = usual.0.iter().copied().fold(0.0, f64::max);
     assert!(peak > 1e8 && *usual.0.last().unwrap() < peak, "{peak:e} Pa is not the peak");
@@ -373,8 +373,8 @@ fn results_do_not_depend_on_the_regularisation() {
     }
 }
 
-/// The forces of a rigid specimen at its limit load are not unique. Two solvers end somewhere among
-/// them, and must break the same bonds, after which nothing carries any load (4.4.2 of the paper).
+/// The forces of a rigid specimen at its limit load are not unique. Two solvers find different ones
+/// and must break the same bonds, after which no contact carries a load (4.4.2 of the paper).
 #[test]
 fn rigid_specimen_breaks_the_same_bonds_with_every_solver_and_carries_nothing_then() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/uniaxial_rigid_small.ron");

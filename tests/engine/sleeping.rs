@@ -1,5 +1,5 @@
-//! What is at rest is left out of the program that is solved, and wakes when something happens to
-//! it.
+//! Bodies at rest are left out of the program that is solved, and wake when a force on them or a
+//! neighbour changes.
 
 use clastic::components::contact_history::ContactHistory;
 use clastic::cone::condensed::settings::SleepSettings;
@@ -149,8 +149,7 @@ fn a_stack_sleeps_under_a_loaded_wall_until_its_load_changes() {
     assert_eq!(awake, 20, "slept while its load changed");
 }
 
-/// What sleeps is part of what is remembered: resumed in the middle, a run goes on to the same
-/// bits.
+/// Sleeping bodies are part of the state: a run that is resumed in the middle has the same bits.
 #[test]
 fn a_run_that_is_resumed_sleeps_on() {
     let scene = stack(RIGID, "Condensed", BESIDE);
@@ -185,7 +184,7 @@ fn a_stack_wakes_when_a_disk_falls_on_it() {
     }
 }
 
-/// Without the guess everything is solved: the same solution, so that sleep changes nothing.
+/// Without sleep all bodies are solved, with the same solution.
 #[test]
 fn what_is_at_rest_is_what_would_be_solved() {
     let mut simulation = Simulation::new(&stack(ELASTIC, "Condensed", BESIDE), None);
@@ -214,8 +213,8 @@ fn what_is_at_rest_is_what_would_be_solved() {
     assert!(compared >= 150, "{compared}");
 }
 
-/// A floor that creeps sideways shears the stack by an imposed slip that is nothing beside the
-/// motion of the fast disk, and that adds up in no gap and no velocity.
+/// A floor that creeps sideways shears the stack by an imposed slip that is negligible beside the
+/// motion of the fast disk, and that changes no gap and no velocity.
 #[test]
 fn imposed_slip_keeps_a_stack_awake() {
     let mut scene = stack(ELASTIC, "Condensed", BESIDE);
@@ -232,8 +231,8 @@ fn imposed_slip_keeps_a_stack_awake() {
     }
 }
 
-/// Where what is fast stops, the scale of motion falls at once; what slept by the greater scale
-/// must not be taken for solved by the solver and for stalled by the engine.
+/// Where the fast disk stops, the scale of motion falls at once. Bodies that slept by the larger
+/// scale must not count as solved for the solver and as unconverged for the engine.
 #[test]
 fn a_stack_sleeps_on_or_is_solved_when_what_is_fast_stops() {
     let mut scene = stack(RIGID, "Condensed", BESIDE);
@@ -286,8 +285,8 @@ fn pyramids(count: usize) -> Scene {
     ))
 }
 
-/// A large scene ends with any product of force and gap that is accepted, and every pair with a gap
-/// of 10 um counted as a contact: all 35 of a pyramid.
+/// The solver ended a large scene at the accepted product of force and gap, and every pair with a
+/// gap of 10 um counted as a contact: all 35 of a pyramid.
 #[test]
 fn contacts_of_a_large_scene_touch() {
     let mut alone = 0;

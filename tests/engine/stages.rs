@@ -1,4 +1,5 @@
-//! From stage to stage: what a stage leaves to the next one, and what ends it.
+//! From stage to stage: loads, walls and bonds that a stage leaves to the next one, and the ends of
+//! stages.
 
 use crate::common::*;
 use clastic::components::bond::Bond;
@@ -63,7 +64,7 @@ fn loads_of_a_stage_that_ends_early_go_on_from_where_they_were() {
     }
 }
 
-/// Walls that follow loads, and those that are taken away, are in nobody's way.
+/// Walls that follow loads, and walls that are removed, do not block others.
 #[test]
 fn a_wall_may_move_far_where_the_opposite_one_gives_way_or_is_gone() {
     let stage = |rest: &str| {
@@ -160,7 +161,7 @@ fn a_stage_that_selects_no_particle_is_refused_as_it_begins() {
     for what in ["`hold`", "particles[1].select", "no particle", "-0.0005", "0.0005"] {
         assert!(message.contains(what), "no `{what}` in: {message}");
     }
-    // Both increments before it stand, and nothing of the stage has begun.
+    // The two increments before it are committed, and the stage has not begun.
     assert_eq!(simulation.world().resource::<Observation>().increment, 2);
     assert_eq!(simulation.world().resource::<Script>().ends.len(), 1);
 
@@ -251,8 +252,8 @@ fn a_wall_that_comes_back_can_be_cemented_anew() {
 
 #[test]
 fn stress_drop_waits_for_a_stress_that_is_no_round_off() {
-    // Two disks that touch are moved together: the round-off of their distance is all that presses
-    // them, now and then. After 30 increments they come to a third one.
+    // Two disks that touch are moved together: only the round-off of their distance presses them,
+    // in some increments. After 30 increments they come to a third one.
     let text = r#"(
         version: 1, title: "pushed against a disk",
         materials: { "stone": (contact: (normal_stiffness: 1.0e9)) },

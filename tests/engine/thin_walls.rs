@@ -103,8 +103,8 @@ fn a_disk_bridges_the_outlet_between_two_ends() {
     });
 }
 
-/// Beside the end a grain falls, below the plate and above it there are grains, and a plate stands
-/// in the way of what is thrown at it, from either side.
+/// A grain beside the end of a plate falls, grains lie below and above the plate, and the plate
+/// stops grains that fly at it from either side.
 #[test]
 fn a_plate_has_two_sides() {
     let disks = [DVec2::new(0.1, 0.05), DVec2::new(0.1, -0.05), DVec2::new(0.31, 0.01)];

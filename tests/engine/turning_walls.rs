@@ -314,7 +314,7 @@ fn a_smooth_wall_that_turns_carries_along_its_normal_alone() {
 
 /// Disks that are held press a rough plate and shear it; it turns by a large angle, and is then to
 /// carry a force. The force starts from the sum of the normal forces of the contacts. Along the
-/// present normal the friction would have a part in it, in proportion to the angle.
+/// present normal the force would include a part of the friction, in proportion to the angle.
 #[test]
 fn a_force_after_a_turn_starts_from_the_normal_forces() {
     let held = "particles: [(select: All, x: Held, y: Held, rotation: Held)]";
@@ -346,7 +346,7 @@ fn a_force_after_a_turn_starts_from_the_normal_forces() {
         assert_relative(from, normal, 1e-9);
         errors.push(present / normal - 1.0);
     }
-    // What the present normal would give is off by an error of first order.
+    // A force along the present normal has an error of first order.
     println!("{errors:?}");
     assert!(errors[0].abs() > 1e-5 && (errors[0] / errors[1] - 2.0).abs() < 0.5, "{errors:?}");
 }

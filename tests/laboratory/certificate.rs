@@ -49,7 +49,7 @@ pub fn check(program: &ConeProgram, mechanism: &[[f64; 3]]) -> Result<(), String
     for c in &program.interactions {
         let [closing, slip, roll] = kinematics(program, c, mechanism);
         let l = &c.limits;
-        // What has no shear force slips freely, what has no rolling moment turns freely.
+        // A contact without a shear force slips freely; one without a rolling moment rolls freely.
         let slip = if l.cohesion > 0.0 || l.friction > 0.0 { slip.abs() } else { 0.0 };
         let roll = if l.rolling > 0.0 { roll.abs() } else { 0.0 };
         let opening = -closing - l.friction * slip - l.rolling * roll;

@@ -3,7 +3,7 @@
 
 use crate::common::random::Random;
 
-/// What a scene is made of, drawn from its seed.
+/// Properties of a scene, drawn from its seed.
 #[derive(Clone, Debug)]
 pub struct Sample {
     /// Number of disks of the specimen, without the grains of platens and hoppers.

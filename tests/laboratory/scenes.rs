@@ -7,7 +7,7 @@ use crate::sample::Sample;
 /// Number of scenes. Their seeds are 0 to 199.
 pub const SCENES: u64 = 200;
 
-/// What a scene tests.
+/// The kind of test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Kind {
     /// Bonded column between platens, compressed without lateral stress.

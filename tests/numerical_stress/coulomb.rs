@@ -21,7 +21,7 @@ fn watched(scene: &Scene) -> (Vec<Observation>, Vec<State>) {
     (records, states(&mut simulation))
 }
 
-/// What the solves took.
+/// Counts of the solves.
 #[derive(Default)]
 struct Solves(Vec<u32>);
 
@@ -192,8 +192,8 @@ fn a_disk_on_an_incline_obeys_coulomb() {
         } else if friction >= (tan + 2.0 * rolling) / 3.0 && rolling < tan {
             2.0 / 3.0 * g * (sin - rolling * cos)
         } else {
-            // It slips. With so much rolling resistance that the slip cannot turn it, it slides
-            // too.
+            // It slips. It also slides where the rolling resistance is too large for the slip to
+            // turn it.
             g * (sin - friction * cos)
         };
         let found = s[0].velocity.dot(DVec2::new(cos, -sin)) / 0.02;

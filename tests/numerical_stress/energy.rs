@@ -13,13 +13,13 @@ use crate::common::{
     swarm,
 };
 
-/// What an increment's ledger may be off by: every row and every limit by the accepted residual,
-/// and round-off of what went through it.
+/// Bound of the error of the ledger of an increment: the accepted residual in every row and every
+/// limit, and the round-off of the energies.
 pub fn accepted_error(simulation: &Simulation) -> f64 {
     let world = simulation.world();
     let (program, solution) = (world.resource::<ConeProgram>(), world.resource::<ConeSolution>());
     let rows = 3 * program.bodies.len() + 4 * program.interactions.len();
-    // Here pressures count that nothing determines, between bodies that are held: they do work too.
+    // Undetermined forces between held bodies count here, because they do work too.
     let maximum = solution.forces.iter().map(|f| f[0].abs().max(f[1].abs())).fold(0.0, f64::max);
     let force = force_scale(program, &solution.forces).max(maximum);
     // A static residual of moments does its work on rotations; in dynamics balance holds to
@@ -31,9 +31,9 @@ pub fn accepted_error(simulation: &Simulation) -> f64 {
     let record = world.resource::<Observation>();
     let kinetic = record.kinetic_energy;
     let e = world.resource::<EnergyLedger>();
-    // That of a capped increment is what it reports.
+    // A capped increment reports its residual.
     let residual = world.resource::<Acceptance>().residual.max(record.residuals.worst());
-    // Last: round-off of what moves fast and hardly changes its speed.
+    // The last term: round-off of fast bodies whose speed hardly changes.
     residual * rows as f64 * force * motion
         + 1e-12 * (e.increment.throughput() + e.stored.unwrap_or_default())
         + 1e-14 * kinetic
@@ -151,13 +151,13 @@ fn a_block_that_slides_to_rest_loses_its_energy_to_friction() {
         let analysis = format!("Dynamic(dt: 1.0e-3, theta: {theta})");
         let total = slide("Coulomb()", &analysis, "", 400);
         assert_relative(total.friction, -total.kinetic, 1e-9);
-        // With theta = 1/2 a disk that sticks keeps what it stopped with in the last step, at most
-        // mu g dt.
+        // With theta = 1/2 a disk that sticks keeps a speed of at most mu g dt from its last step.
         assert_within(total.kinetic, -start, (3e-3_f64 / 0.5).powi(2) * start);
         assert_within(total.collision, 0.0, 1e-9 * start);
         assert_within(total.numerical, 0.0, 1e-9 * start);
     }
-    // What it hops with at the end is what friction lacks: mu v upwards of v at most.
+    // The friction loss is smaller by the kinetic energy of the last hop: its vertical speed is at
+    // most mu v.
     let total = slide("Associated", "Dynamic(dt: 1.0e-4, theta: 1.0)", "", 4000);
     println!("{total:?}");
     assert_relative(total.friction, start, 0.02);
@@ -218,7 +218,7 @@ fn a_collision_takes_the_impulse_times_the_mean_velocity() {
     assert_within(rows[..100].iter().map(|e| e.collision).sum(), 0.0, 1e-12);
 }
 
-/// Of work that scenes do, what has no name is small.
+/// The part of the work that the ledger does not attribute is small.
 #[test]
 fn little_of_the_work_is_numerical() {
     for name in [
@@ -293,7 +293,7 @@ fn smooth_elastic_energy_is_kept_at_one_half_and_never_gained_above() {
     }
 }
 
-/// With turning normals the energy at theta = 1/2 is off by what a frozen normal stretches.
+/// With turning normals the energy at theta = 1/2 has the error of constant normals.
 #[test]
 fn a_turning_lattice_keeps_its_energy_as_the_increment_vanishes() {
     let gained = |n: u32| {

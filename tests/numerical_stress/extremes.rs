@@ -1,5 +1,5 @@
 //! Extremes of stiffness, mass, size, friction, theta and time step; degenerate geometry. Every
-//! increment is checked by the oracle: it converges, is cut, or says why not.
+//! increment is checked by the oracle: it converges, is halved, or ends with a reason.
 
 use clastic::components::observation::Observation;
 use clastic::run::{Outcome, Simulation};
@@ -8,7 +8,7 @@ use clastic::scene::format::Scene;
 use crate::common::{assert_relative, assert_within, next, parse, run, states};
 use crate::random_scenes::run_checked;
 
-/// Runs a scene; nothing may be wrong with it, whatever its outcome.
+/// Runs a scene; the oracle may find no error, whatever the outcome.
 fn sound(scene: &Scene) -> Outcome {
     let story = run_checked(scene);
     assert!(
@@ -98,7 +98,7 @@ fn mass_ratios_to_a_thousand_million() {
                 "walls: [(name: \"floor\", start: (-1.0, 0.0), end: (1.0, 0.0), contact: (friction: 0.5))],
                  stages: [Load(name: \"fall\", increments: 50)]",
             );
-            // A thousand million may be too much for some increment, which then says so.
+            // With a ratio of 1e9 an increment may be undecided.
             if light > 1e-6 {
                 completes(&scene);
             } else {
@@ -130,7 +130,7 @@ fn bonds_from_soft_to_hard_break_at_their_strength() {
         completes(&scene);
         let (records, _) = run(&scene);
         let force = |r: &Observation| r.probes[0].force[0];
-        // A stiffness times the resolution of a place is force that nobody can have.
+        // Forces below the stiffness times the resolution of a position cannot be represented.
         let resolution = 4.0 * k * 12e-3 * f64::EPSILON;
         assert_within(force(&records[4]), 12.0, 1e-6 + resolution);
         let first = records.iter().find(|r| r.broken[0] > 0).expect("it breaks");
@@ -196,8 +196,8 @@ fn friction_from_none_to_five() {
                 &format!("friction: {friction:?}, rolling_friction: {:?}", 0.1 * friction),
                 40,
             ));
-            // Open: shear forces a tenth of what residuals are accepted with, between rigid bodies,
-            // stall, and that is said.
+            // Open: shear forces between rigid bodies of a tenth of the accepted residual stall,
+            // and the increment is undecided.
             assert!(outcome == Outcome::Completed || friction == 1e-9, "{friction}: {outcome:?}");
         }
     }
@@ -237,7 +237,7 @@ fn increments_that_are_a_hundred_times_too_large() {
         scene
     };
     completes(&confined(1e-3, 3));
-    // Crushed by a tenth of its height at once, it may also give way.
+    // Compressed by a tenth of its height in one increment, it may also collapse.
     let crushed = sound(&confined(1e-2, 1));
     assert!(!matches!(crushed, Outcome::Undecided { .. }), "{crushed:?}");
 }

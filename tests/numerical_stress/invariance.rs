@@ -13,7 +13,7 @@ use crate::random::{Random, cases};
 
 const INCREMENTS: u32 = 6;
 
-/// A change of everything that must change nothing.
+/// A change of units, place, orientation or numbering, which must not change the results.
 #[derive(Clone, Debug)]
 struct Map {
     turn: DMat2,
@@ -171,7 +171,8 @@ fn random_rig(r: &mut Random, dynamic: bool) -> Scene {
     ))
 }
 
-/// Motion of the grains, in the original's frame and units, and what broke, until something does.
+/// Motion of the grains in the frame and units of the original, and the broken bonds, up to the
+/// first rupture.
 fn motions(scene: &Scene, map: &Map) -> (Vec<Vec<[f64; 3]>>, Vec<u32>, f64) {
     let mut simulation = Simulation::new(scene, None);
     let start = states(&mut simulation);
@@ -291,7 +292,8 @@ fn shifted() {
 }
 
 /// A million metres away a place has 1.2e-10 m of resolution: motions of some um lose four to five
-/// digits, and gaps are off by as much, k 1e-10 m = 2 mN in every contact. Nothing else is lost.
+/// digits, and gaps are off by as much, k 1e-10 m = 2 mN in every contact. No other digits are
+/// lost.
 #[test]
 fn shifted_by_a_million_metres_loses_the_resolution_of_a_place() {
     let resolution = 1e6 * f64::EPSILON;

@@ -1,6 +1,7 @@
 //! An independent check of committed increments: geometry from the positions, laws from the scene,
-//! balance, limits and kinematics from the forces and the motion that happened. Of the engine's own
-//! tables it takes the forces and what an increment started from (shear history, openings).
+//! balance, limits and kinematics from the forces and the motion that happened. From the tables of
+//! the engine it takes the forces and the state at the start of an increment (shear history,
+//! openings).
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -21,12 +22,12 @@ use glam::DVec2;
 
 use crate::common::{State, states};
 
-/// What the residuals may be, and what round-off adds to a second way of computing them.
+/// Bounds of the residuals, and the round-off of computing them in another way.
 const RESIDUAL: f64 = 1e-8;
 const SECOND_WAY: f64 = 1.001;
 const ROUND_OFF: f64 = 1e-12;
 
-/// The maximum of each error, and what is out of bounds.
+/// The maximum of each error, and the errors beyond their bounds.
 #[derive(Clone, Debug, Default)]
 pub struct Findings {
     pub complaints: Vec<String>,
@@ -46,7 +47,7 @@ impl Findings {
         }
     }
 
-    /// Books the error of the energy ledger over what is accepted of it.
+    /// Books the error of the energy ledger over its bound.
     pub fn energy(&mut self, error: f64, increment: u64) {
         self.book("energy over accepted", error, 1.0, increment);
     }
@@ -128,7 +129,7 @@ impl Oracle {
             findings.complain(n, format!("kinetic energy {}", record.kinetic_energy));
         }
         if matches!(record.status, IncrementStatus::Solved | IncrementStatus::Capped) {
-            // What leaves the world was thrown there by a solver.
+            // A body this far away was thrown by a wrong solution.
             let far = |x: DVec2| !(x.length() < 1e6);
             if now.iter().any(|s| far(s.position))
                 || wall_positions(simulation).values().any(|x| far(*x))
@@ -138,9 +139,9 @@ impl Oracle {
             let capped = record.status == IncrementStatus::Capped;
             let limit = if capped { Sliding::BOUND } else { RESIDUAL };
             findings.book("reported residual", record.residuals.worst(), limit, n);
-            // The corrector takes normals and gaps where the increment leads to; this knows those
-            // of its start. What it commits is judged by its residuals, its ledger and what it is
-            // made of.
+            // The corrector takes normals and gaps at the end of the increment, and the oracle
+            // knows those at its start. Such increments are checked by residuals, ledger and finite
+            // numbers only.
             if scene.corrector.is_none() {
                 self.check_committed(simulation, scene, record, &now, findings);
             }
@@ -155,8 +156,8 @@ impl Oracle {
         }
     }
 
-    /// Checks what was committed against laws and balance, to the residual that was accepted: of a
-    /// capped increment the one that it reports.
+    /// Checks a committed increment against laws and balance, to the accepted residual, or to the
+    /// reported residual of a capped increment.
     fn check_committed(
         &self,
         simulation: &mut Simulation,
@@ -239,7 +240,7 @@ impl Oracle {
         let mut query = world.query::<(&BodyId, &Drives, &ExternalForce)>();
         let outside: BTreeMap<u32, ([Drive; 3], [f64; 3])> =
             query.iter(world).map(|(id, d, f)| (id.0, (d.0, f.0))).collect();
-        // What the loads would do to a particle that nothing holds, where bodies were in motion.
+        // Displacement of a free particle under the loads, where bodies were in motion.
         let free_motion = now
             .iter()
             .enumerate()
@@ -255,7 +256,7 @@ impl Oracle {
             .filter(|motion| *motion > 0.0)
             .fold(f64::INFINITY, f64::min);
         let free_motion = if free_motion.is_finite() { free_motion.min(mean_radius) } else { 0.0 };
-        // A force between bodies that are both held along it is no measure of anything.
+        // A force between bodies that are both held along its direction is not unique.
         let feels = |id: u32, direction: DVec2| match outside.get(&id) {
             Some((drives, _)) => {
                 (0..2).any(|k| drives[k] == Drive::Free && direction[k].abs() > 1e-9)
@@ -277,7 +278,7 @@ impl Oracle {
         let mut force = contact_force;
         let mut resist: BTreeMap<u32, [f64; 3]> = bodies.keys().map(|id| (*id, [0.0; 3])).collect();
 
-        // What taut bonds pull back with: their tension at the start, turned with their axis.
+        // Restoring force of taut bonds: their tension at the start, turned with their axis.
         for (c, f) in program.interactions.iter().zip(&forces).skip(contacts.len()) {
             let (a, b) = (&bodies[&c.a], &bodies[&c.b]);
             let d = b.start - a.start;
@@ -331,7 +332,7 @@ impl Oracle {
                 r[1] += g.y;
                 r[2] += arm * q + sign * tau;
             }
-            // What pushes overlaps apart is no answer to forces.
+            // A motion that separates overlaps does not follow from forces.
             if is_compaction || is_pushed {
                 continue;
             }
@@ -370,8 +371,8 @@ impl Oracle {
                     compliances(contact_law.normal_stiffness, contact_law.tangential_stiffness);
                 (stiffness, limits, gap)
             };
-            // Two bodies whose motion is imposed, and that do not close: their overlap is nobody's
-            // to take out.
+            // Two bodies with imposed motions that do not close: no solution can remove their
+            // overlap.
             let is_driven = |id: u32| {
                 let dofs = &program.bodies[row(id)].dofs[..2];
                 dofs.iter().all(|dof| matches!(dof, Dof::Fixed(_)))
@@ -442,8 +443,8 @@ impl Oracle {
             let plastic = if slides { slip - ct / theta * (q - c.previous_shear) } else { 0.0 };
             let rolls = if rolling > 0.0 { turn } else { 0.0 };
             let start = if cn > 0.0 { offset / theta } else { offset };
-            // Section 4 of the formulation: in static increments what rigid bodies overlap by less
-            // than this is what the last increment left, and no overlap.
+            // Section 4 of the formulation: in static increments an overlap of rigid bodies below
+            // this is round-off of the last increment.
             let left = -1e-9 * mean_radius..0.0;
             let start = if cn == 0.0 && !dynamic && !is_compaction && left.contains(&start) {
                 0.0
@@ -464,9 +465,10 @@ impl Oracle {
             }
             findings.book(name, (-rest / unit).max(0.0), accepted, n);
             let apex = if friction > 0.0 { cohesion / friction } else { f64::INFINITY };
-            // A bond above its limit goes no further than where its rolling moment vanishes.
+            // A bond above its limit does not go beyond the point at which its rolling moment
+            // vanishes.
             let apex = if rolling > 0.0 { apex.min(strength) } else { apex };
-            // Further from a limit than the maximum force is far.
+            // Distance from a limit above the maximum force.
             let above = ((p + tension.min(apex)).abs() / contact_force).min(1.0);
             let name =
                 if dynamic { "complementarity (dynamic)" } else { "complementarity (static)" };
@@ -525,7 +527,7 @@ impl Oracle {
         for (id, wall, control, external) in query.iter(world) {
             let loaded = matches!(control, WallControl::Force { .. } | WallControl::Stress { .. });
             if loaded && !is_compaction {
-                // Its force is the sum of its contacts' forces, whatever it was told to carry.
+                // Its force is the sum of the forces of its contacts, whatever its control.
                 let sum = DVec2::new(resist[&id.0][0], resist[&id.0][1]);
                 let given = DVec2::new(external.0[0], external.0[1]);
                 let off = (sum - given).dot(wall.inward()).abs() / force;

@@ -13,7 +13,7 @@ fn random_rigs_are_solved_or_say_why_not() {
     survey(|seed| with_rig(random_scene(seed, 40), seed));
 }
 
-/// The scene with a rig about it. The scene's own choices stay what they are.
+/// The scene with a rig about it. The choices of the scene are kept.
 fn with_rig(mut scene: Scene, seed: u64) -> Scene {
     let r = &mut Random::new(!seed);
     scene.acceptance.throw = r.pick(&[0.05, 0.3, 0.3, 3.0]);

@@ -19,7 +19,7 @@ use crate::energy::accepted_error;
 use crate::oracle::{Findings, Oracle};
 use crate::random::{Random, seeds};
 
-/// No small scene may take longer, on a machine that does other things as well.
+/// Maximum time of a small scene, on a machine with other load.
 const LONGEST: Duration = Duration::from_secs(120);
 /// Bounds of the attempts at one increment: solves, and the last round that began below the bound.
 const MAX_SOLVES: u32 = 1300;
@@ -153,7 +153,7 @@ fn contact(r: &mut Random, k: f64) -> Contact {
 }
 
 fn particles(r: &mut Random, dynamic: bool, base: f64, maximum: u32) -> Vec<Particle> {
-    // Small ones find most: uniform in the logarithm.
+    // Small scenes find most errors: the number is uniform in the logarithm.
     let n = r.decades(1.0, f64::from(maximum + 1)) as u32;
     let columns = 1 + r.below(8);
     let uneven = r.pick(&[0.0, 0.0, 0.3, 0.8]);
@@ -351,7 +351,7 @@ pub fn text(scene: &Scene) -> String {
         .unwrap()
 }
 
-/// What became of a scene.
+/// How a scene ended.
 #[derive(Debug)]
 pub struct Story {
     pub outcome: Outcome,
@@ -361,7 +361,7 @@ pub struct Story {
     pub took: Duration,
 }
 
-/// Runs a scene through its text, each increment under the eyes of the oracle.
+/// Runs a scene from its text; the oracle checks each increment.
 pub fn run_checked(scene: &Scene) -> Story {
     let scene = parse(&text(scene));
     let start = Instant::now();
@@ -488,8 +488,8 @@ fn what_is_thrown_far_hides_no_error_seed_71() {
     goes_right(71);
 }
 
-/// A held disk pressed by 2e26 N, which nothing determines, hid what all others were off by, and
-/// round-off of that force moved it by 3 km.
+/// A held disk had an undetermined force of 2e26 N, which hid the errors of all others; the
+/// round-off of this force moved it by 3 km.
 #[test]
 fn a_pressure_that_nothing_determines_hides_no_error_seed_64() {
     goes_right(64);
@@ -518,8 +518,8 @@ fn a_disk_that_is_led_into_a_rigid_wall_is_not_solved() {
     assert_eq!(story.statuses[0] + story.statuses[1], 0, "{story:?}");
 }
 
-/// The tie of a bond with next to no tension, softer than anything else by 1e14, set the scale of
-/// forces to 3e-22 N: everything was judged by the round-off of nothing.
+/// The tie of a bond with almost no tension, softer than all others by 1e14, set the scale of
+/// forces to 3e-22 N: residuals were relative to round-off.
 #[test]
 fn a_tie_of_a_slack_bond_sets_no_scale_seed_1835() {
     goes_right(1835);

@@ -1,6 +1,6 @@
-//! A catalogue of bad scenes, `tests/bad_scenes/NAME.ron`, and all that is said about each, word
-//! for word, in `NAME.txt` beside it. The files are plain, so that anyone can run `clastic check`
-//! on them, and a change of a message shows in review as what a user would read.
+//! A catalogue of bad scenes, `tests/bad_scenes/NAME.ron`, and the messages about each, word for
+//! word, in `NAME.txt` beside it. `clastic check` reads the files, and a review of a changed
+//! message shows the text that a user would read.
 //!
 //! To accept new messages after reading them: `CLASTIC_BLESS=1 cargo test --release --test
 //! program bad_scenes`.

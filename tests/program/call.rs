@@ -1,4 +1,4 @@
-//! Calls of the `clastic` program, and what a run leaves behind.
+//! Calls of the `clastic` program, and the files of a run.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -67,7 +67,7 @@ pub fn rows(directory: &Path, name: &str) -> Vec<BTreeMap<String, String>> {
         .collect()
 }
 
-/// What every run leaves, however it ended.
+/// The files that every run leaves, however it ended.
 pub fn assert_complete(directory: &Path, status: &str) {
     let record = json(directory, "run.json");
     assert_eq!(record["outcome"]["status"], status);

@@ -1,4 +1,4 @@
-//! What can be typed, which scene is meant, and what reaches the terminal.
+//! Arguments, the choice of the scene, and output on the terminal.
 
 use std::fs;
 use std::path::Path;
@@ -115,7 +115,8 @@ fn shipped_scenes_are_found_anywhere() {
     let own = stderr(&call(&["check", "tension"]).code(3));
     assert!(own.starts_with("scenes/tension.ron:1:"), "{own}");
     assert!(stdout(&call(&["list"]).code(0)).contains("(has errors; see `clastic check tension`)"));
-    // Mistakes say that the scene is the shipped one; what is nowhere says where it was looked for.
+    // Messages say that the scene is the shipped one; for a scene that is not found they list the
+    // places that were searched.
     let set = ["check", "stack", "--set", "specimen=File(path: \"none.csv\")"];
     let missing = stderr(&call(&set).code(3));
     assert!(missing.contains("`<clastic>/scenes/none.csv`"), "{missing}");

@@ -23,7 +23,7 @@ fn runs_of_one_name_are_told_apart_and_unfinished_ones_are_marked() {
     run("lattice", &at("old/lattice"), "output.plots=false");
     run("lattice", &at("new/lattice"), "output.plots=false");
     run("uniaxial_rigid_small", &at("rigid"), "output.plots=false");
-    // As a run leaves it that is under way or was killed.
+    // The directory of a run that is under way or was killed.
     let record = at("new/lattice/run.json");
     let text = fs::read_to_string(&record).unwrap();
     let running = text.replacen("\"status\": \"completed\"", "\"status\": \"running\"", 1);
@@ -49,7 +49,7 @@ fn runs_of_one_name_are_told_apart_and_unfinished_ones_are_marked() {
     assert!(stress.contains("new/lattice (running)") && stress.contains("old/lattice"));
 }
 
-/// Pictures of other runs stayed where none was drawn, and passed for those of these.
+/// Where no picture was drawn, older pictures of other runs stayed in the directory.
 #[test]
 fn a_comparison_without_curves_leaves_no_older_picture() {
     let parent = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! Exit codes of failures, and what a run that fails leaves behind.
+//! Exit codes of failures, and the files of a run that fails.
 
 use std::fs;
 
@@ -18,7 +18,7 @@ fn exit_1_files() {
     let said = stderr(&clastic(&["check", folder.path().to_str().unwrap()]).code(1));
     assert!(said.contains("no scene"), "{said}");
 
-    // What stands where a directory of scenes should be.
+    // A file in place of a directory of scenes.
     let empty = tempfile::tempdir().unwrap();
     fs::write(empty.path().join("scenes"), "").unwrap();
     let list = Command::new(PROGRAM).current_dir(empty.path()).arg("list").assert().code(1);
@@ -112,7 +112,7 @@ fn exit_4_leaves_everything_up_to_there() {
     assert_eq!(statuses, ["solved", "solved", "undecided"]);
     let record = json(out.path(), "run.json");
     assert!(said.contains(record["outcome"]["message"].as_str().unwrap()));
-    // Nothing of the increment that failed is committed.
+    // The failed increment is not committed.
     let last = rows(out.path(), "final_particles.csv");
     assert_eq!(last[0]["y_m"].parse(), Ok(0.004));
 }

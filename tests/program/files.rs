@@ -1,4 +1,4 @@
-//! What a run reads and writes: input files, an earlier run in the way, columns, bytes.
+//! Files of a run: input, an earlier run in the same directory, columns, bytes.
 
 use std::fs;
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! The `clastic` program as its user meets it: commands, exit codes, what a run leaves behind.
+//! The `clastic` program: commands, exit codes, files of a run.
 
 #[path = "../common/mod.rs"]
 mod common;

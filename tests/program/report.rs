@@ -1,5 +1,5 @@
-//! `report.html` in a browser: headless Chromium uses the page as a reader does, and what it shows
-//! is compared with what the engine left behind.
+//! `report.html` in a browser: headless Chromium operates the page, and its numbers are compared
+//! with the files of the run.
 //!
 //! Chromium is `chromium` (Debian's package), or what the environment variable `CLASTIC_CHROMIUM`
 //! names. Without it the tests of the page say so and pass; `.ci/run` asks for it.

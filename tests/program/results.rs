@@ -1,4 +1,4 @@
-//! Collapses, mechanisms, capped increments and key results, as the program says them.
+//! Collapses, mechanisms, capped increments and key results in the output of the program.
 
 use std::fs;
 
@@ -209,7 +209,7 @@ fn a_reference_stage_without_a_curve_is_mentioned() {
     let line = said.lines().find(|line| line.contains("no increment from the start"));
     let line = line.unwrap_or_else(|| panic!("nothing is said in {said}"));
     assert!(line.contains("the reference stage is last; `measures.reference_stage`"), "{line}");
-    // The other one has a curve: nothing is to be said.
+    // The other scene has a curve: no reason is given.
     let reference = "measures.reference_stage=\"load\"";
     let (done, _out) = run("lattice", &["--quiet", "--set", &stages, "--set", reference]);
     let said = stdout(&done.code(0));

@@ -112,7 +112,7 @@ fn a_state_that_is_cut_short_or_damaged_is_refused_with_its_name() {
         assert!(said.contains("state_kept_at_200_kPa.npz`: not a .npz archive"), "{said}");
         assert!(said.contains("from.ron:2:"), "{said}");
     }
-    // A changed byte is refused, or lies where nothing is read from.
+    // A changed byte is refused, unless it lies in a part that is not read.
     let read = |bytes: &[u8]| SavedState::read(&Tables::decode(bytes)?);
     let sound = read(&whole).unwrap();
     let mut refused = 0;
@@ -162,7 +162,7 @@ fn a_run_that_has_ended_is_extended_on_the_command_line() {
     let history = rows(out.path(), "history.csv");
     assert_eq!(history.len(), 9);
     assert_eq!(history[8]["stage"], "hold");
-    // Nothing is left to do, and the message says what there may be.
+    // The run is at its end, and the message says how it can be extended.
     let done = clastic(&["resume", directory]).code(0);
     assert!(stdout(&done).contains("nothing to resume"), "{}", stdout(&done));
     let refused = clastic(&["resume", directory, "--set", "stages.load.increments=9"]).code(2);

@@ -1,4 +1,4 @@
-//! `clastic sweep`: every run once, whatever happens to the sweep.
+//! `clastic sweep`: every run is made once, also if the sweep is interrupted.
 
 use std::fs;
 use std::path::Path;

@@ -14,7 +14,7 @@ use crate::common::{load, step};
 /// Seeds of every kind.
 const SEEDS: u32 = 8;
 
-/// All programs of some kinds, with where they come from.
+/// All programs of some kinds, with their origin.
 fn random_programs(kinds: &[Kind]) -> Vec<(String, ConeProgram)> {
     let mut all = Vec::new();
     for kind in kinds {
@@ -73,8 +73,8 @@ struct Agreement {
 /// Accepted difference of what is unique, over the scale of it.
 const UNIQUE: f64 = 1e-6;
 
-/// Where two solutions differ in what is unique: the objective by 1e-7, forces behind a compliance
-/// and motions against inertia by `bound`.
+/// Compares the unique parts of two solutions: the objective to 1e-7, forces of elastic contacts
+/// and motions of bodies with inertia to `bound`.
 fn differences(
     program: &ConeProgram,
     a: &ConeSolution,
@@ -108,10 +108,10 @@ fn differences(
     found
 }
 
-/// Clarabel's solution, found as what is to be added to the displacements `base`. Far-moving bodies
-/// on stiff springs leave it no digits for the forces; about a point nearby, in units of what the
-/// springs give, nothing is far. For springs alone: what they have is moved into offsets and former
-/// shear.
+/// Solution of Clarabel as a correction of the displacements `base`. Where bodies on stiff springs
+/// move far, the forces of an ordinary solution have no correct digits. The correction is small, in
+/// units of the deformation of the springs. For springs only: their present deformation goes into
+/// offsets and previous shear.
 fn solve_from(program: &ConeProgram, base: &[[f64; 3]]) -> Option<ConeSolution> {
     let mut about = program.clone();
     for c in &mut about.interactions {
@@ -156,7 +156,7 @@ fn compare(programs: &[(String, ConeProgram)]) -> Agreement {
         let a = solve(&mut Condensed::default(), program);
         let b = solve(&mut Clarabel::default(), program);
         match (a.status, b.status) {
-            // The residuals of one prove the other wrong.
+            // The residuals of one solution show that the other is wrong.
             (SolveStatus::Solved, SolveStatus::Stalled) => {
                 alone += 1;
                 continue;
@@ -174,9 +174,9 @@ fn compare(programs: &[(String, ConeProgram)]) -> Agreement {
         if differences(program, &a, &b, UNIQUE).is_empty() {
             continue;
         }
-        // Both are asked again, for more. What the first came to must be as near to that as before;
-        // the second is not always so near: contacts that just touch and carry nothing are off by
-        // the root of what it leaves of the product of gap and force.
+        // Both solve again with a smaller tolerance. The first solution must agree with the new
+        // ones as before. That of the second need not: in contacts that just touch without force
+        // its error is the square root of its product of gap and force.
         doubtful += 1;
         let exact = solve(&mut Condensed::new(CondensedSettings::with_tolerance(1e-12)), program);
         let Some(b) = solve_from(program, &b.displacements)
@@ -222,8 +222,8 @@ fn condensed_and_clarabel_agree() {
     assert!(20 * own >= 19 * solved, "Clarabel had to solve {} of {solved}", solved - own);
 }
 
-/// Programs of 400 disks of which more and more are loose: Newton's steps leave the fast ones
-/// behind, which small programs have no room for.
+/// Programs of 400 disks of which more and more are loose: the Newton steps leave out fast bodies,
+/// which small programs do not do.
 #[test]
 fn condensed_and_clarabel_agree_while_a_specimen_breaks() {
     let mut simulation = Simulation::new(&load("uniaxial_small"), None);
@@ -278,7 +278,7 @@ fn a_contact_that_rolls_without_friction_carries_no_shear_whatever_was_left_over
 fn nothing_that_is_solved_proves_a_collapse() {
     for (name, program) in [random_programs(KINDS), random_programs(&[WHEELS])].concat() {
         let solution = solve(&mut Condensed::default(), &program);
-        // What only the regularisation holds may well collapse.
+        // Bodies that only the regularisation holds may collapse.
         let r = residuals(&program, &solution.forces, &solution.displacements).worst();
         if solution.status == SolveStatus::Solved && r <= RESIDUAL {
             let false_proof = certificate(&program, &solution.displacements).filter(proves);

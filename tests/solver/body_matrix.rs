@@ -254,9 +254,8 @@ fn contrast_of_stiffness_does_not_cost_backward_stability() {
     assert!(error > 1.0, "{error:e}");
 }
 
-/// Two crowds in which everything touches everything share half of their bodies: a front of rows
-/// enough to be copied into chunks, with a parent that is as large, and with children, which hang
-/// on it.
+/// Two sets of bodies in which all touch each other share half of their bodies. This gives a front
+/// that is large enough for copies in chunks, with a parent of the same size and with children.
 #[test]
 fn a_large_front() {
     let spring = |k: u32| {

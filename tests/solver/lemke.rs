@@ -1,10 +1,10 @@
 //! Lemke's method for linear complementarity problems: w = M z + b, w >= 0, z >= 0, w z = 0.
 //!
 //! With a covering vector d > 0 the problem w = M z + d t + b has the solution z = 0 for a large t.
-//! Lemke (1965) lets t fall to zero along a path of pivots: what has left the basis determines what
-//! enters it. Ties are broken lexicographically, so that no basis is met twice (Cottle, Pang and
-//! Stone 1992, section 4.4). If M is copositive the path ends at a solution wherever b lets one
-//! exist in the sense of their theorem 4.4.12; otherwise it may end on a ray.
+//! Lemke (1965) lets t fall to zero along a path of pivots: the variable that has left the basis
+//! determines the one that enters it. Ties are broken lexicographically, so that no basis is met
+//! twice (Cottle, Pang and Stone 1992, section 4.4). If M is copositive the path ends at a solution
+//! wherever b lets one exist in the sense of their theorem 4.4.12; otherwise it may end on a ray.
 
 /// Smallest pivot, over the largest entry of the problem.
 const PIVOT: f64 = 1e-10;

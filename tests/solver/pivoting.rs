@@ -355,13 +355,14 @@ fn pivots_end_at_enumerated_solutions() {
     }
 }
 
-/// What a comparison of some programs has found.
+/// Result of a comparison of some programs.
 #[derive(Debug, Default)]
 struct Count {
     programs: usize,
     /// Solved by Lemke's method, by the engine, by both.
     solved: [usize; 3],
-    /// Of both: the motions of all covering vectors agree, so that the solution seems unique.
+    /// Of those solved by both: the motions of all covering vectors agree, so that the solution
+    /// seems unique.
     unique: usize,
     /// Of these: maximum difference of the motions, and errors of pivoting and engine.
     apart: f64,

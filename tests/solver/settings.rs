@@ -1,4 +1,4 @@
-//! The settings of the solvers steer how a solution is found, not what it is.
+//! The settings of the solvers influence the path to a solution and not the solution.
 //!
 //! `cargo test --release --test solver settings -- --ignored --nocapture` prints the table of
 //! `docs/decisions/001-solver-settings.md`.
@@ -22,14 +22,14 @@ use crate::common::settings::{Field, of_condensed, of_coulomb};
 /// Maximum residual of an increment where a program does not state another tolerance.
 const RESIDUAL: f64 = 1e-8;
 
-/// A program with what the solver remembered when it was posed.
+/// A program with the memory of the solver before it.
 #[derive(Clone)]
 struct Posed {
     program: ConeProgram,
     memory: Vec<[f64; 3]>,
 }
 
-/// A solver that keeps every so many programs that it is given.
+/// A solver that stores every n-th program.
 struct Recorder {
     inner: Condensed,
     wanted: fn(&ConeProgram) -> bool,
@@ -119,8 +119,8 @@ fn holds(program: &ConeProgram, solution: &ConeSolution) -> bool {
     }
 }
 
-/// The maximum difference of two solutions in what is unique: forces behind a compliance over the
-/// maximum force, motions against inertia over the maximum displacement.
+/// The maximum difference of the unique parts of two solutions: forces of elastic contacts over the
+/// maximum force, motions of bodies with inertia over the maximum displacement.
 fn difference(program: &ConeProgram, a: &ConeSolution, b: &ConeSolution) -> f64 {
     let force = force_scale(program, &a.forces);
     let mut maximum = 0.0_f64;
@@ -143,7 +143,7 @@ fn difference(program: &ConeProgram, a: &ConeSolution, b: &ConeSolution) -> f64 
     maximum
 }
 
-/// What became of a set of programs.
+/// Outcome of a set of programs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Outcome {
     /// Programs without a solution and without a proof that there is none.
@@ -154,7 +154,7 @@ struct Outcome {
     fallbacks: u32,
     /// Solutions that are not the same bytes as with the defaults.
     changed: u32,
-    /// The maximum [`difference`] from the defaults, of what is solved with both.
+    /// The maximum [`difference`] from the defaults, of programs that are solved with both.
     difference: f64,
 }
 
@@ -178,7 +178,7 @@ fn outcome(set: &[Posed], solutions: &[ConeSolution], defaults: &[ConeSolution])
     out
 }
 
-/// Solves all programs, each from what was remembered when it was posed.
+/// Solves all programs, each from its memory.
 fn solve_all(set: &[Posed], settings: CondensedSettings) -> Vec<ConeSolution> {
     let mut solver = Condensed::new(settings);
     let solve = |posed: &Posed| {
@@ -245,8 +245,8 @@ fn every_field_is_listed() {
     check(&of_coulomb(), 0);
 }
 
-/// With half and with double of any field, what counts as solved is a solution, and what is unique
-/// in it is the solution with the defaults to a multiple of the tolerance.
+/// With half and with double of any field, solutions that count as solved are solutions, and their
+/// unique parts agree with those of the defaults to a multiple of the tolerance.
 #[test]
 fn settings_steer_the_way_and_not_the_solution() {
     let set = random(1..2);
@@ -259,8 +259,8 @@ fn settings_steer_the_way_and_not_the_solution() {
             let solutions = solve_all(&set, settings);
             for (k, (posed, solution)) in set.iter().zip(&solutions).enumerate() {
                 let is_stalled = solution.status == SolveStatus::Stalled;
-                // A tolerance above that of the increment, of the solver or of its fallback, is
-                // what the caller asked for: whoever solves judges the residual.
+                // A caller may ask for a tolerance above that of the increment, for the solver or
+                // its fallback, and then judges the residual itself.
                 let is_loose = ["tolerance", "fallback.tolerance"].contains(&name) && factor > 1.0;
                 let case = format!("{name} times {factor}, program {k}");
                 assert!(is_stalled || is_loose || holds(&posed.program, solution), "{case}");

@@ -1,5 +1,4 @@
-//! The cone program and its solvers: what a program needs, and what the residuals and certificates
-//! see.
+//! The cone program and its solvers: sizes of programs, residuals and certificates.
 
 use clastic::cone::certificate::{certificate, proves};
 use clastic::cone::clarabel::Clarabel;
@@ -134,7 +133,8 @@ fn residuals_see_what_is_wrong() {
         residuals(&program, &forces, &u)
     };
     let close = |value: f64, expected: f64| (value - expected).abs() <= 1e-9 * expected;
-    // 1 N too much: 1 N is not balanced, and the spring is 1 um off while it carries 101 N.
+    // 101 N in place of 100 N: 1 N is not balanced, and the compression of the spring has an error
+    // of 1 um.
     let r = force(0, 1.0);
     assert!(close(r.balance, 1.0 / 101.0) && close(r.complementarity, 1e-6 / 1e-4), "{r:?}");
     // 1 um too deep, and too high: penetration of the spring, and a force across a gap.
@@ -198,7 +198,8 @@ fn a_collapse_comes_with_a_mechanism_that_proves_it() {
         let proof = solution.certificate.unwrap();
         assert!(proof.margin > 0.999 && proof.defect < 1e-6, "{proof:?}");
         assert!((proof.mechanism[0][1] - 1.0).abs() < 1e-6, "{proof:?}");
-        // Any scale will do; the way back does no work; a way into the plate is none.
+        // The scale does not matter; the opposite motion does no work; a motion into the plate is
+        // not admissible.
         let check = |u: [f64; 3]| certificate(&program, &[u, [0.0; 3]]);
         assert!(check([0.0, 3e-5, 0.0]).as_ref().is_some_and(proves));
         assert_eq!(check([0.0, -1.0, 0.0]), None);
@@ -338,7 +339,7 @@ fn a_start_that_loads_contacts_wildly_is_none() {
             };
             let Some(near) = from(&|_| 0.0).filter(|point| point.merit <= 1e-8) else { continue };
             let far = from(&|i| if i % 2 == 0 { 1e9 } else { -1e9 }).expect("a point");
-            // Where all that comes of it are open contacts, no force is wild.
+            // If such a start only opens contacts, it causes no excessive force.
             started_again += usize::from((far.iterations, &far.u) == (near.iterations, &near.u));
         }
     }
@@ -357,7 +358,7 @@ fn step_of_motion(program: &ConeProgram, weight: f64, last_forces: &[[f64; 3]]) 
             free.reference = 0.0;
         }
     }
-    // Looser than what is committed, and exact enough to be compared.
+    // Larger than the tolerance of committed increments, and small enough for a comparison.
     step.tolerance = 1e-7;
     step.last_forces = last_forces.to_vec();
     step
@@ -378,7 +379,7 @@ fn a_step_of_a_motion_starts_from_the_forces_of_the_last_one() {
             let first = step_of_motion(&program, 1e-1, &[]);
             let before = Condensed::default().solve(&first).unwrap();
             assert_eq!(before.status, SolveStatus::Solved);
-            // Where the first step has brought the bodies; imposed motions rest.
+            // The places after the first step; imposed motions are zero.
             let mut next = program.clone();
             for (c, f) in next.interactions.iter_mut().zip(&before.forces) {
                 c.offset -= program.kinematics(c, &before.displacements)[0];

@@ -1,4 +1,4 @@
-//! The rigs: what a laboratory builds around a sample, and the stages of its test.
+//! The rigs: walls and platens around a sample, and the stages of its test.
 
 pub mod cells;
 pub mod columns;
