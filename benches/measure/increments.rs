@@ -145,12 +145,15 @@ pub fn run(scenes: &Scenes, extent: Extent) -> Result<Part, BenchError> {
     }
     let text = format!(
         "Packings of {seeds} seeds, {} disks, each compacted once and then loaded in increments \
-        of 0.25 to 8 times those of the scenes ({} axial strain). Runs end where the stress \
-        has fallen to 40 % of its peak (uniaxial) or at 3 % strain (biaxial, axial stress with \
-        200 kPa around). Stresses are read at {:?} (uniaxial) and {:?} (biaxial) axial strain, \
-        between increments linearly. The biaxial confinement is in five increments whatever the size of those that follow, and it is there that its first bond breaks. With `all at once` an increment is solved again without the bonds that break until none does; with `events` it ends where the next bond reaches its limit. The modulus is the tangent of the first increment, the first crack the stress of the \
-        increment in which the first bond broke. Empty: not reached, as where a single increment goes \
-        beyond the peak.",
+        of 0.25 to 8 times those of the scenes ({} axial strain). Runs end where the stress has \
+        fallen to 40 % of its peak (uniaxial), or at 3 % strain (biaxial, lateral stress 200 \
+        kPa). Stresses are interpolated linearly at the axial strains {:?} (uniaxial) and {:?} \
+        (biaxial). The biaxial confinement always has five increments, and the first bond breaks \
+        there. With `all at once` an increment is solved again without its broken bonds until no \
+        further bond breaks; with `events` it ends where the next bond reaches its limit. The \
+        modulus is the tangent of the first increment. The first crack is the stress of the \
+        increment in which the first bond broke. Empty cells: the value was not reached, for \
+        example where one increment goes beyond the peak.",
         if full { "7380 and 6160" } else { "400" },
         "0.005 % and 0.074 %",
         TESTS[0].strains,
