@@ -70,7 +70,7 @@
       if (v.velocity_m_s !== null) add("Velocity", si(v.velocity_m_s, "m/s", 3));
       add("Mean stress", si(v.mean_stress_pa, "Pa", 3));
       add("Maximum shear stress", si(v.shear_stress_pa, "Pa", 3));
-      add("Shear strain around it", `${format(100 * v.shear_strain, 3)} %`);
+      add("Local shear strain", `${format(100 * v.shear_strain, 3)} %`);
       if (movie.bonds) add("Fragment of grain", format(v.fragment));
     } else {
       title = v.bond === null ? "Contact" : `Bond ${v.bond}`;

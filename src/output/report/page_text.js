@@ -64,7 +64,7 @@
       (r) => r.bonds_created > 0 && `${format(broken(r))} of ${format(r.bonds_created)}`,
     ],
     [
-      "in tension, shear, rolling",
+      "Broken in tension, shear, rolling",
       (r) =>
         broken(r) > 0 &&
         [r.bonds_broken.tension, r.bonds_broken.shear, r.bonds_broken.rolling].join(", "),
@@ -98,7 +98,7 @@
         collapsed: "the specimen collapsed",
         interrupted: "interrupted",
         undecided: "undecided",
-        running: "not ended",
+        running: "not finished",
         refused: "stopped: a stage cannot begin",
       }[status] ?? status;
     return (
@@ -122,7 +122,7 @@
     if (runs.length > 1) {
       results.style.display = "block";
       const head = ["", ...runs.map((run) => ({ class: "n", text: run.name }))];
-      // Of several runs the table says which numbers are not to be trusted.
+      // The first rows show which of several runs are less reliable.
       const rows = [
         ["Marks", ...runs.map(({ marks }) => n(marks.length ? marks.join("; ") : "\u2013"))],
         [
@@ -143,7 +143,7 @@
           })),
         ],
         [
-          "Warnings on its sanity",
+          "Physical warnings",
           ...runs.map(({ record }) => {
             const warnings = record.sanity?.warnings?.length ?? 0;
             return { class: "n", text: verdict(warnings === 0, format(warnings)) };
@@ -188,7 +188,7 @@
     complementarity: "complementarity",
   };
 
-  // How far the numbers can be trusted.
+  // Reliability of the numbers.
   Report.credibility = ({ record, history, avalanches, events }) => {
     const r = record.results,
       limit = record.settings.acceptance.residual,
@@ -213,20 +213,25 @@
       "Capped increments",
       record.capped_increments === 0,
       format(record.capped_increments),
-      "not converged: Coulomb\u2019s law to 1e-4 only",
+      "Coulomb\u2019s law holds to 1e-4, but not to the tolerance",
     );
-    add("Loops at their caps", capped === 0, format(capped), "rows whose column caps names a loop");
+    add(
+      "Increments at an iteration limit",
+      capped === 0,
+      format(capped),
+      "an iteration ended before it converged; the column caps names it",
+    );
     add(
       "Shorter increments",
       null,
       format(shorter),
-      `rows of ${format(all)}; halved, or ended by a rupture`,
+      `of ${format(all)} increments; halved, or ended by a rupture`,
     );
     add(
       "Followed motions",
       null,
       format(moved),
-      "rows in which the specimen moved to another equilibrium",
+      "increments in which the specimen moved to another equilibrium",
     );
     const solves = values("solves").filter((s) => s !== null);
     if (solves.length)
@@ -253,7 +258,7 @@
         "Error of the peak",
         r.peak_error_estimate <= 0.02,
         percent(r.peak_error_estimate, 2),
-        "estimate: how late bonds broke up to the peak",
+        "estimated from the delay with which bonds broke before the peak",
       );
     }
     const errors = values("energy_error_j").filter((e) => e !== null);
@@ -268,14 +273,14 @@
         "Error of the energy",
         worst <= 0.01 * work,
         work > 0 ? percent(worst / work, 2) : si(worst, "J"),
-        "maximum, over the maximum work of loads and gravity and what bodies bring and take",
+        "maximum error over the maximum work of loads, gravity, and added or removed bodies",
       );
     } else {
       add(
         "Error of the energy",
         null,
         "not measured",
-        "the ledger is kept with output: (energy: true)",
+        "set output: (energy: true) in the scene to record energies",
       );
     }
     if (record.settled)
@@ -288,8 +293,8 @@
     for (const [name, reason] of Object.entries(r.not_defined))
       rows.push([name.replace(/_(pa|rad)$/, "").replaceAll("_", " "), "not defined", reason]);
     for (const warning of record.sanity?.warnings ?? [])
-      rows.push(["Warning", verdict(false, "to look at"), warning]);
-    return panel("Can it be trusted?", table(["", "", ""], rows));
+      rows.push(["Warning", verdict(false, "check this"), warning]);
+    return panel("Reliability", table(["", "", ""], rows));
   };
 
   // Bonds broken by event, ascending: by avalanche, or by increment where there is none.
@@ -310,7 +315,7 @@
   Report.ENERGIES = {
     energy_external_j: "work of loads",
     energy_gravity_j: "work of gravity",
-    energy_exchange_j: "bodies that come and go",
+    energy_exchange_j: "added and removed bodies",
     energy_kinetic_change_j: "kinetic",
     energy_elastic_j: "elastic",
     energy_friction_j: "friction",
@@ -367,7 +372,7 @@
           ]
         : [];
     return panel(
-      "Ruptures in their order",
+      "Ruptures in order",
       make("div", { class: "scroll", id: "ruptures" }, table(head, rows)),
       ...note,
     );
