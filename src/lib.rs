@@ -64,6 +64,7 @@ use clastic_systems::control_walls::ControlWallsPlugin;
 use clastic_systems::detect_contacts::DetectContactsPlugin;
 use clastic_systems::energy_ledger::EnergyLedgerPlugin;
 use clastic_systems::gather_bodies::GatherBodiesPlugin;
+use clastic_systems::material_names::MaterialNamesPlugin;
 use clastic_systems::membranes::MembranesPlugin;
 use clastic_systems::record::RecordPlugin;
 use clastic_systems::rupture_bonds::RuptureBondsPlugin;
@@ -117,7 +118,8 @@ impl PluginGroup for ClasticPlugins {
             .add(ControlWallsPlugin)
             .add(ControlLoadsPlugin)
             .add(MembranesPlugin)
-            .add(RecordPlugin);
+            .add(RecordPlugin)
+            .add(MaterialNamesPlugin);
         #[cfg(feature = "reflect")]
         let engine = engine.add(clastic_systems::reflect::ReflectPlugin);
         engine

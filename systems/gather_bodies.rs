@@ -19,7 +19,6 @@ use clastic_components::rigid_group::{ContactForce, RigidGroup};
 use clastic_components::wall::{Wall, WallControl, WallDrive, WallRotation};
 use clastic_components::wall_shape::WallShape;
 
-use crate::material_names::{MATERIALS, MaterialNames};
 use crate::rigid_groups::{self, GroupQuery};
 use crate::schedule::{Increment, IncrementSystems};
 use crate::state::{RegisterState, StateOf};
@@ -73,7 +72,6 @@ fn register_bodies(app: &mut App) {
         .register_component::<BondId, Bond>("bond")
         .register_component::<BondId, BondState>("bond_state")
         .register_resource::<PeriodicCell>(PERIODIC_CELL)
-        .register_state::<MaterialNames>(MATERIALS)
         .register_state::<RowIds>("contact_history.rows")
         .register_resource::<ContactHistory>("contact_history");
 }
@@ -128,6 +126,9 @@ type WallQuery<'w, 's> = Query<
     ),
 >;
 
+type BondQuery<'w, 's> =
+    Query<'w, 's, (Entity, &'static BondId, &'static Bond, &'static BondState)>;
+
 /// Fills [`Bodies`] with one row per body: particles by identity, then walls by identity, then
 /// rigid groups by identity.
 ///
@@ -137,10 +138,27 @@ pub fn gather_bodies(
     particles: ParticleQuery,
     walls: WallQuery,
     groups: GroupQuery,
-    bonds: Query<(Entity, &BondId, &Bond, &BondState)>,
+    bonds: BondQuery,
     cell: Option<Res<PeriodicCell>>,
 ) {
     let bodies = &mut *bodies;
+    number_rows(bodies, &particles, &walls, &groups);
+    gather_particles(bodies, &particles);
+    gather_walls(bodies, &walls);
+    rigid_groups::gather(bodies, &groups);
+    bodies.cell = cell.map(|cell| *cell);
+    bodies.broken.clear();
+    bodies.drives_stopped = false;
+    gather_bonds(bodies, &bonds);
+}
+
+/// Sets the order of the rows and the lengths of the tables.
+fn number_rows(
+    bodies: &mut Bodies,
+    particles: &ParticleQuery,
+    walls: &WallQuery,
+    groups: &GroupQuery,
+) {
     let n = particles.iter().len();
     let mut ids: Vec<BodyId> = particles.iter().map(|p| *p.1).collect();
     ids.sort_unstable();
@@ -166,6 +184,9 @@ pub fn gather_bodies(
     bodies.drives.resize(n, Default::default());
     bodies.loads.resize(n, Default::default());
     bodies.swinging.resize(n, false);
+}
+
+fn gather_particles(bodies: &mut Bodies, particles: &ParticleQuery) {
     for (
         entity,
         id,
@@ -179,7 +200,7 @@ pub fn gather_bodies(
         drives,
         load,
         swinging,
-    ) in &particles
+    ) in particles
     {
         let Some(i) = bodies.row(*id) else { continue };
         bodies.entities[i] = entity;
@@ -196,10 +217,13 @@ pub fn gather_bodies(
         bodies.loads[i] = load.0;
         bodies.swinging[i] = swinging;
     }
+    let n = bodies.particles;
     bodies.mean_radius = if n == 0 { 1.0 } else { bodies.radii.iter().sum::<f64>() / n as f64 };
+}
 
+fn gather_walls(bodies: &mut Bodies, walls: &WallQuery) {
     bodies.walls.clear();
-    for (entity, id, wall, position, motion, law, control, drive, shape, rotation) in &walls {
+    for (entity, id, wall, position, motion, law, control, drive, shape, rotation) in walls {
         let Some(i) = bodies.row(*id) else { continue };
         bodies.entities[i] = entity;
         bodies.positions[i] = position.0;
@@ -219,11 +243,10 @@ pub fn gather_bodies(
         });
     }
     bodies.walls.sort_unstable_by_key(|w| w.body);
-    rigid_groups::gather(bodies, &groups);
+}
 
-    bodies.cell = cell.map(|cell| *cell);
-    bodies.broken.clear();
-    bodies.drives_stopped = false;
+/// Gathers the intact bonds between bodies that can move relative to each other.
+fn gather_bonds(bodies: &mut Bodies, bonds: &BondQuery) {
     let mut rows = std::mem::take(&mut bodies.bonds);
     rows.clear();
     let row = |id: BodyId| bodies.row(id).map(|row| row as u32);

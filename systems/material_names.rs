@@ -1,11 +1,21 @@
 //! Names of the materials in a state: particles have an index in [`Materials`].
 
+use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use clastic_components::material::Materials;
 
-use crate::state::StateOf;
+use crate::state::{RegisterState, StateOf};
+
+/// Adds [`MaterialNames`] to states.
+pub struct MaterialNamesPlugin;
+
+impl Plugin for MaterialNamesPlugin {
+    fn build(&self, app: &mut App) {
+        app.register_state::<MaterialNames>(MATERIALS);
+    }
+}
 
 /// Name of [`MaterialNames`] in a state.
 pub const MATERIALS: &str = "materials.names";

@@ -17,7 +17,7 @@
 //! would overlap by these paths, both bodies move by `dt v`.
 
 use clastic_components::body::Drive;
-use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::contact::{Bodies, Contact, Contacts, WallRow};
 use clastic_components::findings::Impacts;
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
 use clastic_cone::program::{ConeProgram, ConeSolution, Dof, Interaction};
@@ -54,12 +54,37 @@ pub fn paths(
         return None;
     };
     let dt = dt * progress.fraction;
-    let n = bodies.particles;
-    let mut kinds = kinds(n, program, solution, impacts);
-    let displacement = |i: usize, kind: Path| {
-        let mut u = solution.displacements[i];
+    let step = Step { bodies, program, solution, impacts, theta, dt };
+    let mut kinds = kinds(bodies.particles, program, solution, impacts);
+    let mut out = solution.displacements.clone();
+    for (i, kind) in kinds.iter().enumerate() {
+        out[i] = step.displacement(i, *kind);
+    }
+    step.move_groups(&mut out);
+    carry(bodies, &mut out);
+    while step.end_overlaps(contacts, residual_overlap(acceptance, bodies), &mut kinds, &mut out) {}
+    Some(out)
+}
+
+/// A dynamic increment and its solution.
+struct Step<'a> {
+    bodies: &'a Bodies,
+    program: &'a ConeProgram,
+    solution: &'a ConeSolution,
+    impacts: &'a Impacts,
+    /// Theta of the paths.
+    theta: f64,
+    /// Time step, s.
+    dt: f64,
+}
+
+impl Step<'_> {
+    /// Displacement of a particle by a kind of path.
+    fn displacement(&self, i: usize, kind: Path) -> [f64; 3] {
+        let Self { bodies, dt, theta, .. } = *self;
+        let mut u = self.solution.displacements[i];
         let v_0 = [bodies.velocities[i].x, bodies.velocities[i].y, bodies.angular_velocities[i]];
-        for (k, dof) in program.bodies[i].dofs.iter().enumerate() {
+        for (k, dof) in self.program.bodies[i].dofs.iter().enumerate() {
             // The displacement of a degree of freedom without interactions is known from its load.
             let is_driven = bodies.drives[i][k] != Default::default();
             match kind {
@@ -67,7 +92,7 @@ pub fn paths(
                 Path::End => {}
                 Path::Flight => u[k] = theta * u[k] + (1.0 - theta) * v_0[k] * dt,
                 Path::Contact => {
-                    let share = impacts.end_share;
+                    let share = self.impacts.end_share;
                     u[k] = share * u[k] + (1.0 - share) * v_0[k] * dt;
                 }
                 Path::Impact(t) => {
@@ -81,77 +106,86 @@ pub fn paths(
             }
         }
         u
-    };
-    let mut out = solution.displacements.clone();
-    for i in 0..n {
-        out[i] = displacement(i, kinds[i]);
     }
-    let carrying = (!bodies.groups.is_empty()).then(|| Carrying::new(program, solution));
-    for group in &bodies.groups {
-        let row = group.body as usize;
-        let acts = |k: usize| {
-            let c = &program.interactions[k];
-            c.a as usize == row || c.b as usize == row
-        };
-        let is_carried = carrying.as_ref().is_some_and(|carrying| {
-            (0..program.interactions.len()).any(|k| acts(k) && carrying.is_carrying(k))
-        });
-        let share = if is_carried { impacts.end_share } else { theta };
-        let v_0 = bodies.velocities[row];
-        let v_0 = [v_0.x, v_0.y, bodies.angular_velocities[row]];
-        for k in (0..3).filter(|k| group.drives[*k] == Drive::Free) {
-            out[row][k] = share * out[row][k] + (1.0 - share) * v_0[k] * dt;
+
+    /// Moves the rigid groups, as particles that carry contact forces or none.
+    fn move_groups(&self, out: &mut [[f64; 3]]) {
+        let Self { bodies, program, .. } = *self;
+        if bodies.groups.is_empty() {
+            return;
+        }
+        let carrying = Carrying::new(program, self.solution);
+        for group in &bodies.groups {
+            let row = group.body as usize;
+            let is_carried = program.interactions.iter().enumerate().any(|(k, c)| {
+                (c.a as usize == row || c.b as usize == row) && carrying.is_carrying(k)
+            });
+            let share = if is_carried { self.impacts.end_share } else { self.theta };
+            let v_0 = bodies.velocities[row];
+            let v_0 = [v_0.x, v_0.y, bodies.angular_velocities[row]];
+            for k in (0..3).filter(|k| group.drives[*k] == Drive::Free) {
+                out[row][k] = share * out[row][k] + (1.0 - share) * v_0[k] * self.dt;
+            }
         }
     }
-    carry(bodies, &mut out);
-    let place = |u: &[f64; 3]| DVec2::new(u[0], u[1]);
-    loop {
+
+    /// Moves the bodies of rigid pairs that overlap by more than `allowed` (m) by `v dt`. Whether
+    /// any other displacement has changed by that.
+    fn end_overlaps(
+        &self,
+        contacts: &Contacts,
+        allowed: f64,
+        kinds: &mut [Path],
+        out: &mut [[f64; 3]],
+    ) -> bool {
         let mut changed = false;
-        for (contact, c) in contacts.0.iter().zip(&program.interactions) {
-            let (a, b) = (contact.a as usize, contact.b as usize);
-            if c.normal_compliance > 0.0 || c.limits.has_strength() {
+        for (contact, c) in contacts.0.iter().zip(&self.program.interactions) {
+            let is_rigid = !(c.normal_compliance > 0.0 || c.limits.has_strength());
+            if !is_rigid || self.gap(contact, out) >= -allowed {
                 continue;
             }
-            let moved = place(&program.bodies[b].to_global(out[b])) - place(&out[a]);
-            let gap = match bodies.radii.get(b) {
-                Some(radius) => {
-                    let distance = (bodies.positions[b] - bodies.positions[a] + moved).length();
-                    distance - bodies.radii[a] - radius
-                }
-                None => match bodies
-                    .walls
-                    .iter()
-                    .find(|w| w.body as usize == b && (!w.is_line() || out[b][2] != 0.0))
-                {
-                    Some(wall) => {
-                        let place = bodies.positions[a] - moved;
-                        let wall = wall.turned(out[b][2]);
-                        wall.nearest(bodies.positions[b], place).distance - bodies.radii[a]
-                    }
-                    None => contact.gap + contact.normal.dot(moved),
-                },
-            };
-            if gap >= -residual_overlap(acceptance, bodies) {
-                continue;
-            }
-            for i in [a, b].into_iter().filter(|i| *i < n) {
-                if kinds[i] != Path::End {
+            for i in [contact.a, contact.b].map(|i| i as usize) {
+                if kinds.get(i).is_some_and(|kind| *kind != Path::End) {
                     kinds[i] = Path::End;
                     changed = true;
-                    let Some(group) = bodies.group(i) else {
-                        out[i] = displacement(i, Path::End);
-                        continue;
-                    };
-                    let row = group.body as usize;
-                    out[row] = solution.displacements[row];
-                    for j in group.members.iter().map(|j| *j as usize) {
-                        out[j] = solution.displacements[j];
-                    }
+                    self.move_to_end(i, out);
                 }
             }
         }
-        if !changed {
-            return Some(out);
+        changed
+    }
+
+    /// Gap of a pair after these displacements, m.
+    fn gap(&self, contact: &Contact, out: &[[f64; 3]]) -> f64 {
+        let bodies = self.bodies;
+        let (a, b) = (contact.a as usize, contact.b as usize);
+        let place = |u: &[f64; 3]| DVec2::new(u[0], u[1]);
+        let moved = place(&self.program.bodies[b].to_global(out[b])) - place(&out[a]);
+        if let Some(radius) = bodies.radii.get(b) {
+            let distance = (bodies.positions[b] - bodies.positions[a] + moved).length();
+            return distance - bodies.radii[a] - radius;
+        }
+        let is_bent = |wall: &&WallRow| !wall.is_line() || out[b][2] != 0.0;
+        match bodies.walls.iter().find(|wall| wall.body as usize == b).filter(is_bent) {
+            Some(wall) => {
+                let place = bodies.positions[a] - moved;
+                let wall = wall.turned(out[b][2]);
+                wall.nearest(bodies.positions[b], place).distance - bodies.radii[a]
+            }
+            None => contact.gap + contact.normal.dot(moved),
+        }
+    }
+
+    /// Moves a particle, or the group that it belongs to, by `v dt`.
+    fn move_to_end(&self, i: usize, out: &mut [[f64; 3]]) {
+        let Some(group) = self.bodies.group(i) else {
+            out[i] = self.displacement(i, Path::End);
+            return;
+        };
+        let row = group.body as usize;
+        out[row] = self.solution.displacements[row];
+        for j in group.members.iter().map(|j| *j as usize) {
+            out[j] = self.solution.displacements[j];
         }
     }
 }

@@ -206,6 +206,21 @@ pub(super) fn read(
     add(state, "wall_name", ids, here(names).into_iter().map(|name| name.map(WallName)))?;
     add(state, "probe", ids, here(probes).into_iter().map(|probe| probe.map(Probe)))?;
     wall_controls::read(tables, &all, present, state)?;
+    let (first, listed) = read_listed(tables, &all, next)?;
+    Ok(Walls { ids: ids.iter().map(|id| id.0).collect(), first, listed })
+}
+
+/// Reads the identity of the first wall of the scene, and its walls as it drew them. `next` is the
+/// identity that follows those of all bodies.
+fn read_listed(
+    tables: &Tables,
+    all: &[u32],
+    next: u32,
+) -> Result<(u32, Vec<scene::Wall>), SavedError> {
+    let n = all.len();
+    let names = tables.text("walls.name", &[n])?;
+    let probes = tables.text("walls.probe", &[n])?;
+    let present = tables.bool("walls.present", &[n])?;
     let of_scene = tables.bool("walls.of_scene", &[n])?;
     let first = all.first().copied().filter(|_| of_scene.first() == Some(&true)).unwrap_or(next);
     let listed = of_scene.iter().take_while(|listed| **listed).count();
@@ -239,7 +254,7 @@ pub(super) fn read(
     if k != listed {
         return Err(bad("walls.shape", "a polyline has fewer rows than pieces"));
     }
-    Ok(Walls { ids: ids.iter().map(|id| id.0).collect(), first, listed: of_scene })
+    Ok((first, of_scene))
 }
 
 /// Walls of the scene where they are now.

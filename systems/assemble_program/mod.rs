@@ -15,6 +15,7 @@ pub mod underconstrained;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemParam;
 
 use clastic_components::attempt::Attempt;
 use clastic_components::contact::{Bodies, Contacts};
@@ -76,86 +77,117 @@ fn tolerance(
     }
 }
 
+/// Tables of the trial.
+#[derive(SystemParam)]
+pub struct Trial<'w> {
+    bodies: Res<'w, Bodies>,
+    contacts: Res<'w, Contacts>,
+    history: Res<'w, DraftHistory>,
+    loads: Res<'w, TrialLoads>,
+    progress: Res<'w, Progress>,
+    attempt: Res<'w, Attempt>,
+}
+
+/// Settings on which the program depends.
+#[derive(SystemParam)]
+pub struct Settings<'w> {
+    materials: Res<'w, Materials>,
+    analysis: Res<'w, Analysis>,
+    acceptance: Res<'w, Acceptance>,
+}
+
+/// What the judges have found in earlier attempts.
+#[derive(SystemParam)]
+pub struct Found<'w> {
+    ruptures: Res<'w, Ruptures>,
+    corrections: Res<'w, Corrections>,
+    pushed: Res<'w, Pushed>,
+    search: Res<'w, EventSearch>,
+    restraints: Res<'w, Restraints>,
+    centre: Res<'w, Centre>,
+}
+
 /// Fills [`ConeProgram`] from the gathered bodies, the contacts and their history.
 pub fn assemble_program(
-    bodies: Res<Bodies>,
-    contacts: Res<Contacts>,
-    history: Res<DraftHistory>,
-    materials: Res<Materials>,
-    analysis: Res<Analysis>,
-    acceptance: Res<Acceptance>,
-    progress: Res<Progress>,
-    attempt: Res<Attempt>,
-    changes: (Res<Ruptures>, Res<Corrections>, Res<Pushed>),
-    search: Res<EventSearch>,
-    restraints: Res<Restraints>,
-    centre: Res<Centre>,
-    loads: Res<TrialLoads>,
+    trial: Trial,
+    settings: Settings,
+    found: Found,
     mut program: ResMut<ConeProgram>,
 ) {
     let program = &mut *program;
-    let history = &history.0;
-    let (ruptures, corrections, pushed) = &changes;
-    let findings = Findings { ruptures, corrections, pushed };
-    let row = bodies.positions.len();
-    program.cell = bodies.cell.map(|cell| cell.in_program(row, bodies.mean_radius));
-    interactions::assemble(
-        &bodies,
+    assemble_interactions(&trial, &settings, &found, program);
+    assemble_bodies(&trial, &settings, program);
+    let Settings { analysis, acceptance, .. } = &settings;
+    let Trial { bodies, contacts, history, attempt, .. } = &trial;
+    program.scales = scales::estimate(
+        bodies,
+        &history.0,
+        analysis,
+        &trial.progress,
+        attempt.magnitudes,
+        contacts.0.len(),
+        program,
+    );
+    program.tolerance = tolerance(analysis, acceptance, attempt, bodies);
+    regularise::regularise(
+        bodies,
         &contacts.0,
-        history,
-        &materials,
-        &analysis,
-        findings,
+        &history.0,
+        analysis,
+        acceptance,
+        &attempt.mode,
+        &found.restraints,
+        &found.centre,
+        program,
+    );
+}
+
+/// Fills the interactions: one per contact, then the ties of taut bonds.
+fn assemble_interactions(
+    trial: &Trial,
+    settings: &Settings,
+    found: &Found,
+    program: &mut ConeProgram,
+) {
+    let (bodies, contacts) = (&trial.bodies, &trial.contacts.0);
+    let Found { ruptures, corrections, pushed, .. } = found;
+    program.cell =
+        bodies.cell.map(|cell| cell.in_program(bodies.positions.len(), bodies.mean_radius));
+    interactions::assemble(
+        bodies,
+        contacts,
+        &trial.history.0,
+        &settings.materials,
+        &settings.analysis,
+        Findings { ruptures, corrections, pushed },
         &mut program.interactions,
         &mut program.last_forces,
     );
-    taut::assemble(&bodies, &contacts.0, &analysis, &restraints, &mut program.interactions);
-    if search.active && attempt.effort().is_some() {
-        lift_strengths(&contacts.0, &mut program.interactions);
+    let interactions = &mut program.interactions;
+    taut::assemble(bodies, contacts, &settings.analysis, &found.restraints, interactions);
+    if found.search.active && trial.attempt.effort().is_some() {
+        lift_strengths(contacts, interactions);
     }
-    cell::set_images(&bodies, &mut program.interactions);
-    turning::carry(&bodies, &contacts.0, corrections, progress.fraction, &mut program.interactions);
-    groups::join(&bodies, &mut program.interactions);
+    cell::set_images(bodies, interactions);
+    turning::carry(bodies, contacts, corrections, trial.progress.fraction, interactions);
+    groups::join(bodies, interactions);
+}
+
+/// Fills the balance rows of the bodies.
+fn assemble_bodies(trial: &Trial, settings: &Settings, program: &mut ConeProgram) {
+    let Trial { bodies, contacts, history, loads, progress, attempt } = trial;
+    let analysis = &settings.analysis;
     let balance = |program: &mut ConeProgram| {
-        balance::assemble(
-            &bodies,
-            &analysis,
-            &progress,
-            &program.interactions,
-            &loads,
-            &mut program.bodies,
-        );
+        let ConeProgram { interactions, bodies: rows, .. } = program;
+        balance::assemble(bodies, analysis, progress, interactions, loads, rows);
     };
     balance(program);
-    if known_pairs::leave_out(&bodies, &contacts.0, program) {
+    if known_pairs::leave_out(bodies, &contacts.0, program) {
         // The bodies of these contacts may have no other interaction, and then their motion is
         // known.
         balance(program);
     }
     if analysis.kind == AnalysisKind::Static && attempt.motion().is_none() {
-        cell::hold_one(&bodies, history, program);
+        cell::hold_one(bodies, &history.0, program);
     }
-    let count = contacts.0.len();
-    program.scales = scales::estimate(
-        &bodies,
-        history,
-        &analysis,
-        &progress,
-        attempt.magnitudes,
-        count,
-        program,
-    );
-    program.tolerance = tolerance(&analysis, &acceptance, &attempt, &bodies);
-    let mode = &attempt.mode;
-    regularise::regularise(
-        &bodies,
-        &contacts.0,
-        history,
-        &analysis,
-        &acceptance,
-        mode,
-        &restraints,
-        &centre,
-        program,
-    );
 }

@@ -3,7 +3,7 @@
 
 use clarabel::algebra::CscMatrix;
 
-use crate::program::{ConeProgram, ConeSolution, Dof};
+use crate::program::{ConeProgram, ConeSolution, Dof, Interaction};
 
 use super::polish::{Point, PolishSettings, QuadraticProgram};
 use super::residuals::regularised_residuals;
@@ -59,10 +59,6 @@ pub(super) fn units(program: &ConeProgram) -> ([f64; 3], [f64; 3]) {
 }
 
 pub(super) fn lower(program: &ConeProgram) -> Lowered {
-    let (du, df) = units(program);
-    let length = program.scales.length;
-    let stiffness = program.scales.force / program.scales.displacement;
-    let fixed = program.imposed();
     let mut low = Lowered {
         quadratic: Vec::new(),
         linear: Vec::new(),
@@ -73,99 +69,132 @@ pub(super) fn lower(program: &ConeProgram) -> Lowered {
         balance_rows: 0,
         unbalanced: None,
     };
+    low.add_balance(program);
+    let imposed = program.imposed();
+    for c in &program.interactions {
+        low.add_interaction(program, c, &imposed);
+    }
+    low.add_weights(program);
+    low
+}
 
-    // A balance row without coefficients is trivial, or a collapse by itself.
+/// Degrees of freedom on which an interaction acts.
+fn touched(program: &ConeProgram) -> Vec<[bool; 3]> {
     let mut touched = vec![[false; 3]; program.bodies.len()];
     for c in &program.interactions {
         let has = [true, c.limits.has_shear(), c.limits.has_rolling()];
-        for (body, first) in [(c.a as usize, true), (c.b as usize, false)] {
-            let rows = c.rows(program.bodies[body].axis, first);
+        let of =
+            |body: u32, first| (body as usize, c.rows(program.bodies[body as usize].axis, first));
+        let cell = program.rows_of_cell(c);
+        for (body, rows) in [of(c.a, true), of(c.b, false)].into_iter().chain(cell) {
             for k in 0..3 {
                 touched[body][k] |= (0..3).any(|f| has[f] && rows[k][f] != 0.0);
             }
         }
-        if let Some((cell, rows)) = program.rows_of_cell(c) {
-            for k in 0..3 {
-                touched[cell][k] |= (0..3).any(|f| has[f] && rows[k][f] != 0.0);
-            }
-        }
     }
-    for (i, body) in program.bodies.iter().enumerate() {
-        for k in 0..3 {
-            if let Dof::Free(free) = &body.dofs[k] {
-                if touched[i][k] || free.inertia + free.proximal > 0.0 {
-                    low.rows[i][k] = Some(low.right.len());
-                    low.right.push((free.load + free.proximal * free.reference) / df[k]);
-                } else if free.load != 0.0 {
-                    low.unbalanced.get_or_insert((i, k));
-                }
-            }
-        }
-    }
-    low.balance_rows = low.right.len();
+    touched
+}
 
-    for c in &program.interactions {
-        let first = low.linear.len();
-        low.columns.push(first);
-        let e = program.kinematics(c, &fixed);
-        let l = &c.limits;
-        let column = |low: &mut Lowered, force: usize, quadratic: f64, linear: f64| {
-            let k = low.linear.len();
-            low.linear.push(linear);
-            low.quadratic.push(quadratic);
-            let of = |body: u32, first| {
-                (body as usize, c.rows(program.bodies[body as usize].axis, first))
-            };
-            let cell = program.rows_of_cell(c);
-            for (body, rows) in [of(c.a, true), of(c.b, false)].into_iter().chain(cell) {
-                for dof in 0..3 {
-                    if let Some(row) = low.rows[body][dof] {
-                        // Units of moments and arms: rows are divided by df, columns multiplied.
-                        low.matrix.push(row, k, rows[dof][force] * df[force_unit(force)] / df[dof]);
+impl Lowered {
+    /// Adds the balance rows. One without coefficients is trivial, or a collapse by itself.
+    fn add_balance(&mut self, program: &ConeProgram) {
+        let (_, df) = units(program);
+        let touched = touched(program);
+        for (i, body) in program.bodies.iter().enumerate() {
+            for k in 0..3 {
+                if let Dof::Free(free) = &body.dofs[k] {
+                    if touched[i][k] || free.inertia + free.proximal > 0.0 {
+                        self.rows[i][k] = Some(self.right.len());
+                        self.right.push((free.load + free.proximal * free.reference) / df[k]);
+                    } else if free.load != 0.0 {
+                        self.unbalanced.get_or_insert((i, k));
                     }
                 }
             }
-            k
-        };
-        let p = column(&mut low, 0, c.normal_compliance * stiffness, (c.offset - e[0]) / du[0]);
+        }
+        self.balance_rows = self.right.len();
+    }
+
+    /// Adds the forces of an interaction and its limits. `imposed` are the known displacements.
+    fn add_interaction(&mut self, program: &ConeProgram, c: &Interaction, imposed: &[[f64; 3]]) {
+        let (du, df) = units(program);
+        let length = program.scales.length;
+        let stiffness = program.scales.force / program.scales.displacement;
+        self.columns.push(self.linear.len());
+        let e = program.kinematics(c, imposed);
+        let l = &c.limits;
+        let linear = (c.offset - e[0]) / du[0];
+        let p = self.add_force(program, c, 0, c.normal_compliance * stiffness, linear);
         if l.has_shear() {
             let linear = -(e[1] + c.tangential_compliance * c.previous_shear) / du[0];
-            let q = column(&mut low, 1, c.tangential_compliance * stiffness, linear);
+            let q = self.add_force(program, c, 1, c.tangential_compliance * stiffness, linear);
             for sign in [1.0, -1.0] {
-                let row = low.right.len();
-                low.matrix.push(row, q, sign);
-                low.matrix.push(row, p, -l.friction);
-                low.right.push(l.cohesion / df[0]);
+                let row = self.right.len();
+                self.matrix.push(row, q, sign);
+                self.matrix.push(row, p, -l.friction);
+                self.right.push(l.cohesion / df[0]);
             }
         }
         if l.has_rolling() {
-            let tau = column(&mut low, 2, 0.0, -e[2] / du[2]);
+            let tau = self.add_force(program, c, 2, 0.0, -e[2] / du[2]);
             for sign in [1.0, -1.0] {
-                let row = low.right.len();
-                low.matrix.push(row, tau, sign);
-                low.matrix.push(row, p, -l.rolling / length);
-                low.right.push(l.moment / df[2]);
+                let row = self.right.len();
+                self.matrix.push(row, tau, sign);
+                self.matrix.push(row, p, -l.rolling / length);
+                self.right.push(l.moment / df[2]);
             }
         }
         if l.has_tension_row() {
-            low.matrix.push(low.right.len(), p, -1.0);
-            low.right.push(l.tension / df[0]);
+            self.matrix.push(self.right.len(), p, -1.0);
+            self.right.push(l.tension / df[0]);
         }
     }
-    for (i, body) in program.bodies.iter().enumerate() {
-        for k in 0..3 {
-            if let (Dof::Free(free), Some(row)) = (&body.dofs[k], low.rows[i][k]) {
-                let weight = (free.inertia + free.proximal) * du[k] / df[k];
-                if weight > 0.0 {
-                    let column = low.linear.len();
-                    low.linear.push(0.0);
-                    low.quadratic.push(1.0);
-                    low.matrix.push(row, column, weight.sqrt());
+
+    /// Adds the column of a force (0 for p, 1 for q, 2 for tau), and returns its index.
+    fn add_force(
+        &mut self,
+        program: &ConeProgram,
+        c: &Interaction,
+        force: usize,
+        quadratic: f64,
+        linear: f64,
+    ) -> usize {
+        let (_, df) = units(program);
+        let column = self.linear.len();
+        self.linear.push(linear);
+        self.quadratic.push(quadratic);
+        let of =
+            |body: u32, first| (body as usize, c.rows(program.bodies[body as usize].axis, first));
+        let cell = program.rows_of_cell(c);
+        for (body, rows) in [of(c.a, true), of(c.b, false)].into_iter().chain(cell) {
+            for dof in 0..3 {
+                if let Some(row) = self.rows[body][dof] {
+                    // Units of moments and arms: rows are divided by df, columns multiplied.
+                    let value = rows[dof][force] * df[force_unit(force)] / df[dof];
+                    self.matrix.push(row, column, value);
+                }
+            }
+        }
+        column
+    }
+
+    /// Adds the columns of inertia and regularisation.
+    fn add_weights(&mut self, program: &ConeProgram) {
+        let (du, df) = units(program);
+        for (i, body) in program.bodies.iter().enumerate() {
+            for k in 0..3 {
+                if let (Dof::Free(free), Some(row)) = (&body.dofs[k], self.rows[i][k]) {
+                    let weight = (free.inertia + free.proximal) * du[k] / df[k];
+                    if weight > 0.0 {
+                        let column = self.linear.len();
+                        self.linear.push(0.0);
+                        self.quadratic.push(1.0);
+                        self.matrix.push(row, column, weight.sqrt());
+                    }
                 }
             }
         }
     }
-    low
 }
 
 /// The unit of a force variable: 0 for forces, 2 for moments.

@@ -80,75 +80,34 @@ pub fn move_bodies(
     };
     let paths = if pushed.0.is_none() { paths() } else { None };
     let motion = pushed.0.as_ref().or(paths.as_ref()).unwrap_or(&solution.displacements);
+    let committed = Committed { bodies: &bodies, program: &program, solution: &solution, motion };
+    let step = match analysis.kind {
+        AnalysisKind::Dynamic { dt, theta } => Some(Step { dt: dt * progress.fraction, theta }),
+        AnalysisKind::Static | AnalysisKind::Compaction { .. } => None,
+    };
     for (id, mut x, mut rotation, mut v, mut spin, mut last) in &mut particles {
         let Some(i) = bodies.row(*id) else { continue };
-        let u = program.bodies[i].to_global(solution.displacements[i]);
-        let step = DVec2::new(u[0], u[1]);
-        let moved = program.bodies[i].to_global(motion[i]);
+        let moved = committed.moved(i);
         // A followed motion has moved the table but not the entity.
         x.0 = bodies.positions[i] + DVec2::new(moved[0], moved[1]);
         rotation.0 = bodies.rotations[i] + moved[2];
         last.0 = moved;
-        if let AnalysisKind::Dynamic { dt, theta } = analysis.kind {
-            let dt = dt * progress.fraction;
-            let next = |u: f64, v: f64, imposed: bool| {
-                // An imposed motion follows no equation of motion, so its velocity is the imposed
-                // one.
-                if imposed { u / dt } else { (u / dt - (1.0 - theta) * v) / theta }
+        if let Some(step) = step {
+            (v.0, spin.0) = match bodies.group(i) {
+                Some(group) => committed.velocity_in_group(step, i, group),
+                None => committed.velocity(step, i, v.0, spin.0),
             };
-            if let Some(group) = bodies.group(i) {
-                let row = group.body as usize;
-                let (u, v_0) = (solution.displacements[row], bodies.velocities[row]);
-                let is_driven = |k: usize| group.drives[k] != Drive::Free;
-                let turns = next(u[2], bodies.angular_velocities[row], is_driven(2));
-                let moves = [0, 1].map(|k| next(u[k], v_0[k], is_driven(k)));
-                // Positions may follow another path than the velocities of the program.
-                let turned = GroupRow::carried([0.0, 0.0, motion[row][2]], bodies.lever(group, i));
-                let lever = bodies.lever(group, i) + DVec2::new(turned[0], turned[1]);
-                v.0 = DVec2::from(moves) + turns * lever.perp();
-                spin.0 = turns;
-                continue;
-            }
-            let imposed = bodies.drives[i].map(|d| d != Default::default());
-            v.0 = DVec2::new(next(step.x, v.0.x, imposed[0]), next(step.y, v.0.y, imposed[1]));
-            spin.0 = next(u[2], spin.0, imposed[2]);
         }
     }
-    for (id, mut x, mut last, mut wall, mut shape, mut rotation) in &mut walls {
+    for (id, mut x, mut last, mut wall, shape, rotation) in &mut walls {
         let Some(i) = bodies.row(*id) else { continue };
-        let u = program.bodies[i].to_global(motion[i]);
-        x.0 = bodies.positions[i] + DVec2::new(u[0], u[1]);
-        last.0 = u;
-        let row = bodies.walls.iter().find(|row| row.body as usize == i);
-        if let Some(row) = row.filter(|_| bodies.group(i).is_some()) {
-            // A followed motion has turned the wall in the table.
-            wall.tangent = row.tangent();
-            if let Some(shape) = &mut shape {
-                **shape = row.shape;
-            }
-            if let Some(rotation) = &mut rotation {
-                rotation.0 = bodies.rotations[i];
-            }
-        }
-        if u[2] != 0.0 {
-            let by = DVec2::from_angle(u[2]);
-            *wall = wall.turned(by);
-            if let Some(mut shape) = shape {
-                *shape = shape.turned(by);
-            }
-            if let Some(mut rotation) = rotation {
-                rotation.0 += u[2];
-            }
-        }
+        let moved = committed.moved(i);
+        x.0 = bodies.positions[i] + DVec2::new(moved[0], moved[1]);
+        last.0 = moved;
+        committed.turn_wall(i, moved[2], &mut wall, shape, rotation);
     }
-    if let (Some(mut cell), Some(start), Some(of)) = (cell, &bodies.cell, &program.cell) {
-        let row = of.body as usize;
-        *cell = start.deformed(program.bodies[row].to_global(motion[row]), bodies.mean_radius);
-        let mut rows = vec![[0.0; 3]; program.bodies.len()];
-        program.add_forces(&solution.forces, &mut rows);
-        let resisted = program.bodies[row].to_global(rows[row]);
-        let loads = start.loads(bodies.mean_radius, analysis.thickness);
-        cell.stress = [0, 1, 2].map(|k| resisted[k] / loads[k]);
+    if let Some(mut cell) = cell {
+        committed.deform(&mut cell, analysis.thickness);
     }
     for (id, group, mut x, mut rotation, mut last) in &mut groups {
         let Some(i) = bodies.row(*id) else { continue };
@@ -160,5 +119,106 @@ pub fn move_bodies(
             rotation.0 = bodies.rotations[member as usize] + motion[i][2] - group.reference;
         }
         last.0 = motion[i];
+    }
+}
+
+/// The time step of the part of an increment that is committed.
+#[derive(Clone, Copy)]
+struct Step {
+    /// s.
+    dt: f64,
+    theta: f64,
+}
+
+impl Step {
+    /// Velocity at the end, from the displacement `u` and the velocity `v` at the start. An imposed
+    /// motion follows no equation of motion, so its velocity is the imposed one.
+    fn velocity(self, u: f64, v: f64, is_imposed: bool) -> f64 {
+        let Self { dt, theta } = self;
+        if is_imposed { u / dt } else { (u / dt - (1.0 - theta) * v) / theta }
+    }
+}
+
+/// The solution that is committed.
+struct Committed<'a> {
+    bodies: &'a Bodies,
+    program: &'a ConeProgram,
+    solution: &'a ConeSolution,
+    /// Displacements of the bodies, in the axes of the program. They may differ from those of the
+    /// solution, which give the velocities.
+    motion: &'a [[f64; 3]],
+}
+
+impl Committed<'_> {
+    /// Displacement (x, y) and rotation of a body.
+    fn moved(&self, i: usize) -> [f64; 3] {
+        self.program.bodies[i].to_global(self.motion[i])
+    }
+
+    /// Velocity and angular velocity of a particle at the end, from those at the start.
+    fn velocity(&self, step: Step, i: usize, v: DVec2, spin: f64) -> (DVec2, f64) {
+        let u = self.program.bodies[i].to_global(self.solution.displacements[i]);
+        let imposed = self.bodies.drives[i].map(|drive| drive != Drive::Free);
+        let end =
+            DVec2::new(step.velocity(u[0], v.x, imposed[0]), step.velocity(u[1], v.y, imposed[1]));
+        (end, step.velocity(u[2], spin, imposed[2]))
+    }
+
+    /// Velocity and angular velocity of a member of a rigid group.
+    fn velocity_in_group(&self, step: Step, i: usize, group: &GroupRow) -> (DVec2, f64) {
+        let row = group.body as usize;
+        let (u, v) = (self.solution.displacements[row], self.bodies.velocities[row]);
+        let is_driven = |k: usize| group.drives[k] != Drive::Free;
+        let turns = step.velocity(u[2], self.bodies.angular_velocities[row], is_driven(2));
+        let moves = [0, 1].map(|k| step.velocity(u[k], v[k], is_driven(k)));
+        // Positions may follow another path than the velocities of the program.
+        let lever = self.bodies.lever(group, i);
+        let turned = GroupRow::carried([0.0, 0.0, self.motion[row][2]], lever);
+        let lever = lever + DVec2::new(turned[0], turned[1]);
+        (DVec2::from(moves) + turns * lever.perp(), turns)
+    }
+
+    /// Turns a wall by an angle, rad.
+    fn turn_wall(
+        &self,
+        i: usize,
+        angle: f64,
+        wall: &mut Wall,
+        mut shape: Option<Mut<WallShape>>,
+        mut rotation: Option<Mut<WallRotation>>,
+    ) {
+        let row = self.bodies.walls.iter().find(|row| row.body as usize == i);
+        if let Some(row) = row.filter(|_| self.bodies.group(i).is_some()) {
+            // A followed motion has turned the wall in the table.
+            wall.tangent = row.tangent();
+            if let Some(shape) = &mut shape {
+                **shape = row.shape;
+            }
+            if let Some(rotation) = &mut rotation {
+                rotation.0 = self.bodies.rotations[i];
+            }
+        }
+        if angle != 0.0 {
+            let by = DVec2::from_angle(angle);
+            *wall = wall.turned(by);
+            if let Some(mut shape) = shape {
+                *shape = shape.turned(by);
+            }
+            if let Some(mut rotation) = rotation {
+                rotation.0 += angle;
+            }
+        }
+    }
+
+    /// Deforms the periodic cell and sets its stress, Pa.
+    fn deform(&self, cell: &mut PeriodicCell, thickness: f64) {
+        let (Some(start), Some(of)) = (&self.bodies.cell, &self.program.cell) else { return };
+        let row = of.body as usize;
+        *cell = start.deformed(self.moved(row), self.bodies.mean_radius);
+        let mut rows = vec![[0.0; 3]; self.program.bodies.len()];
+        self.program.add_forces(&self.solution.forces, &mut rows);
+        let resisted = self.program.bodies[row].to_global(rows[row]);
+        let loads = start.loads(self.bodies.mean_radius, thickness);
+        cell.stress = [0, 1, 2].map(|k| resisted[k] / loads[k]);
     }
 }

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Arguments;
 
 use crate::run::particles::BOUNDARY;
-use crate::scene::format::{Select, Specimen, Stage};
+use crate::scene::format::{Particle, Select, Specimen, Stage};
 use crate::scene::spans::join;
 
 use super::Context;
@@ -34,22 +34,7 @@ pub(super) fn select(context: &Context, path: Arguments, select: &Select, findin
             }
         }
         Select::Group(name) => {
-            let mut names: Vec<_> = particles.iter().filter_map(|p| p.group.as_deref()).collect();
-            if matches!(context.scene.specimen, Specimen::Lattice { .. }) {
-                names.push("boundary");
-            }
-            names.extend(
-                context.specimen.iter().flat_map(|s| &s.groups).flatten().map(String::as_str),
-            );
-            let state = context.specimen.and_then(|stored| stored.state.as_ref());
-            names.extend(state.iter().flat_map(|state| &state.groups).map(String::as_str));
-            names.extend(context.scene.stages.iter().filter_map(|stage| match stage {
-                Stage::Pour(pour) => pour.stream.group.as_deref(),
-                _ => None,
-            }));
-            names.sort_unstable();
-            names.dedup();
-            names.extend(context.scene.groups.keys().map(String::as_str));
+            let names = names_of_groups(context, particles);
             findings.reference(format_args!("{path}[0]"), name, ("group", "specimen"), &names);
         }
         Select::Probe(name) => {
@@ -57,14 +42,6 @@ pub(super) fn select(context: &Context, path: Arguments, select: &Select, findin
             let named = context.scene.probes.keys().map(String::as_str);
             let names: Vec<_> = listed.chain(named).collect();
             findings.reference(format_args!("{path}[0]"), name, ("probe", "specimen"), &names);
-        }
-        Select::Box { min, max } => {
-            let fine = findings.vector(format_args!("{path}.min"), *min, "a place in m")
-                & findings.vector(format_args!("{path}.max"), *max, "a place in m");
-            if fine && (min.0 > max.0 || min.1 > max.1) {
-                let message = format!("not above and to the right of min ({max:?})");
-                findings.add(format_args!("{path}.max"), message, "swap the corners");
-            }
         }
         Select::Range(first, last) => {
             let sound = index_exists(context, format_args!("{path}[0]"), *first, findings)
@@ -77,6 +54,55 @@ pub(super) fn select(context: &Context, path: Arguments, select: &Select, findin
         Select::Material(name) => {
             let names = &context.materials;
             findings.reference(format_args!("{path}[0]"), name, ("material", "materials"), names);
+        }
+        Select::Box { .. } | Select::Circle { .. } | Select::Layer { .. } | Select::Polygon(_) => {
+            region(path, select, findings)
+        }
+        Select::Union(list) | Select::Intersection(list) => {
+            if list.is_empty() {
+                findings.add(path, "a set of no selections", "give one or more");
+            }
+            for (i, part) in list.iter().enumerate() {
+                self::select(context, format_args!("{path}[{i}]"), part, findings);
+            }
+        }
+        Select::Except(from, without) => {
+            for (i, part) in [from, without].into_iter().enumerate() {
+                self::select(context, format_args!("{path}[{i}]"), part, findings);
+            }
+        }
+    }
+}
+
+/// Names of the groups of a scene, of its specimen, and of the grains that it pours.
+fn names_of_groups<'a>(context: &'a Context, particles: &'a [Particle]) -> Vec<&'a str> {
+    let mut names: Vec<_> = particles.iter().filter_map(|p| p.group.as_deref()).collect();
+    if matches!(context.scene.specimen, Specimen::Lattice { .. }) {
+        names.push(BOUNDARY);
+    }
+    names.extend(context.specimen.iter().flat_map(|s| &s.groups).flatten().map(String::as_str));
+    let state = context.specimen.and_then(|stored| stored.state.as_ref());
+    names.extend(state.iter().flat_map(|state| &state.groups).map(String::as_str));
+    names.extend(context.scene.stages.iter().filter_map(|stage| match stage {
+        Stage::Pour(pour) => pour.stream.group.as_deref(),
+        _ => None,
+    }));
+    names.sort_unstable();
+    names.dedup();
+    names.extend(context.scene.groups.keys().map(String::as_str));
+    names
+}
+
+/// Checks a region of the plane.
+fn region(path: Arguments, select: &Select, findings: &mut Findings) {
+    match select {
+        Select::Box { min, max } => {
+            let fine = findings.vector(format_args!("{path}.min"), *min, "a place in m")
+                & findings.vector(format_args!("{path}.max"), *max, "a place in m");
+            if fine && (min.0 > max.0 || min.1 > max.1) {
+                let message = format!("not above and to the right of min ({max:?})");
+                findings.add(format_args!("{path}.max"), message, "swap the corners");
+            }
         }
         Select::Circle { centre, radius } => {
             findings.vector(format_args!("{path}.centre"), *centre, "a place in m");
@@ -109,19 +135,7 @@ pub(super) fn select(context: &Context, path: Arguments, select: &Select, findin
                 findings.add(path, "a polygon of fewer than three corners", "give three or more");
             }
         }
-        Select::Union(list) | Select::Intersection(list) => {
-            if list.is_empty() {
-                findings.add(path, "a set of no selections", "give one or more");
-            }
-            for (i, part) in list.iter().enumerate() {
-                self::select(context, format_args!("{path}[{i}]"), part, findings);
-            }
-        }
-        Select::Except(from, without) => {
-            for (i, part) in [from, without].into_iter().enumerate() {
-                self::select(context, format_args!("{path}[{i}]"), part, findings);
-            }
-        }
+        _ => {}
     }
 }
 

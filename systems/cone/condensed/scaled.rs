@@ -4,7 +4,7 @@
 //! Interaction c: `min 1/2 s'Cs + l's`, `A s + w = b`, `w >= 0` with s = (p, q, tau); stationarity
 //! `l + C s - e(u) + A' lambda = 0`. Bodies: `m u + G s = f` on free degrees of freedom.
 
-use crate::program::{ConeProgram, Dof};
+use crate::program::{ConeProgram, Dof, Interaction, ProgramBody};
 
 use super::super::lowering::units;
 use super::images::Images;
@@ -53,6 +53,107 @@ pub struct Local {
     pub count: usize,
 }
 
+impl Local {
+    /// An interaction from the rows of its bodies and the kinematics of their fixed degrees of
+    /// freedom.
+    fn new(
+        Units { du, df, stiffness, length }: &Units,
+        c: &Interaction,
+        bodies: [usize; 2],
+        rows: [[[f64; 3]; 3]; 2],
+        fixed: [f64; 3],
+    ) -> Self {
+        let l = &c.limits;
+        let has = forces_of(c);
+        let kind = match (l.has_shear(), l.has_rolling()) {
+            (false, false) => Kind::Normal,
+            (true, false) if l.has_tension_row() => Kind::Bond,
+            (true, false) => Kind::Friction,
+            (true, true) => Kind::Rolling,
+            (false, true) => Kind::Wheel,
+        };
+        let mut local = Self {
+            bodies,
+            kind,
+            rows,
+            has,
+            compliance: [
+                c.normal_compliance * stiffness,
+                if has[1] { c.tangential_compliance * stiffness } else { 1.0 },
+                0.0,
+            ],
+            linear: [
+                c.offset / du[0] - fixed[0],
+                // Without a shear force no force is left over from the last increment.
+                if has[1] {
+                    -c.tangential_compliance * stiffness * c.previous_shear / df[0] - fixed[1]
+                } else {
+                    0.0
+                },
+                -fixed[2],
+            ],
+            limits: [[0.0; 3]; ROWS],
+            right: [0.0; ROWS],
+            count: 0,
+        };
+        if l.has_shear() {
+            local.limit([-l.friction, 1.0, 0.0], l.cohesion / df[0]);
+            local.limit([-l.friction, -1.0, 0.0], l.cohesion / df[0]);
+        }
+        if l.has_rolling() {
+            local.limit([-l.rolling / length, 0.0, 1.0], l.moment / df[2]);
+            local.limit([-l.rolling / length, 0.0, -1.0], l.moment / df[2]);
+        }
+        if l.has_tension_row() {
+            local.limit([-1.0, 0.0, 0.0], l.tension / df[0]);
+        }
+        local
+    }
+
+    /// Adds a limit.
+    fn limit(&mut self, row: [f64; 3], right: f64) {
+        self.limits[self.count] = row;
+        self.right[self.count] = right;
+        self.count += 1;
+    }
+}
+
+/// Which of p, q, tau an interaction has.
+fn forces_of(c: &Interaction) -> [bool; 3] {
+    [true, c.limits.has_shear(), c.limits.has_rolling()]
+}
+
+/// Units of the scaled program, by degree of freedom where they are arrays.
+struct Units {
+    /// Displacements.
+    du: [f64; 3],
+    /// Forces.
+    df: [f64; 3],
+    /// Stiffness.
+    stiffness: f64,
+    /// Length.
+    length: f64,
+}
+
+impl Units {
+    fn of(program: &ConeProgram) -> Self {
+        let (du, df) = units(program);
+        let s = &program.scales;
+        Self { du, df, stiffness: s.force / s.displacement, length: s.length }
+    }
+
+    /// The rows of a body in these units, for the forces that exist.
+    fn rows(&self, raw: &[[f64; 3]; 3], has: [bool; 3]) -> [[f64; 3]; 3] {
+        let df = &self.df;
+        std::array::from_fn(|k| {
+            std::array::from_fn(|f| {
+                let unit = if f == 2 { df[2] } else { df[0] };
+                if has[f] { raw[k][f] * unit / df[k] } else { 0.0 }
+            })
+        })
+    }
+}
+
 /// The program.
 #[derive(Clone, Debug, Default)]
 pub struct Scaled {
@@ -75,117 +176,78 @@ impl Scaled {
     /// program.
     #[must_use]
     pub fn new(program: &ConeProgram, order: &[usize]) -> Self {
-        let (du, df) = units(program);
-        let s = &program.scales;
-        let stiffness = s.force / s.displacement;
+        let units = Units::of(program);
         let mut out = Self::default();
         let place = places(order);
         for body in order.iter().map(|body| &program.bodies[*body]) {
-            let (mut free, mut weight, mut right, mut known) =
-                ([false; 3], [0.0; 3], [0.0; 3], [0.0; 3]);
-            for k in 0..3 {
-                match &body.dofs[k] {
-                    Dof::Fixed(u) => known[k] = u / du[k],
-                    Dof::Free(f) => {
-                        free[k] = true;
-                        weight[k] = (f.inertia + f.proximal) * du[k] / df[k];
-                        right[k] = (f.load + f.proximal * f.reference) / df[k];
-                    }
-                }
-            }
-            out.free.push(free);
-            out.weight.push(weight);
-            out.right.push(right);
-            out.known.push(known);
+            out.add_body(&units, body);
         }
         out.images = Images::of(program, &place, &out.free);
         // Entries are large: a vector that grows would copy them.
         out.locals.reserve_exact(program.interactions.len());
         for (number, c) in program.interactions.iter().enumerate() {
-            let l = &c.limits;
-            let has = [true, l.has_shear(), l.has_rolling()];
-            let bodies = [c.a, c.b].map(|i| place[i as usize]);
-            let kind = match (l.has_shear(), l.has_rolling()) {
-                (false, false) => Kind::Normal,
-                (true, false) if l.has_tension_row() => Kind::Bond,
-                (true, false) => Kind::Friction,
-                (true, true) => Kind::Rolling,
-                (false, true) => Kind::Wheel,
-            };
-            let mut rows = [[[0.0; 3]; 3]; 2];
-            let mut fixed = [0.0; 3];
-            for (side, (body, first)) in [(c.a, true), (c.b, false)].into_iter().enumerate() {
-                let raw = c.rows(program.bodies[body as usize].axis, first);
-                for k in 0..3 {
-                    for f in 0..3 {
-                        let unit = if f == 2 { df[2] } else { df[0] };
-                        let value = if has[f] { raw[k][f] * unit / df[k] } else { 0.0 };
-                        let body = bodies[side];
-                        if out.free[body][k] {
-                            rows[side][k][f] = value;
-                        } else {
-                            fixed[f] += value * out.known[body][k];
-                        }
+            let (bodies, rows, fixed) = out.rows(program, &units, &place, number, c);
+            out.locals.push(Local::new(&units, c, bodies, rows, fixed));
+        }
+        out
+    }
+
+    /// Adds a body.
+    fn add_body(&mut self, Units { du, df, .. }: &Units, body: &ProgramBody) {
+        let (mut free, mut weight, mut right, mut known) =
+            ([false; 3], [0.0; 3], [0.0; 3], [0.0; 3]);
+        for k in 0..3 {
+            match &body.dofs[k] {
+                Dof::Fixed(u) => known[k] = u / du[k],
+                Dof::Free(f) => {
+                    free[k] = true;
+                    weight[k] = (f.inertia + f.proximal) * du[k] / df[k];
+                    right[k] = (f.load + f.proximal * f.reference) / df[k];
+                }
+            }
+        }
+        self.free.push(free);
+        self.weight.push(weight);
+        self.right.push(right);
+        self.known.push(known);
+    }
+
+    /// Places of the bodies of an interaction, their rows, and the kinematics of the fixed degrees
+    /// of freedom.
+    fn rows(
+        &self,
+        program: &ConeProgram,
+        units: &Units,
+        place: &[usize],
+        number: usize,
+        c: &Interaction,
+    ) -> ([usize; 2], [[[f64; 3]; 3]; 2], [f64; 3]) {
+        let has = forces_of(c);
+        let mut places = [c.a, c.b].map(|i| place[i as usize]);
+        let mut rows = [[[0.0; 3]; 3]; 2];
+        let mut fixed = [0.0; 3];
+        for (side, (body, first)) in [(c.a, true), (c.b, false)].into_iter().enumerate() {
+            let all = units.rows(&c.rows(program.bodies[body as usize].axis, first), has);
+            let body = places[side];
+            for k in 0..3 {
+                for f in 0..3 {
+                    if self.free[body][k] {
+                        rows[side][k][f] = all[k][f];
+                    } else {
+                        fixed[f] += all[k][f] * self.known[body][k];
                     }
                 }
             }
-            let mut places = bodies;
-            if let Some((k, _)) = out.images.at(number) {
-                let raw = c.rows(program.bodies[c.b as usize].axis, false);
-                let row = |k: usize, f: usize| {
-                    let unit = if f == 2 { df[2] } else { df[0] };
-                    if has[f] { raw[k][f] * unit / df[k] } else { 0.0 }
-                };
-                let of_image = std::array::from_fn(|k| std::array::from_fn(|f| row(k, f)));
-                let by_cell = out.images.known_by_cell(k, &out.known, &of_image);
-                for f in 0..3 {
-                    fixed[f] += by_cell[f];
-                }
-                (places[1], rows[1]) = (out.free.len() + k, of_image);
-            }
-            let mut local = Local {
-                bodies: places,
-                kind,
-                rows,
-                has,
-                compliance: [
-                    c.normal_compliance * stiffness,
-                    if has[1] { c.tangential_compliance * stiffness } else { 1.0 },
-                    0.0,
-                ],
-                linear: [
-                    c.offset / du[0] - fixed[0],
-                    // Without a shear force no force is left over from the last increment.
-                    if has[1] {
-                        -c.tangential_compliance * stiffness * c.previous_shear / df[0] - fixed[1]
-                    } else {
-                        0.0
-                    },
-                    -fixed[2],
-                ],
-                limits: [[0.0; 3]; ROWS],
-                right: [0.0; ROWS],
-                count: 0,
-            };
-            let mut limit = |row: [f64; 3], right: f64| {
-                local.limits[local.count] = row;
-                local.right[local.count] = right;
-                local.count += 1;
-            };
-            if l.has_shear() {
-                limit([-l.friction, 1.0, 0.0], l.cohesion / df[0]);
-                limit([-l.friction, -1.0, 0.0], l.cohesion / df[0]);
-            }
-            if l.has_rolling() {
-                limit([-l.rolling / s.length, 0.0, 1.0], l.moment / df[2]);
-                limit([-l.rolling / s.length, 0.0, -1.0], l.moment / df[2]);
-            }
-            if l.has_tension_row() {
-                limit([-1.0, 0.0, 0.0], l.tension / df[0]);
-            }
-            out.locals.push(local);
         }
-        out
+        if let Some((k, _)) = self.images.at(number) {
+            let of_image = units.rows(&c.rows(program.bodies[c.b as usize].axis, false), has);
+            let by_cell = self.images.known_by_cell(k, &self.known, &of_image);
+            for f in 0..3 {
+                fixed[f] += by_cell[f];
+            }
+            (places[1], rows[1]) = (self.free.len() + k, of_image);
+        }
+        (places, rows, fixed)
     }
 
     /// The displacements `u` of free degrees of freedom and the known ones of all others; those of
