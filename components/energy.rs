@@ -178,7 +178,7 @@ pub enum Changed {
     Nothing,
     /// Some have come, and none has gone.
     Came,
-    /// Some have gone, so that what they held is out of balance.
+    /// Some bodies have gone, so that others are out of balance.
     Went,
 }
 

@@ -1,5 +1,5 @@
-//! Measures of a scene beside its axial and lateral strain and stress: what each reads, and the
-//! readings of the last increment.
+//! Measures of a scene beside its axial and lateral strain and stress: the quantity of each, and
+//! the readings of the last increment.
 
 use bevy_ecs::prelude::*;
 #[cfg(feature = "reflect")]

@@ -101,7 +101,7 @@ pub enum WallControl {
     Table(TableOf),
 }
 
-/// What a [`WallTable`] has.
+/// The quantity of a [`WallTable`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum TableOf {

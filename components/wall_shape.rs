@@ -256,7 +256,7 @@ mod tests {
 
     #[test]
     fn one_segment_has_a_corner() {
-        // The next segment goes down from the end: the corner is what sticks out.
+        // The next segment goes down from the end: the corner sticks out.
         let ends = [WallEnd::Free, WallEnd::Corner(-UP)];
         let shape = WallShape::Segment { ends };
         let is_own = |x, y| shape.nearest(UP, 1.0, DVec2::new(x, y)).is_own;

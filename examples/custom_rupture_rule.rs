@@ -1,4 +1,4 @@
-//! A rule of rupture of one's own: every bond breaks in increment 10 of the run, whatever it
+//! A rule of rupture of one's own: every bond breaks in increment 10 of the run, whatever force it
 //! carries.
 //!
 //! The plugin of the engine's rule is left out of the group, and a system takes its place. The rule

@@ -41,7 +41,7 @@ pub struct MotionSettings {
     /// [`Acceptance::throw`](clastic_components::increment::Acceptance::throw). A fixed length would
     /// take a motion for none that a small `throw` has asked for.
     ///
-    /// 1/30: a fifteenth of what one step aims at where `throw` has its default; no study.
+    /// 1/30: a fifteenth of the travel of one step at the default of `throw`; no study.
     pub min_travel: f64,
     /// Maximum strain under constant loads, over
     /// [`Acceptance::snap`](clastic_components::increment::Acceptance::snap). A specimen beyond it

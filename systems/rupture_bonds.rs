@@ -269,7 +269,7 @@ pub fn rupture_bonds(
     release(last, &bodies, &contacts, &materials, &analysis, &mut history);
 }
 
-/// Reduces the shear force in contacts of broken bonds to what friction can carry.
+/// Reduces the shear force in contacts of broken bonds to the limit of friction.
 pub fn release<'a>(
     ruptures: impl Iterator<Item = &'a Rupture>,
     bodies: &Bodies,

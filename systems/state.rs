@@ -80,9 +80,9 @@ pub enum StateError {
 /// Encodes an entry; `None` if the world does not have it.
 type Capture = fn(&mut World) -> Result<Option<Vec<u8>>, postcard::Error>;
 type Restore = fn(&mut World, &[u8]) -> Result<(), postcard::Error>;
-/// What in the world contradicts an entry; `None` if nothing does.
+/// The contradiction between the world and an entry; `None` if they agree.
 type Check = fn(&World, &[u8]) -> Result<Option<String>, postcard::Error>;
-/// Takes away what the world has of an entry.
+/// Removes an entry from the world.
 type Forget = fn(&mut World);
 
 #[derive(Clone, Copy)]
@@ -97,7 +97,7 @@ struct Entry {
     forget: Forget,
 }
 
-/// What is registered: components, then the rest, each in the order of registration.
+/// Registered entries: components, then the others, each in the order of registration.
 #[derive(Resource, Default)]
 pub struct StateRegistry {
     entries: Vec<Entry>,

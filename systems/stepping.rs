@@ -56,8 +56,8 @@ impl Default for Due {
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct Undone(pub bool);
 
-/// Runs [`Advance`] to the end of an increment that stays. Whoever undoes one sets [`Undone`], and
-/// [`Due`] to false, so that nothing is written of it.
+/// Runs [`Advance`] to the end of an increment that stays. A system that undoes one sets
+/// [`Undone`], and sets [`Due`] to false so that no output is written.
 pub fn advance(world: &mut World) {
     loop {
         world.run_schedule(Advance);

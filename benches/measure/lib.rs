@@ -9,9 +9,9 @@
 //! | part | question |
 //! |---|---|
 //! | [`precision`] | one program: time against error, by solver and tolerance |
-//! | [`increments`] | whole curves: what the size of the increment changes |
+//! | [`increments`] | effect of the size of the increment on whole curves |
 //! | [`theta`] | order of the theta-method, observed against expected |
-//! | [`stages`] | time by stage and size of the program, by what a scene has |
+//! | [`stages`] | time by stage and size of the program, by features of the scene |
 //! | [`size`] | time and memory of an elastic increment against the number of disks |
 //! | [`threads`] | one thread against two, and whether the results are the same bytes |
 //!

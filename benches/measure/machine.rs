@@ -5,7 +5,8 @@ use std::fs;
 use clastic::output::run_record::CLASTIC_VERSION;
 use time::OffsetDateTime;
 
-/// Processor, memory, load and date, one fact per line, as far as the system tells them.
+/// Processor, memory, load and date, one fact per line. Facts that the system does not provide are
+/// left out.
 #[must_use]
 pub fn describe() -> Vec<(&'static str, String)> {
     let today = OffsetDateTime::now_utc().date().to_string();

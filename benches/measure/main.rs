@@ -25,7 +25,7 @@ enum Name {
     Increments,
     /// Order of the theta-method
     Theta,
-    /// Time by stage and size of the program, by what a scene has
+    /// Time by stage and size of the program, by features of the scene
     Stages,
     /// Time and memory against the number of disks
     Size,
@@ -40,7 +40,7 @@ struct Cli {
     /// Parts to run, in this order; all if none is named
     #[arg(value_name = "PART")]
     parts: Vec<Name>,
-    /// Directory for the results; what other parts left there stays
+    /// Directory for the results; results of other parts in it are kept
     #[arg(long, value_name = "DIR", default_value = "bench")]
     out: PathBuf,
     /// Directory of the scenes that are measured
@@ -75,7 +75,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Runs the parts and writes what they found.
+/// Runs the parts and writes their results.
 fn bench(args: &Cli) -> Result<(), BenchError> {
     let parts = if args.parts.is_empty() { Name::value_variants() } else { &args.parts[..] };
     for part in parts {
@@ -123,7 +123,7 @@ fn command(part: &str, args: &Cli) -> String {
     format!("cargo run --release -p clastic_bench -- {part}{extent}")
 }
 
-/// A line on standard output. The results are in the directory: that nobody reads it is no error.
+/// A line on standard output. A closed pipe is no error, because the results are in the directory.
 fn say(what: &str) {
     let _ = writeln!(io::stdout(), "{what}");
 }

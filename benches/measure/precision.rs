@@ -107,7 +107,7 @@ struct Point {
 /// The problems.
 ///
 /// # Errors
-/// Where a scene is not there or does not get as far as it should.
+/// If a scene is missing or ends before the increment in question.
 pub fn problems(scenes: &Scenes, full: bool) -> Result<Vec<Captured>, BenchError> {
     let rock = [
         ("elastic increment", Moment::Increment("load", 10)),

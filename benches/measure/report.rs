@@ -1,5 +1,5 @@
-//! Writes what the parts found: `NAME.csv`, `NAME.svg` and `NAME.md` a part, `summary.md` from all
-//! parts that the directory holds, and the passages of a page that are copies of such files.
+//! Writes the results of the parts: `NAME.csv`, `NAME.svg` and `NAME.md` a part, `summary.md` from
+//! all parts that the directory holds, and the passages of a page that are copies of such files.
 
 use std::fs;
 use std::io;

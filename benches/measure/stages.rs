@@ -1,4 +1,4 @@
-//! Time by stage of an increment and size of its program, by what a scene has.
+//! Time by stage of an increment and size of its program, by features of the scene.
 
 use std::collections::BTreeMap;
 use std::path::Path;

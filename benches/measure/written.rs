@@ -8,7 +8,7 @@ use clastic::scene::LoadedScene;
 
 use crate::BenchError;
 
-/// Runs a scene to its end and writes what a run leaves into `directory`.
+/// Runs a scene to its end and writes its run directory to `directory`.
 ///
 /// # Errors
 /// Where a file cannot be written, an increment cannot be solved or a stage cannot begin.

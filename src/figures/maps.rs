@@ -35,7 +35,7 @@ pub struct View<'a> {
     pub style: Style,
     /// Title, or nothing.
     pub title: &'a str,
-    /// Corners of what is shown, m; `None` shows all.
+    /// Corners of the visible rectangle, m; `None` shows all.
     pub window: Option<[[f64; 2]; 2]>,
     /// Whether broken bonds are drawn over fields.
     pub cracks: bool,

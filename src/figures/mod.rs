@@ -53,7 +53,7 @@ pub struct Request {
     pub since: At,
     /// Size and letters.
     pub style: Style,
-    /// Corners of what is shown: m, or values of the axes of a curve.
+    /// Corners of the visible rectangle: m, or values of the axes of a curve.
     pub window: Option<[[f64; 2]; 2]>,
     /// Whether the title of the scene stands over the figure.
     pub title: bool,

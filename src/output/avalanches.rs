@@ -131,7 +131,7 @@ impl Avalanche {
     }
 }
 
-/// What an avalanche follows from.
+/// Data from which the rows of an avalanche follow.
 #[derive(SystemParam)]
 pub(super) struct Now<'w> {
     observation: Res<'w, Observation>,

@@ -36,7 +36,7 @@ pub struct RunOptions {
 /// [`OutputPlugin`](super::OutputPlugin) writes to it.
 #[derive(Resource, Debug)]
 pub struct RunDirectory {
-    /// Its path, what is dumped, and the number of increments between checkpoints.
+    /// Its path, the increments to dump, and the number of increments between checkpoints.
     pub(super) options: RunOptions,
     /// Text of the scene.
     pub(super) scene_text: String,

@@ -1,4 +1,4 @@
-//! Tests of what a run leaves in its directory.
+//! Tests of the files of a run.
 
 use std::error::Error;
 use std::fs;

@@ -1,4 +1,4 @@
-//! What a picture shows: the specimen without its stray disks.
+//! The visible part of a picture: the specimen without its stray disks.
 //!
 //! A disk that has left the specimen would otherwise shrink everything else in the picture.
 

@@ -14,7 +14,7 @@ use crate::scene::format as scene;
 /// Adds the bonds that the scene lists, and its stages, to a world that has its bodies.
 pub(super) fn begin_script(world: &mut World, scene: &scene::Scene) {
     bond_pairs(world, scene.bonds.iter().map(|bond| (bond.a, bond.b)));
-    // The stages look at the record, whoever writes it.
+    // The stages read the record, also where another plugin writes it.
     world.init_resource::<Observation>();
     world.init_resource::<Measures>();
     world.insert_resource(KeyResults::of_scene(scene));

@@ -65,7 +65,7 @@ pub fn begin(world: &mut World, stage: &Compact) {
     world.entity_mut(wall).insert(WallControl::Displacement(-inward * (distance / steps)));
 }
 
-/// What a packing has reached, as the target of its stage defines it.
+/// Porosity or stress that a packing has reached, as the target of its stage defines it.
 pub struct Reached {
     /// Height between the walls of the stage or of the cell, m.
     pub height: f64,
@@ -75,7 +75,7 @@ pub struct Reached {
     pub porosity: f64,
 }
 
-/// What the packing has reached after the last committed increment.
+/// The same quantity after the last committed increment.
 pub fn reached(world: &mut World, stage: &Compact) -> Option<Reached> {
     let room = room(world, stage)?;
     let height = match world.get_resource::<PeriodicCell>() {

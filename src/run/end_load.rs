@@ -1,4 +1,4 @@
-//! End of a loading stage: what walls do in a stage only, and loads that are on their way.
+//! End of a loading stage: controls of walls that end with it, and loads before their targets.
 
 use bevy_ecs::prelude::*;
 
@@ -8,8 +8,8 @@ use clastic_components::wall::{TableOf, WallControl, WallSlide, WallTable};
 
 use super::{live_loads, membranes};
 
-/// Ends what walls do in a stage only: loads from tables keep the values that they have reached,
-/// and lids stop.
+/// Ends controls of walls that last for one stage: loads from tables keep the values that they have
+/// reached, and lids stop.
 pub fn end(world: &mut World) {
     let progress = world.resource::<Progress>().clone();
     let dt = match world.resource::<Analysis>().kind {

@@ -64,7 +64,7 @@ pub struct Search {
     short: u32,
     /// Length of the bracket before the last try.
     length: f64,
-    /// The next try is the last, whatever it reads.
+    /// The next try is the last, whether it lands or not.
     is_last: bool,
 }
 

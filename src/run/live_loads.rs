@@ -67,7 +67,7 @@ pub(super) fn end(world: &mut World) {
     world.remove_resource::<LiveLoads>();
 }
 
-/// Keeps what the loads have reached as their targets.
+/// Makes the values that the loads have reached their targets.
 pub(super) fn end_early(world: &mut World, progress: &Progress) {
     let Some(mut loads) = world.get_resource_mut::<LiveLoads>() else { return };
     for (from, to) in loads.0.iter_mut().flat_map(|load| &mut load.values) {

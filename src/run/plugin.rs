@@ -127,7 +127,7 @@ impl Plugin for ScenePlugin {
                     (
                         change_stages,
                         keep_state.run_if(is_due).run_if(is_on),
-                        // Before whatever looks at the bodies of the increment.
+                        // Before systems that read the bodies of the increment.
                         pour.run_if(is_due).run_if(resource_exists::<Poured>),
                         begin_increment.run_if(is_due).run_if(are_measured),
                         take_down.run_if(is_due),

@@ -11,7 +11,7 @@ use clastic_components::wall_shape::WallShape;
 use super::particles::Random;
 use crate::scene::format::Opening;
 
-/// Minimum gap to what is there, in radii: far above the round-off of a place, so that no pair
+/// Minimum gap to other bodies, in radii: far above the round-off of a place, so that no pair
 /// overlaps, and far below any length that matters.
 const CLEARANCE: f64 = 1e-6;
 /// Number of places that are tried in one increment. In a rectangle every try is on another row; on

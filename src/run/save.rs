@@ -1,4 +1,4 @@
-//! `Save` stages: the state between two increments, kept for whoever writes it.
+//! `Save` stages: the state between two increments, kept for the system that writes it.
 
 use bevy_ecs::prelude::*;
 

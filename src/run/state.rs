@@ -176,7 +176,7 @@ pub fn capture(world: &mut World) -> Result<WorldState, StateError> {
         if !named.list.is_empty() {
             state.set(NAMED, &NamedState::with(named, &before.readings))?;
         }
-        // The increment that failed has renumbered what is kept by row.
+        // The failed increment has renumbered the tables that are kept by row.
         let mut rows = KeptRows::of(before.rows.clone());
         let bodies = world.resource::<Bodies>();
         rows.follow(bodies);

@@ -1,4 +1,4 @@
-//! What counts from the start of the first run: increments, time, identities, energies.
+//! Quantities that count from the start of the first run: increments, time, identities, energies.
 
 use clastic_components::energy::{Changed, Energies, EnergyLedger, Released};
 use clastic_components::increment::Progress;

@@ -32,7 +32,7 @@ pub(super) fn write(
     let mut rows = Vec::new();
     for control in ids.iter().map(control) {
         rows.push(match control {
-            // What turned in its stage stands still until another one turns it.
+            // A wall that turned in its stage stands still until another stage turns it.
             ControlState::Fixed
             | ControlState::Rotation(..)
             | ControlState::Spin(..)

@@ -1,4 +1,4 @@
-//! Limits of what a scene may hold.
+//! Maximum numbers in a scene.
 
 /// Maximum magnitude of a number. Products of larger numbers could overflow.
 pub(super) const MAX_NUMBER: f64 = 1e30;

@@ -35,7 +35,7 @@ pub fn one_round(scene: &Scene) -> Option<String> {
     })
 }
 
-/// What in the law of a bond keeps it from breaking at an event.
+/// Properties of the law of a bond that exclude `Events`.
 fn obstacle(bond: &Bond, rolling: RollingLimit) -> Option<&'static str> {
     let is_rigid = bond.normal_stiffness.is_none() || bond.tangential_stiffness.is_none();
     let has_strength = bond.cohesion > 0.0 && bond.tensile_strength > 0.0;

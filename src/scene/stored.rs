@@ -1,4 +1,4 @@
-//! What a scene takes from a file: a specimen, and the state that it may have.
+//! Specimen of a scene from a file, with its state if it has one.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;

@@ -2,8 +2,8 @@
 
 use super::{TableError, Tables};
 
-/// Maximum size of what an archive unpacks to, bytes: the state of five million bonded disks has a
-/// third of it. A hostile archive may unpack to any size.
+/// Maximum size of an unpacked archive, bytes: the state of five million bonded disks has a third
+/// of it. A hostile archive may unpack to any size.
 #[cfg(feature = "npz")]
 const MAX_BYTES: u64 = 16_000_000_000;
 

@@ -69,7 +69,7 @@ pub fn find_underconstrained(
         }
     }
     for cluster in clusters(program, &stiff, &found, &freedom) {
-        // One particle is held, and what is periodic does not turn.
+        // One particle is held, and a periodic cell does not turn.
         let is_held = |i: &usize| program.bodies[*i].dofs[..2].iter().all(is_fixed);
         if program.cell.is_some() && cluster.iter().any(is_held) {
             continue;

@@ -42,7 +42,7 @@ Tables: bodies[i] is body i; solution.forces[k] = (p, q, tau) belongs to interac
 solution.displacements[i] = (first translation, second translation, rotation) to bodies[i]. \
 null stands for a number that is not finite.";
 
-/// What is added to [`FORMAT`] for a program with a periodic cell.
+/// Addition to [`FORMAT`] for a program with a periodic cell.
 pub const OF_CELL: &str = " cell.body is the row of the body that stands for the deformation of a \
 periodic cell: with its translations U along the global axes and its rotation T, body b of an \
 interaction with image = (x, y) moves by u_b + (x U_x + y cell.arm T, y U_y), and the transpose of \

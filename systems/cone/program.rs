@@ -1,4 +1,4 @@
-//! The cone program of one increment: what every solver reads.
+//! The cone program of one increment, the input of every solver.
 //!
 //! Unknowns are the forces (p, q, tau) of every interaction; the displacements are the
 //! multipliers of the balance rows. With m the inertia weights,
@@ -196,7 +196,7 @@ impl ConeProgram {
         }
     }
 
-    /// Displacements by body in its own axes as far as they are imposed; zero where they are free.
+    /// Imposed displacements by body in its own axes; zero where they are free.
     #[must_use]
     pub fn imposed(&self) -> Vec<[f64; 3]> {
         let known = |dof| if let Dof::Fixed(u) = dof { u } else { 0.0 };

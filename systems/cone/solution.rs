@@ -1,4 +1,5 @@
-//! What a solver returns: forces and displacements, their residuals, and the proof of a collapse.
+//! The solution of a program: forces and displacements, their residuals, and the proof of a
+//! collapse.
 
 #[cfg(all(feature = "bevy", feature = "reflect"))]
 use bevy_ecs::reflect::ReflectResource;
@@ -62,7 +63,7 @@ pub struct Certificate {
     pub defect: f64,
 }
 
-/// What a solver returns.
+/// The solution of a program.
 #[cfg_attr(feature = "bevy", derive(bevy_ecs::prelude::Resource))]
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]

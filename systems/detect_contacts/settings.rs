@@ -1,8 +1,8 @@
 //! Settings of contact detection: which pairs take part in an increment to begin with, and when the
 //! list of candidates is rebuilt.
 //!
-//! No setting decides which contacts close: the check of the solution finds what detection left
-//! out. The sizes of the classes of the [grid](super::grid) and its allowance for rounding are
+//! No setting decides which contacts close: the check of the solution finds pairs that detection
+//! left out. The sizes of the classes of the [grid](super::grid) and its allowance for rounding are
 //! constants beside the code that uses them.
 
 use bevy_ecs::prelude::*;

@@ -79,8 +79,8 @@ pub fn book_bodies(
     mean
 }
 
-/// Adds what the drives and the loads of a rigid group do besides the work of its external force.
-/// Its kinetic energy is that of its members. Sets its displacement at the mean of the velocities
+/// Adds the work of the drives and loads of a rigid group besides that of its external force. Its
+/// kinetic energy is that of its members. Sets its displacement at the mean of the velocities
 /// before and after.
 fn book_group(
     e: &mut Energies,

@@ -105,9 +105,9 @@ fn component(stress: [[f64; 2]; 2], component: StressComponent) -> f64 {
     }
 }
 
-/// What the pressure on the leaning sides of a specimen adds to the force of one of the two walls
-/// of the membrane in the mean over all sections along it, over the thickness, N/m. The pressure
-/// acts on the difference of the width of a section from that at the wall.
+/// Part of the force of one of the two walls that the pressure on the leaning sides of a specimen
+/// adds of the membrane in the mean over all sections along it, over the thickness, N/m. The
+/// pressure acts on the difference of the width of a section from that at the wall.
 fn leaning(shape: &MembraneShape, wall: BodyId) -> Option<f64> {
     Some(shape.pressure * (shape.width()? - shape.base(wall)?))
 }

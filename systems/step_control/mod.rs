@@ -52,7 +52,7 @@ pub fn attempt_by_error(world: &mut World) {
     let mut control = world.resource::<StepControl>().clone();
     let progress = world.resource::<Progress>();
     let done = progress.done;
-    // What stops the stage at a value may have shortened the increment, or a halved one is near.
+    // A stop at a value may have shortened the increment, or it may have been halved.
     let left = (1.0 - done.fract()).min(2.0 * progress.tried);
     if let Some(whole) = control.whole.take() {
         attempt(world, (whole.end - done).min(left));

@@ -3,7 +3,7 @@
 //!
 //!     cargo bench                         1200, 7380 and 29 520 disks; regimes on small specimens
 //!     CLASTIC_BENCH=full cargo bench      regimes on the specimens of the paper too
-//!     cargo bench -- factorise            what has this in its name
+//!     cargo bench -- factorise            pieces with this in their names
 //!
 //! Bodies are bonded rock after three elastic increments; regimes are the programs of the part
 //! `precision` of `clastic_bench`. A solve comes from the increment before, as in a run.
@@ -56,7 +56,7 @@ fn loaded(rock: &LoadedScene) -> Simulation {
     simulation
 }
 
-/// As what stands beside it: faer's factorisation and Clarabel have one thread.
+/// On one thread, as faer's factorisation and Clarabel beside it.
 fn on_one_thread() {
     // The second to come finds it done.
     let _ = ThreadPoolBuilder::new().num_threads(1).build_global();
@@ -99,8 +99,8 @@ fn detection_and_assembly(c: &mut Criterion) {
         let bodies = program.bodies.len();
         let symbolic = || BodyMatrix::new(bodies, &pairs).unwrap_or_else(|| panic!("no matrix"));
         group.bench_function(BenchmarkId::new("order and symbolic", n), |b| b.iter(symbolic));
-        // What is in it does not matter to a Cholesky factorisation as long as it is definite; with
-        // these springs solutions of solutions tend to their mean, not to zero.
+        // The values do not change the time of a Cholesky factorisation as long as the matrix is
+        // definite; with these springs solutions of solutions tend to their mean, not to zero.
         let mut matrix = symbolic();
         let mut values = matrix.assembly();
         for body in 0..bodies {

@@ -1,4 +1,4 @@
-//! The program: what it writes, and what it says where it cannot.
+//! The program: its files, and its messages on errors.
 
 use std::error::Error;
 use std::fs;

@@ -15,7 +15,7 @@ const PT: f64 = 72.0 / 25.4;
 pub struct Style {
     /// Size of the font of labels, in units of the page: px, or pt of a printed page.
     pub font: f64,
-    /// Maximum size of what is drawn to scale, without margins and texts.
+    /// Maximum size of the drawing to scale, without margins and texts.
     pub fit: DVec2,
     /// Minimum width of the page.
     pub narrowest: f64,

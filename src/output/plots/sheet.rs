@@ -23,10 +23,10 @@ pub struct Sheet {
     /// Size and letters.
     pub style: Style,
     width: f64,
-    /// Lower end of what is drawn.
+    /// Lower end of the drawing.
     bottom: f64,
     corner: DVec2,
-    /// Upper left corner of what is drawn, m.
+    /// Upper left corner of the drawing, m.
     origin: DVec2,
 }
 
@@ -37,7 +37,7 @@ impl Sheet {
         Some(Self::of_box(now.bounds()?, title, caption, Style::SCREEN))
     }
 
-    /// Begins a picture of what is between two corners, m.
+    /// Begins a picture of the rectangle between two corners, m.
     #[must_use]
     pub fn of_box((low, high): (DVec2, DVec2), title: &str, caption: &str, style: Style) -> Self {
         let size = (high - low).max(DVec2::splat(f64::MIN_POSITIVE));
@@ -124,7 +124,7 @@ impl Sheet {
         let _ = writeln!(self.svg, "\"/>");
     }
 
-    /// Adds the colours of a scale with their numbers and their meaning, below what is drawn.
+    /// Adds the colours of a scale with their numbers and their meaning, below the drawing.
     pub fn bar(&mut self, scale: &Scale) {
         let (font, margin) = (self.style.font, self.style.margin);
         let ([low, middle, high], name) = scale.labels();
@@ -199,7 +199,7 @@ impl Sheet {
         self.bottom = y + font;
     }
 
-    /// Adds a line of text below what is drawn so far, in as many lines as it needs.
+    /// Adds a line of text below the drawing so far, in as many lines as it needs.
     pub fn note(&mut self, what: &str) {
         let (font, margin) = (self.style.font, self.style.margin);
         for line in page::wrapped(what, font, self.width - 2.0 * margin) {

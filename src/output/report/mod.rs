@@ -45,7 +45,7 @@ const MAX_FRAMES_SIZE: usize = 28_000_000;
 /// Maximum number of frames in a page.
 const MAX_FRAMES: usize = 200;
 
-/// Writes the page of one or several runs. `names` are what the page calls them.
+/// Writes the page of one or several runs. `names` are their names in the page.
 ///
 /// # Errors
 /// If a directory holds no run, one of its files is damaged, or the page cannot be written.

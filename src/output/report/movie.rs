@@ -28,9 +28,9 @@ const KEY: usize = 10;
 
 /// Frames in a page.
 pub struct Movie {
-    /// What the columns are, scales, times.
+    /// Names of the columns, scales, times.
     pub description: Value,
-    /// Columns of what does not change, then those of every frame.
+    /// Columns that do not change, then those of every frame.
     pub blocks: Vec<String>,
 }
 

@@ -1,9 +1,9 @@
-// What part of the specimen a canvas shows, and when it is drawn.
+// The visible part of the specimen, and when it is drawn.
 "use strict";
 (() => {
   const { movie } = Report.data;
 
-  // A picture of the specimen. `drawNow` is that of what it is drawn with.
+  // A picture of the specimen. `drawNow` is the method of its renderer.
   class Camera {
     constructor(canvas) {
       this.canvas = canvas;

@@ -25,7 +25,7 @@
     requestAnimationFrame(tick);
   };
 
-  // What a link to the page asks for, as in `report.html#colour=material&frame=177&show=bonds`:
+  // Settings in a link to the page, as in `report.html#colour=material&frame=177&show=bonds`:
   // `frame` is an increment, start, peak or end, `show` the layers that are drawn.
   Report.follow = async (hash) => {
     const asked = new URLSearchParams(hash.slice(1));

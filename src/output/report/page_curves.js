@@ -140,7 +140,8 @@
       draw("Contacts", "number", [["contacts", (y) => y, column("contacts")]]);
   };
 
-  // Force against displacement of what drives the tests, in the direction of the drive.
+  // Force against displacement of the driven wall, group or particle, in the direction of the
+  // drive.
   function drawDrive(add) {
     const drives = runs.flatMap((run) => (run.drives ?? []).map((drive) => ({ run, ...drive })));
     if (!drives.length) return;

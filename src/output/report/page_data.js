@@ -1,4 +1,5 @@
-// The data of the page: what is known at once, and frames that are unpacked when they are needed.
+// The data of the page: those that are read at once, and frames that are unpacked when they are
+// needed.
 "use strict";
 const Report = {};
 Report.state = {

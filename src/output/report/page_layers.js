@@ -17,7 +17,7 @@
       this.colours = new Uint8Array(4 * 1024);
       this.number = 0;
     }
-    // Room for so many more.
+    // Room for more of them.
     reserve(more) {
       const needed = this.number + more;
       if (4 * needed <= this.colours.length) return;
@@ -53,7 +53,7 @@
   }
   const [out, cracks, recent] = [new Strokes(), new Strokes(), new Strokes()];
 
-  // Strokes of a frame. `before` is the frame before, whose bonds tell what has just broken.
+  // Strokes of a frame. `before` is the frame before, whose bonds show which ones have just broken.
   Report.strokes = (frame, before, layers, picked) => {
     const { still } = Report,
       n = movie.bodies;

@@ -1,4 +1,4 @@
-// The page: curves, the frame that is shown, and what the reader does.
+// The page: curves, the visible frame, and actions of the reader.
 "use strict";
 (() => {
   const { make, format, si, state } = Report;

@@ -1,11 +1,11 @@
-// What is picked: a grain, a bond or a contact, and its values.
+// The picked grain, bond or contact, and its values.
 "use strict";
 (() => {
   const { make, format, si, state } = Report;
   const { movie } = Report.data;
   const node = (id) => document.getElementById(id);
 
-  // Values of what was picked.
+  // Values of the picked grain or pair.
   Report.values = (frame, picked) => {
     const { still } = Report,
       { kind, row } = picked;
@@ -87,7 +87,7 @@
     node("picked").replaceChildren(make("h3", {}, title), Report.table(["", ""], rows));
   };
 
-  // What lies at a place: a pair whose stroke is near, or the grain there.
+  // The pair whose stroke is near a place, or the grain there.
   Report.pickAt = (x, y) => {
     const { now: frame, layers } = state,
       { still } = Report;

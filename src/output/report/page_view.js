@@ -81,7 +81,7 @@
   class GlView extends Report.Camera {
     constructor(canvas) {
       super(canvas);
-      // Printing and the tests read what was drawn.
+      // Printing and the tests read the drawing.
       const gl = canvas.getContext("webgl2", { antialias: false, preserveDrawingBuffer: true });
       if (!gl) throw new Error("this browser offers none");
       this.gl = gl;

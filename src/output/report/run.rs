@@ -1,4 +1,4 @@
-//! What a page shows of a run besides its frames: record, scene, curves, ruptures.
+//! Data of a run in a page besides its frames: record, scene, curves, ruptures.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -52,7 +52,7 @@ impl Run {
         for increment in numbers(&broken, "increment").into_iter().flatten() {
             *ruptures.entry(increment as u64).or_default() += 1;
         }
-        // Curves of a run without a stress: the force of what drives it.
+        // Curves of a run without a stress: the force of the drive.
         let drives = match history.get("axial_stress_pa").and_then(Value::as_array) {
             Some(stress) if stress.iter().any(Value::is_number) => Vec::new(),
             _ => Drive::all(&History::of_record(path, &record)?),

@@ -1,4 +1,4 @@
-//! Which frames a page has, and what its columns say.
+//! Choice of the frames of a page, and contents of its columns.
 
 use std::collections::BTreeMap;
 use std::io::Read;

@@ -1,4 +1,4 @@
-//! Stiffness of what a scene consists of.
+//! Stiffness of bonds and contacts of a scene.
 
 use crate::scene::format::{Bond, Contact, Scene};
 

@@ -78,7 +78,7 @@ impl Sanity {
     }
 }
 
-/// The smaller one of axial and lateral stress, as far as they are measured.
+/// The smaller of axial and lateral stress, of those that are measured.
 fn confining(o: &Observation) -> Option<f64> {
     match (o.axial_stress, o.lateral_stress) {
         (Some(axial), Some(lateral)) => Some(axial.min(lateral)),

@@ -13,7 +13,7 @@ use crate::scene::unique_keys;
 pub struct Pour {
     /// The grains, and how they come.
     pub stream: Stream,
-    /// What else happens: the stage without its grains.
+    /// The stage without its grains.
     pub load: Load,
 }
 
@@ -58,7 +58,8 @@ pub enum Opening {
     },
 }
 
-/// How many grains come. What has come is within half a grain of it, as long as there is room.
+/// Rate at which grains come. The number of grains is within half a grain of it while they find
+/// room.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub enum Rate {
     /// Number per second, 1/s.

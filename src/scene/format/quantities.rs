@@ -43,7 +43,7 @@ pub enum Quantity {
         #[serde(default)]
         network: Network,
     },
-    /// Fragments: what intact bonds connect.
+    /// Fragments: sets of grains that intact bonds connect.
     Fragments(Fragments),
     /// Cracks that broken bonds leave.
     Cracks {

@@ -85,7 +85,7 @@ struct Context<'a> {
     membranes: Vec<&'a str>,
     /// Number of particles, if known.
     particles: Option<u64>,
-    /// What `minerals` and `keep` make of the specimen, if there are any and it is known.
+    /// The specimen after `minerals` and `keep`, if it has any and its particles are known.
     seeds: Option<Vec<ParticleSeed>>,
 }
 

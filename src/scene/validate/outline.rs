@@ -20,7 +20,7 @@ pub(super) fn outline(
     radius: f64,
     findings: &mut Findings,
 ) {
-    // What is cut away may lie behind a wall; `cuts` looks at the rest.
+    // Particles that are cut away may lie behind a wall; `cuts` checks the others.
     let is_cut = context.scene.keep.is_some();
     if is_cut || !findings.is_sure_of("specimen") || !findings.is_sure_of("walls") {
         return;

@@ -121,8 +121,8 @@ impl Images {
         self.law.shift(self.list[k].shift, [v.x, v.y, own[2]])
     }
 
-    /// Sets the displacements of the images, as far as they are not known, to those that follow
-    /// from the displacements of their bodies and of the cell.
+    /// Sets the unknown displacements of the images to those that follow from the displacements of
+    /// their bodies and of the cell.
     pub fn spread(&self, u: &mut [[f64; 3]]) {
         for (k, image) in self.list.iter().enumerate() {
             let shift = self.by_cell(k, u);

@@ -272,8 +272,8 @@ impl Scaled {
         [local.bodies[0], self.images.body(local.bodies[1])]
     }
 
-    /// An interaction between two bodies for what is left of one with an image, if the cell is held
-    /// at the displacements `u`.
+    /// The interaction between two bodies that remains of one with an image if the cell is held at
+    /// the displacements `u`.
     #[must_use]
     pub fn with_cell_held(&self, local: &Local, u: &[[f64; 3]]) -> Local {
         let mut out = local.clone();

@@ -41,7 +41,8 @@ pub struct Chart {
     pub second: Option<Line>,
     /// Whether one length on the two axes is one value.
     pub equal: bool,
-    /// Lower left and upper right corner of what is shown, in values of the axes; `None` shows all.
+    /// Lower left and upper right corner of the visible part, in values of the axes; `None` shows
+    /// all.
     pub window: Option<[[f64; 2]; 2]>,
 }
 

@@ -63,7 +63,7 @@ impl<'a> de::VariantAccess<'a> for Variant<'a> {
     ) -> Result<V::Value, Failure> {
         let unnamed = |entry: &Entry| entry.key.is_none();
         if self.reader.node.shape == Shape::Word && self.name == WITHOUT_BRACKETS {
-            // No mistake: whoever reads the variant takes the defaults.
+            // No error: the variant has its defaults.
             return Err(de::Error::custom("no brackets"));
         }
         if self.reader.node.shape == Shape::Word {

@@ -1,10 +1,10 @@
-//! The best point so far, and what ends the method.
+//! The best point so far, and the conditions that end the method.
 
 use super::iteration::Iteration;
 use super::point::{Goal, Interior};
 use crate::condensed::settings::InteriorSettings;
 
-/// What the method remembers of its points.
+/// Memory of earlier points.
 pub struct History<'a> {
     settings: &'a InteriorSettings,
     goal: Goal,

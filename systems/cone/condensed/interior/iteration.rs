@@ -31,7 +31,7 @@ pub struct Iteration<'a> {
     mu: f64,
     /// Weights of the degrees of freedom in the matrix.
     weight: Vec<[f64; 3]>,
-    /// Right side of the condensed system, its solution, and what is left of it.
+    /// Right side of the condensed system, its solution, and its residual.
     right: Vec<[f64; 3]>,
     du: Vec<[f64; 3]>,
     defect: Vec<[f64; 3]>,

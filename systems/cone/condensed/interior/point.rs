@@ -25,7 +25,7 @@ impl Interior {
     }
 }
 
-/// What ends the method.
+/// Conditions that end the method.
 #[derive(Clone, Copy, Debug)]
 pub struct Goal {
     /// Residual at which it is done.

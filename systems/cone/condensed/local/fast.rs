@@ -58,7 +58,7 @@ mod tests {
     use super::super::super::samples::column;
     use super::*;
 
-    /// Of 100 bodies one goes ten times as far as all others, or none does.
+    /// One of 100 bodies moves ten times further than all others, or none does.
     #[test]
     fn a_body_beyond_the_quantile_is_fast() {
         let natural: Vec<usize> = (0..100).collect();
