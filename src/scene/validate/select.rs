@@ -56,7 +56,7 @@ pub(super) fn select(context: &Context, path: Arguments, select: &Select, findin
             findings.reference(format_args!("{path}[0]"), name, ("material", "materials"), names);
         }
         Select::Box { .. } | Select::Circle { .. } | Select::Layer { .. } | Select::Polygon(_) => {
-            region(path, select, findings)
+            region(path, select, findings);
         }
         Select::Union(list) | Select::Intersection(list) => {
             if list.is_empty() {

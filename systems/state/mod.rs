@@ -26,7 +26,8 @@
 //! # Ok::<(), clastic_systems::state::StateError>(())
 //! ```
 
-use bevy_app::App;
+mod registry;
+
 use bevy_ecs::prelude::*;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -34,7 +35,10 @@ use serde::{Deserialize, Serialize};
 use clastic_components::body::BodyId;
 use clastic_components::bond::BondId;
 
-use crate::identities::{Identities, NEXT_IDENTITIES, go_back};
+use crate::identities::{NEXT_IDENTITIES, go_back};
+
+use registry::{Entry, registered};
+pub use registry::{Identity, RegisterState, StateOf, StateRegistry};
 
 /// Why a state cannot be captured or restored.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -75,199 +79,6 @@ pub enum StateError {
         /// What differs, and what to do.
         what: String,
     },
-}
-
-/// Encodes an entry; `None` if the world does not have it.
-type Capture = fn(&mut World) -> Result<Option<Vec<u8>>, postcard::Error>;
-type Restore = fn(&mut World, &[u8]) -> Result<(), postcard::Error>;
-/// The contradiction between the world and an entry; `None` if they agree.
-type Check = fn(&World, &[u8]) -> Result<Option<String>, postcard::Error>;
-/// Removes an entry from the world.
-type Forget = fn(&mut World);
-
-#[derive(Clone, Copy)]
-struct Entry {
-    name: &'static str,
-    /// Whether the entry is of components. These are restored first, so that other state can refer
-    /// to all bodies and bonds.
-    is_component: bool,
-    capture: Capture,
-    check: Check,
-    restore: Restore,
-    forget: Forget,
-}
-
-/// Registered entries: components, then the others, each in the order of registration.
-#[derive(Resource, Default)]
-pub struct StateRegistry {
-    entries: Vec<Entry>,
-}
-
-/// State that is not stored as a resource or component. `take` reads it from a world, and `put`
-/// restores it.
-pub trait StateOf: Serialize + DeserializeOwned {
-    /// Reads the state; `None` if the world does not have it.
-    fn take(world: &mut World) -> Option<Self>;
-    /// Checks that the settings of the world suit the state, before anything is restored.
-    ///
-    /// # Errors
-    /// What differs, and what to do.
-    fn check(&self, _world: &World) -> Result<(), String> {
-        Ok(())
-    }
-
-    /// Restores the state in a world that contains all bodies and bonds.
-    fn put(self, world: &mut World);
-}
-
-/// An identity that names entities in a state.
-pub trait Identity: Component + Copy + Ord + Serialize + DeserializeOwned {
-    /// The entity that has this identity.
-    fn entity(self, identities: &Identities) -> Option<Entity>;
-}
-
-impl Identity for BodyId {
-    fn entity(self, identities: &Identities) -> Option<Entity> {
-        identities.body(self)
-    }
-}
-
-impl Identity for BondId {
-    fn entity(self, identities: &Identities) -> Option<Entity> {
-        identities.bond(self)
-    }
-}
-
-/// Registers state that a [`WorldState`] contains.
-///
-/// Checkpoints use these names. They have the form `plugin.what`, so that names of different
-/// plugins differ.
-///
-/// # Panics
-/// If the name is registered already.
-pub trait RegisterState {
-    /// Registers a resource.
-    fn register_resource<T: Resource + Serialize + DeserializeOwned>(
-        &mut self,
-        name: &'static str,
-    ) -> &mut Self;
-
-    /// Registers a component of bodies ([`BodyId`]) or bonds ([`BondId`]). Restoring creates
-    /// entities for identities that do not exist yet.
-    fn register_component<I: Identity, T: Component + Clone + Serialize + DeserializeOwned>(
-        &mut self,
-        name: &'static str,
-    ) -> &mut Self;
-
-    /// Registers any other state.
-    fn register_state<S: StateOf>(&mut self, name: &'static str) -> &mut Self;
-}
-
-impl RegisterState for App {
-    fn register_resource<T: Resource + Serialize + DeserializeOwned>(
-        &mut self,
-        name: &'static str,
-    ) -> &mut Self {
-        register(
-            self,
-            Entry {
-                name,
-                is_component: false,
-                capture: |world| world.get_resource::<T>().map(postcard::to_stdvec).transpose(),
-                check: |_, _| Ok(None),
-                restore: |world, bytes| {
-                    world.insert_resource(postcard::from_bytes::<T>(bytes)?);
-                    Ok(())
-                },
-                forget: |world| {
-                    world.remove_resource::<T>();
-                },
-            },
-        )
-    }
-
-    fn register_component<I: Identity, T: Component + Clone + Serialize + DeserializeOwned>(
-        &mut self,
-        name: &'static str,
-    ) -> &mut Self {
-        register(
-            self,
-            Entry {
-                name,
-                is_component: true,
-                capture: capture_component::<I, T>,
-                check: |_, _| Ok(None),
-                restore: restore_component::<I, T>,
-                forget: |world| keep_components::<I, T>(world, &[]),
-            },
-        )
-    }
-
-    fn register_state<S: StateOf>(&mut self, name: &'static str) -> &mut Self {
-        register(
-            self,
-            Entry {
-                name,
-                is_component: false,
-                capture: |world| S::take(world).as_ref().map(postcard::to_stdvec).transpose(),
-                check: |world, bytes| Ok(postcard::from_bytes::<S>(bytes)?.check(world).err()),
-                restore: |world, bytes| {
-                    postcard::from_bytes::<S>(bytes)?.put(world);
-                    Ok(())
-                },
-                forget: |_| {},
-            },
-        )
-    }
-}
-
-fn register(app: &mut App, entry: Entry) -> &mut App {
-    app.init_resource::<StateRegistry>();
-    let mut registry = app.world_mut().resource_mut::<StateRegistry>();
-    let name = entry.name;
-    let is_new = registry.entries.iter().all(|known| known.name != name);
-    assert!(is_new, "state `{name}` is registered twice: give each a name of its own");
-    registry.entries.push(entry);
-    // A stable sort: entries of one kind stay in the order of registration.
-    registry.entries.sort_by_key(|entry| !entry.is_component);
-    app
-}
-
-fn capture_component<I: Identity, T: Component + Clone + Serialize>(
-    world: &mut World,
-) -> Result<Option<Vec<u8>>, postcard::Error> {
-    let mut rows: Vec<(I, &T)> =
-        world.query::<(&I, &T)>().iter(world).map(|(id, value)| (*id, value)).collect();
-    if rows.is_empty() {
-        return Ok(None);
-    }
-    rows.sort_unstable_by_key(|(id, _)| *id);
-    postcard::to_stdvec(&rows).map(Some)
-}
-
-fn restore_component<I: Identity, T: Component + DeserializeOwned>(
-    world: &mut World,
-    bytes: &[u8],
-) -> Result<(), postcard::Error> {
-    let rows = postcard::from_bytes::<Vec<(I, T)>>(bytes)?;
-    let ids: Vec<I> = rows.iter().map(|(id, _)| *id).collect();
-    keep_components::<I, T>(world, &ids);
-    for (id, value) in rows {
-        let known = id.entity(&world.get_resource_or_init::<Identities>());
-        let entity = known.unwrap_or_else(|| world.spawn(id).id());
-        world.entity_mut(entity).insert(value);
-    }
-    Ok(())
-}
-
-/// Takes the component from all entities but those with these identities, which are sorted.
-fn keep_components<I: Identity, T: Component>(world: &mut World, ids: &[I]) {
-    let mut all = world.query_filtered::<(Entity, &I), With<T>>();
-    let others = all.iter(world).filter(|(_, id)| ids.binary_search(id).is_err());
-    let others: Vec<Entity> = others.map(|(entity, _)| entity).collect();
-    for entity in others {
-        world.entity_mut(entity).remove::<T>();
-    }
 }
 
 /// The state of a world between two increments.
@@ -413,10 +224,6 @@ pub fn expect_empty(world: &mut World) -> Result<(), StateError> {
     let bodies = world.query::<&BodyId>().iter(world).count();
     let bonds = world.query::<&BondId>().iter(world).count();
     if bodies + bonds == 0 { Ok(()) } else { Err(StateError::Occupied { bodies, bonds }) }
-}
-
-fn registered(world: &mut World) -> Vec<Entry> {
-    world.get_resource_or_init::<StateRegistry>().entries.clone()
 }
 
 fn encoding(name: &str, error: &postcard::Error) -> StateError {
