@@ -100,7 +100,7 @@ pub struct Moment {
     pub cell: Option<[f64; 3]>,
     /// Disks by identity.
     pub disks: Vec<Disk>,
-    /// Pieces of the walls that are there.
+    /// Pieces of the walls at this moment.
     pub walls: Vec<Piece>,
     /// Pairs that carry force.
     pub pairs: Vec<Pair>,

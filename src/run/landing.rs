@@ -26,7 +26,7 @@ pub enum Side {
 /// What to do after a try.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Next {
-    /// The increment stays, and the stage goes on.
+    /// The increment stays, and the stage continues.
     GoOn,
     /// The increment stays, and the stage ends with it.
     Land,

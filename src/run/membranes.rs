@@ -14,7 +14,7 @@ use clastic_systems::membranes::{find_shape, renew_shapes};
 use super::walls::{find_wall, find_walls};
 use crate::scene::format as scene;
 
-/// The membrane with the given name, if it is there.
+/// The membrane with the given name, if it exists.
 pub fn find_membrane(world: &mut World, name: &str) -> Option<Entity> {
     let mut membranes = world.query::<(Entity, &Membrane)>();
     membranes.iter(world).find(|(_, membrane)| membrane.name == name).map(|(entity, _)| entity)

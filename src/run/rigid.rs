@@ -19,7 +19,7 @@ use super::select::selected;
 use super::walls::find_walls;
 use crate::scene::format as scene;
 
-/// The rigid group with the given name, if it is there.
+/// The rigid group with the given name, if it exists.
 pub fn find_group(world: &mut World, name: &str) -> Option<Entity> {
     let mut groups = world.query::<(Entity, &RigidGroup)>();
     groups.iter(world).find(|(_, group)| group.name == name).map(|(entity, _)| entity)

@@ -32,7 +32,7 @@ const NUMBERS: [&str; 8] = [
 
 /// Walls of a saved state.
 pub(super) struct Walls {
-    /// Identities of the walls that are there.
+    /// Identities of the present walls.
     pub ids: Vec<u32>,
     /// Identity of the first wall of the scene.
     pub first: u32,

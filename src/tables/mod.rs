@@ -202,7 +202,7 @@ mod tests {
         assert!(read.encode().unwrap() == bytes, "other bytes");
     }
 
-    /// Every byte of an archive decides about something that is read, or about nothing.
+    /// A changed byte of an archive is detected, unless it lies in a part that is not read.
     #[cfg(feature = "npz")]
     #[test]
     fn a_cut_or_damaged_archive_is_refused_or_reads_the_same() {

@@ -21,7 +21,7 @@ pub fn most_steps(width: usize) -> i32 {
     (1 << (8 * width - 1)) - 1
 }
 
-/// Columns on their way into a page.
+/// Columns that are being encoded for a page.
 #[derive(Default)]
 pub struct Columns {
     bytes: Vec<u8>,

@@ -189,7 +189,7 @@ impl Packed {
     }
 
     fn compacted(self, compact: &Compact, area: f64, cell: Option<&Cell>) -> Self {
-        // Of the area that the target leaves, to that which is there.
+        // Ratio of the area at the target to the present area.
         let left = |n: f64| (area / ((1.0 - n) * self.width * self.height)).min(1.0);
         match (compact.by, compact.target) {
             (_, CompactTarget::Height(target)) => Self { height: self.height.min(target), ..self },

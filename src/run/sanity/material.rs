@@ -1,4 +1,4 @@
-//! What the sanity of a test needs to know of its materials.
+//! Properties of the materials that the physical check of a test needs.
 
 use crate::scene::format::{Bond, Scene, Specimen, Stage};
 

@@ -12,7 +12,7 @@ use super::findings::Findings;
 use super::parts::wall_there;
 use super::walls::face;
 
-/// A membrane that is there, with the walls between which it lies.
+/// A present membrane, with the walls between which it lies.
 pub(super) type Skin = (String, Option<(String, String)>);
 
 /// The membranes of a saved state from which the scene starts with its walls.

@@ -7,7 +7,7 @@ use crate::scene::format::{Analysis, Avalanche, FrictionLaw, RuptureOrder, Solve
 use super::Context;
 use super::findings::Findings;
 
-/// More halvings than this shrink an increment to nothing.
+/// More halvings than this make an increment smaller than its round-off.
 const MOST_HALVINGS: u32 = 30;
 
 pub(super) fn check(context: &Context, findings: &mut Findings) {

@@ -1,4 +1,4 @@
-//! One program on its way through the methods: Newton iteration, interior point, polish.
+//! The methods by which one program is solved, in order: Newton iteration, interior point, polish.
 
 use super::interior::{self, Interior};
 use super::local;

@@ -1,4 +1,4 @@
-//! A value of the tree on its way into a type, and the messages about it.
+//! Converts a value of the tree to a type, with messages about errors.
 
 use serde::de::DeserializeOwned;
 
