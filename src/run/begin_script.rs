@@ -5,7 +5,7 @@ use bevy_ecs::prelude::*;
 use clastic_components::observation::{Measures, Observation};
 
 use super::cement::bond_pairs;
-use super::key_results::KeyResults;
+use super::key_results::{KeyResults, count_bonds};
 use super::sanity::Sanity;
 use super::script::Script;
 use crate::scene::format as scene;
@@ -17,6 +17,7 @@ pub(super) fn begin_script(world: &mut World, scene: &scene::Scene) {
     world.init_resource::<Observation>();
     world.init_resource::<Measures>();
     world.insert_resource(KeyResults::of_scene(scene));
+    count_bonds(world);
     world.init_resource::<Sanity>();
     world.insert_resource(Script::new(scene));
 }

@@ -32,6 +32,7 @@ mod limit_load;
 mod live_loads;
 mod loose_grains;
 mod measures;
+mod measures_of_ten;
 mod membranes;
 mod near_rest;
 mod periodic_cell;
