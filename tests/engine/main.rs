@@ -33,6 +33,7 @@ mod live_loads;
 mod loose_grains;
 mod measures;
 mod measures_of_ten;
+mod membrane_stress;
 mod membranes;
 mod near_rest;
 mod periodic_cell;

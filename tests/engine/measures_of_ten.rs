@@ -271,8 +271,8 @@ fn ruptures_cracks_and_fragments_of_ten_disks_are_those_by_hand() {
         // Diameters of 2, 2, 1 and 2 m.
         ("length", 7.0),
         ("pulled", 4.0),
-        // The last pair is pressed.
-        ("z", 0.2),
+        // The last two pairs are pressed.
+        ("z", 0.4),
     ] {
         assert_within(value(name).unwrap(), expected, 1e-12);
     }
