@@ -105,7 +105,7 @@ pub fn leaves_behind(world: &mut World, stage: &scene::Load) -> Option<String> {
     let number = if behind == 1 { "a particle".to_owned() } else { format!("{behind} particles") };
     Some(format!(
         "stage `{}` cannot begin: wall `{}` of add_walls comes with {number} behind it; a wall has its \
-         inside on the left of start to end",
+         inside on the left of start to end; exchange them, or take such particles away before (`Remove`)",
         stage.name, wall.name
     ))
 }

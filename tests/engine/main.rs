@@ -39,6 +39,7 @@ mod near_rest;
 mod periodic_cell;
 mod pour;
 mod radius_expansion;
+mod recipes;
 mod removal;
 mod restitution;
 mod rigid_groups;
