@@ -223,8 +223,8 @@ fn ruptures_cracks_and_fragments_of_ten_disks_are_those_by_hand() {
     let scene = parse(
         r#"(
         version: 2, title: "five pairs", rupture: (rolling: Breaks, order: OneRound),
-        materials: { "m": (contact: (normal_stiffness: 1.0e6), bond: (normal_stiffness: 1.0e6, tangential_stiffness: 1.0e6, friction: 0.5,
-            rolling_friction: 0.1, cohesion: 1.0e3, tensile_strength: 1.0e3)) },
+        materials: { "m": (contact: (normal_stiffness: 1.0e6), bond: (normal_stiffness: 1.0e6,
+            tangential_stiffness: 1.0e6, friction: 0.5, rolling_friction: 0.1, cohesion: 1.0e3, tensile_strength: 1.0e3)) },
         specimen: Particles([
             (position: (0.0, 0.0), radius: 1.0), (position: (3.0, 0.0), radius: 2.0),
             (position: (0.0, 9.0), radius: 1.0),
