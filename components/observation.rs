@@ -197,7 +197,7 @@ pub struct Observation {
     pub axial_stress: Option<f64>,
     /// Lateral stress, Pa, positive in compression.
     pub lateral_stress: Option<f64>,
-    /// Number of contacts (bonded or not) that carry force.
+    /// Number of contacts (bonded or not) whose normal force exceeds 1e-9 of the maximum force.
     pub contacts: usize,
     /// Number of potential contacts in the program.
     pub potential_contacts: usize,

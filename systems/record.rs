@@ -140,8 +140,9 @@ fn record_state(
     out.fraction = progress.fraction;
     out.time = progress.time;
     let carrying = Carrying::new(&program, &solution);
-    let interactions = 0..solution.forces.len().min(program.interactions.len());
-    out.contacts = interactions.filter(|k| carrying.is_carrying(*k)).count();
+    // Springs of swinging grains and of plugins come after the contacts.
+    let listed = 0..solution.forces.len().min(contacts.0.len());
+    out.contacts = listed.filter(|k| carrying.is_carrying(*k)).count();
     out.potential_contacts = contacts.0.len();
     out.bonds = bodies.bonds.len();
     out.broken = count.0;

@@ -40,7 +40,7 @@ pub fn with_advice(world: &mut World, stage: &Stage, complaint: &str) -> String 
             });
             format!(
                 "a greater {targets} as the target (the packing is jammed before this \
-                 one{reached}), a smaller step"
+                 one{reached}), a smaller step, another seed"
             )
         }
         (true, _) if forced.is_some() => {

@@ -6,7 +6,7 @@ use clastic_components::observation::{Measures, Observation};
 use clastic_systems::stepping::DecidesOnFailure;
 
 use super::cement::bond_pairs;
-use super::key_results::KeyResults;
+use super::key_results::{KeyResults, count_bonds};
 use super::sanity::Sanity;
 use super::script::Script;
 use crate::scene::format as scene;
@@ -18,6 +18,7 @@ pub(super) fn begin_script(world: &mut World, scene: &scene::Scene) {
     world.init_resource::<Observation>();
     world.init_resource::<Measures>();
     world.insert_resource(KeyResults::of_scene(scene));
+    count_bonds(world);
     world.init_resource::<Sanity>();
     insert_script(world, scene);
 }

@@ -1,4 +1,5 @@
-//! Why a loading stage cannot begin: selections without particles, walls where particles are.
+//! Why a loading stage cannot begin: selections without particles, walls where particles are or
+//! behind which they lie.
 
 use bevy_ecs::prelude::*;
 
@@ -10,6 +11,7 @@ use super::select::selected;
 use super::wall_pieces::{CUT, is_cut};
 use super::walls::WallCatalogue;
 use crate::scene::format as scene;
+use crate::scene::validate::is_behind;
 
 /// An entry of `particles` that selects no particle. The stage is refused, because without this
 /// entry the results would be those of another scene.
@@ -84,6 +86,26 @@ pub fn cuts_through(world: &mut World, stage: &scene::Load) -> Option<String> {
     Some(format!(
         "stage `{}` cannot begin: wall `{}` of add_walls would cut through particle {particle}, whose \
          centre is within {CUT:?} radii of it; add it where there is room",
+        stage.name, wall.name
+    ))
+}
+
+/// A wall that comes with particles behind it, as one does that is drawn from its end to its start.
+/// The stage is refused, because it would push them through the wall in one increment.
+pub fn leaves_behind(world: &mut World, stage: &scene::Load) -> Option<String> {
+    let catalogue = world.get_resource::<WallCatalogue>()?;
+    let comes = |wall: &&scene::Wall| stage.add_walls.contains(&wall.name);
+    let walls: Vec<_> = catalogue.walls.iter().filter(comes).cloned().collect();
+    let mut particles = world.query::<(&Particle, &Position)>();
+    let (wall, behind) = walls.iter().find_map(|wall| {
+        let all = particles.iter(world);
+        let behind = all.filter(|(particle, x)| is_behind(wall, x.0.into(), particle.radius));
+        Some((wall, behind.count())).filter(|(_, behind)| *behind > 0)
+    })?;
+    let number = if behind == 1 { "a particle".to_owned() } else { format!("{behind} particles") };
+    Some(format!(
+        "stage `{}` cannot begin: wall `{}` of add_walls comes with {number} behind it; a wall has its \
+         inside on the left of start to end; exchange them, or take such particles away before (`Remove`)",
         stage.name, wall.name
     ))
 }

@@ -13,8 +13,8 @@ use super::resolve_measures::resolve_measures;
 pub use super::script::{Collapse, CollapsedBy, EndedBy, Outcome, Script, StageEnd, Step};
 use super::stage_kinds::{BeginStage, EndStage, StageKinds};
 use super::{
-    cement, compact, end_load, group_members, grow, kept_stress, live_loads, load, load_refusals,
-    membranes, pour, remove, rigid, save, until,
+    cement, compact, end_load, group_members, grow, kept_stress, key_results, live_loads, load,
+    load_refusals, membranes, pour, remove, rigid, save, until,
 };
 use crate::scene::format::{Load, Stage};
 
@@ -88,6 +88,7 @@ fn refusal(world: &mut World, stage: &Stage) -> Option<String> {
 fn load_refusal(world: &mut World, load: &Load) -> Option<String> {
     load_refusals::selects_nothing(world, load)
         .or_else(|| load_refusals::cuts_through(world, load))
+        .or_else(|| load_refusals::leaves_behind(world, load))
         .or_else(|| load_refusals::bonds_with_accuracy(world, load))
         .or_else(|| kept_stress::refusal(world, load))
         .or_else(|| rigid::refusal(world, load))
@@ -132,6 +133,7 @@ fn begin(world: &mut World, stage: Stage) {
     if is_reference {
         membranes::renew(world);
         let _ = world.run_system_cached(take_reference);
+        key_results::start_from_state(world);
     }
 }
 
@@ -153,7 +155,10 @@ pub(super) fn begin_built_in(world: &mut World) {
             live_loads::end(world);
             compact::begin(world, &stage);
         }
-        Stage::Cement(stage) => cement::cement(world, &stage),
+        Stage::Cement(stage) => {
+            cement::cement(world, &stage);
+            key_results::count_bonds(world);
+        }
         Stage::Save(stage) => save::save(world, &stage),
         Stage::Remove(stage) => remove::remove(world, &stage),
         Stage::Load(stage) => load::begin(world, &stage),

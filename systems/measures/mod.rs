@@ -4,6 +4,7 @@ pub mod cracks;
 pub mod fabric;
 pub mod fragments;
 pub mod groups;
+pub mod kept;
 pub mod principal;
 pub mod strain;
 pub mod stress;

@@ -149,9 +149,11 @@ impl StressTables<'_, '_> {
     /// A stress, Pa; `None` where a wall is not there or nothing carries it.
     #[must_use]
     pub fn stress(&self, measure: &StressMeasure) -> Option<f64> {
-        if !self.carries() {
-            return None;
-        }
+        self.carries().then(|| self.stress_now(measure)).flatten()
+    }
+
+    /// A stress of the forces in the tables, whatever they come from.
+    pub(super) fn stress_now(&self, measure: &StressMeasure) -> Option<f64> {
         let thickness = self.analysis.thickness;
         match measure {
             StressMeasure::Walls { walls, length } => {

@@ -12,4 +12,5 @@ mod extended;
 mod refused;
 mod resumed;
 mod same_bytes;
+mod specimens;
 mod stored;

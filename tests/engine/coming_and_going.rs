@@ -172,7 +172,8 @@ fn a_wall_that_comes_after_a_disk_was_poured_has_an_identity_of_its_own() {
     let loaded = box_of_disks();
     let mut scene = loaded.scene;
     let lid = scene.walls.iter_mut().find(|wall| wall.name == "right").unwrap();
-    lid.present = false;
+    // Far from where the disks roll until it comes.
+    (lid.present, lid.start.0, lid.end.0) = (false, 3.0, 3.0);
     let Stage::Load(stage) = &mut scene.stages[1] else { panic!() };
     stage.add_walls.push("right".to_owned());
     let mut simulation = Simulation::new(&scene, None);

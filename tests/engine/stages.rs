@@ -303,3 +303,39 @@ fn the_friction_law_by_analysis_is_associated_in_statics_and_coulombs_in_dynamic
     assert_eq!(by_analysis, coulomb);
     assert_ne!(by_analysis, associated);
 }
+
+/// A lid that was drawn from its end to its start pushed all disks through itself: the specimen
+/// "collapsed".
+#[test]
+fn a_wall_that_comes_with_particles_behind_it_is_refused() {
+    let scene = |lid: &str| {
+        parse(&format!(
+            r#"(version: 2, title: "lid", gravity: (0.0, -9.81), analysis: Dynamic(dt: 5.0e-3),
+            materials: {{ "m": (density: 2650.0, contact: (friction: 0.5)) }},
+            specimen: Particles([(position: (0.0, 0.01), radius: 0.01), (position: (0.0, 0.05), radius: 0.01)]),
+            walls: [
+                (name: "floor", start: (-0.1, 0.0), end: (0.1, 0.0)),
+                (name: "left", start: (-0.01, 0.1), end: (-0.01, 0.0)),
+                (name: "right", start: (0.01, 0.0), end: (0.01, 0.1)),
+                (name: "lid", {lid}, present: false),
+            ],
+            stages: [
+                Load(name: "fall", increments: 40),
+                Load(name: "cover", increments: 2, add_walls: ["lid"]),
+            ])"#
+        ))
+    };
+    // At first the upper disk is above this lid; then it has fallen.
+    let cover = |lid: &str| Simulation::new(&scene(lid), None).run();
+    assert_eq!(cover("start: (0.1, 0.041), end: (-0.1, 0.041)"), Outcome::Completed);
+    let refused = |lid: &str, behind: &str| {
+        let Outcome::Refused { stage, message } = cover(lid) else { panic!("{lid}") };
+        assert_eq!(stage, "cover");
+        let wanted = format!("wall `lid` of add_walls comes with {behind} behind it");
+        assert!(message.contains(&wanted), "{message}");
+    };
+    refused("start: (0.1, 0.02), end: (-0.1, 0.02)", "a particle");
+    refused("start: (-0.1, 0.02), end: (0.1, 0.02)", "a particle");
+    // Both disks were in front of it at the start, one before the other after it.
+    refused("start: (-0.1, 0.04), end: (0.1, 0.04)", "2 particles");
+}

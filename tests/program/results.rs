@@ -3,6 +3,7 @@
 use std::fs;
 
 use assert_cmd::assert::Assert;
+use clastic::tables::Tables;
 use tempfile::TempDir;
 
 use crate::call::{assert_complete, clastic, json, read, rows, run, stdout};
@@ -355,4 +356,41 @@ fn grains_that_pour_in_have_no_porosity() {
     let results = &json(out.path(), "run.json")["results"];
     assert!(results["porosity"].is_null(), "{results}");
     assert!(results["not_defined"]["porosity"].as_str().unwrap().contains("pour in"), "{results}");
+}
+
+/// Bonds that the last stage makes were not counted: no increment follows it.
+#[test]
+fn bonds_of_a_last_stage_that_cements_are_counted() {
+    let hold = r#"Load(name: "hold", increments: 1, walls: { "bottom": Fixed, "top": Fixed })"#;
+    let cement = r#"Cement(name: "cement", length: 2.0e-3)"#;
+    for stages in [format!("stages=[{hold}, {cement}]"), format!("stages=[{cement}]")] {
+        let (done, out) = run("biaxial_small", &["--quiet", "--set", &stages]);
+        done.code(0);
+        let results = &json(out.path(), "run.json")["results"];
+        let state = fs::read(out.path().join("final_state.npz")).unwrap();
+        let bonds = Tables::decode(&state).unwrap().rows("bonds.id").unwrap();
+        assert!(bonds > 500, "{bonds}");
+        assert_eq!(results["bonds_created"], bonds, "{stages}");
+        assert_eq!(results["bonds_intact"], bonds, "{stages}");
+    }
+}
+
+/// Springs that hold swinging grains were counted as contacts: 876 in the history for 761 rows of the
+/// table.
+#[test]
+fn contacts_of_the_history_are_those_of_the_table_that_carry_force() {
+    for scene in ["uniaxial_small", "biaxial_small", "stack"] {
+        let stages = ["--quiet", "--set", "stages.load.increments=40"];
+        let settings = if scene == "biaxial_small" { &stages[..] } else { &stages[..1] };
+        let (done, out) = run(scene, settings);
+        done.code(0);
+        let state = fs::read(out.path().join("final_state.npz")).unwrap();
+        let state = Tables::decode(&state).unwrap();
+        let c = state.rows("contacts.p_n").unwrap();
+        let p = state.f64("contacts.p_n", &[c]).unwrap();
+        let maximum = p.iter().fold(0.0_f64, |m, p| m.max(p.abs()));
+        let carrying = p.iter().filter(|p| p.abs() > 1e-9 * maximum).count();
+        let last = rows(out.path(), "history.csv").pop().unwrap();
+        assert_eq!(last["contacts"], carrying.to_string(), "{scene}: {c} rows");
+    }
 }

@@ -233,3 +233,110 @@ fn the_script_of_the_docs_reads_state_and_history_with_numpy_alone() {
         [format!("{contacts} contacts, 0 bonds broke; {particles} particles at the end")]
     );
 }
+
+/// The fields of a biaxial test that begins with the load.
+const TEST: &str = r#"stages: [Load(name: "load", increments: 12, walls: {
+        "bottom": Displacement(0.0, 0.08e-3), "top": Displacement(0.0, -0.08e-3) })],
+    rupture: (rolling: Yields, order: OneRound), measures: (
+        axial_strain: Walls("bottom", "top"), lateral_strain: Walls("left", "right"),
+        axial_stress: Walls(walls: ["bottom", "top"], length: Between("left", "right")),
+        lateral_stress: Walls(walls: ["left", "right"], length: Between("bottom", "top")))"#;
+
+/// Key results of a run whose first stage is the reference stage were null, because the stress of the
+/// state was not known.
+#[test]
+fn key_results_count_from_the_stress_of_the_state() {
+    let (done, first) = run("biaxial_small", &SHORT);
+    done.code(0);
+    let kept = tables(&first.path().join("state_kept_at_200_kPa.npz"));
+    let sand = SAND.replace("friction: 0.3", "friction: 0.3, rolling_friction: 0.05");
+    let sand = format!("\"sand\": ({sand})");
+    let scene = from_state(first.path(), &sand, TEST, "");
+    let (done, out) = run(&scene, &["--quiet"]);
+    done.code(0);
+    let results = &json(out.path(), "run.json")["results"];
+    let history = rows(out.path(), "history.csv");
+    let value = |row: usize, name: &str| history[row][name].parse::<f64>().unwrap();
+
+    // By hand: force of bottom and top over the distance of the sides where the last increment began.
+    let w = kept.rows("walls.name").unwrap();
+    let names = kept.text("walls.name", &[w]).unwrap();
+    let wall = |name: &str| names.iter().position(|n| n == name).unwrap();
+    let forces = kept.vectors::<3>("walls.external_force", w).unwrap();
+    let places = kept.vectors::<2>("walls.middle_m", w).unwrap();
+    let motions = kept.vectors::<3>("walls.last_motion", w).unwrap();
+    let x = |name: &str| places[wall(name)][0] - motions[wall(name)][0];
+    let width = x("right") - x("left");
+    let start = 0.5 * (forces[wall("bottom")][1] - forces[wall("top")][1]) / width;
+    assert!((start - 200.0e3).abs() < 0.1, "{start}");
+    let modulus = (value(0, "axial_stress_pa") - start) / value(0, "axial_strain");
+    let found = results["youngs_modulus_pa"].as_f64().unwrap();
+    assert!((found - modulus).abs() < 1e-9 * modulus, "{found} {modulus}");
+
+    // They are those of the test in one piece.
+    let stages = SHORT[1].replace(
+        r#"Save(name: "kept at 200 kPa")"#,
+        TEST.split_once('[').unwrap().1.split_once("],").unwrap().0,
+    );
+    let (done, out) = run("biaxial_small", &["--quiet", "--set", &stages]);
+    done.code(0);
+    let whole = &json(out.path(), "run.json")["results"];
+    for name in ["youngs_modulus_pa", "poissons_ratio", "peak_stress_pa", "strain_at_peak"] {
+        let [found, expected] = [results, whole].map(|of| of[name].as_f64().unwrap());
+        assert!((found - expected).abs() < 1e-8 * expected.abs(), "{name}: {found} {expected}");
+    }
+    assert_eq!(results["bonds_created"], whole["bonds_created"]);
+
+    // Other walls carry nothing yet.
+    let walls = r#"walls: [
+        (name: "bottom", start: (0.0, -1.0e-4), end: (0.2, -1.0e-4)),
+        (name: "top", start: (0.2, 0.3), end: (0.0, 0.3)),
+        (name: "left", start: (-1.0e-2, 0.3), end: (-1.0e-2, 0.0)),
+        (name: "right", start: (0.2, 0.0), end: (0.2, 0.3))], "#;
+    let held = r#"increments: 2,
+        particles: [(select: All, x: Held, y: Held, rotation: Held)]"#;
+    let fields = TEST.replace("increments: 12", held);
+    let scene = from_state(first.path(), &sand, &(walls.to_owned() + &fields), "");
+    let (done, out) = run(&scene, &["--quiet"]);
+    done.code(0);
+    let results = &json(out.path(), "run.json")["results"];
+    assert!(results["youngs_modulus_pa"].is_null());
+    let reason = results["not_defined"]["youngs_modulus_pa"].as_str().unwrap();
+    assert!(reason.contains("other walls than its own"), "{reason}");
+}
+
+/// `check` of a scene from a state took the law of the material for bonds, and no stress that the
+/// walls of the state keep.
+#[test]
+fn estimates_of_check_know_the_bonds_and_the_stress_of_the_state() {
+    for cemented in [true, false] {
+        let stages = if cemented {
+            SHORT[1].to_owned()
+        } else {
+            SHORT[1].replace(r#"Cement(name: "cement", length: 2.0e-3),"#, "")
+        };
+        let law = "materials.sand.bond.cohesion=1.0e6";
+        let (done, first) = run("biaxial_small", &["--quiet", "--set", law, "--set", &stages]);
+        done.code(0);
+        // The law of the material here bonds nothing.
+        let sand = format!(
+            "\"sand\": ({SAND}, bond: (normal_stiffness: 60.0e6, friction: 0.5, cohesion: 9.0e6, tensile_strength: 1.0e6))"
+        );
+        let scene = from_state(first.path(), &sand, TEST, "");
+        let said = stdout(&clastic(&["check", &scene]).code(0));
+        // 60e6 / (200e3 x 1 m).
+        assert!(said.contains("k/(p h) 300"), "{said}");
+        let state = tables(&first.path().join("state_kept_at_200_kPa.npz"));
+        let w = state.rows("walls.name").unwrap();
+        let names = state.text("walls.name", &[w]).unwrap();
+        let places = state.vectors::<2>("walls.middle_m", w).unwrap();
+        let y = |name: &str| places[names.iter().position(|n| n == name).unwrap()][1];
+        // The strain of an increment over that at which 200 kPa, or the bonds, are reached.
+        let strain = 0.16e-3 / (y("top") - y("bottom"));
+        let expected = strain * 60.0e6 / if cemented { 1.0e6 } else { 200.0e3 };
+        let ratio = said.split("increment/elastic strain ").nth(1).unwrap();
+        let ratio: f64 = ratio.split([';', '\n']).next().unwrap().trim().parse().unwrap();
+        assert!((ratio - expected).abs() < 0.01 * expected, "{ratio} {expected}: {said}");
+        assert_eq!(said.contains("WARNING: k/(p h)"), !cemented, "{said}");
+    }
+}

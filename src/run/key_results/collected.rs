@@ -31,8 +31,8 @@ pub struct KeyResults {
     pub(super) lag: Option<f64>,
     /// Start of the reference stage.
     pub(super) start: Point,
-    /// Whether the run starts from a saved state whose stress is unknown, because no loading stage
-    /// comes before the reference stage.
+    /// Whether the run starts from a saved state, and neither its forces nor a stage before the
+    /// reference stage have told the stress of it.
     pub(super) is_start_unknown: bool,
     /// The last increment with load.
     pub(super) last: Option<Point>,
@@ -120,6 +120,21 @@ impl KeyResults {
     pub fn see_bonds(&mut self, created: usize) {
         // Bonds to a removed wall no longer exist, so the number of existing bonds may decrease.
         self.results.bonds_created = self.results.bonds_created.max(created);
+    }
+
+    /// Records the bonds that are there between two increments.
+    pub fn count_bonds(&mut self, created: usize, intact: usize) {
+        self.see_bonds(created);
+        self.results.bonds_intact = intact;
+    }
+
+    /// Takes the stresses of a saved state as those at the start of the reference stage, Pa, with
+    /// the number of bonds that broke before. A start that is known stays.
+    pub fn start_from(&mut self, axial: f64, lateral: Option<f64>, broken: usize) {
+        if self.is_start_unknown {
+            self.start = Point { stress: axial, lateral_stress: lateral, broken, ..FREE };
+            self.is_start_unknown = false;
+        }
     }
 
     /// Whether this increment is the one that was recorded last, and the peak so far.

@@ -14,8 +14,9 @@ const SOFTEST: f64 = 1e-9;
 
 const NO_CURVE: &str = "no increment from the start of the reference stage on has both an axial strain and \
                         an axial stress";
-const UNKNOWN_START: &str = "the run starts from a saved state, whose stress no earlier stage has measured; \
-                             put a loading stage of one increment before the reference stage";
+const UNKNOWN_START: &str = "the run starts from a saved state with other walls than its own or without a measured stress, \
+                             and no earlier stage has measured the stress; put a loading stage of one \
+                             increment before the reference stage";
 
 impl KeyResults {
     /// The results so far.

@@ -3,14 +3,17 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::IncrementStatus;
+use clastic_components::bond::BondState;
 use clastic_components::increment::Progress;
 use clastic_components::measure::{NamedMeasures, Quantity, Readings};
-use clastic_components::observation::Observation;
+use clastic_components::observation::{Observation, RuptureCount};
 use clastic_systems::identities::Identities;
+use clastic_systems::measures::kept::kept_stresses;
 
 use super::collected::{KeyResults, Phase};
 use crate::run::script::Script;
-use crate::scene::format::Stage;
+use crate::run::walls::WallCatalogue;
+use crate::scene::format::{Specimen, Stage};
 
 /// Run condition: the increment is undecided.
 pub fn is_undecided(observation: Res<Observation>) -> bool {
@@ -32,6 +35,32 @@ pub fn observe_increment(
     };
     results.see_bonds(identities.next().bond as usize);
     results.observe(&observation, phase);
+}
+
+/// Records the bonds that are there. A stage that makes bonds may be the last one, which no
+/// increment follows.
+pub fn count_bonds(world: &mut World) {
+    let created = world.get_resource::<Identities>().map_or(0, |ids| ids.next().bond as usize);
+    let mut bonds = world.query::<&BondState>();
+    let intact = bonds.iter(world).filter(|state| **state == BondState::Intact).count();
+    if let Some(mut results) = world.get_resource_mut::<KeyResults>() {
+        results.count_bonds(created, intact);
+    }
+}
+
+/// Takes the stresses at the start of the reference stage from the forces of a saved state. Where
+/// the scene has walls of its own they carry nothing yet, and the start stays unknown.
+pub fn start_from_state(world: &mut World) {
+    let scene = &world.resource::<Script>().scene;
+    let has_its_walls =
+        world.get_resource::<WallCatalogue>().is_some_and(|walls| walls.inherited.is_some());
+    if !matches!(scene.specimen, Specimen::State { .. }) || !has_its_walls {
+        return;
+    }
+    let broken = world.get_resource::<RuptureCount>().map_or(0, |count| count.0.iter().sum());
+    if let [Some(axial), lateral] = kept_stresses(world) {
+        world.resource_mut::<KeyResults>().start_from(axial, lateral, broken);
+    }
 }
 
 /// Reads the measures that are key results.

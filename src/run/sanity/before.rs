@@ -10,6 +10,8 @@ use crate::scene::format::{
     Scene, Specimen, Stage, Strain, Table, Wall, WallControl,
 };
 use crate::scene::specimen_file::StoredSpecimen;
+use clastic_systems::membranes::{MEMBRANES, MembraneStates};
+use clastic_systems::wall_states::{ControlState, ControlStates, WALL_CONTROL};
 
 use super::material::{Grains, inertial};
 use super::{Report, is_specimen, is_test};
@@ -17,10 +19,10 @@ use super::{Report, is_specimen, is_test};
 /// The ratios that follow from the imposed motions and stresses.
 #[must_use]
 pub fn before(scene: &Scene, stored: Option<&StoredSpecimen>) -> Report {
-    let grains = Grains::of(scene);
+    let grains = Grains::of(scene, stored);
     let seeds = specimen(scene, stored);
     let loads = scene.stages.iter().filter_map(Stage::load);
-    let pressure = loads.filter_map(confining).max_by(f64::total_cmp);
+    let pressure = loads.filter_map(confining).chain(kept(stored)).max_by(f64::total_cmp);
     let reference = scene.stages.get(scene.reference_stage()).and_then(Stage::load);
     let reference = reference.filter(|_| is_test(scene));
     let packed = Packed::of(scene, &seeds);
@@ -83,6 +85,21 @@ fn confining(load: &Load) -> Option<f64> {
     });
     let membranes = load.membranes.values().map(|membrane| membrane.pressure);
     walls.chain(cell).chain(membranes).filter(|stress| *stress > 0.0).min_by(f64::total_cmp)
+}
+
+/// The smallest stress above 0 that walls and membranes of a saved state keep, Pa. A scene with walls
+/// of its own has neither.
+fn kept(stored: Option<&StoredSpecimen>) -> Option<f64> {
+    let state = stored?.state.as_ref().filter(|state| state.gives_walls)?;
+    let world = &state.saved.as_ref()?.world;
+    let walls = world.get::<ControlStates>(WALL_CONTROL).map(|list| list.0).unwrap_or_default();
+    let walls = walls.into_iter().filter_map(|(_, control)| match control {
+        ControlState::Stress(_, reached, _) => Some(reached),
+        _ => None,
+    });
+    let membranes = world.get::<MembraneStates>(MEMBRANES).map(|list| list.0).unwrap_or_default();
+    let pressures = membranes.into_iter().map(|membrane| membrane.pressure.1);
+    walls.chain(pressures).filter(|stress| *stress > 0.0).min_by(f64::total_cmp)
 }
 
 /// Axial strain that a stage imposes in an increment; `None` where it is not imposed by a constant

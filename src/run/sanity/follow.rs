@@ -42,7 +42,7 @@ impl Sanity {
     /// The ratios so far.
     #[must_use]
     pub fn report(&self, scene: &Scene) -> Report {
-        let grains = Grains { strength: self.strength, ..Grains::of(scene) };
+        let grains = Grains { strength: self.strength, ..Grains::of(scene, None) };
         let [time, strain, pressure] = self.dynamic;
         let number = || inertial(strain / time, self.mass, pressure / time, scene.thickness);
         Report {

@@ -1,6 +1,9 @@
 //! Properties of the materials that the physical check of a test needs.
 
-use crate::scene::format::{Bond, Scene, Specimen, Stage};
+use clastic_components::bond::{Bond as BondOfState, BondId, BondState};
+
+use crate::scene::format::{Bond, Scene, Stage};
+use crate::scene::specimen_file::StoredSpecimen;
 
 /// Stiffness and strength of the materials of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,7 +17,8 @@ pub(super) struct Grains {
 }
 
 impl Grains {
-    pub fn of(scene: &Scene) -> Self {
+    /// The grains of a scene. Bonds of a saved state count with their own strength.
+    pub fn of(scene: &Scene, stored: Option<&StoredSpecimen>) -> Self {
         let materials = scene.materials.values();
         let stiffness = materials.clone().filter_map(|m| m.contact.normal_stiffness);
         let strength = |bond: &Bond| bond.cohesion.max(bond.tensile_strength);
@@ -26,12 +30,10 @@ impl Grains {
             Stage::Cement(cement) => Some(cement.bond.as_ref().map_or_else(of_materials, strength)),
             _ => None,
         });
-        // A saved state may have bonds.
-        let is_bonded = !scene.bonds.is_empty() || matches!(scene.specimen, Specimen::State { .. });
-        let at_start = is_bonded.then(of_materials);
+        let at_start = (!scene.bonds.is_empty()).then(of_materials);
         Self {
             stiffness: stiffness.min_by(f64::total_cmp),
-            strength: cemented.chain(at_start).fold(0.0, f64::max),
+            strength: cemented.chain(at_start).chain(of_state(stored)).fold(0.0, f64::max),
             thickness: scene.thickness,
         }
     }
@@ -53,6 +55,19 @@ impl Grains {
     pub fn are_rock(&self, pressure: Option<f64>) -> bool {
         self.strength > pressure.unwrap_or(0.0)
     }
+}
+
+/// Maximum strength of the intact bonds of a saved state, Pa; `None` without a state.
+fn of_state(stored: Option<&StoredSpecimen>) -> Option<f64> {
+    let world = &stored?.state.as_ref()?.saved.as_ref()?.world;
+    let bonds = world.components::<BondId, BondOfState>("bond").ok()?;
+    let states = world.components::<BondId, BondState>("bond_state").ok()?;
+    let is_intact = |id: &BondId| {
+        let at = states.binary_search_by_key(id, |(id, _)| *id);
+        at.is_ok_and(|at| states[at].1 == BondState::Intact)
+    };
+    let bonds = bonds.iter().filter(|(id, _)| is_intact(id));
+    Some(bonds.map(|(_, b)| b.law.cohesion.max(b.law.tensile_strength)).fold(0.0, f64::max))
 }
 
 /// Inertial number of disks of a mean mass, kg, at a strain rate, 1/s.

@@ -114,7 +114,16 @@ pub(in crate::scene) fn split(literal: &str) -> Option<(f64, &str)> {
 pub(in crate::scene) fn help(number: f64, unit: &str, wanted: Option<&str>) -> String {
     let unit = unit.replace('²', "2").replace('³', "3").replace("**", "").replace('^', "");
     let what = match wanted {
-        None => return "leave the unit out".to_owned(),
+        // To leave another unit out would change the value. What a per cent or a g is of depends on
+        // the field.
+        None => {
+            return match parse(&unit) {
+                Some((value, powers)) if powers != [0; 4] && value != 1.0 && unit != "g" => {
+                    format!("numbers are in SI units: write {}", short_number(number * value))
+                }
+                _ => "leave the unit out".to_owned(),
+            };
+        }
         Some("") => "this is a plain number without a unit".to_owned(),
         Some("Pa") => "stresses and strengths are plain numbers in Pa".to_owned(),
         Some(si) => format!("this is a plain number in {si}"),
@@ -185,5 +194,9 @@ mod tests {
         assert_eq!(help(3.0, "mm", Some("Pa")), "stresses and strengths are plain numbers in Pa");
         assert_eq!(help(3.0, "furlongs", Some("m")), "this is a plain number in m");
         assert_eq!(help(5.0, "s", None), "leave the unit out");
+        // The diameter of a sieve was 2 m without its unit.
+        assert_eq!(help(2.0, "mm", None), "numbers are in SI units: write 0.002");
+        assert_eq!(help(40.0, "%", None), "leave the unit out");
+        assert_eq!(help(1.0, "g", None), "leave the unit out");
     }
 }

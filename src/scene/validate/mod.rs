@@ -3,6 +3,7 @@
 //! Every check adds a [`Finding`] and goes on, so that one run reports everything.
 
 mod accuracy;
+mod added_walls;
 mod bonds;
 mod carried;
 mod cell;
@@ -39,6 +40,7 @@ use super::specimen_file::StoredSpecimen;
 use crate::run::minerals::specimen as cut_specimen;
 use crate::run::particles::ParticleSeed;
 use findings::Findings;
+pub(crate) use places::is_behind;
 
 /// Checks a scene, with the stored specimen that it names. The scene need not come from a text.
 #[must_use]
@@ -66,6 +68,7 @@ pub(super) fn findings(
     stages::check(&context, &mut findings);
     restitution::check(&context, &mut findings);
     crossing::check(&context, &mut findings);
+    added_walls::check(&context, &mut findings);
     selections::check(&context, &mut findings);
     measures::check(&context, &mut findings);
     findings.into_list()

@@ -12,7 +12,8 @@ pub(super) fn finest((x, y): (f64, f64)) -> f64 {
 
 /// Whether the centre of a disk is on the outer side of a wall that is a line: also beyond the ends
 /// of its drawn segment.
-pub(super) fn is_behind(wall: &Wall, (x, y): (f64, f64), radius: f64) -> bool {
+#[must_use]
+pub fn is_behind(wall: &Wall, (x, y): (f64, f64), radius: f64) -> bool {
     if !wall.shape.is_line() {
         return false;
     }
