@@ -12,6 +12,7 @@ use crate::scene::format::{
 use crate::scene::specimen_file::StoredSpecimen;
 
 use super::material::{Grains, inertial};
+use super::untouched::out_of_reach;
 use super::{Report, is_specimen, is_test};
 
 /// The ratios that follow from the imposed motions and stresses.
@@ -45,6 +46,7 @@ pub fn before(scene: &Scene, stored: Option<&StoredSpecimen>) -> Report {
     }
     .with_warnings(grains.strength > 0.0, grains.are_rock(pressure));
     report.warnings.extend(too_dense(scene, &seeds));
+    report.warnings.extend(out_of_reach(scene, &seeds));
     report
 }
 
