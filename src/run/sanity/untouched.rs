@@ -124,8 +124,8 @@ impl Untouched {
 fn warning(stage: &str, names: &BTreeSet<String>, what: &str) -> String {
     let names: Vec<_> = names.iter().map(|name| label(name).to_string()).collect();
     format!(
-        "stage {}: {} is moved and {what}: it touches no particle; draw it nearer to the specimen, or \
-         bring it there in a stage that `stop: [Above(...)]` of its `WallForce` ends",
+        "stage {}: {} is moved and {what}; draw it nearer to the specimen, or bring it there in a \
+         stage that `stop: [Above(...)]` of its `WallForce` ends",
         label(stage),
         names.join(", ")
     )
