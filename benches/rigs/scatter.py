@@ -87,8 +87,8 @@ def brazilian(out, seed, fine):
 def direct_tension(out, seed, fine):
     sets = seeds_of(["let.seed"], seed)
     if fine:
-        sets += fine_packing(20, 1600, 0.6e-3, (0.15e-3, 0.3e-3), 0.25e-3)
-        sets += ["stages.cement.length=0.03e-3"]
+        # Too few of the smaller grains reach the platens to be glued.
+        return {}
     done = run("direct_tension", sets, out)
     return {"peak in tension, MPa": -min(column(rows(done, "pull"), "axial_stress_pa")) / 1e6}
 
