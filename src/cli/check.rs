@@ -3,7 +3,7 @@
 use bevy_app::App;
 
 use crate::run::minerals::specimen;
-use crate::run::sanity::before;
+use crate::run::sanity::{before, heights};
 use crate::scene::load_with;
 use crate::scene::memory::poured;
 use crate::scene::one_round::one_round;
@@ -49,6 +49,9 @@ pub fn check(args: &CheckArgs, app: &App) -> Result<Exit, Failure> {
     let sanity = before(scene, loaded.specimen.as_ref());
     if !sanity.line().is_empty() {
         say(format_args!("estimate: {}", sanity.line()))?;
+    }
+    for height in heights(scene, loaded.specimen.as_ref()) {
+        say(format_args!("estimate: {height}"))?;
     }
     for warning in &sanity.warnings {
         say(format_args!("WARNING: {warning}"))?;

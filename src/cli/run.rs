@@ -13,7 +13,7 @@ use crate::output::prepared::PreparedSpecimen;
 use crate::output::{
     self, Ending, OutputError, OutputFailure, OutputPlugin, RunDirectory, RunOptions,
 };
-use crate::run::sanity::Sanity;
+use crate::run::sanity;
 use crate::run::stages::Script;
 use crate::run::{Outcome, Simulation, Step};
 use crate::scene::format::Stage;
@@ -115,7 +115,7 @@ pub fn to_the_end(
         increment: increments,
         script,
         results: &results,
-        sanity: &simulation.world().resource::<Sanity>().report(&script.scene),
+        sanity: &sanity::after(simulation.world()),
         peak_force: run.peak_force(),
         settled: simulation.world().resource::<Found>().settled,
         specimen: simulation.world().resource::<PreparedSpecimen>().written.as_deref(),

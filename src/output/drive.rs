@@ -33,7 +33,7 @@ impl Drive {
     pub fn all(history: &History) -> Vec<Self> {
         let probes = history.probes();
         let along = |(motion, force, _): (&str, &str, &str), probe: &str| {
-            history.of_test(&format!("{probe}{motion}"), &format!("{probe}{force}"))
+            history.of_test(probe, [motion, force])
         };
         let total = |axis| probes.iter().map(|probe| work(&along(axis, probe))).fold(0.0, f64::max);
         let axis = AXES.into_iter().max_by(|a, b| total(*a).total_cmp(&total(*b)));

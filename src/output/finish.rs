@@ -16,7 +16,7 @@ use super::save::{save, save_the_end};
 use super::snapshot::{Moments, Snapshot};
 use super::{OutputError, directory, frames, names, plots, states};
 use crate::run::key_results::{KeyResults, Results};
-use crate::run::sanity::Sanity;
+use crate::run::sanity;
 use crate::run::stages::Script;
 use crate::run::{Outcome, StageEnd};
 use crate::scene::format::Stage;
@@ -110,7 +110,7 @@ fn write_record(
         let warnings: Vec<_> = record.stages.iter().filter_map(StageEnd::warning).collect();
         record.outcome.message = Some(warnings.join("; ")).filter(|m| !m.is_empty());
     }
-    record.sanity = world.resource::<Sanity>().report(&world.resource::<Script>().scene);
+    record.sanity = sanity::after(world);
     record.settled = world.resource::<Found>().settled;
     record.results = results.clone();
     if results.peak_stress_pa.is_none() && !run.probes.is_empty() {

@@ -6,18 +6,21 @@ use glam::DVec2;
 use clastic_components::observation::{Measures, StrainMeasure};
 use clastic_components::wall::Wall;
 
+use super::prepared::Prepared;
 use super::snapshot::Snapshot;
 
 /// Porosity at the start of the reference stage: one minus the area of the disks over that of the
-/// specimen. An extent of the specimen is the distance between the two walls of a strain measure,
-/// or that of a periodic cell. Without such walls it is the extent of the box around the disks in
-/// the other direction. `None` without disks.
+/// specimen, which is that of the periodic cell. Without a cell an extent of the specimen is the
+/// distance between the two walls of a strain measure, and without such walls that of the box
+/// around the disks. `None` without disks.
 #[must_use]
-pub fn porosity(measures: &Measures, walls: &Query<&Wall>, start: &Snapshot) -> Option<f64> {
+pub fn porosity(measures: &Measures, walls: &Query<&Wall>, start: &Prepared) -> Option<f64> {
+    if start.cell_area.is_some() {
+        return in_cell_or_box(start);
+    }
+    let start = &start.snapshot;
     let normal = |measure: &Option<StrainMeasure>| match measure {
         Some(StrainMeasure::Walls(wall, _)) => walls.get(*wall).ok().map(Wall::inward),
-        Some(StrainMeasure::CellHeight) => Some(DVec2::Y),
-        Some(StrainMeasure::CellWidth) => Some(DVec2::X),
         _ => None,
     };
     let (axial, lateral) = (normal(&measures.axial_strain), normal(&measures.lateral_strain));
@@ -26,6 +29,13 @@ pub fn porosity(measures: &Measures, walls: &Query<&Wall>, start: &Snapshot) -> 
     let height = if axial.is_some() { height } else { extent(start, axis)? };
     let width = if lateral.is_some() { width } else { extent(start, axis.perp())? };
     Some(1.0 - start.area() / (height * width)).filter(|p| p.is_finite())
+}
+
+/// Porosity of the periodic cell, or without one within the box around the disks.
+#[must_use]
+pub fn in_cell_or_box(packing: &Prepared) -> Option<f64> {
+    let disks = &packing.snapshot;
+    packing.cell_area.map_or_else(|| in_box(disks), |area| Some(1.0 - disks.area() / area))
 }
 
 /// Porosity within the axis-aligned box around the disks; `None` without disks.
@@ -47,20 +57,24 @@ mod tests {
 
     use super::*;
 
-    fn of(snapshot: Snapshot) -> Option<f64> {
+    fn of(snapshot: Snapshot, cell_area: Option<f64>) -> Option<f64> {
+        let prepared = Prepared { rows: Vec::new(), snapshot, cell_area };
         let mut world = World::new();
         world.init_resource::<Measures>();
         let measure = move |measures: Res<Measures>, walls: Query<&Wall>| {
-            porosity(&measures, &walls, &snapshot)
+            porosity(&measures, &walls, &prepared)
         };
         world.run_system_once(measure).ok().flatten()
     }
 
     #[test]
-    fn one_disk_in_its_box() {
+    fn one_disk_in_its_box_or_cell() {
         let one = Snapshot { positions: vec![DVec2::ONE], radii: vec![0.5], ..Default::default() };
-        let found = of(one).unwrap_or(f64::NAN);
-        assert!((found - (1.0 - std::f64::consts::PI / 4.0)).abs() < 1e-15, "{found}");
-        assert_eq!(of(Snapshot::default()), None);
+        let quarter = 0.25 * std::f64::consts::PI;
+        for (cell, area) in [(None, 1.0), (Some(4.0), 4.0)] {
+            let found = of(one.clone(), cell).unwrap_or(f64::NAN);
+            assert!((found - (1.0 - quarter / area)).abs() < 1e-15, "{found}");
+        }
+        assert_eq!(of(Snapshot::default(), None), None);
     }
 }

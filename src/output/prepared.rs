@@ -4,6 +4,7 @@
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use clastic_components::cell::PeriodicCell;
 use clastic_components::contact::Bodies;
 use clastic_components::increment::Progress;
 use clastic_components::material::Materials;
@@ -35,6 +36,8 @@ pub struct Prepared {
     pub rows: Vec<StoredParticle>,
     /// The state.
     pub snapshot: Snapshot,
+    /// Area of the periodic cell, m^2.
+    pub cell_area: Option<f64>,
 }
 
 impl Prepared {
@@ -49,7 +52,11 @@ impl Prepared {
     /// The specimen as it is now.
     #[must_use]
     fn now(scenery: &Scenery, bodies: &Bodies, materials: &Materials) -> Self {
-        Self { rows: frames::specimen_rows(bodies, materials), snapshot: scenery.snapshot() }
+        Self {
+            rows: frames::specimen_rows(bodies, materials),
+            snapshot: scenery.snapshot(),
+            cell_area: bodies.cell.as_ref().map(PeriodicCell::area),
+        }
     }
 }
 
@@ -89,7 +96,7 @@ pub fn prepare(
             format!("at the start of the reference stage `{stage}`, before its first increment");
         write(&mut run, &mut specimen, &prepared, moment)?;
         if !script.scene.stages.iter().any(Stage::pours) {
-            found.porosity = porosity::porosity(&measures, &walls, &prepared.snapshot);
+            found.porosity = porosity::porosity(&measures, &walls, &prepared);
         }
         moments.start = prepared.snapshot;
     }
@@ -100,7 +107,7 @@ pub fn prepare(
         write(&mut run, &mut specimen, &packing, moment)?;
         if is_reference {
             // The scene has no loading stage, so its result is the packing.
-            found.porosity = porosity::in_box(&packing.snapshot);
+            found.porosity = porosity::in_cell_or_box(&packing);
         }
     }
     Ok(())

@@ -10,6 +10,7 @@ use super::OutputError;
 use super::atomic::write_atomic;
 use super::drive::PeakForce;
 use super::found::Settled;
+use super::history::rigid_groups;
 use crate::run::key_results::Results;
 use crate::run::sanity::Report;
 use crate::run::{Collapse, CollapsedBy, Outcome, StageEnd};
@@ -119,6 +120,9 @@ struct Settings {
     thickness_m: f64,
     gravity_m_s2: (f64, f64),
     reference_stage: String,
+    /// Probes whose force is that of the contacts on the body, against the motion.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    rigid_groups: Vec<String>,
 }
 
 /// How a run ended.
@@ -228,6 +232,7 @@ impl RunRecord {
                 thickness_m: scene.thickness,
                 gravity_m_s2: scene.gravity,
                 reference_stage: scene.stages.get(reference_stage).map_or("", |s| s.name()).into(),
+                rigid_groups: rigid_groups(scene),
             },
             seeds,
             outcome: OutcomeRecord::RUNNING,

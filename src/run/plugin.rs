@@ -26,7 +26,7 @@ use super::key_results::{
 use super::live_loads::{self, LIVE_LOADS, LiveLoads};
 use super::measures::{MeasureKinds, read_custom};
 use super::pour::{POURED, pour};
-use super::sanity::{self, SANITY, Sanity};
+use super::sanity::{self, SANITY, Sanity, UNTOUCHED, Untouched};
 use super::script::Script;
 pub use super::stage_kinds::{BeginStage, EndStage, ProvideStage, StageKinds, StageSystems};
 use super::stages::{CurrentStage, begin_built_in, change_stages, end_built_in};
@@ -95,6 +95,7 @@ impl Plugin for ScenePlugin {
             .register_state::<Approach>(APPROACH)
             .register_resource::<KeyResults>(KEY_RESULTS)
             .register_resource::<Sanity>(SANITY)
+            .register_resource::<Untouched>(UNTOUCHED)
             .register_resource::<Poured>(POURED)
             .register_resource::<RigidAtStart>(RIGID_AT_START)
             .register_resource::<LiveLoads>(LIVE_LOADS)
@@ -135,7 +136,7 @@ impl Plugin for ScenePlugin {
                         .chain()
                         .in_set(AdvanceSystems::Begin)
                         .run_if(runs_scene),
-                    (observe_increment, sanity::follow)
+                    (observe_increment, sanity::follow, sanity::follow_driven)
                         .run_if(runs_scene)
                         .run_if(not(is_undecided))
                         .in_set(AdvanceSystems::End)

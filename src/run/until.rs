@@ -7,6 +7,7 @@
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use clastic_components::analysis::{Analysis, AnalysisKind};
 use clastic_components::attempt::{Attempt, IncrementStatus};
 use clastic_components::increment::Progress;
 use clastic_components::observation::Observation;
@@ -27,8 +28,9 @@ pub const APPROACH: &str = "until";
 /// the stage, if that is more.
 pub const TOLERANCE: f64 = 1e-6;
 
-/// Part of an increment with which a run begins: the measure is not known yet.
-const FIRST: f64 = 0.25;
+/// Part of a time step with which the measure at the start of a run is read. A much smaller one
+/// would have the forces of impacts in it, which grow as steps become short.
+const READING: f64 = 0.25;
 
 /// The way of the measure of an `Until` to its value in the current stage.
 #[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -60,7 +62,8 @@ pub struct Undoable {
     state: WorldState,
     /// [`Script::stop`], which is no part of the state.
     stop: bool,
-    search: Search,
+    /// `None` for an increment that only reads the measure at the start of the stage.
+    search: Option<Search>,
     /// Where the increment under way is to end.
     asked: f64,
 }
@@ -75,14 +78,7 @@ fn until(stage: &Stage) -> Option<(&str, f64)> {
 
 /// Begins a stage.
 pub(super) fn begin(world: &mut World, stage: &Stage) {
-    let mut approach = Approach::default();
-    if let Some((name, value)) = until(stage) {
-        approach.on = true;
-        if let Some(reading) = reading(world, name) {
-            approach.see(0.0, reading, value, 0.0);
-        }
-    }
-    world.insert_resource(approach);
+    world.insert_resource(Approach { on: until(stage).is_some(), ..Approach::default() });
 }
 
 /// Run condition: the stage has an `Until`.
@@ -91,15 +87,16 @@ pub(super) fn is_on(approach: Option<Res<Approach>>) -> bool {
 }
 
 /// Keeps the state before an increment that may be undone, and shortens the increment where the
-/// measure is expected to come to its value. Exclusive, because it reads everything that plugins
-/// have registered.
+/// measure is expected to come to its value, or to read the measure at the start of the stage.
+/// Exclusive, because it reads everything that plugins have registered.
 pub(super) fn keep_state(world: &mut World) {
     if world.contains_resource::<Undoable>() {
         return;
     }
     let progress = world.resource::<Progress>();
     let stage = world.resource::<Script>().stage(progress.stage);
-    let Some((_, value)) = stage.and_then(until) else { return };
+    let Some((name, value)) = stage.and_then(until) else { return };
+    let name = name.to_owned();
     let (done, tried) = (progress.done, progress.tried);
     // Ruptures at constant load are not undone.
     if progress.relaxing || world.resource::<Observation>().in_avalanche {
@@ -107,12 +104,15 @@ pub(super) fn keep_state(world: &mut World) {
     }
     // As the attempts do it.
     let whole = done + (2.0 * tried).min(1.0 - done.fract());
-    let points = world.resource::<Approach>().points.clone();
-    let Some(search) = Search::new(&points, whole, value) else {
-        // Before the first increment of a run no measure is read, and the side is not known.
-        world.resource_mut::<Progress>().tried = 0.5 * FIRST;
-        return;
-    };
+    let is_dynamic = matches!(world.resource::<Analysis>().kind, AnalysisKind::Dynamic { .. });
+    // A static stage reads the equilibrium with which it begins, so that a run in two pieces begins
+    // it as a run in one does. The last time step of a run has no such equilibrium.
+    let last = reading(world, &name).filter(|_| is_dynamic);
+    let mut approach = world.resource_mut::<Approach>();
+    if let Some(last) = last.filter(|_| approach.points.is_empty()) {
+        approach.see(done, last, value, 0.0);
+    }
+    let search = Search::new(&approach.points, whole, value);
     let state = match capture(world) {
         Ok(state) => state,
         Err(error) => {
@@ -121,7 +121,10 @@ pub(super) fn keep_state(world: &mut World) {
         }
     };
     let stop = world.resource::<Script>().stop;
-    let asked = search.first().unwrap_or(whole);
+    let asked = match &search {
+        Some(search) => search.first().unwrap_or(whole),
+        None => done + if is_dynamic { READING } else { RESOLUTION },
+    };
     world.resource_mut::<Progress>().tried = 0.5 * (asked - done);
     world.insert_resource(Undoable { state, stop, search, asked });
 }
@@ -134,28 +137,58 @@ pub(super) fn repeats(world: &mut World, stage: &Stage) -> bool {
     if world.contains_resource::<Halted>() {
         return false;
     }
+    let Some(search) = &mut undoable.search else {
+        return begin_anew(world, &undoable, name, value);
+    };
     let next = match world.resource::<Attempt>().status {
         IncrementStatus::Solved | IncrementStatus::Capped => {
             let Some(made) = tried(world, name, value, undoable.asked) else { return false };
-            undoable.search.see(made)
+            search.see(made)
         }
         IncrementStatus::Undecided | IncrementStatus::Collapsed => {
-            undoable.search.without_last().map_or(Next::GoOn, Next::Repeat)
+            search.without_last().map_or(Next::GoOn, Next::Repeat)
         }
     };
     let Next::Repeat(end) = next else { return false };
-    if let Err(error) = rewind(world, &undoable.state) {
-        // A part of the state is that before the increment, and a part that after it.
-        world.insert_resource(Halted(format!("an increment cannot be undone: {error}")));
-        world.insert_resource(Due(false));
+    if !undo(world, &undoable) {
         return true;
     }
     undoable.asked = end;
-    world.resource_mut::<Script>().stop = undoable.stop;
     let mut progress = world.resource_mut::<Progress>();
     progress.tried = 0.5 * (end - progress.done);
     world.insert_resource(undoable);
+    true
+}
+
+/// Undoes the increment that has read the measure at the start of the stage.
+fn begin_anew(world: &mut World, undoable: &Undoable, name: &str, value: f64) -> bool {
+    let is_solved = matches!(
+        world.resource::<Attempt>().status,
+        IncrementStatus::Solved | IncrementStatus::Capped
+    );
+    let start = reading(world, name).filter(|_| is_solved);
+    let error = error_of(world, name);
+    if undo(world, undoable) {
+        let done = world.resource::<Progress>().done;
+        let mut approach = world.resource_mut::<Approach>();
+        match start {
+            Some(start) => _ = approach.see(done, start, value, error),
+            // Known after the first increment, which is not undone.
+            None => approach.points.push([done, f64::NAN]),
+        }
+    }
+    true
+}
+
+/// Rewinds the world to the state before the increment. Whether this is possible.
+fn undo(world: &mut World, undoable: &Undoable) -> bool {
     world.insert_resource(Due(false));
+    if let Err(error) = rewind(world, &undoable.state) {
+        // A part of the state is that before the increment, and a part that after it.
+        world.insert_resource(Halted(format!("an increment cannot be undone: {error}")));
+        return false;
+    }
+    world.resource_mut::<Script>().stop = undoable.stop;
     world.insert_resource(Undone(true));
     true
 }

@@ -178,6 +178,29 @@ fn uncemented_static_under_both_friction_laws() {
     }
 }
 
+/// The second piece begins with an `Until`, which reads its measure at the start of the stage.
+#[test]
+fn a_stage_that_lands_on_a_stress_begins_the_same_in_both() {
+    for law in ["friction_law=Associated", "friction_law=Coulomb()"] {
+        let parent = tempfile::tempdir().unwrap();
+        let second = r#"Load(name: "up", increments: 9, walls: { "bottom": Fixed, "top": Displacement(0.0, -20.0e-6) },
+                stop: [Until("axial_stress", 215.0e3)]),
+            Load(name: "down", increments: 9, walls: { "top": Displacement(0.0, 20.0e-6) },
+                stop: [Until("axial_stress", 205.0e3)])"#;
+        let common = [
+            law,
+            r#"let={ "stiffness": 60.0e6, "shear": 30.0e6, "strength": 50.0e3 }"#,
+            r#"measures=[(name: "axial_stress",
+                of: Stress(Walls(walls: ["bottom", "top"], length: Between("left", "right"))))]"#,
+        ];
+        let (_, rows) =
+            same_in_two("biaxial_membrane_small", &common, [CONFINE, second], parent.path());
+        let json = text(&parent.path().join("b").join(directory::RUN));
+        assert_eq!(json.matches("\"Until\"").count(), 2, "{law}: {json}");
+        assert!(rows.len() > 3, "{law}: {rows:?}");
+    }
+}
+
 #[test]
 fn dynamic_with_velocities_under_both_friction_laws() {
     let common = [

@@ -8,6 +8,9 @@ use clastic::output::directory;
 
 use crate::resumed::{COULOMB, load, parse, run, same_from_anywhere};
 
+/// The laws of friction; `ByAnalysis` is Coulomb's in time steps alone.
+const EACH_LAW: [&str; 3] = ["ByAnalysis", "Associated", "Coulomb()"];
+
 #[test]
 fn biaxial_test_after_every_increment() {
     let loaded = load(
@@ -437,11 +440,14 @@ pub const THIN: &str = r#"(
 
 #[test]
 fn thin_walls_lids_and_tables() {
-    let records = same_from_anywhere(&parse(THIN), |k| k % 9 == 4);
-    let stages: BTreeSet<_> = records.iter().map(|o| o.stage.as_str()).collect();
-    assert_eq!(stages.len(), 4);
-    let flow = records.last().unwrap();
-    assert!(flow.contacts > 10, "{} contacts", flow.contacts);
+    for law in EACH_LAW {
+        let text = THIN.replace("ByAnalysis", law);
+        let records = same_from_anywhere(&parse(&text), |k| k % 9 == 4);
+        let stages: BTreeSet<_> = records.iter().map(|o| o.stage.as_str()).collect();
+        assert_eq!(stages.len(), 4, "{law}");
+        let flow = records.last().unwrap();
+        assert!(flow.contacts > 10, "{law}: {} contacts", flow.contacts);
+    }
 }
 
 /// A heap in a box from which particles are taken away twice, with bonds and without.
@@ -472,10 +478,13 @@ pub const EXCAVATION: &str = r#"(
 
 #[test]
 fn particles_that_are_taken_away() {
-    let records = same_from_anywhere(&parse(EXCAVATION), |_| true);
-    let bonds = |stage: &str| records.iter().find(|o| o.stage == stage).unwrap().bonds;
-    assert!(bonds("stand") > bonds("stand again") && bonds("stand again") > bonds("fall"));
-    assert!(records.iter().all(|o| o.status == IncrementStatus::Solved));
+    for law in EACH_LAW {
+        let text = EXCAVATION.replace("ByAnalysis", law);
+        let records = same_from_anywhere(&parse(&text), |_| true);
+        let bonds = |stage: &str| records.iter().find(|o| o.stage == stage).unwrap().bonds;
+        assert!(bonds("stand") > bonds("stand again") && bonds("stand again") > bonds("fall"));
+        assert!(records.iter().all(|o| o.status == IncrementStatus::Solved), "{law}");
+    }
 }
 
 /// A bonded heap on a plate that turns, beside a polyline that spins, and a drum below; groups whose
@@ -517,12 +526,16 @@ pub const TURNING: &str = r#"(
 
 #[test]
 fn walls_that_turn_and_groups_whose_force_is_measured() {
-    let records = same_from_anywhere(&parse(TURNING), |k| k % 3 == 1);
-    let last = records.last().unwrap();
-    let turned =
-        |name: &str| last.probes.iter().find(|p| p.name == name).map_or(f64::NAN, |p| p.motion[2]);
-    for (name, angle) in [("plate", 8e-3 - 0.08), ("flap", 0.04), ("drum", 0.12)] {
-        assert!((turned(name) - angle).abs() < 1e-14, "{name}: {}", turned(name));
+    for law in EACH_LAW {
+        let text = TURNING.replace("ByAnalysis", law);
+        let records = same_from_anywhere(&parse(&text), |k| k % 3 == 1);
+        let last = records.last().unwrap();
+        let turned = |name: &str| {
+            last.probes.iter().find(|p| p.name == name).map_or(f64::NAN, |p| p.motion[2])
+        };
+        for (name, angle) in [("plate", 8e-3 - 0.08), ("flap", 0.04), ("drum", 0.12)] {
+            assert!((turned(name) - angle).abs() < 1e-14, "{law} {name}: {}", turned(name));
+        }
     }
 }
 
@@ -563,7 +576,7 @@ pub const HINGED: &str = r#"(
 
 #[test]
 fn walls_in_rigid_groups_and_a_table_of_angles() {
-    for law in ["ByAnalysis", "Associated", "Coulomb()"] {
+    for law in EACH_LAW {
         let text = HINGED.replace("ByAnalysis", law);
         let records = same_from_anywhere(&parse(&text), |k| k % 3 == 1);
         let last = records.last().unwrap();
@@ -576,10 +589,13 @@ fn walls_in_rigid_groups_and_a_table_of_angles() {
 /// A load on whatever is in a strip, which rises over one stage and holds in the next.
 #[test]
 fn a_load_on_what_is_in_a_strip() {
-    for analysis in ["Static", "Dynamic(dt: 1.0e-3)"] {
+    for (law, analysis) in
+        EACH_LAW.into_iter().flat_map(|law| ["Static", "Dynamic(dt: 1.0e-3)"].map(|of| (law, of)))
+    {
         let records = same_from_anywhere(
             &parse(&format!(
                 r#"(version: 2, title: "strip", gravity: (0.0, -9.81), analysis: {analysis},
+              friction_law: {law},
               materials: {{ "m": (density: 2000.0, contact: (normal_stiffness: 1.0e6, friction: 0.3)) }},
               specimen: Particles([(position: (0.0, 0.01), radius: 0.01), (position: (0.05, 0.01), radius: 0.01)]),
               walls: [(name: "floor", start: (-1.0, 0.0), end: (1.0, 0.0), probe: "floor")],
@@ -592,7 +608,7 @@ fn a_load_on_what_is_in_a_strip() {
             )),
             |_| true,
         );
-        assert_eq!(records.len(), 15, "{analysis}");
+        assert_eq!(records.len(), 15, "{law} {analysis}");
     }
 }
 
@@ -635,7 +651,7 @@ pub const POURED: &str = r#"(
 
 #[test]
 fn grains_that_are_poured_in_under_either_law_of_friction() {
-    for law in ["Associated", "ByAnalysis"] {
+    for law in EACH_LAW {
         let text = POURED.replace("ByAnalysis", law);
         let records = same_from_anywhere(&parse(&text), |n| n % 5 == 0 || n > 70 || n == 41);
         assert_eq!(records.len(), 74, "{law}");

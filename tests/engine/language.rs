@@ -177,6 +177,80 @@ fn a_stage_stops_at_any_measure_and_the_history_has_a_column_of_each() {
     assert!(lines.all(|line| line.split(',').count() == header.split(',').count()), "{history}");
 }
 
+/// A bonded lattice under a platen that comes down by 40 um in every increment, without a stop: the
+/// readings of a measure. A stage that stops by a value between two of them ends with the first row
+/// beyond, and its rows up to there are the same. In time steps the kinetic energy counts.
+#[test]
+fn a_stage_stops_by_every_kind_of_measure() {
+    let stop = |law: &str, analysis: &str, kind: &str, stop: &str| {
+        let text = format!(
+            r#"(version: 2, title: "stops", friction_law: {law}, analysis: {analysis},
+            materials: {{ "m": (density: 2000.0,
+                contact: (normal_stiffness: 1.0e6, tangential_stiffness: 1.0e6, friction: 0.3),
+                bond: (normal_stiffness: 1.0e6, tangential_stiffness: 1.0e6, friction: 0.3,
+                    cohesion: 2.0e3, tensile_strength: 1.0e3)) }},
+            rupture: (order: OneRound),
+            specimen: Lattice(columns: 4, rows: 5, radius: 0.01, origin: (0.01, 0.01)),
+            groups: {{ "low": Layer(normal: (0.0, 1.0), from: 0.0, to: 0.02) }},
+            walls: [
+                (name: "floor", start: (-0.1, 0.0), end: (0.2, 0.0), contact: (normal_stiffness: 1.0e6)),
+                (name: "lid", start: (0.2, 0.0892820), end: (-0.1, 0.0892820),
+                    contact: (normal_stiffness: 1.0e6)),
+            ],
+            stages: [Cement(name: "cement", length: 1.0e-4),
+                Load(name: "press", increments: 12, walls: {{ "lid": Displacement(0.0, -4.0e-5) }},
+                    stop: [{stop}])],
+            measures: [(name: "m", of: {kind})])"#
+        );
+        let rows = readings(&read(&text, &[]).scene, "m");
+        rows.into_iter().map(|(_, _, reading)| reading).collect::<Vec<_>>()
+    };
+    let kinds = [
+        "Stress(Walls(walls: [\"floor\", \"lid\"], length: Fixed(0.08)))",
+        "Stress(Average(component: Mean, area: Fixed(7.0e-3)))",
+        "Stress(Region(component: Yy, min: (0.0, 0.02), max: (0.08, 0.06)))",
+        "Strain(Walls(\"floor\", \"lid\"))",
+        "Strain(Particles(0, 3))",
+        "Strain(Region(component: Xx, min: (0.0, 0.0), max: (0.08, 0.09)))",
+        "WallForce(wall: \"lid\")",
+        "GroupForce(select: Group(\"low\"), along: Y)",
+        "Broken(All)",
+        "BrokenShare(All)",
+        "Coordination(rattlers: false)",
+        "ElasticEnergy",
+        "Fabric(component: Yy, network: All)",
+        "Cracks(part: Length)",
+        "Time",
+        "KineticEnergy",
+        "KineticOverElastic",
+    ];
+    for law in ["Associated", "Coulomb()"] {
+        for analysis in ["Static", "Dynamic(dt: 2.0e-3)"] {
+            for kind in kinds {
+                let whole = stop(law, analysis, kind, "");
+                assert_eq!(whole.len(), 12, "{law} {analysis} {kind}");
+                // The first change by which a stop can tell two rows apart.
+                let values: Vec<f64> = whole.iter().map(|m| m.unwrap_or(f64::NAN)).collect();
+                let scale = values.iter().fold(1e-6, |a: f64, b| a.max(b.abs()));
+                let changes = |k: &usize| (values[*k] - values[*k - 1]).abs() > 1e-3 * scale;
+                let of_time = kind.starts_with("Kinetic") || kind == "Time";
+                let Some(k) = (1..12).find(changes) else {
+                    assert!(of_time && analysis == "Static", "{law} {analysis} {kind}: {values:?}");
+                    continue;
+                };
+                let between = 0.5 * (values[k] + values[k - 1]);
+                let rises = values[k] > values[k - 1];
+                let all_before = |side: &dyn Fn(f64) -> bool| values[..k].iter().all(|v| side(*v));
+                assert!(all_before(&|v| (v < between) == rises), "{kind}: {values:?}");
+                let condition = if rises { "Above" } else { "Below" };
+                let said = format!("{condition}(\"m\", {between:?})");
+                let stopped = stop(law, analysis, kind, &said);
+                assert_eq!(stopped, whole[..=k], "{law} {analysis} {kind} {said}");
+            }
+        }
+    }
+}
+
 #[test]
 fn bonds_that_break_are_counted_by_mode() {
     let text = r#"(
@@ -336,8 +410,8 @@ fn until_lands_on_a_stress_by_displacement_and_by_load() {
         }
     }
     let per_stage = |name: &str| rows.iter().filter(|row| row.0 == name).count();
-    // 0.25, 0.5, 0.25, 0.5, 0.5, eight whole ones and 0.35.
-    assert_eq!(per_stage("load.1"), 14, "{rows:?}");
+    // Ten whole ones and 0.35.
+    assert_eq!(per_stage("load.1"), 11, "{rows:?}");
     let sum = |name: &str| rows.iter().filter(|row| row.0 == name).map(|row| row.1).sum::<f64>();
     assert!((sum("load.1") - 10.35).abs() < 1e-4 && (sum("unload.1") - 10.35).abs() < 1e-4);
 

@@ -45,6 +45,7 @@ mod restitution;
 mod rigid_groups;
 mod rigs;
 mod rupture;
+mod shear_boxes;
 mod sleeping;
 mod specimens;
 mod stages;

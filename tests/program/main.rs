@@ -16,6 +16,7 @@ mod new;
 #[cfg(feature = "report")]
 mod report;
 mod results;
+mod rigs;
 mod states;
 mod stopped;
 mod sweep;

@@ -32,6 +32,8 @@ pub struct History {
     /// Whether earlier runs preceded this one. Their last row would be the state before the first
     /// row.
     is_continued: bool,
+    /// Probes that are rigid groups: their force is that of the contacts on the body.
+    rigid_groups: Vec<String>,
 }
 
 impl History {
@@ -58,7 +60,10 @@ impl History {
             record["seeds"].get(format!("stage {name}")).is_some()
                 && time.get(*row) == time.get(history.test - 1)
         });
-        Ok(Self { is_compacted, ..history })
+        let groups = record["settings"]["rigid_groups"].as_array();
+        let groups =
+            groups.into_iter().flatten().filter_map(|name| Some(name.as_str()?.to_owned()));
+        Ok(Self { is_compacted, rigid_groups: groups.collect(), ..history })
     }
 
     /// States how many increments the run has made by itself. Increments count over all runs that
@@ -97,7 +102,7 @@ impl History {
             rows.push(row.iter().map(number).collect());
         }
         let test = stages.last().map_or(0, |(_, row)| *row);
-        Ok(Self { names, rows, stages, test, is_compacted: false, is_continued: false })
+        Ok(Self { names, rows, stages, test, ..Self::default() })
     }
 
     /// A column; empty if the history does not have it.
@@ -136,11 +141,14 @@ impl History {
     /// Motion and force of a probe after every increment of the test, from the state before it on,
     /// in which the displacement is 0. Before the first row of a run forces are 0. The state before
     /// a run that starts from a saved state is not in its history: its displacements are not
-    /// shifted.
+    /// shifted. `motion` and `force` are columns of the probe without its name.
     #[must_use]
-    pub fn of_test(&self, motion: &str, force: &str) -> Vec<TestPoint> {
+    pub fn of_test(&self, probe: &str, [motion, force]: [&str; 2]) -> Vec<TestPoint> {
         let increments = self.column("increment");
-        let values = self.column(motion).into_iter().zip(self.column(force));
+        let of = |column: &str| self.column(&format!("{probe}{column}")).into_iter();
+        // The outside world balances the contacts of a rigid group.
+        let sign = if self.rigid_groups.iter().any(|name| name == probe) { -1.0 } else { 1.0 };
+        let values = of(motion).zip(of(force).map(|force| Some(sign * force?)));
         let point = |(row, (motion, force)): (usize, (Option<f64>, Option<f64>))| {
             let increment = increments.get(row).copied().flatten().unwrap_or_default() as u64;
             Some(TestPoint { increment, motion: motion?, force: force? })

@@ -4,15 +4,22 @@
 
 mod before;
 mod follow;
+mod heights;
 mod material;
 #[cfg(test)]
 mod tests;
+mod untouched;
 
+use bevy_ecs::prelude::World;
 use serde::{Deserialize, Serialize};
 
 pub use self::before::before;
 pub(super) use self::follow::follow;
 pub use self::follow::{SANITY, Sanity};
+pub use self::heights::heights;
+pub use self::untouched::Untouched;
+pub(super) use self::untouched::{UNTOUCHED, follow_driven};
+use crate::run::script::Script;
 use crate::scene::format::{Measures, Scene, Specimen, Strain, Stress};
 
 /// Stiffness level below which deflections of contacts count: at 1000 they are a thousandth of a
@@ -50,6 +57,16 @@ pub(super) fn is_specimen(scene: &Scene) -> bool {
         Some(Stress::Walls { .. } | Stress::Membrane(..) | Stress::Average { .. })
     );
     strained && stressed && !matches!(scene.specimen, Specimen::Lattice { .. })
+}
+
+/// The ratios and the warnings of a run so far.
+#[must_use]
+pub fn after(world: &World) -> Report {
+    let script = world.resource::<Script>();
+    let mut report = world.resource::<Sanity>().report(&script.scene);
+    let untouched = world.get_resource::<Untouched>();
+    report.warnings.extend(untouched.map(|driven| driven.warnings(script)).unwrap_or_default());
+    report
 }
 
 /// Whether the scene measures a stress and a strain.

@@ -1,0 +1,210 @@
+//! Driven walls and rigid groups that carry no force in a whole stage: a press that never reaches
+//! the specimen, or a wall that is drawn on the wrong side of it.
+
+use std::collections::BTreeSet;
+
+use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemParam;
+use glam::DVec2;
+use serde::{Deserialize, Serialize};
+
+use clastic_components::body::ExternalForce;
+use clastic_components::increment::{Acceptance, Progress};
+use clastic_components::rigid_group::{ContactForce, RigidGroup};
+use clastic_components::wall::WallName;
+use clastic_cone::program::{ConeProgram, ConeSolution};
+use clastic_cone::residuals::{displacement_scale, force_scale};
+
+use crate::run::particles::ParticleSeed;
+use crate::run::script::{EndedBy, Script};
+use crate::run::wall_pieces::pieces;
+use crate::scene::format::{
+    Analysis, Load, Motion, Scene, Slide, Specimen, Stage, Table, Wall, WallControl,
+};
+use crate::scene::shown::label;
+
+/// Name of [`Untouched`] in a state.
+pub const UNTOUCHED: &str = "sanity.untouched";
+
+/// The driven walls and rigid groups that have carried no force. A run has it from the first stage
+/// on that drives any.
+#[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Untouched {
+    /// Index of the stage of the last increment.
+    stage: usize,
+    /// What this stage drives and what has carried no force in it, by name.
+    now: BTreeSet<String>,
+    /// The same of earlier stages, by their names.
+    before: Vec<(String, BTreeSet<String>)>,
+}
+
+/// Forces on driven bodies in the last increment.
+#[derive(SystemParam)]
+pub struct Carried<'w, 's> {
+    program: Res<'w, ConeProgram>,
+    solution: Res<'w, ConeSolution>,
+    acceptance: Res<'w, Acceptance>,
+    walls: Query<'w, 's, (&'static WallName, &'static ExternalForce)>,
+    groups: Query<'w, 's, (&'static RigidGroup, &'static ContactForce)>,
+}
+
+impl Carried<'_, '_> {
+    /// Whether a wall or a group carries a force above the error that `acceptance.residual` allows:
+    /// that of the maximum force, and that of a gap times the maximum stiffness.
+    fn is_felt(&self, name: &str) -> bool {
+        let stiff = self.program.interactions.iter().map(|c| c.normal_compliance);
+        let stiff =
+            stiff.filter(|compliance| *compliance > 0.0).map(f64::recip).fold(0.0, f64::max);
+        let residual = self.acceptance.residual.max(self.program.tolerance);
+        let error = residual
+            * (force_scale(&self.program, &self.solution.forces)
+                + stiff * displacement_scale(&self.program, &self.solution.displacements));
+        let length = self.program.scales.length;
+        let is_felt =
+            |[x, y, moment]: [f64; 3]| x.hypot(y) > error || moment.abs() > error * length;
+        self.walls.iter().any(|(wall, force)| wall.0 == name && is_felt(force.0))
+            || self.groups.iter().any(|(group, force)| group.name == name && is_felt(force.0))
+    }
+}
+
+/// Takes an increment into account.
+pub fn follow_driven(
+    script: Res<Script>,
+    progress: Res<Progress>,
+    carried: Carried,
+    untouched: Option<ResMut<Untouched>>,
+    mut commands: Commands,
+) {
+    let stages = &script.scene.stages;
+    let driven = || {
+        let load = stages.get(progress.stage).and_then(Stage::load);
+        load.map(|load| driven(&script.scene, load)).unwrap_or_default()
+    };
+    let felt = |name: &String| carried.is_felt(name);
+    let Some(mut untouched) = untouched else {
+        let now = driven();
+        if !now.is_empty() {
+            let now = now.into_iter().filter(|name| !felt(name)).collect();
+            commands.insert_resource(Untouched {
+                stage: progress.stage,
+                now,
+                ..Default::default()
+            });
+        }
+        return;
+    };
+    if untouched.stage != progress.stage {
+        let last = std::mem::replace(&mut untouched.stage, progress.stage);
+        let names = std::mem::replace(&mut untouched.now, driven());
+        if let Some(stage) = stages.get(last).filter(|_| !names.is_empty()) {
+            untouched.before.push((stage.name().to_owned(), names));
+        }
+    }
+    if !untouched.now.is_empty() {
+        untouched.now.retain(|name| !felt(name));
+    }
+}
+
+impl Untouched {
+    /// Warnings about the stages that have ended.
+    #[must_use]
+    pub fn warnings(&self, script: &Script) -> Vec<String> {
+        let last = script.scene.stages.get(self.stage).map(Stage::name);
+        let end = script.ends.iter().find(|end| Some(end.stage.as_str()) == last);
+        let ends = [Some(EndedBy::AllIncrements), Some(EndedBy::Stop)];
+        let last =
+            end.filter(|end| ends.contains(&end.ended_by)).map(|end| (&end.stage, &self.now));
+        let before = self.before.iter().map(|(stage, names)| (stage, names));
+        let all = before.chain(last).filter(|(_, names)| !names.is_empty());
+        all.map(|(stage, names)| warning(stage, names, "carries no force in the whole stage"))
+            .collect()
+    }
+}
+
+fn warning(stage: &str, names: &BTreeSet<String>, what: &str) -> String {
+    let names: Vec<_> = names.iter().map(|name| label(name).to_string()).collect();
+    format!(
+        "stage {}: {} is moved and {what}; draw it nearer to the specimen, or bring it there in a \
+         stage that `stop: [Above(...)]` of its `WallForce` ends",
+        label(stage),
+        names.join(", ")
+    )
+}
+
+/// Walls and rigid groups that a stage moves, by name. A wall that is only moved away from its
+/// inward side carries no force by intention.
+fn driven(scene: &Scene, load: &Load) -> BTreeSet<String> {
+    let moves = |motion: &Motion| match motion {
+        Motion::Displacement(u) | Motion::Velocity(u) => *u != 0.0,
+        Motion::Free | Motion::Held => false,
+    };
+    let groups = load.rigid.iter().filter(|(_, of)| [of.x, of.y, of.rotation].iter().any(moves));
+    let wall = |name: &str| scene.walls.iter().find(|wall| wall.name == name);
+    let walls = load.walls.iter().filter(|(name, control)| match control {
+        WallControl::Displacement(x, y) | WallControl::Velocity(x, y) => {
+            wall(name).is_none_or(|wall| comes_near(wall, DVec2::new(*x, *y)))
+        }
+        WallControl::Rotation { angle: u, .. } | WallControl::Spin { angular_velocity: u, .. } => {
+            *u != 0.0
+        }
+        WallControl::Follow(Table::Displacement(_) | Table::Rotation { .. }) => true,
+        WallControl::Lid { slide: Slide::Displacement(u) | Slide::Velocity(u), .. } => *u != 0.0,
+        WallControl::Follow(Table::Force(_) | Table::Stress { .. })
+        | WallControl::Fixed
+        | WallControl::Force(_)
+        | WallControl::Stress { .. }
+        | WallControl::Custom => false,
+    });
+    walls.map(|(name, _)| name).chain(groups.map(|(name, _)| name)).cloned().collect()
+}
+
+/// Whether a motion has a part along the wall or towards its inward side.
+fn comes_near(wall: &Wall, motion: DVec2) -> bool {
+    let chord = DVec2::from(wall.end) - DVec2::from(wall.start);
+    let is_whole = chord == DVec2::ZERO || pieces(wall).len() > 1;
+    motion != DVec2::ZERO && (is_whole || chord.perp().dot(motion) >= 0.0)
+}
+
+/// Warning before the run: in the first stage that loads the specimen no wall reaches a particle,
+/// and nothing else could bring particles to the walls.
+pub(super) fn out_of_reach(scene: &Scene, seeds: &[ParticleSeed]) -> Option<String> {
+    let takes_no_increment =
+        |stage: &&Stage| matches!(stage, Stage::Cement(_) | Stage::Save(_) | Stage::Remove(_));
+    let first = scene.stages.iter().find(|stage| !takes_no_increment(stage))?;
+    let Stage::Load(load) = first else { return None };
+    let is_static = load.analysis.unwrap_or(scene.analysis) == Analysis::Static;
+    let is_at_rest = load.gravity.unwrap_or(scene.gravity) == (0.0, 0.0)
+        && load.particles.is_empty()
+        && load.rigid.is_empty()
+        && load.membranes.is_empty()
+        && !matches!(scene.specimen, Specimen::State { .. });
+    if !is_static || !is_at_rest {
+        return None;
+    }
+    let moved = driven(scene, load);
+    let mut names = BTreeSet::new();
+    // Nothing moves before a wall touches a particle.
+    for (name, control) in &load.walls {
+        let u = match control {
+            WallControl::Fixed => continue,
+            WallControl::Displacement(x, y) => DVec2::new(*x, *y),
+            _ => return None,
+        };
+        let way = u.length() * f64::from(load.increments);
+        let wall = scene.walls.iter().find(|wall| wall.name == *name)?;
+        let reaches = |seed: &ParticleSeed| {
+            pieces(wall).iter().any(|piece| {
+                let (inward, half) = (piece.wall.inward(), piece.wall.half_length);
+                let near = piece.shape.nearest(inward, half, seed.position - piece.position);
+                near.distance - seed.radius <= way
+            })
+        };
+        if seeds.iter().any(reaches) {
+            return None;
+        }
+        if moved.contains(name) {
+            names.insert(name.clone());
+        }
+    }
+    (!names.is_empty()).then(|| warning(load.name.as_str(), &names, "does not reach a particle"))
+}

@@ -1,0 +1,191 @@
+//! What the program says of a rig: walls that never touch, forces of rigid groups, heights of
+//! compactions, porosity of cells.
+
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
+use std::fs;
+use std::path::PathBuf;
+
+use tempfile::TempDir;
+
+use crate::call::{clastic, json, rows, run, stdout};
+
+/// A scene in a directory of its own.
+fn scene(text: &str) -> (PathBuf, TempDir) {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("rig.ron");
+    fs::write(&path, text).unwrap();
+    (path, directory)
+}
+
+/// A disk on a floor, and a press of 20 mm 1 mm above it: a contact is a spring of 1e7 N/m.
+fn press(more: &str, stages: &str) -> String {
+    format!(
+        r#"(version: 2, title: "press", {more}
+        materials: {{ "m": (contact: (normal_stiffness: 2.0e7)) }},
+        specimen: Particles([(position: (0.0, 0.01), radius: 0.01)]),
+        walls: [
+            (name: "floor", start: (-0.1, 0.0), end: (0.1, 0.0), contact: (normal_stiffness: 1.0e7)),
+            (name: "press", shape: Segment, start: (0.01, 0.021), end: (-0.01, 0.021),
+                contact: (normal_stiffness: 1.0e7)),
+        ],
+        stages: [{stages}], reference_stage: "down")"#
+    )
+}
+
+const NEVER: &str =
+    r#"Load(name: "down", increments: 9, walls: { "press": Displacement(0.0, -1.0e-4) })"#;
+const MORE: &str =
+    r#", Load(name: "on", increments: 9, walls: { "press": Displacement(0.0, -1.0e-4) })"#;
+
+fn warnings(text: &str) -> Vec<&str> {
+    text.lines().filter(|line| line.contains("is moved and")).collect()
+}
+
+#[test]
+fn a_press_that_never_touches_is_said_by_check_and_run() {
+    for law in ["", "friction_law: Coulomb(),"] {
+        let (path, _keep) = scene(&press(law, NEVER));
+        let path = path.to_str().unwrap();
+        let checked = stdout(&clastic(&["check", path]).code(0));
+        assert_eq!(warnings(&checked).len(), 1, "{checked}");
+        assert!(
+            checked.contains("WARNING: stage down: press is moved and does not reach"),
+            "{checked}"
+        );
+        let (done, out) = run(path, &["--quiet"]);
+        let said = stdout(&done.code(0));
+        assert_eq!(warnings(&said).len(), 1, "{said}");
+        assert!(said.contains("press is moved and carries no force in the whole stage"), "{said}");
+        let sanity = &json(out.path(), "run.json")["sanity"]["warnings"];
+        assert!(sanity[0].as_str().unwrap().starts_with("stage down: press is moved"), "{sanity}");
+    }
+}
+
+/// The second stage presses the disk by 0.8 mm. Of the first one the run still says that it carries
+/// no force.
+#[test]
+fn a_press_that_touches_in_a_later_stage_is_said_of_the_first_alone() {
+    let (path, _keep) = scene(&press("", &format!("{NEVER}{MORE}")));
+    let (done, out) = run(path.to_str().unwrap(), &["--quiet"]);
+    let said = stdout(&done.code(0));
+    assert_eq!(warnings(&said).len(), 1, "{said}");
+    assert!(warnings(&said)[0].contains("stage down"), "{said}");
+
+    // The run of the first stage alone, extended by the second, says the same.
+    let (first, _keep) = scene(&press("", NEVER));
+    let (done, extended) = run(first.to_str().unwrap(), &["--quiet"]);
+    done.code(0);
+    let [at, longer] = [extended.path(), path.as_path()].map(|path| path.to_str().unwrap());
+    let resumed = clastic(&["resume", at, "--scene", longer, "--quiet"]).code(0);
+    assert_eq!(warnings(&stdout(&resumed)), warnings(&said));
+    let of =
+        |directory: &std::path::Path| json(directory, "run.json")["sanity"]["warnings"].clone();
+    assert_eq!(of(extended.path()), of(out.path()));
+}
+
+/// What a wall is meant to do: it moves away, turns against the disk, or reaches it. In dynamics a
+/// disk may come to a wall, so that `check` says nothing.
+#[test]
+fn walls_that_touch_or_move_away_are_not_said() {
+    for (more, stage) in [
+        ("", NEVER.replace("-1.0e-4", "1.0e-4")),
+        ("", NEVER.replace("-1.0e-4", "-1.2e-4")),
+        ("", NEVER.replace("Displacement(0.0, -1.0e-4)", "Force(100.0)")),
+        (
+            "",
+            NEVER.replace(
+                "Displacement(0.0, -1.0e-4)",
+                "Rotation(about: (0.5, 0.021), angle: 1.0e-3) }, particles: [(select: All, x: Held)], rigid: {",
+            ),
+        ),
+        ("analysis: Dynamic(dt: 1.0e-3), gravity: (0.0, 9.81),", NEVER.replace("9", "40")),
+    ] {
+        let (path, _keep) = scene(&press(more, &stage));
+        let path = path.to_str().unwrap();
+        let checked = stdout(&clastic(&["check", path]).code(0));
+        let (done, _out) = run(path, &["--quiet"]);
+        let said = stdout(&done.code(0));
+        assert_eq!((warnings(&checked), warnings(&said)), (vec![], vec![]), "{more}{stage}");
+    }
+}
+
+/// A rigid group presses the disk by 0.5 mm: 2 springs of 1e7 N/m in a row make 2500 N. The history
+/// has the force of the disk on the group, and the peak is the force that pushes the group.
+#[test]
+fn the_peak_force_of_a_rigid_group_resists_its_motion() {
+    let stage = r#"Load(name: "down", increments: 15, rigid: { "punch": (walls: ["press"],
+        about: (0.0, 0.021), x: Held, y: Displacement(-1.0e-4), rotation: Held) })"#;
+    let (path, _keep) = scene(&press("", stage));
+    let (done, out) = run(path.to_str().unwrap(), &["--quiet"]);
+    let said = stdout(&done.code(0));
+    assert!(
+        said.contains("peak force 2.5000e3 N at a displacement of 1.5000e-3 m (punch, -y)"),
+        "{said}"
+    );
+    let record = json(out.path(), "run.json");
+    assert_eq!(record["settings"]["rigid_groups"][0], "punch");
+    let peak = record["peak_force"]["force_n"].as_f64().unwrap();
+    assert!((peak - 2500.0).abs() < 1e-3, "{peak}");
+    let last = rows(out.path(), "history.csv").pop().unwrap();
+    let force: f64 = last["punch.force_y_n"].parse().unwrap();
+    assert!((force - 2500.0).abs() < 1e-3, "{force}");
+}
+
+#[test]
+fn a_rigid_group_that_never_touches_is_said() {
+    let stage = r#"Load(name: "down", increments: 5, rigid: { "punch": (walls: ["press"],
+        about: (0.0, 0.021), x: Held, y: Displacement(-1.0e-4), rotation: Held) })"#;
+    let (path, _keep) = scene(&press("", stage));
+    let (done, _out) = run(path.to_str().unwrap(), &["--quiet"]);
+    let said = stdout(&done.code(0));
+    assert!(
+        warnings(&said)[0].contains("stage down: punch is moved and carries no force"),
+        "{said}"
+    );
+}
+
+/// The compaction of 200 disks ends where `check` says.
+#[test]
+fn check_says_how_high_a_compaction_ends() {
+    let sets = [
+        "stages=[Compact(name: \"compact\", wall: \"lid\", base: \"bottom\", target: Porosity(0.25), \
+         step: 2.0e-3, agitation: 0.1, seed: 1)]",
+        "reference_stage=\"compact\"",
+    ];
+    let sets = sets.iter().flat_map(|set| ["--set", set]);
+    let arguments: Vec<&str> = ["check", "oedometer"].into_iter().chain(sets.clone()).collect();
+    let said = stdout(&clastic(&arguments).code(0));
+    let line = said.lines().find(|line| line.contains("ends with lid")).unwrap_or_default();
+    let height: f64 = line.split(' ').find_map(|word| word.parse().ok()).unwrap();
+    let (done, out) = run("oedometer", &sets.chain(["--quiet"]).collect::<Vec<_>>());
+    done.code(0);
+    let disks = rows(out.path(), "final_particles.csv");
+    let of = |disk: &BTreeMap<String, String>, name: &str| disk[name].parse::<f64>().unwrap();
+    let area: f64 = disks.iter().map(|disk| PI * of(disk, "radius_m").powi(2)).sum();
+    let tops = disks.iter().map(|disk| of(disk, "y_m") + of(disk, "radius_m"));
+    let highest = tops.fold(0.0, f64::max);
+    assert!((area / (0.75 * 0.204) / height - 1.0).abs() < 1e-4, "{line}");
+    assert!(highest <= 1.0001 * height && highest > 0.95 * height, "{highest} {line}");
+}
+
+/// Without strains of the cell the porosity was that of the box around the disks.
+#[test]
+fn the_porosity_of_a_periodic_cell_is_that_of_the_cell() {
+    let sets = ["measures=[(name: \"porosity\", of: Porosity(Cell))]", "stages.shear.increments=1"];
+    for reference in ["reference_stage=\"shear\"", "reference_stage=\"confine\""] {
+        let arguments: Vec<&str> = sets
+            .iter()
+            .chain([&reference])
+            .flat_map(|set| ["--set", set])
+            .chain(["--quiet"])
+            .collect();
+        let (done, out) = run("simple_shear_periodic", &arguments);
+        done.code(0);
+        let stage = if reference.contains("shear") { "confine" } else { "compact" };
+        let before = rows(out.path(), "history.csv").into_iter().rfind(|row| row["stage"] == stage);
+        let expected: f64 = before.unwrap()["porosity"].parse().unwrap();
+        let found = json(out.path(), "run.json")["results"]["porosity"].as_f64().unwrap();
+        assert!((found - expected).abs() < 1e-12, "{reference}: {found} {expected}");
+    }
+}
