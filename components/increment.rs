@@ -53,6 +53,9 @@ pub enum Avalanche {
     MostOverloaded,
     /// By equilibria: all bonds above their limits in one of them break.
     Together,
+    /// By equilibria: the force of the broken bond is taken back gradually. The first bond that
+    /// reaches its limit on the way breaks there, and its force joins what is left of the others.
+    Gradual,
     /// By a motion with inertia and kinetic damping ([`Motion`](crate::motion::Motion)), in which
     /// bonds break as they reach their limits.
     Dynamic,

@@ -12,6 +12,7 @@ pub mod detect_contacts;
 pub mod energy_ledger;
 pub mod event_search;
 pub mod gather_bodies;
+pub mod gradual_release;
 pub mod identities;
 pub mod kinetic_damping;
 pub mod mean_field;

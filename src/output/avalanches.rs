@@ -68,6 +68,10 @@ impl Avalanche {
         let is_loaded = observation.fraction > 0.0;
         let is_active = now.search.active;
         let after = (!is_loaded).then(|| (observation.axial_stress, now.elastic_energy()));
+        // Forces of broken bonds are still being released.
+        if observation.ruptures.is_empty() && observation.in_avalanche {
+            return None;
+        }
         let mut ended = if observation.ruptures.is_empty() {
             open.take().map(|avalanche| avalanche.ended(after))
         } else if is_loaded {

@@ -25,10 +25,12 @@ use clastic_components::findings::{
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
 use clastic_components::loads::TrialLoads;
 use clastic_components::material::Materials;
+use clastic_components::release::Release;
 use clastic_cone::program::ConeProgram;
 
 use self::interactions::Findings;
 use self::rebounds::{assemble_rebounds, has_restitution};
+use crate::gradual_release::add_loads;
 use crate::rupture_bonds::lift_strengths;
 use crate::schedule::{AttemptIncrement, AttemptSystems, lap};
 
@@ -87,7 +89,7 @@ pub fn assemble_program(
     progress: Res<Progress>,
     attempt: Res<Attempt>,
     changes: (Res<Ruptures>, Res<Corrections>, Res<Pushed>),
-    search: Res<EventSearch>,
+    events: (Res<EventSearch>, Res<Release>),
     restraints: Res<Restraints>,
     centre: Res<Centre>,
     loads: Res<TrialLoads>,
@@ -96,6 +98,7 @@ pub fn assemble_program(
     let program = &mut *program;
     let history = &history.0;
     let (ruptures, corrections, pushed) = &changes;
+    let (search, release) = &events;
     let findings = Findings { ruptures, corrections, pushed };
     let row = bodies.positions.len();
     program.cell = bodies.cell.map(|cell| cell.in_program(row, bodies.mean_radius));
@@ -132,6 +135,7 @@ pub fn assemble_program(
         // known.
         balance(program);
     }
+    add_loads(&bodies, release, search.kept, program);
     if analysis.kind == AnalysisKind::Static && attempt.motion().is_none() {
         cell::hold_one(&bodies, history, program);
     }

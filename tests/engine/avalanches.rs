@@ -69,6 +69,8 @@ fn what_breaks_in_an_avalanche_is_a_choice() {
         ("MostOverloaded", vec![vec![1], vec![3], vec![]]),
         // One state has both bonds of the row above their limits.
         ("Together", vec![vec![1], vec![2, 3], vec![]]),
+        // On the way the weaker one reaches its limit first.
+        ("Gradual", vec![vec![1], vec![3], vec![]]),
         // The weaker one reaches its limit first and relieves the other.
         ("Dynamic", vec![vec![1], vec![3]]),
     ];

@@ -20,6 +20,7 @@ mod embedding;
 mod events;
 mod extension;
 mod followed_motion;
+mod gradual_release;
 mod groups;
 mod held_bodies;
 mod hinged_walls;
