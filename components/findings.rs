@@ -82,6 +82,10 @@ pub struct EventSearch {
     pub in_a_row: [u32; 2],
     /// Bonds at their limits in the last trial. They break when the trial is committed.
     pub broken: Vec<Rupture>,
+    /// Whether the imposed motion goes back after a rupture to the limit of the next bond.
+    pub returns: bool,
+    /// Whether the imposed motion has found no such state in this increment.
+    pub no_root: bool,
     /// Share of the forces of broken bonds that the trial still applies to their ends
     /// ([`Release`](crate::release::Release)).
     pub kept: f64,

@@ -112,6 +112,10 @@ pub struct RuptureRules {
     /// With `Events`: what happens after the first bond of an avalanche.
     #[serde(skip_serializing_if = "Avalanche::is_default")]
     pub avalanche: Avalanche,
+    /// With `Events`: whether the imposed motion goes back after a rupture until the next bond is
+    /// at its limit and all others hold.
+    #[serde(skip_serializing_if = "is_not")]
+    pub snap_back: bool,
     /// A bond is on a limit if its slack is below this fraction of the limit.
     #[serde(skip)]
     pub slack: f64,
@@ -126,6 +130,11 @@ impl RuptureRules {
     pub const DENSITY: f64 = 0.1;
     /// Default of [`brittleness`](Self::brittleness).
     pub const BRITTLENESS: f64 = 0.5;
+}
+
+/// Whether an option is off, which records of scenes leave out.
+fn is_not(option: &bool) -> bool {
+    !option
 }
 
 /// Whether the density is the default, which records of scenes leave out.
@@ -148,6 +157,7 @@ impl Default for RuptureRules {
             brittleness: Self::BRITTLENESS,
             rounds: 200,
             avalanche: Avalanche::default(),
+            snap_back: false,
             slack: 1e-7,
             multiplier: 1e-9,
         }

@@ -28,6 +28,7 @@ pub mod rupture_bonds;
 pub mod rupture_brittleness;
 pub mod rupture_density;
 pub mod schedule;
+pub mod snap_back;
 pub mod solve_program;
 pub mod state;
 pub mod step_control;

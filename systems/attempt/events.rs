@@ -25,6 +25,7 @@ use clastic_components::material::Materials;
 use clastic_components::release::Release;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
+use super::going_back::{self, Next};
 use crate::event_search::{Decision, GroupRules, Now, at_constant_load, decide, maximum};
 use crate::rupture_bonds::{
     BuiltInRule, Overload, UNLIMITED, overloads, restore_strengths, rupture,
@@ -56,10 +57,12 @@ pub fn begin(world: &mut World) {
         && world.contains_resource::<BuiltInRule>()
         && !bodies.bonds.is_empty()
         && bodies.bonds.iter().all(is_elastic);
-    let dense =
-        active && rules.avalanche != Avalanche::Dynamic && world.resource::<Progress>().dense;
+    let progress = world.resource::<Progress>();
+    let dense = active && rules.avalanche != Avalanche::Dynamic && progress.dense;
+    // Scenes have no loads with this option, and programs that embed the engine may have some.
+    let returns = active && rules.snap_back && progress.relaxing && !super::carries_loads(world);
     *world.resource_mut::<EventSearch>() =
-        EventSearch { active: active && !dense, dense, ..EventSearch::default() };
+        EventSearch { active: active && !dense, dense, returns, ..EventSearch::default() };
 }
 
 /// Whether the motion that the last ruptures released must still be followed.
@@ -111,6 +114,15 @@ pub fn judge(
         judge_by_true_limits(&found, &mut program, &mut solution);
         return;
     }
+    // A followed motion has left the path on which the imposed motion could go back.
+    if search.returns && !search.moved {
+        let broken = match going_back::next(rules, trial, &progress, &mut search) {
+            Next::Stands(broken) => broken,
+            Next::Try(fraction) => return try_next(fraction, &mut search, &mut attempt),
+        };
+        tables.commit(&found, &broken, &mut progress, &mut program, &mut solution, &mut search);
+        return;
+    }
     let shares = tables.shares(&found, &solution);
     let now = Now { trial: &trial, shares: &shares };
     let group = group_rules(rules);
@@ -131,17 +143,7 @@ pub fn judge(
     };
     match decision {
         Decision::Stands(broken) => {
-            search.broken = tables.ruptures(&found, &broken, progress.increment, &solution);
-            // All bonds of a group break at one state, some of them a little late.
-            let is_late = |o: &Overload| o.value > 1.0 && !broken.contains(&tables.bond(o));
-            search.in_avalanche = search.kept > 0.0
-                || !broken.is_empty()
-                    && (progress.fraction == 0.0 || search.moved || found.iter().any(is_late));
-            if !search.broken.is_empty() && progress.fraction > 0.0 {
-                // The distance to the next event is estimated from the last distances.
-                progress.tried = 0.5 * (REACH * progress.fraction).max(FORGET * progress.tried);
-            }
-            judge_by_true_limits(&found, &mut program, &mut solution);
+            tables.commit(&found, &broken, &mut progress, &mut program, &mut solution, &mut search);
         }
         Decision::Later(fraction) => {
             search.below = Some(trial);
@@ -196,6 +198,7 @@ impl Tables<'_> {
             && search.overload >= 1.0
             && progress.fraction > 0.0
             && self.rules.avalanche != Avalanche::Dynamic
+            && !self.rules.snap_back
     }
 
     /// Whether the bonds that reach their limits are so dense, or release so little force, that
@@ -220,6 +223,29 @@ impl Tables<'_> {
         let Self { bodies, materials, analysis, .. } = self;
         let laws = Laws { bodies, materials, analysis };
         brittleness(&due, &self.contacts.0, &forces, laws) <= self.rules.brittleness
+    }
+
+    /// Commits the trial, in which these bonds break.
+    fn commit(
+        &self,
+        found: &[Overload],
+        broken: &[usize],
+        progress: &mut Progress,
+        program: &mut ConeProgram,
+        solution: &mut ConeSolution,
+        search: &mut EventSearch,
+    ) {
+        search.broken = self.ruptures(found, broken, progress.increment, solution);
+        // All bonds of a group break at one state, some of them a little late.
+        let is_late = |o: &Overload| o.value > 1.0 && !broken.contains(&self.bond(o));
+        search.in_avalanche = search.kept > 0.0
+            || !broken.is_empty()
+                && (progress.fraction == 0.0 || search.moved || found.iter().any(is_late));
+        if !search.broken.is_empty() && progress.fraction > 0.0 {
+            // The distance to the next event is estimated from the last distances.
+            progress.tried = 0.5 * (REACH * progress.fraction).max(FORGET * progress.tried);
+        }
+        judge_by_true_limits(found, program, solution);
     }
 
     /// The ruptures of these bonds.

@@ -18,6 +18,7 @@ pub mod corrector;
 pub mod coulomb;
 pub mod dense;
 pub mod events;
+mod going_back;
 pub mod loose_grains;
 pub mod motion;
 pub mod next;
@@ -144,6 +145,7 @@ pub fn run_attempts(world: &mut World) {
     let mut start = None;
     loop {
         world.run_schedule(AttemptIncrement);
+        going_back::end_where_lost(world);
         let budget = budget(world);
         let mut attempt = world.resource_mut::<Attempt>();
         let verdict = std::mem::take(&mut attempt.verdict);

@@ -152,11 +152,9 @@ fn from_event_to_event_and_within_avalanches() {
 fn within_gradual_releases() {
     let sets = [
         "rupture=(order: Events, avalanche: Gradual)",
-        "specimen.count=72",
-        "stages.compact.target=Porosity(0.25)",
-        "stages.compact.step=2.5e-3",
-        "stages.load.increments=6",
-        "stages.load.walls.top[1]=-8.0e-6",
+        "stages.load.increments=30",
+        "stages.load.walls.top[1]=-5.588e-6",
+        "stages.load.stop=[StressDrop(0.2)]",
     ];
     let loaded = load("uniaxial_small", &sets);
     let mut within = Vec::new();

@@ -44,6 +44,7 @@ mod rigid_groups;
 mod rigs;
 mod rupture;
 mod sleeping;
+mod snap_back;
 mod specimens;
 mod stages;
 mod stress;
