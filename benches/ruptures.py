@@ -35,7 +35,7 @@ def prepare(seed, out):
     """Runs the compaction in proportion to COUNT."""
     text = (ROOT / "scenes/prepare_biaxial.ron").read_text()
     k = (COUNT / 6160) ** 0.5
-    text = text.replace("count: 6160", f"count: {COUNT}").replace("columns: 59", "columns: 22")
+    text = text.replace("count: 6160", f"count: {COUNT}").replace("columns: 59", f"columns: {int(59 * k)}")
     text = re.sub(r"(?<![\d.])0\.6(?=[,)])", f"{0.6 * k:.6g}", text)
     text = re.sub(r"(?<![\d.])1\.05(?=[,)])", "0.43", text)
     text = re.sub(r"Height\(([\d.]+)\)", lambda m: f"Height({float(m[1]) * k:.6g})", text)
@@ -150,10 +150,11 @@ def compare_avalanches(args):
 
 
 def main():
-    global PROGRAM
+    global PROGRAM, COUNT
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--out", type=Path, default=ROOT / "bench/ruptures")
     parser.add_argument("--seeds", default="11,12,13,14,15")
+    parser.add_argument("--count", type=int, default=COUNT, help="disks of a sand")
     parser.add_argument("--rocks", default="1,2,3,4,5", help="with --avalanches")
     parser.add_argument("--rules", default=",".join(AVALANCHES), help="with --avalanches")
     parser.add_argument("--avalanches", action="store_true")
@@ -161,7 +162,7 @@ def main():
     parser.add_argument("--program", type=Path, default=PROGRAM)
     parser.add_argument("--set", action="append", default=[], dest="sets", metavar="FIELD=VALUE")
     args = parser.parse_args()
-    PROGRAM = args.program
+    PROGRAM, COUNT = args.program, args.count
     args.out.mkdir(parents=True, exist_ok=True)
     if args.avalanches:
         return compare_avalanches(args)

@@ -116,7 +116,8 @@ mod tests {
             let trial = EventTrial { fraction, overloads, change: 0.0, is_solved: true };
             match decide(above.as_ref(), holding.as_ref(), &trial, trials, furthest, 1e-3) {
                 Return::Try(next) => {
-                    *(if maximum(&trial) > 1.0 { &mut above } else { &mut holding }) = Some(trial);
+                    let side = if maximum(&trial) > 1.0 { &mut above } else { &mut holding };
+                    *side = Some(trial);
                     fraction = next;
                 }
                 end => return (end, fraction, trials),

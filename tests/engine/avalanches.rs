@@ -188,7 +188,7 @@ fn with_coulombs_law_the_peak_of_a_rock_does_not_depend_on_the_increment() {
 #[test]
 #[ignore = "takes minutes"]
 fn curves_after_the_peak() {
-    let rules = ["MostOverloaded", "Together", "Dynamic"];
+    let rules = ["MostOverloaded", "Together", "Gradual", "Dynamic"];
     let sets = |rule: &str, seed: u32| {
         let set = |text: &str| text.to_owned();
         let rule = format!("rupture.avalanche={rule}");

@@ -272,18 +272,6 @@ fn settings() {
             "2:51: rupture.avalanche: `Gradual` breaks bonds one by one; with `group: 0.01` they \
              break in groups; leave `group` out, or give another `avalanche`",
         ),
-        (VERSION, "version: 1, rupture: (order: OneRound, snap_back: true)", "?"),
-        (VERSION, "version: 1, rupture: (avalanche: Dynamic, snap_back: true)", "?"),
-        (
-            VERSION,
-            "version: 1, gravity: (0.0, -9.81), bonds: [(a: 0, b: 1)], rupture: (snap_back: true)",
-            "?",
-        ),
-        (
-            VERSION,
-            "version: 1, analysis: Dynamic(dt: 1e-3, theta: 1.0), bonds: [(a: 0, b: 1)], rupture: (snap_back: true)",
-            "?",
-        ),
         (
             VERSION,
             "version: 1, rupture: (order: OneRound, avalanche: Dynamic)",

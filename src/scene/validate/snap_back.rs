@@ -2,9 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::scene::format::{
-    Analysis, Avalanche, Load, Motion, ParticleControl, RuptureOrder, Stage, WallControl,
-};
+use crate::scene::format::{Analysis, Avalanche, Load, Motion, RuptureOrder, Stage, WallControl};
 
 use super::Context;
 use super::findings::Findings;
@@ -74,58 +72,64 @@ fn of_stage(
     findings: &mut Findings,
 ) {
     let scene = context.scene;
-    let path = format_args!("stages[{i}]");
+    let stage_path = format!("stages[{i}]");
+    let own = |is_own: bool, field: &str| {
+        if is_own { format!("{stage_path}.{field}") } else { field.to_owned() }
+    };
+    let mut refuse = |path: &str, what: &str| {
+        let message = format!("`rupture.snap_back` {what}");
+        findings.add(format_args!("{path}"), message, HELP);
+    };
     if stage.analysis.unwrap_or(scene.analysis) != Analysis::Static {
-        let help = "leave `snap_back` out, or make the stage static";
-        findings.add(path, "`rupture.snap_back` in a dynamic stage", help);
+        refuse(&own(stage.analysis.is_some(), "analysis"), "in a dynamic stage");
         return;
     }
     if stage.gravity.unwrap_or(scene.gravity) != (0.0, 0.0) {
-        findings.add(path, "`rupture.snap_back` in a stage with gravity", HELP);
+        refuse(&own(stage.gravity.is_some(), "gravity"), "with gravity");
     }
-    if let Some(name) = loaded.first() {
-        let message = format!("`rupture.snap_back` with a load on wall `{name}`");
-        findings.add(path, message, HELP);
-    }
-    let loads_grains = |c: &ParticleControl| c.force.is_some() || c.moment.is_some();
-    let loads_groups = stage.rigid.values().any(|c| c.force.is_some() || c.moment.is_some());
-    if stage.particles.iter().any(loads_grains) || loads_groups {
-        findings.add(path, "`rupture.snap_back` with loads on particles", HELP);
-    }
-    if stage.cell.is_some() || scene.cell.is_some() {
-        findings.add(path, "`rupture.snap_back` with a periodic cell", HELP);
-    }
-    if !stage.membranes.is_empty() {
-        findings.add(path, "`rupture.snap_back` with a membrane", HELP);
+    for name in loaded {
+        let is_here = stage.walls.contains_key(*name);
+        let path = if is_here { format!("{stage_path}.walls.{name}") } else { stage_path.clone() };
+        refuse(&path, &format!("with a load on wall `{name}`"));
     }
     let mut driven = Vec::new();
     for (name, control) in &stage.walls {
         match control {
             WallControl::Displacement(x, y) if (*x, *y) == (0.0, 0.0) => {}
-            WallControl::Displacement(..) => driven.push(format!("wall `{name}`")),
+            WallControl::Displacement(..) => driven.push(format!("walls.{name}")),
             WallControl::Fixed => {}
             other if has_load(other) => {}
             _ => {
-                let path = format_args!("stages[{i}].walls.{name}");
-                let help = "give a `Displacement`, or leave `rupture.snap_back` out";
-                findings.add(path, "a motion that cannot go back", help);
+                let what = "with a motion that cannot go back: `Displacement` can";
+                refuse(&format!("{stage_path}.walls.{name}"), what);
             }
         }
     }
     let moves = |motion: Motion| !matches!(motion, Motion::Free | Motion::Held);
     for (k, c) in stage.particles.iter().enumerate() {
+        if c.force.is_some() || c.moment.is_some() {
+            refuse(&format!("{stage_path}.particles[{k}]"), "with loads on particles");
+        }
         if [c.x, c.y, c.rotation].into_iter().any(moves) || c.affine.is_some() {
-            driven.push(format!("`particles[{k}]`"));
+            driven.push(format!("particles[{k}]"));
         }
     }
     for (name, c) in &stage.rigid {
+        if c.force.is_some() || c.moment.is_some() {
+            refuse(&format!("{stage_path}.rigid.{name}"), "with a load on a rigid group");
+        }
         if [c.x, c.y, c.rotation].into_iter().any(moves) {
-            driven.push(format!("rigid group `{name}`"));
+            driven.push(format!("rigid.{name}"));
         }
     }
-    if driven.len() > 1 {
-        let message =
-            format!("`rupture.snap_back` with several imposed motions: {}", driven.join(", "));
-        findings.add(path, message, HELP);
+    if scene.cell.is_some() {
+        refuse("cell", "with a periodic cell");
+    }
+    if !stage.membranes.is_empty() {
+        refuse(&format!("{stage_path}.membranes"), "with a membrane");
+    }
+    if let [first, second, ..] = &driven[..] {
+        let what = format!("with a second imposed motion: `{first}` moves too");
+        refuse(&format!("{stage_path}.{second}"), &what);
     }
 }
