@@ -9,6 +9,10 @@ packing is that of the last leg that does not jam. Laws are those of scenes/biax
 an increment of 1 is its 0.074 % strain. The table has the mean error of q at 0.5 % and 1 % strain
 and of the peak against `OneRound` at 1/64 of the increment, the errors of the peak of single packings, solves to the
 peak, and processor seconds. `--set` gives fields of the scene to the runs with `Events`.
+
+With `--avalanches` the rules of `rupture.avalanche` are compared instead, with bonds that break one by one: on these
+packings, and on the rocks of scenes/uniaxial_small.ron with the seeds of `--rocks`. A run that takes longer than
+`--limit` processor seconds is stopped, and its row is left open where it did not come so far.
 """
 
 import argparse
@@ -21,6 +25,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 PROGRAM = ROOT / "target/release/clastic"
 COUNT, STRAIN, END = 900, 0.000741, 0.022
+AVALANCHES = ["MostOverloaded", "Together", "Gradual", "Dynamic"]
 RUNS = [("OneRound", m) for m in (1 / 64, 1 / 16, 1.0)] + [
     ("Events", m) for m in (1.0, 2.0, 10 / 3)
 ]
@@ -30,7 +35,7 @@ def prepare(seed, out):
     """Runs the compaction in proportion to COUNT."""
     text = (ROOT / "scenes/prepare_biaxial.ron").read_text()
     k = (COUNT / 6160) ** 0.5
-    text = text.replace("count: 6160", f"count: {COUNT}").replace("columns: 59", "columns: 22")
+    text = text.replace("count: 6160", f"count: {COUNT}").replace("columns: 59", f"columns: {int(59 * k)}")
     text = re.sub(r"(?<![\d.])0\.6(?=[,)])", f"{0.6 * k:.6g}", text)
     text = re.sub(r"(?<![\d.])1\.05(?=[,)])", "0.43", text)
     text = re.sub(r"Height\(([\d.]+)\)", lambda m: f"Height({float(m[1]) * k:.6g})", text)
@@ -57,40 +62,110 @@ def biaxial(seed, specimen, out):
     return scene, height * STRAIN / 2
 
 
-def run(scene, out, sets=()):
+def run(scene, out, sets=(), limit=None):
     command = [PROGRAM, "run", scene, "--out", out, "--force", "--threads", "1"]
     command += [word for value in sets for word in ("--set", value)]
     before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
-    subprocess.run([str(word) for word in command], capture_output=True, check=False)
+    bound = (lambda: resource.setrlimit(resource.RLIMIT_CPU, (limit, limit))) if limit else None
+    command = [str(word) for word in command]
+    subprocess.run(command, capture_output=True, check=False, preexec_fn=bound)
     return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
 
 
-def measured(out):
-    """q at 0.5 % and 1 % strain, its peak, and the solves up to the peak."""
+def loading(out):
+    """Strain, q and solves so far of every row of the loading stage."""
     with open(out / "history.csv") as file:
         rows = list(csv.DictReader(file))
     curve, solves = [(0.0, 0.0, 0)], 0
     for row in rows:
         solves += int(row["solves"])
         if row["stage"] == "load":
-            q = float(row["axial_stress_pa"]) - float(row["lateral_stress_pa"])
+            q = float(row["axial_stress_pa"]) - float(row["lateral_stress_pa"] or 0.0)
             curve.append((float(row["axial_strain"]), q, solves))
+    return curve
 
-    def at(strain):
-        a, b = next(pair for pair in zip(curve, curve[1:]) if pair[1][0] >= strain)
-        return a[1] + (strain - a[0]) / (b[0] - a[0]) * (b[1] - a[1])
 
+def at(curve, strain):
+    """q at a strain: linear between rows, of several rows at this strain the last; None beyond the end."""
+    k = max(k for k, point in enumerate(curve) if point[0] <= strain)
+    if k + 1 == len(curve):
+        return curve[k][1] if curve[k][0] == strain else None
+    a, b = curve[k], curve[k + 1]
+    return a[1] + (strain - a[0]) / (b[0] - a[0]) * (b[1] - a[1])
+
+
+def measured(out):
+    """q at 0.5 % and 1 % strain, its peak, and the solves up to the peak."""
+    curve = loading(out)
     peak = max(curve, key=lambda point: point[1])
-    return [at(0.005), at(0.01), peak[1], peak[2]]
+    return [at(curve, 0.005), at(curve, 0.01), peak[1], peak[2]]
+
+
+def avalanches(out, times):
+    """Peak and its strain, q at multiples of this strain, bonds broken, and those in avalanches.
+
+    Bonds in avalanches are those after the first bond of each event.
+    """
+    curve = loading(out)
+    peak = max(curve, key=lambda point: point[1])
+    later = [at(curve, k * peak[0]) for k in times]
+    with open(out / "events.csv") as file:
+        broken = sum(1 for _ in file) - 1
+    with open(out / "avalanches.csv") as file:
+        sizes = [
+            sum(int(row[f"broken_{mode}"]) for mode in ("tension", "shear", "rolling"))
+            for row in csv.DictReader(file)
+        ]
+    return [peak[1], peak[0], *later, broken, sum(size - 1 for size in sizes), max(sizes, default=0)]
+
+
+def compare_avalanches(args):
+    """Prints the table of the rules of avalanches."""
+    rocks = [(f"rock {seed}", ROOT / "scenes/uniaxial_small.ron", [f"specimen.seed={seed}"], 1e-6, (1.1, 1.5))
+             for seed in args.rocks.split(",") if seed]
+    sands = []
+    for seed in args.seeds.split(","):
+        if seed:
+            scene, closing = biaxial(seed, prepare(seed, args.out), args.out)
+            sets = [
+                "stages.load.increments=165",
+                f"stages.load.walls.top=Displacement(0.0, {-closing:.9e})",
+                f"stages.load.walls.bottom=Displacement(0.0, {closing:.9e})",
+                "rupture.density=21.0",
+                "rupture.brittleness=0.0",
+            ]
+            sands.append((f"sand {seed}", scene, sets, 1e-3, (1.1, 1.3)))
+    print("| packing | rule | peak | strain, % | later | later | bonds broken | in avalanches | largest | CPU s |")
+    print("|---|---|---|---|---|---|---|---|---|---|")
+    for name, scene, sets, unit, times in rocks + sands:
+        for rule in args.rules.split(","):
+            out = args.out / f"{name.replace(' ', '_')}_{rule}"
+            rules = ["rupture.order=Events", f"rupture.avalanche={rule}"]
+            cpu = run(scene, out, sets + rules + args.sets, args.limit)
+            peak, strain, *later, broken, more, largest = avalanches(out, times)
+            numbers = [f"{unit * peak:.1f}", f"{100 * strain:.3f}"]
+            numbers += ["" if q is None else f"{unit * q:.1f}" for q in later]
+            numbers += [str(broken), str(more), str(largest), f"{cpu:.1f}"]
+            print("| " + " | ".join([name, f"`{rule}`", *numbers]) + " |", flush=True)
 
 
 def main():
+    global PROGRAM, COUNT
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--out", type=Path, default=ROOT / "bench/ruptures")
     parser.add_argument("--seeds", default="11,12,13,14,15")
+    parser.add_argument("--count", type=int, default=COUNT, help="disks of a sand")
+    parser.add_argument("--rocks", default="1,2,3,4,5", help="with --avalanches")
+    parser.add_argument("--rules", default=",".join(AVALANCHES), help="with --avalanches")
+    parser.add_argument("--avalanches", action="store_true")
+    parser.add_argument("--limit", type=int, default=600, help="processor seconds of a run")
+    parser.add_argument("--program", type=Path, default=PROGRAM)
     parser.add_argument("--set", action="append", default=[], dest="sets", metavar="FIELD=VALUE")
     args = parser.parse_args()
+    PROGRAM, COUNT = args.program, args.count
     args.out.mkdir(parents=True, exist_ok=True)
+    if args.avalanches:
+        return compare_avalanches(args)
     found = {}
     for seed in args.seeds.split(","):
         scene, closing = biaxial(seed, prepare(seed, args.out), args.out)

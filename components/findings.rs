@@ -41,7 +41,7 @@ impl Ruptures {
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct EventTrial {
-    /// Fraction of a whole increment.
+    /// Fraction of a whole increment, or part of the [release](crate::release::Release).
     pub fraction: f64,
     /// Overload R of every bond, in the order of [`Bodies::bonds`](crate::contact::Bodies::bonds).
     /// R is at most 1 for a bond within its limits.
@@ -82,12 +82,19 @@ pub struct EventSearch {
     pub in_a_row: [u32; 2],
     /// Bonds at their limits in the last trial. They break when the trial is committed.
     pub broken: Vec<Rupture>,
+    /// Whether the imposed motion goes back after a rupture to the limit of the next bond.
+    pub returns: bool,
+    /// Whether the imposed motion has found no such state in this increment.
+    pub no_root: bool,
+    /// Share of the forces of broken bonds that the trial still applies to their ends
+    /// ([`Release`](crate::release::Release)).
+    pub kept: f64,
     /// Whether a followed motion has moved bodies in this increment before the trial.
     pub moved: bool,
     /// Maximum overload of the last trial.
     pub overload: f64,
-    /// Whether the last trial is a state within an avalanche, in which bonds are above their
-    /// limits.
+    /// Whether the last trial is a state within an avalanche, in which bonds are above their limits
+    /// or forces of broken bonds are not yet released.
     pub in_avalanche: bool,
 }
 

@@ -53,6 +53,9 @@ pub enum Avalanche {
     MostOverloaded,
     /// By equilibria: all bonds above their limits in one of them break.
     Together,
+    /// By equilibria: the force of the broken bond is taken back gradually. The first bond that
+    /// reaches its limit on the way breaks there, and its force joins what is left of the others.
+    Gradual,
     /// By a motion with inertia and kinetic damping ([`Motion`](crate::motion::Motion)), in which
     /// bonds break as they reach their limits.
     Dynamic,
@@ -109,6 +112,10 @@ pub struct RuptureRules {
     /// With `Events`: what happens after the first bond of an avalanche.
     #[serde(skip_serializing_if = "Avalanche::is_default")]
     pub avalanche: Avalanche,
+    /// With `Events`: whether the imposed motion goes back after a rupture until the next bond is
+    /// at its limit and all others hold.
+    #[serde(skip_serializing_if = "is_not")]
+    pub snap_back: bool,
     /// A bond is on a limit if its slack is below this fraction of the limit.
     #[serde(skip)]
     pub slack: f64,
@@ -123,6 +130,11 @@ impl RuptureRules {
     pub const DENSITY: f64 = 0.1;
     /// Default of [`brittleness`](Self::brittleness).
     pub const BRITTLENESS: f64 = 0.5;
+}
+
+/// Whether an option is off, which records of scenes leave out.
+fn is_not(option: &bool) -> bool {
+    !option
 }
 
 /// Whether the density is the default, which records of scenes leave out.
@@ -145,6 +157,7 @@ impl Default for RuptureRules {
             brittleness: Self::BRITTLENESS,
             rounds: 200,
             avalanche: Avalanche::default(),
+            snap_back: false,
             slack: 1e-7,
             multiplier: 1e-9,
         }

@@ -86,6 +86,7 @@ impl Plugin for ReflectPlugin {
             observation::Timings,
             particle::MaterialIndex,
             particle::Swinging,
+            release::Release,
             step_control::StepControl,
             rigid_group::RigidGroup,
             rigid_group::ContactForce,

@@ -22,7 +22,7 @@ use super::found::Found;
 use super::run_directory::RunDirectory;
 
 /// Columns.
-pub const COLUMNS: [&str; 12] = [
+pub const COLUMNS: [&str; 13] = [
     "increment",
     "stage",
     "axial_strain",
@@ -35,6 +35,7 @@ pub const COLUMNS: [&str; 12] = [
     "axial_stress_after_pa",
     "elastic_energy_before_j",
     "elastic_energy_after_j",
+    "snap_back",
 ];
 
 /// The current avalanche of a run.
@@ -54,6 +55,8 @@ pub struct Avalanche {
     broken: [u32; 3],
     stress: Option<f64>,
     energy: f64,
+    /// Whether the imposed motion could not go back to the limit of the next bond.
+    no_root: bool,
 }
 
 impl Avalanche {
@@ -65,13 +68,24 @@ impl Avalanche {
             return None;
         }
         let is_loaded = observation.fraction > 0.0;
+        // The imposed motion has gone back to the limit of the next bond.
+        let is_root = observation.fraction < 0.0;
         let is_active = now.search.active;
+        if let Some(avalanche) = open {
+            avalanche.no_root |= now.search.no_root;
+        }
         let after = (!is_loaded).then(|| (observation.axial_stress, now.elastic_energy()));
-        let mut ended = if observation.ruptures.is_empty() {
-            open.take().map(|avalanche| avalanche.ended(after))
+        // Forces of broken bonds are still being released.
+        if observation.ruptures.is_empty() && observation.in_avalanche {
+            return None;
+        }
+        let mut ended = if is_root {
+            open.take().map(|avalanche| avalanche.ended(after, "root"))
+        } else if observation.ruptures.is_empty() {
+            open.take().map(|avalanche| avalanche.ended(after, ""))
         } else if is_loaded {
             // Loading continued with one round of ruptures.
-            open.take().map(|avalanche| avalanche.ended(None))
+            open.take().map(|avalanche| avalanche.ended(None, ""))
         } else {
             None
         };
@@ -92,7 +106,7 @@ impl Avalanche {
         // The followed motion has come to rest without the bonds that broke in it.
         let is_settled = is_active && !is_loaded && !now.progress.relaxing;
         if is_settled && let Some(avalanche) = open.take() {
-            ended = Some(avalanche.ended(after));
+            ended = Some(avalanche.ended(after, ""));
         }
         ended
     }
@@ -109,12 +123,13 @@ impl Avalanche {
             broken: [0; 3],
             stress: observation.axial_stress,
             energy: now.elastic_energy(),
+            no_root: false,
         })
     }
 
     /// Row of the avalanche, and number of its bonds. `after` is the axial stress and the elastic
-    /// energy after it, if it ended with an equilibrium.
-    pub fn ended(self, after: Option<(Option<f64>, f64)>) -> (Row, usize) {
+    /// energy after it, if it ended with an equilibrium, and `snap_back` how.
+    pub fn ended(self, after: Option<(Option<f64>, f64)>, snap_back: &str) -> (Row, usize) {
         let bonds = self.broken.iter().sum::<u32>() as usize;
         let mut row = Row::default()
             .count(self.increment)
@@ -127,7 +142,8 @@ impl Avalanche {
         }
         let stress = after.and_then(|after| after.0);
         let row = row.optionals([self.stress, stress]);
-        (row.optionals([Some(self.energy), after.map(|after| after.1)]), bonds)
+        let row = row.optionals([Some(self.energy), after.map(|after| after.1)]);
+        (row.text(if self.no_root { "no root" } else { snap_back }), bonds)
     }
 }
 

@@ -26,10 +26,12 @@ use clastic_components::findings::{
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
 use clastic_components::loads::TrialLoads;
 use clastic_components::material::Materials;
+use clastic_components::release::Release;
 use clastic_cone::program::ConeProgram;
 
 use self::interactions::Findings;
 use self::rebounds::{assemble_rebounds, has_restitution};
+use crate::gradual_release::add_loads;
 use crate::rupture_bonds::lift_strengths;
 use crate::schedule::{AttemptIncrement, AttemptSystems, lap};
 
@@ -103,6 +105,7 @@ pub struct Found<'w> {
     corrections: Res<'w, Corrections>,
     pushed: Res<'w, Pushed>,
     search: Res<'w, EventSearch>,
+    release: Res<'w, Release>,
     restraints: Res<'w, Restraints>,
     centre: Res<'w, Centre>,
 }
@@ -116,7 +119,7 @@ pub fn assemble_program(
 ) {
     let program = &mut *program;
     assemble_interactions(&trial, &settings, &found, program);
-    assemble_bodies(&trial, &settings, program);
+    assemble_bodies(&trial, &settings, &found, program);
     let Settings { analysis, acceptance, .. } = &settings;
     let Trial { bodies, contacts, history, attempt, .. } = &trial;
     program.scales = scales::estimate(
@@ -174,7 +177,7 @@ fn assemble_interactions(
 }
 
 /// Fills the balance rows of the bodies.
-fn assemble_bodies(trial: &Trial, settings: &Settings, program: &mut ConeProgram) {
+fn assemble_bodies(trial: &Trial, settings: &Settings, found: &Found, program: &mut ConeProgram) {
     let Trial { bodies, contacts, history, loads, progress, attempt } = trial;
     let analysis = &settings.analysis;
     let balance = |program: &mut ConeProgram| {
@@ -187,6 +190,7 @@ fn assemble_bodies(trial: &Trial, settings: &Settings, program: &mut ConeProgram
         // known.
         balance(program);
     }
+    add_loads(bodies, &found.release, found.search.kept, program);
     if analysis.kind == AnalysisKind::Static && attempt.motion().is_none() {
         cell::hold_one(bodies, &history.0, program);
     }

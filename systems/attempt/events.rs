@@ -6,20 +6,26 @@
 //! next increment has the fraction 0: its equilibrium at constant load shows whether other bonds
 //! break as a consequence (an avalanche). The scene chooses what breaks then ([`Avalanche`]).
 //! Either the most overloaded bond or all bonds above their limits break, repeatedly until all
-//! bonds hold. Or the motion to the next state at rest is followed, from the equilibrium before the
-//! rupture.
+//! bonds hold. Or the force of the broken bond is released gradually, and the same search finds the
+//! part of the release at which the next bond reaches its limit
+//! ([`gradual_release`](crate::gradual_release)). Or the motion to the next state at rest is
+//! followed, from the equilibrium before the rupture.
 
 use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemParam;
 
 use clastic_components::attempt::{Attempt, Verdict};
+use clastic_components::bond::Rupture;
 use clastic_components::contact::{Bodies, BondRow, Contacts};
 use clastic_components::findings::{Corrections, EventSearch, EventTrial};
 use clastic_components::increment::{
     Analysis, AnalysisKind, Avalanche, Progress, RollingLimit, RuptureOrder, RuptureRules,
 };
 use clastic_components::material::Materials;
+use clastic_components::release::Release;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
+use super::going_back::{self, Next};
 use crate::event_search::{Decision, GroupRules, Now, at_constant_load, decide, maximum};
 use crate::rupture_bonds::{
     BuiltInRule, Overload, UNLIMITED, overloads, restore_strengths, rupture,
@@ -51,10 +57,12 @@ pub fn begin(world: &mut World) {
         && world.contains_resource::<BuiltInRule>()
         && !bodies.bonds.is_empty()
         && bodies.bonds.iter().all(is_elastic);
-    let dense =
-        active && rules.avalanche != Avalanche::Dynamic && world.resource::<Progress>().dense;
+    let progress = world.resource::<Progress>();
+    let dense = active && rules.avalanche != Avalanche::Dynamic && progress.dense;
+    // Scenes have no loads with this option, and programs that embed the engine may have some.
+    let returns = active && rules.snap_back && progress.relaxing && !super::carries_loads(world);
     *world.resource_mut::<EventSearch>() =
-        EventSearch { active: active && !dense, dense, ..EventSearch::default() };
+        EventSearch { active: active && !dense, dense, returns, ..EventSearch::default() };
 }
 
 /// Whether the motion that the last ruptures released must still be followed.
@@ -64,123 +72,264 @@ pub fn is_released(rules: &RuptureRules, progress: &Progress, search: &EventSear
     follows && search.active && progress.relaxing && !search.moved
 }
 
+/// What the judge reads.
+#[derive(SystemParam)]
+pub struct Tables<'w> {
+    rules: Res<'w, RuptureRules>,
+    bodies: Res<'w, Bodies>,
+    contacts: Res<'w, Contacts>,
+    materials: Res<'w, Materials>,
+    analysis: Res<'w, Analysis>,
+    corrections: Res<'w, Corrections>,
+    release: Res<'w, Release>,
+}
+
 /// Accepts the trial, with the bonds that break in it, or requests another fraction.
 pub fn judge(
-    rules: Res<RuptureRules>,
+    tables: Tables,
     mut progress: ResMut<Progress>,
-    bodies: Res<Bodies>,
-    contacts: Res<Contacts>,
     mut program: ResMut<ConeProgram>,
     mut solution: ResMut<ConeSolution>,
     mut search: ResMut<EventSearch>,
-    corrections: Res<Corrections>,
-    laws: (Res<Materials>, Res<Analysis>),
     mut attempt: ResMut<Attempt>,
 ) {
-    let RuptureRules { order, tolerance, group, avalanche, .. } = *rules;
-    if order != RuptureOrder::Events {
+    let rules = &*tables.rules;
+    if rules.order != RuptureOrder::Events {
         return;
     }
-    if is_released(&rules, &progress, &search) {
+    if is_released(rules, &progress, &search) {
         attempt.verdict = Verdict::Released;
         return;
     }
-    let share = if avalanche == Avalanche::Together { f64::INFINITY } else { group };
-    let group = GroupRules { tolerance, group, share };
-    let found = overloads(&contacts.0, &program, &solution, UNLIMITED);
-    let bond = |o: &Overload| contacts.0[o.contact].bond.map_or(0, |k| k as usize);
-    let sum = sum(&solution.forces).max(f64::MIN_POSITIVE);
-    let mut shares = vec![0.0; bodies.bonds.len()];
-    for o in &found {
-        let f = &solution.forces[o.contact];
-        shares[bond(o)] = f[0].hypot(f[1]) / sum;
-    }
-    let change = change(&program, &solution);
-    let of_bonds = |found: &[Overload], fraction| {
-        let mut overloads = vec![0.0; bodies.bonds.len()];
-        for o in found {
-            overloads[bond(o)] = o.value;
-        }
-        EventTrial { fraction, overloads, change, is_solved: true }
+    let found = overloads(&tables.contacts.0, &program, &solution, UNLIMITED);
+    let fraction = part_tried(&tables.release, &progress, &search);
+    let trial = EventTrial {
+        change: change(&program, &solution),
+        is_solved: true,
+        ..tables.trial(&found, fraction)
     };
-    let trial = of_bonds(&found, progress.fraction);
     search.overload = maximum(&trial);
     // The corrector continues from the chosen state with its bonds.
-    if corrections.passes > 0 {
-        restore_strengths(&found, &mut program.interactions);
-        solution.residuals = residuals(&program, &solution.forces, &solution.displacements);
+    if tables.corrections.passes > 0 {
+        judge_by_true_limits(&found, &mut program, &mut solution);
         return;
     }
+    // A followed motion has left the path on which the imposed motion could go back.
+    if search.returns && !search.moved {
+        let broken = match going_back::next(rules, trial, &progress, &mut search) {
+            Next::Stands(broken) => broken,
+            Next::Try(fraction) => return try_next(fraction, &mut search, &mut attempt),
+        };
+        tables.commit(&found, &broken, &mut progress, &mut program, &mut solution, &mut search);
+        return;
+    }
+    let shares = tables.shares(&found, &solution);
     let now = Now { trial: &trial, shares: &shares };
+    let group = group_rules(rules);
+    let below = search.below.clone().unwrap_or_else(|| tables.start(&program));
     // After a motion under the loads of this trial the fraction can no longer change.
     let decision = if search.moved {
         Decision::Stands(at_constant_load(now, group))
+    } else if tables.may_break_together(&progress, &search)
+        && tables.break_together(&below, &trial, &found, &program, &solution)
+    {
+        // The same fraction again, with the strengths of the bonds.
+        (search.active, search.dense, progress.dense) = (false, true, true);
+        search.target = progress.fraction;
+        attempt.verdict = Verdict::Overloaded;
+        return;
     } else {
-        let start = || {
-            let forces = program.interactions.iter().enumerate();
-            let last = |k: usize| program.last_forces.get(k).copied().unwrap_or_default();
-            let forces = forces.map(|(k, _)| last(k)).collect();
-            let start = ConeSolution { forces, ..ConeSolution::default() };
-            let found = overloads(&contacts.0, &program, &start, UNLIMITED);
-            EventTrial { change: 0.0, is_solved: false, ..of_bonds(&found, 0.0) }
-        };
-        let below = search.below.clone().unwrap_or_else(start);
-        let may_be_dense = search.trials == 0
-            && search.overload >= 1.0
-            && progress.fraction > 0.0
-            && avalanche != Avalanche::Dynamic;
-        let is_mild = || {
-            // The forces at the first crossing.
-            let (first, due) = due(&below, &trial);
-            let due: Vec<usize> =
-                found.iter().filter(|o| due.contains(&bond(o))).map(|o| o.contact).collect();
-            let part = (first / progress.fraction).min(1.0);
-            let forces = between(&program.last_forces, &solution.forces, part);
-            let (materials, analysis) = (&*laws.0, &*laws.1);
-            let laws = Laws { bodies: &bodies, materials, analysis };
-            brittleness(&due, &contacts.0, &forces, laws) <= rules.brittleness
-        };
-        if may_be_dense && (density(&below, &trial) >= rules.density || is_mild()) {
-            // The same fraction again, with the strengths of the bonds.
-            (search.active, search.dense, progress.dense) = (false, true, true);
-            search.target = progress.fraction;
-            attempt.verdict = Verdict::Overloaded;
-            return;
-        }
         decide(&below, search.above.as_ref(), now, search.trials, search.in_a_row, group)
     };
     match decision {
         Decision::Stands(broken) => {
-            let at = found.iter().filter(|o| broken.contains(&bond(o)));
-            let at = at.filter_map(|o| {
-                let (contact, forces) = (&contacts.0[o.contact], &solution.forces[o.contact]);
-                rupture(progress.increment, &bodies, contact, forces, o.mode)
-            });
-            search.broken = at.collect();
-            // All bonds of a group break at one state, some of them a little late.
-            let is_left = |o: &Overload| o.value > 1.0 && !broken.contains(&bond(o));
-            search.in_avalanche = !broken.is_empty()
-                && (progress.fraction == 0.0 || search.moved || found.iter().any(is_left));
-            if !search.broken.is_empty() && progress.fraction > 0.0 {
-                // The distance to the next event is estimated from the last distances.
-                progress.tried = 0.5 * (REACH * progress.fraction).max(FORGET * progress.tried);
-            }
-            restore_strengths(&found, &mut program.interactions);
-            solution.residuals = residuals(&program, &solution.forces, &solution.displacements);
+            tables.commit(&found, &broken, &mut progress, &mut program, &mut solution, &mut search);
         }
-        Decision::Later(fraction) | Decision::Earlier(fraction) => {
-            if matches!(decision, Decision::Later(_)) {
-                search.below = Some(trial);
-                search.in_a_row = [search.in_a_row[0] + 1, 0];
-            } else {
-                search.above = Some(trial);
-                search.in_a_row = [0, search.in_a_row[1] + 1];
-            }
-            search.trials += 1;
-            search.target = fraction;
-            attempt.verdict = Verdict::Overloaded;
+        Decision::Later(fraction) => {
+            search.below = Some(trial);
+            search.in_a_row = [search.in_a_row[0] + 1, 0];
+            try_next(fraction, &mut search, &mut attempt);
+        }
+        Decision::Earlier(fraction) => {
+            search.above = Some(trial);
+            search.in_a_row = [0, search.in_a_row[1] + 1];
+            try_next(fraction, &mut search, &mut attempt);
         }
     }
+}
+
+impl Tables<'_> {
+    /// Index of the bond of an overload.
+    fn bond(&self, o: &Overload) -> usize {
+        self.contacts.0[o.contact].bond.map_or(0, |k| k as usize)
+    }
+
+    /// The overloads of all bonds at a fraction.
+    fn trial(&self, found: &[Overload], fraction: f64) -> EventTrial {
+        let mut overloads = vec![0.0; self.bodies.bonds.len()];
+        for o in found {
+            overloads[self.bond(o)] = o.value;
+        }
+        EventTrial { fraction, overloads, change: 0.0, is_solved: false }
+    }
+
+    /// The start of the increment, by the forces after the last one.
+    fn start(&self, program: &ConeProgram) -> EventTrial {
+        let last = |k: usize| program.last_forces.get(k).copied().unwrap_or_default();
+        let forces = (0..program.interactions.len()).map(last).collect();
+        let start = ConeSolution { forces, ..ConeSolution::default() };
+        self.trial(&overloads(&self.contacts.0, program, &start, UNLIMITED), 0.0)
+    }
+
+    /// Force of each bond over the sum of all contact forces.
+    fn shares(&self, found: &[Overload], solution: &ConeSolution) -> Vec<f64> {
+        let sum = sum(&solution.forces).max(f64::MIN_POSITIVE);
+        let mut shares = vec![0.0; self.bodies.bonds.len()];
+        for o in found {
+            let f = &solution.forces[o.contact];
+            shares[self.bond(o)] = f[0].hypot(f[1]) / sum;
+        }
+        shares
+    }
+
+    /// Whether this is the first trial of a loading with which bonds may break together.
+    fn may_break_together(&self, progress: &Progress, search: &EventSearch) -> bool {
+        search.trials == 0
+            && search.overload >= 1.0
+            && progress.fraction > 0.0
+            && self.rules.avalanche != Avalanche::Dynamic
+            && !self.rules.snap_back
+    }
+
+    /// Whether the bonds that reach their limits are so dense, or release so little force, that
+    /// they break together.
+    fn break_together(
+        &self,
+        below: &EventTrial,
+        trial: &EventTrial,
+        found: &[Overload],
+        program: &ConeProgram,
+        solution: &ConeSolution,
+    ) -> bool {
+        if density(below, trial) >= self.rules.density {
+            return true;
+        }
+        // The forces at the first crossing.
+        let (first, due) = due(below, trial);
+        let due = found.iter().filter(|o| due.contains(&self.bond(o)));
+        let due: Vec<usize> = due.map(|o| o.contact).collect();
+        let part = (first / trial.fraction).min(1.0);
+        let forces = between(&program.last_forces, &solution.forces, part);
+        let Self { bodies, materials, analysis, .. } = self;
+        let laws = Laws { bodies, materials, analysis };
+        brittleness(&due, &self.contacts.0, &forces, laws) <= self.rules.brittleness
+    }
+
+    /// Commits the trial, in which these bonds break.
+    fn commit(
+        &self,
+        found: &[Overload],
+        broken: &[usize],
+        progress: &mut Progress,
+        program: &mut ConeProgram,
+        solution: &mut ConeSolution,
+        search: &mut EventSearch,
+    ) {
+        search.broken = self.ruptures(found, broken, progress.increment, solution);
+        // All bonds of a group break at one state, some of them a little late.
+        let is_late = |o: &Overload| o.value > 1.0 && !broken.contains(&self.bond(o));
+        search.in_avalanche = search.kept > 0.0
+            || !broken.is_empty()
+                && (progress.fraction == 0.0 || search.moved || found.iter().any(is_late));
+        if !search.broken.is_empty() && progress.fraction > 0.0 {
+            // The distance to the next event is estimated from the last distances.
+            progress.tried = 0.5 * (REACH * progress.fraction).max(FORGET * progress.tried);
+        }
+        judge_by_true_limits(found, program, solution);
+    }
+
+    /// The ruptures of these bonds.
+    fn ruptures(
+        &self,
+        found: &[Overload],
+        broken: &[usize],
+        increment: u64,
+        solution: &ConeSolution,
+    ) -> Vec<Rupture> {
+        let breaking = found.iter().filter(|o| broken.contains(&self.bond(o)));
+        let rupture = |o: &Overload| {
+            let (contact, forces) = (&self.contacts.0[o.contact], &solution.forces[o.contact]);
+            rupture(increment, &self.bodies, contact, forces, o.mode)
+        };
+        breaking.filter_map(rupture).collect()
+    }
+}
+
+fn group_rules(rules: &RuptureRules) -> GroupRules {
+    let &RuptureRules { tolerance, group, avalanche, .. } = rules;
+    let share = if avalanche == Avalanche::Together { f64::INFINITY } else { group };
+    GroupRules { tolerance, group, share }
+}
+
+/// Whether the increment releases forces of broken bonds instead of loading.
+#[must_use]
+pub fn releases(release: &Release, search: &EventSearch) -> bool {
+    search.active && !release.forces.is_empty()
+}
+
+/// Fraction of the increment that the trial solves, or the part of the release.
+#[must_use]
+pub fn part_tried(release: &Release, progress: &Progress, search: &EventSearch) -> f64 {
+    if releases(release, search) { 1.0 - search.kept } else { progress.fraction }
+}
+
+/// Sets the fraction of the increment, or the part of the release, of the next trial.
+pub fn set_part(world: &mut World, part: f64) {
+    if releases(world.resource(), world.resource()) {
+        world.resource_mut::<EventSearch>().kept = 1.0 - part;
+    } else {
+        world.resource_mut::<Progress>().fraction = part;
+    }
+}
+
+/// Halves the fraction of the increment, or the part of the release, and begins its search anew.
+pub fn halve(world: &mut World) {
+    let (release, progress) = (world.resource::<Release>(), world.resource::<Progress>());
+    let search = world.resource::<EventSearch>();
+    let half = 0.5 * part_tried(release, progress, search);
+    let releases = releases(release, search);
+    // An increment that fell back to one round stays in this mode.
+    let (active, dense) = (search.active, search.dense);
+    *world.resource_mut::<EventSearch>() = EventSearch { active, dense, ..Default::default() };
+    set_part(world, half);
+    if !releases {
+        world.resource_mut::<Progress>().tried = half;
+    }
+}
+
+/// Fraction of a whole increment that is tried, or the part of a whole release.
+#[must_use]
+pub fn part_of_whole(world: &World) -> f64 {
+    let (release, progress) = (world.resource::<Release>(), world.resource::<Progress>());
+    let search = world.resource::<EventSearch>();
+    let whole = if releases(release, search) { release.left } else { 1.0 };
+    whole * part_tried(release, progress, search)
+}
+
+/// Restores the strengths of the bonds, and judges the residuals by them.
+fn judge_by_true_limits(
+    found: &[Overload],
+    program: &mut ConeProgram,
+    solution: &mut ConeSolution,
+) {
+    restore_strengths(found, &mut program.interactions);
+    solution.residuals = residuals(program, &solution.forces, &solution.displacements);
+}
+
+fn try_next(fraction: f64, search: &mut EventSearch, attempt: &mut Attempt) {
+    search.trials += 1;
+    search.target = fraction;
+    attempt.verdict = Verdict::Overloaded;
 }
 
 /// Minimum distance of the first trial after an event, over the distance to that event. Fractions

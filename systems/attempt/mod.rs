@@ -18,6 +18,7 @@ pub mod corrector;
 pub mod coulomb;
 pub mod dense;
 pub mod events;
+mod going_back;
 pub mod loose_grains;
 pub mod motion;
 pub mod next;
@@ -144,6 +145,7 @@ pub fn run_attempts(world: &mut World) {
     let mut start = None;
     loop {
         world.run_schedule(AttemptIncrement);
+        going_back::end_where_lost(world);
         let budget = budget(world);
         let mut attempt = world.resource_mut::<Attempt>();
         let verdict = std::mem::take(&mut attempt.verdict);
@@ -173,7 +175,7 @@ pub fn run_attempts(world: &mut World) {
             }
             Next::Approach => {
                 let target = world.resource::<EventSearch>().target;
-                world.resource_mut::<Progress>().fraction = target;
+                events::set_part(world, target);
                 seek_equilibrium(world);
                 open_trial(world);
             }
@@ -209,18 +211,10 @@ pub fn run_attempts(world: &mut World) {
                 let mut attempt = world.resource_mut::<Attempt>();
                 attempt.motion_strain = 0.0;
                 attempt.motions = 0;
-                let mut progress = world.resource_mut::<Progress>();
                 if next == Next::Halve {
-                    progress.fraction *= 0.5;
-                    progress.tried = progress.fraction;
-                    // An increment that fell back to one round stays in this mode.
-                    let mut search = world.resource_mut::<EventSearch>();
-                    *search = EventSearch {
-                        active: search.active,
-                        dense: search.dense,
-                        ..EventSearch::default()
-                    };
+                    events::halve(world);
                 } else {
+                    let mut progress = world.resource_mut::<Progress>();
                     progress.tried =
                         (1.0 - progress.done.fract()).min(progress.total - progress.done);
                     progress.fraction = progress.tried;
@@ -320,7 +314,7 @@ fn budget(world: &World) -> Budget {
             },
         // A released motion has many steps, and each makes progress, so they are not counted.
         solve: attempt.solves.saturating_sub(released) < MAX_SOLVES,
-        half: 0.5 * world.resource::<Progress>().fraction >= finest,
+        half: 0.5 * events::part_of_whole(world) >= finest,
         searches: world.resource::<EventSearch>().active,
     }
 }

@@ -48,7 +48,7 @@ fn snapped(
     let groups = bodies.groups.iter().map(|group| bodies.imposed_motion(group));
     let imposed = imposed.chain(walls).chain(groups);
     let imposed = imposed.chain(bodies.cell.map(|cell| cell.imposed()));
-    let imposed = progress.fraction * imposed.fold(0.0, f64::max);
+    let imposed = progress.fraction.abs() * imposed.fold(0.0, f64::max);
     let n = bodies.particles;
     let (low, high) = bodies.positions[..n]
         .iter()

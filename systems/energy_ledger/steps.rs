@@ -7,9 +7,11 @@ use clastic_components::bond::Rupture;
 use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::contact_history::ContactHistory;
 use clastic_components::energy::{Energies, MotionEnergies};
-use clastic_components::findings::Ruptures;
+use clastic_components::findings::{EventSearch, Ruptures};
 use clastic_components::increment::{Analysis, Progress};
 use clastic_cone::program::{ConeProgram, ConeSolution, Dof};
+
+use crate::gradual_release::work;
 
 use super::interactions::{Before, Tables, book};
 
@@ -31,6 +33,9 @@ pub(crate) fn book_step(
             }
         }
     }
+    // The forces that are released gradually are no loads.
+    let kept = world.resource::<EventSearch>().kept;
+    e.external += kept * work(bodies, world.resource(), program, &solution.displacements);
     for (mass, u) in bodies.masses.iter().zip(moved) {
         e.gravity += mass * analysis.gravity.dot(DVec2::new(u[0], u[1]));
     }

@@ -150,6 +150,27 @@ fn from_event_to_event_and_within_avalanches() {
     assert!(within >= 2, "stopped {within} times within an avalanche, of {}", records.len());
 }
 
+/// The forces that are not yet released, and the part of a release that was halved, are state.
+#[test]
+fn within_gradual_releases() {
+    let sets = [
+        "rupture=(order: Events, avalanche: Gradual)",
+        "stages.load.increments=30",
+        "stages.load.walls.top[1]=-5.588e-6",
+        "stages.load.stop=[StressDrop(0.2)]",
+    ];
+    let loaded = load("uniaxial_small", &sets);
+    let mut within = Vec::new();
+    run(&loaded, &tempfile::tempdir().unwrap().path().join("first"), 0, |o| {
+        if o.in_avalanche {
+            within.push(o.increment);
+        }
+    });
+    assert!(within.len() >= 4, "{within:?}");
+    let chosen = [within[0], within[1], within[within.len() / 2], within[within.len() - 1]];
+    same_from_anywhere(&loaded, |k| chosen.contains(&k));
+}
+
 /// Whether bonds break many together, and how far the next increment goes, is part of the state.
 #[test]
 fn where_many_bonds_break_together() {

@@ -93,7 +93,7 @@ fn breaks_at(radius: f64) -> f64 {
 
 /// All rules of an avalanche at all of these increments.
 fn each_rule(increments: [u32; 3]) -> impl Iterator<Item = (u32, &'static str)> {
-    let rules = ["MostOverloaded", "Together", "Dynamic"];
+    let rules = ["MostOverloaded", "Together", "Gradual", "Dynamic"];
     increments.into_iter().flat_map(move |n| rules.map(|rule| (n, rule)))
 }
 

@@ -268,6 +268,12 @@ fn settings() {
         ),
         (
             VERSION,
+            "version: 1, rupture: (group: 0.01, avalanche: Gradual)",
+            "2:51: rupture.avalanche: `Gradual` breaks bonds one by one; with `group: 0.01` they \
+             break in groups; leave `group` out, or give another `avalanche`",
+        ),
+        (
+            VERSION,
             "version: 1, rupture: (order: OneRound, avalanche: Dynamic)",
             "2:55: rupture.avalanche: `Dynamic` has no effect: with `order: OneRound` there are no avalanches; \
              give `order: Events`, or leave `avalanche` out",

@@ -5,6 +5,7 @@ mod files;
 mod mutations;
 mod overrides;
 mod samples;
+mod snap_back;
 mod solver;
 mod spans;
 

@@ -45,6 +45,14 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
         let help = "give `order: Events`, or leave `avalanche` out";
         findings.add(format_args!("rupture.avalanche"), message, help);
     }
+    if rupture.avalanche == Avalanche::Gradual && rupture.group > 0.0 {
+        let message = format!(
+            "`Gradual` breaks bonds one by one; with `group: {:?}` they break in groups",
+            rupture.group
+        );
+        let help = "leave `group` out, or give another `avalanche`";
+        findings.add(format_args!("rupture.avalanche"), message, help);
+    }
     if let Some(corrector) = scene.corrector {
         let what = "a tolerance between 0 and 1";
         let allowed = |value| value > 0.0 && value < 1.0;
