@@ -139,7 +139,9 @@ pub(super) fn lower(program: &ConeProgram) -> Lowered {
             }
         }
         if l.has_rolling() {
-            let tau = column(&mut low, 2, 0.0, -e[2] / du[2]);
+            let linear = -(e[2] + c.rolling_compliance * c.previous_moment) / du[2];
+            let quadratic = c.rolling_compliance * df[2] / du[2];
+            let tau = column(&mut low, 2, quadratic, linear);
             for sign in [1.0, -1.0] {
                 let row = low.right.len();
                 low.matrix.push(row, tau, sign);

@@ -143,6 +143,7 @@ impl Scaled {
                 }
                 (places[1], rows[1]) = (out.free.len() + k, of_image);
             }
+            let of_moment = c.rolling_compliance * df[2] / du[2];
             let mut local = Local {
                 bodies: places,
                 kind,
@@ -151,7 +152,7 @@ impl Scaled {
                 compliance: [
                     c.normal_compliance * stiffness,
                     if has[1] { c.tangential_compliance * stiffness } else { 1.0 },
-                    0.0,
+                    if has[2] { of_moment } else { 0.0 },
                 ],
                 linear: [
                     c.offset / du[0] - fixed[0],
@@ -161,7 +162,7 @@ impl Scaled {
                     } else {
                         0.0
                     },
-                    -fixed[2],
+                    if has[2] { -of_moment * c.previous_moment / df[2] - fixed[2] } else { -fixed[2] },
                 ],
                 limits: [[0.0; 3]; ROWS],
                 right: [0.0; ROWS],
