@@ -18,7 +18,9 @@ use clastic_components::increment::{Analysis, RollingLimit, RuptureRules};
 use clastic_components::material::Materials;
 use clastic_cone::program::{ConeProgram, ConeSolution, Interaction, Kinematics, Limits};
 
-use crate::assemble_program::interactions::{contact_law, moment_after_rupture, shear_after_rupture};
+use crate::assemble_program::interactions::{
+    contact_law, moment_after_rupture, shear_after_rupture,
+};
 use crate::schedule::{Increment, IncrementSystems, lap};
 use clastic_cone::residuals::{displacement_scale, multipliers};
 
@@ -238,12 +240,8 @@ fn mode(
     let roll = l.moment + l.rolling * p;
     let most = l.moment + l.rolling * p.abs();
     let breaks = rules.rolling == RollingLimit::Breaks && l.has_rolling();
-    let rolls = breaks && met(
-            roll - tau.abs(),
-            most,
-            c.rolling_compliance,
-            length * m.rotation.abs(),
-        );
+    let rolls =
+        breaks && met(roll - tau.abs(), most, c.rolling_compliance, length * m.rotation.abs());
     rolls.then_some(RuptureMode::Rolling)
 }
 

@@ -11,7 +11,9 @@ use clastic_components::increment::{Analysis, AnalysisKind};
 use clastic_components::material::{ContactLaw, Materials};
 use clastic_cone::program::{ConeProgram, ConeSolution, Interaction, Kinematics};
 
-use crate::assemble_program::interactions::{contact_law, moment_after_rupture, shear_after_rupture};
+use crate::assemble_program::interactions::{
+    contact_law, moment_after_rupture, shear_after_rupture,
+};
 use clastic_cone::residuals::{Multipliers, multipliers};
 
 /// Tables of the increment or step: initial and final state.

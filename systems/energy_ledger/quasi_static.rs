@@ -37,10 +37,9 @@ impl<'a> Starts<'a> {
         program: &ConeProgram,
         solution: &ConeSolution,
     ) -> Self {
-        let is_rigid = program
-            .interactions
-            .iter()
-            .all(|c| [c.normal_compliance, c.tangential_compliance, c.rolling_compliance] == [0.0; 3]);
+        let is_rigid = program.interactions.iter().all(|c| {
+            [c.normal_compliance, c.tangential_compliance, c.rolling_compliance] == [0.0; 3]
+        });
         let released: &[Released] = if is_rigid { &[] } else { released };
         Self { memory, released, is_rigid, forces: solution.forces.clone() }
     }

@@ -355,7 +355,11 @@ impl Oracle {
                     bond.tensile_strength * area,
                     bond.rolling_friction * radius,
                 ];
-                let stiffness = compliances(bond.normal_stiffness, bond.tangential_stiffness);
+                let stiffness = compliances([
+                    bond.normal_stiffness,
+                    bond.tangential_stiffness,
+                    bond.rolling_stiffness,
+                ]);
                 (stiffness, limits, gap - born)
             });
             let as_contact = {
@@ -366,8 +370,11 @@ impl Oracle {
                 };
                 let limits =
                     [0.0, contact_law.friction, 0.0, contact_law.rolling_friction * radius];
-                let stiffness =
-                    compliances(contact_law.normal_stiffness, contact_law.tangential_stiffness);
+                let stiffness = compliances([
+                    contact_law.normal_stiffness,
+                    contact_law.tangential_stiffness,
+                    contact_law.rolling_stiffness,
+                ]);
                 (stiffness, limits, gap)
             };
             // Two bodies whose motion is imposed, and that do not close: their overlap is nobody's
@@ -415,7 +422,7 @@ impl Oracle {
                 }
                 None => false,
             };
-            let ([cn, ct], limits, offset) = if bonded { as_bond.unwrap() } else { as_contact };
+            let ([cn, ct, cr], limits, offset) = if bonded { as_bond.unwrap() } else { as_contact };
             if !is_listed(&limits) {
                 findings.complain(n, format!("limits {listed:?} instead of {limits:?}"));
             }
@@ -440,7 +447,8 @@ impl Oracle {
             let turn = a.motion[2] - spin_b;
             let slides = cohesion > 0.0 || friction > 0.0;
             let plastic = if slides { slip - ct / theta * (q - c.previous_shear) } else { 0.0 };
-            let rolls = if rolling > 0.0 { turn } else { 0.0 };
+            let twist = cr / theta * (tau - c.previous_moment);
+            let rolls = if rolling > 0.0 { turn - twist } else { 0.0 };
             let start = if cn > 0.0 { offset / theta } else { offset };
             // Section 4 of the formulation: in static increments what rigid bodies overlap by less
             // than this is what the last increment left, and no overlap.
@@ -555,8 +563,8 @@ impl Oracle {
     }
 }
 
-fn compliances(normal: Option<f64>, tangential: Option<f64>) -> [f64; 2] {
-    [normal.map_or(0.0, f64::recip), tangential.map_or(0.0, f64::recip)]
+fn compliances(stiffnesses: [Option<f64>; 3]) -> [f64; 3] {
+    stiffnesses.map(|stiffness| stiffness.map_or(0.0, f64::recip))
 }
 
 /// Springs in series.
@@ -569,6 +577,7 @@ fn between_contacts(a: ContactLaw, b: ContactLaw) -> ContactLaw {
     ContactLaw {
         normal_stiffness: series(a.normal_stiffness, b.normal_stiffness),
         tangential_stiffness: series(a.tangential_stiffness, b.tangential_stiffness),
+        rolling_stiffness: series(a.rolling_stiffness, b.rolling_stiffness),
         friction: a.friction.min(b.friction),
         rolling_friction: a.rolling_friction.min(b.rolling_friction),
         restitution: a.restitution.min(b.restitution),
@@ -579,6 +588,7 @@ fn between_bonds(a: BondLaw, b: BondLaw) -> BondLaw {
     BondLaw {
         normal_stiffness: series(a.normal_stiffness, b.normal_stiffness),
         tangential_stiffness: series(a.tangential_stiffness, b.tangential_stiffness),
+        rolling_stiffness: series(a.rolling_stiffness, b.rolling_stiffness),
         friction: a.friction.min(b.friction),
         rolling_friction: a.rolling_friction.min(b.rolling_friction),
         cohesion: a.cohesion.min(b.cohesion),

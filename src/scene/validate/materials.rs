@@ -130,7 +130,8 @@ fn rolling(path: Arguments, (stiffness, friction): (Option<f64>, f64), findings:
     let is_fine = findings.number(path, stiffness, |stiffness| stiffness > 0.0, what);
     if is_fine && friction == 0.0 {
         let message = "a rolling stiffness without a rolling moment";
-        let help = "give `rolling_friction` too, the coefficient of its limit mu_r r p, or leave it out";
+        let help =
+            "give `rolling_friction` too, the coefficient of its limit mu_r r p, or leave it out";
         findings.add(path, message, help);
     }
 }

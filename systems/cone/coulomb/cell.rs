@@ -153,8 +153,7 @@ impl Cell {
             r.s[1] = self.linear[1] + self.compliance[1] * x.s[1] - e[1] + plus - minus;
         }
         if self.on[3] {
-            r.s[2] =
-                self.linear[2] + self.compliance[2] * x.s[2] - e[2] + roll_plus - roll_minus;
+            r.s[2] = self.linear[2] + self.compliance[2] * x.s[2] - e[2] + roll_plus - roll_minus;
         }
         let taken = self.of_limits(&x.s);
         for q in self.each_limit() {
