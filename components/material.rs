@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// Law of an unbonded contact.
 ///
 /// `|q| <= mu p`, `|tau| <= mu_r r p`, `p >= 0`, with elastic compliances `C = 1/k` in the normal
-/// and the tangential direction; `C = 0` is a rigid contact.
+/// and the tangential direction and in rolling; `C = 0` is rigid.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 pub struct ContactLaw {
@@ -16,6 +16,8 @@ pub struct ContactLaw {
     pub normal_compliance: f64,
     /// Tangential compliance `1/k_T`, m/N; 0 is rigid.
     pub tangential_compliance: f64,
+    /// Rolling compliance `1/k_R`, rad/(N m); 0 is rigid.
+    pub rolling_compliance: f64,
     /// Coefficient of friction mu.
     pub friction: f64,
     /// Coefficient of rolling friction mu_r. 0 means that the contact has no rolling moment.
@@ -33,6 +35,7 @@ impl ContactLaw {
         Self {
             normal_compliance: 0.5 * (self.normal_compliance + other.normal_compliance),
             tangential_compliance: 0.5 * (self.tangential_compliance + other.tangential_compliance),
+            rolling_compliance: 0.5 * (self.rolling_compliance + other.rolling_compliance),
             friction: self.friction.min(other.friction),
             rolling_friction: self.rolling_friction.min(other.rolling_friction),
             restitution: self.restitution.min(other.restitution),
@@ -55,6 +58,8 @@ pub struct BondLaw {
     pub normal_compliance: f64,
     /// Tangential compliance `1/k_T`, m/N; 0 is rigid.
     pub tangential_compliance: f64,
+    /// Rolling compliance `1/k_R`, rad/(N m); 0 is rigid.
+    pub rolling_compliance: f64,
     /// Internal friction coefficient mu_b.
     pub friction: f64,
     /// Coefficient of rolling friction mu_r. 0 means that the bond has no rolling moment and never
@@ -74,6 +79,7 @@ impl BondLaw {
         Self {
             normal_compliance: 0.5 * (self.normal_compliance + other.normal_compliance),
             tangential_compliance: 0.5 * (self.tangential_compliance + other.tangential_compliance),
+            rolling_compliance: 0.5 * (self.rolling_compliance + other.rolling_compliance),
             friction: self.friction.min(other.friction),
             rolling_friction: self.rolling_friction.min(other.rolling_friction),
             cohesion: self.cohesion.min(other.cohesion),

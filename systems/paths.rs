@@ -214,7 +214,10 @@ fn kinds(n: usize, program: &ConeProgram, solution: &ConeSolution, impacts: &Imp
         }
     }
     let is_soft = |c: &&Interaction| {
-        c.normal_compliance > 0.0 || c.tangential_compliance > 0.0 || c.limits.has_strength()
+        c.normal_compliance > 0.0
+            || c.tangential_compliance > 0.0
+            || c.rolling_compliance > 0.0
+            || c.limits.has_strength()
     };
     for c in program.interactions.iter().filter(is_soft) {
         for i in [c.a as usize, c.b as usize].into_iter().filter(|i| *i < n) {

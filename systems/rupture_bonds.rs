@@ -1,7 +1,7 @@
 //! Rupture: bonds that reach one of their three limits break permanently (3.4.2 of the paper).
 //!
 //! A bond is at a limit if its slack is below [`RuptureRules::slack`] of the limit. A limit without
-//! compliance (rolling always, tension and shear of rigid bonds) may be reached by forces that are
+//! compliance (tension, shear and rolling of rigid bonds) may be reached by forces that are
 //! not unique. The bond then breaks only if the multiplier is active, that is, if the bodies move
 //! relative to each other. This relative motion must exceed [`RuptureRules::multiplier`]. Divided
 //! by the maximum motion, it must also exceed the slack divided by the limit. At the apex of the
@@ -18,7 +18,9 @@ use clastic_components::increment::{Analysis, RollingLimit, RuptureRules};
 use clastic_components::material::Materials;
 use clastic_cone::program::{ConeProgram, ConeSolution, Interaction, Kinematics, Limits};
 
-use crate::assemble_program::interactions::{contact_law, shear_after_rupture};
+use crate::assemble_program::interactions::{
+    contact_law, moment_after_rupture, shear_after_rupture,
+};
 use crate::schedule::{Increment, IncrementSystems, lap};
 use clastic_cone::residuals::{displacement_scale, multipliers};
 
@@ -238,7 +240,8 @@ fn mode(
     let roll = l.moment + l.rolling * p;
     let most = l.moment + l.rolling * p.abs();
     let breaks = rules.rolling == RollingLimit::Breaks && l.has_rolling();
-    let rolls = breaks && met(roll - tau.abs(), most, 0.0, length * m.rotation.abs());
+    let rolls =
+        breaks && met(roll - tau.abs(), most, c.rolling_compliance, length * m.rotation.abs());
     rolls.then_some(RuptureMode::Rolling)
 }
 
@@ -269,7 +272,8 @@ pub fn rupture_bonds(
     release(last, &bodies, &contacts, &materials, &analysis, &mut history);
 }
 
-/// Reduces the shear force in contacts of broken bonds to the limit of friction.
+/// Reduces the shear force in contacts of broken bonds, and the moment of those that roll
+/// elastically, to what friction can carry.
 pub fn release<'a>(
     ruptures: impl Iterator<Item = &'a Rupture>,
     bodies: &Bodies,
@@ -289,6 +293,9 @@ pub fn release<'a>(
             let law = contact_law(bodies, materials, analysis, contact);
             let memory = &mut history.0[m];
             memory.q = shear_after_rupture(memory.q, contact.gap, &law);
+            if law.rolling_compliance > 0.0 {
+                memory.tau = moment_after_rupture(memory.tau, contact, bodies, &law);
+            }
         }
     }
 }

@@ -100,6 +100,7 @@ fn program(case: u64) -> ConeProgram {
         let strength = |r: &mut Random| if bonded { r.or_zero(20, 0.0, 4.0) } else { 0.0 };
         let rigid = if r.chance(30) { 100 } else { 10 };
         let tangential = r.or_zero(rigid, -8.0, -4.0);
+        let previous_shear = if tangential > 0.0 && r.chance(40) { 10.0 * r.unit() } else { 0.0 };
         interactions.push(Interaction {
             a: a as u32,
             b: b as u32,
@@ -111,7 +112,10 @@ fn program(case: u64) -> ConeProgram {
             offset: if r.chance(50) { 0.0 } else { 1e-5 * r.unit() },
             normal_compliance: r.or_zero(rigid, -8.0, -4.0),
             tangential_compliance: tangential,
-            previous_shear: if tangential > 0.0 && r.chance(40) { 10.0 * r.unit() } else { 0.0 },
+            previous_shear,
+            // Springs of rolling at the ends of those of slip.
+            rolling_compliance: 4e4 * tangential,
+            previous_moment: 5e-3 * previous_shear,
             limits: Limits::new(
                 strength(r),
                 if r.chance(30) { 0.0 } else { r.unit().abs() },

@@ -14,6 +14,7 @@ pub fn contact_law(contact: &scene::Contact) -> ContactLaw {
     ContactLaw {
         normal_compliance: compliance(contact.normal_stiffness),
         tangential_compliance: compliance(contact.tangential_stiffness),
+        rolling_compliance: compliance(contact.rolling_stiffness),
         friction: contact.friction,
         rolling_friction: contact.rolling_friction,
         restitution: contact.restitution,
@@ -26,6 +27,7 @@ pub fn bond_law(bond: &scene::Bond) -> BondLaw {
     BondLaw {
         normal_compliance: compliance(bond.normal_stiffness),
         tangential_compliance: compliance(bond.tangential_stiffness),
+        rolling_compliance: compliance(bond.rolling_stiffness),
         friction: bond.friction,
         rolling_friction: bond.rolling_friction,
         cohesion: bond.cohesion,

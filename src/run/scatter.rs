@@ -36,6 +36,7 @@ pub fn scattered(bond: &Bond, places: [DVec2; 2]) -> BondLaw {
     BondLaw {
         normal_compliance: law.normal_compliance / normal,
         tangential_compliance: law.tangential_compliance / tangential,
+        rolling_compliance: law.rolling_compliance / stiffness,
         cohesion: law.cohesion * cohesion,
         tensile_strength: law.tensile_strength * tensile,
         ..law
@@ -98,6 +99,7 @@ mod tests {
         Bond {
             normal_stiffness: Some(2.0e6),
             tangential_stiffness: Some(1.0e6),
+            rolling_stiffness: Some(2.0e2),
             friction: 0.5,
             rolling_friction: 0.0,
             cohesion: 3.0e3,
@@ -148,6 +150,7 @@ mod tests {
             assert!((law.tensile_strength / 5.0e3 / factor - 1.0).abs() < 1e-14);
             let stiffer = 1.0 / 2.0e6 / law.normal_compliance;
             assert!((1.0 / 1.0e6 / law.tangential_compliance / stiffer - 1.0).abs() < 1e-14);
+            assert!((1.0 / 2.0e2 / law.rolling_compliance / stiffer - 1.0).abs() < 1e-14);
             assert!((stiffer - factor).abs() > 1e-9);
         }
         let apart = laws(Scatter { cohesion: weibull, tensile_strength: weibull, ..NONE }, 2000);

@@ -20,6 +20,9 @@ const LAW: [&str; 6] = [
     "bonds.tensile_strength_pa",
 ];
 
+/// Rolling compliance, rad/(N m), where a bond has one.
+pub(super) const ROLLING: &str = "bonds.rolling_compliance_rad_nm";
+
 /// The codes of the array `bonds.state`.
 const STATES: [BondState; 4] = [
     BondState::Intact,
@@ -56,6 +59,10 @@ pub(super) fn write(state: &WorldState, tables: &mut Tables) -> Result<(), Saved
             ][k]
         };
         tables.put(name, Array::f64(bonds.iter().map(|(_, bond)| law(bond)).collect()));
+    }
+    let rolling: Vec<f64> = bonds.iter().map(|(_, bond)| bond.law.rolling_compliance).collect();
+    if rolling.iter().any(|compliance| *compliance > 0.0) {
+        tables.put(ROLLING, Array::f64(rolling));
     }
     Ok(())
 }
@@ -95,12 +102,20 @@ pub(super) fn read(
     for name in LAW {
         law.push(tables.f64(name, &[n])?);
     }
+    let rolling = match tables.has(ROLLING) {
+        true => {
+            finite(tables, &[ROLLING])?;
+            tables.f64(ROLLING, &[n])?
+        }
+        false => &vec![0.0; n],
+    };
     let (mut bonds, mut states) = (Vec::with_capacity(n), Vec::with_capacity(n));
     for k in 0..n {
         let id = BondId(ids[k]);
         let law = BondLaw {
             normal_compliance: law[0][k],
             tangential_compliance: law[1][k],
+            rolling_compliance: rolling[k],
             friction: law[2][k],
             rolling_friction: law[3][k],
             cohesion: law[4][k],

@@ -40,7 +40,9 @@ const FORMAT: &str = "clastic state";
 /// Version of the format, which follows the word. It increases with every change of the arrays. A
 /// state has the first version that has all its arrays, so that older programs read it too, and no
 /// program silently skips an array.
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
+/// Version without elastic rolling moments.
+const WITH_CELL: u32 = 3;
 /// Version without a periodic cell and with another ledger.
 const WITH_GROUPS: u32 = 2;
 /// Version without rigid groups and membranes.
@@ -135,12 +137,11 @@ pub fn save(world: &mut World) -> Result<Tables, SavedError> {
     let mut tables = Tables::default();
     let is_plain = groups::names(&state)?.is_empty() && !membranes::are_there(&state)?;
     let is_new = cell::of(&state)?.is_some() || state.bytes(progress::LEDGER).is_some();
-    let version = match (is_plain, is_new) {
-        (_, true) => VERSION,
+    let mut version = match (is_plain, is_new) {
+        (_, true) => WITH_CELL,
         (false, false) => WITH_GROUPS,
         (true, false) => PLAIN,
     };
-    tables.put("format", Array::word(&format!("{FORMAT} {version}")));
     let thickness = world.resource::<Analysis>().thickness;
     progress::write(&state, thickness, &mut tables)?;
     let materials = world.resource::<Materials>();
@@ -155,6 +156,10 @@ pub fn save(world: &mut World) -> Result<Tables, SavedError> {
     contacts::write(&state, world, &mut tables)?;
     membranes::write(&state, &mut tables)?;
     cell::write(&state, &mut tables)?;
+    if [bonds::ROLLING, wall_laws::ROLLING].iter().any(|name| tables.has(name)) {
+        version = VERSION;
+    }
+    tables.put("format", Array::word(&format!("{FORMAT} {version}")));
     for name in state.names() {
         let known = AS_ARRAYS.iter().any(|entries| entries.contains(&name));
         if let Some(bytes) = state.bytes(name).filter(|_| !known && !OF_THE_SCENE.contains(&name)) {

@@ -8,7 +8,9 @@ use clastic_systems::wall_states::WALL_CONTROL;
 use glam::DVec2;
 
 use super::columns::{add, bad, finite, identities, of, some};
-use super::wall_laws::{bond, bond_row, contact, contact_row, law_row};
+use super::wall_laws::{
+    bond, bond_row, contact, contact_row, law_row, read_rolling, rolling_row, write_rolling,
+};
 use super::{SavedError, wall_controls};
 use crate::run::wall_pieces::{count, moved, pieces};
 use crate::run::walls::WallCatalogue;
@@ -112,6 +114,8 @@ pub(super) fn write(
     let laws = of::<ContactLaw>(state, "contact_law", ids)?;
     let law = |law: &Option<ContactLaw>| law.map_or([0.0; 5], |law| law_row(&law));
     tables.put("walls.law", Array::vectors(laws.iter().map(law)));
+    let rolling = |k: usize| rolling_row(laws[k].as_ref(), of_row.get(k).copied());
+    write_rolling(all().map(rolling).collect(), tables);
     let shape = |k: usize| of_row.get(k).filter(|w| !w.shape.is_line()).map(|w| as_ron(&w.shape));
     tables.put("walls.shape", text(&shape));
     let contact = |k: usize| of_row.get(k).map_or([0.0; 5], |w| contact_row(&w.contact));
@@ -187,10 +191,12 @@ pub(super) fn read(
     let forces = triples("walls.external_force")?;
     add(state, "external_force", ids, forces.into_iter().map(|f| Some(ExternalForce(f))))?;
     let laws = tables.vectors::<5>("walls.law", n)?.into_iter().enumerate();
-    let laws = laws.filter(|(k, _)| is_there(*k)).map(|(_, [n, t, mu, roll, e])| {
+    let rolling = read_rolling(tables, n)?;
+    let laws = laws.filter(|(k, _)| is_there(*k)).map(|(k, [n, t, mu, roll, e])| {
         Some(ContactLaw {
             normal_compliance: n,
             tangential_compliance: t,
+            rolling_compliance: rolling[k][0],
             friction: mu,
             rolling_friction: roll,
             restitution: e,
@@ -243,8 +249,8 @@ fn read_listed(
             start: starts[k].into(),
             end: ends[k].into(),
             shape,
-            contact: contact(contacts[k]),
-            bond: bond(bonds[k]),
+            contact: contact(contacts[k], rolling[k][1]),
+            bond: bond(bonds[k], rolling[k][2]),
             present: present[k],
             probe: some(&probes[k]),
         };

@@ -276,6 +276,8 @@ mod tests {
                 normal_compliance: 0.0,
                 tangential_compliance: 0.0,
                 previous_shear: 0.0,
+                rolling_compliance: 0.0,
+                previous_moment: 0.0,
                 limits: Default::default(),
                 dilation: 1.0,
                 image: DVec2::ZERO,

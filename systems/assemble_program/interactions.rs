@@ -6,6 +6,7 @@
 //! | compliances | 1/k of the bond | 1/k of the contact |
 //! | c A, f_t, mu, mu_r | of the bond | 0, 0, mu and mu_r of the contact |
 //! | previous shear q_0 | last increment's (0 where C_T = 0) | last increment's while in contact |
+//! | previous moment tau_0 | last increment's (0 where C_R = 0) | last increment's while in contact |
 //!
 //! In dynamics an elastic interaction enters with C/theta and g/theta, so that its force in the
 //! program is the average over the increment. A rigid interaction keeps g, so that it does not
@@ -56,14 +57,19 @@ pub fn assemble(
         let law = contact_law(bodies, materials, analysis, contact);
         let memory = memory_of(contact.a, contact.b);
         last.push(memory.map_or([0.0; 3], |m| [m.p, m.q, m.tau]));
-        let memory = memory.map_or(0.0, |m| m.q);
+        let memory = memory.map_or([0.0; 2], |m| [m.q, m.tau]);
         let bond = contact.bond.map(|k| &bodies.bonds[k as usize]);
         let broken = bond.is_some_and(|b| findings.ruptures.list.iter().any(|r| r.bond == b.id));
         match bond.filter(|_| !broken) {
             Some(bond) => bonded(bodies, analysis, findings, contact, bond, memory),
             None => {
-                let memory =
-                    if broken { shear_after_rupture(memory, contact.gap, &law) } else { memory };
+                let memory = match memory {
+                    [q, tau] if broken => [
+                        shear_after_rupture(q, contact.gap, &law),
+                        moment_after_rupture(tau, contact, bodies, &law),
+                    ],
+                    memory => memory,
+                };
                 unbonded(bodies, analysis, findings, contact, &law, memory)
             }
         }
@@ -103,13 +109,25 @@ pub fn shear_after_rupture(q: f64, gap: f64, law: &ContactLaw) -> f64 {
     q.clamp(-limit, limit)
 }
 
+/// Initial rolling moment of a contact whose bond has broken: the part that its limit allows. It is
+/// zero if the bond spanned a gap, or if the contact does not roll elastically.
+#[must_use]
+pub fn moment_after_rupture(tau: f64, contact: &Contact, bodies: &Bodies, law: &ContactLaw) -> f64 {
+    if law.rolling_compliance <= 0.0 || law.normal_compliance <= 0.0 {
+        return 0.0;
+    }
+    let p = (-contact.gap / law.normal_compliance).max(0.0);
+    let limit = law.rolling_friction * contact.common_radius(bodies) * p;
+    tau.clamp(-limit, limit)
+}
+
 fn bonded(
     bodies: &Bodies,
     analysis: &Analysis,
     findings: Findings,
     contact: &Contact,
     bond: &BondRow,
-    memory: f64,
+    memory: [f64; 2],
 ) -> Interaction {
     let law = &bond.law;
     let radius = contact.common_radius(bodies);
@@ -126,7 +144,7 @@ fn bonded(
         findings,
         contact,
         contact.gap - bond.initial_gap,
-        [law.normal_compliance, law.tangential_compliance],
+        [law.normal_compliance, law.tangential_compliance, law.rolling_compliance],
         memory,
         limits,
     )
@@ -138,7 +156,7 @@ fn unbonded(
     findings: Findings,
     contact: &Contact,
     law: &ContactLaw,
-    memory: f64,
+    memory: [f64; 2],
 ) -> Interaction {
     let rolling = law.rolling_friction * contact.common_radius(bodies);
     let limits = Limits::new(0.0, law.friction, 0.0, rolling);
@@ -152,7 +170,7 @@ fn unbonded(
         findings,
         contact,
         gap,
-        [law.normal_compliance, law.tangential_compliance],
+        [law.normal_compliance, law.tangential_compliance, law.rolling_compliance],
         memory,
         limits,
     )
@@ -164,8 +182,8 @@ fn interaction(
     findings: Findings,
     contact: &Contact,
     gap: f64,
-    [normal, tangential]: [f64; 2],
-    memory: f64,
+    [normal, tangential, rolling]: [f64; 3],
+    [shear, moment]: [f64; 2],
     limits: Limits,
 ) -> Interaction {
     let theta = match analysis.kind {
@@ -208,7 +226,9 @@ fn interaction(
         offset: if normal > 0.0 { gap / theta } else { gap } + corrected,
         normal_compliance,
         tangential_compliance,
-        previous_shear: if tangential > 0.0 { memory + shift } else { 0.0 },
+        previous_shear: if tangential > 0.0 { shear + shift } else { 0.0 },
+        rolling_compliance: rolling / theta,
+        previous_moment: if rolling > 0.0 { moment } else { 0.0 },
         limits,
         dilation: 1.0,
         image: DVec2::ZERO,

@@ -66,6 +66,8 @@ pub fn assemble(
                 normal_compliance: (bond.arm_a + bond.arm_b) / tension,
                 tangential_compliance: 0.0,
                 previous_shear: 0.0,
+                rolling_compliance: 0.0,
+                previous_moment: 0.0,
                 limits: Limits { tension, ..Limits::default() },
                 ..bond
             });

@@ -100,7 +100,8 @@ pub fn locks(program: &ConeProgram, forces: &[[f64; 3]]) -> bool {
             && q.abs() <= c.limits.friction * p + TOLERANCE
             && tau.abs() <= c.limits.rolling * p + TOLERANCE * length
             && (c.normal_compliance == 0.0 || p.abs() <= TOLERANCE)
-            && (c.tangential_compliance == 0.0 || q.abs() <= TOLERANCE);
+            && (c.tangential_compliance == 0.0 || q.abs() <= TOLERANCE)
+            && (c.rolling_compliance == 0.0 || tau.abs() <= TOLERANCE * length);
     }
     balanced && allowed && work > MIN_OVERLAP * length
 }

@@ -48,6 +48,11 @@ periodic cell: with its translations U along the global axes and its rotation T,
 interaction with image = (x, y) moves by u_b + (x U_x + y cell.arm T, y U_y), and the transpose of \
 this gives the force on that body.";
 
+/// What is added to [`FORMAT`] for a program with elastic rolling moments.
+pub const OF_ROLLING: &str = " The objective has 1/2 C_R (tau - tau_0)^2 besides, with C_R = \
+rolling_compliance and tau_0 = previous_moment, so that d_r = C_R (tau - tau_0) + l3 - l4; an \
+interaction without the two has C_R = tau_0 = 0.";
+
 /// The first words of the formats that [`from_json`] reads. Version 2 had no arms of normal forces;
 /// they are read as 0.
 const READ: [&str; 2] = ["clastic cone program, version 2. ", "clastic cone program, version 3. "];
@@ -120,6 +125,18 @@ struct Numbered {
     body: ProgramBody,
 }
 
+/// The description of a program.
+fn format(program: &ConeProgram) -> String {
+    let mut text = FORMAT.to_owned();
+    if program.cell.is_some() {
+        text += OF_CELL;
+    }
+    if program.interactions.iter().any(|c| c.rolling_compliance > 0.0) {
+        text += OF_ROLLING;
+    }
+    text
+}
+
 /// A program and its solution as one line of JSON.
 ///
 /// # Errors
@@ -133,11 +150,7 @@ pub fn to_json(
 ) -> Result<String, serde_json::Error> {
     let numbered = |(id, body): (usize, &ProgramBody)| Numbered { id, body: *body };
     let mut text = serde_json::to_string(&Written {
-        format: if program.cell.is_some() {
-            format!("{FORMAT}{OF_CELL}").into()
-        } else {
-            FORMAT.into()
-        },
+        format: format(program).into(),
         increment,
         stage: stage.into(),
         fraction,

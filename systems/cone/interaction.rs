@@ -94,6 +94,12 @@ pub struct Interaction {
     pub tangential_compliance: f64,
     /// Shear force at the end of the last increment, N; 0 where the tangential compliance is 0.
     pub previous_shear: f64,
+    /// Rolling compliance in the program, rad/(N m).
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub rolling_compliance: f64,
+    /// Rolling moment at the end of the last increment, N m; 0 where the rolling compliance is 0.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub previous_moment: f64,
     /// Limits.
     pub limits: Limits,
     /// Share a of the associated dilation: sliding and rolling open the interaction by
@@ -123,6 +129,8 @@ impl Interaction {
             normal_compliance: 0.0,
             tangential_compliance: 0.0,
             previous_shear: 0.0,
+            rolling_compliance: 0.0,
+            previous_moment: 0.0,
             limits: Limits::default(),
             dilation: 1.0,
             image: DVec2::ZERO,

@@ -136,7 +136,9 @@ impl Lowered {
             }
         }
         if l.has_rolling() {
-            let tau = self.add_force(program, c, 2, 0.0, -e[2] / du[2]);
+            let linear = -(e[2] + c.rolling_compliance * c.previous_moment) / du[2];
+            let quadratic = c.rolling_compliance * df[2] / du[2];
+            let tau = self.add_force(program, c, 2, quadratic, linear);
             for sign in [1.0, -1.0] {
                 let row = self.right.len();
                 self.matrix.push(row, tau, sign);

@@ -65,6 +65,8 @@ fn of_loads(program: &ConeProgram) -> ConeProgram {
             normal_compliance: 0.0,
             tangential_compliance: 0.0,
             previous_shear: 0.0,
+            rolling_compliance: 0.0,
+            previous_moment: 0.0,
             ..*c
         };
     }

@@ -5,7 +5,8 @@
 //!
 //! ```text
 //! minimise   1/2 sum m u^2 + sum_c [ (g - e_n) p + 1/2 C_N p^2
-//!                                    - e_t q + 1/2 C_T (q - q_0)^2 - e_r tau ]
+//!                                    - e_t q + 1/2 C_T (q - q_0)^2
+//!                                    - e_r tau + 1/2 C_R (tau - tau_0)^2 ]
 //! subject to m u + G (p, q, tau) = f                    for every free degree of freedom
 //!            |q| <= c A + mu p,  |tau| <= mu_r r (p + f_t),  p >= -f_t
 //! ```

@@ -87,6 +87,8 @@ pub fn check(program: &ConeProgram) -> Result<(), MalformedProgram> {
             c.normal_compliance,
             c.tangential_compliance,
             c.previous_shear,
+            c.rolling_compliance,
+            c.previous_moment,
             l.cohesion,
             l.friction,
             l.tension,
@@ -104,6 +106,7 @@ pub fn check(program: &ConeProgram) -> Result<(), MalformedProgram> {
         let not_negative = [
             c.normal_compliance,
             c.tangential_compliance,
+            c.rolling_compliance,
             l.cohesion,
             l.friction,
             l.tension,

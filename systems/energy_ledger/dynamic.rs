@@ -133,9 +133,15 @@ pub(super) fn turned_work(tables: &Tables, group: &GroupRow) -> f64 {
 pub fn book(e: &mut Energies, program: &ConeProgram, mean: &[[f64; 3]], part: &Part) {
     let [p, q, tau] = part.forces;
     let moved = program.kinematics(part.law, mean);
-    let [normal, shear] = part.change();
+    let [normal, shear, rolling] = part.change();
     e.turning -= part.normal[2] - part.normal[1];
-    e.rolling += tau * moved[2];
+    if part.law.rolling_compliance > 0.0 {
+        let rolled = tau * part.multipliers.rotation;
+        e.rolling += rolled;
+        e.numerical += tau * moved[2] - rolled - rolling;
+    } else {
+        e.rolling += tau * moved[2];
+    }
     if part.law.tangential_compliance > 0.0 {
         let slid = q * part.multipliers.slip;
         e.friction += slid;

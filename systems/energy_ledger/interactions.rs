@@ -11,7 +11,9 @@ use clastic_components::increment::{Analysis, AnalysisKind};
 use clastic_components::material::{ContactLaw, Materials};
 use clastic_cone::program::{ConeProgram, ConeSolution, Interaction, Kinematics};
 
-use crate::assemble_program::interactions::{contact_law, shear_after_rupture};
+use crate::assemble_program::interactions::{
+    contact_law, moment_after_rupture, shear_after_rupture,
+};
 use clastic_cone::residuals::{Multipliers, multipliers};
 
 /// Tables of the increment or step: initial and final state.
@@ -60,12 +62,16 @@ pub struct Part<'a> {
     pub normal: [f64; 3],
     /// Elastic energy of the shear force at the start and at the end, J.
     pub shear: [f64; 2],
+    /// Elastic energy of the rolling moment at the start and at the end, J.
+    pub rolling: [f64; 2],
 }
 
 impl Part<'_> {
-    /// Change of the elastic energy with the normal of the program, J: of normal and shear force.
-    pub fn change(&self) -> [f64; 2] {
-        [self.normal[1] - self.normal[0], self.shear[1] - self.shear[0]]
+    /// Change of the elastic energy with the normal of the program, J: of normal force, shear force
+    /// and rolling moment.
+    pub fn change(&self) -> [f64; 3] {
+        let [shear, rolling] = [self.shear, self.rolling].map(|[start, end]| end - start);
+        [self.normal[1] - self.normal[0], shear, rolling]
     }
 
     /// Gap that sliding and rolling have opened by dilation, m.
@@ -126,15 +132,17 @@ pub fn book(
         let part = part(tables, index, contact, c, *f, is_bond, breaks);
         e.rupture += part.opening();
         work(e, &part);
-        starts += part.normal[0] + part.shear[0];
-        let finish = part.normal[2] + part.shear[1];
+        starts += part.normal[0] + part.shear[0] + part.rolling[0];
+        let finish = part.normal[2] + part.shear[1] + part.rolling[1];
         ends += finish;
         state += if breaks && is_bond {
             let law = contact_law(bodies, tables.materials, tables.analysis, contact);
             let gap = gap_at(tables, contact);
-            let remembered = tables.history.get(contact.a, contact.b).map_or(0.0, |m| m.q);
+            let memory = tables.history.get(contact.a, contact.b);
+            let [q, tau] = memory.map_or([0.0; 2], |m| [m.q, m.tau]);
             pressed(law.normal_compliance, gap, false)
-                + 0.5 * law.tangential_compliance * remembered * remembered
+                + 0.5 * law.tangential_compliance * q * q
+                + 0.5 * law.rolling_compliance * tau * tau
         } else {
             finish
         };
@@ -168,7 +176,7 @@ fn part<'a>(
         AnalysisKind::Static | AnalysisKind::Compaction { .. } => 1.0,
     };
     let kinematics = program.kinematics(c, &solution.displacements);
-    let [p, q, _] = forces;
+    let [p, q, tau] = forces;
     let born =
         contact.bond.filter(|_| is_bond).map_or(0.0, |k| bodies.bonds[k as usize].initial_gap);
     let start = contact.gap - born;
@@ -188,11 +196,13 @@ fn part<'a>(
     let tangential = theta * c.tangential_compliance;
     let shift = corrections.shear_shift((contact.a, contact.b), c.tangential_compliance);
     let sheared = c.previous_shear - shift;
+    let twisted = c.previous_moment;
     let at_end = if breaks {
-        sheared + (q - sheared) / theta
+        [sheared + (q - sheared) / theta, twisted + (tau - twisted) / theta]
     } else {
-        tables.history.get(contact.a, contact.b).map_or(0.0, |m| m.q)
+        tables.history.get(contact.a, contact.b).map_or([0.0; 2], |m| [m.q, m.tau])
     };
+    let rolling = theta * c.rolling_compliance;
     Part {
         index,
         contact,
@@ -204,7 +214,8 @@ fn part<'a>(
         breaks,
         gaps,
         normal,
-        shear: [sheared, at_end].map(|q| 0.5 * tangential * q * q),
+        shear: [sheared, at_end[0]].map(|q| 0.5 * tangential * q * q),
+        rolling: [twisted, at_end[1]].map(|tau| 0.5 * rolling * tau * tau),
     }
 }
 
@@ -245,6 +256,11 @@ pub fn after_rupture(
     } else {
         p.max(0.0)
     };
-    let limit = law.rolling_friction * contact.common_radius(tables.bodies) * p;
-    [p, shear_after_rupture(q, gap, &law), tau.clamp(-limit, limit)]
+    let tau = if law.rolling_compliance > 0.0 {
+        moment_after_rupture(tau, &Contact { gap, ..*contact }, tables.bodies, &law)
+    } else {
+        let limit = law.rolling_friction * contact.common_radius(tables.bodies) * p;
+        tau.clamp(-limit, limit)
+    };
+    [p, shear_after_rupture(q, gap, &law), tau]
 }

@@ -37,10 +37,9 @@ impl<'a> Starts<'a> {
         program: &ConeProgram,
         solution: &ConeSolution,
     ) -> Self {
-        let is_rigid = program
-            .interactions
-            .iter()
-            .all(|c| c.normal_compliance == 0.0 && c.tangential_compliance == 0.0);
+        let is_rigid = program.interactions.iter().all(|c| {
+            [c.normal_compliance, c.tangential_compliance, c.rolling_compliance] == [0.0; 3]
+        });
         let released: &[Released] = if is_rigid { &[] } else { released };
         Self { memory, released, is_rigid, forces: solution.forces.clone() }
     }
@@ -50,13 +49,13 @@ impl<'a> Starts<'a> {
         let memory = self.memory.get(part.contact.a, part.contact.b);
         let start = if self.is_rigid { part.forces } else { self.start(e, tables, part, memory) };
         let [p, q, tau] = [0, 1, 2].map(|k| 0.5 * (start[k] + part.forces[k]));
-        let [normal, shear] = part.change();
+        let [normal, shear, rolling] = part.change();
         let (m, d) = (&part.multipliers, part.kinematics);
         let (slid, rolled) = (part.forces[1] * m.slip, part.forces[2] * m.rotation);
         e.turning -= part.normal[2] - part.normal[1];
         e.friction += slid;
         e.rolling += rolled;
-        e.numerical += q * d[1] - slid - shear + tau * d[2] - rolled;
+        e.numerical += q * d[1] - slid - shear + tau * d[2] - rolled - rolling;
         // Work of the normal force that is not stored as elastic energy.
         let rest = p * d[0] - normal - part.opening();
         let ends = tables.history.get(part.contact.a, part.contact.b).is_some();
@@ -93,9 +92,12 @@ impl<'a> Starts<'a> {
         let key = (part.contact.a, part.contact.b);
         let released = self.released.binary_search_by_key(&key, |r| (r.a, r.b)).ok();
         let after = if let Some(k) = released {
-            // The memory contains the remaining shear force.
+            // The memory contains the remaining shear force and elastic moment.
             let lost = self.released[k].forces;
             before[1] += lost[1];
+            if c.rolling_compliance > 0.0 {
+                before[2] += lost[2];
+            }
             [0, 1, 2].map(|k| before[k] - lost[k])
         } else if part.breaks && !part.is_bond {
             after_rupture(tables, part.contact, part.contact.gap, before)

@@ -103,6 +103,8 @@ fn bond_of(tables: &Tables, released: &Released) -> Interaction {
         normal_compliance: 0.0,
         tangential_compliance: 0.0,
         previous_shear: 0.0,
+        rolling_compliance: 0.0,
+        previous_moment: 0.0,
         limits: Limits::default(),
         dilation: 0.0,
         image: DVec2::ZERO,

@@ -69,12 +69,15 @@ impl StateOf for NamedState {
     }
 }
 
-/// Elastic energy of the contacts and bonds of a solution, `1/2 sum (C_N p^2 + C_T q^2)`, J.
+/// Elastic energy of the contacts and bonds of a solution, `1/2 sum (C_N p^2 + C_T q^2 + C_R tau^2)`,
+/// J.
 #[must_use]
 pub fn elastic_energy(program: &ConeProgram, solution: &ConeSolution) -> f64 {
     let interactions = program.interactions.iter().zip(&solution.forces);
-    let energies = interactions.map(|(c, [p, q, _])| {
-        0.5 * (c.normal_compliance * p * p + c.tangential_compliance * q * q)
+    let energies = interactions.map(|(c, [p, q, tau])| {
+        0.5 * (c.normal_compliance * p * p
+            + c.tangential_compliance * q * q
+            + c.rolling_compliance * tau * tau)
     });
     energies.sum()
 }

@@ -23,9 +23,9 @@ pub fn remember_contacts(
         remembered(&bodies, &analysis, &corrections, &contacts, &program, &solution, &draft.0);
 }
 
-/// Forces of the persistent contacts after a solution, given those `before` it. The shear force of
-/// the program is the average over the increment, so the force at its end is
-/// `q = q_0 + (q_program - q_0)/theta`.
+/// Forces of the persistent contacts after a solution, given those `before` it. An elastic shear
+/// force of the program is the average over the increment, so the force at its end is
+/// `q = q_0 + (q_program - q_0)/theta`; likewise an elastic rolling moment.
 #[must_use]
 pub fn remembered(
     bodies: &Bodies,
@@ -62,7 +62,12 @@ pub fn remembered(
         } else {
             f[1]
         };
-        history.0.push(ContactMemory { a: contact.a, b: contact.b, p: f[0], q, tau: f[2] });
+        let tau = if c.rolling_compliance > 0.0 {
+            c.previous_moment + (f[2] - c.previous_moment) / theta
+        } else {
+            f[2]
+        };
+        history.0.push(ContactMemory { a: contact.a, b: contact.b, p: f[0], q, tau });
     }
     if !bodies.groups.is_empty() {
         // Within a group nothing moves, and forces stay as they were.

@@ -6,9 +6,10 @@ use std::path::Path;
 
 use clastic::output::directory;
 use clastic::scene::{self, LoadedScene};
+use clastic::tables::Tables;
 
 use crate::common::files;
-use crate::resumed::{COULOMB, run, same_from_anywhere};
+use crate::resumed::{COULOMB, rolling_elastically, run, same_from_anywhere};
 use crate::same_bytes::{EXCAVATION, HINGED, POURED, THIN, TURNING};
 
 /// A scene of `scenes/`, or a text, under settings.
@@ -16,6 +17,9 @@ fn scene_of(rig: &str, sets: &[String]) -> LoadedScene {
     let path = format!("{}/scenes/{rig}.ron", env!("CARGO_MANIFEST_DIR"));
     let loaded = match rig {
         "COULOMB" => scene::from_str(COULOMB, Path::new("rig.ron"), Path::new(""), sets),
+        "ROLLING" => {
+            scene::from_str(&rolling_elastically(), Path::new("rig.ron"), Path::new(""), sets)
+        }
         "THIN" => scene::from_str(THIN, Path::new("rig.ron"), Path::new(""), sets),
         "HINGED" => scene::from_str(HINGED, Path::new("rig.ron"), Path::new(""), sets),
         "TURNING" => scene::from_str(TURNING, Path::new("rig.ron"), Path::new(""), sets),
@@ -276,6 +280,30 @@ fn walls_that_are_away_and_loads_that_were_cut_short() {
     let record: serde_json::Value = serde_json::from_str(&record).unwrap();
     assert_eq!(record["stages"][2]["ended_by"], "stop");
     assert!(record["stages"][2]["increments"].as_u64().unwrap() < 8);
+}
+
+/// Elastic moments go on from those of the state, with the compliances of its bonds and walls.
+#[test]
+fn rolling_moments_are_those_of_the_state() {
+    let parent = tempfile::tempdir().unwrap();
+    let first = r#"Cement(name: "cement", length: 0.1e-3),
+        Load(name: "confine", increments: 3, walls: {
+            "top": Stress(stress: 20.0e3, between: ("left", "right")),
+            "left": Stress(stress: 20.0e3, between: ("bottom", "top")),
+            "right": Stress(stress: 20.0e3, between: ("bottom", "top")) }),
+        Load(name: "shear", increments: 3, walls: { "top": Displacement(10.0e-6, -10.0e-6) })"#;
+    let second = r#"Load(name: "compress", increments: 6, walls: { "top": Displacement(5.0e-6, -30.0e-6) })"#;
+    let common = [
+        "measures=(axial_strain: Walls(\"bottom\", \"top\"), lateral_strain: Particles(0, 5), \
+         axial_stress: Average(component: Yy, area: Fixed(3.6e-3)))",
+        "output=(energy: true)",
+    ];
+    same_in_two("ROLLING", &common, [first, second], parent.path());
+    let state = fs::read(parent.path().join("a/state_kept.npz")).unwrap();
+    let state = Tables::decode(&state).unwrap();
+    assert_eq!(state.text("format", &[]).unwrap()[0], "clastic state 4");
+    let moments = state.f64("contacts.tau_nm", &[state.rows("contacts.tau_nm").unwrap()]).unwrap();
+    assert!(moments.iter().any(|moment| moment.abs() > 1e-6), "{moments:?}");
 }
 
 /// Segments, polylines, an arc, a lid and a table: their shapes, pieces and drives are in the

@@ -158,6 +158,16 @@ pub fn copy_first(loaded: &LoadedScene, directory: &Path) {
     output::begin(simulation.world_mut(), options, loaded).unwrap();
 }
 
+/// [`COULOMB`] with rolling moments that are elastic between grains and at the top and the bottom.
+pub fn rolling_elastically() -> String {
+    COULOMB
+        .replace("rolling_friction: 0.05", "rolling_friction: 0.05, rolling_stiffness: 480.0")
+        .replace(
+            "friction: 0.3)),",
+            "friction: 0.3, rolling_friction: 0.1, rolling_stiffness: 250.0)),",
+        )
+}
+
 /// A bonded lattice under Coulomb's law, with a cascade; walls come, go and are driven by force.
 pub const COULOMB: &str = r#"(
     version: 1,

@@ -6,7 +6,16 @@ use clastic::components::attempt::IncrementStatus;
 use clastic::components::observation::Observation;
 use clastic::output::directory;
 
-use crate::resumed::{COULOMB, load, parse, run, same_from_anywhere};
+use crate::resumed::{COULOMB, load, parse, rolling_elastically, run, same_from_anywhere};
+
+#[test]
+fn elastic_rolling_moments_under_either_law_of_friction() {
+    for law in ["Coulomb()", "Associated"] {
+        let text = rolling_elastically().replace("Coulomb()", law);
+        let records = same_from_anywhere(&parse(&text), |increment| increment % 3 == 1);
+        assert!(records.len() > 15, "{law}: {}", records.len());
+    }
+}
 
 /// The laws of friction; `ByAnalysis` is Coulomb's in time steps alone.
 const EACH_LAW: [&str; 3] = ["ByAnalysis", "Associated", "Coulomb()"];

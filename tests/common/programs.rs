@@ -50,6 +50,13 @@ pub const KINDS: &[Kind] = &[
         stages: PRESS,
     },
     Kind {
+        name: "elastic rolling",
+        contact: "normal_stiffness: 6.0e7, tangential_stiffness: 3.0e7, rolling_stiffness: 4.8e2, friction: 0.3, rolling_friction: 0.1",
+        bond: "",
+        scene: "",
+        stages: PRESS,
+    },
+    Kind {
         name: "rigid under a force",
         contact: "friction: 0.4",
         bond: "",
@@ -67,6 +74,13 @@ pub const KINDS: &[Kind] = &[
         name: "elastic bonds with rolling",
         contact: "normal_stiffness: 6.0e7, friction: 0.3",
         bond: "normal_stiffness: 6.0e7, tangential_stiffness: 3.0e7, rolling_friction: 0.05, ",
+        scene: "rupture: (rolling: Yields, order: OneRound),",
+        stages: CEMENT_AND_CRUSH,
+    },
+    Kind {
+        name: "elastic bonds with elastic rolling",
+        contact: "normal_stiffness: 6.0e7, friction: 0.3",
+        bond: "normal_stiffness: 6.0e7, tangential_stiffness: 3.0e7, rolling_stiffness: 4.8e2, rolling_friction: 0.05, ",
         scene: "rupture: (rolling: Yields, order: OneRound),",
         stages: CEMENT_AND_CRUSH,
     },
@@ -132,6 +146,15 @@ pub const KINDS: &[Kind] = &[
 pub const WHEELS: Kind = Kind {
     name: "rolling without friction",
     contact: "normal_stiffness: 6.0e7, rolling_friction: 0.1",
+    bond: "",
+    scene: "",
+    stages: PRESS,
+};
+
+/// Contacts that roll elastically and slide without friction.
+pub const SPRUNG_WHEELS: Kind = Kind {
+    name: "elastic rolling without friction",
+    contact: "normal_stiffness: 6.0e7, rolling_stiffness: 4.8e2, rolling_friction: 0.1",
     bond: "",
     scene: "",
     stages: PRESS,

@@ -16,6 +16,7 @@ fn pulled_pair() -> (App, Entity) {
     let bond = BondLaw {
         normal_compliance: 1.0 / 8.0e6,
         tangential_compliance: 1.0 / 4.0e6,
+        rolling_compliance: 0.0,
         friction: 0.6,
         rolling_friction: 0.1,
         cohesion: 4.0e3,

@@ -16,6 +16,7 @@ mod coming_and_going;
 mod conservation;
 mod curved_walls;
 mod detection;
+mod elastic_rolling;
 mod embedding;
 mod events;
 mod extension;

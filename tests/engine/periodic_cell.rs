@@ -387,6 +387,7 @@ fn cemented(strength: f64, more: &str, stages: &str) -> Scene {
     material.bond = Some(clastic::scene::format::Bond {
         normal_stiffness: Some(NORMAL),
         tangential_stiffness: Some(TANGENTIAL),
+        rolling_stiffness: None,
         friction: 0.5,
         rolling_friction: 0.0,
         cohesion: 2.0 * strength,

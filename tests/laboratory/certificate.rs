@@ -170,6 +170,8 @@ mod tests {
             normal_compliance: 0.0,
             tangential_compliance: 0.0,
             previous_shear: 0.0,
+            rolling_compliance: 0.0,
+            previous_moment: 0.0,
             limits: Limits { friction: 0.5, tension, ..Limits::default() },
             dilation: 1.0,
             image: DVec2::ZERO,

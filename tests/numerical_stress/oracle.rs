@@ -356,7 +356,11 @@ impl Oracle {
                     bond.tensile_strength * area,
                     bond.rolling_friction * radius,
                 ];
-                let stiffness = compliances(bond.normal_stiffness, bond.tangential_stiffness);
+                let stiffness = compliances([
+                    bond.normal_stiffness,
+                    bond.tangential_stiffness,
+                    bond.rolling_stiffness,
+                ]);
                 (stiffness, limits, gap - born)
             });
             let as_contact = {
@@ -367,8 +371,11 @@ impl Oracle {
                 };
                 let limits =
                     [0.0, contact_law.friction, 0.0, contact_law.rolling_friction * radius];
-                let stiffness =
-                    compliances(contact_law.normal_stiffness, contact_law.tangential_stiffness);
+                let stiffness = compliances([
+                    contact_law.normal_stiffness,
+                    contact_law.tangential_stiffness,
+                    contact_law.rolling_stiffness,
+                ]);
                 (stiffness, limits, gap)
             };
             // Two bodies with imposed motions that do not close: no solution can remove their
@@ -416,7 +423,7 @@ impl Oracle {
                 }
                 None => false,
             };
-            let ([cn, ct], limits, offset) = if bonded { as_bond.unwrap() } else { as_contact };
+            let ([cn, ct, cr], limits, offset) = if bonded { as_bond.unwrap() } else { as_contact };
             if !is_listed(&limits) {
                 findings.complain(n, format!("limits {listed:?} instead of {limits:?}"));
             }
@@ -441,7 +448,8 @@ impl Oracle {
             let turn = a.motion[2] - spin_b;
             let slides = cohesion > 0.0 || friction > 0.0;
             let plastic = if slides { slip - ct / theta * (q - c.previous_shear) } else { 0.0 };
-            let rolls = if rolling > 0.0 { turn } else { 0.0 };
+            let twist = cr / theta * (tau - c.previous_moment);
+            let rolls = if rolling > 0.0 { turn - twist } else { 0.0 };
             let start = if cn > 0.0 { offset / theta } else { offset };
             // Section 4 of the formulation: in static increments an overlap of rigid bodies below
             // this is round-off of the last increment.
@@ -557,8 +565,8 @@ impl Oracle {
     }
 }
 
-fn compliances(normal: Option<f64>, tangential: Option<f64>) -> [f64; 2] {
-    [normal.map_or(0.0, f64::recip), tangential.map_or(0.0, f64::recip)]
+fn compliances(stiffnesses: [Option<f64>; 3]) -> [f64; 3] {
+    stiffnesses.map(|stiffness| stiffness.map_or(0.0, f64::recip))
 }
 
 /// Springs in series.
@@ -571,6 +579,7 @@ fn between_contacts(a: ContactLaw, b: ContactLaw) -> ContactLaw {
     ContactLaw {
         normal_stiffness: series(a.normal_stiffness, b.normal_stiffness),
         tangential_stiffness: series(a.tangential_stiffness, b.tangential_stiffness),
+        rolling_stiffness: series(a.rolling_stiffness, b.rolling_stiffness),
         friction: a.friction.min(b.friction),
         rolling_friction: a.rolling_friction.min(b.rolling_friction),
         restitution: a.restitution.min(b.restitution),
@@ -581,6 +590,7 @@ fn between_bonds(a: BondLaw, b: BondLaw) -> BondLaw {
     BondLaw {
         normal_stiffness: series(a.normal_stiffness, b.normal_stiffness),
         tangential_stiffness: series(a.tangential_stiffness, b.tangential_stiffness),
+        rolling_stiffness: series(a.rolling_stiffness, b.rolling_stiffness),
         friction: a.friction.min(b.friction),
         rolling_friction: a.rolling_friction.min(b.rolling_friction),
         cohesion: a.cohesion.min(b.cohesion),

@@ -131,25 +131,37 @@ fn material(r: &mut Random) -> Material {
 }
 
 pub fn bond(r: &mut Random, k: f64) -> Bond {
-    Bond {
+    let mut bond = Bond {
         normal_stiffness: r.maybe(0.7, |r| k * r.pick(&[1.0, 10.0])),
         tangential_stiffness: r.maybe(0.7, |_| 0.5 * k),
         friction: r.pick(&[0.0, 0.5, 1.0]),
         rolling_friction: r.pick(&[0.0, 0.0, 0.1, 0.5]),
         cohesion: r.pick(&[0.0, 1e3, 1e5, 1e7]),
         tensile_strength: r.pick(&[0.0, 1e3, 1e5, 1e7]),
+        rolling_stiffness: None,
         scatter: None,
-    }
+    };
+    bond.rolling_stiffness = rolling(bond.rolling_friction, k);
+    bond
+}
+
+/// A rolling stiffness of the order k r^2 in half of the materials that have a rolling moment. It
+/// takes no random number, so that scenes without it stay as they are.
+fn rolling(friction: f64, k: f64) -> Option<f64> {
+    (friction > 0.0 && k.to_bits().is_multiple_of(2)).then_some(2e-5 * k)
 }
 
 fn contact(r: &mut Random, k: f64) -> Contact {
-    Contact {
+    let mut contact = Contact {
         normal_stiffness: r.maybe(0.6, |_| k),
         tangential_stiffness: r.maybe(0.6, |_| 0.5 * k),
         friction: r.pick(&[0.0, 0.3, 0.5, 1.0, 1.5]),
         rolling_friction: r.pick(&[0.0, 0.0, 0.05, 0.3]),
+        rolling_stiffness: None,
         restitution: 0.0,
-    }
+    };
+    contact.rolling_stiffness = rolling(contact.rolling_friction, k);
+    contact
 }
 
 fn particles(r: &mut Random, dynamic: bool, base: f64, maximum: u32) -> Vec<Particle> {

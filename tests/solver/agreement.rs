@@ -8,7 +8,7 @@ use clastic::cone::residuals::{displacement_scale, force_scale, regularised_resi
 use clastic::cone::solver::ConeSolver;
 use clastic::run::Simulation;
 
-use crate::common::programs::{KINDS, Kind, RESIDUAL, WHEELS, programs, solve};
+use crate::common::programs::{KINDS, Kind, RESIDUAL, SPRUNG_WHEELS, WHEELS, programs, solve};
 use crate::common::{load, step};
 
 /// Seeds of every kind.
@@ -49,6 +49,7 @@ fn objective(program: &ConeProgram, solution: &ConeSolution) -> (f64, f64) {
         let e = program.kinematics(c, &imposed);
         add(c.offset * p + 0.5 * c.normal_compliance * p * p);
         add(0.5 * c.tangential_compliance * (q - c.previous_shear).powi(2));
+        add(0.5 * c.rolling_compliance * (tau - c.previous_moment).powi(2));
         add(-e[0] * p);
         add(-e[1] * q);
         add(-e[2] * tau);
@@ -94,6 +95,11 @@ fn differences(
                 found.push(format!("force {f} of {k}: {difference:e} of {force:e}"));
             }
         }
+        let (difference, unit) =
+            ((a.forces[k][2] - b.forces[k][2]).abs(), force * program.scales.length);
+        if c.rolling_compliance > 0.0 && !(difference <= bound * unit) {
+            found.push(format!("moment of {k}: {difference:e} of {unit:e}"));
+        }
     }
     let far = displacement_scale(program, &a.displacements);
     for (i, body) in program.bodies.iter().enumerate() {
@@ -115,14 +121,16 @@ fn differences(
 fn solve_from(program: &ConeProgram, base: &[[f64; 3]]) -> Option<ConeSolution> {
     let mut about = program.clone();
     for c in &mut about.interactions {
-        let [closing, slip, _] = program.kinematics(c, base);
+        let [closing, slip, turn] = program.kinematics(c, base);
         c.offset -= closing;
         if c.tangential_compliance > 0.0 {
             c.previous_shear += slip / c.tangential_compliance;
         } else if c.limits.has_shear() {
             return None;
         }
-        if c.limits.has_rolling() {
+        if c.rolling_compliance > 0.0 {
+            c.previous_moment += turn / c.rolling_compliance;
+        } else if c.limits.has_rolling() {
             return None;
         }
     }
@@ -247,6 +255,50 @@ fn what_rolls_without_friction_is_solved_whether_clarabel_can_or_not() {
     let both = ended[SolveStatus::Solved as usize];
     assert!(50 * (both + alone) >= 49 * programs.len(), "{both}, {alone} of {}", programs.len());
     assert!(20 * own >= 19 * both && 3 * alone <= programs.len(), "{own} of {both}, {alone}");
+}
+
+#[test]
+fn what_rolls_elastically_without_friction_is_solved_by_both() {
+    let programs = random_programs(&[SPRUNG_WHEELS]);
+    let Agreement { ended, own, .. } = compare(&programs);
+    let both = ended[SolveStatus::Solved as usize];
+    assert!(50 * both >= 49 * programs.len(), "{both} of {}", programs.len());
+    assert!(20 * own >= 19 * both, "{own} of {both}");
+}
+
+/// A rolling stiffness above all others leaves the forces of the rigid rolling law.
+#[test]
+fn a_large_rolling_stiffness_is_the_rigid_law() {
+    let mut compared = 0;
+    for seed in 1..=SEEDS {
+        let kind = KINDS.iter().find(|kind| kind.name == "elastic rolling").unwrap();
+        for program in programs(kind, seed) {
+            let with = |compliance: f64| {
+                let mut program = program.clone();
+                for c in &mut program.interactions {
+                    c.rolling_compliance *= compliance;
+                }
+                let solver = &mut Condensed::new(CondensedSettings::with_tolerance(1e-12))
+                    as &mut dyn ConeSolver;
+                (solve(solver, &program), program)
+            };
+            // The moments that a rigid law has from the last increment count for nothing.
+            let ((stiff, _), (rigid, of_rigid)) = (with(1e-9), with(0.0));
+            let both = [stiff.status, rigid.status] == [SolveStatus::Solved; 2];
+            if !both || rigid.forces.iter().all(|f| f[2] == 0.0) {
+                continue;
+            }
+            let force = force_scale(&of_rigid, &rigid.forces);
+            for ((a, b), c) in stiff.forces.iter().zip(&rigid.forces).zip(&of_rigid.interactions) {
+                assert!((a[0] - b[0]).abs() <= 1e-6 * force, "{a:?} {b:?}");
+                if c.tangential_compliance > 0.0 {
+                    assert!((a[1] - b[1]).abs() <= 1e-6 * force, "{a:?} {b:?}");
+                }
+            }
+            compared += 1;
+        }
+    }
+    assert!(compared >= 20, "{compared}");
 }
 
 #[test]

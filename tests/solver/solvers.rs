@@ -107,6 +107,8 @@ fn disk_on_plate() -> (ConeProgram, Vec<[f64; 3]>, Vec<[f64; 3]>) {
             normal_compliance: 1e-6,
             tangential_compliance: 1e-6,
             previous_shear: 0.0,
+            rolling_compliance: 0.0,
+            previous_moment: 0.0,
             limits: Limits::new(0.0, 0.5, 0.0, 1e-3),
             dilation: 1.0,
             image: DVec2::ZERO,

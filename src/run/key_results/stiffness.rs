@@ -17,9 +17,13 @@ pub fn maximum(scene: &Scene) -> f64 {
 
 /// Whether nothing in a scene is elastic.
 pub fn is_rigid(scene: &Scene) -> bool {
-    let rigid = |c: &Contact| c.normal_stiffness.is_none() && c.tangential_stiffness.is_none();
+    let rigid = |c: &Contact| {
+        [c.normal_stiffness, c.tangential_stiffness, c.rolling_stiffness] == [None; 3]
+    };
     let rigid_bond = |bond: Option<&Bond>| {
-        bond.is_none_or(|b| b.normal_stiffness.is_none() && b.tangential_stiffness.is_none())
+        bond.is_none_or(|b| {
+            [b.normal_stiffness, b.tangential_stiffness, b.rolling_stiffness] == [None; 3]
+        })
     };
     scene.walls.iter().all(|wall| rigid(&wall.contact) && rigid_bond(wall.bond.as_ref()))
         && scene.materials.values().all(|m| rigid(&m.contact) && rigid_bond(m.bond.as_ref()))

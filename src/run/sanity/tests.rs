@@ -214,6 +214,7 @@ fn scene_with_bond(sand: &mut Scene) -> Scene {
     let bond = Bond {
         normal_stiffness: Some(1e6),
         tangential_stiffness: Some(1e6),
+        rolling_stiffness: None,
         friction: 0.5,
         rolling_friction: 0.0,
         cohesion: 100e3,

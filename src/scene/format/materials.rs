@@ -31,6 +31,9 @@ pub struct Contact {
     pub normal_stiffness: Option<f64>,
     /// Tangential stiffness k_T, N/m; rigid if left out.
     pub tangential_stiffness: Option<f64>,
+    /// Rolling stiffness k_R, N m/rad; rigid if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rolling_stiffness: Option<f64>,
     /// Coefficient of friction.
     pub friction: f64,
     /// Coefficient of rolling friction. 0 means that the contact has no rolling moment.
@@ -49,6 +52,9 @@ pub struct Bond {
     /// Tangential stiffness k_T, N/m; rigid if left out.
     #[serde(default)]
     pub tangential_stiffness: Option<f64>,
+    /// Rolling stiffness k_R, N m/rad; rigid if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rolling_stiffness: Option<f64>,
     /// Internal friction coefficient.
     #[serde(default)]
     pub friction: f64,

@@ -86,6 +86,7 @@ pub(in crate::scene) fn unit_of(name: &str, around: Option<&'static str>) -> Opt
         "dt" | "Time" => "s",
         "cohesion" | "tensile_strength" | "stress" | "pressure" => "Pa",
         "normal_stiffness" | "tangential_stiffness" => "N/m",
+        "rolling_stiffness" => "N m/rad",
         "force" | "Force" => "N",
         "moment" => "N m",
         "theta" | "friction" | "rolling_friction" | "restitution" | "tolerance" | "residual"

@@ -291,6 +291,14 @@ fn materials() {
         ("friction: 0.5", "normal_stiffness: 0.0, tangential_stiffness: -1.0",
          "7:41: materials.grain.contact.normal_stiffness: zero (0.0); give a stiffness in N/m greater than 0, or leave it out for a rigid law
 7:68: materials.grain.contact.tangential_stiffness: negative (-1.0); give a stiffness in N/m greater than 0, or leave it out for a rigid law"),
+        ("friction: 0.5", "rolling_friction: 0.1, rolling_stiffness: 0.0",
+         "7:65: materials.grain.contact.rolling_stiffness: zero (0.0); give a stiffness in N m/rad greater than 0, or leave it out for a rigid law"),
+        ("friction: 0.5", "friction: 0.5, rolling_stiffness: 100.0",
+         "7:57: materials.grain.contact.rolling_stiffness: a rolling stiffness without a rolling moment; \
+give `rolling_friction` too, the coefficient of its limit mu_r r p, or leave it out"),
+        ("friction: 0.5", "rolling_friction: 0.1, rolling_stiffness: 1.0e2, restitution: 0.5",
+         "7:85: materials.grain.contact.restitution: restitution of an elastic contact (0.5); \
+leave out the stiffnesses, for a rigid contact, or the restitution: the springs of a contact determine how it rebounds"),
         ("density: 2650.0", "density: 0.0",
          "6:22: materials.grain.density: zero (0.0); give a density in kg/m^3 greater than 0"),
         ("friction: 0.5)", "friction: 0.5), bond: (cohesion: -1.0, tensile_strength: NaN)",

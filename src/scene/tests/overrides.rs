@@ -81,7 +81,7 @@ fn a_setting_that_does_not_fit_is_refused() {
     refused(
         "materials.grain.contact.frictoin=0.3",
         "unknown field `frictoin`; did you mean `friction`? the fields here are \
-         `normal_stiffness`, `tangential_stiffness`, `friction`, `rolling_friction`, `restitution`",
+         `normal_stiffness`, `tangential_stiffness`, `rolling_stiffness`, `friction`, `rolling_friction`, `restitution`",
     );
     refused(
         "stages.load.increments=many",

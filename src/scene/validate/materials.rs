@@ -38,9 +38,11 @@ fn scatter(path: Arguments, bond: &Bond, scatter: &Scatter, findings: &mut Findi
     let Scatter { strength, stiffness, cohesion, tensile_strength, .. } = scatter;
     let Scatter { normal_stiffness, tangential_stiffness, .. } = scatter;
     let (normal, tangential) = (bond.normal_stiffness, bond.tangential_stiffness);
+    let is_elastic =
+        [normal, tangential, bond.rolling_stiffness].iter().any(|stiffness| stiffness.is_some());
     let spreads = [
         ("strength", strength, true),
-        ("stiffness", stiffness, normal.is_some() || tangential.is_some()),
+        ("stiffness", stiffness, is_elastic),
         ("cohesion", cohesion, true),
         ("tensile_strength", tensile_strength, true),
         ("normal_stiffness", normal_stiffness, normal.is_some()),
@@ -86,6 +88,7 @@ pub(super) fn bond(path: Arguments, bond: Option<Bond>, findings: &mut Findings)
     let Some(bond) = bond else { return };
     stiffnesses(path, (bond.normal_stiffness, bond.tangential_stiffness), findings);
     frictions(path, (bond.friction, bond.rolling_friction), findings);
+    rolling(path, (bond.rolling_stiffness, bond.rolling_friction), findings);
     findings.not_negative(format_args!("{path}.cohesion"), bond.cohesion, "a cohesion in Pa");
     findings.not_negative(
         format_args!("{path}.tensile_strength"),
@@ -101,6 +104,7 @@ pub(super) fn bond(path: Arguments, bond: Option<Bond>, findings: &mut Findings)
 pub(super) fn contact(path: Arguments, contact: Contact, findings: &mut Findings) {
     stiffnesses(path, (contact.normal_stiffness, contact.tangential_stiffness), findings);
     frictions(path, (contact.friction, contact.rolling_friction), findings);
+    rolling(path, (contact.rolling_stiffness, contact.rolling_friction), findings);
     restitution::law(path, contact, findings);
 }
 
@@ -115,6 +119,20 @@ fn stiffnesses(
             let path = format_args!("{path}.{name}_stiffness");
             findings.number(path, value, |value| value > 0.0, what);
         }
+    }
+}
+
+/// Checks the elasticity of rolling.
+fn rolling(path: Arguments, (stiffness, friction): (Option<f64>, f64), findings: &mut Findings) {
+    let Some(stiffness) = stiffness else { return };
+    let path = format_args!("{path}.rolling_stiffness");
+    let what = "a stiffness in N m/rad greater than 0, or leave it out for a rigid law";
+    let is_fine = findings.number(path, stiffness, |stiffness| stiffness > 0.0, what);
+    if is_fine && friction == 0.0 {
+        let message = "a rolling stiffness without a rolling moment";
+        let help =
+            "give `rolling_friction` too, the coefficient of its limit mu_r r p, or leave it out";
+        findings.add(path, message, help);
     }
 }
 

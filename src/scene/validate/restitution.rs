@@ -13,7 +13,8 @@ pub(super) fn law(path: Arguments, contact: Contact, findings: &mut Findings) {
     let of = contact.restitution;
     let path = format_args!("{path}.restitution");
     let fine = findings.number(path, of, allowed, "a coefficient of restitution from 0 to 1");
-    let elastic = contact.normal_stiffness.is_some() || contact.tangential_stiffness.is_some();
+    let Contact { normal_stiffness, tangential_stiffness, rolling_stiffness, .. } = contact;
+    let elastic = [normal_stiffness, tangential_stiffness, rolling_stiffness] != [None; 3];
     if fine && of > 0.0 && elastic {
         let message = format!("restitution of an elastic contact ({of:?})");
         let help = "leave out the stiffnesses, for a rigid contact, or the restitution: the springs of a \
@@ -68,8 +69,10 @@ fn has_springs(scene: &Scene) -> bool {
     let materials = scene.materials.values().map(|m| (m.contact, m.bond));
     let walls = scene.walls.iter().map(|w| (w.contact, w.bond));
     materials.chain(walls).any(|(contact, bond)| {
-        let of_bond = bond.map(|b| [b.normal_stiffness, b.tangential_stiffness]);
-        let of_contact = [contact.normal_stiffness, contact.tangential_stiffness];
+        let of_bond =
+            bond.map(|b| [b.normal_stiffness, b.tangential_stiffness, b.rolling_stiffness]);
+        let of_contact =
+            [contact.normal_stiffness, contact.tangential_stiffness, contact.rolling_stiffness];
         of_contact.into_iter().chain(of_bond.into_iter().flatten()).any(|k| k.is_some())
     })
 }

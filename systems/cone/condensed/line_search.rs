@@ -3,20 +3,20 @@
 
 use super::scaled::Scaled;
 use super::settings::LineSearchSettings;
-use super::spring::{Response, Spring};
+use super::spring::Elastic;
 
 /// The length a at which the derivative of the energy along `du` vanishes, to a few per cent of the
 /// derivative at a = 0.
 ///
 /// The derivative at a is `du.(M (u + a du) - f) + sum de.s(e + a de)`; it rises with a, and is
 /// piecewise linear. `gradient` is that of the energy at `u`.
-pub fn line_search(
+pub fn line_search<S: Elastic<F>, const F: usize>(
     program: &Scaled,
-    springs: &[Spring],
+    springs: &[S],
     settings: &LineSearchSettings,
     [u, du, gradient]: [&[[f64; 3]]; 3],
-    e: &[[f64; 2]],
-    de: &[[f64; 2]],
+    e: &[[f64; F]],
+    de: &[[f64; F]],
 ) -> f64 {
     let dot = |x: &[[f64; 3]], y: &[[f64; 3]]| -> f64 {
         x.iter().flatten().zip(y.iter().flatten()).map(|(x, y)| x * y).sum()
@@ -32,9 +32,10 @@ pub fn line_search(
     let derivative = |a: f64| {
         let (mut value, mut curvature) = (linear + a * quadratic, quadratic);
         for ((spring, e), de) in springs.iter().zip(e).zip(de) {
-            let Response { s, d } = spring.respond([e[0] + a * de[0], e[1] + a * de[1]]);
-            value += s[0] * de[0] + s[1] * de[1];
-            curvature += d[0] * de[0] * de[0] + 2.0 * d[1] * de[0] * de[1] + d[2] * de[1] * de[1];
+            let at = std::array::from_fn(|f| e[f] + a * de[f]);
+            let (power, change) = spring.respond(at).along(de);
+            value += power;
+            curvature += change;
         }
         (value, curvature)
     };
@@ -68,6 +69,7 @@ pub fn line_search(
 #[cfg(test)]
 mod tests {
     use super::super::samples::{contact, held, loaded, posed};
+    use super::super::spring::Spring;
     use super::*;
     use crate::program::ConeProgram;
     use glam::DVec2;

@@ -25,6 +25,7 @@ pub mod matrix;
 mod newton;
 mod parallel;
 mod reduced;
+mod rolling_spring;
 #[cfg(test)]
 mod samples;
 pub mod scaled;

@@ -7,8 +7,9 @@
 
 use crate::program::{ConeProgram, ConeSolution, Dof, Interaction, ProgramCell};
 
+use super::rolling_spring::RollingSpring;
 use super::scaled::Scaled;
-use super::spring::Spring;
+use super::spring::Elastic;
 
 /// The reduced program, with the places of its bodies and interactions in the whole one.
 pub struct Reduced {
@@ -102,7 +103,7 @@ impl Reduced {
 }
 
 /// Whether the forces of an interaction between bodies with known motion follow from that motion:
-/// it is elastic, and has no rolling moment unless both bodies turn by one angle.
+/// it is elastic, and has no rigid rolling moment unless both bodies turn by one angle.
 fn is_known(program: &ConeProgram, c: &Interaction) -> bool {
     let turn = |i: u32| match program.bodies[i as usize].dofs[2] {
         Dof::Fixed(u) => u,
@@ -110,15 +111,17 @@ fn is_known(program: &ConeProgram, c: &Interaction) -> bool {
     };
     let elastic =
         c.normal_compliance > 0.0 && (!c.limits.has_shear() || c.tangential_compliance > 0.0);
-    elastic && (!c.limits.has_rolling() || turn(c.a) == turn(c.b))
+    elastic && (!c.limits.has_rolling() || c.rolling_compliance > 0.0 || turn(c.a) == turn(c.b))
 }
 
 /// Forces of an interaction between two known bodies.
 fn alone(program: &ConeProgram, c: &Interaction) -> [f64; 3] {
     let (a, b) = (c.a as usize, c.b as usize);
     let mut single = Interaction { a: 0, b: 1, ..*c };
-    single.limits.rolling = 0.0;
-    single.limits.moment = 0.0;
+    if c.rolling_compliance == 0.0 {
+        single.limits.rolling = 0.0;
+        single.limits.moment = 0.0;
+    }
     let cell = program.cell.filter(|_| c.is_across());
     let of_cell = cell.map(|cell| program.bodies[cell.body as usize]);
     let pair = ConeProgram {
@@ -130,6 +133,6 @@ fn alone(program: &ConeProgram, c: &Interaction) -> [f64; 3] {
     };
     let (_, df) = super::super::lowering::units(program);
     let order: Vec<usize> = (0..pair.bodies.len()).collect();
-    let s = Spring::new(&Scaled::new(&pair, &order).locals[0]).respond([0.0; 2]).s;
-    [s[0] * df[0], s[1] * df[0], 0.0]
+    let s = RollingSpring::new(&Scaled::new(&pair, &order).locals[0]).respond([0.0; 3]).s;
+    [s[0] * df[0], s[1] * df[0], s[2] * df[2]]
 }

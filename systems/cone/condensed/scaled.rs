@@ -72,6 +72,7 @@ impl Local {
             (true, true) => Kind::Rolling,
             (false, true) => Kind::Wheel,
         };
+        let of_moment = c.rolling_compliance * df[2] / du[2];
         let mut local = Self {
             bodies,
             kind,
@@ -80,7 +81,7 @@ impl Local {
             compliance: [
                 c.normal_compliance * stiffness,
                 if has[1] { c.tangential_compliance * stiffness } else { 1.0 },
-                0.0,
+                if has[2] { of_moment } else { 0.0 },
             ],
             linear: [
                 c.offset / du[0] - fixed[0],
@@ -90,7 +91,11 @@ impl Local {
                 } else {
                     0.0
                 },
-                -fixed[2],
+                if has[2] {
+                    -of_moment * c.previous_moment / df[2] - fixed[2]
+                } else {
+                    -fixed[2]
+                },
             ],
             limits: [[0.0; 3]; ROWS],
             right: [0.0; ROWS],

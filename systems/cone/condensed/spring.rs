@@ -1,4 +1,5 @@
-//! The forces of an elastic interaction.
+//! The forces of an elastic interaction without a rolling moment;
+//! [`rolling_spring`](super::rolling_spring) has those with one.
 //!
 //! The forces (p, q) that belong to kinematics (e_n, e_t) are the projection of the elastic trial
 //! `p = k_n (e_n - l_n)`, `q = k_t (e_t - l_t)` onto the limits `|q| <= c + mu p`, `p >= -f_t`, in
@@ -23,18 +24,48 @@ pub struct Spring {
     shears: bool,
 }
 
-/// Forces (p, q) and their derivatives by the kinematics (e_n, e_t).
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Response {
-    /// Forces p and q.
-    pub s: [f64; 2],
-    /// Derivatives: of p by e_n, of p by e_t (equal to that of q by e_n), and of q by e_t.
-    pub d: [f64; 3],
+/// Forces and their derivatives by the kinematics.
+#[derive(Clone, Copy, Debug)]
+pub struct Response<const F: usize> {
+    /// Forces.
+    pub s: [f64; F],
+    /// Derivatives, a symmetric matrix.
+    pub d: [[f64; F]; F],
 }
 
-impl Spring {
-    /// The spring of an interaction with a compliance for each of its forces and no rolling moment.
-    pub fn new(l: &Local) -> Self {
+impl<const F: usize> Default for Response<F> {
+    fn default() -> Self {
+        Self { s: [0.0; F], d: [[0.0; F]; F] }
+    }
+}
+
+impl<const F: usize> Response<F> {
+    /// Power of the forces along a step of the kinematics, and its derivative along the step.
+    #[inline]
+    pub fn along(&self, de: &[f64; F]) -> (f64, f64) {
+        let (mut power, mut curvature) = (0.0, 0.0);
+        for f in 0..F {
+            power += self.s[f] * de[f];
+            curvature += self.d[f][f] * de[f] * de[f];
+            for g in f + 1..F {
+                curvature += 2.0 * self.d[f][g] * de[f] * de[g];
+            }
+        }
+        (power, curvature)
+    }
+}
+
+/// An interaction whose `F` forces all have a compliance.
+pub trait Elastic<const F: usize>: Copy + Send + Sync {
+    /// The spring of such an interaction.
+    fn new(l: &Local) -> Self;
+
+    /// Projection of the elastic trial at these kinematics onto the limits.
+    fn respond(&self, e: [f64; F]) -> Response<F>;
+}
+
+impl Elastic<2> for Spring {
+    fn new(l: &Local) -> Self {
         let (friction, cohesion, tension) = match l.kind {
             Kind::Normal => (0.0, 0.0, l.right[0]),
             Kind::Bond => (-l.limits[0][0], l.right[0], l.right[2]),
@@ -52,29 +83,30 @@ impl Spring {
         }
     }
 
-    /// Projection of the elastic trial onto the limits.
     #[inline]
-    pub fn respond(&self, e: [f64; 2]) -> Response {
+    fn respond(&self, e: [f64; 2]) -> Response<2> {
         let [kn, kt] = self.stiffness;
         let pt = (e[0] - self.linear[0]) * kn;
         let qt = (e[1] - self.linear[1]) * kt;
         let size = qt.abs();
         let over = size - self.cohesion - self.friction * pt;
         if self.shears && over <= 0.0 && pt >= -self.tension {
-            return Response { s: [pt, qt], d: [kn, 0.0, kt] };
+            return Response { s: [pt, qt], d: [[kn, 0.0], [0.0, kt]] };
         }
         self.limited(pt, qt)
     }
+}
 
+impl Spring {
     /// Projection of the trial (pt, qt), which may be outside of the limits.
-    fn limited(&self, pt: f64, qt: f64) -> Response {
+    fn limited(&self, pt: f64, qt: f64) -> Response<2> {
         let [kn, kt] = self.stiffness;
         let (mu, cohesion, tension) = (self.friction, self.cohesion, self.tension);
         if !self.shears {
             return if pt > -tension {
-                Response { s: [pt, 0.0], d: [kn, 0.0, 0.0] }
+                Response { s: [pt, 0.0], d: [[kn, 0.0], [0.0, 0.0]] }
             } else {
-                Response { s: [-tension, 0.0], d: [0.0; 3] }
+                Response { s: [-tension, 0.0], d: [[0.0; 2]; 2] }
             };
         }
         let sign = if qt < 0.0 { -1.0 } else { 1.0 };
@@ -86,23 +118,24 @@ impl Spring {
         let over = size - cohesion - mu * pt;
         if pt < p0 && (over <= 0.0 || size <= q0) {
             return if size <= q0 && q0 > 0.0 {
-                Response { s: [p0, qt], d: [0.0, 0.0, kt] }
+                Response { s: [p0, qt], d: [[0.0, 0.0], [0.0, kt]] }
             } else {
-                Response { s: [p0, sign * q0.min(size)], d: [0.0; 3] }
+                Response { s: [p0, sign * q0.min(size)], d: [[0.0; 2]; 2] }
             };
         }
         if over <= 0.0 {
-            return Response { s: [pt, qt], d: [kn, 0.0, kt] };
+            return Response { s: [pt, qt], d: [[kn, 0.0], [0.0, kt]] };
         }
         let sum = kt + mu * mu * kn;
         let slip = over / sum;
         let p = pt + mu * kn * slip;
         if p >= p0 {
             let (vn, vt) = (-mu * kn, sign * kt);
-            let d = [kn - vn * vn / sum, -vn * vt / sum, kt - vt * vt / sum];
+            let across = -vn * vt / sum;
+            let d = [[kn - vn * vn / sum, across], [across, kt - vt * vt / sum]];
             return Response { s: [p, sign * (size - kt * slip)], d };
         }
-        Response { s: [p0, sign * q0], d: [0.0; 3] }
+        Response { s: [p0, sign * q0], d: [[0.0; 2]; 2] }
     }
 }
 
@@ -125,7 +158,7 @@ mod tests {
     #[test]
     fn within_the_limits_the_forces_are_elastic() {
         let Response { s, d } = bond().respond([1.0, -0.5]);
-        assert_eq!((s, d), ([2.0, -0.5], [2.0, 0.0, 1.0]));
+        assert_eq!((s, d), ([2.0, -0.5], [[2.0, 0.0], [0.0, 1.0]]));
     }
 
     /// The return to the limit of shear, `q = c + mu p`, goes along the flow rule: the slip
@@ -156,7 +189,7 @@ mod tests {
         let contact = Spring { cohesion: 0.0, tension: f64::INFINITY, ..bond() };
         for spring in [bond(), frictionless, contact] {
             for e in [[1.0, -0.5], [1.0, 3.5], [1.0, -3.5], [-5.0, 0.25], [-5.0, -4.0]] {
-                let [nn, nt, tt] = spring.respond(e).d;
+                let [[nn, nt], [_, tt]] = spring.respond(e).d;
                 let h = 1e-6;
                 let slope = |by: usize, f: usize| {
                     let at = |sign: f64| {

@@ -13,7 +13,7 @@ pub const LIMITS: usize = 5;
 /// ```text
 /// g + C_n p - e_n - lambda_n - a (mu (lambda_+ + lambda_-) + m (kappa_+ + kappa_-)) = 0
 /// C_t (q - q_0) - e_t + lambda_+ - lambda_- = 0
-/// -e_r + kappa_+ - kappa_- = 0
+/// C_r (tau - tau_0) - e_r + kappa_+ - kappa_- = 0
 /// w_n = f_t + p,   w_+- = c + mu p -+ q,   v_+- = m_0 + m p -+ tau
 /// w lambda = 0,   w >= 0,   lambda >= 0
 /// ```
@@ -128,7 +128,7 @@ impl Cell {
     /// Slacks and multipliers near those of the forces and kinematics, with all products `product`.
     pub fn near(&self, s: [f64; 3], e: &[f64; 3], product: f64) -> Entry {
         let st = e[1] - self.linear[1] - self.compliance[1] * s[1];
-        let sr = e[2] - self.linear[2];
+        let sr = e[2] - self.linear[2] - self.compliance[2] * s[2];
         let opening = self.on[1] as u8 as f64 * self.slopes[0] * st.abs()
             + self.on[3] as u8 as f64 * self.slopes[1] * sr.abs();
         let sn = self.linear[0] + self.compliance[0] * s[0] - e[0] - self.dilation * opening;
@@ -153,7 +153,7 @@ impl Cell {
             r.s[1] = self.linear[1] + self.compliance[1] * x.s[1] - e[1] + plus - minus;
         }
         if self.on[3] {
-            r.s[2] = self.linear[2] - e[2] + roll_plus - roll_minus;
+            r.s[2] = self.linear[2] + self.compliance[2] * x.s[2] - e[2] + roll_plus - roll_minus;
         }
         let taken = self.of_limits(&x.s);
         for q in self.each_limit() {
@@ -180,7 +180,7 @@ impl Cell {
                 continue;
             }
             let [plus, minus] = [theta[2 * k + 1], theta[2 * k + 2]];
-            let compliance = self.soft[force] + if force == 1 { self.compliance[1] } else { 0.0 };
+            let compliance = self.soft[force] + self.compliance[force];
             let flexibility = 1.0 / (compliance + plus + minus);
             let lean = self.slopes[k] * (plus - minus) * flexibility;
             own[force] = flexibility;
@@ -254,7 +254,7 @@ mod tests {
         Cell {
             bodies: [0, 1],
             rows: [[[0.0; 3]; 3]; 2],
-            compliance: [0.3, 0.7, 0.0],
+            compliance: [0.3, 0.7, 0.45],
             linear: [0.2, -0.1, 0.4],
             slopes: [0.6, 0.25],
             strengths: [0.5, 1.5, 0.8],

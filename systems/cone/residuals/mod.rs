@@ -5,7 +5,7 @@
 //!
 //! ```text
 //! s_t = d_t - C_T (q - q_0)                       lambda_q = |s_t|, at the limit of its sign
-//! s_r = d_r                                       lambda_r = |s_r|, at the limit of its sign
+//! s_r = d_r - C_R (tau - tau_0)                   lambda_r = |s_r|, at the limit of its sign
 //! lambda_T = g + C_N p - d_n - a (mu lambda_q + mu_r r lambda_r)         of p >= -f_t
 //! ```
 //!
@@ -43,7 +43,11 @@ pub fn multipliers(c: &Interaction, e: &Kinematics, f: &[f64; 3]) -> Multipliers
     } else {
         0.0
     };
-    let rotation = if l.has_rolling() { e[2] } else { 0.0 };
+    let rotation = if l.has_rolling() {
+        e[2] - c.rolling_compliance * (f[2] - c.previous_moment)
+    } else {
+        0.0
+    };
     let tension = c.offset + c.normal_compliance * f[0]
         - e[0]
         - c.dilation * (l.friction * slip.abs() + l.rolling * rotation.abs());

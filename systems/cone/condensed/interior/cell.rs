@@ -146,12 +146,12 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
         let law = Law::<F, Q>::new(local);
         let e = law.kinematics(u);
         let mut trial = [0.0; F];
-        for f in (0..F.min(2)).filter(|f| local.has[*f]) {
+        for f in (0..F).filter(|f| local.has[*f]) {
             let c = law.compliance[f];
             trial[f] = if c > 0.0 { (e[f] - law.linear[f]) / c } else { 0.0 };
         }
         let mut slacks = Slacks::default();
-        // The trial clamped to the limits: normal force first, then shear at that normal force.
+        // The trial clamped to the limits: normal force first, then the others at that normal force.
         let lowest = (0..Q)
             .map(|q| (law.right[q], -local.limits[q][0]))
             .filter(|(_, slope)| *slope > 0.0)
@@ -159,9 +159,10 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
             .fold(f64::NEG_INFINITY, f64::max);
         let mut s = [0.0; F];
         s[0] = trial[0].max(lowest);
-        if local.has[1] {
-            let strength = law.right[0] + law.slopes[0] * s[0];
-            s[1] = trial[1].clamp(-strength.max(0.0), strength.max(0.0));
+        for k in 0..Law::<F, Q>::PAIRS {
+            let strength = (law.right[2 * k] + law.slopes[k] * s[0]).max(0.0);
+            let f = Law::<F, Q>::force(k);
+            s[f] = trial[f].clamp(-strength, strength);
         }
         // Inside of a limit the distance to it is the slack; outside, the excess is the multiplier.
         // A contact that is far softer than the others must not start with far larger products.

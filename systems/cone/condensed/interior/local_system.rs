@@ -259,17 +259,16 @@ mod tests {
     fn law<const F: usize, const Q: usize>() -> impl Strategy<Value = Law<F, Q>> {
         let compliance = prop_oneof![Just(0.0), 1e-6..10.0_f64];
         let slope = prop_oneof![Just(0.0), Just(1e-9), 1e-3..1.0_f64];
-        let input = ([compliance.clone(), compliance], slope, 1e-3..1.0_f64);
-        input.prop_map(|([n, t], first, second)| Law {
+        let input = (prop::array::uniform3(compliance), slope, 1e-3..1.0_f64);
+        input.prop_map(|([n, t, r], first, second)| Law {
             bodies: [0, 1],
             rows: [[[0.0; F]; 3]; 2],
-            // A rolling moment has no compliance. The shear force of a wheel has a compliance and
-            // no limits.
+            // The shear force of a wheel has a compliance and no limits.
             compliance: std::array::from_fn(|f| match f {
                 0 => n,
                 1 if Law::<F, Q>::force(0) == 2 => 1.0,
                 1 => t,
-                _ => 0.0,
+                _ => r,
             }),
             linear: [0.0; F],
             // At least one limit involves p.

@@ -8,24 +8,24 @@ use crate::adjacency::Adjacency;
 
 /// A step without its fast bodies. Where a few loose bodies move far, the state of their contacts
 /// changes at once. These contacts would shorten a step that all other bodies could make.
-pub struct SlowPart {
+pub struct SlowPart<const F: usize> {
     /// Which bodies are fast.
     pub fast: Vec<bool>,
     /// The step, zero for fast bodies.
     pub du: Vec<[f64; 3]>,
     /// Kinematics of the step. They are zero for interactions of fast bodies, which are not
     /// counted.
-    pub de: Vec<[f64; 2]>,
+    pub de: Vec<[f64; F]>,
 }
 
-impl SlowPart {
+impl<const F: usize> SlowPart<F> {
     /// A body is fast if its step exceeds `settings.fast` times the `fast_quantile` of all steps
     /// and it is no wall. `None` where no body is fast.
     pub fn of(
         program: &Scaled,
         adjacency: &Adjacency,
         settings: &LocalSettings,
-        step: &Step,
+        step: &Step<F>,
     ) -> Option<Self> {
         let Step { du, de, .. } = step;
         let size = |du: &[f64; 3]| du[0].hypot(du[1]).max(du[2].abs());
@@ -46,7 +46,7 @@ impl SlowPart {
             let both_slow = |l: &Local| !program.pair(l).iter().any(|i| fast[*i]);
             let mut du: Vec<_> = du.iter().zip(&fast).map(slow).collect();
             program.images.extend(&mut du);
-            let counted = |(de, l): (&[f64; 2], &Local)| if both_slow(l) { *de } else { [0.0; 2] };
+            let counted = |(de, l): (&[f64; F], &Local)| if both_slow(l) { *de } else { [0.0; F] };
             let de = de.iter().zip(&program.locals).map(counted).collect();
             Self { fast, du, de }
         })

@@ -19,8 +19,10 @@ use self::fast::SlowPart;
 use self::patches::Patches;
 use super::matrix::BodyMatrix;
 use super::newton::{Between, Goal, Newton, Point, Step, iterate};
+use super::rolling_spring::RollingSpring;
 use super::scaled::Scaled;
 use super::settings::{LineSearchSettings, LocalSettings, NewtonSettings};
+use super::spring::{Elastic, Spring};
 use crate::adjacency::Adjacency;
 
 /// Solves the program from the displacements `start` until the unbalance over the maximum force is
@@ -46,7 +48,11 @@ pub fn solve(
         fast: Vec::new(),
         is_done: false,
     };
-    iterate(program, matrix, start, &newton, goal, &mut elimination)
+    if program.locals.iter().any(|l| l.has[2]) {
+        iterate::<RollingSpring, 3>(program, matrix, start, &newton, goal, &mut elimination)
+    } else {
+        iterate::<Spring, 2>(program, matrix, start, &newton, goal, &mut elimination)
+    }
 }
 
 /// Local elimination between two steps.
@@ -61,8 +67,8 @@ struct Elimination<'a> {
     is_done: bool,
 }
 
-impl Between for Elimination<'_> {
-    fn move_bodies(&mut self, program: &Scaled, point: &mut Point) -> bool {
+impl<S: Elastic<F>, const F: usize> Between<S, F> for Elimination<'_> {
+    fn move_bodies(&mut self, program: &Scaled, point: &mut Point<S, F>) -> bool {
         let is_first = !std::mem::replace(&mut self.is_done, true);
         let is_short = point.unbalance > self.settings.min_unbalance * point.force
             && self.last_length < self.settings.short_step;
@@ -77,8 +83,8 @@ impl Between for Elimination<'_> {
     fn change_step(
         &mut self,
         program: &Scaled,
-        point: &Point,
-        step: &mut Step,
+        point: &Point<S, F>,
+        step: &mut Step<F>,
         search: &LineSearchSettings,
     ) {
         self.fast.clear();
@@ -99,7 +105,11 @@ impl Between for Elimination<'_> {
 impl Elimination<'_> {
     /// Brings the bodies that are furthest out of balance, and fast ones, to balance; whether any
     /// moved.
-    fn eliminate(&self, program: &Scaled, point: &mut Point) -> bool {
+    fn eliminate<S: Elastic<F>, const F: usize>(
+        &self,
+        program: &Scaled,
+        point: &mut Point<S, F>,
+    ) -> bool {
         let of_body = |g: &[f64; 3]| g.iter().fold(0.0_f64, |m, g| m.max(g.abs()));
         let n = program.free.len();
         let unbalance: Vec<f64> = point.gradient[..n].iter().map(of_body).collect();
@@ -109,8 +119,14 @@ impl Elimination<'_> {
             |i: usize| unbalance[i] > settings.share * maximum || self.fast.get(i) == Some(&true);
         let patches = Patches::new(program, &self.adjacency, settings, &point.e).grow(is_seed);
         let goal = Goal { relative: settings.goal, absolute: settings.residual * maximum };
-        let solutions =
-            patch::balance_all(program, &self.adjacency, settings, &patches, &point.u, goal);
+        let solutions = patch::balance_all::<S, F>(
+            program,
+            &self.adjacency,
+            settings,
+            &patches,
+            &point.u,
+            goal,
+        );
         let mut moved = false;
         for (i, u) in solutions {
             point.u[i] = u;

@@ -11,20 +11,20 @@ pub fn is_wall(adjacency: &Adjacency, settings: &LocalSettings, body: usize) -> 
 }
 
 /// Finds patches: bodies that are joined by interactions and are solved for together.
-pub struct Patches<'a> {
+pub struct Patches<'a, const F: usize> {
     program: &'a Scaled,
     adjacency: &'a Adjacency,
     settings: &'a LocalSettings,
     /// Kinematics by interaction.
-    e: &'a [[f64; 2]],
+    e: &'a [[f64; F]],
 }
 
-impl<'a> Patches<'a> {
+impl<'a, const F: usize> Patches<'a, F> {
     pub fn new(
         program: &'a Scaled,
         adjacency: &'a Adjacency,
         settings: &'a LocalSettings,
-        e: &'a [[f64; 2]],
+        e: &'a [[f64; F]],
     ) -> Self {
         Self { program, adjacency, settings, e }
     }
@@ -54,7 +54,7 @@ impl<'a> Patches<'a> {
     fn neighbour(&self, k: usize, i: usize) -> Option<usize> {
         let l = &self.program.locals[k];
         let [a, b] = self.program.pair(l);
-        let is_bonded = l.count == 3 && l.right[2] > 0.0;
+        let is_bonded = l.count >= 3 && l.right[2] > 0.0;
         let is_near = is_bonded || self.e[k][0] - l.linear[0] > -self.settings.max_gap;
         is_near.then_some(if a == i { b } else { a })
     }

@@ -2,7 +2,8 @@
 //! compliance.
 //!
 //! Given u, the forces of a contact are the projection of its elastic trial onto its limits in the
-//! metric of the compliances ([`Spring`](super::spring::Spring)). The balance is then the gradient of a convex, piecewise
+//! metric of the compliances ([`Spring`](super::spring::Spring), and
+//! [`RollingSpring`](super::rolling_spring::RollingSpring) with a rolling moment). The balance is then the gradient of a convex, piecewise
 //! quadratic function of u, and its generalised Hessian is the condensed matrix of the current
 //! regions. The derivative along a step is monotone and piecewise linear, and the line search finds
 //! its zero.
@@ -15,6 +16,7 @@ pub use self::point::{Point, Step};
 use super::matrix::BodyMatrix;
 use super::scaled::Scaled;
 use super::settings::{LineSearchSettings, NewtonSettings};
+use super::spring::Elastic;
 
 /// Unbalance at which the iteration is done: the looser of the two counts.
 #[derive(Clone, Copy, Debug)]
@@ -37,18 +39,18 @@ pub struct Newton {
     pub converged: bool,
 }
 
-/// What the caller does between two steps of the iteration.
-pub trait Between {
+/// What the caller does between two steps of an iteration with `F` forces an interaction.
+pub trait Between<S: Elastic<F>, const F: usize> {
     /// May change the displacements of the point before the next step; whether it did. The point is
     /// then evaluated again.
-    fn move_bodies(&mut self, program: &Scaled, point: &mut Point) -> bool;
+    fn move_bodies(&mut self, program: &Scaled, point: &mut Point<S, F>) -> bool;
 
     /// May change a step and its length after the line search.
     fn change_step(
         &mut self,
         program: &Scaled,
-        point: &Point,
-        step: &mut Step,
+        point: &Point<S, F>,
+        step: &mut Step<F>,
         search: &LineSearchSettings,
     );
 }
@@ -56,34 +58,38 @@ pub trait Between {
 /// Nothing happens between two steps.
 pub struct Nothing;
 
-impl Between for Nothing {
-    fn move_bodies(&mut self, _: &Scaled, _: &mut Point) -> bool {
+impl<S: Elastic<F>, const F: usize> Between<S, F> for Nothing {
+    fn move_bodies(&mut self, _: &Scaled, _: &mut Point<S, F>) -> bool {
         false
     }
 
-    fn change_step(&mut self, _: &Scaled, _: &Point, _: &mut Step, _: &LineSearchSettings) {}
+    fn change_step(
+        &mut self,
+        _: &Scaled,
+        _: &Point<S, F>,
+        _: &mut Step<F>,
+        _: &LineSearchSettings,
+    ) {
+    }
 }
 
 /// Whether every force of the program has a compliance.
 #[must_use]
 pub fn applies(program: &Scaled) -> bool {
-    program
-        .locals
-        .iter()
-        .all(|l| !l.has[2] && l.compliance[0] > 0.0 && (!l.has[1] || l.compliance[1] > 0.0))
+    program.locals.iter().all(|l| (0..3).all(|f| !l.has[f] || l.compliance[f] > 0.0))
 }
 
 /// Runs the iteration from the displacements `start`.
 #[must_use]
-pub fn iterate(
+pub fn iterate<S: Elastic<F>, const F: usize>(
     program: &Scaled,
     matrix: &mut BodyMatrix,
     start: &[[f64; 3]],
     settings: &NewtonSettings,
     goal: Goal,
-    between: &mut impl Between,
+    between: &mut impl Between<S, F>,
 ) -> Newton {
-    let mut point = Point::new(program, start);
+    let mut point = Point::<S, F>::new(program, start);
     let mut step = Step::new(program);
     let (mut iterations, mut tiny_steps) = (0, 0);
     let mut damping = settings.damping;
@@ -121,6 +127,7 @@ mod tests {
     use glam::DVec2;
 
     use super::super::samples::{column, contact, held, loaded, posed};
+    use super::super::spring::Spring;
     use super::*;
     use crate::program::ConeProgram;
 
@@ -131,7 +138,9 @@ mod tests {
         assert!(applies(&scaled));
         let start = vec![[0.0; 3]; scaled.free.len()];
         let settings = NewtonSettings::default();
-        (iterate(&scaled, &mut matrix, &start, &settings, GOAL, &mut Nothing), place)
+        let result =
+            iterate::<Spring, 2>(&scaled, &mut matrix, &start, &settings, GOAL, &mut Nothing);
+        (result, place)
     }
 
     /// A column is a chain of springs: contact k carries the weight of all bodies above it, and a
@@ -184,15 +193,21 @@ mod tests {
     #[test]
     fn the_caller_may_move_bodies_between_steps() {
         struct Solution(u32);
-        impl Between for Solution {
-            fn move_bodies(&mut self, _: &Scaled, point: &mut Point) -> bool {
+        impl Between<Spring, 2> for Solution {
+            fn move_bodies(&mut self, _: &Scaled, point: &mut Point<Spring, 2>) -> bool {
                 self.0 += 1;
                 for (u, g) in point.u.iter_mut().zip(&point.gradient) {
                     u[1] -= 0.1 * g[1];
                 }
                 true
             }
-            fn change_step(&mut self, _: &Scaled, _: &Point, _: &mut Step, _: &LineSearchSettings) {
+            fn change_step(
+                &mut self,
+                _: &Scaled,
+                _: &Point<Spring, 2>,
+                _: &mut Step<2>,
+                _: &LineSearchSettings,
+            ) {
                 unreachable!("no step is needed");
             }
         }

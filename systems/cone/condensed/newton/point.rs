@@ -5,34 +5,35 @@ use crate::condensed::line_search::line_search;
 use crate::condensed::matrix::BodyMatrix;
 use crate::condensed::scaled::{Local, Scaled, add_forces, kinematics};
 use crate::condensed::settings::LineSearchSettings;
-use crate::condensed::spring::{Response, Spring};
+use crate::condensed::spring::{Elastic, Response};
 
-/// The bodies of an interaction and the rows of its two forces.
-struct Arms {
+/// The bodies of an interaction and the rows of its forces.
+struct Arms<const F: usize> {
     bodies: [u32; 2],
-    rows: [[[f64; 2]; 3]; 2],
+    rows: [[[f64; F]; 3]; 2],
 }
 
-impl Arms {
+impl<const F: usize> Arms<F> {
     fn new(l: &Local) -> Self {
-        let rows = l.rows.map(|rows| rows.map(|[normal, shear, _]| [normal, shear]));
+        let rows = l.rows.map(|rows| rows.map(|row| std::array::from_fn(|f| row[f])));
         Self { bodies: l.bodies.map(|i| i as u32), rows }
     }
 
-    fn kinematics(&self, u: &[[f64; 3]]) -> [f64; 2] {
+    fn kinematics(&self, u: &[[f64; 3]]) -> [f64; F] {
         kinematics(self.bodies, &self.rows, u)
     }
 }
 
-/// A point of the iteration, and what follows from its displacements.
-pub struct Point {
-    springs: Vec<Spring>,
-    arms: Vec<Arms>,
-    responses: Vec<Response>,
+/// A point of the iteration, and what follows from its displacements, for interactions with `F`
+/// forces.
+pub struct Point<S, const F: usize> {
+    springs: Vec<S>,
+    arms: Vec<Arms<F>>,
+    responses: Vec<Response<F>>,
     /// Displacements by body, then by image.
     pub u: Vec<[f64; 3]>,
     /// Kinematics by interaction.
-    pub e: Vec<[f64; 2]>,
+    pub e: Vec<[f64; F]>,
     /// Out-of-balance forces by body, zero for images: the gradient of the energy.
     pub gradient: Vec<[f64; 3]>,
     /// Maximum force of the interactions, and at least the minimum of the settings.
@@ -42,31 +43,31 @@ pub struct Point {
 }
 
 /// A step of the iteration.
-pub struct Step {
+pub struct Step<const F: usize> {
     /// Newton step of the displacements by body, then by image.
     pub du: Vec<[f64; 3]>,
     /// The kinematics that belong to it.
-    pub de: Vec<[f64; 2]>,
+    pub de: Vec<[f64; F]>,
     /// Part of it that is made.
     pub length: f64,
 }
 
-impl Step {
+impl<const F: usize> Step<F> {
     pub(super) fn new(program: &Scaled) -> Self {
         let du = vec![[0.0; 3]; program.places()];
-        Self { du, de: vec![[0.0; 2]; program.locals.len()], length: 0.0 }
+        Self { du, de: vec![[0.0; F]; program.locals.len()], length: 0.0 }
     }
 }
 
-impl Point {
+impl<S: Elastic<F>, const F: usize> Point<S, F> {
     pub(super) fn new(program: &Scaled, start: &[[f64; 3]]) -> Self {
         let count = program.locals.len();
         Self {
-            springs: program.locals.iter().map(Spring::new).collect(),
+            springs: program.locals.iter().map(S::new).collect(),
             arms: program.locals.iter().map(Arms::new).collect(),
             responses: vec![Response::default(); count],
             u: program.with_known(start),
-            e: vec![[0.0; 2]; count],
+            e: vec![[0.0; F]; count],
             gradient: vec![[0.0; 3]; program.places()],
             force: 0.0,
             unbalance: 0.0,
@@ -81,9 +82,9 @@ impl Point {
         for (k, (spring, arms)) in self.springs.iter().zip(&self.arms).enumerate() {
             self.e[k] = arms.kinematics(&self.u);
             self.responses[k] = spring.respond(self.e[k]);
-            let [p, q] = self.responses[k].s;
-            add_forces(arms.bodies, &arms.rows, &[p, q], 1.0, &mut self.gradient);
-            force = force.max(p.abs()).max(q.abs());
+            let s = &self.responses[k].s;
+            add_forces(arms.bodies, &arms.rows, s, 1.0, &mut self.gradient);
+            force = force.max(s[0].abs()).max(s[1].abs());
         }
         program.images.fold(&mut self.gradient);
         self.force = force;
@@ -109,8 +110,7 @@ impl Point {
             }
         }
         for (k, (arms, response)) in self.arms.iter().zip(&self.responses).enumerate() {
-            let [nn, nt, tt] = response.d;
-            values.add(k, &arms.rows, &[[nn, nt], [nt, tt]]);
+            values.add(k, &arms.rows, &response.d);
         }
     }
 
@@ -119,7 +119,7 @@ impl Point {
         &self,
         program: &Scaled,
         matrix: &mut BodyMatrix,
-        step: &mut Step,
+        step: &mut Step<F>,
     ) -> bool {
         for (du, g) in step.du.iter_mut().zip(&self.gradient) {
             *du = g.map(|g| -g);
@@ -144,7 +144,7 @@ impl Point {
         &self,
         program: &Scaled,
         du: &[[f64; 3]],
-        de: &[[f64; 2]],
+        de: &[[f64; F]],
         settings: &LineSearchSettings,
     ) -> f64 {
         let along = [&self.u[..], du, &self.gradient[..]];
@@ -152,7 +152,7 @@ impl Point {
     }
 
     /// Makes a step.
-    pub(super) fn make(&mut self, step: &Step) {
+    pub(super) fn make(&mut self, step: &Step<F>) {
         for (u, du) in self.u.iter_mut().zip(&step.du) {
             for k in 0..3 {
                 u[k] += step.length * du[k];
@@ -161,6 +161,7 @@ impl Point {
     }
 
     pub(super) fn forces(&self) -> Vec<[f64; 3]> {
-        self.responses.iter().map(|r| [r.s[0], r.s[1], 0.0]).collect()
+        let of = |s: &[f64; F]| std::array::from_fn(|f| if f < F { s[f] } else { 0.0 });
+        self.responses.iter().map(|r| of(&r.s)).collect()
     }
 }
