@@ -20,14 +20,14 @@ use clastic_components::attempt::{Attempt, Mode, Verdict};
 use clastic_components::contact::{Bodies, BondRow, Contacts};
 use clastic_components::contact_history::DraftHistory;
 use clastic_components::energy::EnergyLedger;
-use clastic_components::findings::{AddedPairs, Centre, Corrections, Pushed, Restraints, Ruptures};
+use clastic_components::findings::{AddedPairs, Centre, Corrections, Pushed, Ruptures};
 use clastic_components::increment::{Acceptance, Analysis, Progress, RuptureRules};
 use clastic_components::material::Materials;
 use clastic_components::motion::Motion;
 use clastic_cone::program::{ConeProgram, ConeSolution, SolveStatus};
 
-use super::clear;
-use super::thrown_grains::digits;
+use super::run::clear;
+use super::too_far::digits;
 use crate::kinetic_damping;
 use crate::mean_field::{furthest, mean_strain};
 use crate::motion_settings::MotionSettings;
@@ -109,7 +109,6 @@ pub fn forget_passes(world: &mut World) {
     clear::<Corrections>(world);
     clear::<Pushed>(world);
     clear::<Centre>(world);
-    world.resource_mut::<Restraints>().replies = 0;
 }
 
 /// Judge: is the step short enough for constant normals? In a motion that a rupture released, it
