@@ -8,6 +8,7 @@ use clastic_components::findings::{BestUnconverged, Centre, Unconverged};
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
 use clastic_cone::program::{Certificate, ConeProgram, ConeSolution, SolveStatus};
 
+use super::restraints::translations;
 use super::too_far::is_unsupported;
 use crate::assemble_program::regularise::max_moves;
 use crate::assemble_program::scales::MAX_MOTION;
@@ -46,9 +47,7 @@ pub fn judge(
                 solution.certificate = Some(mechanism);
                 Verdict::Impossible
             }
-            None => {
-                unconverged(solution, "the solver reports a collapse that it cannot prove".into())
-            }
+            None => unconverged(solution, unproved(&bodies, solution)),
         },
         SolveStatus::Locked => Verdict::Locked,
         SolveStatus::Stalled if seeks_equilibrium && is_biased(&program, solution, &acceptance) => {
@@ -70,7 +69,7 @@ pub fn judge(
         attempt.magnitudes = magnitudes(&program, solution);
     }
     if attempt.verdict == Verdict::Locked {
-        attempt.complaint = "locked: rigid bodies have no feasible motion".into();
+        attempt.complaint = locked(&bodies, &program, solution);
     }
 }
 
@@ -89,6 +88,15 @@ pub(super) fn impossible_or(
         }
         None => otherwise,
     }
+}
+
+/// Complaint about a collapse without proof.
+fn unproved(bodies: &Bodies, solution: &ConeSolution) -> String {
+    let far = solution.certificate.as_ref().map(translations).unwrap_or_default();
+    let fastest = far.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1));
+    let place = fastest
+        .map_or(String::new(), |(i, _)| format!(", in which {} moves most", near(bodies, [i, i])));
+    format!("the solver reports a collapse that it cannot prove{place}")
 }
 
 /// Recomputes the certificate of a collapse; `None` if it proves nothing.
@@ -125,12 +133,31 @@ fn keep_best(
 }
 
 /// Place of the maximum residual of a solution in words; empty if it has none.
-fn place(bodies: &Bodies, program: &ConeProgram, solution: &ConeSolution) -> String {
-    let Some([a, b]) = worst_bodies(program, solution) else { return String::new() };
+pub(super) fn place(bodies: &Bodies, program: &ConeProgram, solution: &ConeSolution) -> String {
+    worst_bodies(program, solution)
+        .map_or(String::new(), |pair| format!(", worst at {}", near(bodies, pair)))
+}
+
+/// Two bodies, which may be the same, and their place in words.
+fn near(bodies: &Bodies, [a, b]: [usize; 2]) -> String {
     let partner = if a == b { String::new() } else { format!(" and {}", bodies.name(b)) };
     // The cell has no position.
-    let Some(at) = bodies.positions.get(a) else { return format!(", worst at {}", bodies.name(a)) };
-    format!(", worst at {}{partner} near ({:.4e}, {:.4e}) m", bodies.name(a), at.x, at.y)
+    let at = bodies
+        .positions
+        .get(a)
+        .map_or(String::new(), |at| format!(" near ({:.4e}, {:.4e}) m", at.x, at.y));
+    format!("{}{partner}{at}", bodies.name(a))
+}
+
+/// Complaint about rigid bodies that lock. The forces prove it: they balance each other and do work
+/// on the imposed motions.
+fn locked(bodies: &Bodies, program: &ConeProgram, solution: &ConeSolution) -> String {
+    let forces = program.interactions.iter().zip(&solution.forces);
+    let strongest = forces.max_by(|a, b| a.1[0].abs().total_cmp(&b.1[0].abs()));
+    let place = strongest.map_or(String::new(), |(c, _)| {
+        format!("; most strongly at {}", near(bodies, [c.a as usize, c.b as usize]))
+    });
+    format!("locked: rigid bodies have no feasible motion{place}")
 }
 
 /// Maximum displacement and force of a solution, as scales for the next attempt.

@@ -58,16 +58,18 @@ pub fn judge(
 
 /// Complaint about a throw.
 fn complaint(bodies: &Bodies, grain: usize, far: f64, acceptance: &Acceptance) -> String {
-    let at = bodies.positions[grain];
     format!(
-        "{} at ({:.4e}, {:.4e}) m would be thrown by {} radii relative to the mean motion; \
-         `acceptance.throw` allows {}",
-        bodies.name(grain),
-        at.x,
-        at.y,
+        "{} would be thrown by {} radii relative to the mean motion; `acceptance.throw` allows {}",
+        named(bodies, grain),
         digits(far),
         acceptance.throw
     )
+}
+
+/// A grain and its place in words.
+pub(super) fn named(bodies: &Bodies, grain: usize) -> String {
+    let at = bodies.positions[grain];
+    format!("{} at ({:.4e}, {:.4e}) m", bodies.name(grain), at.x, at.y)
 }
 
 /// A number with three significant digits and at least two decimals.
