@@ -1,5 +1,5 @@
-//! Advice about an increment that could not be solved: only remedies that were seen to help
-//! increments with the same finding ([table](../../docs/reliability.md), "Undecided increments").
+//! Advice about an increment that could not be solved: only remedies that were seen to help at least
+//! a quarter of the increments with the same finding (docs/reliability.md, "Undecided increments").
 
 use bevy_ecs::prelude::*;
 
@@ -34,13 +34,16 @@ pub fn with_advice(world: &mut World, stage: &Stage, complaint: &str) -> String 
         ],
         _ => of_equilibrium(world),
     };
-    let pair = forced.map_or(String::new(), |pair| format!(": {}", driven_together(world, pair)));
+    let complaint = match forced {
+        Some(pair) => format!("locked: {}", driven_together(world, pair)),
+        None => complaint.to_owned(),
+    };
     let advice = if remedies.is_empty() {
         String::new()
     } else {
         format!("; try: {}", remedies.join(", or "))
     };
-    let complaint = with_wall_names(world, format!("{complaint}{pair}"));
+    let complaint = with_wall_names(world, complaint);
     format!("increment {increment}, in stage `{}`: {complaint}{advice}", label(stage.name()))
 }
 
@@ -60,12 +63,14 @@ fn of_equilibrium(world: &World) -> Vec<String> {
         remedies.push("`friction_law: Associated`".to_owned());
     }
     if world.resource::<Analysis>().kind == AnalysisKind::Static {
-        remedies.push("a greater `acceptance.halvings`".to_owned());
         remedies.push(
             "a stage with `analysis: Dynamic(..)` before it, in which the specimen comes to rest \
              under the same loads"
                 .to_owned(),
         );
+    }
+    if world.resource::<ConeProgram>().interactions.iter().any(|c| c.normal_compliance == 0.0) {
+        remedies.push("a stiffness for rigid contacts".to_owned());
     }
     remedies
 }
