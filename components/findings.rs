@@ -220,8 +220,6 @@ pub struct Restraints {
     /// Bodies that moved far in a rejected solution and that their taut bonds pull back. Empty
     /// before the first rejection.
     pub swinging: Vec<bool>,
-    /// Number of consecutive attempts that these findings caused.
-    pub replies: u32,
 }
 
 /// Centre of the regularisation if it follows the solution.

@@ -6,6 +6,7 @@ use glam::DVec2;
 
 use clastic_components::body::Drive;
 use clastic_components::contact::Bodies;
+use clastic_components::increment::Acceptance;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
 /// With fewer grains than this, the field is their mean motion instead of an affine field.
@@ -22,6 +23,17 @@ pub fn furthest(
         .into_iter()
         .enumerate()
         .max_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// The grain with the maximum throw and its motion in radii, if it exceeds [`Acceptance::throw`].
+#[must_use]
+pub fn thrown(
+    bodies: &Bodies,
+    program: &ConeProgram,
+    solution: &ConeSolution,
+    acceptance: &Acceptance,
+) -> Option<(usize, f64)> {
+    furthest(bodies, program, solution).filter(|(_, far)| !(*far <= acceptance.throw))
 }
 
 /// Motion of every grain relative to the mean field, in its radii.

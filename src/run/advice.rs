@@ -1,15 +1,17 @@
-//! Advice about an increment that could not be solved.
+//! Advice about an increment that could not be solved: only remedies that were seen to help at least
+//! a quarter of the increments with the same finding (docs/reliability.md, "Undecided increments").
 
 use bevy_ecs::prelude::*;
 
 use clastic_components::contact::Bodies;
+use clastic_components::findings::Sliding;
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
 use clastic_components::wall::WallName;
 use clastic_cone::program::{ConeProgram, ConeSolution, SolveStatus};
 use clastic_systems::assemble_program::known_pairs::{Forced, forced};
 
 use super::compact;
-use crate::scene::format::{CompactBy, Stage};
+use crate::scene::format::{Compact, CompactBy, Stage};
 use crate::scene::shown::label;
 
 /// A solution whose maximum residual is below this is usable, although it misses the tolerance.
@@ -18,67 +20,102 @@ const GOOD: f64 = 1e-6;
 /// The complaint about an undecided increment, with its place and advice.
 pub fn with_advice(world: &mut World, stage: &Stage, complaint: &str) -> String {
     let increment = world.resource::<Progress>().increment;
-    let name = label(stage.name());
-    let dynamic = matches!(world.resource::<Analysis>().kind, AnalysisKind::Dynamic { .. });
     let locked = world.resource::<ConeSolution>().status == SolveStatus::Locked;
     let forced = locked.then(|| forced(world.resource::<ConeProgram>())).flatten();
-    let mut advice = String::new();
-    if let Some(worst) = nearly(world).filter(|_| !locked) {
-        advice = format!("a greater `acceptance.residual` ({worst:.1e} was reached), ");
-    }
-    advice += &match (locked, stage) {
-        (true, Stage::Compact(stage)) => {
-            let radii = stage.by == CompactBy::Radii;
-            let targets = if radii { "porosity" } else { "height or porosity" };
-            let reached = compact::reached(world, stage).map_or(String::new(), |reached| {
-                let at = if radii {
-                    format!("mean radius of {:.4e} m", reached.mean_radius)
-                } else {
-                    format!("height of {:.4e} m", reached.height)
-                };
-                format!(": at a {at}, a porosity of {:.4}", reached.porosity)
-            });
-            format!(
-                "a greater {targets} as the target (the packing is jammed before this \
-                 one{reached}), a smaller step, another seed"
-            )
-        }
-        (true, _) if forced.is_some() => {
-            "imposed motions that keep the two apart, or a stiffness for their contact".to_owned()
-        }
-        (true, _) => {
-            "a stiffness for the contacts, or a wall that is free to give way".to_owned()
-        }
-        _ if dynamic => "a smaller `dt`, a greater `acceptance.halvings`".to_owned(),
-        _ => {
-            "a stage with `analysis: Dynamic(..)` before it, in which the specimen comes to rest under the same \
-             loads, a greater `acceptance.throw`, or walls that hold the specimen"
-                .to_owned()
-        }
+    let remedies = match stage {
+        Stage::Compact(stage) if locked => vec![jammed(world, stage)],
+        _ if forced.is_some() => vec![
+            "imposed motions that keep the two apart".to_owned(),
+            "a stiffness for their contact".to_owned(),
+        ],
+        _ if locked => vec![
+            "a stiffness for the contacts of grains and walls".to_owned(),
+            "a wall that gives way under a force".to_owned(),
+        ],
+        _ => of_equilibrium(world),
     };
-    let pair = forced.map_or(String::new(), |pair| format!(": {}", driven_together(world, pair)));
-    format!("increment {increment}, in stage `{name}`: {complaint}{pair}; try: {advice}")
+    let complaint = match forced {
+        Some(pair) => format!("locked: {}", driven_together(world, pair)),
+        None => complaint.to_owned(),
+    };
+    let advice = if remedies.is_empty() {
+        String::new()
+    } else {
+        format!("; try: {}", remedies.join(", or "))
+    };
+    let complaint = with_wall_names(world, complaint);
+    format!("increment {increment}, in stage `{}`: {complaint}{advice}", label(stage.name()))
+}
+
+/// Remedies where forces or motions were not found.
+fn of_equilibrium(world: &World) -> Vec<String> {
+    let acceptance = world.resource::<Acceptance>();
+    let mut remedies = Vec::new();
+    if let Some(worst) = nearly(world) {
+        remedies.push(format!("a greater `acceptance.residual` ({worst:.1e} was reached)"));
+    }
+    if acceptance.throw < Acceptance::default().throw {
+        remedies.push("a greater `acceptance.throw`".to_owned());
+    }
+    let of_coulomb = world.resource::<Sliding>().rejected;
+    if of_coulomb {
+        remedies.push("an `acceptance.residual` above that of the best solution".to_owned());
+        remedies.push("`friction_law: Associated`".to_owned());
+    }
+    if world.resource::<Analysis>().kind == AnalysisKind::Static {
+        remedies.push(
+            "a stage with `analysis: Dynamic(..)` before it, in which the specimen comes to rest \
+             under the same loads"
+                .to_owned(),
+        );
+    }
+    if world.resource::<ConeProgram>().interactions.iter().any(|c| c.normal_compliance == 0.0) {
+        remedies.push("a stiffness for rigid contacts".to_owned());
+    }
+    remedies
+}
+
+/// Remedy for a packing that jams before its target, and what it has reached.
+fn jammed(world: &mut World, stage: &Compact) -> String {
+    let radii = stage.by == CompactBy::Radii;
+    let targets = if radii { "porosity" } else { "height or porosity" };
+    let reached = compact::reached(world, stage).map_or(String::new(), |reached| {
+        let at = if radii {
+            format!("mean radius of {:.4e} m", reached.mean_radius)
+        } else {
+            format!("height of {:.4e} m", reached.height)
+        };
+        format!(": at a {at}, a porosity of {:.4}", reached.porosity)
+    });
+    format!(
+        "a greater {targets} as the target (the packing is jammed before this one{reached}), or \
+         another seed"
+    )
 }
 
 /// Names two rigid bodies that imposed motions force into each other.
 fn driven_together(world: &World, pair: Forced) -> String {
     let bodies = world.resource::<Bodies>();
-    let body = |row: u32| {
-        let wall = bodies.entities.get(row as usize).and_then(|wall| world.get::<WallName>(*wall));
-        match wall {
-            Some(name) => format!("wall `{}`", name.0),
-            None => bodies.name(row as usize),
-        }
-    };
     // The last attempt may have been at a fraction of the increment, or at the fraction 0.
     let fraction = world.resource::<Progress>().fraction;
     let closing = if fraction > 0.0 { pair.closing / fraction } else { pair.closing };
     let overlap = closing - pair.gap;
     format!(
         "{} and {} are rigid and are moved into each other, to an overlap of {overlap:.3e} m",
-        body(pair.a),
-        body(pair.b)
+        bodies.name(pair.a as usize),
+        bodies.name(pair.b as usize)
     )
+}
+
+/// The text with the names that the scene gives to walls.
+fn with_wall_names(world: &World, text: String) -> String {
+    let bodies = world.resource::<Bodies>();
+    bodies.walls.iter().map(|wall| wall.body as usize).fold(text, |text, row| {
+        match bodies.entities.get(row).and_then(|wall| world.get::<WallName>(*wall)) {
+            Some(name) => text.replace(&bodies.name(row), &format!("wall `{}`", name.0)),
+            None => text,
+        }
+    })
 }
 
 /// Maximum residual of the best solution of the increment, if this solution is usable and only

@@ -22,6 +22,14 @@ use super::underconstrained::find_underconstrained;
 const WEIGHT_OF_RETRY: f64 = 1e-6;
 const FALL: f64 = 0.1;
 
+/// Maximum number of moves of the centre in an attempt: with the last one the weight has fallen to
+/// that of the first attempt.
+pub(crate) fn max_moves(acceptance: &Acceptance) -> u32 {
+    // A weight at round-off acts no longer.
+    let last = acceptance.regularisation.max(f64::EPSILON);
+    (last / WEIGHT_OF_RETRY).log(FALL).round().max(1.0) as u32
+}
+
 /// Sets the proximal weights of the program.
 pub fn regularise(
     bodies: &Bodies,

@@ -50,6 +50,9 @@ const MIN_SCALE: f64 = 1e-3;
 /// event.
 const MIN_FRACTION: f64 = 0.05;
 
+/// Maximum scale from the motion of grains in an earlier solution, mean radii.
+pub(crate) const MAX_MOTION: f64 = 0.1;
+
 /// Maximum force scale from a failed attempt, relative to the expected scale.
 const MAX_RATIO: f64 = 1e2;
 
@@ -81,7 +84,7 @@ fn displacement(bodies: &Bodies, analysis: &Analysis, progress: &Progress) -> f6
         AnalysisKind::Static | AnalysisKind::Compaction { .. } => {
             let driven = maximum(&mut imposed.chain(walls).chain(groups));
             // The jump of a grain in the last increment must not set the scale.
-            let last = maximum(&mut moved.into_iter()).min(0.1 * bodies.mean_radius);
+            let last = maximum(&mut moved.into_iter()).min(MAX_MOTION * bodies.mean_radius);
             driven.max(last)
         }
     }

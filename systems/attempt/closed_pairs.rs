@@ -2,16 +2,16 @@
 //! so that no contact is missed although detection prunes pairs.
 
 use bevy_ecs::prelude::*;
-use bevy_ecs::system::SystemParam;
 use glam::DVec2;
 
 use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::cell::PeriodicCell;
 use clastic_components::contact::{Bodies, Contacts, WallRow};
 use clastic_components::findings::AddedPairs;
-use clastic_components::increment::Acceptance;
+use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
+use super::too_far::is_unsupported;
 use crate::detect_contacts::Candidates;
 use crate::detect_contacts::gaps::wall_gap;
 use crate::detect_contacts::grid::pairs_within;
@@ -24,54 +24,42 @@ const NEAR_OF_MOTION: f64 = 0.5;
 /// Maximum gap of pairs that are added in this way, in mean radii.
 const MAX_NEAR: f64 = 0.5;
 
-/// Checks all pairs, not only those of the program, at the positions after the solution.
+/// Checks all pairs, not only those of the program, at the positions after the solution. A static
+/// solution that moves a grain without support shows none: the grain crosses thousands of others.
 pub fn judge(
+    settings: (Res<Acceptance>, Res<Analysis>),
     bodies: Res<Bodies>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
-    mut pairs: ClosedPairs,
+    candidates: Res<Candidates>,
+    contacts: Res<Contacts>,
+    mut added: ResMut<AddedPairs>,
     mut attempt: ResMut<Attempt>,
 ) {
-    if pairs.add(&bodies, &program, &solution) {
-        attempt.verdict = Verdict::Again;
+    let (acceptance, analysis) = settings;
+    let is_static = analysis.kind == AnalysisKind::Static;
+    if is_static && is_unsupported(&bodies, &program, &solution) {
+        return;
     }
-}
-
-/// The pairs of the program, those nearby, and those that solutions have closed.
-#[derive(SystemParam)]
-pub struct ClosedPairs<'w> {
-    acceptance: Res<'w, Acceptance>,
-    candidates: Res<'w, Candidates>,
-    contacts: Res<'w, Contacts>,
-    added: ResMut<'w, AddedPairs>,
-}
-
-impl ClosedPairs<'_> {
-    /// Adds the pairs that a solution closes. Returns whether it closes any.
-    pub fn add(&mut self, bodies: &Bodies, program: &ConeProgram, solution: &ConeSolution) -> bool {
-        let tolerance = self.acceptance.overlap * bodies.mean_radius;
-        let positions = moved_positions(bodies, program, solution);
-        let cell = moved_cell(bodies, program, solution);
-        let after = (&positions[..], cell.as_ref());
-        let rotation = |body: u32| solution.displacements.get(body as usize).map_or(0.0, |u| u[2]);
-        let walls: Vec<WallRow> =
-            bodies.walls.iter().map(|wall| wall.turned(rotation(wall.body))).collect();
-        let missed = |reach: f64| {
-            unlisted_pairs(bodies, &walls, &self.candidates, &self.contacts, after, reach)
-        };
-        if missed(-tolerance).is_empty() {
-            return false;
-        }
-        let motion = |i: u32| positions[i as usize] - bodies.positions[i as usize];
-        let near = |(a, b): &(u32, u32)| {
-            let approach = (motion(*a) - motion(*b)).length();
-            let reach = NEAR * bodies.mean_radius + NEAR_OF_MOTION * approach;
-            gap(bodies, &walls, after, *a, *b) <= reach
-        };
-        let found = missed(MAX_NEAR * bodies.mean_radius).into_iter().filter(near);
-        add(&mut self.added, found);
-        true
+    let tolerance = acceptance.overlap * bodies.mean_radius;
+    let positions = moved_positions(&bodies, &program, &solution);
+    let cell = moved_cell(&bodies, &program, &solution);
+    let after = (&positions[..], cell.as_ref());
+    let rotation = |body: u32| solution.displacements.get(body as usize).map_or(0.0, |u| u[2]);
+    let walls: Vec<WallRow> =
+        bodies.walls.iter().map(|wall| wall.turned(rotation(wall.body))).collect();
+    let missed = |reach: f64| unlisted_pairs(&bodies, &walls, &candidates, &contacts, after, reach);
+    if missed(-tolerance).is_empty() {
+        return;
     }
+    let motion = |i: u32| positions[i as usize] - bodies.positions[i as usize];
+    let near = |(a, b): &(u32, u32)| {
+        let approach = (motion(*a) - motion(*b)).length();
+        let reach = NEAR * bodies.mean_radius + NEAR_OF_MOTION * approach;
+        gap(&bodies, &walls, after, *a, *b) <= reach
+    };
+    add(&mut added, missed(MAX_NEAR * bodies.mean_radius).into_iter().filter(near));
+    attempt.verdict = Verdict::Again;
 }
 
 /// Adds pairs to the next program.

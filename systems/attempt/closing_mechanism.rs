@@ -15,8 +15,9 @@ use clastic_cone::program::{ConeProgram, ConeSolution};
 use super::closed_pairs::{Places, add, gap, is_listed, unlisted_pairs};
 use crate::detect_contacts::Candidates;
 
-/// A pair closes if its closing exceeds this fraction of the maximum motion.
-const CLOSES: f64 = 1e-6;
+/// Step of the difference quotients of gaps, mean radii: gaps change in proportion to so small a
+/// motion. It is also their truncation error, which a pair that closes exceeds.
+const STEP: f64 = 1e-6;
 
 /// Checks the mechanism against the pairs within reach: those that two grains can close with the
 /// maximum accepted motion. Constant normals are not valid beyond that, and a crushed specimen
@@ -53,8 +54,7 @@ pub fn judge(
     if !(maximum > 0.0) {
         return;
     }
-    // The motion is so small that gaps change in proportion to it.
-    let scale = 1e-6 * bodies.mean_radius / maximum;
+    let scale = STEP * bodies.mean_radius / maximum;
     let moved: Vec<DVec2> =
         bodies.positions.iter().zip(&motion).map(|(x, u)| *x + scale * *u).collect();
     let start = (&bodies.positions[..], bodies.cell.as_ref());
@@ -69,7 +69,7 @@ pub fn judge(
     let closes = |(a, b): &(u32, u32)| {
         let at = |walls: &[WallRow], places: Places| gap(&bodies, walls, places, *a, *b);
         let closing = at(&bodies.walls, start) - at(&turned, after);
-        closing > CLOSES * scale * maximum
+        closing > STEP * scale * maximum
     };
     let reach = 2.0 * acceptance.throw * bodies.mean_radius;
     let near = unlisted_pairs(&bodies, &bodies.walls, &candidates, &contacts, start, reach);
@@ -83,7 +83,7 @@ pub fn judge(
         // The next solution moves by about the smallest of these gaps, and not as far as the last
         // one.
         let gaps = closing.iter().map(|(a, b)| gap(&bodies, &bodies.walls, start, *a, *b));
-        let nearest = gaps.fold(f64::INFINITY, f64::min).max(1e-3 * bodies.mean_radius);
+        let nearest = gaps.fold(f64::INFINITY, f64::min);
         attempt.magnitudes = Some((nearest.max(program.scales.displacement), program.scales.force));
         add(&mut pairs, closing.into_iter());
         attempt.verdict = Verdict::Again;

@@ -2,23 +2,23 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::attempt::{Attempt, Effort, Mode, Verdict};
+use clastic_components::attempt::{Attempt, Mode, Verdict};
 use clastic_components::contact::Bodies;
-use clastic_components::findings::{BestUnconverged, Centre, Restraints, Unconverged};
+use clastic_components::findings::{BestUnconverged, Centre, Unconverged};
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
 use clastic_cone::program::{Certificate, ConeProgram, ConeSolution, SolveStatus};
 
-use super::closed_pairs::ClosedPairs;
-use super::thrown_grains::{is_unsupported, reply, thrown};
+use super::restraints::translations;
+use super::too_far::is_unsupported;
+use crate::assemble_program::regularise::max_moves;
+use crate::assemble_program::scales::MAX_MOTION;
+use crate::mean_field::thrown;
 use clastic_cone::certificate::{certificate, proves};
 use clastic_cone::residuals::{displacement_scale, regularised_residuals, worst_bodies};
 
-/// Maximum number of moves of the centre of the regularisation in one attempt.
-const MAX_CENTRES: u32 = 6;
-
 /// Accepts solved programs and proven collapses, moves the centre of the regularisation until its
-/// bias vanishes, and rejects all else. A bias together with a far motion of grains is treated as a
-/// throw.
+/// bias vanishes, and rejects all else. A bias together with a throw is left to
+/// [`closed_pairs`](super::closed_pairs) and [`too_far`](super::too_far), one of which rejects it.
 pub fn judge(
     program: Res<ConeProgram>,
     mut solution: ResMut<ConeSolution>,
@@ -27,8 +27,6 @@ pub fn judge(
     bodies: Res<Bodies>,
     mut centre: ResMut<Centre>,
     mut best: ResMut<BestUnconverged>,
-    mut pairs: ClosedPairs,
-    mut restraints: ResMut<Restraints>,
     mut attempt: ResMut<Attempt>,
 ) {
     let solution = &mut *solution;
@@ -36,52 +34,27 @@ pub fn judge(
     if solution.status == SolveStatus::Stalled && seeks_equilibrium {
         keep_best(&bodies, &program, solution, &mut best);
     }
+    let is_static = analysis.kind == AnalysisKind::Static;
     let unconverged = |solution: &ConeSolution, reason: String| Verdict::Unconverged {
         reason,
-        unsupported: analysis.kind == AnalysisKind::Static
-            && is_unsupported(&bodies, &program, solution),
+        unsupported: is_static && is_unsupported(&bodies, &program, solution),
     };
     attempt.verdict = match solution.status {
-        SolveStatus::Solved => match runaway(&program, solution) {
-            None => Verdict::Sound,
-            Some(body) => {
-                let body = bodies.name(body);
-                let reason = format!("{body} would move without bound: nothing holds it");
-                let verdict = unconverged(solution, reason);
-                impossible_or(&program, solution, verdict)
-            }
-        },
+        SolveStatus::Solved => Verdict::Sound,
         // The status of the solver alone is not sufficient.
         SolveStatus::Collapsed => match recheck(&program, solution) {
             Some(mechanism) => {
                 solution.certificate = Some(mechanism);
                 Verdict::Impossible
             }
-            None => {
-                unconverged(solution, "the solver reports a collapse that it cannot prove".into())
-            }
+            None => unconverged(solution, unproved(&bodies, solution)),
         },
         SolveStatus::Locked => Verdict::Locked,
         SolveStatus::Stalled if seeks_equilibrium && is_biased(&program, solution, &acceptance) => {
-            if let Some(reason) = thrown(&bodies, &program, solution, &acceptance) {
-                // If all bodies are regularised and no bond can pull back, another solve adds no
-                // support to such a grain.
-                let verdict = if attempt.effort() == Some(Effort::Regularised)
-                    && bodies.bonds.is_empty()
-                    && is_unsupported(&bodies, &program, solution)
-                {
-                    Verdict::TooFar(reason)
-                } else {
-                    // Pruning must not be the reason why a grain finds no support.
-                    let acceptance = &acceptance;
-                    let (pairs, restraints) = (&mut pairs, &mut restraints);
-                    reply(&bodies, &program, solution, acceptance, pairs, restraints, reason)
-                };
-                match verdict {
-                    Verdict::Again => Verdict::Again,
-                    thrown => impossible_or(&program, solution, thrown),
-                }
-            } else if centre.moves < MAX_CENTRES {
+            if is_static && thrown(&bodies, &program, solution, &acceptance).is_some() {
+                // A grain that lacks support does not find it where the centre goes.
+                Verdict::Sound
+            } else if centre.moves < max_moves(&acceptance) {
                 centre.moves += 1;
                 centre.place.clone_from(&solution.displacements);
                 Verdict::Again
@@ -96,23 +69,13 @@ pub fn judge(
         attempt.magnitudes = magnitudes(&program, solution);
     }
     if attempt.verdict == Verdict::Locked {
-        attempt.complaint = "locked: rigid bodies have no feasible motion".into();
+        attempt.complaint = locked(&bodies, &program, solution);
     }
-}
-
-/// A motion beyond this number of mean radii is unbounded: a load without support, in a solution
-/// that only the damping of the solver keeps finite.
-const NO_MOTION: f64 = 1e6;
-
-/// The first body with an unbounded motion.
-fn runaway(program: &ConeProgram, solution: &ConeSolution) -> Option<usize> {
-    let most = NO_MOTION * program.scales.length;
-    solution.displacements.iter().position(|u| !(u[0].hypot(u[1]) <= most))
 }
 
 /// Tests whether a far motion in a regularised solution is the mechanism of a collapse: unbalanced
 /// loads move bodies without bound.
-fn impossible_or(
+pub(super) fn impossible_or(
     program: &ConeProgram,
     solution: &mut ConeSolution,
     otherwise: Verdict,
@@ -125,6 +88,15 @@ fn impossible_or(
         }
         None => otherwise,
     }
+}
+
+/// Complaint about a collapse without proof.
+fn unproved(bodies: &Bodies, solution: &ConeSolution) -> String {
+    let far = solution.certificate.as_ref().map(translations).unwrap_or_default();
+    let fastest = far.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1));
+    let place = fastest
+        .map_or(String::new(), |(i, _)| format!(", in which {} moves most", near(bodies, [i, i])));
+    format!("the solver reports a collapse that it cannot prove{place}")
 }
 
 /// Recomputes the certificate of a collapse; `None` if it proves nothing.
@@ -161,12 +133,31 @@ fn keep_best(
 }
 
 /// Place of the maximum residual of a solution in words; empty if it has none.
-fn place(bodies: &Bodies, program: &ConeProgram, solution: &ConeSolution) -> String {
-    let Some([a, b]) = worst_bodies(program, solution) else { return String::new() };
+pub(super) fn place(bodies: &Bodies, program: &ConeProgram, solution: &ConeSolution) -> String {
+    worst_bodies(program, solution)
+        .map_or(String::new(), |pair| format!(", worst at {}", near(bodies, pair)))
+}
+
+/// Two bodies, which may be the same, and their place in words.
+fn near(bodies: &Bodies, [a, b]: [usize; 2]) -> String {
     let partner = if a == b { String::new() } else { format!(" and {}", bodies.name(b)) };
     // The cell has no position.
-    let Some(at) = bodies.positions.get(a) else { return format!(", worst at {}", bodies.name(a)) };
-    format!(", worst at {}{partner} near ({:.4e}, {:.4e}) m", bodies.name(a), at.x, at.y)
+    let at = bodies
+        .positions
+        .get(a)
+        .map_or(String::new(), |at| format!(" near ({:.4e}, {:.4e}) m", at.x, at.y));
+    format!("{}{partner}{at}", bodies.name(a))
+}
+
+/// Complaint about rigid bodies that lock. The forces prove it: they balance each other and do work
+/// on the imposed motions.
+fn locked(bodies: &Bodies, program: &ConeProgram, solution: &ConeSolution) -> String {
+    let forces = program.interactions.iter().zip(&solution.forces);
+    let strongest = forces.max_by(|a, b| a.1[0].abs().total_cmp(&b.1[0].abs()));
+    let place = strongest.map_or(String::new(), |(c, _)| {
+        format!("; most strongly at {}", near(bodies, [c.a as usize, c.b as usize]))
+    });
+    format!("locked: rigid bodies have no feasible motion{place}")
 }
 
 /// Maximum displacement and force of a solution, as scales for the next attempt.
@@ -177,7 +168,8 @@ fn magnitudes(program: &ConeProgram, solution: &ConeSolution) -> Option<(f64, f6
     let moves = solution.displacements.iter().any(|u| u[0] != 0.0 || u[1] != 0.0);
     let f = solution.forces.iter().map(|f| f[0].abs().max(f[1].abs())).fold(0.0, f64::max);
     // Neither a thrown grain nor an almost fixed body may set the scale.
-    let u = displacement_scale(program, &solution.displacements).min(0.1 * program.scales.length);
+    let u = displacement_scale(program, &solution.displacements);
+    let u = u.min(MAX_MOTION * program.scales.length);
     (moves && u.is_finite() && f.is_finite() && f > 0.0).then_some((u, f))
 }
 

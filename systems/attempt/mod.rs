@@ -1,9 +1,9 @@
 //! The attempts at one increment, and the judges that accept, extend or reject them.
 //!
 //! Judges run in this order, each only if no judge before it objects: [`converged`], [`coulomb`],
-//! [`closing_mechanism`], [`restraints`], [`loose_grains`], [`events`], [`thrown_grains`],
-//! [`closed_pairs`], [`snaps`], [`push_out`], [`corrector`], [`cascade`] or [`dense`]. For a step
-//! of a motion only [`converged`], [`coulomb`], [`motion::judge_length`], [`closed_pairs`] and
+//! [`events`], [`closed_pairs`], [`too_far`], [`closing_mechanism`], [`restraints`],
+//! [`loose_grains`], [`push_out`], [`corrector`], [`cascade`] or [`dense`]. For a step of a motion
+//! only [`converged`], [`coulomb`], [`motion::judge_length`], [`closed_pairs`] and
 //! [`motion::judge_rest`] run. The tables of [`findings`](clastic_components::findings) keep their
 //! findings until the increment is committed. [`mod@next`] maps the verdict to the next action.
 //!
@@ -24,36 +24,27 @@ pub mod motion;
 pub mod next;
 pub mod push_out;
 pub mod restraints;
-pub mod snaps;
-pub mod thrown_grains;
+mod run;
+pub mod too_far;
 
 use bevy_app::{App, Plugin};
-use bevy_ecs::component::Mutable;
 use bevy_ecs::prelude::*;
-use glam::DVec2;
 
-use clastic_components::attempt::{Attempt, IncrementStatus, Mode, Verdict};
-use clastic_components::body::Ramp;
-use clastic_components::contact::Bodies;
-use clastic_components::contact_history::DraftHistory;
+use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::energy::MotionEnergies;
 use clastic_components::findings::{
     AddedPairs, BestUnconverged, Centre, Corrections, EventSearch, Pushed, Restraints, Ruptures,
-    Sliding,
 };
 use clastic_components::increment::{
-    Acceptance, Analysis, AnalysisKind, Corrector, FrictionLaw, Progress, RuptureRules,
+    Acceptance, Analysis, Corrector, FrictionLaw, Progress, RuptureRules,
 };
-use clastic_components::loads::TrialLoads;
 use clastic_components::step_control::StepControl;
-use clastic_cone::program::ConeSolution;
+use clastic_cone::program::{ConeSolution, SolveStatus};
 
-use self::next::{Budget, Next, next};
-use crate::control_walls::renew_stresses;
+pub use self::run::run_attempts;
 use crate::motion_settings::MotionSettings;
 use crate::rigid_groups::{carry_members, has_groups};
 use crate::schedule::{AttemptIncrement, AttemptSystems, Increment, IncrementSystems};
-use crate::trial_loads::ask_for_loads;
 
 /// Adds [`run_attempts`] and the judges.
 pub struct AttemptPlugin;
@@ -88,19 +79,18 @@ impl Plugin for AttemptPlugin {
                 AttemptIncrement,
                 (
                     converged::judge,
+                    coulomb::judge.run_if(sound),
+                    motion::judge_length.run_if(in_motion),
+                    events::judge.run_if(in_equilibrium).run_if(events::searches).run_if(unbiased),
+                    closed_pairs::judge.run_if(sound),
+                    too_far::judge.run_if(in_equilibrium),
                     // The certificate belongs to the program, in which members of groups have no
                     // motion.
                     carry_members.run_if(has_groups).run_if(impossible),
-                    coulomb::judge.run_if(sound),
-                    motion::judge_length.run_if(in_motion),
                     closing_mechanism::judge.run_if(impossible),
                     restraints::judge.run_if(impossible),
                     loose_grains::judge.run_if(impossible),
-                    events::judge.run_if(in_equilibrium).run_if(events::searches),
-                    thrown_grains::judge.run_if(in_equilibrium),
-                    closed_pairs::judge.run_if(sound),
                     motion::judge_rest.run_if(in_motion),
-                    snaps::judge.run_if(in_equilibrium),
                     push_out::judge.run_if(in_equilibrium),
                     corrector::judge.run_if(in_equilibrium),
                     cascade::judge
@@ -135,251 +125,7 @@ fn impossible(attempt: Res<Attempt>) -> bool {
     attempt.verdict == Verdict::Impossible && attempt.motion().is_none()
 }
 
-/// Maximum number of solves in an increment. With more, the attempts are in a cycle.
-const MAX_SOLVES: u32 = 2000;
-
-/// Runs [`AttemptIncrement`] until the increment has ended.
-pub fn run_attempts(world: &mut World) {
-    begin_increment(world);
-    // The tables before the first motion, for restoring them.
-    let mut start = None;
-    loop {
-        world.run_schedule(AttemptIncrement);
-        going_back::end_where_lost(world);
-        let budget = budget(world);
-        let mut attempt = world.resource_mut::<Attempt>();
-        let verdict = std::mem::take(&mut attempt.verdict);
-        if let Verdict::Unconverged { reason, .. }
-        | Verdict::TooFar(reason)
-        | Verdict::GivesWay(reason) = &verdict
-            && attempt.mode != Mode::Proof
-        {
-            attempt.complaint.clone_from(reason);
-        }
-        let next = next(&attempt.mode, &verdict, budget);
-        if let (Mode::Motion(motion), Next::Halve | Next::OneRound | Next::End(_)) =
-            (&attempt.mode, next)
-        {
-            let end = match verdict {
-                Verdict::AtRest { .. } => "; no body moves under these loads".to_owned(),
-                _ => format!("; the followed motion failed after {} steps", motion.steps),
-            };
-            attempt.complaint += &end;
-        }
-        match next {
-            Next::Solve => {}
-            Next::Try(effort) => {
-                attempt.mode = Mode::Equilibrium(effort);
-                world.resource_mut::<Ruptures>().forget_attempt();
-                motion::forget_passes(world);
-            }
-            Next::Approach => {
-                let target = world.resource::<EventSearch>().target;
-                events::set_part(world, target);
-                seek_equilibrium(world);
-                open_trial(world);
-            }
-            Next::Follow => {
-                start.get_or_insert_with(|| Start::take(world));
-                let is_released =
-                    events::is_released(world.resource(), world.resource(), world.resource());
-                world.resource_mut::<EventSearch>().moved = true;
-                motion::begin(world, is_released, false);
-            }
-            Next::Move => {
-                motion::take_step(world);
-                open_trial(world);
-            }
-            Next::Shorten => motion::shorten(world),
-            Next::Rest => {
-                motion::take_step(world);
-                open_trial(world);
-                seek_equilibrium(world);
-            }
-            Next::Repeat => {
-                put_back(world, start.as_ref());
-                let mut attempt = world.resource_mut::<Attempt>();
-                attempt.motion_strain = 0.0;
-                let is_released = attempt.motion().is_some_and(|motion| motion.released);
-                open_trial(world);
-                motion::begin(world, is_released, true);
-            }
-            Next::Halve | Next::OneRound => {
-                put_back(world, start.take().as_ref());
-                seek_equilibrium(world);
-                clear::<Ruptures>(world);
-                let mut attempt = world.resource_mut::<Attempt>();
-                attempt.motion_strain = 0.0;
-                attempt.motions = 0;
-                if next == Next::Halve {
-                    events::halve(world);
-                } else {
-                    let mut progress = world.resource_mut::<Progress>();
-                    progress.tried =
-                        (1.0 - progress.done.fract()).min(progress.total - progress.done);
-                    progress.fraction = progress.tried;
-                    clear::<EventSearch>(world);
-                }
-                open_trial(world);
-            }
-            Next::Prove => {
-                put_back(world, start.as_ref());
-                let mut attempt = world.resource_mut::<Attempt>();
-                attempt.mode = Mode::Proof;
-                attempt.magnitudes = None;
-                open_trial(world);
-            }
-            Next::End(status) => return end_increment(world, status, &verdict, start.as_ref()),
-        }
-    }
-}
-
-/// The tables that a motion changes.
-struct Start {
-    bodies: Bodies,
-    draft: DraftHistory,
-    ruptures: Ruptures,
-    energies: MotionEnergies,
-}
-
-impl Start {
-    fn take(world: &World) -> Self {
-        Self {
-            bodies: world.resource::<Bodies>().clone(),
-            draft: world.resource::<DraftHistory>().clone(),
-            ruptures: world.resource::<Ruptures>().clone(),
-            energies: world.resource::<MotionEnergies>().clone(),
-        }
-    }
-}
-
-/// Restores the tables to the state before the first motion.
-fn put_back(world: &mut World, start: Option<&Start>) {
-    motion::end(world);
-    if let Some(start) = start {
-        motion::forget_pairs(world);
-        world.resource_mut::<Bodies>().clone_from(&start.bodies);
-        world.resource_mut::<DraftHistory>().clone_from(&start.draft);
-        world.resource_mut::<Ruptures>().clone_from(&start.ruptures);
-        world.resource_mut::<MotionEnergies>().clone_from(&start.energies);
-    }
-}
-
-/// Sets a resource to its default.
-fn clear<R: Resource<Mutability = Mutable> + Default>(world: &mut World) {
-    *world.resource_mut::<R>() = R::default();
-}
-
-fn begin_increment(world: &mut World) {
-    clear::<Attempt>(world);
-    clear::<AddedPairs>(world);
-    clear::<Restraints>(world);
-    clear::<MotionEnergies>(world);
-    clear::<Ruptures>(world);
-    clear::<BestUnconverged>(world);
-    clear::<Sliding>(world);
-    motion::forget_passes(world);
-    let mut progress = world.resource_mut::<Progress>();
-    progress.increment += 1;
-    // Fractions end where whole increments end. A halved fraction may grow again.
-    let left = 1.0 - progress.done.fract();
-    if !progress.relaxing {
-        progress.tried = (2.0 * progress.tried).clamp(f64::MIN_POSITIVE, left);
-    }
-    progress.fraction = if progress.relaxing { 0.0 } else { progress.tried };
-    events::begin(world);
-    open_trial(world);
-    let bounded = carries_loads(world);
-    world.resource_mut::<Attempt>().bounded = bounded;
-}
-
-/// Options that the increment still has.
-fn budget(world: &World) -> Budget {
-    let attempt = world.resource::<Attempt>();
-    let settings = world.resource::<MotionSettings>();
-    let failures = attempt.motion().map_or(0, |motion| motion.failures);
-    let is_released = attempt.motion().is_some_and(|motion| motion.released);
-    let released = attempt.released_steps;
-    // The limit refers to a whole increment and not to the last fraction. Otherwise a specimen
-    // without equilibrium would continue in ever smaller steps.
-    let finest = 0.5_f64.powf(f64::from(world.resource::<Acceptance>().halvings));
-    Budget {
-        follows: world.resource::<Analysis>().kind == AnalysisKind::Static,
-        motion: attempt.motions < settings.max_motions,
-        step: failures < settings.max_failures
-            && if is_released {
-                released < settings.max_released_steps
-            } else {
-                attempt.motion_steps - released < motion::max_steps(world.resource(), settings)
-            },
-        // A released motion has many steps, and each makes progress, so they are not counted.
-        solve: attempt.solves.saturating_sub(released) < MAX_SOLVES,
-        half: 0.5 * events::part_of_whole(world) >= finest,
-        searches: world.resource::<EventSearch>().active,
-    }
-}
-
-/// Begins a trial: another fraction of the increment, or other positions of the bodies.
-fn open_trial(world: &mut World) {
-    if world.resource::<Bodies>().drives_stopped {
-        world.resource_scope(|world, mut bodies: Mut<Bodies>| {
-            let (world, table_of) = (&*world, |wall| world.get(wall));
-            renew_stresses(&mut bodies, table_of, world.resource(), world.resource());
-        });
-    }
-    ask_for_loads(world);
-}
-
-/// Seeks the equilibrium from the current positions.
-fn seek_equilibrium(world: &mut World) {
-    motion::end(world);
-    motion::forget_passes(world);
-    let mut attempt = world.resource_mut::<Attempt>();
-    attempt.mode = Mode::default();
-    attempt.magnitudes = None;
-}
-
-fn end_increment(
-    world: &mut World,
-    status: IncrementStatus,
-    verdict: &Verdict,
-    start: Option<&Start>,
-) {
-    motion::end(world);
-    if status == IncrementStatus::Solved {
-        let broken = std::mem::take(&mut world.resource_mut::<EventSearch>().broken);
-        world.resource_mut::<Ruptures>().list.extend(broken);
-    } else {
-        world.resource_mut::<EventSearch>().in_avalanche = false;
-    }
-    let capped = world.resource::<Sliding>().capped;
-    let status = match status {
-        IncrementStatus::Solved if capped => IncrementStatus::Capped,
-        status => status,
-    };
-    if matches!(status, IncrementStatus::Collapsed) {
-        // A collapse does not commit the motion.
-        put_back(world, start);
-        let proved = matches!(verdict, Verdict::Impossible | Verdict::Loose);
-        let mut solution = world.resource_mut::<ConeSolution>();
-        solution.certificate = solution.certificate.take().filter(|_| proved);
-    }
-    if status == IncrementStatus::Undecided
-        && let Some(best) = world.resource_mut::<BestUnconverged>().0.take()
-    {
-        world.resource_mut::<ConeSolution>().residuals = best.residuals;
-    }
-    world.resource_mut::<Attempt>().status = status;
-}
-
-/// Whether loads, and not only imposed motions of walls, act on a specimen that carries forces
-/// already. A specimen without forces may reach its first support over any distance.
-fn carries_loads(world: &World) -> bool {
-    let bodies = world.resource::<Bodies>();
-    let acts = |ramp: &Ramp| ramp.from != 0.0 || ramp.to != 0.0;
-    world.resource::<DraftHistory>().0.0.iter().any(|m| m.p != 0.0)
-        && (world.resource::<Analysis>().gravity != DVec2::ZERO
-            || !world.resource::<TrialLoads>().is_empty()
-            || bodies.walls.iter().any(|w| w.drive.load().as_ref().is_some_and(acts))
-            || bodies.loads.iter().flatten().any(acts))
+/// Run condition: the solution has no error of the regularisation. A thrown grain may have one.
+fn unbiased(solution: Res<ConeSolution>) -> bool {
+    solution.status == SolveStatus::Solved
 }

@@ -20,14 +20,14 @@ use clastic_components::attempt::{Attempt, Mode, Verdict};
 use clastic_components::contact::{Bodies, BondRow, Contacts};
 use clastic_components::contact_history::DraftHistory;
 use clastic_components::energy::EnergyLedger;
-use clastic_components::findings::{AddedPairs, Centre, Corrections, Pushed, Restraints, Ruptures};
+use clastic_components::findings::{AddedPairs, Centre, Corrections, Pushed, Ruptures};
 use clastic_components::increment::{Acceptance, Analysis, Progress, RuptureRules};
 use clastic_components::material::Materials;
 use clastic_components::motion::Motion;
 use clastic_cone::program::{ConeProgram, ConeSolution, SolveStatus};
 
-use super::clear;
-use super::thrown_grains::digits;
+use super::run::clear;
+use super::too_far::{digits, named};
 use crate::kinetic_damping;
 use crate::mean_field::{furthest, mean_strain};
 use crate::motion_settings::MotionSettings;
@@ -109,7 +109,6 @@ pub fn forget_passes(world: &mut World) {
     clear::<Corrections>(world);
     clear::<Pushed>(world);
     clear::<Centre>(world);
-    world.resource_mut::<Restraints>().replies = 0;
 }
 
 /// Judge: is the step short enough for constant normals? In a motion that a rupture released, it
@@ -123,11 +122,13 @@ pub fn judge_length(
     solution: Res<ConeSolution>,
     mut attempt: ResMut<Attempt>,
 ) {
-    let far = furthest(&bodies, &program, &solution).map_or(0.0, |(_, far)| far);
     let length = attempt.motion().map_or(1.0, |motion| motion.length);
-    if !(far <= length * Acceptance::MAX_TRAVEL) {
-        attempt.verdict =
-            Verdict::TooFar(format!("a step of the motion moves a grain by {} radii", digits(far)));
+    if let Some((grain, far)) = furthest(&bodies, &program, &solution)
+        && !(far <= length * Acceptance::MAX_TRAVEL)
+    {
+        let (grain, far) = (named(&bodies, grain), digits(far));
+        let message = format!("a step of the motion moves {grain} by {far} radii");
+        attempt.verdict = Verdict::TooFar(message);
         return;
     }
     if attempt.motion().is_some_and(|motion| motion.released) {

@@ -12,8 +12,6 @@ pub struct Budget {
     pub motion: bool,
     /// Whether another step of a motion is allowed.
     pub step: bool,
-    /// Whether another solve is allowed.
-    pub solve: bool,
     /// Whether the increment may be halved once more.
     pub half: bool,
     /// Whether the increment searches for the next event.
@@ -56,7 +54,7 @@ pub fn next(mode: &Mode, verdict: &Verdict, budget: Budget) -> Next {
         Mode::Equilibrium(effort) => after_equilibrium(*effort, verdict, budget),
         Mode::Motion(motion) => after_motion(motion, verdict, budget),
         Mode::Proof => match verdict {
-            Verdict::Again if budget.solve => Next::Solve,
+            Verdict::Again => Next::Solve,
             // The motion has failed twice to come to rest, which shows a collapse even without a
             // mechanism.
             _ => Next::End(IncrementStatus::Collapsed),
@@ -65,18 +63,18 @@ pub fn next(mode: &Mode, verdict: &Verdict, budget: Budget) -> Next {
 }
 
 fn after_equilibrium(effort: Effort, verdict: &Verdict, budget: Budget) -> Next {
-    let can_follow = budget.follows && budget.motion && budget.step && budget.solve;
+    let can_follow = budget.follows && budget.motion && budget.step;
     let lost = || if can_follow { Next::Follow } else { smaller(budget) };
     match verdict {
         Verdict::Sound => Next::End(IncrementStatus::Solved),
-        Verdict::Overloaded if budget.solve => Next::Approach,
+        Verdict::Overloaded => Next::Approach,
         // At the smallest fraction the proof decides, because a failed motion would leave none.
         Verdict::Loose if can_follow && budget.half => Next::Follow,
         // Bonds may break at a load below the one that has no equilibrium.
         Verdict::Impossible | Verdict::Loose if budget.searches && budget.half => Next::Halve,
         Verdict::Impossible | Verdict::Loose => Next::End(IncrementStatus::Collapsed),
-        Verdict::Again if budget.solve => Next::Solve,
-        Verdict::Unconverged { unsupported, .. } if budget.solve => match effort {
+        Verdict::Again => Next::Solve,
+        Verdict::Unconverged { unsupported, .. } => match effort {
             Effort::Usual if !unsupported => Next::Try(Effort::Rescaled),
             Effort::Usual | Effort::Rescaled => Next::Try(Effort::Regularised),
             Effort::Regularised => lost(),
@@ -89,17 +87,17 @@ fn after_equilibrium(effort: Effort, verdict: &Verdict, budget: Budget) -> Next 
 
 fn after_motion(motion: &Motion, verdict: &Verdict, budget: Budget) -> Next {
     match verdict {
-        Verdict::Again if budget.solve => Next::Solve,
+        Verdict::Again => Next::Solve,
         // A specimen that does not move after a rupture is at rest where it is.
         Verdict::AtRest { moved } if *moved || motion.released => Next::Rest,
         Verdict::GivesWay(_) if motion.repeated => Next::Prove,
         Verdict::GivesWay(_) => Next::Repeat,
-        Verdict::Moving | Verdict::Sound if budget.step && budget.solve => Next::Move,
+        Verdict::Moving | Verdict::Sound if budget.step => Next::Move,
         Verdict::TooFar(_)
         | Verdict::Unconverged { .. }
         | Verdict::Impossible
         | Verdict::Locked
-            if budget.step && budget.solve =>
+            if budget.step =>
         {
             Next::Shorten
         }
@@ -122,7 +120,7 @@ mod tests {
     use super::*;
 
     const ALL: Budget =
-        Budget { follows: true, motion: true, step: true, solve: true, half: true, searches: true };
+        Budget { follows: true, motion: true, step: true, half: true, searches: true };
 
     fn modes() -> Vec<Mode> {
         let repeated = Motion { repeated: true, ..Motion::default() };
@@ -160,13 +158,12 @@ mod tests {
 
     fn budgets() -> impl Iterator<Item = Budget> {
         let is = |bits: u32, k: u32| bits & (1 << k) != 0;
-        (0..64).map(move |bits| Budget {
+        (0..32).map(move |bits| Budget {
             follows: is(bits, 0),
             motion: is(bits, 1),
             step: is(bits, 2),
-            solve: is(bits, 3),
-            half: is(bits, 4),
-            searches: is(bits, 5),
+            half: is(bits, 3),
+            searches: is(bits, 4),
         })
     }
 
@@ -212,12 +209,14 @@ mod tests {
         every(|mode, verdict, budget, next| {
             let at = || format!("{mode:?} {verdict:?} {budget:?}");
             match next {
-                Next::Solve | Next::Try(_) | Next::Approach => assert!(budget.solve, "{}", at()),
                 Next::Follow => assert!(budget.follows && budget.motion && budget.step, "{}", at()),
-                Next::Move | Next::Shorten => assert!(budget.step && budget.solve, "{}", at()),
+                Next::Move | Next::Shorten => assert!(budget.step, "{}", at()),
                 Next::Halve => assert!(budget.half, "{}", at()),
                 Next::OneRound => assert!(budget.searches && !budget.half, "{}", at()),
-                Next::Rest | Next::Repeat | Next::Prove | Next::End(_) => {}
+                // What judges add, trials of events, and efforts have bounds of their own.
+                Next::Solve => assert_eq!(*verdict, Verdict::Again, "{}", at()),
+                Next::Approach => assert_eq!(*verdict, Verdict::Overloaded, "{}", at()),
+                Next::Try(_) | Next::Rest | Next::Repeat | Next::Prove | Next::End(_) => {}
             }
         });
     }
@@ -230,7 +229,7 @@ mod tests {
                 if let (Mode::Equilibrium(_), Verdict::TooFar(_) | Verdict::Released) =
                     (mode, verdict)
                 {
-                    let may_follow = budget.follows && budget.motion && budget.step && budget.solve;
+                    let may_follow = budget.follows && budget.motion && budget.step;
                     assert!(!may_follow, "{budget:?}");
                 }
             }

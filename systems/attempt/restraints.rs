@@ -45,18 +45,19 @@ pub fn judge(
     }
 }
 
-/// Adds the restraints that a solution with thrown grains shows. Returns whether any of them is
-/// new.
+/// Adds the restraints that a solution with thrown grains shows. Returns whether any of them changes
+/// the program, in which `all_regularised` bodies may be regularised already.
 pub fn restrain(
     bodies: &Bodies,
     program: &ConeProgram,
     solution: &ConeSolution,
     acceptance: &Acceptance,
     restraints: &mut Restraints,
+    all_regularised: bool,
 ) -> bool {
     let motions = far_motions(bodies, program, solution);
     let far = |i: usize| motions[i] > TAKES_PART * acceptance.throw;
-    let unloaded = hold_unloaded(bodies, program, solution, restraints, far);
+    let unloaded = !all_regularised && hold_unloaded(bodies, program, solution, restraints, far);
     let swinging = pull_back(bodies, program, restraints, far);
     unloaded || swinging
 }

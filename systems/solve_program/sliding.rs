@@ -10,7 +10,7 @@ use clastic_cone::coulomb::Coulomb;
 use clastic_cone::program::{ConeProgram, ConeSolution, SolveStatus};
 use clastic_cone::residuals;
 
-use crate::mean_field::furthest;
+use crate::mean_field::thrown;
 
 /// Number of failed solves after which the other solves of the increment are quick.
 const MAX_FAILURES: u32 = 4;
@@ -53,8 +53,8 @@ pub fn solve_sliding(
         return;
     }
     // A throw is rejected in any case.
-    let far = furthest(&bodies, &program, &solution).map_or(0.0, |(_, far)| far);
-    if analysis.kind == AnalysisKind::Static && far > acceptance.throw {
+    let is_static = analysis.kind == AnalysisKind::Static;
+    if is_static && thrown(&bodies, &program, &solution, &acceptance).is_some() {
         return;
     }
     for c in &mut program.interactions {

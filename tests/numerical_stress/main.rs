@@ -16,5 +16,6 @@ mod objectivity;
 mod oracle;
 mod random_rigs;
 mod random_scenes;
+mod remedies;
 
 use common::random;

@@ -183,6 +183,30 @@ fn exit_3_a_stage_that_selects_nothing_leaves_everything_up_to_there() {
     assert_eq!(rows(out.path(), "history.csv").len(), 3);
 }
 
+/// Every remedy that the message on the vice proposes helps.
+#[test]
+fn rigid_bodies_that_lock_are_named_with_remedies_that_help() {
+    let directory = tempfile::tempdir().unwrap();
+    let scene = directory.path().join("vice.ron");
+    fs::write(&scene, SQUEEZED).unwrap();
+    let (stalled, _out) = run(scene.to_str().unwrap(), &[]);
+    let said = stderr(&stalled.code(4));
+    for what in ["particle 0 and wall `top` near (", "a stiffness", "gives way under a force"] {
+        assert!(said.contains(what), "no `{what}` in\n{said}");
+    }
+    let contact = "contact: (normal_stiffness: 1.0e8)";
+    let stiff = SQUEEZED
+        .replace("end: (0.01, 0.0)", &format!("end: (0.01, 0.0), {contact}"))
+        .replace("end: (-0.01, 0.01)", &format!("end: (-0.01, 0.01), {contact}"));
+    let gives = SQUEEZED.replace("walls: { ", "walls: { \"bottom\": Force(10.0), ");
+    for remedy in [stiff, gives] {
+        assert_ne!(remedy, SQUEEZED);
+        fs::write(&scene, remedy).unwrap();
+        let (done, _out) = run(scene.to_str().unwrap(), &[]);
+        done.code(0);
+    }
+}
+
 #[test]
 fn a_stall_for_want_of_digits_says_so() {
     let (stalled, _out) = run("lattice", &["--set", "acceptance.residual=1e-25"]);

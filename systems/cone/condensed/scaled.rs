@@ -91,11 +91,7 @@ impl Local {
                 } else {
                     0.0
                 },
-                if has[2] {
-                    -of_moment * c.previous_moment / df[2] - fixed[2]
-                } else {
-                    -fixed[2]
-                },
+                if has[2] { -of_moment * c.previous_moment / df[2] - fixed[2] } else { -fixed[2] },
             ],
             limits: [[0.0; 3]; ROWS],
             right: [0.0; ROWS],

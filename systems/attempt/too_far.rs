@@ -1,0 +1,144 @@
+//! Judge: does a static solution move bodies further than its constant normals are valid? It may
+//! move a barely supported grain by many radii although its residuals are small. The grain lands on
+//! others, and later increments lose load without a physical reason. The motion of grains is
+//! measured relative to the affine field that fits all grains best. The strain of this field is
+//! bounded as well, because it contains the motion that all grains share.
+
+use bevy_ecs::prelude::*;
+use glam::DVec2;
+
+use clastic_components::attempt::{Attempt, Effort, Verdict};
+use clastic_components::body::Drive;
+use clastic_components::contact::Bodies;
+use clastic_components::findings::Restraints;
+use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
+use clastic_cone::program::{ConeProgram, ConeSolution};
+
+use super::converged::impossible_or;
+use super::restraints::restrain;
+use crate::mean_field::{furthest, mean_strain, thrown};
+
+/// A grain that a solution moves further than this, in its radii, has no support.
+const UNSUPPORTED: f64 = 10.0;
+
+/// Rejects a static solution that moves a grain by more than [`Acceptance::throw`] radii about the
+/// mean field, or that strains a loaded specimen by more than [`Acceptance::snap`] beyond the
+/// imposed strain. A throw may show [restraints](super::restraints), which the next attempt then
+/// includes. Every such reply adds a restraint, of which a specimen has a finite number.
+pub fn judge(
+    bodies: Res<Bodies>,
+    program: Res<ConeProgram>,
+    mut solution: ResMut<ConeSolution>,
+    acceptance: Res<Acceptance>,
+    analysis: Res<Analysis>,
+    progress: Res<Progress>,
+    mut restraints: ResMut<Restraints>,
+    mut attempt: ResMut<Attempt>,
+) {
+    if analysis.kind != AnalysisKind::Static {
+        return;
+    }
+    if let Some((grain, far)) = thrown(&bodies, &program, &solution, &acceptance) {
+        let all_regularised = attempt.effort() == Some(Effort::Regularised);
+        let (acceptance, restraints) = (&acceptance, &mut restraints);
+        let is_new =
+            restrain(&bodies, &program, &solution, acceptance, restraints, all_regularised);
+        attempt.verdict = if is_new {
+            Verdict::Again
+        } else {
+            let reason = Verdict::TooFar(complaint(&bodies, grain, far, acceptance));
+            impossible_or(&program, &mut solution, reason)
+        };
+    } else if attempt.bounded
+        && let Some(reason) = snapped(&bodies, &program, &solution, &progress, &acceptance)
+    {
+        attempt.verdict = Verdict::TooFar(reason);
+    }
+}
+
+/// Complaint about a throw.
+fn complaint(bodies: &Bodies, grain: usize, far: f64, acceptance: &Acceptance) -> String {
+    format!(
+        "{} would be thrown by {} radii relative to the mean motion; `acceptance.throw` allows {}",
+        named(bodies, grain),
+        digits(far),
+        acceptance.throw
+    )
+}
+
+/// A grain and its place in words.
+pub(super) fn named(bodies: &Bodies, grain: usize) -> String {
+    let at = bodies.positions[grain];
+    format!("{} at ({:.4e}, {:.4e}) m", bodies.name(grain), at.x, at.y)
+}
+
+/// A number with three significant digits and at least two decimals.
+pub(super) fn digits(number: f64) -> String {
+    let decimals = (2.0 - number.abs().log10().floor()).max(2.0);
+    if decimals.is_finite() {
+        format!("{number:.0$}", decimals as usize)
+    } else {
+        number.to_string()
+    }
+}
+
+/// Whether a solution moves a grain so far that the grain lacks support. It ends where no accepted
+/// solution can: such a grain crosses thousands of others, and other scales do not help.
+pub(super) fn is_unsupported(
+    bodies: &Bodies,
+    program: &ConeProgram,
+    solution: &ConeSolution,
+) -> bool {
+    solution.displacements.len() == bodies.rows_in_program()
+        && furthest(bodies, program, solution).is_some_and(|(_, far)| far > UNSUPPORTED)
+}
+
+/// Complaint about a specimen that strains much more than is imposed.
+fn snapped(
+    bodies: &Bodies,
+    program: &ConeProgram,
+    solution: &ConeSolution,
+    progress: &Progress,
+    acceptance: &Acceptance,
+) -> Option<String> {
+    let strain = mean_strain(bodies, program, solution);
+    let imposed = bodies.drives.iter().flat_map(|d| &d[..2]).filter_map(|d| match d {
+        Drive::Imposed(u) => Some(u.abs()),
+        Drive::Free => None,
+    });
+    let walls = bodies.walls.iter().map(|w| bodies.wall_travel(w, w.drive));
+    let groups = bodies.groups.iter().map(|group| bodies.imposed_motion(group));
+    let imposed = imposed.chain(walls).chain(groups);
+    let imposed = imposed.chain(bodies.cell.map(|cell| cell.imposed()));
+    let imposed = progress.fraction.abs() * imposed.fold(0.0, f64::max);
+    let n = bodies.particles;
+    let (low, high) = bodies.positions[..n]
+        .iter()
+        .fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)));
+    // Factor 2: a specimen that is compressed along one axis may extend as much along the other.
+    let imposed = 2.0 * imposed / (high - low).min_element().max(bodies.mean_radius);
+    (strain > acceptance.snap + imposed).then(|| {
+        format!(
+            "one solution strains the specimen by {:.1} %; `acceptance.snap` allows {:.1} % \
+             beyond the imposed strain",
+            100.0 * strain,
+            100.0 * acceptance.snap
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::digits;
+
+    /// A grain was "thrown by 0.00 radii; accepted 0.003".
+    #[test]
+    fn small_numbers_keep_their_digits() {
+        assert_eq!(digits(0.004_512), "0.00451");
+        assert_eq!(digits(0.301), "0.301");
+        assert_eq!(digits(12.345), "12.35");
+        assert_eq!(digits(0.0), "0");
+        assert_eq!(digits(f64::NAN), "NaN");
+        assert_eq!(digits(f64::INFINITY), "inf");
+    }
+}
