@@ -238,6 +238,7 @@ fn read_listed(
     let ends = tables.vectors::<2>("walls.drawn_end_m", n)?;
     let contacts = tables.vectors::<5>("walls.contact", n)?;
     let bonds = tables.vectors::<6>("walls.bond", n)?;
+    let rolling = read_rolling(tables, n)?;
     let shapes = tables.text("walls.shape", &[n])?;
     let mut of_scene = Vec::new();
     let mut k = 0;

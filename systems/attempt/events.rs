@@ -60,7 +60,8 @@ pub fn begin(world: &mut World) {
     let progress = world.resource::<Progress>();
     let dense = active && rules.avalanche != Avalanche::Dynamic && progress.dense;
     // Scenes have no loads with this option, and programs that embed the engine may have some.
-    let returns = active && rules.snap_back && progress.relaxing && !super::carries_loads(world);
+    let returns =
+        active && rules.snap_back && progress.relaxing && !super::run::carries_loads(world);
     *world.resource_mut::<EventSearch>() =
         EventSearch { active: active && !dense, dense, returns, ..EventSearch::default() };
 }

@@ -273,7 +273,7 @@ fn end_increment(
 
 /// Whether loads, and not only imposed motions of walls, act on a specimen that carries forces
 /// already. A specimen without forces may reach its first support over any distance.
-fn carries_loads(world: &World) -> bool {
+pub(super) fn carries_loads(world: &World) -> bool {
     let bodies = world.resource::<Bodies>();
     let acts = |ramp: &Ramp| ramp.from != 0.0 || ramp.to != 0.0;
     world.resource::<DraftHistory>().0.0.iter().any(|m| m.p != 0.0)
