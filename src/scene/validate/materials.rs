@@ -38,8 +38,7 @@ fn scatter(path: Arguments, bond: &Bond, scatter: &Scatter, findings: &mut Findi
     let Scatter { strength, stiffness, cohesion, tensile_strength, .. } = scatter;
     let Scatter { normal_stiffness, tangential_stiffness, .. } = scatter;
     let (normal, tangential) = (bond.normal_stiffness, bond.tangential_stiffness);
-    let is_elastic =
-        [normal, tangential, bond.rolling_stiffness].iter().any(|stiffness| stiffness.is_some());
+    let is_elastic = [normal, tangential, bond.rolling_stiffness].iter().any(Option::is_some);
     let spreads = [
         ("strength", strength, true),
         ("stiffness", stiffness, is_elastic),
