@@ -119,7 +119,7 @@ fn membrane_under_a_pressure_that_changes() {
     assert_eq!(rows.len(), 4);
     // A reader of version 1 would go on without the membrane.
     let state = fs::read(parent.path().join("a/state_kept.npz")).unwrap();
-    let tables = clastic::tables::Tables::decode(&state).unwrap();
+    let tables = Tables::decode(&state).unwrap();
     assert_eq!(tables.text("format", &[]).unwrap(), ["clastic state 2"]);
     same_from_anywhere(&from, |_| true);
 }
@@ -175,7 +175,7 @@ fn uncemented_static_under_both_friction_laws() {
         same_in_two("biaxial_small", &[law], [&first, &shear("b", 3)], parent.path());
         // Contacts between particles carry shear, or the history would not matter.
         let state = fs::read(parent.path().join("a/state_kept.npz")).unwrap();
-        let tables = clastic::tables::Tables::decode(&state).unwrap();
+        let tables = Tables::decode(&state).unwrap();
         let n = tables.rows("contacts.q_n").unwrap();
         let shear = tables.f64("contacts.q_n", &[n]).unwrap();
         assert!(shear.iter().filter(|q| q.abs() > 1.0).count() > 300, "{law}");
@@ -436,7 +436,7 @@ fn rigid_groups_in_both_analyses_under_both_laws() {
         assert!(rows.len() >= 8, "{common:?}: {}", rows.len());
         assert_eq!(from.scene.rigid_at_start, ["lower", "middle", "upper"]);
         let state = fs::read(parent.path().join("a/state_kept.npz")).unwrap();
-        let tables = clastic::tables::Tables::decode(&state).unwrap();
+        let tables = Tables::decode(&state).unwrap();
         // With the energies of version 3.
         assert_eq!(tables.text("format", &[]).unwrap(), ["clastic state 3"]);
         // Resumed from anywhere, also where `upper` is gone and where it is there again.
@@ -490,7 +490,7 @@ fn periodic_cells_in_both_analyses_under_both_laws() {
             let (from, rows) = same_in_two("CELL", &common, [first, second], parent.path());
             assert!(rows.len() >= 9, "{common:?}: {}", rows.len());
             let state = fs::read(parent.path().join("a/state_kept.npz")).unwrap();
-            let tables = clastic::tables::Tables::decode(&state).unwrap();
+            let tables = Tables::decode(&state).unwrap();
             assert_eq!(tables.text("format", &[]).unwrap(), ["clastic state 3"]);
             let sets = [
                 format!("specimen=State(path: {:?})", parent.path().join("a/state_kept.npz")),
