@@ -201,16 +201,17 @@ pub fn run(scenes: &Scenes, extent: Extent) -> Result<Part, BenchError> {
             charts.push((format!("precision_{}", problem.name.replace(' ', "_")), chart));
         }
     }
-    let text = "The programs come from increments of running scenes. The condensed solver starts from \
-        the increment before, as in a run, and keeps order and symbolic factorisation while the \
-        pairs do not change; Clarabel starts anew and is not polished. Tolerances are those \
-        given to the solver. The error is the maximum of the relative errors of forces (energy \
-        norm), reactions of moving walls and displacements, against a polished solution of the \
-        other solver. A measure in which the two reference solutions differ by more than 1e-4 is \
-        not unique and is left out. `floor` is the difference of the reference solutions in the \
-        other measures; smaller errors are not significant. Empty cells: the error was not \
-        reached or is below the floor, or the other solver did not reach a residual of 1e-8. \
-        `bounce` is a program with one contact.";
+    let text = "The programs come from increments of running scenes. The condensed solver starts \
+        from the increment before, as in a run, and keeps order and symbolic \
+        factorisation while the pairs do not change; Clarabel starts anew and is not \
+        polished. Tolerances are those given to the solver. The error is the maximum of \
+        the relative errors of forces (energy norm), reactions of moving walls and \
+        displacements, against a polished solution of the other solver. A measure in \
+        which the two reference solutions differ by more than 1e-4 is not unique and is \
+        left out. `floor` is the difference of the reference solutions in the other \
+        measures; smaller errors are not significant. Empty cells: the error was not \
+        reached or is below the floor, or the other solver did not reach a residual of \
+        1e-8. `bounce` is a program with one contact.";
     Ok(Part { name: "precision", text: text.to_owned(), tables: vec![levels, table], charts })
 }
 

@@ -108,11 +108,12 @@ pub fn run(scenes: &Scenes, extent: Extent) -> Result<Part, BenchError> {
         equal: false,
         window: None,
     };
-    let text = "Specimens are the stored packings (400 and 7380 disks) and mirrored tiles of the larger \
-        one. `setup_s` is the time to spawn the bodies. `first_increment_s` includes cementing, \
-        the first detection, and ordering and symbolic analysis of the matrix. `increment_s` is \
-        the median of the next five increments, and `rest_s` its part outside of the solve. \
-        Memory is the maximum resident set of the process, with the scene.";
+    let text = "Specimens are the stored packings (400 and 7380 disks) and mirrored tiles of the \
+        larger one. `setup_s` is the time to spawn the bodies. `first_increment_s` \
+        includes cementing, the first detection, and ordering and symbolic analysis of \
+        the matrix. `increment_s` is the median of the next five increments, and \
+        `rest_s` its part outside of the solve. Memory is the maximum resident set of \
+        the process, with the scene.";
     Ok(Part {
         name: "size",
         text: text.to_owned(),

@@ -48,11 +48,12 @@ pub fn run(scenes: &Scenes, extent: Extent, scratch: &Path) -> Result<Part, Benc
     for (name, loaded) in variants(scenes, extent > Extent::Quick)? {
         table.rows.push(row(name, &loaded, &scratch.join("stages_run"), &repetitions)?);
     }
-    let text = "Means over five increments. The first increment of the stage, with ordering and symbolic \
-        analysis of the matrix, does not count. All rows but the first two and the last four are \
-        variants of the biaxial scene; `oedometric` has fixed sides. `held`: no wall moves, and \
-        the state is that of the last increment. `columns`: 40 columns of ten rigid disks on one \
-        floor. `output` writes history, events and timings.";
+    let text = "Means over five increments. The first increment of the stage, with ordering and \
+        symbolic analysis of the matrix, does not count. All rows but the first two and \
+        the last four are variants of the biaxial scene; `oedometric` has fixed sides. \
+        `held`: no wall moves, and the state is that of the last increment. `columns`: \
+        40 columns of ten rigid disks on one floor. `output` writes history, events and \
+        timings.";
     Ok(Part { name: "stages", text: text.to_owned(), tables: vec![table], charts: Vec::new() })
 }
 

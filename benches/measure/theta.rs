@@ -71,9 +71,9 @@ pub fn run() -> Result<Part, BenchError> {
         }
         lines.push(line);
     }
-    let text = "Error of the displacement at sqrt(k/m) t = 6: root mean square over the disks, over that \
-        of the exact displacement. `w_dt` is sqrt(k/m) dt. The observed order is log2 of the \
-        error over the error with twice the increments.";
+    let text = "Error of the displacement at sqrt(k/m) t = 6: root mean square over the disks, \
+        over that of the exact displacement. `w_dt` is sqrt(k/m) dt. The observed order \
+        is log2 of the error over the error with twice the increments.";
     let chart = Chart {
         title: "Order of the theta-method".to_owned(),
         caption: "chain of eight bonded disks, the first one struck".to_owned(),

@@ -79,9 +79,9 @@ pub fn run(scenes: &Scenes, extent: Extent, scratch: &Path) -> Result<Part, Benc
             fs::remove_dir_all(&out).map_err(OutputError::at(&out))?;
         }
     }
-    let text = "Whole runs with all output but pictures. `wall_s` is the median wall time after the \
-        scene was read, `solve_s` the sum of all solves of the last run. Below a thousand disks \
-        the matrix has no branches.";
+    let text = "Whole runs with all output but pictures. `wall_s` is the median wall time after \
+        the scene was read, `solve_s` the sum of all solves of the last run. Below a \
+        thousand disks the matrix has no branches.";
     Ok(Part { name: "threads", text: text.to_owned(), tables: vec![table], charts: Vec::new() })
 }
 
