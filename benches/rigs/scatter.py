@@ -87,8 +87,8 @@ def direct_tension(out, seed, _):
 # With the seeds of the finer grains. Rock of finer grains needs another glue and plaster.
 RIGS = {
     "oedometer": (oedometer, range(601, 605)),
-    "retaining_wall": (retaining_wall, range(601, 609)),
-    "prepare_and_branch": (prepare_and_branch, range(601, 609)),
+    "retaining_wall": (retaining_wall, range(601, 607)),
+    "prepare_and_branch": (prepare_and_branch, range(601, 605)),
     "direct_tension": (direct_tension, ()),
     "brazilian": (brazilian, ()),
 }
