@@ -47,7 +47,7 @@ pub enum Verdict {
     Sound,
     /// A mechanism proves that no forces within the limits balance the loads.
     Impossible,
-    /// A mechanism proves that no equilibrium exists, but few grains move in it.
+    /// A mechanism proves that no equilibrium exists, but at most half of the grains move in it.
     Loose,
     /// A judge has added something to the program, which must be solved again.
     Again,

@@ -1,5 +1,6 @@
-//! Advice about an increment that could not be solved: only remedies that were seen to help at least
-//! a quarter of the increments with the same finding (docs/reliability.md, "Undecided increments").
+//! Advice about an increment that could not be solved: only remedies that were seen to help at
+//! least a quarter of the increments with the same finding (docs/reliability.md, "Undecided
+//! increments").
 
 use bevy_ecs::prelude::*;
 

@@ -119,3 +119,17 @@ pub fn find_loaded(
     }
     loaded
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_centre_moves_until_the_weight_is_the_usual_one() {
+        let with = |regularisation| Acceptance { regularisation, ..Acceptance::default() };
+        assert_eq!(max_moves(&with(1e-9)), 3);
+        assert_eq!(max_moves(&with(1e-6)), 1);
+        // A weight of zero is never reached.
+        assert!(max_moves(&with(0.0)) <= 16);
+    }
+}

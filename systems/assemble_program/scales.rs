@@ -61,33 +61,35 @@ fn displacement(bodies: &Bodies, analysis: &Analysis, progress: &Progress) -> f6
     // precede it.
     let is_cut = progress.fraction < progress.tried;
     let f = if is_cut { progress.fraction.max(MIN_FRACTION) } else { progress.fraction };
-    let drives = (0..bodies.particles).flat_map(|i| [bodies.drive(i, 0), bodies.drive(i, 1)]);
-    let imposed = drives.map(|d| match d {
-        Drive::Imposed(u) => f * u.abs(),
-        Drive::Free => 0.0,
-    });
-    let walls = bodies.walls.iter().map(|w| f * bodies.wall_travel(w, bodies.wall_drive(w)));
-    let groups = bodies.groups.iter().map(|group| f * bodies.imposed_motion(group));
-    // Imposed displacement of a body on one side of the cell relative to the other side.
-    let cell = bodies.cell.filter(|_| !bodies.drives_stopped).map(|cell| f * cell.imposed());
-    let groups = groups.chain(cell);
+    let driven = f * maximum_imposed(bodies);
     let moved = bodies.last_motion.iter().map(|u| f * DVec2::new(u[0], u[1]).length());
     let maximum = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
     match analysis.kind {
         AnalysisKind::Dynamic { dt, .. } => {
             let dt = dt * f;
             let v = maximum(&mut bodies.velocities.iter().map(|v| v.length()));
-            maximum(&mut imposed.chain(walls).chain(groups))
-                .max(v * dt)
-                .max(analysis.gravity.length() * dt * dt)
+            driven.max(v * dt).max(analysis.gravity.length() * dt * dt)
         }
         AnalysisKind::Static | AnalysisKind::Compaction { .. } => {
-            let driven = maximum(&mut imposed.chain(walls).chain(groups));
             // The jump of a grain in the last increment must not set the scale.
             let last = maximum(&mut moved.into_iter()).min(MAX_MOTION * bodies.mean_radius);
             driven.max(last)
         }
     }
+}
+
+/// Maximum displacement that is imposed in a whole increment, m: of a particle, a wall, a group, or
+/// of one side of the cell relative to the other.
+pub(crate) fn maximum_imposed(bodies: &Bodies) -> f64 {
+    let drives = (0..bodies.particles).flat_map(|i| [bodies.drive(i, 0), bodies.drive(i, 1)]);
+    let drives = drives.map(|d| match d {
+        Drive::Imposed(u) => u.abs(),
+        Drive::Free => 0.0,
+    });
+    let walls = bodies.walls.iter().map(|w| bodies.wall_travel(w, bodies.wall_drive(w)));
+    let groups = bodies.groups.iter().map(|group| bodies.imposed_motion(group));
+    let cell = bodies.cell.filter(|_| !bodies.drives_stopped).map(|cell| cell.imposed());
+    drives.chain(walls).chain(groups).chain(cell).fold(0.0, f64::max)
 }
 
 fn free_translations(program: &ConeProgram) -> impl Iterator<Item = &FreeDof> {

@@ -1,4 +1,4 @@
-//! Judge: is a collapse that of a few loose grains? A grain that has lost its hold falls or rolls
+//! Judge: is a collapse that of loose grains? A grain that has lost its hold falls or rolls
 //! down. No equilibrium exists before it lies on others, but the specimen stands.
 
 use bevy_ecs::prelude::*;

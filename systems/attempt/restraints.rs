@@ -45,8 +45,8 @@ pub fn judge(
     }
 }
 
-/// Adds the restraints that a solution with thrown grains shows. Returns whether any of them changes
-/// the program, in which `all_regularised` bodies may be regularised already.
+/// Adds the restraints that a solution with thrown grains shows. Returns whether any of them
+/// changes the program. With `all_regularised` another regularised grain does not.
 pub fn restrain(
     bodies: &Bodies,
     program: &ConeProgram,

@@ -8,7 +8,6 @@ use bevy_ecs::prelude::*;
 use glam::DVec2;
 
 use clastic_components::attempt::{Attempt, Effort, Verdict};
-use clastic_components::body::Drive;
 use clastic_components::contact::Bodies;
 use clastic_components::findings::Restraints;
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
@@ -16,6 +15,7 @@ use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use super::converged::impossible_or;
 use super::restraints::restrain;
+use crate::assemble_program::scales::maximum_imposed;
 use crate::mean_field::{furthest, mean_strain, thrown};
 
 /// A grain that a solution moves further than this, in its radii, has no support.
@@ -102,15 +102,7 @@ fn snapped(
     acceptance: &Acceptance,
 ) -> Option<String> {
     let strain = mean_strain(bodies, program, solution);
-    let imposed = bodies.drives.iter().flat_map(|d| &d[..2]).filter_map(|d| match d {
-        Drive::Imposed(u) => Some(u.abs()),
-        Drive::Free => None,
-    });
-    let walls = bodies.walls.iter().map(|w| bodies.wall_travel(w, w.drive));
-    let groups = bodies.groups.iter().map(|group| bodies.imposed_motion(group));
-    let imposed = imposed.chain(walls).chain(groups);
-    let imposed = imposed.chain(bodies.cell.map(|cell| cell.imposed()));
-    let imposed = progress.fraction.abs() * imposed.fold(0.0, f64::max);
+    let imposed = progress.fraction.abs() * maximum_imposed(bodies);
     let n = bodies.particles;
     let (low, high) = bodies.positions[..n]
         .iter()

@@ -8,8 +8,8 @@
 //!
 //! Environment variables:
 //!
-//! - `LABORATORY_SEEDS`: seeds from which `LABORATORY` selects, `0..200` by default. Any other range
-//!   gives scenes of the same kinds that no table contains
+//! - `LABORATORY_SEEDS`: seeds from which `LABORATORY` selects, `0..200` by default. Any other
+//!   range gives new scenes of the same kinds
 //! - `LABORATORY`: kinds (`biaxial`), seeds (`17`) and ranges of seeds (`10..20`), separated by
 //!   commas
 //! - `LABORATORY_MAX`: leaves out scenes with more disks
