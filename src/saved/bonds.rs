@@ -102,12 +102,12 @@ pub(super) fn read(
     for name in LAW {
         law.push(tables.f64(name, &[n])?);
     }
-    let rolling = match tables.has(ROLLING) {
-        true => {
-            finite(tables, &[ROLLING])?;
-            tables.f64(ROLLING, &[n])?
-        }
-        false => &vec![0.0; n],
+    let rigid = vec![0.0; n];
+    let rolling = if tables.has(ROLLING) {
+        finite(tables, &[ROLLING])?;
+        tables.f64(ROLLING, &[n])?
+    } else {
+        &rigid
     };
     let (mut bonds, mut states) = (Vec::with_capacity(n), Vec::with_capacity(n));
     for k in 0..n {
