@@ -78,6 +78,7 @@ const OF_THE_SCENE: [&str; 21] = [
     "output.results",
     "output.snapshots",
     "output.specimen",
+    "release",
     "rigid_group.at_start",
     "rupture_count",
     "sanity",
