@@ -1,7 +1,7 @@
 //! The imposed motion goes back after a rupture, with
-//! [`snap_back`](clastic_components::increment::RuptureRules::snap_back): an increment of a negative
-//! fraction ends at the limit of the next bond ([`snap_back`](crate::snap_back)). Where no such
-//! state is found the increment seeks the equilibrium at constant load, as without this option.
+//! [`RuptureRules::snap_back`]: an increment of a negative fraction ends at the limit of the next
+//! bond ([`snap_back`](crate::snap_back)). Where no such state is found the increment seeks the
+//! equilibrium at constant load, as without this option.
 
 use bevy_ecs::prelude::*;
 

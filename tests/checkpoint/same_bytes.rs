@@ -180,6 +180,26 @@ fn within_gradual_releases() {
     same_from_anywhere(&loaded, |k| chosen.contains(&k));
 }
 
+/// Increments of negative fractions, after which the next bond breaks.
+#[test]
+fn while_the_motion_goes_back() {
+    let sets = [
+        "rupture=(order: Events, snap_back: true)",
+        "stages.load.increments=30",
+        "stages.load.walls.top[1]=-5.588e-6",
+        "stages.load.stop=[StressDrop(0.2)]",
+    ];
+    let loaded = load("uniaxial_small", &sets);
+    let mut back = Vec::new();
+    run(&loaded, &tempfile::tempdir().unwrap().path().join("first"), 0, |o| {
+        if o.fraction < 0.0 {
+            back.push(o.increment);
+        }
+    });
+    assert!(back.len() >= 2, "{back:?}");
+    same_from_anywhere(&loaded, |k| k == back[0] || k == back[back.len() - 1]);
+}
+
 /// Whether bonds break many together, and how far the next increment goes, is part of the state.
 #[test]
 fn where_many_bonds_break_together() {
