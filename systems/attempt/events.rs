@@ -43,7 +43,7 @@ pub fn searches(search: Res<EventSearch>) -> bool {
 pub fn begin(world: &mut World) {
     let bodies = world.resource::<Bodies>();
     let rules = world.resource::<RuptureRules>();
-    // A rolling moment has no compliance, so it jumps at a limit that breaks.
+    // The overload has no term of the rolling moment: no search finds where one breaks the bond.
     let is_elastic = |bond: &BondRow| {
         let law = &bond.law;
         law.normal_compliance > 0.0
