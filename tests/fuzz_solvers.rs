@@ -113,9 +113,8 @@ fn program(case: u64) -> ConeProgram {
             normal_compliance: r.or_zero(rigid, -8.0, -4.0),
             tangential_compliance: tangential,
             previous_shear,
-            // Springs of rolling at the ends of those of slip.
-            rolling_compliance: 4e4 * tangential,
-            previous_moment: 5e-3 * previous_shear,
+            rolling_compliance: 0.0,
+            previous_moment: 0.0,
             limits: Limits::new(
                 strength(r),
                 if r.chance(30) { 0.0 } else { r.unit().abs() },

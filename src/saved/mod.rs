@@ -136,6 +136,8 @@ pub fn save(world: &mut World) -> Result<Tables, SavedError> {
     // Gathering the tables does not change the run.
     let _ = world.run_system_cached(gather_bodies);
     let mut tables = Tables::default();
+    // The first entry; its version is known when all arrays are there.
+    tables.put("format", Array::word(FORMAT));
     let is_plain = groups::names(&state)?.is_empty() && !membranes::are_there(&state)?;
     let is_new = cell::of(&state)?.is_some() || state.bytes(progress::LEDGER).is_some();
     let mut version = match (is_plain, is_new) {

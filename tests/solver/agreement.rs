@@ -250,20 +250,17 @@ fn condensed_and_clarabel_agree_while_a_specimen_breaks() {
 
 #[test]
 fn what_rolls_without_friction_is_solved_whether_clarabel_can_or_not() {
-    let programs = random_programs(&[WHEELS]);
-    let Agreement { ended, own, alone } = compare(&programs);
-    let both = ended[SolveStatus::Solved as usize];
-    assert!(50 * (both + alone) >= 49 * programs.len(), "{both}, {alone} of {}", programs.len());
-    assert!(20 * own >= 19 * both && 3 * alone <= programs.len(), "{own} of {both}, {alone}");
-}
-
-#[test]
-fn what_rolls_elastically_without_friction_is_solved_by_both() {
-    let programs = random_programs(&[SPRUNG_WHEELS]);
-    let Agreement { ended, own, .. } = compare(&programs);
-    let both = ended[SolveStatus::Solved as usize];
-    assert!(50 * both >= 49 * programs.len(), "{both} of {}", programs.len());
-    assert!(20 * own >= 19 * both, "{own} of {both}");
+    for kind in [WHEELS, SPRUNG_WHEELS] {
+        let programs = random_programs(&[kind]);
+        let Agreement { ended, own, alone } = compare(&programs);
+        let both = ended[SolveStatus::Solved as usize];
+        assert!(
+            50 * (both + alone) >= 49 * programs.len(),
+            "{both}, {alone} of {}",
+            programs.len()
+        );
+        assert!(20 * own >= 19 * both && 3 * alone <= programs.len(), "{own} of {both}, {alone}");
+    }
 }
 
 /// A rolling stiffness above all others leaves the forces of the rigid rolling law.
