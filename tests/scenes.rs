@@ -196,7 +196,7 @@ scenes! {
         ("bonds_created", 16031.0),
         ("youngs_modulus_pa", 74420575644.2067),
         ("youngs_modulus_secant_half_peak_pa", 74422427017.05296),
-        ("first_crack_stress_pa", 145170178.12534356),
+        ("first_crack_stress_pa", 145168977.97183985),
         ("peak_stress_pa", 215752526.82889655),
         ("strain_at_peak", 0.0031500000000031524),
     ];

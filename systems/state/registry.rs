@@ -71,7 +71,7 @@ impl Identity for BondId {
     }
 }
 
-/// Registers state that a [`WorldState`] contains.
+/// Registers state that a [`WorldState`](super::WorldState) contains.
 ///
 /// Checkpoints use these names. They have the form `plugin.what`, so that names of different
 /// plugins differ.
