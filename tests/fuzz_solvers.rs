@@ -100,7 +100,6 @@ fn program(case: u64) -> ConeProgram {
         let strength = |r: &mut Random| if bonded { r.or_zero(20, 0.0, 4.0) } else { 0.0 };
         let rigid = if r.chance(30) { 100 } else { 10 };
         let tangential = r.or_zero(rigid, -8.0, -4.0);
-        let previous_shear = if tangential > 0.0 && r.chance(40) { 10.0 * r.unit() } else { 0.0 };
         interactions.push(Interaction {
             a: a as u32,
             b: b as u32,
@@ -112,7 +111,7 @@ fn program(case: u64) -> ConeProgram {
             offset: if r.chance(50) { 0.0 } else { 1e-5 * r.unit() },
             normal_compliance: r.or_zero(rigid, -8.0, -4.0),
             tangential_compliance: tangential,
-            previous_shear,
+            previous_shear: if tangential > 0.0 && r.chance(40) { 10.0 * r.unit() } else { 0.0 },
             rolling_compliance: 0.0,
             previous_moment: 0.0,
             limits: Limits::new(
@@ -147,6 +146,17 @@ fn eccentric(case: u64) -> ConeProgram {
                 *arm = 0.05 * r.unit();
             }
         }
+    }
+    program
+}
+
+/// The program of a case with springs of rolling at the ends of those of slip, and what they hold
+/// from the last increment.
+fn sprung(case: u64) -> ConeProgram {
+    let mut program = program(case);
+    for c in &mut program.interactions {
+        c.rolling_compliance = 4e4 * c.tangential_compliance;
+        c.previous_moment = 5e-3 * c.previous_shear;
     }
     program
 }
@@ -205,7 +215,7 @@ fn grounds(solution: &ConeSolution) -> String {
 
 #[test]
 fn random_programs_end_in_a_status_that_is_true() {
-    statuses_are_true(program);
+    statuses_are_true(program, 14);
 }
 
 #[test]
@@ -214,10 +224,21 @@ fn random_programs_with_arms_of_normal_forces_end_in_a_status_that_is_true() {
         .map(eccentric)
         .filter(|p| p.interactions.iter().any(|c| c.normal_arm_a != 0.0 && c.normal_arm_b != 0.0));
     assert!(2 * with_arms.count() as u64 > CASES);
-    statuses_are_true(eccentric);
+    statuses_are_true(eccentric, 14);
 }
 
-fn statuses_are_true(program: fn(u64) -> ConeProgram) {
+/// One in 13 stalls at most: with springs of rolling 111 of 1507 programs do, where 105 may without.
+#[test]
+fn random_programs_with_elastic_rolling_end_in_a_status_that_is_true() {
+    let rolls = |p: &ConeProgram| {
+        p.interactions.iter().any(|c| c.rolling_compliance > 0.0 && c.limits.has_rolling())
+    };
+    assert!(5 * (0..CASES).map(sprung).filter(rolls).count() as u64 > CASES);
+    statuses_are_true(sprung, 13);
+}
+
+/// Tries all cases of a kind. At most one in `stalls` may stall.
+fn statuses_are_true(program: fn(u64) -> ConeProgram, stalls: u64) {
     let kept = fs::read_to_string(CORPUS).unwrap();
     let kept = kept.lines().filter_map(|line| line.split('#').next()?.trim().parse::<u64>().ok());
     let kept: BTreeSet<u64> = kept.collect();
@@ -262,7 +283,7 @@ fn statuses_are_true(program: fn(u64) -> ConeProgram) {
     // Open: where Clarabel finds no forces, its mechanism often does not prove it, and both stall.
     // The programs must be of all kinds.
     assert!(counts[0][..3].iter().all(|count| 50 * count > cases), "{counts:?}");
-    assert!(14 * stalled.len() as u64 <= tried, "{} of {tried} stalled", stalled.len());
+    assert!(stalls * stalled.len() as u64 <= tried, "{} of {tried} stalled", stalled.len());
 }
 
 #[test]

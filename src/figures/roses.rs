@@ -243,7 +243,7 @@ impl Disk {
         }
     }
 
-    /// Draws sector `k` of both half turns between two values.
+    /// Draws sector `k` and the sector opposite to it, from one radius to another.
     fn sector(&self, svg: &mut String, k: usize, low: f64, high: f64) {
         let [from, to] = [k, k + 1].map(|k| k as f64 * PI / SECTORS as f64);
         let corners = [(low, from), (high, from), (high, to), (low, to)];

@@ -10,7 +10,7 @@ use clastic::tables::Tables;
 
 use crate::common::files;
 use crate::resumed::{COULOMB, rolling_elastically, run, same_from_anywhere};
-use crate::same_bytes::{EXCAVATION, HINGED, POURED, THIN, TURNING};
+use crate::same_bytes_of_rigs::{EXCAVATION, HINGED, POURED, THIN, TURNING};
 
 /// A scene of `scenes/`, or a text, under settings.
 fn scene_of(rig: &str, sets: &[String]) -> LoadedScene {

@@ -12,5 +12,6 @@ mod extended;
 mod refused;
 mod resumed;
 mod same_bytes;
+mod same_bytes_of_rigs;
 mod specimens;
 mod stored;
