@@ -140,9 +140,10 @@ fn warnings(stages: &[StageEnd]) -> Vec<String> {
         .collect();
     if !lines.is_empty() {
         lines.push(
-            "a capped increment has not converged: it satisfies Coulomb's law to a residual of 1e-4 only; a \
-             greater `acceptance.residual`, where the test allows it, or `friction_law: Associated` may help. Key \
-             results leave it out"
+            "a capped increment has not converged: it satisfies Coulomb's law to a residual of 1e-4 only; in \
+             dynamic stages a `normal_stiffness` of the grains of at most 50 m/dt^2, with m the mass of the mean \
+             disk, mostly helps; a greater `acceptance.residual`, where the test allows it, or `friction_law: \
+             Associated` may. Key results leave it out"
                 .to_owned(),
         );
     }
