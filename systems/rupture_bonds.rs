@@ -186,6 +186,19 @@ pub fn overloads(
         .collect()
 }
 
+/// The overloads R at the start of the increment, by the forces after the last one.
+#[must_use]
+pub fn overloads_at_start(
+    contacts: &[Contact],
+    program: &ConeProgram,
+    factor: f64,
+) -> Vec<Overload> {
+    let last = |k: usize| program.last_forces.get(k).copied().unwrap_or_default();
+    let forces = (0..program.interactions.len()).map(last).collect();
+    let start = ConeSolution { forces, ..ConeSolution::default() };
+    overloads(contacts, program, &start, factor)
+}
+
 /// The contact whose bond has the maximum overload R, of the bonds that yield in a program with
 /// their own strengths: `R = 1 + multiplier/(C limit)`. `None` if no bond yields.
 #[must_use]

@@ -257,8 +257,8 @@ fn move_tables(world: &mut World) {
         Vec::new()
     };
     // Bonds that a cascade broke are contacts already.
-    let known = &world.resource::<Ruptures>().list;
-    broken.retain(|rupture| !known.iter().any(|r| r.bond == rupture.bond));
+    let known = world.resource::<Ruptures>();
+    broken.retain(|rupture| !known.has(rupture.bond));
     let materials = world.resource::<Materials>();
     release(broken.iter(), bodies, contacts, materials, world.resource(), &mut history);
     let displacements = program.bodies.iter().zip(&solution.displacements);
