@@ -6,7 +6,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::reflect::ReflectResource;
 use glam::DVec2;
 
-use crate::bond::Rupture;
+use crate::bond::{BondId, Rupture};
 use clastic_cone::program::Residuals;
 
 /// Sorted pairs that pruned detection left out and that a solution closed.
@@ -30,6 +30,12 @@ pub struct Ruptures {
 }
 
 impl Ruptures {
+    /// Whether the increment breaks the bond.
+    #[must_use]
+    pub fn has(&self, bond: BondId) -> bool {
+        self.list.iter().any(|rupture| rupture.bond == bond)
+    }
+
     /// Removes the ruptures that the last attempt found.
     pub fn forget_attempt(&mut self) {
         self.list.truncate(self.on_the_way);

@@ -186,20 +186,38 @@ pub fn overloads(
         .collect()
 }
 
-/// Maximum overload R of the intact bonds of a program with their own strengths:
-/// `R = 1 + multiplier/(C limit)` for a bond that yields, and 1 if none yields.
+/// The overloads R at the start of the increment, by the forces after the last one.
 #[must_use]
-pub fn yielding(contacts: &[Contact], program: &ConeProgram, solution: &ConeSolution) -> f64 {
+pub fn overloads_at_start(
+    contacts: &[Contact],
+    program: &ConeProgram,
+    factor: f64,
+) -> Vec<Overload> {
+    let last = |k: usize| program.last_forces.get(k).copied().unwrap_or_default();
+    let forces = (0..program.interactions.len()).map(last).collect();
+    let start = ConeSolution { forces, ..ConeSolution::default() };
+    overloads(contacts, program, &start, factor)
+}
+
+/// The contact whose bond has the maximum overload R, of the bonds that yield in a program with
+/// their own strengths: `R = 1 + multiplier/(C limit)`. `None` if no bond yields.
+#[must_use]
+pub fn most_yielding(
+    contacts: &[Contact],
+    program: &ConeProgram,
+    solution: &ConeSolution,
+) -> Option<(usize, f64)> {
     let interactions = contacts.iter().zip(&program.interactions).zip(&solution.forces);
-    let bonds = interactions.filter(|((contact, _), _)| contact.bond.is_some());
-    bonds.fold(1.0, |max: f64, ((_, c), f)| {
+    let bonds = interactions.enumerate().filter(|(_, ((contact, _), _))| contact.bond.is_some());
+    let overloads = bonds.map(|(k, ((_, c), f))| {
         let m = multipliers(c, &program.kinematics(c, &solution.displacements), f);
         let l = &c.limits;
         let tension = m.tension / (c.normal_compliance * l.tension);
         let shear = m.slip.abs() / (c.tangential_compliance * (l.cohesion + l.friction * f[0]));
         // 0/0 of rigid bonds counts as no overload.
-        max.max(1.0 + tension).max(1.0 + shear)
-    })
+        (k, 1.0_f64.max(1.0 + tension).max(1.0 + shear))
+    });
+    overloads.filter(|(_, overload)| *overload > 1.0).max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 /// The limit that an intact bond has reached.

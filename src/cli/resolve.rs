@@ -7,6 +7,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use crate::scene::shipped;
+use crate::scene::shown::label;
 
 use super::exit::{Exit, Failure};
 
@@ -26,7 +27,7 @@ pub fn resolve(scene: &Path) -> Result<PathBuf, Failure> {
     let name = scene.to_string_lossy();
     let fail = |message| Err(Failure { exit: Exit::Files, message });
     if scene.components().count() != 1 {
-        return fail(format!("no scene `{name}`: no such file"));
+        return fail(format!("no scene `{}`: no such file", label(&name)));
     }
     let stem = name.strip_suffix(".ron").unwrap_or(&name);
     let path = Path::new(SCENES).join(format!("{stem}.ron"));
@@ -41,7 +42,8 @@ pub fn resolve(scene: &Path) -> Result<PathBuf, Failure> {
         |near| format!("did you mean `{near}`?"),
     );
     fail(format!(
-        "no scene `{name}`: no such file here, none in ./{SCENES}, and clastic ships none of that name; {help}"
+        "no scene `{}`: no such file here, none in ./{SCENES}, and clastic ships none of that name; {help}",
+        label(&name)
     ))
 }
 

@@ -58,6 +58,9 @@ fn of_equilibrium(world: &World) -> Vec<String> {
     if acceptance.throw < Acceptance::default().throw {
         remedies.push("a greater `acceptance.throw`".to_owned());
     }
+    if acceptance.snap < Acceptance::default().snap {
+        remedies.push("a greater `acceptance.snap`".to_owned());
+    }
     let of_coulomb = world.resource::<Sliding>().rejected;
     if of_coulomb {
         remedies.push("an `acceptance.residual` above that of the best solution".to_owned());

@@ -23,7 +23,6 @@ pub fn judge(
     mut corrections: ResMut<Corrections>,
     mut attempt: ResMut<Attempt>,
 ) {
-    let broken: Vec<_> = ruptures.list.iter().map(|r| r.bond).collect();
     let mut found = find_ruptures(
         &rules,
         Met::Slack,
@@ -33,7 +32,7 @@ pub fn judge(
         &program,
         &solution,
     );
-    found.retain(|r| !broken.contains(&r.bond));
+    found.retain(|r| !ruptures.has(r.bond));
     if found.is_empty() {
         return;
     }

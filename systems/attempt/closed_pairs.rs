@@ -41,22 +41,16 @@ pub fn judge(
     if is_static && is_unsupported(&bodies, &program, &solution) {
         return;
     }
-    let tolerance = acceptance.overlap * bodies.mean_radius;
-    let positions = moved_positions(&bodies, &program, &solution);
-    let cell = moved_cell(&bodies, &program, &solution);
-    let after = (&positions[..], cell.as_ref());
-    let rotation = |body: u32| solution.displacements.get(body as usize).map_or(0.0, |u| u[2]);
-    let walls: Vec<WallRow> =
-        bodies.walls.iter().map(|wall| wall.turned(rotation(wall.body))).collect();
-    let missed = |reach: f64| unlisted_pairs(&bodies, &walls, &candidates, &contacts, after, reach);
-    if missed(-tolerance).is_empty() {
+    let after = Moved::by(&bodies, &program, &solution.displacements, 1.0);
+    let missed = |reach: f64| unlisted_pairs(&bodies, &candidates, &contacts, &after, reach);
+    if missed(-acceptance.overlap * bodies.mean_radius).is_empty() {
         return;
     }
-    let motion = |i: u32| positions[i as usize] - bodies.positions[i as usize];
+    let motion = |i: u32| after.positions[i as usize] - bodies.positions[i as usize];
     let near = |(a, b): &(u32, u32)| {
         let approach = (motion(*a) - motion(*b)).length();
         let reach = NEAR * bodies.mean_radius + NEAR_OF_MOTION * approach;
-        gap(&bodies, &walls, after, *a, *b) <= reach
+        after.gap(&bodies, *a, *b) <= reach
     };
     add(&mut added, missed(MAX_NEAR * bodies.mean_radius).into_iter().filter(near));
     attempt.verdict = Verdict::Again;
@@ -69,58 +63,81 @@ pub(super) fn add(pairs: &mut AddedPairs, new: impl Iterator<Item = (u32, u32)>)
     pairs.0.dedup();
 }
 
-/// Positions of all bodies, m, and the periodic cell.
-pub(super) type Places<'a> = (&'a [DVec2], Option<&'a PeriodicCell>);
+/// Where the bodies are after a motion.
+pub(super) struct Moved {
+    pub positions: Vec<DVec2>,
+    cell: Option<PeriodicCell>,
+    walls: Vec<WallRow>,
+}
 
-/// Gap between a particle and a particle or wall at the given places, m. `walls` are the walls of
-/// `bodies` after their rotation.
-pub(super) fn gap(
-    bodies: &Bodies,
-    walls: &[WallRow],
-    (positions, cell): Places,
-    a: u32,
-    b: u32,
-) -> f64 {
-    let (x, r) = (positions[a as usize], bodies.radii[a as usize]);
-    match walls.iter().find(|w| w.body == b) {
-        Some(wall) => {
-            let from = |places: &[DVec2]| places[a as usize] - places[b as usize];
-            let mut way = [from(&bodies.positions), from(positions)];
-            // The path of the centre is taken in the axes of the wall at the end.
-            if let Some(before) = bodies.walls.iter().find(|w| w.body == b)
-                && before.inward != wall.inward
-            {
-                let by =
-                    DVec2::new(before.inward.dot(wall.inward), before.inward.perp_dot(wall.inward));
-                way[0] = by.rotate(way[0]);
-            }
-            if wall.shape.is_crossed(wall.inward, wall.half_length, way) {
-                // The centre has passed through the wall: this is an overlap and not a gap.
-                -r - way[0].distance(way[1])
-            } else {
-                wall_gap(wall, positions[b as usize], x, r)
-            }
+impl Moved {
+    /// Before any motion.
+    pub fn not(bodies: &Bodies) -> Self {
+        let Bodies { positions, cell, walls, .. } = bodies;
+        Self { positions: positions.clone(), cell: *cell, walls: walls.clone() }
+    }
+
+    /// After displacements (m, m, rad; by body in its own axes), multiplied by `scale`.
+    pub fn by(
+        bodies: &Bodies,
+        program: &ConeProgram,
+        displacements: &[[f64; 3]],
+        scale: f64,
+    ) -> Self {
+        let global = |i: usize| program.bodies[i].to_global(displacements[i]);
+        let moved = |(i, x): (usize, &DVec2)| {
+            let u = global(i);
+            *x + scale * DVec2::new(u[0], u[1])
+        };
+        let cell = program.cell.map(|cell| global(cell.body as usize).map(|u| scale * u));
+        let turned = |wall: &WallRow| wall.turned(scale * displacements[wall.body as usize][2]);
+        Self {
+            positions: bodies.positions.iter().enumerate().map(moved).collect(),
+            cell: bodies.cell.zip(cell).map(|(cell, u)| cell.deformed(u, bodies.mean_radius)),
+            walls: bodies.walls.iter().map(turned).collect(),
         }
-        None => {
-            let apart = positions[b as usize] - x;
-            let way = cell.map_or(apart, |cell| apart + cell.shift(apart));
-            way.length() - r - bodies.radii[b as usize]
+    }
+
+    /// Gap between a particle and a particle or wall, m.
+    pub fn gap(&self, bodies: &Bodies, a: u32, b: u32) -> f64 {
+        let (x, r) = (self.positions[a as usize], bodies.radii[a as usize]);
+        match bodies.walls.iter().zip(&self.walls).find(|(before, _)| before.body == b) {
+            Some((before, wall)) => {
+                let from = |places: &[DVec2]| places[a as usize] - places[b as usize];
+                let mut way = [from(&bodies.positions), from(&self.positions)];
+                // The path of the centre is taken in the axes of the wall at the end.
+                if before.inward != wall.inward {
+                    let (along, across) =
+                        (before.inward.dot(wall.inward), before.inward.perp_dot(wall.inward));
+                    way[0] = DVec2::new(along, across).rotate(way[0]);
+                }
+                if wall.shape.is_crossed(wall.inward, wall.half_length, way) {
+                    // The centre has passed through the wall: this is an overlap and not a gap.
+                    -r - way[0].distance(way[1])
+                } else {
+                    wall_gap(wall, self.positions[b as usize], x, r)
+                }
+            }
+            None => {
+                let apart = self.positions[b as usize] - x;
+                let way = self.cell.map_or(apart, |cell| apart + cell.shift(apart));
+                way.length() - r - bodies.radii[b as usize]
+            }
         }
     }
 }
 
-/// All pairs outside the program whose gap at the given positions is at most `reach`. The search
+/// All pairs outside the program whose gap after a motion is at most `reach`. The search
 /// for new candidates runs only if bodies have left the neighbourhood of the present ones.
 pub(super) fn unlisted_pairs(
     bodies: &Bodies,
-    walls: &[WallRow],
     Candidates(candidates): &Candidates,
     contacts: &Contacts,
-    (positions, cell): Places,
+    after: &Moved,
     reach: f64,
 ) -> Vec<(u32, u32)> {
-    let (disks, radii) = (&positions[..bodies.particles], &bodies.radii);
-    let mut pairs = if let Some(cell) = cell {
+    let (disks, radii) = (&after.positions[..bodies.particles], &bodies.radii);
+    let mut pairs = if let Some(cell) = &after.cell {
         periodic::pairs_within(cell, disks, radii, reach)
     } else if candidates.is_complete(disks, radii, reach) {
         candidates.within(disks, radii, reach).collect()
@@ -140,8 +157,7 @@ pub(super) fn unlisted_pairs(
     }
     for wall in &bodies.walls {
         for pair in (0..bodies.particles as u32).map(|a| (a, wall.body)) {
-            let near = gap(bodies, walls, (positions, cell), pair.0, pair.1) <= reach;
-            if near && !is_listed(contacts, pair) {
+            if after.gap(bodies, pair.0, pair.1) <= reach && !is_listed(contacts, pair) {
                 pairs.push(pair);
             }
         }
@@ -152,33 +168,4 @@ pub(super) fn unlisted_pairs(
 /// Whether a pair is in the program.
 pub(super) fn is_listed(contacts: &Contacts, pair: (u32, u32)) -> bool {
     contacts.0.binary_search_by_key(&pair, |c| (c.a, c.b)).is_ok()
-}
-
-/// The periodic cell after the displacements of the solution.
-pub fn moved_cell(
-    bodies: &Bodies,
-    program: &ConeProgram,
-    solution: &ConeSolution,
-) -> Option<PeriodicCell> {
-    let row = program.cell?.body as usize;
-    let u = program.bodies[row].to_global(solution.displacements[row]);
-    bodies.cell.map(|cell| cell.deformed(u, bodies.mean_radius))
-}
-
-/// Positions of all bodies after the displacements of the solution, m.
-pub fn moved_positions(
-    bodies: &Bodies,
-    program: &ConeProgram,
-    solution: &ConeSolution,
-) -> Vec<DVec2> {
-    bodies
-        .positions
-        .iter()
-        .zip(&program.bodies)
-        .zip(&solution.displacements)
-        .map(|((x, body), u)| {
-            let u = body.to_global(*u);
-            *x + DVec2::new(u[0], u[1])
-        })
-        .collect()
 }

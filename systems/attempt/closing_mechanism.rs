@@ -3,7 +3,6 @@
 //! that finds new support, would count as collapsed because detection had pruned its contacts.
 
 use bevy_ecs::prelude::*;
-use glam::DVec2;
 
 use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::contact::{Bodies, Contacts, WallRow};
@@ -12,7 +11,7 @@ use clastic_components::findings::AddedPairs;
 use clastic_components::increment::Acceptance;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
-use super::closed_pairs::{Places, add, gap, is_listed, unlisted_pairs};
+use super::closed_pairs::{Moved, add, is_listed, unlisted_pairs};
 use crate::detect_contacts::Candidates;
 
 /// Step of the difference quotients of gaps, mean radii: gaps change in proportion to so small a
@@ -34,45 +33,25 @@ pub fn judge(
     mut attempt: ResMut<Attempt>,
 ) {
     let Some(certificate) = &solution.certificate else { return };
-    let motion: Vec<DVec2> = program
-        .bodies
-        .iter()
-        .zip(&certificate.mechanism)
-        .map(|(body, u)| {
-            let u = body.to_global(*u);
-            DVec2::new(u[0], u[1])
-        })
-        .collect();
+    let mechanism = &certificate.mechanism;
+    let length = |u: &[f64; 3]| u[0].hypot(u[1]);
     // A wall of a rigid group may turn about its middle, so that its position does not change.
-    let turns: Vec<f64> = certificate.mechanism.iter().map(|u| u[2]).collect();
     let travel = |wall: &WallRow| {
-        let row = wall.body as usize;
-        motion[row].length() + turns[row].abs() * wall.extent()
+        let u = &mechanism[wall.body as usize];
+        length(u) + u[2].abs() * wall.extent()
     };
     let travels = bodies.walls.iter().map(travel);
-    let maximum = motion.iter().map(|u| u.length()).chain(travels).fold(0.0, f64::max);
+    let maximum = mechanism.iter().map(length).chain(travels).fold(0.0, f64::max);
     if !(maximum > 0.0) {
         return;
     }
     let scale = STEP * bodies.mean_radius / maximum;
-    let moved: Vec<DVec2> =
-        bodies.positions.iter().zip(&motion).map(|(x, u)| *x + scale * *u).collect();
-    let start = (&bodies.positions[..], bodies.cell.as_ref());
-    let row = bodies.positions.len();
-    let deformed = bodies.cell.map(|cell| {
-        let u = program.bodies[row].to_global(certificate.mechanism[row]);
-        cell.deformed(u.map(|u| scale * u), bodies.mean_radius)
-    });
-    let after = (&moved[..], deformed.as_ref());
-    let turned: Vec<WallRow> =
-        bodies.walls.iter().map(|wall| wall.turned(scale * turns[wall.body as usize])).collect();
+    let (start, after) = (Moved::not(&bodies), Moved::by(&bodies, &program, mechanism, scale));
     let closes = |(a, b): &(u32, u32)| {
-        let at = |walls: &[WallRow], places: Places| gap(&bodies, walls, places, *a, *b);
-        let closing = at(&bodies.walls, start) - at(&turned, after);
-        closing > STEP * scale * maximum
+        start.gap(&bodies, *a, *b) - after.gap(&bodies, *a, *b) > STEP * scale * maximum
     };
     let reach = 2.0 * acceptance.throw * bodies.mean_radius;
-    let near = unlisted_pairs(&bodies, &bodies.walls, &candidates, &contacts, start, reach);
+    let near = unlisted_pairs(&bodies, &candidates, &contacts, &start, reach);
     let touched = |wall: u32| history.0.0.iter().any(|m| m.b == wall && m.p > 0.0);
     let coming = bodies.walls.iter().filter(|w| travel(w) > 0.0);
     let coming = coming.filter(|w| !touched(w.body));
@@ -82,7 +61,7 @@ pub fn judge(
     if !closing.is_empty() {
         // The next solution moves by about the smallest of these gaps, and not as far as the last
         // one.
-        let gaps = closing.iter().map(|(a, b)| gap(&bodies, &bodies.walls, start, *a, *b));
+        let gaps = closing.iter().map(|(a, b)| start.gap(&bodies, *a, *b));
         let nearest = gaps.fold(f64::INFINITY, f64::min);
         attempt.magnitudes = Some((nearest.max(program.scales.displacement), program.scales.force));
         add(&mut pairs, closing.into_iter());

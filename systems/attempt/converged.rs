@@ -8,13 +8,13 @@ use clastic_components::findings::{BestUnconverged, Centre, Unconverged};
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
 use clastic_cone::program::{Certificate, ConeProgram, ConeSolution, SolveStatus};
 
-use super::restraints::translations;
+use super::places::{moves_most, near, worst_place};
 use super::too_far::is_unsupported;
 use crate::assemble_program::regularise::max_moves;
 use crate::assemble_program::scales::MAX_MOTION;
 use crate::mean_field::thrown;
 use clastic_cone::certificate::{certificate, proves};
-use clastic_cone::residuals::{displacement_scale, regularised_residuals, worst_bodies};
+use clastic_cone::residuals::{displacement_scale, regularised_residuals};
 
 /// Accepts solved programs and proven collapses, moves the centre of the regularisation until its
 /// bias vanishes, and rejects all else. A bias together with a throw is left to
@@ -47,7 +47,7 @@ pub fn judge(
                 solution.certificate = Some(mechanism);
                 Verdict::Impossible
             }
-            None => unconverged(solution, unproved(&bodies, solution)),
+            None => unconverged(solution, unproved(&bodies, &program, solution)),
         },
         SolveStatus::Locked => Verdict::Locked,
         SolveStatus::Stalled if seeks_equilibrium && is_biased(&program, solution, &acceptance) => {
@@ -91,11 +91,10 @@ pub(super) fn impossible_or(
 }
 
 /// Complaint about a collapse without proof.
-fn unproved(bodies: &Bodies, solution: &ConeSolution) -> String {
-    let far = solution.certificate.as_ref().map(translations).unwrap_or_default();
-    let fastest = far.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1));
-    let place = fastest
-        .map_or(String::new(), |(i, _)| format!(", in which {} moves most", near(bodies, [i, i])));
+fn unproved(bodies: &Bodies, program: &ConeProgram, solution: &ConeSolution) -> String {
+    let mechanism = solution.certificate.as_ref();
+    let place = mechanism.and_then(|m| moves_most(bodies, program, &m.mechanism));
+    let place = place.map_or(String::new(), |(body, _)| format!(", in which {body} moves most"));
     format!("the solver reports a collapse that it cannot prove{place}")
 }
 
@@ -126,27 +125,10 @@ fn keep_best(
     if best.0.as_ref().is_none_or(|best| !(best.residuals.worst() <= worst)) {
         best.0 = Some(Unconverged {
             residuals: solution.residuals,
-            place: place(bodies, program, solution),
+            place: worst_place(bodies, program, solution),
             message: solution.message.clone(),
         });
     }
-}
-
-/// Place of the maximum residual of a solution in words; empty if it has none.
-pub(super) fn place(bodies: &Bodies, program: &ConeProgram, solution: &ConeSolution) -> String {
-    worst_bodies(program, solution)
-        .map_or(String::new(), |pair| format!(", worst at {}", near(bodies, pair)))
-}
-
-/// Two bodies, which may be the same, and their place in words.
-fn near(bodies: &Bodies, [a, b]: [usize; 2]) -> String {
-    let partner = if a == b { String::new() } else { format!(" and {}", bodies.name(b)) };
-    // The cell has no position.
-    let at = bodies
-        .positions
-        .get(a)
-        .map_or(String::new(), |at| format!(" near ({:.4e}, {:.4e}) m", at.x, at.y));
-    format!("{}{partner}{at}", bodies.name(a))
 }
 
 /// Complaint about rigid bodies that lock. The forces prove it: they balance each other and do work

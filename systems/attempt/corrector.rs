@@ -27,7 +27,7 @@ use clastic_components::wall::WallDrive;
 use clastic_components::wall_shape::Curve;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
-use super::closed_pairs::moved_positions;
+use super::closed_pairs::Moved;
 use clastic_cone::residuals::{Carrying, displacement_scale};
 
 /// Requests another pass until gap, slip and normal of loaded contacts agree with the solution.
@@ -49,7 +49,7 @@ pub fn judge(
     if corrector.passes == 0 {
         return;
     }
-    let end = moved_positions(&bodies, &program, &solution);
+    let end = Moved::by(&bodies, &program, &solution.displacements, 1.0).positions;
     let unit = displacement_scale(&program, &solution.displacements);
     let carrying = Carrying::new(&program, &solution);
     let mut corrections = Vec::new();

@@ -7,7 +7,7 @@ use clastic_components::contact::Bodies;
 use clastic_components::findings::Sliding;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
-use super::converged::place;
+use super::places::worst_place;
 
 /// Rejects a solution whose residual under Coulomb's law is above the [bound](Sliding::BOUND). In
 /// statics the motion is then followed, and in dynamics the time step is halved.
@@ -23,7 +23,7 @@ pub fn judge(
             "no solution of Coulomb's law was found: the residual of the best one is {:.1e}{}; the \
              bound is {:.0e}",
             solution.residuals.worst(),
-            place(&bodies, &program, &solution),
+            worst_place(&bodies, &program, &solution),
             Sliding::BOUND
         ));
     }

@@ -33,7 +33,7 @@ use clastic_components::increment::{Analysis, Progress, RuptureRules};
 use clastic_components::material::Materials;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
-use crate::rupture_bonds::{Met, find_ruptures, overloads, rupture};
+use crate::rupture_bonds::{Met, find_ruptures, overloads, overloads_at_start, rupture};
 use crate::rupture_brittleness::{Laws, brittleness};
 use crate::rupture_density::distance;
 
@@ -70,10 +70,9 @@ pub fn judge(
 ) {
     let contacts = &contacts.0;
     let (increment, fraction) = (progress.increment, progress.fraction);
-    let known: HashSet<BondId> = ruptures.list.iter().map(|r| r.bond).collect();
     let mut found =
         find_ruptures(&rules, Met::Slack, increment, &bodies, contacts, &program, &solution);
-    found.retain(|r| !known.contains(&r.bond));
+    found.retain(|r| !ruptures.has(r.bond));
     let on_limit: HashSet<BondId> = found.iter().map(|r| r.bond).collect();
     let late = found.len();
     let moved = search.moved;
@@ -82,10 +81,7 @@ pub fn judge(
         if fraction == 0.0 || moved {
             return Vec::new();
         }
-        let forces = program.last_forces.iter().copied().chain(std::iter::repeat([0.0; 3]));
-        let forces = forces.take(program.interactions.len()).collect();
-        let start = ConeSolution { forces, ..ConeSolution::default() };
-        let before = overloads(contacts, &program, &start, 1.0);
+        let before = overloads_at_start(contacts, &program, 1.0);
         let after = overloads(contacts, &program, &solution, 1.0);
         let mut due: Vec<(f64, Rupture)> = before
             .iter()
@@ -95,7 +91,7 @@ pub fn judge(
             .filter_map(|(distance, o)| {
                 let forces = &solution.forces[o.contact];
                 let rupture = rupture(increment, &bodies, &contacts[o.contact], forces, o.mode)?;
-                let is_new = !known.contains(&rupture.bond) && !on_limit.contains(&rupture.bond);
+                let is_new = !ruptures.has(rupture.bond) && !on_limit.contains(&rupture.bond);
                 is_new.then_some((distance, rupture))
             })
             .collect();

@@ -28,7 +28,7 @@ use clastic_cone::program::{ConeProgram, ConeSolution};
 use super::going_back::{self, Next};
 use crate::event_search::{Decision, GroupRules, Now, at_constant_load, decide, maximum};
 use crate::rupture_bonds::{
-    BuiltInRule, Overload, UNLIMITED, overloads, restore_strengths, rupture,
+    BuiltInRule, Overload, UNLIMITED, overloads, overloads_at_start, restore_strengths, rupture,
 };
 use crate::rupture_brittleness::{Laws, between, brittleness};
 use crate::rupture_density::{density, due};
@@ -176,10 +176,7 @@ impl Tables<'_> {
 
     /// The start of the increment, by the forces after the last one.
     fn start(&self, program: &ConeProgram) -> EventTrial {
-        let last = |k: usize| program.last_forces.get(k).copied().unwrap_or_default();
-        let forces = (0..program.interactions.len()).map(last).collect();
-        let start = ConeSolution { forces, ..ConeSolution::default() };
-        self.trial(&overloads(&self.contacts.0, program, &start, UNLIMITED), 0.0)
+        self.trial(&overloads_at_start(&self.contacts.0, program, UNLIMITED), 0.0)
     }
 
     /// Force of each bond over the sum of all contact forces.

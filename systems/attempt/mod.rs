@@ -22,6 +22,7 @@ mod going_back;
 pub mod loose_grains;
 pub mod motion;
 pub mod next;
+mod places;
 pub mod push_out;
 pub mod restraints;
 mod run;

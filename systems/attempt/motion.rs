@@ -17,7 +17,7 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, Mode, Verdict};
-use clastic_components::contact::{Bodies, BondRow, Contacts};
+use clastic_components::contact::{Bodies, BondRow, Contact, Contacts};
 use clastic_components::contact_history::DraftHistory;
 use clastic_components::energy::EnergyLedger;
 use clastic_components::findings::{AddedPairs, Centre, Corrections, Pushed, Ruptures};
@@ -26,12 +26,12 @@ use clastic_components::material::Materials;
 use clastic_components::motion::Motion;
 use clastic_cone::program::{ConeProgram, ConeSolution, SolveStatus};
 
+use super::places::{digits, moves_most, near};
 use super::run::clear;
-use super::too_far::{digits, named};
 use crate::kinetic_damping;
 use crate::mean_field::{furthest, mean_strain};
 use crate::motion_settings::MotionSettings;
-use crate::rupture_bonds::{BuiltInRule, Met, find_ruptures, release, yielding};
+use crate::rupture_bonds::{BuiltInRule, Met, find_ruptures, most_yielding, release};
 use crate::update_state::remembered;
 
 /// Length of a step, in radii of the furthest grain, stiffness, N/m, and weight of the first step.
@@ -126,17 +126,20 @@ pub fn judge_length(
     if let Some((grain, far)) = furthest(&bodies, &program, &solution)
         && !(far <= length * Acceptance::MAX_TRAVEL)
     {
-        let (grain, far) = (named(&bodies, grain), digits(far));
+        let (grain, far) = (near(&bodies, [grain, grain]), digits(far));
         let message = format!("a step of the motion moves {grain} by {far} radii");
         attempt.verdict = Verdict::TooFar(message);
         return;
     }
     if attempt.motion().is_some_and(|motion| motion.released) {
-        let overload = yielding(&contacts.0, &program, &solution);
-        if overload > 1.0 + settings.max_overload * aimed(&acceptance) {
-            let message =
-                format!("a step of the motion loads a bond to {overload:.2} times its limit");
-            attempt.verdict = Verdict::TooFar(message);
+        let max = 1.0 + settings.max_overload * aimed(&acceptance);
+        let overload = most_yielding(&contacts.0, &program, &solution);
+        if let Some((contact, overload)) = overload.filter(|(_, overload)| *overload > max) {
+            let Contact { a, b, .. } = contacts.0[contact];
+            attempt.verdict = Verdict::TooFar(format!(
+                "a step of the motion loads the bond of {} to {overload:.2} times its limit",
+                near(&bodies, [a as usize, b as usize])
+            ));
         }
     }
 }
@@ -153,6 +156,10 @@ pub fn judge_rest(
     let far = furthest(&bodies, &program, &solution).map_or(0.0, |(_, far)| far);
     let strain = attempt.motion_strain + mean_strain(&bodies, &program, &solution);
     let Some(motion) = attempt.motion() else { return };
+    let last = || {
+        moves_most(&bodies, &program, &solution.displacements)
+            .map_or(String::new(), |(body, _)| format!(" ({body} moves most)"))
+    };
     let is_free = motion.weight <= settings.min_weight;
     let at_rest = (motion.weight <= settings.rest_weight
         && far <= motion.length * settings.max_travel_at_rest)
@@ -162,8 +169,9 @@ pub fn judge_rest(
     attempt.verdict = if attempt.bounded && strain > settings.max_strain * acceptance.snap {
         Verdict::GivesWay(format!(
             "the motion under constant loads strains the specimen by {:.0} % and does \
-             not come to rest; the threshold is {} times `acceptance.snap`",
+             not come to rest{}; the threshold is {} times `acceptance.snap`",
             100.0 * strain,
+            last(),
             settings.max_strain,
         ))
     } else if at_rest {
@@ -171,9 +179,10 @@ pub fn judge_rest(
     } else if travelled > settings.travel_to_rest {
         Verdict::GivesWay(format!(
             "the motion under constant loads does not come to rest: its furthest grains \
-             travelled more than {} radii in {} steps",
+             travelled more than {} radii in {} steps{}",
             settings.travel_to_rest,
-            motion.steps + 1
+            motion.steps + 1,
+            last()
         ))
     } else {
         Verdict::Moving
@@ -248,8 +257,8 @@ fn move_tables(world: &mut World) {
         Vec::new()
     };
     // Bonds that a cascade broke are contacts already.
-    let known = &world.resource::<Ruptures>().list;
-    broken.retain(|rupture| !known.iter().any(|r| r.bond == rupture.bond));
+    let known = world.resource::<Ruptures>();
+    broken.retain(|rupture| !known.has(rupture.bond));
     let materials = world.resource::<Materials>();
     release(broken.iter(), bodies, contacts, materials, world.resource(), &mut history);
     let displacements = program.bodies.iter().zip(&solution.displacements);

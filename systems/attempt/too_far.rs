@@ -14,6 +14,7 @@ use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use super::converged::impossible_or;
+use super::places::{digits, moves_most, near};
 use super::restraints::restrain;
 use crate::assemble_program::scales::maximum_imposed;
 use crate::mean_field::{furthest, mean_strain, thrown};
@@ -60,26 +61,10 @@ pub fn judge(
 fn complaint(bodies: &Bodies, grain: usize, far: f64, acceptance: &Acceptance) -> String {
     format!(
         "{} would be thrown by {} radii relative to the mean motion; `acceptance.throw` allows {}",
-        named(bodies, grain),
+        near(bodies, [grain, grain]),
         digits(far),
         acceptance.throw
     )
-}
-
-/// A grain and its place in words.
-pub(super) fn named(bodies: &Bodies, grain: usize) -> String {
-    let at = bodies.positions[grain];
-    format!("{} at ({:.4e}, {:.4e}) m", bodies.name(grain), at.x, at.y)
-}
-
-/// A number with three significant digits and at least two decimals.
-pub(super) fn digits(number: f64) -> String {
-    let decimals = (2.0 - number.abs().log10().floor()).max(2.0);
-    if decimals.is_finite() {
-        format!("{number:.0$}", decimals as usize)
-    } else {
-        number.to_string()
-    }
 }
 
 /// Whether a solution moves a grain so far that the grain lacks support. It ends where no accepted
@@ -110,27 +95,13 @@ fn snapped(
     // Factor 2: a specimen that is compressed along one axis may extend as much along the other.
     let imposed = 2.0 * imposed / (high - low).min_element().max(bodies.mean_radius);
     (strain > acceptance.snap + imposed).then(|| {
+        let most = moves_most(bodies, program, &solution.displacements);
         format!(
-            "one solution strains the specimen by {:.1} %; `acceptance.snap` allows {:.1} % \
+            "one solution strains the specimen by {:.1} %{}; `acceptance.snap` allows {:.1} % \
              beyond the imposed strain",
             100.0 * strain,
+            most.map_or(String::new(), |(body, far)| format!(" and moves {body} by {far:.1e} m")),
             100.0 * acceptance.snap
         )
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::digits;
-
-    /// A grain was "thrown by 0.00 radii; accepted 0.003".
-    #[test]
-    fn small_numbers_keep_their_digits() {
-        assert_eq!(digits(0.004_512), "0.00451");
-        assert_eq!(digits(0.301), "0.301");
-        assert_eq!(digits(12.345), "12.35");
-        assert_eq!(digits(0.0), "0");
-        assert_eq!(digits(f64::NAN), "NaN");
-        assert_eq!(digits(f64::INFINITY), "inf");
-    }
 }

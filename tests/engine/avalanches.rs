@@ -4,12 +4,13 @@
 use std::path::Path;
 
 use crate::common::*;
-use clastic::components::attempt::IncrementStatus;
+use clastic::components::attempt::{Attempt, IncrementStatus};
 use clastic::components::energy::EnergyLedger;
 use clastic::components::increment::Acceptance;
 use clastic::components::observation::Observation;
 use clastic::run::Simulation;
 use clastic::scene;
+use clastic::systems::motion_settings::MotionSettings;
 
 /// Stiffness of every bond, N/m.
 const STIFFNESS: f64 = 1.0e7;
@@ -128,6 +129,24 @@ fn the_energies_of_a_followed_avalanche_add_up() {
         return;
     }
     panic!("no motion was followed");
+}
+
+/// The message on a step that overloads a bond named no bond.
+#[test]
+fn a_motion_whose_steps_overload_a_bond_names_it_and_its_place() {
+    let mut simulation = row_behind_a_prop("Dynamic", 7);
+    let mut settings = simulation.world_mut().resource_mut::<MotionSettings>();
+    // No overload is small enough, and a second rejected step ends the motion.
+    (settings.max_overload, settings.max_failures) = (0.0, 1);
+    let mut complaints = Vec::new();
+    while step(&mut simulation).is_some() {
+        complaints.push(simulation.world().resource::<Attempt>().complaint.clone());
+    }
+    let complaint = complaints.iter().find(|text| text.contains("loads the bond")).unwrap();
+    // The weaker bond of the row, at -14.5 mm before the pull.
+    let bond = "the bond of particle 3 and particle 4 near (-1.4";
+    assert!(complaint.contains(bond), "{complaint}");
+    assert!(complaint.ends_with("; the followed motion failed after 0 steps"), "{complaint}");
 }
 
 /// A curve of `uniaxial_small` under settings: strain and stress of every row, bonds broken so far.

@@ -79,6 +79,9 @@ fn long_tokens_are_shortened_in_messages() {
     let set = format!("stages.{}.increments=1", &long[..100_000]);
     let said = stderr(&clastic(&["check", "tension", "--set", &set]).code(2));
     assert!(said.len() < 2000 && said.contains("characters)"), "{said}");
+    // The name of a scene was echoed whole.
+    let said = stderr(&clastic(&["check", &long[..100_000]]).code(1));
+    assert!(said.len() < 2000 && said.contains("... (100000 characters)"), "{said}");
 }
 
 #[test]
