@@ -7,9 +7,7 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use clastic_components::attempt::Attempt;
-use clastic_components::body::{
-    AngularVelocity, BodyId, ExternalForce, Origin, Position, Probe, Rotation, Velocity,
-};
+use clastic_components::body::{BodyId, ExternalForce, Origin, Position, Probe, Rotation};
 use clastic_components::bond::{BondState, Rupture};
 use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::findings::{Corrections, EventSearch, Ruptures, Sliding};
@@ -20,7 +18,6 @@ use clastic_components::measure::{
 use clastic_components::observation::{
     Measures, Observation, ProbeReading, RuptureCount, StrainMeasure, StressMeasure,
 };
-use clastic_components::particle::Particle;
 use clastic_components::rigid_group::ContactForce;
 use clastic_components::wall::WallRotation;
 use clastic_cone::program::{ConeProgram, ConeSolution};
@@ -28,6 +25,7 @@ use clastic_cone::program::{ConeProgram, ConeSolution};
 use crate::attempt::events;
 use crate::gather_bodies::gather_bodies;
 use crate::measures::cracks::follow_cracks;
+use crate::measures::kept::{Moving, kinetic_energy};
 use crate::measures::strain::{StrainTables, follow_path};
 use crate::measures::stress::StressTables;
 use crate::measures::{NAMED, NamedState, read_end, read_start};
@@ -132,7 +130,7 @@ fn record_state(
     loops: (Res<Ruptures>, Res<Corrections>, Res<Sliding>),
     order: (Res<RuptureRules>, Res<EventSearch>),
     count: Res<RuptureCount>,
-    moving: Query<(&BodyId, &Particle, &Velocity, &AngularVelocity)>,
+    moving: Query<Moving>,
     mut out: ResMut<Observation>,
 ) {
     out.increment = progress.increment;
@@ -146,14 +144,7 @@ fn record_state(
     out.potential_contacts = contacts.0.len();
     out.bonds = bodies.bonds.len();
     out.broken = count.0;
-    // The sum runs in the order of identities, because it depends on the order and query order may
-    // vary.
-    let mut energy: Vec<(BodyId, f64)> = moving
-        .iter()
-        .map(|(id, p, v, w)| (*id, 0.5 * (p.mass * v.0.length_squared() + p.inertia * w.0 * w.0)))
-        .collect();
-    energy.sort_unstable_by_key(|(id, _)| *id);
-    out.kinetic_energy = energy.iter().map(|(_, e)| e).sum();
+    out.kinetic_energy = kinetic_energy(moving.iter());
     out.solves = attempt.solves;
     out.motion_steps = attempt.motion_steps;
     out.motion_strain = attempt.motion_strain;

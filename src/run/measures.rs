@@ -6,7 +6,8 @@ use bevy_app::App;
 use bevy_ecs::prelude::*;
 
 use clastic_components::measure::{NamedMeasures, Quantity, Readings};
-use clastic_components::observation::Observation;
+use clastic_components::observation::{Measures, Observation, StrainMeasure, StressMeasure};
+use clastic_systems::measures::kept::kept_reading;
 
 use crate::scene::format as scene;
 
@@ -103,4 +104,27 @@ pub fn reading(world: &World, name: &str) -> Option<f64> {
             world.resource::<Readings>().0.get(k).copied().flatten()
         }
     }
+}
+
+/// Reading of a measure of the scene between two increments, from what a saved state has; `None` if it
+/// is not defined, or not by that alone.
+pub(super) fn kept(world: &mut World, name: &str) -> Option<f64> {
+    let measures = world.resource::<Measures>();
+    let strain = |measure: &Option<StrainMeasure>, k: usize| {
+        Some((Quantity::Strain(measure.clone()?), Some(measures.reference?[k])))
+    };
+    let stress = |measure: &Option<StressMeasure>| Some((Quantity::Stress(measure.clone()?), None));
+    let (quantity, reference) = match name {
+        "axial_strain" => strain(&measures.axial_strain, 0),
+        "lateral_strain" => strain(&measures.lateral_strain, 1),
+        "axial_stress" => stress(&measures.axial_stress),
+        "lateral_stress" => stress(&measures.lateral_stress),
+        _ => {
+            let named = world.resource::<NamedMeasures>();
+            let k = named.list.iter().position(|(measure, _)| measure == name)?;
+            let quantity = named.list[k].1.clone()?;
+            Some((quantity, named.references.get(k).copied().flatten()))
+        }
+    }?;
+    kept_reading(world, &quantity, reference)
 }

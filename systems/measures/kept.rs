@@ -1,16 +1,20 @@
-//! Stresses between increments, from the forces that contacts and walls keep.
+//! Readings between increments, from the places of bodies and the forces that contacts and walls
+//! keep. They follow from what a saved state has.
 
 use bevy_ecs::prelude::*;
 use glam::DVec2;
 
-use clastic_components::body::{BodyId, LastMotion};
+use clastic_components::body::{AngularVelocity, BodyId, LastMotion, Velocity};
 use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::contact_history::{ContactHistory, KeptRows};
+use clastic_components::measure::Quantity;
 use clastic_components::membrane::{Membrane, MembraneShape};
 use clastic_components::observation::Measures;
+use clastic_components::particle::Particle;
 use clastic_cone::program::ConeSolution;
 
 use super::stress::StressTables;
+use super::{EndTables, groups};
 use crate::detect_contacts::gaps::{pair_contact, wall_contact};
 use crate::gather_bodies::gather_bodies;
 
@@ -19,6 +23,63 @@ use crate::gather_bodies::gather_bodies;
 /// are as they are now. `None` where a stress is not measured or one of its bodies is not there. The
 /// world is left as it was.
 pub fn kept_stresses(world: &mut World) -> [Option<f64>; 2] {
+    with_kept_forces(world, |world| world.run_system_cached(read).unwrap_or_default())
+}
+
+/// Reading of a measure of the state between two increments, as the last increment had it but for
+/// round-off. `reference` is the distance to which a strain refers, m. `None` where it is not defined,
+/// and for a measure that needs the solution or the counts of an increment.
+pub fn kept_reading(world: &mut World, quantity: &Quantity, reference: Option<f64>) -> Option<f64> {
+    let asked = (quantity.clone(), reference);
+    match quantity {
+        Quantity::Stress(_) | Quantity::GroupForce { .. } => with_kept_forces(world, |world| {
+            world.run_system_cached_with(read_force, asked.0).ok().flatten()
+        }),
+        Quantity::Strain(_)
+        | Quantity::Porosity(_)
+        | Quantity::Fragments(_)
+        | Quantity::Cracks { .. }
+        | Quantity::Energy(_)
+        | Quantity::WallForce { .. }
+        | Quantity::Membrane { .. }
+        | Quantity::Poured { .. } => {
+            let _ = world.run_system_cached(gather_bodies);
+            world.run_system_cached_with(read_place, asked).ok().flatten()
+        }
+        Quantity::KineticEnergy => {
+            let mut moving = world.query::<Moving>();
+            Some(kinetic_energy(moving.iter(world)))
+        }
+        Quantity::Coordination { .. }
+        | Quantity::Broken { .. }
+        | Quantity::VolumetricStrain
+        | Quantity::DilationAngle { .. }
+        | Quantity::Fabric { .. }
+        | Quantity::ElasticEnergy
+        | Quantity::KineticOverElastic
+        | Quantity::KeyResult(_)
+        | Quantity::Custom(_)
+        | Quantity::Time => None,
+    }
+}
+
+/// What the kinetic energy of a particle depends on.
+pub type Moving = (&'static BodyId, &'static Particle, &'static Velocity, &'static AngularVelocity);
+
+/// Kinetic energy of the particles, J. The sum runs in the order of identities, because it depends on
+/// the order and query order may vary.
+pub fn kinetic_energy<'a>(
+    moving: impl Iterator<Item = (&'a BodyId, &'a Particle, &'a Velocity, &'a AngularVelocity)>,
+) -> f64 {
+    let mut energy: Vec<(BodyId, f64)> = moving
+        .map(|(id, p, v, w)| (*id, 0.5 * (p.mass * v.0.length_squared() + p.inertia * w.0 * w.0)))
+        .collect();
+    energy.sort_unstable_by_key(|(id, _)| *id);
+    energy.iter().map(|(_, e)| e).sum()
+}
+
+/// Runs something with the tables of the contacts whose forces are kept.
+fn with_kept_forces<T>(world: &mut World, then: impl FnOnce(&mut World) -> T) -> T {
     let _ = world.run_system_cached(gather_bodies);
     let _ = world.run_system_cached(go_back);
     let mut membranes = world.query::<(&Membrane, &mut MembraneShape)>();
@@ -29,11 +90,11 @@ pub fn kept_stresses(world: &mut World) -> [Option<f64>; 2] {
     let (contacts, solution) = world.run_system_cached(kept_contacts).unwrap_or_default();
     let contacts = std::mem::replace(&mut *world.resource_mut::<Contacts>(), contacts);
     let solution = std::mem::replace(&mut *world.resource_mut::<ConeSolution>(), solution);
-    let stresses = world.run_system_cached(read).unwrap_or_default();
+    let found = then(world);
     *world.resource_mut::<Contacts>() = contacts;
     *world.resource_mut::<ConeSolution>() = solution;
     let _ = world.run_system_cached(gather_bodies);
-    stresses
+    found
 }
 
 /// Brings the bodies of the tables to where the last increment began.
@@ -70,4 +131,27 @@ fn kept_contacts(
 fn read(tables: StressTables, measures: Res<Measures>) -> [Option<f64>; 2] {
     [&measures.axial_stress, &measures.lateral_stress]
         .map(|measure| tables.stress_now(measure.as_ref()?))
+}
+
+fn read_force(
+    In(quantity): In<Quantity>,
+    tables: StressTables,
+    bodies: Res<Bodies>,
+    contacts: Res<Contacts>,
+    solution: Res<ConeSolution>,
+) -> Option<f64> {
+    match &quantity {
+        Quantity::Stress(measure) => tables.stress_now(measure),
+        Quantity::GroupForce { members, component } => {
+            groups::force_on(members, &bodies, &contacts, &solution).map(|force| force[*component])
+        }
+        _ => None,
+    }
+}
+
+fn read_place(
+    In((quantity, reference)): In<(Quantity, Option<f64>)>,
+    tables: EndTables,
+) -> Option<f64> {
+    tables.read(&quantity, reference)
 }

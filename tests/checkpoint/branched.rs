@@ -25,6 +25,7 @@ fn scene_of(rig: &str, sets: &[String]) -> LoadedScene {
         "TURNING" => scene::from_str(TURNING, Path::new("rig.ron"), Path::new(""), sets),
         "POURED" => scene::from_str(POURED, Path::new("rig.ron"), Path::new(""), sets),
         "RIGID" => scene::from_str(RIGID, Path::new("rig.ron"), Path::new(""), sets),
+        "BIN" => scene::from_str(BIN, Path::new("rig.ron"), Path::new(""), sets),
         "CELL" => scene::from_str(CELL, Path::new("rig.ron"), Path::new(""), sets),
         "CELL_OF_A_STATE" => {
             let text = CELL.replace("    cell: (size: (0.0808, 0.0808)),\n", "");
@@ -204,6 +205,45 @@ fn a_stage_that_lands_on_a_stress_begins_the_same_in_both() {
         assert!(rows.len() > 3, "{law}: {rows:?}");
     }
 }
+
+/// A dynamic stage with an `Until` read the last time step before it, which a saved state does not
+/// have: the second piece read a quarter of a time step, passed the value in it, and did not land.
+#[test]
+fn a_dynamic_stage_with_an_until_begins_the_same_from_a_saved_state() {
+    let second = r#"
+        Load(name: "fall", increments: 40, remove_walls: ["gate"],
+            stop: [Until("kinetic_j", 0.0972)]),
+        Load(name: "shake", increments: 20, walls: { "back": Velocity(0.05, 0.0) },
+            stop: [Until("pushed_n", 2.0)])"#;
+    let first = r#"Load(name: "rest", increments: 60)"#;
+    let measures = r#"measures=[(name: "kinetic_j", of: KineticEnergy),
+        (name: "pushed_n", of: WallForce(wall: "back", along: Normal))]"#;
+    for law in ["friction_law=Associated", "friction_law=Coulomb()"] {
+        let parent = tempfile::tempdir().unwrap();
+        let (from, rows) = same_in_two("BIN", &[law, measures], [first, second], parent.path());
+        let json = text(&parent.path().join("b").join(directory::RUN));
+        assert_eq!(json.matches("\"Until\"").count(), 2, "{law}: {json}");
+        assert!(rows.len() > 6, "{law}: {rows:?}");
+        same_from_anywhere(&from, |n| n % 4 == 0);
+    }
+}
+
+/// Elastic disks in a bin, of which one side can be taken away.
+const BIN: &str = r#"(
+    version: 2,
+    title: "Bin",
+    analysis: Dynamic(dt: 2.0e-3),
+    gravity: (0.0, -9.81),
+    materials: { "m": (density: 2000.0,
+        contact: (normal_stiffness: 1.0e5, tangential_stiffness: 1.0e5, friction: 0.4)) },
+    specimen: Packing(count: 24, columns: 4, spacing: 20.1e-3, sizes: Uniform(radius: (7.0e-3, 10.0e-3)), seed: 3),
+    walls: [
+        (name: "floor", start: (0.0, 0.0), end: (0.0804, 0.0), contact: (normal_stiffness: 1.0e5, friction: 0.4)),
+        (name: "back", start: (0.0, 0.2), end: (0.0, 0.0), contact: (normal_stiffness: 1.0e5)),
+        (name: "gate", start: (0.0804, 0.0), end: (0.0804, 0.2), contact: (normal_stiffness: 1.0e5)),
+    ],
+    stages: [],
+)"#;
 
 #[test]
 fn dynamic_with_velocities_under_both_friction_laws() {
