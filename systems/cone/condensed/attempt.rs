@@ -182,8 +182,7 @@ impl<'a> Attempt<'a> {
             });
             let Some(result) = result else { continue };
             *iterations += result.iterations;
-            let is_last_word = self.demand.large && self.is_undamped;
-            if result.merit > settings.max_polished_residual && !is_last_word {
+            if result.merit > settings.max_polished_residual && !self.is_lost(&result) {
                 continue;
             }
             let solution = self.solution(&result.u, &result.s, *iterations, "interior");
@@ -202,11 +201,21 @@ impl<'a> Attempt<'a> {
     /// Whether the solution of an interior point is returned without a polish. A solved program is,
     /// if a polish costs more than it gains or would do harm. An unsolved program is, if Clarabel
     /// does no better.
-    pub fn is_final(&self, solution: &ConeSolution) -> bool {
+    pub fn is_final(&self, point: &Interior, solution: &ConeSolution) -> bool {
         let Demand { loose, large, .. } = self.demand;
         let is_solved = solution.status == SolveStatus::Solved;
-        (is_solved && (large || loose || is_rigid_plastic(self.program)))
-            || (large && self.is_undamped)
+        (is_solved && (large || loose || is_rigid_plastic(self.program))) || self.is_lost(point)
+    }
+
+    /// Whether no other method is asked to solve a program that the interior point has not solved:
+    /// it is large, or its bodies move so far that its constant normals do not hold. Its solution
+    /// would not be accepted. Only Clarabel finds that rigid bodies are locked.
+    fn is_lost(&self, point: &Interior) -> bool {
+        let scales = &self.program.scales;
+        let far = self.settings.max_unsolved_motion * scales.length / scales.displacement;
+        let is_far = || point.u.iter().any(|u| u[0].hypot(u[1]) > far);
+        let is_elastic = || self.program.interactions.iter().all(|c| c.normal_compliance > 0.0);
+        self.is_undamped && (self.demand.large || is_far() && is_elastic())
     }
 
     /// The solution of an interior point, polished; `None` if its residual is above the tolerance.
