@@ -291,3 +291,43 @@ fn lowered_point(scaled: &Scaled, order: &[usize], low: &Lowered, result: &Inter
     }
     Point { x, z }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::samples::{column, posed};
+    use super::*;
+    use crate::program::Dof;
+
+    /// Whether a program is lost with its bodies moved by this many lengths.
+    fn is_lost(program: &ConeProgram, lengths: f64) -> bool {
+        let (settings, (scaled, mut matrix, _)) = (CondensedSettings::default(), posed(program));
+        let demand = Demand::of(program, &settings);
+        let point = Interior {
+            u: vec![[lengths * program.scales.length / program.scales.displacement, 0.0, 0.0]; 3],
+            s: vec![[0.0; 3]; scaled.locals.len()],
+            lambda: vec![[0.0; 4]; scaled.locals.len()],
+            iterations: 1,
+            merit: 1.0,
+        };
+        Attempt::new(program, &settings, &mut matrix, demand).is_lost(&point)
+    }
+
+    /// Clarabel is not asked for a static program whose bodies move further than constant normals
+    /// hold, unless bodies are rigid (they may be locked) or all are regularised (a solution
+    /// exists).
+    #[test]
+    fn bodies_that_move_far_go_to_no_other_solver() {
+        let mut elastic = column(2, 1.0);
+        elastic.scales.displacement = 1e-3;
+        assert!(is_lost(&elastic, 1.1) && !is_lost(&elastic, 0.9));
+        let mut rigid = column(2, 0.0);
+        rigid.scales.displacement = 1e-3;
+        assert!(!is_lost(&rigid, 1.1));
+        for dof in elastic.bodies.iter_mut().flat_map(|body| &mut body.dofs) {
+            if let Dof::Free(free) = dof {
+                free.proximal = 1.0;
+            }
+        }
+        assert!(!is_lost(&elastic, 1.1));
+    }
+}

@@ -77,3 +77,71 @@ fn proof(
     }
     certificate(program, &displacements).filter(proves)
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec2;
+
+    use super::super::CondensedSettings;
+    use super::super::samples::{contact, held, loaded};
+    use super::*;
+    use crate::program::Limits;
+
+    /// A body on an elastic contact with |q| <= 0.2 + 0.5 p, p >= -0.4, under these loads.
+    fn on_a_floor(x: f64, y: f64) -> ConeProgram {
+        let mut floor = contact(0, 1, DVec2::Y, 1.0, 0.5);
+        floor.limits = Limits { cohesion: 0.2, tension: 0.4, ..Limits::new(0.0, 0.5, 0.0, 0.0) };
+        ConeProgram {
+            bodies: vec![held(), loaded(x, y)],
+            interactions: vec![floor],
+            ..ConeProgram::default()
+        }
+    }
+
+    fn sought(program: &ConeProgram) -> (Option<ConeSolution>, u32) {
+        let mut iterations = 0;
+        let found = Condensed::default().try_proof(program, &mut iterations);
+        (found, iterations)
+    }
+
+    /// Of all mechanisms u = (1, y), y >= 0.5, that of sliding has the maximum margin: with
+    /// y = 0.5 the loads (1, -1) do the work 0.5, and 0.2 is dissipated, so that it is 0.6.
+    #[test]
+    fn a_body_that_slides_off_is_proved_to_collapse() {
+        let (found, iterations) = sought(&on_a_floor(1.0, -1.0));
+        let certificate = found.unwrap().certificate.unwrap();
+        assert!(certificate.margin > 0.5 && certificate.margin <= 0.6 + 1e-6, "{certificate:?}");
+        assert!(certificate.defect < 1e-6 && iterations <= 20, "{iterations} {certificate:?}");
+        assert_eq!(certificate.mechanism[0], [0.0; 3]);
+    }
+
+    /// The shear limit at p = 1 is 0.7: forces balance 0.699 and do not balance 0.701.
+    #[test]
+    fn the_proof_begins_where_forces_no_longer_balance_the_loads() {
+        assert!(sought(&on_a_floor(0.699, -1.0)).0.is_none());
+        assert!(sought(&on_a_floor(0.701, -1.0)).0.is_some());
+    }
+
+    #[test]
+    fn a_program_with_a_weight_on_every_degree_of_freedom_has_a_solution() {
+        let mut program = on_a_floor(1.0, -1.0);
+        for dof in &mut program.bodies[1].dofs {
+            if let Dof::Free(free) = dof {
+                free.proximal = 1e-3;
+            }
+        }
+        let (found, iterations) = sought(&program);
+        assert!(found.is_none() && iterations == 0);
+    }
+
+    /// Clarabel, with no iteration allowed, has no part in the verdict of a whole solve.
+    #[test]
+    fn a_collapse_needs_no_fallback() {
+        let mut settings = CondensedSettings::default();
+        settings.fallback.max_iterations = 0;
+        settings.fallback.polish = None;
+        let solution =
+            crate::solver::ConeSolver::solve(&mut Condensed::new(settings), &on_a_floor(1.0, -1.0));
+        assert_eq!(solution.unwrap().status, SolveStatus::Collapsed);
+    }
+}

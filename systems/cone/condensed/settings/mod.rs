@@ -73,8 +73,8 @@ pub struct CondensedSettings {
     /// Motion of a body, over the length scale of the program, beyond which an unsolved static
     /// program of elastic interactions goes to no other solver.
     ///
-    /// 10: constant normals do not hold over ten radii. Clarabel took 33 to 200 iterations for
-    /// such programs, and none of its solutions was accepted (decision 015).
+    /// 1: constant normals do not hold over a radius. Clarabel took 33 to 200 iterations for such
+    /// programs, and none of its solutions was accepted (decision 015).
     #[serde(skip)]
     pub max_unsolved_motion: f64,
     /// Maximum displacement of a starting point. A body beyond starts from zero: a start far away
@@ -120,7 +120,7 @@ impl Default for CondensedSettings {
             interior_margin: 900.0,
             large: 2500,
             max_polished_residual: 1e-3,
-            max_unsolved_motion: 10.0,
+            max_unsolved_motion: 1.0,
             max_start: 20.0,
             newton: NewtonSettings::default(),
             local: LocalSettings::default(),
