@@ -4,6 +4,9 @@
 //! Without a solution the displacements of the program grow without bound, and its iterates
 //! approach a mechanism slowly. The program of the mechanism always has a solution, and the method
 //! ends with the first point whose [certificate] proves the collapse.
+//! Only programs with bonds are examined. A loose packing without bonds that has no equilibrium
+//! nearby is followed as a motion; a mechanism would add the pairs that it closes, and the next
+//! solution would jump to another packing (decision 015).
 //! Where forces within the limits balance the loads there is no mechanism: the motion vanishes, and
 //! the method ends there too.
 
@@ -30,7 +33,7 @@ impl Condensed {
         };
         // A program with a weight on every degree of freedom has a solution.
         let has_solution = program.bodies.iter().all(|body| body.dofs.iter().all(is_held));
-        if has_solution || program.is_dynamic() || program.interactions.is_empty() {
+        if has_solution || program.is_dynamic() || !program.has_bonds() {
             return None;
         }
         let motion = mechanism::of_loads(program);
@@ -53,11 +56,14 @@ impl Condensed {
         })?;
         *iterations += point.iterations;
         let certificate = proof(&point)?;
+        let (_, df) = units(&motion);
         Some(ConeSolution {
             status: SolveStatus::Collapsed,
-            certificate: Some(certificate),
             message: "mechanism".to_owned(),
             iterations: *iterations,
+            forces: point.s.iter().map(|s| [s[0] * df[0], s[1] * df[0], s[2] * df[2]]).collect(),
+            displacements: certificate.mechanism.clone(),
+            certificate: Some(certificate),
             ..ConeSolution::default()
         })
     }
@@ -113,6 +119,13 @@ mod tests {
         assert!(certificate.margin > 0.5 && certificate.margin <= 0.6 + 1e-6, "{certificate:?}");
         assert!(certificate.defect < 1e-6 && iterations <= 20, "{iterations} {certificate:?}");
         assert_eq!(certificate.mechanism[0], [0.0; 3]);
+    }
+
+    #[test]
+    fn contacts_without_bonds_are_left_to_the_fallback() {
+        let mut program = on_a_floor(1.0, -1.0);
+        program.interactions[0].limits = Limits::new(0.0, 0.5, 0.0, 0.0);
+        assert!(sought(&program).0.is_none());
     }
 
     /// The shear limit at p = 1 is 0.7: forces balance 0.699 and do not balance 0.701.
