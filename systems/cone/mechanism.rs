@@ -35,7 +35,7 @@ pub fn find(program: &ConeProgram) -> ConeSolution {
 
 /// The program of the mechanism. Its inertia w is such that the maximum load moves a free body by
 /// one unit of length.
-fn of_loads(program: &ConeProgram) -> ConeProgram {
+pub(super) fn of_loads(program: &ConeProgram) -> ConeProgram {
     let length = program.scales.length;
     let mut maximum = 0.0_f64;
     for body in &program.bodies {

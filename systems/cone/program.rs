@@ -126,6 +126,12 @@ pub struct ConeProgram {
 }
 
 impl ConeProgram {
+    /// Whether an interaction has strength.
+    #[must_use]
+    pub fn has_bonds(&self) -> bool {
+        self.interactions.iter().any(|c| c.limits.has_strength())
+    }
+
     /// Closing, slip and relative rotation of interaction `c` for the displacements `u` by body,
     /// in the bodies' own axes.
     #[must_use]

@@ -156,6 +156,12 @@ fn solve_from(program: &ConeProgram, base: &[[f64; 3]]) -> Option<ConeSolution> 
     Some(solution)
 }
 
+/// Whether the mechanism of a solution proves the collapse.
+fn is_proved(program: &ConeProgram, solution: &ConeSolution) -> bool {
+    let claimed = solution.certificate.as_ref();
+    claimed.and_then(|c| certificate(program, &c.mechanism)).is_some_and(|c| proves(&c))
+}
+
 /// Compares the two solvers; panics where they contradict each other or both stall.
 fn compare(programs: &[(String, ConeProgram)]) -> Agreement {
     let (mut ended, mut own, mut alone, mut doubtful) = ([0; 4], 0, 0, 0);
@@ -166,6 +172,11 @@ fn compare(programs: &[(String, ConeProgram)]) -> Agreement {
         match (a.status, b.status) {
             // The residuals of one solution show that the other is wrong.
             (SolveStatus::Solved, SolveStatus::Stalled) => {
+                alone += 1;
+                continue;
+            }
+            // So does the certificate of a collapse.
+            (SolveStatus::Collapsed, SolveStatus::Stalled) if is_proved(program, &a) => {
                 alone += 1;
                 continue;
             }

@@ -34,8 +34,7 @@ impl Demand {
         let tolerance = settings.tolerance_of(program);
         let loose = tolerance > settings.loose_tolerance;
         let large = program.interactions.len() > settings.large;
-        let is_bonded = || program.interactions.iter().any(|c| c.limits.has_strength());
-        let at_once = program.is_dynamic() && (loose || (large && !is_bonded()));
+        let at_once = program.is_dynamic() && (loose || (large && !program.has_bonds()));
         Self { tolerance, loose, large, at_once }
     }
 }
@@ -182,8 +181,7 @@ impl<'a> Attempt<'a> {
             });
             let Some(result) = result else { continue };
             *iterations += result.iterations;
-            let is_last_word = self.demand.large && self.is_undamped;
-            if result.merit > settings.max_polished_residual && !is_last_word {
+            if result.merit > settings.max_polished_residual && !self.is_lost(&result) {
                 continue;
             }
             let solution = self.solution(&result.u, &result.s, *iterations, "interior");
@@ -202,11 +200,22 @@ impl<'a> Attempt<'a> {
     /// Whether the solution of an interior point is returned without a polish. A solved program is,
     /// if a polish costs more than it gains or would do harm. An unsolved program is, if Clarabel
     /// does no better.
-    pub fn is_final(&self, solution: &ConeSolution) -> bool {
+    pub fn is_final(&self, point: &Interior, solution: &ConeSolution) -> bool {
         let Demand { loose, large, .. } = self.demand;
         let is_solved = solution.status == SolveStatus::Solved;
-        (is_solved && (large || loose || is_rigid_plastic(self.program)))
-            || (large && self.is_undamped)
+        (is_solved && (large || loose || is_rigid_plastic(self.program))) || self.is_lost(point)
+    }
+
+    /// Whether no other method is asked to solve a program that the interior point has not solved:
+    /// it is large, or has bonds and its bodies move so far that its constant normals do not hold. Its solution
+    /// would not be accepted. Only Clarabel finds that rigid bodies are locked.
+    fn is_lost(&self, point: &Interior) -> bool {
+        let scales = &self.program.scales;
+        let far = self.settings.max_unsolved_motion * scales.length / scales.displacement;
+        let is_far = || point.u.iter().any(|u| u[0].hypot(u[1]) > far);
+        let is_elastic = || self.program.interactions.iter().all(|c| c.normal_compliance > 0.0);
+        self.is_undamped
+            && (self.demand.large || is_far() && is_elastic() && self.program.has_bonds())
     }
 
     /// The solution of an interior point, polished; `None` if its residual is above the tolerance.
@@ -281,4 +290,47 @@ fn lowered_point(scaled: &Scaled, order: &[usize], low: &Lowered, result: &Inter
         }
     }
     Point { x, z }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::samples::{column, posed};
+    use super::*;
+    use crate::program::Dof;
+
+    /// Whether a program is lost with its bodies moved by this many lengths.
+    fn is_lost(program: &ConeProgram, lengths: f64) -> bool {
+        let (settings, (scaled, mut matrix, _)) = (CondensedSettings::default(), posed(program));
+        let demand = Demand::of(program, &settings);
+        let point = Interior {
+            u: vec![[lengths * program.scales.length / program.scales.displacement, 0.0, 0.0]; 3],
+            s: vec![[0.0; 3]; scaled.locals.len()],
+            lambda: vec![[0.0; 4]; scaled.locals.len()],
+            iterations: 1,
+            merit: 1.0,
+        };
+        Attempt::new(program, &settings, &mut matrix, demand).is_lost(&point)
+    }
+
+    /// Clarabel is not asked for a static program with bonds whose bodies move further than constant normals
+    /// hold, unless bodies are rigid (they may be locked) or all are regularised (a solution
+    /// exists).
+    #[test]
+    fn bodies_that_move_far_go_to_no_other_solver() {
+        let mut elastic = column(2, 1.0);
+        elastic.scales.displacement = 1e-3;
+        assert!(!is_lost(&elastic, 1.1));
+        elastic.interactions[0].limits.tension = 1.0;
+        assert!(is_lost(&elastic, 1.1) && !is_lost(&elastic, 0.9));
+        let mut rigid = column(2, 0.0);
+        rigid.scales.displacement = 1e-3;
+        rigid.interactions[0].limits.tension = 1.0;
+        assert!(!is_lost(&rigid, 1.1));
+        for dof in elastic.bodies.iter_mut().flat_map(|body| &mut body.dofs) {
+            if let Dof::Free(free) = dof {
+                free.proximal = 1.0;
+            }
+        }
+        assert!(!is_lost(&elastic, 1.1));
+    }
 }

@@ -11,12 +11,14 @@
 //! 4. The primal-dual [`interior`] point method finds the active limits. An elastic step of a
 //!    followed motion with rolling moments starts it from the last forces (`warm`).
 //! 5. The [`polish`](super::polish) solves for the active limits exactly.
-//! 6. [Clarabel](super::clarabel) is the fallback. Its verdict on an infeasible program counts only
-//!    with a certificate.
+//! 6. A search for a mechanism proves that a static program with bonds has no solution (`collapse`).
+//! 7. [Clarabel](super::clarabel) is the fallback. Its verdict on an infeasible program counts only
+//!    with a certificate. It is not asked where bodies move too far.
 //!
 //! [`settings`] has every number that steers these steps.
 
 mod attempt;
+mod collapse;
 pub mod images;
 pub mod interior;
 mod line_search;
@@ -189,17 +191,25 @@ impl Condensed {
         start: &[[f64; 3]],
     ) -> Result<ConeSolution, MalformedProgram> {
         let mut spent = 0;
-        match self.try_condensed(program, start, &mut spent) {
-            Some(solution) => Ok(solution),
-            None => {
-                let solution = self.fallback.solve(program)?;
+        let found = self.try_condensed(program, start, &mut spent);
+        let is_large = program.interactions.len() > self.settings.large;
+        match found {
+            Some(solution) if is_large || solution.status == SolveStatus::Solved => Ok(solution),
+            unsolved => {
+                if let Some(collapse) = self.try_proof(program, &mut spent) {
+                    return Ok(collapse);
+                }
+                let solution = match unsolved {
+                    Some(solution) => ConeSolution { iterations: 0, ..solution },
+                    None => self.fallback.solve(program)?,
+                };
                 Ok(ConeSolution { iterations: spent + solution.iterations, ..solution })
             }
         }
     }
 
-    /// Tries all methods but the fallback; `None` if none has a solution. Adds the factorisations
-    /// to `iterations` in any case.
+    /// Tries all methods that may solve the program, but the fallback; `None` if the fallback may
+    /// solve it. Adds the factorisations to `iterations` in any case.
     fn try_condensed(
         &mut self,
         program: &ConeProgram,
@@ -234,7 +244,7 @@ impl Condensed {
             starts.insert(0, Start { displacements, forces });
         }
         let (point, solution) = attempt.best_interior(&starts, iterations)?;
-        if attempt.is_final(&solution) {
+        if attempt.is_final(&point, &solution) {
             Some(solution)
         } else {
             attempt.polished(&point, solution)

@@ -70,6 +70,13 @@ pub struct CondensedSettings {
     ///
     /// 1e-3: a guess of the active limits needs a point near the solution. Inert in decision 001.
     pub max_polished_residual: f64,
+    /// Motion of a body, over the length scale of the program, beyond which an unsolved static
+    /// program with bonds and elastic interactions goes to no other solver.
+    ///
+    /// 1: constant normals do not hold over a radius. Clarabel took 33 to 200 iterations for such
+    /// programs, and none of its solutions was accepted (decision 015).
+    #[serde(skip)]
+    pub max_unsolved_motion: f64,
     /// Maximum displacement of a starting point. A body beyond starts from zero: a start far away
     /// (a grain that settled, another increment) is worse than none.
     ///
@@ -93,6 +100,9 @@ pub struct CondensedSettings {
     /// Polish of the solution of the interior point, in small programs.
     #[serde(skip)]
     pub polish: PolishSettings,
+    /// Search for the mechanism of a collapse.
+    #[serde(skip)]
+    pub proof: ProofSettings,
     /// The solver that is called where all others fail.
     #[serde(skip)]
     pub fallback: Clarabel,
@@ -110,6 +120,7 @@ impl Default for CondensedSettings {
             interior_margin: 900.0,
             large: 2500,
             max_polished_residual: 1e-3,
+            max_unsolved_motion: 1.0,
             max_start: 20.0,
             newton: NewtonSettings::default(),
             local: LocalSettings::default(),
@@ -117,6 +128,7 @@ impl Default for CondensedSettings {
             warm: WarmSettings::default(),
             sleep: SleepSettings::default(),
             polish: PolishSettings::default(),
+            proof: ProofSettings::default(),
             fallback: Clarabel::default(),
         }
     }
@@ -184,5 +196,32 @@ pub struct SleepSettings {
 impl Default for SleepSettings {
     fn default() -> Self {
         Self { max_residual: 1e-10 }
+    }
+}
+
+/// Settings of the search for a mechanism that proves a collapse. They decide what a search costs
+/// and which mechanism it finds first; the certificate decides whether it proves anything.
+#[non_exhaustive]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ProofSettings {
+    /// Residual, without dimension, at which the search ends in any case.
+    ///
+    /// 1e-10: at 1e-6 one of eight mechanisms was not found yet (decision 015).
+    pub residual: f64,
+    /// Maximum residual, without dimension, of a point that may be a mechanism.
+    ///
+    /// 1e-3: bodies without part in the mechanism hardly move by then.
+    pub max_residual: f64,
+    /// Motion that counts as none, over that of a free body under the maximum load: the share of
+    /// the loads that no forces within the limits balance.
+    ///
+    /// 1e-5: where forces balance the loads the motion falls with every iteration, and where they
+    /// do not it was above 7e-5 (decision 015).
+    pub min_motion: f64,
+}
+
+impl Default for ProofSettings {
+    fn default() -> Self {
+        Self { residual: 1e-10, max_residual: 1e-3, min_motion: 1e-5 }
     }
 }
