@@ -106,8 +106,8 @@ pub fn reading(world: &World, name: &str) -> Option<f64> {
     }
 }
 
-/// Reading of a measure of the scene between two increments, from what a saved state has; `None` if it
-/// is not defined, or not by that alone.
+/// Reading of a measure of the scene between two increments, from what a saved state has; `None` if
+/// it is not defined, or not by that alone.
 pub(super) fn kept(world: &mut World, name: &str) -> Option<f64> {
     let measures = world.resource::<Measures>();
     let strain = |measure: &Option<StrainMeasure>, k: usize| {

@@ -28,8 +28,9 @@ pub const APPROACH: &str = "until";
 /// the stage, if that is more.
 pub const TOLERANCE: f64 = 1e-6;
 
-/// Part of a time step with which a dynamic stage reads a measure that does not follow from the state
-/// alone. A much smaller one would have the forces of impacts in it, which grow as steps become short.
+/// Part of a time step with which a dynamic stage reads a measure that does not follow from the
+/// state alone. A much smaller one would have the forces of impacts in it, which grow as steps
+/// become short.
 const READING: f64 = 0.25;
 
 /// The way of the measure of an `Until` to its value in the current stage.
@@ -105,9 +106,9 @@ pub(super) fn keep_state(world: &mut World) {
     // As the attempts do it.
     let whole = done + (2.0 * tried).min(1.0 - done.fract());
     let is_dynamic = matches!(world.resource::<Analysis>().kind, AnalysisKind::Dynamic { .. });
-    // A static stage reads the equilibrium with which it begins. A dynamic one has none: it reads what
-    // the state keeps. Both follow from a saved state, so that a run in two pieces begins the stage as
-    // a run in one does.
+    // A static stage reads the equilibrium with which it begins. A dynamic one has none: it reads
+    // what the state keeps. Both follow from a saved state, so that a run in two pieces begins the
+    // stage as a run in one does.
     let is_new = world.resource::<Approach>().points.is_empty();
     let kept = if is_dynamic && is_new { kept(world, &name) } else { None };
     let mut approach = world.resource_mut::<Approach>();

@@ -27,8 +27,8 @@ pub fn kept_stresses(world: &mut World) -> [Option<f64>; 2] {
 }
 
 /// Reading of a measure of the state between two increments, as the last increment had it but for
-/// round-off. `reference` is the distance to which a strain refers, m. `None` where it is not defined,
-/// and for a measure that needs the solution or the counts of an increment.
+/// round-off. `reference` is the distance to which a strain refers, m. `None` where it is not
+/// defined, and for a measure that needs the solution or the counts of an increment.
 pub fn kept_reading(world: &mut World, quantity: &Quantity, reference: Option<f64>) -> Option<f64> {
     let asked = (quantity.clone(), reference);
     match quantity {
@@ -66,8 +66,8 @@ pub fn kept_reading(world: &mut World, quantity: &Quantity, reference: Option<f6
 /// What the kinetic energy of a particle depends on.
 pub type Moving = (&'static BodyId, &'static Particle, &'static Velocity, &'static AngularVelocity);
 
-/// Kinetic energy of the particles, J. The sum runs in the order of identities, because it depends on
-/// the order and query order may vary.
+/// Kinetic energy of the particles, J. The sum runs in the order of identities, because it depends
+/// on the order and query order may vary.
 pub fn kinetic_energy<'a>(
     moving: impl Iterator<Item = (&'a BodyId, &'a Particle, &'a Velocity, &'a AngularVelocity)>,
 ) -> f64 {
