@@ -207,8 +207,8 @@ impl<'a> Attempt<'a> {
     }
 
     /// Whether no other method is asked to solve a program that the interior point has not solved:
-    /// it is large, or has bonds and its bodies move so far that its constant normals do not hold. Its solution
-    /// would not be accepted. Only Clarabel finds that rigid bodies are locked.
+    /// it is large, or it has bonds and its bodies move so far that its constant normals do not
+    /// hold. Its solution would not be accepted. Only Clarabel finds that rigid bodies are locked.
     fn is_lost(&self, point: &Interior) -> bool {
         let scales = &self.program.scales;
         let far = self.settings.max_unsolved_motion * scales.length / scales.displacement;
@@ -312,8 +312,8 @@ mod tests {
         Attempt::new(program, &settings, &mut matrix, demand).is_lost(&point)
     }
 
-    /// Clarabel is not asked for a static program with bonds whose bodies move further than constant normals
-    /// hold, unless bodies are rigid (they may be locked) or all are regularised (a solution
+    /// Clarabel is not asked for a static program with bonds whose bodies move further than constant
+    /// normals hold, unless bodies are rigid (they may be locked) or all are regularised (a solution
     /// exists).
     #[test]
     fn bodies_that_move_far_go_to_no_other_solver() {

@@ -11,9 +11,10 @@
 //! 4. The primal-dual [`interior`] point method finds the active limits. An elastic step of a
 //!    followed motion with rolling moments starts it from the last forces (`warm`).
 //! 5. The [`polish`](super::polish) solves for the active limits exactly.
-//! 6. A search for a mechanism proves that a static program with bonds has no solution (`collapse`).
+//! 6. A search for a mechanism proves that a static program with bonds has no solution
+//!    (`collapse`).
 //! 7. [Clarabel](super::clarabel) is the fallback. Its verdict on an infeasible program counts only
-//!    with a certificate. It is not asked where bodies move too far.
+//!    with a certificate. It is not asked where bonded bodies move too far.
 //!
 //! [`settings`] has every number that steers these steps.
 

@@ -206,7 +206,7 @@ impl Default for SleepSettings {
 pub struct ProofSettings {
     /// Residual, without dimension, at which the search ends in any case.
     ///
-    /// 1e-10: at 1e-6 one of eight mechanisms was not found yet (decision 015).
+    /// 1e-10: at 1e-6 one of nine mechanisms was not found yet (decision 015).
     pub residual: f64,
     /// Maximum residual, without dimension, of a point that may be a mechanism.
     ///
