@@ -148,8 +148,9 @@ pub struct Attempt {
     pub magnitudes: Option<(f64, f64)>,
     /// Status under which the increment ended.
     pub status: IncrementStatus,
-    /// Complaint about the last rejected attempt. For the statuses `Collapsed` and `Undecided` it is
-    /// the reason.
+    /// Complaint about the last rejected attempt, which may be empty. For the status `Undecided` it
+    /// is the reason, and for `Collapsed` too unless a mechanism proves the collapse: then
+    /// `ConeSolution::certificate` is the reason.
     pub complaint: String,
 }
 

@@ -38,6 +38,9 @@ impl Bond {
     /// A bond between two particles, or between a particle and a wall, that is free of stress at
     /// their current positions. Inserting it turns it into a `Bond`. The two bodies must be
     /// inserted before, in the same batch of commands or earlier.
+    ///
+    /// An entity that is no body, an entity with itself, and two walls are refused by Bevy's error
+    /// handler, which panics unless the app sets another one.
     #[must_use]
     pub fn between(a: Entity, b: Entity, law: BondLaw) -> Joint {
         Joint { a, b, law }
@@ -112,8 +115,8 @@ pub struct Rupture {
     pub normal: DVec2,
     /// Normal force, compression positive, N.
     pub p: f64,
-    /// Shear force, N.
+    /// Shear force on b, N, positive along the normal turned by +90 degrees.
     pub q: f64,
-    /// Rolling moment, N m.
+    /// Rolling moment on b, N m, anticlockwise positive.
     pub tau: f64,
 }

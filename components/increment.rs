@@ -39,7 +39,7 @@ pub enum RollingLimit {
     /// It breaks, as in 3.4.2 of the paper.
     #[default]
     Breaks,
-    /// Its moment stays on the limit and the bond lives.
+    /// It stays intact, and its moment stays on the limit.
     Yields,
 }
 
@@ -74,8 +74,8 @@ impl Avalanche {
 pub enum RuptureOrder {
     /// From event to event: an increment is committed at the fraction at which the next bond
     /// reaches its limit, that bond breaks, and the specimen comes to equilibrium at constant load
-    /// before it is loaded further. Holds for static analysis where all bonds are elastic and have
-    /// strength; elsewhere as `OneRound`.
+    /// before it is loaded further. It applies to static analysis where all bonds are elastic and
+    /// have strength. Elsewhere bonds break as with `OneRound`.
     #[default]
     Events,
     /// All bonds that are on a limit at the end of an increment break, once (3.4.2 of the paper).

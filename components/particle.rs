@@ -10,7 +10,7 @@ use crate::body::{
     Rotation, Velocity,
 };
 
-/// A rigid disk.
+/// A rigid disk. It cannot be changed in place: insert another `Particle`.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 #[component(immutable)]
@@ -44,7 +44,9 @@ impl Particle {
     }
 }
 
-/// Index of a particle's material in [`Materials`](crate::material::Materials).
+/// Index of a particle's material in [`Materials`](crate::material::Materials), by default 0. If
+/// the list is empty, contacts are rigid and frictionless, whatever the index. An index beyond the
+/// last material of a list panics when the particle comes near another one.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 pub struct MaterialIndex(pub u32);

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Resource, Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct Progress {
-    /// Number of the increment under way, from 1.
+    /// Number of the increment under way, or of the last one; from 1, and 0 before the first.
     pub increment: u64,
     /// Index of the stage.
     pub stage: usize,
@@ -17,7 +17,7 @@ pub struct Progress {
     pub stage_name: String,
     /// Increments of the stage that are committed, counting fractions.
     pub done: f64,
-    /// Number of increments of the stage.
+    /// Number of increments of the stage; 0 without a stage, as in an app that has begun none.
     pub total: f64,
     /// Fraction of a whole increment: that of the trial, or that of the committed increment.
     pub fraction: f64,
@@ -75,11 +75,30 @@ impl Progress {
         Ramp { from: at(self.done), to: at(self.done + 1.0) }
     }
 
+    /// The part of the stage that is over when `done` of its increments are: `done/total`, at most
+    /// 1. It is 1 after the stage, and without a stage.
+    #[must_use]
+    pub fn part(&self, done: f64) -> f64 {
+        if done < self.total { done / self.total } else { 1.0 }
+    }
+
+    /// What is left of the whole increment under way. It does not reach beyond the end of the
+    /// stage: an avalanche after the last increment of a stage has 0 left. After the stage, and
+    /// without one, increments go on.
+    #[must_use]
+    pub fn left_of_increment(&self) -> f64 {
+        let whole = 1.0 - self.done.fract();
+        let of_stage = self.total - self.done;
+        let ends = of_stage > 0.0 || of_stage == 0.0 && self.relaxing;
+        if ends { whole.min(of_stage) } else { whole }
+    }
+
     /// The ends of a ramp over the stage that has the value now that this one has, and goes to
-    /// another target. With `s = done/total` it starts at `(now - target s)/(1 - s)`.
+    /// another target. With `s = done/total` it starts at `(now - target s)/(1 - s)`. After the
+    /// stage, and without one, the load is at the new target from the next increment on.
     #[must_use]
     pub fn retarget(&self, from: f64, to: f64, target: f64) -> (f64, f64) {
-        let s = self.done / self.total;
+        let s = self.part(self.done);
         let now = self.ramp(from, to).from;
         (if s < 1.0 { (now - target * s) / (1.0 - s) } else { target }, target)
     }
@@ -124,5 +143,30 @@ mod tests {
         let progress = Progress { done: 3.0, total: 3.0, ..Progress::default() };
         assert!(progress.is_over());
         assert!(!Progress { relaxing: true, ..progress }.is_over());
+    }
+
+    /// An increment that was tried with `OneRound` had a length of 0 or less where an app has no
+    /// stage or goes on after one.
+    #[test]
+    fn increments_without_a_stage_and_after_it_have_their_whole_length() {
+        let left = |done, total, relaxing| {
+            Progress { done, total, relaxing, ..Progress::default() }.left_of_increment()
+        };
+        assert_eq!(left(0.0, 0.0, false), 1.0);
+        assert_eq!(left(2.25, 0.0, true), 0.75);
+        assert_eq!(left(4.0, 4.0, false), 1.0);
+        assert_eq!(left(6.5, 4.0, false), 0.5);
+        // Within a stage increments end with it.
+        assert_eq!(left(3.25, 4.0, false), 0.75);
+        assert_eq!(left(3.25, 3.5, false), 0.25);
+        assert_eq!(left(4.0, 4.0, true), 0.0);
+    }
+
+    #[test]
+    fn without_a_stage_a_load_gets_its_new_target_at_once() {
+        let progress = Progress::default();
+        assert_eq!(progress.retarget(0.0, 5.0, 8.0), (8.0, 8.0));
+        assert_eq!(progress.part(0.0), 1.0);
+        assert_eq!(Progress { total: 4.0, ..progress }.part(1.0), 0.25);
     }
 }

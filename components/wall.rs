@@ -27,6 +27,20 @@ pub struct Wall {
 }
 
 impl Wall {
+    /// The wall between two points (m), with its [`Position`]. Material lies on the left of the way
+    /// from start to end.
+    ///
+    /// # Panics
+    /// If the points are one point or not finite, because the wall then has no direction.
+    #[must_use]
+    pub fn between(start: DVec2, end: DVec2) -> (Self, Position) {
+        let Some(tangent) = (end - start).try_normalize() else {
+            panic!("a wall from {start} to {end} has no direction; give it two different ends")
+        };
+        let wall = Self { tangent, half_length: 0.5 * start.distance(end) };
+        (wall, Position(0.5 * (start + end)))
+    }
+
     /// Unit normal that points into the specimen.
     #[must_use]
     pub fn inward(&self) -> DVec2 {
@@ -127,7 +141,9 @@ pub enum WallSlide {
 
 /// Points (s, x, y) of a control that is linear between them and constant beyond the last. s is the
 /// time since the start of the stage (s) in dynamic analysis, and the part of the stage that is
-/// done (0 to 1) in static analysis. A force, a stress or an angle is x.
+/// done (0 to 1) in static analysis. There it is 1 after the stage, and in an app that has begun no
+/// stage: forces and stresses are at their end, and displacements and angles are over. A force, a
+/// stress or an angle is x.
 #[derive(Component, Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 pub struct WallTable(pub Vec<[f64; 3]>);
@@ -149,7 +165,7 @@ impl WallTable {
     /// them. Within an increment the value is linear, so that parts of it add up to the whole.
     #[must_use]
     pub fn next(&self, progress: &Progress, dt: Option<f64>) -> [DVec2; 2] {
-        let after = |n: f64| self.at(dt.map_or(n / progress.total, |dt| n * dt));
+        let after = |n: f64| self.at(dt.map_or_else(|| progress.part(n), |dt| n * dt));
         let whole = progress.done.floor();
         let [start, end] = [after(whole), after(whole + 1.0)];
         let done = progress.done - whole;

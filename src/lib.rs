@@ -80,8 +80,10 @@ use clastic_systems::update_state::UpdateStatePlugin;
 /// program.
 ///
 /// The app makes one increment whenever `Update`, or the schedule given to [`new`](Self::new),
-/// runs. [`Running`](systems::stepping::Running) pauses it. In `FixedUpdate` an increment that
-/// takes longer than the time step triggers further ones. Use it only if increments are short.
+/// runs. [`Running`](systems::stepping::Running) pauses it. `FixedUpdate` runs only in an app with
+/// Bevy's `TimePlugin`, once per time step that has passed; without it no increment is made. An
+/// increment that takes longer than the time step triggers further ones, so that this schedule suits
+/// short increments only.
 pub struct ClasticPlugins {
     schedule: InternedScheduleLabel,
 }
@@ -148,7 +150,9 @@ pub mod prelude {
     pub use crate::components::membrane::{Course, Membrane, MembraneShape, Sides};
     pub use crate::components::observation::Observation;
     pub use crate::components::particle::{MaterialIndex, Particle};
-    pub use crate::components::wall::{LoadedLength, Wall, WallControl, WallDrive, WallName};
+    pub use crate::components::wall::{
+        LoadedLength, TableOf, Wall, WallControl, WallDrive, WallName, WallSlide, WallTable,
+    };
     pub use crate::components::{body, material};
     pub use crate::cone::program::{ConeProgram, ConeSolution};
     pub use crate::run::{Outcome, ScenePlugin, Simulation, Step};

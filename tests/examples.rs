@@ -49,6 +49,7 @@ examples! {
     embed in "../examples/embed.rs"
     fixed_update in "../examples/fixed_update.rs"
     load_until_collapse in "../examples/load_until_collapse.rs"
+    run_app in "../examples/run_app.rs"
     run_scene in "../examples/run_scene.rs"
     scene_in_app in "../examples/scene_in_app.rs"
     states in "../examples/states.rs"

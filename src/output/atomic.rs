@@ -1,8 +1,8 @@
 //! Files that are either complete or absent.
 
 use std::ffi::OsString;
-use std::fs::{self, OpenOptions};
-use std::io;
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, Write};
 use std::path::Path;
 
 use super::OutputError;
@@ -37,15 +37,27 @@ pub fn write_atomic(path: &Path, content: impl AsRef<[u8]>) -> Result<(), Output
     atomically(path, |temporary| fs::write(temporary, content))
 }
 
-/// Writes a whole file so that it survives a crash of the machine. Without this, the name may reach
-/// the disk before the content, which leaves an empty file. It takes some milliseconds.
+/// Writes a whole file so that it survives a crash of the machine, see [`durably`].
 ///
 /// # Errors
 /// If the file cannot be written.
 pub fn write_durable(path: &Path, content: impl AsRef<[u8]>) -> Result<(), OutputError> {
+    durably(path, |file| file.write_all(content.as_ref()))
+}
+
+/// Lets `write` fill a file so that it survives a crash of the machine. Without this, the name may
+/// reach the disk before the content, which leaves an empty file. It takes some milliseconds.
+///
+/// # Errors
+/// If the file cannot be written. A file that was at `path` before is unchanged.
+pub fn durably(
+    path: &Path,
+    write: impl FnOnce(&mut File) -> io::Result<()>,
+) -> Result<(), OutputError> {
     atomically(path, |temporary| {
-        fs::write(temporary, content)?;
-        sync(temporary)
+        let mut file = File::create(temporary)?;
+        write(&mut file)?;
+        file.sync_all()
     })
 }
 

@@ -7,14 +7,15 @@
 //! renamed. A complete checkpoint, old or new, therefore exists at every moment.
 
 use std::fs;
-use std::io;
+use std::io::{self, BufWriter, Seek, Write};
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::atomic::write_durable;
+use super::atomic::durably;
 use super::directory;
 use super::error::{OutputError, ResumeError};
+use super::hashing_writer::HashingWriter;
 use super::run_record::{RunFacts, sha256};
 use crate::run::WorldState;
 
@@ -26,6 +27,9 @@ pub const VERSION: u32 = 25;
 pub(super) const WHOLE: u64 = u64::MAX;
 
 const MAGIC: &str = "clastic checkpoint, format ";
+
+/// Bytes that are written to the file at once.
+const BUFFER: usize = 1 << 18;
 
 /// Content of a checkpoint.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -77,14 +81,21 @@ impl Checkpoint {
     /// If the file cannot be written. The file that was there is then unchanged.
     pub fn write_as(&self, directory: &Path, name: &str) -> Result<(), OutputError> {
         let path = directory.join(name);
-        write_durable(&path, self.bytes().map_err(OutputError::at(&path))?)
+        durably(&path, |file| self.write_to(file))
     }
 
-    fn bytes(&self) -> io::Result<Vec<u8>> {
-        let content = postcard::to_stdvec(self).map_err(io::Error::other)?;
-        let mut bytes = format!("{MAGIC}{VERSION}, sha256 {}\n", sha256(&content)).into_bytes();
-        bytes.extend_from_slice(&content);
-        Ok(bytes)
+    /// Writes the content as it is encoded, so that it is in memory once only. Its hash is known at
+    /// the end, and is written into the first line then.
+    fn write_to<W: Write + Seek>(&self, mut file: W) -> io::Result<()> {
+        let first_line = |hash: &str| format!("{MAGIC}{VERSION}, sha256 {hash}\n");
+        file.write_all(first_line(&sha256(&[])).as_bytes())?;
+        let mut content = BufWriter::with_capacity(BUFFER, HashingWriter::new(&mut file));
+        // The encoder flushes at the end.
+        let encoded = postcard::to_io(self, &mut content).map(|_| ());
+        let hash = content.into_parts().0.finish()?;
+        encoded.map_err(io::Error::other)?;
+        file.rewind()?;
+        file.write_all(first_line(&hash).as_bytes())
     }
 
     /// Reads the checkpoint of a run directory and verifies that it is complete and belongs to the
@@ -145,6 +156,78 @@ impl Checkpoint {
             Ok((checkpoint, [])) => Ok(checkpoint),
             Ok(_) => Err(damaged("further bytes follow its end")),
             Err(error) => Err(damaged(&error.to_string())),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Cursor;
+
+    use super::*;
+
+    /// A file on a disk with room for this number of bytes.
+    struct Disk(Cursor<Vec<u8>>, usize);
+
+    impl Write for Disk {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            if self.0.position() as usize + bytes.len() > self.1 {
+                return Err(io::Error::new(io::ErrorKind::StorageFull, "the disk is full"));
+            }
+            self.0.write(bytes)
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    impl Seek for Disk {
+        fn seek(&mut self, to: io::SeekFrom) -> io::Result<u64> {
+            self.0.seek(to)
+        }
+    }
+
+    fn checkpoint() -> Checkpoint {
+        let mut world = WorldState::default();
+        world.set_bytes("numbers", (0..2 * BUFFER).map(|k| k as u8).collect());
+        Checkpoint {
+            clastic_version: "0".to_owned(),
+            increment: 3,
+            scene: "()".to_owned(),
+            scene_before: None,
+            facts: RunFacts {
+                scene_file: "a.ron".to_owned(),
+                specimen_sha256: None,
+                overrides: Vec::new(),
+                resumed: Vec::new(),
+            },
+            every: 1,
+            dump_programs: vec![7],
+            dump_in_stages: Vec::new(),
+            lengths: [1, 2, 3, WHOLE],
+            world,
+        }
+    }
+
+    #[test]
+    fn the_file_is_its_encoding_after_a_line_with_its_hash() {
+        let checkpoint = checkpoint();
+        let mut file = Cursor::new(Vec::new());
+        checkpoint.write_to(&mut file).unwrap();
+        let content = postcard::to_stdvec(&checkpoint).unwrap();
+        let mut expected = format!("{MAGIC}{VERSION}, sha256 {}\n", sha256(&content)).into_bytes();
+        expected.extend(content);
+        assert!(file.into_inner() == expected);
+        assert_eq!(Checkpoint::decode(&expected, "c".as_ref()).unwrap(), checkpoint);
+    }
+
+    #[test]
+    fn the_error_of_a_full_disk_is_that_of_the_system() {
+        for room in [0, 1000, BUFFER + 1000] {
+            let disk = Disk(Cursor::new(Vec::new()), room);
+            let error = checkpoint().write_to(disk).unwrap_err();
+            assert_eq!(error.to_string(), "the disk is full");
         }
     }
 }

@@ -49,6 +49,7 @@ mod finish;
 mod first_mechanism;
 pub mod found;
 pub mod frames;
+mod hashing_writer;
 pub mod history;
 pub mod marks;
 pub mod mechanism;

@@ -117,7 +117,7 @@ pub fn judge(
     if fraction > 0.0 {
         progress.tried = 0.5 * next;
     }
-    let is_last = (progress.done + fraction - progress.total).abs() < 1e-9;
+    let is_last = progress.total > 0.0 && (progress.done + fraction - progress.total).abs() < 1e-9;
     let soon = if is_last { Vec::new() } else { soon(next) };
     let is_mild = || {
         let due: HashSet<BondId> = found.iter().chain(&soon).map(|r| r.bond).collect();

@@ -110,7 +110,7 @@ fn act(world: &mut World, next: Next, start: &mut Option<Start>) {
         Next::OneRound => {
             undo(world, start.take());
             let mut progress = world.resource_mut::<Progress>();
-            progress.tried = (1.0 - progress.done.fract()).min(progress.total - progress.done);
+            progress.tried = progress.left_of_increment();
             progress.fraction = progress.tried;
             clear::<EventSearch>(world);
             open_trial(world);

@@ -57,3 +57,4 @@ mod stress;
 mod swinging;
 mod thin_walls;
 mod turning_walls;
+mod without_a_stage;
