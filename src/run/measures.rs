@@ -111,7 +111,7 @@ pub fn reading(world: &World, name: &str) -> Option<f64> {
 pub(super) fn kept(world: &mut World, name: &str) -> Option<f64> {
     let measures = world.resource::<Measures>();
     let strain = |measure: &Option<StrainMeasure>, k: usize| {
-        Some((Quantity::Strain(measure.clone()?), Some(measures.reference?[k])))
+        Some((Quantity::Strain((*measure)?), Some(measures.reference?[k])))
     };
     let stress = |measure: &Option<StressMeasure>| Some((Quantity::Stress(measure.clone()?), None));
     let (quantity, reference) = match name {
