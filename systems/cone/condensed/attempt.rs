@@ -207,15 +207,17 @@ impl<'a> Attempt<'a> {
     }
 
     /// Whether no other method is asked to solve a program that the interior point has not solved:
-    /// it is large, or it has bonds and its bodies move so far that its constant normals do not
-    /// hold. Its solution would not be accepted. Only Clarabel finds that rigid bodies are locked.
+    /// it is large, or has bonds and its bodies move so far, without an imposed motion, that its
+    /// constant normals do not hold. Its solution would not be accepted. Only Clarabel finds that
+    /// rigid bodies are locked.
     fn is_lost(&self, point: &Interior) -> bool {
         let scales = &self.program.scales;
         let far = self.settings.max_unsolved_motion * scales.length / scales.displacement;
         let is_far = || point.u.iter().any(|u| u[0].hypot(u[1]) > far);
         let is_elastic = || self.program.interactions.iter().all(|c| c.normal_compliance > 0.0);
-        self.is_undamped
-            && (self.demand.large || is_far() && is_elastic() && self.program.has_bonds())
+        let is_imposed = || self.scaled.known.as_flattened().iter().any(|u| *u != 0.0);
+        let falls = || is_far() && !is_imposed() && is_elastic() && self.program.has_bonds();
+        self.is_undamped && (self.demand.large || falls())
     }
 
     /// The solution of an interior point, polished; `None` if its residual is above the tolerance.
@@ -322,6 +324,9 @@ mod tests {
         assert!(!is_lost(&elastic, 1.1));
         elastic.interactions[0].limits.tension = 1.0;
         assert!(is_lost(&elastic, 1.1) && !is_lost(&elastic, 0.9));
+        let mut driven = elastic.clone();
+        driven.bodies[0].dofs[1] = Dof::Fixed(1e-3);
+        assert!(!is_lost(&driven, 1.1));
         let mut rigid = column(2, 0.0);
         rigid.scales.displacement = 1e-3;
         rigid.interactions[0].limits.tension = 1.0;

@@ -71,7 +71,7 @@ pub struct CondensedSettings {
     /// 1e-3: a guess of the active limits needs a point near the solution. Inert in decision 001.
     pub max_polished_residual: f64,
     /// Motion of a body, over the length scale of the program, beyond which an unsolved static
-    /// program with bonds and elastic interactions goes to no other solver.
+    /// program with bonds, elastic interactions and no imposed motion goes to no other solver.
     ///
     /// 1: constant normals do not hold over a radius. Clarabel took 33 to 200 iterations for such
     /// programs, and none of its solutions was accepted (decision 015).
