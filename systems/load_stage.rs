@@ -10,9 +10,9 @@ use clastic_components::wall::WallControl;
 
 /// Begins a stage of this number of increments. Loads on particles and rigid groups, forces and
 /// stresses of walls, pressures of membranes and stresses of a periodic cell start from the values
-/// that they have reached. Set their new targets, and spawn loaded bodies, after this call: they go there linearly over the
-/// stage, and stay there when it is over. A load that was spawned before the first stage is at its
-/// target already. Tables of walls begin anew.
+/// that they have reached. Set their new targets, and spawn loaded bodies, after this call: loads
+/// go to their targets linearly over the stage, and stay there when it is over. A load that was
+/// spawned before the first stage is at its target already. Tables of walls begin anew.
 pub fn begin_stage(world: &mut World, increments: u32) {
     let progress = world.resource::<Progress>().clone();
     let begin = |from: &mut f64, to: f64| *from = progress.ramp(*from, to).from;

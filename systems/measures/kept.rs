@@ -18,10 +18,10 @@ use super::{EndTables, groups};
 use crate::detect_contacts::gaps::{pair_contact, wall_contact};
 use crate::gather_bodies::gather_bodies;
 
-/// Axial and lateral stress of the forces that contacts and walls keep, Pa, as the last increment had
-/// them: on lengths and branches at its start, but for those of a periodic cell or a membrane, which
-/// are as they are now. `None` where a stress is not measured or one of its bodies is not there. The
-/// world is left as it was.
+/// Axial and lateral stress of the forces that contacts and walls keep, Pa, as the last increment
+/// had them: on lengths and branches at its start, but for those of a periodic cell or a membrane,
+/// which are as they are now. `None` where a stress is not measured or one of its bodies is not
+/// there. The world is left as it was.
 pub fn kept_stresses(world: &mut World) -> [Option<f64>; 2] {
     with_kept_forces(world, |world| world.run_system_cached(read).unwrap_or_default())
 }

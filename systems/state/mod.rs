@@ -104,8 +104,8 @@ impl WorldState {
 
     /// Restores the state in a world without bodies and bonds. Its plugins and the names of its
     /// materials must be those of the captured world. Other settings, as the laws of the materials,
-    /// may differ. Systems in `Startup` run at the first update, after this call: they must not spawn
-    /// the specimen once more.
+    /// may differ. Systems in `Startup` run at the first update, after this call: they must not
+    /// spawn the specimen once more.
     ///
     /// # Errors
     /// If the world has bodies or bonds, if an entry is not registered or contradicts the settings

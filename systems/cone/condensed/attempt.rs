@@ -314,9 +314,9 @@ mod tests {
         Attempt::new(program, &settings, &mut matrix, demand).is_lost(&point)
     }
 
-    /// Clarabel is not asked for a static program with bonds whose bodies move further than constant
-    /// normals hold, unless bodies are rigid (they may be locked) or all are regularised (a solution
-    /// exists).
+    /// Clarabel is not asked for a static program with bonds whose bodies move further than
+    /// constant normals hold, unless a motion is imposed, bodies are rigid (they may be locked) or
+    /// all are regularised (a solution exists).
     #[test]
     fn bodies_that_move_far_go_to_no_other_solver() {
         let mut elastic = column(2, 1.0);
