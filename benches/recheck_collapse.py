@@ -1,4 +1,4 @@
-"""Rechecks the proof of a collapse: `python benches/recheck_collapse.py program.json ...`.
+"""Rechecks the proof of a collapse: `python3 benches/recheck_collapse.py program.json ...`.
 
 Needs numpy and scipy, and nothing of clastic. It follows the words in the dump and section 9 of
 docs/formulation.md, in two ways:
