@@ -136,6 +136,31 @@ fn sliding_increments_are_solved() {
     }
 }
 
+/// Prints one line for every dynamic scene, stiffness, seed and stage under Coulomb's law.
+/// `REACH=hopper,...` chooses scenes.
+#[test]
+#[ignore = "whole scenes, minutes"]
+fn sliding_increments_by_stiffness() {
+    let chosen = std::env::var("REACH").unwrap_or_default();
+    let scenes =
+        SCENES.into_iter().filter(|s| chosen.is_empty() || chosen.split(',').any(|c| c == s.0));
+    for (name, stiffness) in scenes.filter_map(|(name, k)| Some((name, k?))) {
+        for factor in [0.1, 1.0, 10.0, 100.0] {
+            for number in [1001, 1002] {
+                let mut loaded = scene(name);
+                if let Specimen::Packing { seed, .. } = &mut loaded.scene.specimen {
+                    *seed = number;
+                }
+                let law = FrictionLaw::COULOMB;
+                for (stage, count) in measure_scene(loaded, law, Some(factor * stiffness)) {
+                    let k = 50.0 * factor;
+                    println!("{name} | k dt^2/m = {k} | seed {number} | {stage} | {count:?}");
+                }
+            }
+        }
+    }
+}
+
 /// A settling and collapsing column of elastic grains under Coulomb's law: every increment with
 /// sliding contacts is solved to 1e-8 as a whole. The seed is not that of the scene on which the stiffness was chosen.
 #[test]

@@ -29,11 +29,14 @@ pub enum Analysis {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub enum FrictionLaw {
-    /// The paper's associated law: sliding opens a contact by mu |slip|.
+    /// Coulomb's law in dynamic stages of elastic grains, the associated law in static stages and
+    /// of rigid grains. Grains are elastic if the contacts of all materials have a normal stiffness.
     #[default]
-    Associated,
-    /// Coulomb's law in dynamic stages, the associated one in static stages.
+    ByGrains,
+    /// Coulomb's law in dynamic stages, the associated law in static stages.
     ByAnalysis,
+    /// The paper's associated law: sliding opens a contact by mu |slip|.
+    Associated,
     /// Coulomb's law: sliding does not open a contact.
     Coulomb {
         /// Maximum number of factorisations in a solve.
@@ -52,19 +55,20 @@ impl FrictionLaw {
     /// Coulomb's law with the defaults.
     pub const COULOMB: Self =
         Self::Coulomb { factorisations: FACTORISATIONS, tolerance: 0.0, max_passes: 0 };
-}
 
-impl From<FrictionLaw> for increment::FrictionLaw {
-    fn from(law: FrictionLaw) -> Self {
-        let (in_statics, in_dynamics) = match law {
-            FrictionLaw::Associated => (None, None),
-            FrictionLaw::ByAnalysis => (None, Some(Coulomb::default())),
-            FrictionLaw::Coulomb { factorisations, .. } => {
+    /// The law by kind of analysis, of grains that are elastic or not.
+    #[must_use]
+    pub fn of_grains(self, are_elastic: bool) -> increment::FrictionLaw {
+        let (in_statics, in_dynamics) = match self {
+            Self::Associated => (None, None),
+            Self::ByGrains => (None, are_elastic.then(Coulomb::default)),
+            Self::ByAnalysis => (None, Some(Coulomb::default())),
+            Self::Coulomb { factorisations, .. } => {
                 let coulomb = Some(Coulomb { factorisations });
                 (coulomb, coulomb)
             }
         };
-        Self { in_statics, in_dynamics }
+        increment::FrictionLaw { in_statics, in_dynamics }
     }
 }
 

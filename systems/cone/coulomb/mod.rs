@@ -25,7 +25,7 @@ use self::system::System;
 use super::condensed::images;
 use super::condensed::matrix::UnsymmetricMatrix;
 use super::lowering::units;
-use super::residuals::{applied_force, natural_map, regularised_residuals};
+use super::residuals::{applied_force, choose_displacements, natural_map};
 
 /// The solver of Coulomb's law. It keeps the pattern of its matrix between calls.
 #[derive(Default)]
@@ -198,9 +198,7 @@ impl<'a> Trial<'a> {
             displacements: displacements.to_vec(),
             ..ConeSolution::default()
         };
-        self.program.displacements_from_forces(&mut solution);
-        let r =
-            regularised_residuals(self.program, &solution.forces, &solution.displacements).worst();
+        let r = choose_displacements(self.program, &mut solution, self.tolerance).worst();
         self.residuals = [self.residuals[1], r];
         if r < self.worst {
             self.worst = r;
