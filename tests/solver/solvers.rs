@@ -71,12 +71,24 @@ fn a_program_has_only_what_the_scene_has() {
         // Inertia of every free degree of freedom that something touches.
         (
             "dynamic",
-            column("analysis: Dynamic(dt: 1.0e-3),", STIFF, STIFF, "", DOWN),
+            column(
+                "friction_law: Associated, analysis: Dynamic(dt: 1.0e-3),",
+                STIFF,
+                STIFF,
+                "",
+                DOWN,
+            ),
             size(3, 2, 2, 3),
         ),
         (
             "dynamic, friction",
-            column("analysis: Dynamic(dt: 1.0e-3),", ROUGH, ROUGH, "", DOWN),
+            column(
+                "friction_law: Associated, analysis: Dynamic(dt: 1.0e-3),",
+                ROUGH,
+                ROUGH,
+                "",
+                DOWN,
+            ),
             size(6, 4, 4, 6),
         ),
     ] {
