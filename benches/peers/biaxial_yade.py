@@ -173,7 +173,7 @@ def refresh():
             continue
         intact.append(bond)
         if P["rolling_strength"]:
-            # The force on side 2 along the normal, positive in compression.
+            # YADE multiplies maxRollPl by the magnitude of the force.
             force = phys.kn * (i.geom.penetrationDepth - phys.unp)
             phys.maxRollPl = arm * (force + strength) / max(abs(force), 1e-3 * strength)
     bonds = intact
