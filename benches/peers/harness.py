@@ -61,8 +61,9 @@ class Bench:
     def arguments():
         """Arguments of this run that change what is measured."""
         given = list(sys.argv[1:])
-        while "--out" in given:
-            del given[(at := given.index("--out")) : at + 2]
+        for option in ("--out", "--clastic", "--core"):
+            while option in given:
+                del given[(at := given.index(option)) : at + 2]
         return " ".join(given)
 
     def report(self, name, header, rows):

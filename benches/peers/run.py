@@ -256,9 +256,11 @@ def main():
         "--inertial", type=numbers(float), default=[1e-3, 1e-4, 3e-5], help="biaxial: inertial numbers of YADE's runs"
     )
     parser.add_argument("--strain", type=float, default=0.03, help="biaxial: axial strain at the end")
+    parser.add_argument("--at", type=numbers(float), default=[0.005, 0.01], help="biaxial: strains at which q is compared")
     parser.add_argument(
         "--peer", action="append", default=[], help="biaxial: NAME=NUMBER of a parameter of biaxial_yade.py"
     )
+    parser.add_argument("--set", action="append", default=[], help="biaxial: field of the scenes of clastic, KEY=VALUE")
     parser.add_argument("--time", type=float, default=1.0, help="collapse: seconds of motion")
     parser.add_argument("--steps", type=numbers(float), default=[2e-3, 5e-3], help="collapse: clastic's dt, s")
     parser.add_argument(
