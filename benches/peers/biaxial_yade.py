@@ -2,9 +2,9 @@
 
     PEER='{"specimen": "p.csv", "inertial": 1e-4, ...}' yade -n -x -j1 biaxial_yade.py
 
-The packing is a CSV of x, y, r, and the defaults are the laws of `scenes/biaxial_small.ron`. Spheres
-with the masses and inertias of disks of unit thickness move in the plane. Pairs with a gap below
-`bond_length` are bonded, free of stress; walls have no friction. Two phases:
+The packing is a CSV of x, y, r, and the defaults are the laws of `scenes/biaxial_small.ron`.
+Spheres with the masses and inertias of disks of unit thickness move in the plane. Pairs with a gap
+below `bond_length` are bonded, free of stress; walls have no friction. Two phases:
 
 1. every wall is under a stress, which rises to `stress` and is then held until the specimen is at
    rest;
@@ -40,7 +40,7 @@ P = {
     "strain": 0.03,
     # Rolling stiffness k_R = rolling k_T r_a r_b, N m/rad. YADE has no rigid one.
     "rolling": 1.0,
-    # True: bonds have the rolling limit mu_r r (p + f_t) of the scene. False: that of YADE, mu_r r |p|.
+    # Bonds have the rolling limit mu_r r (p + f_t) of the scene; otherwise that of YADE, mu_r r |p|.
     "rolling_strength": True,
     "damping": 0.2,
     # Time step over sqrt(m/k_N) of the smallest disk.
@@ -63,8 +63,8 @@ W, H = P["width"], P["height"]
 diameter = 2 * sum(r for _, _, r in rows) / len(rows)
 RATE = P["inertial"] / (diameter * math.sqrt(P["density"] / P["stress"]))
 
-# YADE multiplies Young's modulus by the radius: a material of its own for each disk has the stiffness
-# of the scene for every pair.
+# YADE multiplies Young's modulus by the radius: a material of its own for each disk gives every pair
+# the stiffness of the scene.
 ids = []
 for x, y, r in rows:
     sand = O.materials.append(
@@ -90,7 +90,9 @@ for i, (_, _, r) in zip(ids, rows):
     b.state.mass = P["density"] * math.pi * r * r
     inertia = 0.5 * b.state.mass * r * r
     b.state.inertia = (inertia, inertia, inertia)
-plate = O.materials.append(FrictMat(young=1e7, poisson=0.5, frictionAngle=0.0, density=P["density"]))
+plate = O.materials.append(
+    FrictMat(young=1e7, poisson=0.5, frictionAngle=0.0, density=P["density"])
+)
 # name: (body, axis, sign of the inward direction)
 WALLS = {
     "bottom": (O.bodies.append(utils.wall((0, 0, 0), axis=1, sense=1, material=plate)), 1, 1),
@@ -99,9 +101,9 @@ WALLS = {
     "right": (O.bodies.append(utils.wall((W, 0, 0), axis=0, sense=-1, material=plate)), 0, -1),
 }
 
-# One step without motion makes the interactions, which hold across gaps by an unlimited cohesion: bonds
-# where gaps are small, nothing elsewhere. Without
-# `avoidGranularRatcheting` the arms of the shear force are those of the contact point, as in clastic.
+# One step without motion makes the interactions, which hold across gaps by an unlimited cohesion:
+# bonds where gaps are small, nothing elsewhere. Without `avoidGranularRatcheting` the arms of the
+# shear force are those of the contact point, as in clastic.
 detect = Ig2_Sphere_Sphere_ScGeom6D(interactionDetectionFactor=reach, avoidGranularRatcheting=False)
 bounds = Bo1_Sphere_Aabb(aabbEnlargeFactor=reach)
 grains = Ip2_CohFrictMat_CohFrictMat_CohFrictPhys(setCohesionNow=True)
@@ -148,7 +150,8 @@ bounds.aabbEnlargeFactor = 1.0
 made = len(bonds)
 
 O.dt = P["step"] * math.sqrt(P["density"] * math.pi * least**2 / P["normal_stiffness"])
-refresh_every = int(max(P["servo_every"], min(P["refresh_every"], P["refresh_strain"] / (RATE * O.dt))))
+refresh_every = P["refresh_strain"] / (RATE * O.dt)
+refresh_every = int(max(P["servo_every"], min(P["refresh_every"], refresh_every)))
 state = {"phase": "confine", "script_s": 0.0, "height": H, "width": W}
 drift = dict.fromkeys(WALLS, 0.0)
 curve = []
@@ -157,7 +160,7 @@ RAMP = P["stress"] / P["normal_stiffness"] / RATE
 
 
 def refresh():
-    """What YADE's law leaves out: broken bonds become contacts, and f_t adds to the rolling limit."""
+    """What YADE's law leaves out: broken bonds become contacts, f_t adds to the rolling limit."""
     global bonds
     clock = time.process_time()
     intact = []
@@ -197,7 +200,8 @@ def lengths():
 
 def stresses():
     width, height = lengths()
-    return 0.5 * (force("bottom") + force("top")) / width, 0.5 * (force("left") + force("right")) / height
+    axial = 0.5 * (force("bottom") + force("top")) / width
+    return axial, 0.5 * (force("left") + force("right")) / height
 
 
 def move(name, speed):
