@@ -98,7 +98,8 @@ def clastic(bench, place, run):
         for r in rows
     ]
     broken = sum(int(rows[-1][f"broken_{m}"]) for m in ("tension", "shear", "rolling"))
-    return measured(curve, broken, bench.options.at) | {"steps": len(rows), "cpu_s": cpu, "wall_s": wall}
+    result = measured(curve, broken, bench.options.at)
+    return result | {"steps": len(rows), "cpu_s": cpu, "wall_s": wall}
 
 
 def yade(bench, place, inertial):

@@ -40,7 +40,7 @@ P = {
     "strain": 0.03,
     # Rolling stiffness k_R = rolling k_T r_a r_b, N m/rad. YADE has no rigid one.
     "rolling": 1.0,
-    # Bonds have the rolling limit mu_r r (p + f_t) of the scene; otherwise that of YADE, mu_r r |p|.
+    # Bonds have the rolling limit mu_r r (p + f_t) of the scene; else that of YADE, mu_r r |p|.
     "rolling_strength": True,
     "damping": 0.2,
     # Time step over sqrt(m/k_N) of the smallest disk.
@@ -63,8 +63,8 @@ W, H = P["width"], P["height"]
 diameter = 2 * sum(r for _, _, r in rows) / len(rows)
 RATE = P["inertial"] / (diameter * math.sqrt(P["density"] / P["stress"]))
 
-# YADE multiplies Young's modulus by the radius: a material of its own for each disk gives every pair
-# the stiffness of the scene.
+# YADE multiplies Young's modulus by the radius: a material of its own for each disk gives every
+# pair the stiffness of the scene.
 ids = []
 for x, y, r in rows:
     sand = O.materials.append(
