@@ -183,7 +183,11 @@ def biaxial(bench):
             times = {k: statistics.median(r[k] for r in results) for k in ("cpu_s", "wall_s")}
             found[name].append(results[-1] | times)
 
-    limits = {"YADE": name_of(rates[-1]), "clastic": name_of(ours[-1])}
+    report(bench, seeds, found, {"YADE": name_of(rates[-1]), "clastic": name_of(ours[-1])})
+
+
+def report(bench, seeds, found, limits):
+    """Two tables: every run of every packing, and means over the packings beside the limits."""
     strains = [q_at(e) for e in bench.options.at]
     rows = []
     for name, results in found.items():
