@@ -2,10 +2,11 @@
 """clastic and its peers on the same work: time beside error, one core, interleaved, medians.
 
     python3 benches/peers/run.py uniaxial --small      clastic and YADE, 400 disks
+    python3 benches/peers/run.py biaxial --small       clastic and YADE, 400 disks
     python3 benches/peers/run.py collapse --small      clastic and LIGGGHTS, 300 disks
     python3 benches/peers/run.py nsgs --small          clastic and Siconos, one program
 
-Without --small: 7380 disks, 5000 disks, 5000 disks. See README.md for what to install. Seconds
+Without --small: 7380, 6160, 5000 and 5000 disks. See README.md for what to install. Seconds
 are those of the processor, user and system, of the whole process (of the solve, where it is one
 program that is solved).
 """
@@ -14,16 +15,12 @@ import argparse
 import csv
 import json
 import math
-import os
 import signal
 import statistics
-import subprocess
 import sys
-import time
-from pathlib import Path
 
-HERE = Path(__file__).resolve().parent
-ROOT = HERE.parent.parent
+from biaxial import biaxial
+from harness import HERE, ROOT, Bench, at, table_of
 
 # The rock of scenes/uniaxial.ron, elastic, on the stored packings of the rigid scenes.
 ROCK = [
@@ -36,102 +33,6 @@ ROCK = [
 ]
 STRAINS = [1.0e-3, 2.0e-3]
 LAST_STRAIN = 2.5e-3
-
-
-class Bench:
-    def __init__(self, options):
-        self.options = options
-        self.out = Path(options.out).resolve()
-        self.out.mkdir(parents=True, exist_ok=True)
-        self.clastic = Path(options.clastic).resolve()
-
-    def timed(self, command, env=None):
-        """Runs a command on the core; processor and wall seconds."""
-        command = ["taskset", "-c", str(self.options.core), *map(str, command)]
-        env = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", **(env or {})}
-        log = self.out / "last.log"
-        clock = time.perf_counter()
-        with open(log, "w") as f:
-            process = subprocess.Popen(
-                command, env=env, cwd=self.out, stdin=subprocess.DEVNULL, stdout=f, stderr=f
-            )
-            try:
-                _, status, usage = os.wait4(process.pid, 0)
-            except BaseException:
-                process.kill()
-                raise
-            process.returncode = os.waitstatus_to_exitcode(status)
-        if process.returncode != 0:
-            sys.exit(f"{' '.join(command)}\nended with {process.returncode}:\n{log.read_text()}")
-        return usage.ru_utime + usage.ru_stime, time.perf_counter() - clock
-
-    def run_clastic(self, scene, directory, sets, dump=None):
-        command = [self.clastic, "run", ROOT / "scenes" / f"{scene}.ron", "--quiet", "--force"]
-        command += ["--threads", "1", "--out", directory, "--set", "output.plots=false"]
-        for s in sets:
-            command += ["--set", s]
-        if dump:
-            command += ["--dump-program", str(dump)]
-        return self.timed(command)
-
-    def interleaved(self, runs):
-        """Runs every (name, function) in turn, `repeat` times; the results by name."""
-        results = {name: [] for name, _ in runs}
-        for turn in range(self.options.repeat):
-            for name, run in runs:
-                results[name].append(run())
-                print(f"  {turn + 1}/{self.options.repeat} {name}", file=sys.stderr)
-        return results
-
-    @staticmethod
-    def arguments():
-        """Arguments of this run that change what is measured."""
-        given = list(sys.argv[1:])
-        while "--out" in given:
-            del given[(at := given.index("--out")) : at + 2]
-        return " ".join(given)
-
-    def report(self, name, header, rows):
-        path = self.out / f"{name}.csv"
-        with open(path, "w", newline="") as f:
-            writer = csv.writer(f, lineterminator="\n")
-            writer.writerow(header)
-            writer.writerows(rows)
-        texts = [header] + [[short(cell) for cell in row] for row in rows]
-        widths = [max(len(str(row[k])) for row in texts) for k in range(len(header))]
-        lines = ["| " + " | ".join(str(c).ljust(w) for c, w in zip(row, widths)) + " |" for row in texts]
-        lines.insert(1, "|" + "|".join("-" * (w + 2) for w in widths) + "|")
-        table = "\n".join(lines)
-        load = " ".join(f"{x:.2f}" for x in os.getloadavg())
-        text = (
-            f"**{name}**: `python3 benches/peers/run.py {self.arguments()}`, "
-            f"{time.strftime('%Y-%m-%d', time.gmtime())}, load averages at the end {load}\n\n{table}\n"
-        )
-        (self.out / f"{name}.md").write_text(text)
-        print(text)
-        print(f"written: {path}")
-
-
-def short(cell):
-    if isinstance(cell, float):
-        return "" if math.isnan(cell) else f"{cell:.3g}"
-    return str(cell)
-
-
-def table_of(path):
-    with open(path) as f:
-        return list(csv.DictReader(f))
-
-
-def at(points, strain):
-    """Linear interpolation of a curve that begins at (0, 0)."""
-    before = (0.0, 0.0)
-    for point in points:
-        if point[0] >= strain:
-            part = (strain - before[0]) / (point[0] - before[0])
-            return before[1] + part * (point[1] - before[1])
-        before = point
-    return math.nan
 
 
 # Uniaxial compression: YADE.
@@ -340,7 +241,7 @@ def main():
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("test", choices=["uniaxial", "collapse", "nsgs"])
+    parser.add_argument("test", choices=["uniaxial", "biaxial", "collapse", "nsgs"])
     parser.add_argument("--small", action="store_true", help="small specimens")
     parser.add_argument("--repeat", type=int, default=3, help="runs of each, interleaved")
     parser.add_argument("--core", type=int, default=0, help="core that all runs are pinned to")
@@ -350,6 +251,16 @@ def main():
     numbers = lambda kind: lambda text: [kind(x) for x in text.split(",")]
     parser.add_argument("--factors", type=numbers(float), default=[1.0, 4.0], help="uniaxial: increments over 0.005 %%")
     parser.add_argument("--speeds", type=numbers(float), default=[2.0, 1.0, 0.5], help="uniaxial: speeds of YADE's platen, m/s")
+    parser.add_argument("--seeds", type=numbers(int), default=[1, 2, 3, 4, 5], help="biaxial --small: packings; 1 is the stored one")
+    parser.add_argument(
+        "--inertial", type=numbers(float), default=[1e-3, 1e-4, 3e-5], help="biaxial: inertial numbers of YADE's runs"
+    )
+    parser.add_argument("--strain", type=float, default=0.03, help="biaxial: axial strain at the end")
+    parser.add_argument("--at", type=numbers(float), default=[0.005, 0.01], help="biaxial: strains at which q is compared")
+    parser.add_argument(
+        "--peer", action="append", default=[], help="biaxial: NAME=NUMBER of a parameter of biaxial_yade.py"
+    )
+    parser.add_argument("--set", action="append", default=[], help="biaxial: field of the scenes of clastic, KEY=VALUE")
     parser.add_argument("--time", type=float, default=1.0, help="collapse: seconds of motion")
     parser.add_argument("--steps", type=numbers(float), default=[2e-3, 5e-3], help="collapse: clastic's dt, s")
     parser.add_argument(
@@ -358,7 +269,7 @@ def main():
     parser.add_argument("--increment", type=int, default=50, help="nsgs: increment after the release")
     parser.add_argument("--iterations", type=numbers(int), default=[100, 1000, 10000], help="nsgs: iterations of Siconos")
     bench = Bench(parser.parse_args())
-    {"uniaxial": uniaxial, "collapse": collapse, "nsgs": nsgs}[bench.options.test](bench)
+    {"uniaxial": uniaxial, "biaxial": biaxial, "collapse": collapse, "nsgs": nsgs}[bench.options.test](bench)
 
 
 if __name__ == "__main__":
