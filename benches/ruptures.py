@@ -95,7 +95,7 @@ def loading(out):
     curve, solves = [(0.0, 0.0, 0)], 0
     for row in rows:
         solves += int(row["solves"])
-        if row["stage"] == "load":
+        if row["stage"] == "load" and row["axial_stress_pa"]:  # empty where the test collapsed
             q = float(row["axial_stress_pa"]) - float(row["lateral_stress_pa"] or 0.0)
             curve.append((float(row["axial_strain"]), q, solves))
     return curve
