@@ -11,6 +11,9 @@ q, axial minus lateral stress, at 40 strains up to the end: the root of its mean
 maximum of q, and the mean of its magnitude over the maximum of q as the second number. Factorisations,
 solves and processor seconds are of the shear alone. The lines are means over the seeds; the errors
 of single seeds follow.
+
+A second table has the error that `accuracy` aims at, that of the stress over its norm, both of axial
+and lateral stress. A row counts with the strain since the row before.
 """
 
 import argparse
@@ -111,31 +114,70 @@ def sheared(state, height, multiple, accuracy, end, out):
         rows = [row for row in csv.DictReader(file) if row["stage"] == "shear"]
     curve = [(0.0, None)]
     for row in rows:
-        q = float(row["axial_stress_pa"]) - float(row["lateral_stress_pa"])
-        curve.append((float(row["axial_strain"]), q / 1e3))
-    curve[0] = (0.0, 0.0)
+        axial, lateral = (float(row[f"{side}_stress_pa"]) / 1e3 for side in ("axial", "lateral"))
+        curve.append((float(row["axial_strain"]), axial - lateral, lateral))
+    curve[0] = (0.0, 0.0, curve[1][2])
     work = [sum(int(row[k]) for row in rows) for k in ("solves", "solver_iterations")]
     return curve, [len(rows), *work, seconds]
 
 
-def at(curve, strain):
+def at(curve, strain, column=1):
     a, b = next(pair for pair in zip(curve, curve[1:]) if pair[1][0] >= strain - 1e-12)
-    return a[1] + (strain - a[0]) / (b[0] - a[0]) * (b[1] - a[1])
+    return a[column] + (strain - a[0]) / (b[0] - a[0]) * (b[column] - a[column])
+
+
+def of_the_norm(curve, exact, end):
+    """Strain since the row before, and error of the stress over its norm, in every row."""
+    errors, before = [], 0.0
+    for strain, q, lateral in curve:
+        if 0.0 < strain <= end:
+            side = at(exact, strain, 2)
+            axial = at(exact, strain) + side
+            error = ((q + lateral - axial) ** 2 + (lateral - side) ** 2) ** 0.5
+            errors.append((strain - before, error / (axial**2 + side**2) ** 0.5))
+            before = strain
+    return errors
+
+
+def print_of_the_norm(norms):
+    print("| accuracy | increment | mean error, % | of single seeds | maximum | 90 % of the strain below "
+          "| share of the strain above the accuracy, % | above twice the accuracy |")
+    print("|" + "---|" * 8)
+    for (multiple, accuracy), of_seeds in norms.items():
+        rows = [row for rows in of_seeds for row in rows]
+        total = sum(strain for strain, _ in rows)
+        means = [sum(s * e for s, e in rows) / sum(s for s, _ in rows) for rows in of_seeds]
+        below, quantile = 0.0, 0.0
+        for strain, quantile in sorted(rows, key=lambda row: row[1]):
+            below += strain
+            if below >= 0.9 * total:
+                break
+        cells = [f"{accuracy or 'off'}", f"{multiple:g}"]
+        cells.append(f"{100 * sum(means) / len(means):.2f}")
+        cells.append(", ".join(f"{100 * mean:.2f}" for mean in means))
+        cells += [f"{100 * e:.2f}" for e in (max(e for _, e in rows), quantile)]
+        for k in (1, 2):
+            above = sum(s for s, e in rows if accuracy and e > k * accuracy)
+            cells.append(f"{100 * above / total:.0f}" if accuracy else "")
+        print("| " + " | ".join(cells) + " |")
 
 
 def main():
+    global PROGRAM
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--out", type=Path, default=ROOT / "bench/accuracy")
     parser.add_argument("--count", type=int, default=400)
     parser.add_argument("--seeds", default="1,2,3,4,5")
     parser.add_argument("--end", type=float, default=0.02)
+    parser.add_argument("--program", type=Path, default=PROGRAM)
     parser.add_argument("--multiples", default="1,2,4")
     parser.add_argument("--accuracies", default="0.1,0.03,0.01,0.003")
     args = parser.parse_args()
+    PROGRAM = args.program
     cases = [(1 / 16, None), (1 / 8, None)]
     for accuracy in [None, *map(float, filter(None, args.accuracies.split(",")))]:
         cases += [(float(m), accuracy) for m in args.multiples.split(",")]
-    found = {}
+    found, norms = {}, {}
     for seed in args.seeds.split(","):
         state, height = confined(args.count, seed, args.out)
         exact = None
@@ -144,15 +186,16 @@ def main():
             curve, work = sheared(state, height, *case, args.end, out)
             exact = exact or curve
             # Chords of coarse increments cross the curve: only their ends are compared.
-            ends = [(strain, q) for strain, q in curve if 0.0 < strain <= args.end]
-            peak = max(q for _, q in exact)
+            ends = [(strain, q) for strain, q, _ in curve if 0.0 < strain <= args.end]
+            peak = max(q for _, q, _ in exact)
             errors = [(q - at(exact, strain)) / peak for strain, q in ends]
             gaps = [b[0] - a[0] for a, b in zip([(0.0, 0.0), *ends], ends)]
             weighted = [sum(g * f(e) for g, e in zip(gaps, errors)) / sum(gaps)
                         for f in (lambda e: e, abs, lambda e: e * e)]
-            top = max(q for _, q in curve) / peak - 1
+            top = max(q for _, q, _ in curve) / peak - 1
             row = [weighted[0], weighted[1], weighted[2] ** 0.5, top, *work]
             found.setdefault(case, []).append(row)
+            norms.setdefault(case, []).append(of_the_norm(curve, exact, args.end))
             print(json.dumps([seed, *case, *row]), flush=True)
     print("| accuracy | increment | mean error of q, % | mean magnitude | r.m.s. | of the peak | rows "
           "| solves | iterations | CPU s | mean magnitude of single seeds |")
@@ -163,6 +206,7 @@ def main():
         cells += [f"{n:.0f}" for n in mean[4:7]] + [f"{mean[7]:.1f}"]
         cells.append(", ".join(f"{100 * row[1]:.1f}" for row in rows))
         print("| " + " | ".join(cells) + " |")
+    print_of_the_norm(norms)
 
 
 if __name__ == "__main__":
