@@ -17,7 +17,7 @@ use crate::run::{Collapse, CollapsedBy, Outcome, StageEnd};
 use crate::scene::LoadedScene;
 use crate::scene::files::read_at_most;
 use crate::scene::format::{
-    Acceptance, Analysis, Corrector, FrictionLaw, Rupture, Solver, Specimen, Stage,
+    Acceptance, Analysis, Corrector, FrictionLaw, Rupture, Scene, Solver, Specimen, Stage,
 };
 
 /// Version of this program.
@@ -113,6 +113,7 @@ pub struct Resumed {
 struct Settings {
     analysis: Analysis,
     friction_law: FrictionLaw,
+    friction: FrictionOfStages,
     corrector: Option<Corrector>,
     rupture: Rupture,
     solver: Solver,
@@ -123,6 +124,26 @@ struct Settings {
     /// Probes whose force is that of the contacts on the body, against the motion.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     rigid_groups: Vec<String>,
+}
+
+/// The law of friction that `friction_law` means in this scene, by kind of stage.
+#[derive(Clone, Copy, Debug, Serialize)]
+struct FrictionOfStages {
+    #[serde(rename = "static")]
+    in_statics: &'static str,
+    #[serde(rename = "dynamic")]
+    in_dynamics: &'static str,
+}
+
+impl FrictionOfStages {
+    fn new(scene: &Scene) -> Self {
+        let law = scene.friction_law.of_grains(scene.grains_are_elastic());
+        let name = |coulomb: bool| if coulomb { "Coulomb" } else { "associated" };
+        Self {
+            in_statics: name(law.in_statics.is_some()),
+            in_dynamics: name(law.in_dynamics.is_some()),
+        }
+    }
 }
 
 /// How a run ended.
@@ -225,6 +246,7 @@ impl RunRecord {
             settings: Settings {
                 analysis: scene.analysis,
                 friction_law: scene.friction_law,
+                friction: FrictionOfStages::new(scene),
                 corrector: scene.corrector,
                 rupture: scene.rupture,
                 solver: scene.solver.clone(),

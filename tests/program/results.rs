@@ -35,6 +35,21 @@ fn a_collapse_is_a_result() {
     assert_eq!(rows(out.path(), "history.csv").last().unwrap()["status"], "collapsed");
 }
 
+/// A scene that names no friction law has one of two, by its grains; the record says which.
+#[test]
+fn the_record_has_the_friction_law_of_each_kind_of_stage() {
+    let short = ["--set", "stages.drop.increments=2"];
+    let elastic = ["--set", "materials.stone.contact=(normal_stiffness: 1.0e6)"];
+    let law = |settings: &[&str]| {
+        let (ended, out) = run("bounce", settings);
+        ended.code(0);
+        json(out.path(), "run.json")["settings"]["friction"].clone()
+    };
+    let of = |dynamic: &str| serde_json::json!({ "static": "associated", "dynamic": dynamic });
+    assert_eq!(law(&short), of("associated"));
+    assert_eq!(law(&[short, elastic].concat()), of("Coulomb"));
+}
+
 /// Of a test of one bond without a stress: the strength of the bond by hand, as in the comments of
 /// the scenes, and the motion at which it is reached.
 #[test]

@@ -114,14 +114,17 @@ fn measure_scene(
     stages
 }
 
+/// The scenes of the table that the variable `REACH` names; all without it.
+fn chosen_scenes() -> impl Iterator<Item = (&'static str, Option<f64>)> {
+    let chosen = std::env::var("REACH").unwrap_or_default();
+    SCENES.into_iter().filter(move |s| chosen.is_empty() || chosen.split(',').any(|c| c == s.0))
+}
+
 /// Prints one line for every scene, kind of grains, law and stage. `REACH=hopper,biaxial` chooses scenes.
 #[test]
 #[ignore = "whole scenes, minutes"]
 fn sliding_increments_are_solved() {
-    let chosen = std::env::var("REACH").unwrap_or_default();
-    let scenes =
-        SCENES.into_iter().filter(|s| chosen.is_empty() || chosen.split(',').any(|c| c == s.0));
-    for (name, stiffness) in scenes {
+    for (name, stiffness) in chosen_scenes() {
         let laws = [(FrictionLaw::COULOMB, "Coulomb"), (FrictionLaw::Associated, "associated")];
         let grains = [(None, "rigid")].into_iter().chain(stiffness.map(|k| (Some(k), "elastic")));
         for ((law, text), (stiffness, kind)) in
@@ -136,15 +139,13 @@ fn sliding_increments_are_solved() {
     }
 }
 
-/// Prints one line for every dynamic scene, stiffness, seed and stage under Coulomb's law.
-/// `REACH=hopper,...` chooses scenes.
+/// Increments with sliding contacts of elastic grains are solved as a whole under Coulomb's law, of
+/// soft and of stiff grains and with seeds that are not those of the scenes. Prints one line for
+/// every dynamic scene, stiffness, seed and stage. `REACH=hopper,...` chooses scenes.
 #[test]
 #[ignore = "whole scenes, minutes"]
 fn sliding_increments_by_stiffness() {
-    let chosen = std::env::var("REACH").unwrap_or_default();
-    let scenes =
-        SCENES.into_iter().filter(|s| chosen.is_empty() || chosen.split(',').any(|c| c == s.0));
-    for (name, stiffness) in scenes.filter_map(|(name, k)| Some((name, k?))) {
+    for (name, stiffness) in chosen_scenes().filter_map(|(name, k)| Some((name, k?))) {
         for factor in [0.1, 1.0, 10.0, 100.0] {
             for number in [1001, 1002] {
                 let mut loaded = scene(name);
@@ -155,6 +156,7 @@ fn sliding_increments_by_stiffness() {
                 for (stage, count) in measure_scene(loaded, law, Some(factor * stiffness)) {
                     let k = 50.0 * factor;
                     println!("{name} | k dt^2/m = {k} | seed {number} | {stage} | {count:?}");
+                    assert_eq!(count.solved, count.sliding, "{name}, {k}, {number}, {stage}");
                 }
             }
         }
