@@ -19,6 +19,7 @@ use clastic_components::rigid_group::{ContactForce, RigidGroup};
 use clastic_components::wall::{Wall, WallControl, WallDrive, WallRotation};
 use clastic_components::wall_shape::WallShape;
 
+use crate::check_values::check_values;
 use crate::rigid_groups::{self, GroupQuery};
 use crate::schedule::{Increment, IncrementSystems};
 use crate::state::{RegisterState, StateOf};
@@ -40,7 +41,12 @@ impl Plugin for GatherBodiesPlugin {
             .add_systems(
                 Increment,
                 (
-                    (gather_bodies, refuse_small_cells, follow_rows)
+                    (
+                        gather_bodies,
+                        refuse_small_cells,
+                        check_values,
+                        follow_rows.run_if(not(resource_exists::<Halted>)),
+                    )
                         .chain()
                         .in_set(IncrementSystems::Gather),
                     renumber_contacts.in_set(IncrementSystems::Renumber),

@@ -1,11 +1,12 @@
 //! Scheduled systems of the clastic engine, one per file, in the order of an increment: control
-//! walls and loads, gather bodies, make attempts, update the state, break bonds, record. An attempt
+//! walls and loads, gather bodies and check their values, make attempts, update the state, break bonds, record. An attempt
 //! detects contacts, assembles the cone program, solves it, and judges the solution. See
 //! [`schedule`].
 
 pub mod assemble_program;
 pub mod assign_identities;
 pub mod attempt;
+pub mod check_values;
 pub mod control_loads;
 pub mod control_walls;
 pub mod detect_contacts;

@@ -28,6 +28,7 @@ use clastic_components::increment::{Analysis, Progress};
 use clastic_components::observation::Timings;
 
 use crate::state::RegisterState;
+use crate::stepping::Halted;
 
 /// One increment.
 #[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -56,7 +57,8 @@ pub struct Loads;
 pub enum IncrementSystems {
     /// Computes drives of walls and loads of particles for the next increment.
     Controls,
-    /// Gathers bodies, bonds, controls and contact memory into tables in the order of identities.
+    /// Gathers bodies, bonds, controls and contact memory into tables in the order of identities,
+    /// and checks their values. The sets after it do not run where the world is [`Halted`].
     Gather,
     /// Updates the rows of persistent tables. Runs only if rows have changed.
     Renumber,
@@ -161,6 +163,16 @@ impl Plugin for SchedulePlugin {
             });
         };
         edit(Increment.intern(), |schedule| {
+            // A world that `Gather` has halted keeps its state.
+            let goes_on = || not(resource_exists::<Halted>);
+            schedule.configure_sets((
+                IncrementSystems::Renumber.run_if(goes_on()),
+                IncrementSystems::Draft.run_if(goes_on()),
+                IncrementSystems::Attempts.run_if(goes_on()),
+                IncrementSystems::Update.run_if(goes_on()),
+                IncrementSystems::Rupture.run_if(goes_on()),
+                IncrementSystems::Record.run_if(goes_on()),
+            ));
             schedule.configure_sets(
                 (
                     IncrementSystems::Controls,

@@ -19,8 +19,8 @@ use bevy_ecs::schedule::{
 use clastic_components::attempt::{Attempt, IncrementStatus};
 use clastic_components::increment::Progress;
 use clastic_components::particle::Particle;
-use clastic_cone::program::ConeSolution;
 
+use crate::attempt::proof::proof;
 use crate::schedule::Increment;
 
 /// One increment with the work before and after it.
@@ -220,13 +220,12 @@ fn obstacle(world: &World, tried: bool) -> Option<(StoppedBy, String)> {
         return None;
     }
     let attempt = world.get_resource::<Attempt>()?;
-    let proof = world.get_resource::<ConeSolution>().and_then(|s| s.certificate.as_ref());
     match attempt.status {
         IncrementStatus::Solved | IncrementStatus::Capped => None,
-        IncrementStatus::Collapsed if proof.is_some() => {
-            Some((StoppedBy::Collapsed, "no equilibrium exists: a mechanism proves it".to_owned()))
+        IncrementStatus::Collapsed => {
+            let reason = proof(world).unwrap_or_else(|| attempt.complaint.clone());
+            Some((StoppedBy::Collapsed, reason))
         }
-        IncrementStatus::Collapsed => Some((StoppedBy::Collapsed, attempt.complaint.clone())),
         IncrementStatus::Undecided => Some((StoppedBy::Undecided, attempt.complaint.clone())),
     }
 }

@@ -91,7 +91,8 @@ impl Progress {
     }
 }
 
-/// Strain, stress and broken bonds of an increment, if they are defined.
+/// Strain, stress and broken bonds of an increment, if they are defined, and whether bonds break at
+/// constant load.
 fn state(o: &Observation) -> String {
     let mut parts = vec![format!("increment {}", o.increment)];
     parts.extend(o.axial_strain.map(|e| format!("strain {:.3} %", 100.0 * e)));
@@ -100,5 +101,23 @@ fn state(o: &Observation) -> String {
     if o.bonds + broken > 0 {
         parts.push(format!("{broken} of {} bonds broken", o.bonds + broken));
     }
+    // The increments of an avalanche do not move the bar.
+    if o.in_avalanche {
+        parts.push("in an avalanche".to_owned());
+    }
     parts.join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_avalanche_is_told_from_loading() {
+        let loading =
+            Observation { increment: 7, bonds: 8, broken: [1, 1, 0], ..Default::default() };
+        assert_eq!(state(&loading), "increment 7, 2 of 10 bonds broken");
+        let breaking = Observation { in_avalanche: true, ..loading };
+        assert_eq!(state(&breaking), "increment 7, 2 of 10 bonds broken, in an avalanche");
+    }
 }

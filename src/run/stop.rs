@@ -7,8 +7,8 @@ use clastic_components::body::Velocity;
 use clastic_components::increment::Progress;
 use clastic_components::observation::Observation;
 use clastic_components::poured::Poured;
-use clastic_cone::program::ConeSolution;
 use clastic_systems::attempt::dense::is_unsettled;
+use clastic_systems::attempt::proof::proof;
 
 use super::advice::with_advice;
 use super::end_load;
@@ -22,8 +22,8 @@ impl Collapse {
     /// The collapse that the last increment found.
     fn found(world: &World, stage: &Stage) -> Self {
         let complaint = &world.resource::<Attempt>().complaint;
-        let (by, reason) = if world.resource::<ConeSolution>().certificate.is_some() {
-            (CollapsedBy::Proof, "no equilibrium exists: a mechanism proves it".to_owned())
+        let (by, reason) = if let Some(reason) = proof(world) {
+            (CollapsedBy::Proof, reason)
         } else {
             let reason = format!(
                 "{complaint}; nor does it in steps half as long; no mechanism proves the collapse"

@@ -23,6 +23,7 @@ pub mod loose_grains;
 pub mod motion;
 pub mod next;
 mod places;
+pub mod proof;
 pub mod push_out;
 pub mod restraints;
 mod run;

@@ -60,6 +60,7 @@ use self::quasi_static::Starts;
 use crate::gradual_release::work;
 use crate::schedule::{Increment, IncrementSystems, committed};
 use crate::state::RegisterState;
+use crate::stepping::Halted;
 
 pub(crate) use self::steps::book_step;
 
@@ -74,6 +75,7 @@ impl Plugin for EnergyLedgerPlugin {
             .in_set(IncrementSystems::Renumber);
         let note = note_change
             .run_if(resource_exists::<EnergyLedger>)
+            .run_if(not(resource_exists::<Halted>))
             .after(IncrementSystems::Gather)
             .before(IncrementSystems::Renumber);
         app.add_systems(Increment, (note, renumber)).add_systems(

@@ -3,6 +3,7 @@
 use clastic::components::attempt::IncrementStatus;
 use clastic::components::observation::Observation;
 use clastic::output::directory;
+use clastic::scene::LoadedScene;
 
 use crate::resumed::{COULOMB, load, parse, rolling_elastically, run, same_from_anywhere};
 
@@ -52,6 +53,28 @@ fn increments_that_an_accuracy_chooses() {
     let shear: Vec<_> = records.iter().filter(|o| o.stage == "shear").collect();
     let short = shear.iter().filter(|o| o.fraction < 1.0).count();
     assert!(short >= 4 && short % 2 == 0, "{short} of {}", shear.len());
+}
+
+/// Fractions that an accuracy has chosen are cut by an `Until`, whose search is no part of the state.
+#[test]
+fn increments_that_an_accuracy_chooses_and_an_until_cuts() {
+    let sets = [
+        "specimen.count=64",
+        "specimen.columns=8",
+        "cell.size=(0.0808, 0.0808)",
+        "stages.compact.step=4.0e-3",
+        "stages.confine.increments=2",
+        "stages.shear.increments=6",
+        "stages.shear.accuracy=0.02",
+        "stages.shear.stop=[Until(\"shear_stress_pa\", 4.5e3)]",
+    ];
+    let loaded = load("simple_shear_periodic", &sets);
+    let records = same_from_anywhere(&loaded, |_| true);
+    let shear: Vec<_> = records.iter().filter(|o| o.stage == "shear").collect();
+    let sum: f64 = shear.iter().map(|o| o.fraction).sum();
+    // Without the `Until` all ends are multiples of 1/16.
+    let is_cut = sum < 1.0 && (16.0 * sum).fract() > 1e-6;
+    assert!(shear.len() >= 3 && is_cut, "{sum} in {}", shear.len());
 }
 
 /// Radii that have grown are those of the state, and grow on to the same end.
@@ -157,6 +180,36 @@ fn from_event_to_event_and_within_avalanches() {
     assert!(within >= 2, "stopped {within} times within an avalanche, of {}", records.len());
 }
 
+/// In each equilibrium of these avalanches one bond breaks, or all that are above their limits.
+#[test]
+fn within_avalanches_of_one_bond_and_of_all() {
+    for avalanche in ["MostOverloaded", "Together"] {
+        let rupture = format!(
+            "rupture=(order: Events, avalanche: {avalanche}, density: 30.0, brittleness: 0.0)"
+        );
+        let sets = [
+            rupture.as_str(),
+            "stages.load.increments=30",
+            "stages.load.walls.top[1]=-5.588e-6",
+            "stages.load.stop=[StressDrop(0.2)]",
+        ];
+        same_from_within(&load("uniaxial_small", &sets), avalanche);
+    }
+}
+
+/// Interrupts a run at the start, in the middle and at the end of its avalanches.
+fn same_from_within(loaded: &LoadedScene, what: &str) {
+    let mut within = Vec::new();
+    run(loaded, &tempfile::tempdir().unwrap().path().join("first"), 0, |o| {
+        if o.in_avalanche {
+            within.push(o.increment);
+        }
+    });
+    assert!(within.len() >= 4, "{what}: {within:?}");
+    let chosen = [within[0], within[1], within[within.len() / 2], within[within.len() - 1]];
+    same_from_anywhere(loaded, |k| chosen.contains(&k));
+}
+
 /// The forces that are not yet released, and the part of a release that was halved, are state.
 #[test]
 fn within_gradual_releases() {
@@ -166,16 +219,7 @@ fn within_gradual_releases() {
         "stages.load.walls.top[1]=-5.588e-6",
         "stages.load.stop=[StressDrop(0.2)]",
     ];
-    let loaded = load("uniaxial_small", &sets);
-    let mut within = Vec::new();
-    run(&loaded, &tempfile::tempdir().unwrap().path().join("first"), 0, |o| {
-        if o.in_avalanche {
-            within.push(o.increment);
-        }
-    });
-    assert!(within.len() >= 4, "{within:?}");
-    let chosen = [within[0], within[1], within[within.len() / 2], within[within.len() - 1]];
-    same_from_anywhere(&loaded, |k| chosen.contains(&k));
+    same_from_within(&load("uniaxial_small", &sets), "Gradual");
 }
 
 /// Increments of negative fractions, after which the next bond breaks.

@@ -1,11 +1,12 @@
 //! Static stages that choose their increments by an accuracy: the error against small increments,
-//! loads that land on their targets, and stages to which an accuracy does not apply.
+//! loads and `Until` that land on their targets, and stages to which an accuracy does not apply.
 
 use std::path::Path;
 
 use clastic::components::observation::Observation;
 use clastic::components::step_control::StepControl;
 use clastic::prelude::*;
+use clastic::run::stages::Script;
 use clastic::scene;
 
 use crate::common::{self, parse, stage};
@@ -14,23 +15,47 @@ use crate::followed_motion::confinement;
 /// `biaxial_small` without its bonds: `increments` close it by 1.2 % of its height. `accuracies` are those of the
 /// two stages.
 fn biaxial(increments: u32, accuracies: [Option<f64>; 2]) -> Vec<Observation> {
+    let mut simulation = of_biaxial(increments, accuracies, "");
+    let records = std::iter::from_fn(|| common::next(&mut simulation)).collect();
+    assert_eq!(simulation.run(), Outcome::Completed);
+    records
+}
+
+/// The same to an axial stress: the records, and the stress if it has passed the value.
+fn until(increments: u32, accuracy: Option<f64>, value: f64) -> (Vec<Observation>, Option<f64>) {
+    let stop = format!("Until(\"axial_stress\", {value:?})");
+    let mut simulation = of_biaxial(increments, [None, accuracy], &stop);
+    let records = std::iter::from_fn(|| common::next(&mut simulation)).collect();
+    assert_eq!(simulation.run(), Outcome::Completed);
+    let end = simulation.world().resource::<Script>().ends.last().unwrap();
+    assert!(end.stop.is_some(), "{end:?}");
+    (records, end.passed)
+}
+
+/// Measures of `biaxial_small` that an `Until` can name.
+const NAMED: &str = r#"measures=[
+    (name: "axial_strain", of: Strain(Walls("bottom", "top"))),
+    (name: "axial_stress", of: Stress(Walls(walls: ["bottom", "top"], length: Between("left", "right")))),
+]"#;
+
+fn of_biaxial(increments: u32, accuracies: [Option<f64>; 2], stop: &str) -> Simulation {
     let closing = 0.006 * 0.2147896 / f64::from(increments);
-    let sets = [
+    let mut sets = vec![
         format!("stages.load.increments={increments}"),
         format!("stages.load.walls.bottom=Displacement(0.0, {closing:?})"),
         format!("stages.load.walls.top=Displacement(0.0, {:?})", -closing),
-        "stages.load.stop=[]".to_owned(),
+        format!("stages.load.stop=[{stop}]"),
     ];
+    if !stop.is_empty() {
+        sets.extend(["version=2".to_owned(), NAMED.to_owned()]);
+    }
     let path = format!("{}/scenes/biaxial_small.ron", env!("CARGO_MANIFEST_DIR"));
     let mut loaded = scene::load(Path::new(&path), &sets).unwrap();
     loaded.scene.stages.retain(|stage| stage.name() != "cement");
     for (name, accuracy) in ["confine", "load"].into_iter().zip(accuracies) {
         stage(&mut loaded.scene, name).accuracy = accuracy;
     }
-    let mut simulation = Simulation::new(&loaded.scene, loaded.specimen.as_ref());
-    let records = std::iter::from_fn(|| common::next(&mut simulation)).collect();
-    assert_eq!(simulation.run(), Outcome::Completed);
-    records
+    Simulation::new(&loaded.scene, loaded.specimen.as_ref())
 }
 
 /// Axial strain and axial stress in the stage.
@@ -84,6 +109,27 @@ fn the_error_follows_the_accuracy() {
             assert!(near, "no increment ends at {wanted}");
         }
     }
+}
+
+/// An `Until` shortens the fractions that the accuracy has chosen, and the stage ends on the value,
+/// at the strain of small increments.
+#[test]
+fn a_stage_with_an_accuracy_lands_on_the_value_of_an_until() {
+    const VALUE: f64 = 350e3;
+    let strain = |increments, accuracy| {
+        let (records, passed) = until(increments, accuracy, VALUE);
+        assert_eq!(passed, None, "{increments} increments, {accuracy:?}");
+        let last = records.last().unwrap();
+        assert!((last.axial_stress.unwrap() / VALUE - 1.0).abs() < 2e-6, "{:?}", last.axial_stress);
+        let rows: Vec<_> = records.iter().filter(|o| o.stage == "load").collect();
+        (last.axial_strain.unwrap(), rows.iter().map(|o| o.fraction).sum::<f64>(), rows.len())
+    };
+    let (exact, ..) = strain(128, None);
+    let (found, sum, rows) = strain(4, Some(0.01));
+    assert!((found / exact - 1.0).abs() < 0.05, "{found} and not {exact}");
+    // The fractions are those of increments of 0.3 % strain, and the last one is cut.
+    assert!((sum * 0.003 / found - 1.0).abs() < 0.01, "{sum} increments to {found}");
+    assert!(sum.fract() > 1e-6 && rows > 4, "{rows} rows to {sum}");
 }
 
 /// Solves that only estimate an error are counted in the rows and do not change the loads.

@@ -59,6 +59,103 @@ fn the_bond_stretches_breaks_and_is_gone() {
     assert_eq!((observation.bonds, observation.broken), (0, [1, 0, 0]));
 }
 
+/// Sets a value of a body, a bond or a material, and returns what puts the old one back.
+type Spoil = fn(&mut World, Entity) -> Box<dyn Fn(&mut World)>;
+
+fn spoil<C: Component + Clone>(
+    world: &mut World,
+    entity: Entity,
+    change: impl Fn(&mut C),
+) -> Box<dyn Fn(&mut World)> {
+    let before = world.get::<C>(entity).unwrap().clone();
+    let mut after = before.clone();
+    change(&mut after);
+    world.entity_mut(entity).insert(after);
+    Box::new(move |world| {
+        world.entity_mut(entity).insert(before.clone());
+    })
+}
+
+fn bond_of(world: &mut World) -> Entity {
+    world.query_filtered::<Entity, With<Bond>>().single(world).unwrap()
+}
+
+/// An app that had a value without meaning was told of an increment without a solution, or of
+/// nothing. It is told the body and the value, nothing is computed with it, and once it is mended
+/// the app goes on as if nothing had been.
+#[test]
+fn a_value_without_meaning_stops_the_app_and_is_named() {
+    let cases: [(Spoil, &str); 6] = [
+        (
+            |world, disk| spoil(world, disk, |x: &mut body::Position| x.0.y = f64::NAN),
+            "particle 1 has Position y = NaN: give a coordinate in m",
+        ),
+        (
+            |world, disk| spoil(world, disk, |p: &mut Particle| p.radius = -6.0e-3),
+            "particle 1 has radius = -0.006: give a length above 0 in m",
+        ),
+        (
+            |world, disk| spoil(world, disk, |p: &mut Particle| p.mass = f64::INFINITY),
+            "particle 1 has mass = inf: give a mass in kg, not below 0",
+        ),
+        (
+            |world, disk| spoil(world, disk, |d: &mut Drives| d.0[0] = Drive::Imposed(f64::NAN)),
+            "particle 1 has Drives = NaN: give displacements in m and an angle in rad",
+        ),
+        (
+            |world, _| {
+                let bond = bond_of(world);
+                spoil(world, bond, |bond: &mut Bond| bond.law.normal_compliance = 1.0 / 0.0)
+            },
+            "bond 0 of particle 0 and particle 1 has normal_compliance = inf: give 1 over a \
+             stiffness above 0, or 0 for a rigid one",
+        ),
+        (
+            |world, _| {
+                let mut materials = world.resource_mut::<material::Materials>();
+                materials.0[0].contact.friction = -0.5;
+                Box::new(|world| {
+                    world.resource_mut::<material::Materials>().0[0].contact.friction = 0.6;
+                })
+            },
+            "material `sand` has contact.friction = -0.5: give a number not below 0",
+        ),
+    ];
+    for (spoil, message) in cases {
+        let (mut app, pulled) = pulled_pair();
+        app.update();
+        let mend = spoil(app.world_mut(), pulled);
+        for _ in 0..2 {
+            app.update();
+        }
+        let world = app.world_mut();
+        let Some(Halted(reason)) = world.remove_resource::<Halted>() else {
+            panic!("not said: {message}")
+        };
+        assert_eq!(reason, format!("{message}, then remove `Halted`"));
+        assert_eq!(*world.resource::<Running>(), Running::Stopped(StoppedBy::Halted));
+        assert_eq!(world.resource::<Progress>().increment, 1, "{message}");
+        mend(world);
+        world.insert_resource(Running::Always);
+        app.update();
+        let force = app.world().get::<ExternalForce>(pulled).unwrap().0[0];
+        assert!((force - 20.0).abs() < 1e-6, "{message}: {force} N after it");
+    }
+}
+
+/// A wall that a program spawns has a law of its own.
+#[test]
+fn a_wall_with_a_negative_compliance_is_named() {
+    let (mut app, _) = pulled_pair();
+    let place = body::Position(DVec2::new(0.0, -6.0e-3));
+    let wall = Wall { tangent: DVec2::X, half_length: 0.05 };
+    let law = ContactLaw { normal_compliance: -1.0e-8, ..Default::default() };
+    app.world_mut().spawn((wall, place, law));
+    app.update();
+    let reason = &app.world().resource::<Halted>().0;
+    assert!(reason.starts_with("wall (body 2) has normal_compliance = -1e-8: give"), "{reason}");
+}
+
 /// A world with the scene of two free disks, as an embedding program fills it.
 fn world_of_two_disks() -> (App, clastic::scene::format::Scene) {
     let text = r#"(

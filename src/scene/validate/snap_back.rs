@@ -2,10 +2,15 @@
 
 use std::collections::BTreeSet;
 
-use crate::scene::format::{Analysis, Avalanche, Load, Motion, RuptureOrder, Stage, WallControl};
+use clastic_components::bond::{Bond, BondId};
 
-use super::Context;
+use crate::scene::format::{
+    Analysis, Avalanche, Load, Motion, ParticleControl, RigidControl, RuptureOrder, Stage,
+    WallControl,
+};
+
 use super::findings::Findings;
+use super::{Context, membranes};
 
 const HELP: &str = "leave `snap_back` out, or load with one imposed displacement alone";
 
@@ -28,47 +33,108 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
     if !findings.is_sure_of("stages") {
         return;
     }
-    let mut bonded = !scene.bonds.is_empty();
-    let mut loaded = BTreeSet::new();
+    let mut bonded = !scene.bonds.is_empty() || has_stored_bonds(context);
+    let mut standing = Standing::at_start(context);
     for (i, stage) in scene.stages.iter().enumerate() {
         match stage {
             Stage::Cement(_) => bonded = true,
             Stage::Load(stage) => {
-                follow_loads(stage, &mut loaded);
+                let before = standing.clone();
+                standing.follow(stage);
                 if bonded {
-                    of_stage(context, i, stage, &loaded, findings);
+                    of_stage(context, (i, stage), &before, &standing, findings);
                 }
             }
-            Stage::Pour(stage) => follow_loads(&stage.load, &mut loaded),
+            Stage::Pour(stage) => standing.follow(&stage.load),
             _ => {}
         }
     }
 }
 
-/// Walls that carry a load from the stage on.
-fn follow_loads<'a>(stage: &'a Load, loaded: &mut BTreeSet<&'a str>) {
-    for name in &stage.remove_walls {
-        loaded.remove(name.as_str());
+/// Whether the scene starts from a state with bonds.
+fn has_stored_bonds(context: &Context) -> bool {
+    let state = context.specimen.and_then(|stored| stored.state.as_ref());
+    let saved = state.and_then(|state| state.saved.as_ref());
+    let bonds = saved.map(|saved| saved.world.components::<BondId, Bond>("bond"));
+    bonds.and_then(Result::ok).is_some_and(|bonds| !bonds.is_empty())
+}
+
+/// Loads that later stages keep.
+#[derive(Clone, Default)]
+struct Standing {
+    walls: BTreeSet<String>,
+    membranes: BTreeSet<String>,
+    rigid: BTreeSet<String>,
+    /// Selections of particles as text: the same text selects the same particles.
+    particles: BTreeSet<String>,
+}
+
+impl Standing {
+    fn at_start(context: &Context) -> Self {
+        let membranes = membranes::inherited(context.specimen);
+        let membranes = membranes.into_iter().map(|(name, _)| name).collect();
+        Self { membranes, ..Self::default() }
     }
-    for (name, control) in &stage.walls {
-        if has_load(control) {
-            loaded.insert(name);
-        } else {
-            loaded.remove(name.as_str());
+
+    /// Follows a stage to its end.
+    fn follow(&mut self, stage: &Load) {
+        for name in &stage.remove_walls {
+            self.walls.remove(name);
+        }
+        for (name, control) in &stage.walls {
+            set(&mut self.walls, name, has_load(control));
+        }
+        for name in &stage.remove_membranes {
+            self.membranes.remove(name);
+        }
+        self.membranes.extend(stage.membranes.keys().cloned());
+        for name in &stage.release {
+            self.rigid.remove(name);
+        }
+        for (name, c) in &stage.rigid {
+            if loads_group(c) {
+                set(&mut self.rigid, name, !is_zero(c.total_force(1.0), c.moment));
+            }
+        }
+        // The load of a `live` entry ends with its stage.
+        for c in stage.particles.iter().filter(|c| !c.live && loads_particles(c)) {
+            set(&mut self.particles, &format!("{:?}", c.select), !is_zero(c.force, c.moment));
         }
     }
+}
+
+fn set(names: &mut BTreeSet<String>, name: &str, is_in: bool) {
+    if is_in {
+        names.insert(name.to_owned());
+    } else {
+        names.remove(name);
+    }
+}
+
+fn loads_particles(c: &ParticleControl) -> bool {
+    c.force.is_some() || c.moment.is_some()
+}
+
+fn loads_group(c: &RigidControl) -> bool {
+    c.force.is_some() || c.moment.is_some() || c.stress.is_some()
+}
+
+/// Whether an entry takes a load away.
+fn is_zero(force: Option<(f64, f64)>, moment: Option<f64>) -> bool {
+    force.unwrap_or_default() == (0.0, 0.0) && moment.unwrap_or_default() == 0.0
 }
 
 fn has_load(control: &WallControl) -> bool {
     matches!(control, WallControl::Force(_) | WallControl::Stress { .. } | WallControl::Lid { .. })
 }
 
-/// Checks a stage with bonds.
+/// Checks a stage with bonds, before which the loads `before` act; those that its entries of walls
+/// and membranes set are in `standing`.
 fn of_stage(
     context: &Context,
-    i: usize,
-    stage: &Load,
-    loaded: &BTreeSet<&str>,
+    (i, stage): (usize, &Load),
+    before: &Standing,
+    standing: &Standing,
     findings: &mut Findings,
 ) {
     let scene = context.scene;
@@ -87,8 +153,8 @@ fn of_stage(
     if stage.gravity.unwrap_or(scene.gravity) != (0.0, 0.0) {
         refuse(&own(stage.gravity.is_some(), "gravity"), "with gravity");
     }
-    for name in loaded {
-        let is_here = stage.walls.contains_key(*name);
+    for name in &standing.walls {
+        let is_here = stage.walls.contains_key(name);
         let path = if is_here { format!("{stage_path}.walls.{name}") } else { stage_path.clone() };
         refuse(&path, &format!("with a load on wall `{name}`"));
     }
@@ -105,9 +171,12 @@ fn of_stage(
             }
         }
     }
-    let moves = |motion: Motion| !matches!(motion, Motion::Free | Motion::Held);
+    let moves = |motion: Motion| match motion {
+        Motion::Free | Motion::Held => false,
+        Motion::Displacement(u) | Motion::Velocity(u) => u != 0.0,
+    };
     for (k, c) in stage.particles.iter().enumerate() {
-        if c.force.is_some() || c.moment.is_some() {
+        if loads_particles(c) {
             refuse(&format!("{stage_path}.particles[{k}]"), "with loads on particles");
         }
         if [c.x, c.y, c.rotation].into_iter().any(moves) || c.affine.is_some() {
@@ -115,18 +184,35 @@ fn of_stage(
         }
     }
     for (name, c) in &stage.rigid {
-        if c.force.is_some() || c.moment.is_some() {
+        if loads_group(c) {
             refuse(&format!("{stage_path}.rigid.{name}"), "with a load on a rigid group");
         }
         if [c.x, c.y, c.rotation].into_iter().any(moves) {
             driven.push(format!("rigid.{name}"));
         }
     }
+    let is_here = |selection: &String| {
+        let mut own = stage.particles.iter().filter(|c| loads_particles(c));
+        own.any(|c| format!("{:?}", c.select) == *selection)
+    };
+    if before.particles.iter().any(|selection| !is_here(selection)) {
+        refuse(&stage_path, "with loads that particles keep from an earlier stage");
+    }
+    for name in &before.rigid {
+        let is_here = stage.rigid.get(name).is_some_and(loads_group);
+        if !is_here && !stage.release.contains(name) {
+            let what = format!("with the load that rigid group `{name}` keeps");
+            refuse(&stage_path, &what);
+        }
+    }
+    for name in &standing.membranes {
+        let is_here = stage.membranes.contains_key(name);
+        let own = format!("{stage_path}.membranes.{name}");
+        let path = if is_here { &own } else { &stage_path };
+        refuse(path, &format!("with membrane `{name}`"));
+    }
     if scene.cell.is_some() {
         refuse("cell", "with a periodic cell");
-    }
-    if !stage.membranes.is_empty() {
-        refuse(&format!("{stage_path}.membranes"), "with a membrane");
     }
     if let [first, second, ..] = &driven[..] {
         let what = format!("with a second imposed motion: `{first}` moves too");
