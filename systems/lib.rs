@@ -1,7 +1,7 @@
 //! Scheduled systems of the clastic engine, one per file, in the order of an increment: control
-//! walls and loads, gather bodies and check their values, make attempts, update the state, break bonds, record. An attempt
-//! detects contacts, assembles the cone program, solves it, and judges the solution. See
-//! [`schedule`].
+//! walls and loads, gather bodies and check their values, make attempts, update the state, break
+//! bonds, record. An attempt detects contacts, assembles the cone program, solves it, and judges
+//! the solution. See [`schedule`].
 
 pub mod assemble_program;
 pub mod assign_identities;
