@@ -2,7 +2,9 @@
 
 use glam::DVec2;
 
+use clastic_components::body::Ramp;
 use clastic_components::bond::BondId;
+use clastic_components::cell::PeriodicCell;
 use clastic_components::contact::{Bodies, Contact, Contacts};
 use clastic_components::contact_history::ContactHistory;
 use clastic_components::energy::{Changed, Energies, EnergyLedger, MotionEnergies};
@@ -31,9 +33,19 @@ pub struct Tables<'a> {
     pub corrections: &'a Corrections,
     /// Positions at the end, m.
     pub end: &'a [DVec2],
+    /// The periodic cell at the end.
+    pub end_cell: Option<PeriodicCell>,
+    /// Loads of the body of the cell along its axes in a whole increment, N, N, N m.
+    pub cell_loads: [Ramp; 3],
 }
 
 impl Tables<'_> {
+    /// Distance of the centres of a particle and of the nearest image of another at the end, m.
+    fn distance(&self, a: usize, b: usize) -> f64 {
+        let apart = self.end[b] - self.end[a];
+        self.end_cell.map_or(apart, |cell| apart + cell.shift(apart)).length()
+    }
+
     /// Rotation of a wall in the increment, rad.
     fn turned(&self, wall: usize) -> f64 {
         self.solution.displacements.get(wall).map_or(0.0, |u| u[2])
@@ -224,7 +236,7 @@ pub fn gap_at(tables: &Tables, contact: &Contact) -> f64 {
     let (bodies, positions) = (tables.bodies, tables.end);
     let (a, b) = (contact.a as usize, contact.b as usize);
     match bodies.radii.get(b) {
-        Some(radius) => positions[a].distance(positions[b]) - bodies.radii[a] - radius,
+        Some(radius) => tables.distance(a, b) - bodies.radii[a] - radius,
         None => match bodies.walls.iter().find(|w| w.body as usize == b) {
             Some(wall) if !wall.is_line() || tables.turned(b) != 0.0 => {
                 let near = wall.turned(tables.turned(b)).nearest(positions[b], positions[a]);

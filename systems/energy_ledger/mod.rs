@@ -29,10 +29,15 @@
 //! it gave, as long as the force is constant. `dilation` contains both, so that it stays near zero
 //! in steady sliding.
 //!
+//! **A periodic cell** is a body of the program like others. Its loads are the stresses times the area
+//! at the start of the increment, its reactions the work of imposed strains. In time steps the
+//! ledger has no term for it, so that scenes may not ask for both.
+//!
 //! A followed motion within a static increment ([`motion`](crate::attempt::motion)) is booked step
 //! by step. The work of the loads minus friction, rolling and rupture is the kinetic energy that
 //! was removed from the motion.
 
+mod cell;
 mod dynamic;
 mod interactions;
 mod quasi_static;
@@ -157,6 +162,10 @@ pub fn book_energies(solved: Solved, moved: Moved, mut ledger: ResMut<EnergyLedg
             end[i] = row.1.0;
         }
     }
+    let moved_cell = program.cell.map(|cell| {
+        let row = cell.body as usize;
+        program.bodies[row].to_global(solution.displacements[row])
+    });
     let tables = Tables {
         bodies,
         contacts: &solved.contacts,
@@ -168,6 +177,8 @@ pub fn book_energies(solved: Solved, moved: Moved, mut ledger: ResMut<EnergyLedg
         solution,
         corrections: &solved.corrections,
         end: &end,
+        end_cell: cell::deformed(bodies, moved_cell),
+        cell_loads: cell::loads(bodies, analysis, &solved.progress),
     };
     let mut e = Energies::default();
     let is_broken = |bond| ruptures.list.iter().any(|r| r.bond == bond);

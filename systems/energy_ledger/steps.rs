@@ -13,6 +13,7 @@ use clastic_cone::program::{ConeProgram, ConeSolution, Dof};
 
 use crate::gradual_release::work;
 
+use super::cell;
 use super::interactions::{Before, Tables, book};
 
 /// Adds a step before it is applied: with the memory of contacts at its end, the displacements of
@@ -41,6 +42,7 @@ pub(crate) fn book_step(
     }
     // The loads of the program contain the weight.
     e.external -= e.gravity;
+    // The row of a periodic cell follows those of all bodies.
     let end: Vec<DVec2> =
         bodies.positions.iter().zip(moved).map(|(x, u)| *x + DVec2::new(u[0], u[1])).collect();
     let tables = Tables {
@@ -54,6 +56,9 @@ pub(crate) fn book_step(
         solution,
         corrections: world.resource(),
         end: &end,
+        end_cell: cell::deformed(bodies, moved.get(bodies.positions.len()).copied()),
+        // The loads of a step are constant.
+        cell_loads: Default::default(),
     };
     let ruptures = world.resource::<Ruptures>();
     let is_broken = |bond| ruptures.list.iter().chain(broken).any(|r| r.bond == bond);

@@ -11,6 +11,7 @@ use clastic_cone::program::{ConeProgram, Dof, Interaction, Limits};
 use super::dynamic::turned_work;
 use super::interactions::Tables;
 use super::quasi_static::Starts;
+use crate::assemble_program::cell::set_images;
 use crate::assemble_program::groups::join;
 
 /// Adds the work of loads that vary linearly from start to end. The out-of-balance force at the
@@ -27,6 +28,7 @@ pub fn book(e: &mut Energies, tables: &Tables, starts: &Starts, is_jump: bool) {
         let key = (released.a, released.b);
         if contacts.0.binary_search_by_key(&key, |c| (c.a, c.b)).is_err() {
             let mut c = [bond_of(tables, released)];
+            set_images(bodies, &mut c);
             join(bodies, &mut c);
             let [c] = c;
             add(program, &c, &released.forces, &mut before);
@@ -55,6 +57,7 @@ pub fn book(e: &mut Energies, tables: &Tables, starts: &Starts, is_jump: bool) {
                     let end = free.load - free.inertia * u[k];
                     // Loads of an embedding program count as constant.
                     let grown = match wall.map(|wall| bodies.wall_drive(wall)) {
+                        None if i >= bodies.positions.len() => tables.cell_loads[k],
                         None if group.is_some() => group.map_or(Default::default(), |group| {
                             let at = |part| bodies.load_on_group(group, part, DVec2::ZERO)[k];
                             Ramp { from: at(0.0), to: at(1.0) }
@@ -80,7 +83,8 @@ fn bond_of(tables: &Tables, released: &Released) -> Interaction {
     let Tables { bodies, .. } = tables;
     let (a, b) = (released.a as usize, released.b as usize);
     let wall = bodies.walls.iter().find(|wall| wall.body == released.b);
-    let apart = bodies.positions[b] - bodies.positions[a];
+    let apart =
+        if wall.is_some() { bodies.positions[b] - bodies.positions[a] } else { bodies.way(a, b) };
     let other = bodies.radii.get(b).copied().unwrap_or_default();
     let (normal, distance) = match wall {
         Some(wall) if !wall.is_line() => {
@@ -121,8 +125,9 @@ fn bond_of(tables: &Tables, released: &Released) -> Interaction {
 
 /// Adds the forces of an interaction to the resistance of its bodies.
 fn add(program: &ConeProgram, c: &Interaction, f: &[f64; 3], rows: &mut [[f64; 3]]) {
-    for (body, first) in [(c.a as usize, true), (c.b as usize, false)] {
-        let g = c.rows(program.bodies[body].axis, first);
+    let of_bodies = [(c.a as usize, true), (c.b as usize, false)]
+        .map(|(body, first)| (body, c.rows(program.bodies[body].axis, first)));
+    for (body, g) in of_bodies.into_iter().chain(program.rows_of_cell(c)) {
         for (row, g) in rows[body].iter_mut().zip(&g) {
             *row += g[0] * f[0] + g[1] * f[1] + g[2] * f[2];
         }

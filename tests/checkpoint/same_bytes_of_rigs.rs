@@ -22,7 +22,9 @@ fn a_periodic_cell_under_both_laws() {
             "stages.confine.increments=2",
             "stages.shear.increments=5",
         ];
-        let records = same_from_anywhere(&load("simple_shear_periodic", &sets), |k| k % 2 == 1);
+        let with_ledger: Vec<&str> = sets.into_iter().chain(["output=(energy: true)"]).collect();
+        let loaded = load("simple_shear_periodic", &with_ledger);
+        let records = same_from_anywhere(&loaded, |k| k % 2 == 1);
         assert!(records.iter().any(|o| o.stage == "shear" && o.fraction == 1.0));
         // With the mean stress held, in time steps.
         let mean = "stages.shear.cell=(mean: Stress(50.0e3), shear: Strain(0.02))";

@@ -10,6 +10,7 @@ mod analytic_dynamics;
 mod analytic_lattice;
 mod avalanches;
 mod biaxial;
+mod cell_energy;
 mod changed_stress;
 mod column_collapse;
 mod coming_and_going;

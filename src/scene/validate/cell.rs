@@ -2,7 +2,7 @@
 
 use std::fmt::Arguments;
 
-use crate::scene::format::{CellTarget, Compact, CompactRest, CompactTarget, Load};
+use crate::scene::format::{Analysis, CellTarget, Compact, CompactRest, CompactTarget, Load};
 use crate::scene::format::{Scene, Sizes, Specimen, Stage};
 use crate::scene::spans::join;
 
@@ -51,9 +51,12 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
         let help = "leave it out, and take smaller increments";
         findings.add(format_args!("corrector"), "a corrector in a periodic cell", help);
     }
-    if scene.output.energy {
-        let help = "leave it out; the measure `ElasticEnergy` is defined";
-        findings.add(format_args!("output.energy"), "an energy ledger of a periodic cell", help);
+    let is_dynamic = |load: &Load| load.analysis.unwrap_or(scene.analysis) != Analysis::Static;
+    if scene.output.energy && scene.stages.iter().filter_map(Stage::load).any(is_dynamic) {
+        let help = "leave it out, or make all loading stages static; the measures `KineticEnergy` and \
+                    `ElasticEnergy` are defined in both";
+        let what = "an energy ledger of a periodic cell with dynamic stages";
+        findings.add(format_args!("output.energy"), what, help);
     }
     if let Some(state) = of_state.filter(|state| !state.gives_cell) {
         let (what, help) = match state.cell {
