@@ -3,7 +3,7 @@
 //! The threads are those of the rayon pool in which the solver is called, or of the global pool.
 
 use std::ops::Range;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
@@ -48,13 +48,33 @@ pub fn split<T>(slice: &mut [T], ranges: impl Iterator<Item = Range<usize>>) -> 
 pub struct Lent<T>(Mutex<Vec<T>>);
 
 impl<T: Default> Lent<T> {
+    fn free(&self) -> MutexGuard<'_, Vec<T>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// Calls `f` with memory that is not in use.
     pub fn with<R>(&self, f: impl FnOnce(&mut T) -> R) -> R {
-        let lent = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let last = lent().pop();
+        let last = self.free().pop();
         let mut memory = last.unwrap_or_default();
         let result = f(&mut memory);
-        lent().push(memory);
+        self.free().push(memory);
         result
+    }
+}
+
+impl Lent<Vec<f64>> {
+    /// At least `len` numbers of any value: those that fit best, or else new ones.
+    pub fn take(&self, len: usize) -> Vec<f64> {
+        let mut free = self.free();
+        let fits = (0..free.len()).filter(|k| free[*k].len() >= len);
+        let best = fits.min_by_key(|k| free[*k].len());
+        let taken = best.map(|best| free.swap_remove(best));
+        drop(free);
+        taken.unwrap_or_else(|| vec![0.0; len])
+    }
+
+    /// Takes numbers back.
+    pub fn give(&self, numbers: Vec<f64>) {
+        self.free().push(numbers);
     }
 }

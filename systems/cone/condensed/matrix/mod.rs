@@ -18,7 +18,10 @@ mod ordering;
 mod packed;
 mod pattern;
 mod schedule;
+mod share;
 mod tasks;
+#[cfg(test)]
+mod temp_test;
 mod unsymmetric;
 mod work;
 
@@ -35,7 +38,7 @@ use self::schedule::{downward, upward};
 pub use self::unsymmetric::UnsymmetricMatrix;
 use self::work::{copy_from_above, gather_below};
 use super::images::Images;
-use super::parallel::{Lent, split};
+use super::parallel::{Lent, is_alone, split};
 use crate::adjacency::Adjacency;
 
 /// Shifts of the diagonal, over its maximum, that make up for round-off: a hundred times the unit
@@ -53,6 +56,7 @@ pub struct BodyMatrix {
     pattern: Pattern,
     parts: Vec<Part>,
     current: Lent<Current>,
+    updates: Lent<Vec<f64>>,
     images: Images,
     instructions: Arch,
 }
@@ -110,6 +114,7 @@ impl BodyMatrix {
             pairs: places,
             parts: (0..fronts.tasks.len()).map(|task| Part::new(&fronts, task)).collect(),
             current: Lent::default(),
+            updates: Lent::default(),
             pattern: Pattern { fronts, starts, targets, target_starts },
             images: Images::default(),
             instructions: Arch::new(),
@@ -190,16 +195,34 @@ impl BodyMatrix {
     /// as it was. `x` is in the order of elimination.
     #[must_use = "without a factor the right side is where the solution would be"]
     pub fn factorise_and_solve(&mut self, x: &mut [[f64; 3]]) -> bool {
-        let Self { values, pattern, parts, current, instructions, .. } = self;
+        let Self { values, pattern, parts, current, updates, instructions, .. } = self;
         let fronts = &pattern.fronts;
         let right = &*x;
+        let share = (!is_alone()).then_some(*instructions);
         let definite = upward(&fronts.sizes, parts, &|task, below, part| {
             let work_of = |other: usize| &below[other + below.len() - task].work[..];
             gather_below(fronts, task, right, work_of, &mut part.work);
-            current.with(|current| {
-                instructions.dispatch(Eliminate { pattern, values, task, part, below, current })
-            })
+            part.updates = updates.take(fronts.tasks[task].update_len.iter().sum());
+            let definite = current.with(|current| {
+                let below = &*below;
+                instructions.dispatch(Eliminate {
+                    pattern,
+                    values,
+                    task,
+                    part,
+                    below,
+                    current,
+                    share,
+                })
+            });
+            let number = below.len();
+            for other in &fronts.below[task] {
+                updates.give(std::mem::take(&mut below[other + number - task].updates));
+            }
+            definite
         });
+        let left = parts.iter_mut().map(|part| std::mem::take(&mut part.updates));
+        left.filter(|left| !left.is_empty()).for_each(|left| updates.give(left));
         if definite {
             self.solve_backward(x);
         }

@@ -6,10 +6,10 @@
 
 use std::ops::Range;
 
-use pulp::{Simd, WithSimd};
+use pulp::{Arch, Simd, WithSimd};
 
 use super::dense::{self, LANES, Triangle};
-use super::fronts::{Front, Fronts};
+use super::fronts::{Front, Fronts, Task};
 use super::packed;
 use super::pattern::{DIAGONAL, PAIR, Pattern};
 
@@ -19,8 +19,9 @@ pub struct Part {
     factor: Vec<f64>,
     /// Its diagonal blocks, in the order of elimination.
     triangles: Vec<Triangle>,
-    /// Updates that wait for the parents of their fronts: of fronts in even and in odd depth.
-    updates: [Vec<f64>; 2],
+    /// Updates that wait for the parents of their fronts: of fronts in even depth, then in odd
+    /// depth. Lent until the task above has taken them.
+    pub updates: Vec<f64>,
     /// Right side and solution of its bodies, then of those beyond: the task adds to their right
     /// side and needs their solution.
     pub work: Vec<[f64; 3]>,
@@ -58,14 +59,14 @@ impl Part {
         Self {
             factor: vec![0.0; task.factor_len],
             triangles: vec![[0.0; 6]; task.places.len()],
-            updates: task.update_len.map(|len| vec![0.0; len]),
+            updates: Vec::new(),
             work: vec![[0.0; 3]; task.bodies()],
         }
     }
 
-    fn update(&self, front: &Front) -> &[f64] {
-        let start = front.update;
-        &self.updates[usize::from(front.odd)][start..start + front.update_len()]
+    fn update(&self, task: &Task, front: &Front) -> &[f64] {
+        let start = front.update + if front.odd { task.update_len[0] } else { 0 };
+        &self.updates[start..start + front.update_len()]
     }
 }
 
@@ -125,21 +126,23 @@ pub struct Eliminate<'a> {
     /// The other tasks of its subtrees.
     pub below: &'a [Part],
     pub current: &'a mut Current,
+    /// The instructions of the machine, if the threads of the pool share the work on large fronts.
+    pub share: Option<Arch>,
 }
 
 impl WithSimd for Eliminate<'_> {
     type Output = bool;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> bool {
-        let Self { pattern, values, task, part, below, current } = self;
+    fn with_simd<S: Simd>(self, simd: S) -> bool {
+        let Self { pattern, values, task, part, below, current, share } = self;
         let fronts = &pattern.fronts;
         let first_below = task - below.len();
         let own = fronts.tasks[task].fronts.clone();
         current.fit(&fronts.list[own.clone()]);
         let Current { panel, packed, work: front_work } = current;
         let Part { factor, triangles, updates, work } = part;
-        let [even, odd] = updates;
+        let (even, odd) = updates.split_at_mut(fronts.tasks[task].update_len[0]);
         for number in own.clone() {
             let front = &fronts.list[number];
             let (height, width) = (front.height(), front.width());
@@ -163,7 +166,8 @@ impl WithSimd for Eliminate<'_> {
                 if child >= own.start {
                     return &theirs[front.update..front.update + front.update_len()];
                 }
-                below[fronts.task_of(child) - first_below].update(front)
+                let other = fronts.task_of(child);
+                below[other - first_below].update(&fronts.tasks[other], front)
             };
             for child in children.iter().map(|c| *c as usize) {
                 let (update, child) = (update_of(child), &fronts.list[child]);
@@ -175,20 +179,24 @@ impl WithSimd for Eliminate<'_> {
             let definite = if packed.is_empty() {
                 dense::factorise(panel, height, triangles)
             } else {
-                packed::factorise(panel, height, triangles, packed)
+                packed::factorise(simd, share, panel, height, triangles, packed)
             };
             if !definite {
                 return false;
             }
             let kept = &mut factor[front.factor.clone()];
-            dense::keep(panel, height, front.bodies(), kept);
+            if packed.is_empty() {
+                dense::keep(panel, height, front.bodies(), kept);
+            } else {
+                packed::keep(packed, width, front.bodies(), kept);
+            }
             let rows = &fronts.rows[front.rows.clone()];
             solve_front(front, rows, kept, triangles, work, front_work);
             let update = &mut mine[front.update..front.update + front.update_len()];
             if packed.is_empty() {
                 dense::update(panel, height, width, front.bottom(), update);
             } else {
-                packed::update(packed, width, front.bottom(), update);
+                packed::update(simd, share, packed, width, front.bottom(), update);
             }
             for child in children.iter().map(|c| *c as usize) {
                 let (of_child, child) = (update_of(child), &fronts.list[child]);

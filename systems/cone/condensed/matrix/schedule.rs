@@ -11,7 +11,7 @@ use super::super::parallel::is_alone;
 pub fn upward<T: Send + Sync>(
     sizes: &[usize],
     data: &mut [T],
-    f: &(impl Fn(usize, &[T], &mut T) -> bool + Sync),
+    f: &(impl Fn(usize, &mut [T], &mut T) -> bool + Sync),
 ) -> bool {
     if sizes.len() > 1 && !is_alone() {
         return upward_in_parallel(sizes, 0, data, f);
@@ -27,7 +27,7 @@ fn upward_in_parallel<T: Send + Sync>(
     sizes: &[usize],
     first: usize,
     data: &mut [T],
-    f: &(impl Fn(usize, &[T], &mut T) -> bool + Sync),
+    f: &(impl Fn(usize, &mut [T], &mut T) -> bool + Sync),
 ) -> bool {
     let Some(size) = sizes.last() else { return true };
     let at = sizes.len() - size;
@@ -94,7 +94,7 @@ pub fn parents(sizes: &[usize]) -> Vec<Option<usize>> {
     let mut parents = vec![None; sizes.len()];
     let mut open: Vec<usize> = Vec::new();
     for k in (0..sizes.len()).rev() {
-        while open.last().is_some_and(|above| k <= above - sizes[*above]) {
+        while open.last().is_some_and(|above| k + sizes[*above] <= *above) {
             open.pop();
         }
         parents[k] = open.last().copied();

@@ -1,6 +1,6 @@
 //! The factor: LU factorisation of the fronts, and the solutions with it.
 
-use pulp::{Simd, WithSimd};
+use pulp::{Arch, Simd, WithSimd};
 
 use super::super::fronts::{Front, Fronts};
 use super::super::lu;
@@ -19,8 +19,10 @@ pub(super) struct Part {
     starts: Vec<[usize; 4]>,
     /// Sign of the determinant of the pivots; 0 if there is no factor.
     pub(super) sign: f64,
-    /// Updates that wait for the parents of their fronts.
-    updates: Vec<f64>,
+    /// Updates that wait for the parents of their fronts, lent until the task above has taken them,
+    /// and their maximum length.
+    pub(super) updates: Vec<f64>,
+    pub(super) update_len: usize,
     /// Right side and solution of its bodies, then of those beyond.
     pub(super) work: Vec<[f64; 3]>,
 }
@@ -82,7 +84,8 @@ impl Part {
             exchanged: vec![0; at[2]],
             starts,
             sign: 0.0,
-            updates: vec![0.0; max_waiting],
+            updates: Vec::new(),
+            update_len: max_waiting,
             work: vec![[0.0; 3]; task.bodies()],
         }
     }
@@ -105,14 +108,17 @@ pub(super) struct Eliminate<'a> {
     /// The other tasks of its subtrees.
     pub(super) below: &'a [Part],
     pub(super) current: &'a mut Current,
+    /// The instructions of the machine, if the threads of the pool share the work on large fronts.
+    pub(super) share: Option<Arch>,
 }
 
 impl WithSimd for Eliminate<'_> {
     type Output = bool;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> bool {
-        let Self { fronts, values: (bodies, pairs, in_front), task, part, below, current } = self;
+    fn with_simd<S: Simd>(self, simd: S) -> bool {
+        let Self { fronts, values: (bodies, pairs, in_front), task, part, below, current, share } =
+            self;
         let first_below = task - below.len();
         let task = &fronts.tasks[task];
         current.fit(&fronts.list[task.fronts.clone()]);
@@ -149,7 +155,7 @@ impl WithSimd for Eliminate<'_> {
             let [at_lower, at_upper, at_pivots, at_update] =
                 part.starts[number - task.fronts.start];
             let exchanged = &mut part.exchanged[at_pivots..at_pivots + width];
-            sign *= lu::factorise(square, height, width, exchanged);
+            sign *= lu::factorise(simd, share, square, [height, width], exchanged);
             if sign == 0.0 {
                 return false;
             }

@@ -17,7 +17,7 @@ use super::work::{copy_from_above, gather_below};
 use super::{layout, ordering};
 use crate::adjacency::Adjacency;
 use crate::condensed::images::Images;
-use crate::condensed::parallel::{Lent, in_pool, split};
+use crate::condensed::parallel::{Lent, in_pool, is_alone, split};
 
 /// Numbers in the block of a body and in the two blocks of a pair.
 const BODY: usize = 9;
@@ -36,6 +36,7 @@ pub struct UnsymmetricMatrix {
     in_front: Vec<Vec<(u32, [u32; 2])>>,
     parts: Vec<Part>,
     current: Lent<Current>,
+    updates: Lent<Vec<f64>>,
     images: Images,
     instructions: Arch,
 }
@@ -76,6 +77,7 @@ impl UnsymmetricMatrix {
             fronts,
             parts,
             current: Lent::default(),
+            updates: Lent::default(),
             images: Images::default(),
             instructions: Arch::new(),
         })
@@ -150,16 +152,35 @@ impl UnsymmetricMatrix {
     /// Factorises; whether all pivots are finite and none is zero.
     #[must_use]
     pub fn factorise(&mut self) -> bool {
-        let Self { fronts, bodies, pairs, in_front, parts, current, instructions, .. } = self;
-        in_pool(parts.len() > 1, || {
+        let Self { fronts, bodies, pairs, in_front, parts, current, updates, instructions, .. } =
+            self;
+        let share = (!is_alone()).then_some(*instructions);
+        let has_factor = in_pool(parts.len() > 1, || {
             upward(&fronts.sizes, parts, &|task, below, part| {
-                current.with(|current| {
+                part.updates = updates.take(part.update_len);
+                let has_factor = current.with(|current| {
                     let values = (&bodies[..], &pairs[..], &in_front[..]);
-                    let eliminate = Eliminate { fronts, values, task, part, below, current };
-                    instructions.dispatch(eliminate)
-                })
+                    let below = &*below;
+                    instructions.dispatch(Eliminate {
+                        fronts,
+                        values,
+                        task,
+                        part,
+                        below,
+                        current,
+                        share,
+                    })
+                });
+                let number = below.len();
+                for other in &fronts.below[task] {
+                    updates.give(std::mem::take(&mut below[other + number - task].updates));
+                }
+                has_factor
             })
-        })
+        });
+        let left = parts.iter_mut().map(|part| std::mem::take(&mut part.updates));
+        left.filter(|left| !left.is_empty()).for_each(|left| updates.give(left));
+        has_factor
     }
 
     /// Sign of the determinant of the matrix that was factorised last.
