@@ -75,6 +75,8 @@ impl Lent<Vec<f64>> {
 
     /// Takes numbers back.
     pub fn give(&self, numbers: Vec<f64>) {
-        self.free().push(numbers);
+        if !numbers.is_empty() {
+            self.free().push(numbers);
+        }
     }
 }

@@ -35,10 +35,8 @@ impl Groups {
         let mut rest = Cells::default();
         for (number, local) in program.locals.iter().enumerate() {
             let [a, b] = local.bodies.map(|i| bodies.partition_point(|branch| branch.end <= i));
-            let is_within = a == b
-                && bodies
-                    .get(a)
-                    .is_some_and(|branch| local.bodies.iter().all(|i| branch.contains(i)));
+            let branch = bodies.get(a).filter(|branch| a == b && branch.contains(&local.bodies[0]));
+            let is_within = branch.is_some_and(|branch| branch.contains(&local.bodies[1]));
             let cells = if is_within { &mut branches[a] } else { &mut rest };
             cells.push(number, local, u, settings);
         }

@@ -9,6 +9,9 @@
 use std::ops::Range;
 
 use super::dense::LANES;
+use super::packed::packed_len;
+use super::schedule::parents;
+use super::tasks::work;
 
 /// Number of branches in which passes over the interactions are divided, as far as the tree allows.
 const BRANCHES: usize = 16;
@@ -145,6 +148,9 @@ impl Fronts {
         };
         let maximum = self.order.len() / BRANCHES;
         let mut branches: Vec<Range<usize>> = Vec::new();
+        if self.tasks.len() < 2 {
+            return branches;
+        }
         let mut end = self.tasks.len();
         while end > 0 {
             let subtree = end - self.sizes[end - 1]..end;
@@ -162,5 +168,25 @@ impl Fronts {
         }
         branches.reverse();
         branches
+    }
+
+    /// Work of the longest path over that of the whole tree, where `threads` threads share the work
+    /// on large fronts.
+    pub fn longest_path(&self, threads: usize) -> f64 {
+        let (mut total, mut longest) = (0.0, 0.0_f64);
+        let mut below = vec![0.0_f64; self.tasks.len()];
+        for (k, (task, above)) in self.tasks.iter().zip(parents(&self.sizes)).enumerate() {
+            for front in &self.list[task.fronts.clone()] {
+                let work = work(front.pivots.len(), front.rows.len());
+                total += work;
+                below[k] += if packed_len(front) > 0 { work / threads as f64 } else { work };
+            }
+            longest = longest.max(below[k]);
+            if let Some(above) = above {
+                // The work of the task above is added when its turn comes.
+                below[above] = below[above].max(below[k]);
+            }
+        }
+        if total > 0.0 { longest / total } else { 1.0 }
     }
 }

@@ -201,4 +201,21 @@ mod tests {
         let mut front = vec![1.0; 2 * row_len(2)];
         assert_eq!(factorise(pulp::Scalar::new(), None, &mut front, [2, 2], &mut [0; 2]), 0.0);
     }
+
+    /// A front so large that threads share it has the same bytes as on one thread.
+    #[test]
+    fn a_shared_front_has_the_same_bytes() {
+        let (height, width) = (300, 45);
+        let len = row_len(height);
+        let matrix: Vec<f64> = (0..height * len)
+            .map(|k| if k / len == k % len { 300.0 } else { ((k * k) as f64).sin() })
+            .collect();
+        let on = |share: Option<Arch>| {
+            let (mut front, mut exchanged) = (matrix.clone(), vec![0; width]);
+            let simd = pulp::Scalar::new();
+            let sign = factorise(simd, share, &mut front, [height, width], &mut exchanged);
+            (sign, front, exchanged)
+        };
+        assert!(on(Some(Arch::new())) == on(None));
+    }
 }

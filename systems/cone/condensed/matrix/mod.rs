@@ -20,8 +20,6 @@ mod pattern;
 mod schedule;
 mod share;
 mod tasks;
-#[cfg(test)]
-mod temp_test;
 mod unsymmetric;
 mod work;
 
@@ -139,6 +137,14 @@ impl BodyMatrix {
         self.parts.len() > 1
     }
 
+    /// Work of the longest path of the tree of fronts over that of the whole tree, where `threads`
+    /// threads share the work on large fronts. No number of threads takes less than this part of
+    /// the time.
+    #[must_use]
+    pub fn longest_path(&self, threads: usize) -> f64 {
+        self.pattern.fronts.longest_path(threads)
+    }
+
     /// Ranges of bodies, in the order of elimination, that no pair joins: several threads can work
     /// on them at once. Empty if the work is too small for that.
     #[must_use]
@@ -222,7 +228,7 @@ impl BodyMatrix {
             definite
         });
         let left = parts.iter_mut().map(|part| std::mem::take(&mut part.updates));
-        left.filter(|left| !left.is_empty()).for_each(|left| updates.give(left));
+        left.for_each(|left| updates.give(left));
         if definite {
             self.solve_backward(x);
         }
