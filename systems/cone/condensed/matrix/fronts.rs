@@ -161,7 +161,7 @@ impl Fronts {
             end = subtree.start;
             match branches.last_mut() {
                 Some(last) if last.start == subtree.end && bodies(&(end..last.end)) <= maximum => {
-                    last.start = end
+                    last.start = end;
                 }
                 _ => branches.push(subtree),
             }
