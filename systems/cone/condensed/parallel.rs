@@ -63,14 +63,19 @@ impl<T: Default> Lent<T> {
 }
 
 impl Lent<Vec<f64>> {
-    /// At least `len` numbers of any value: those that fit best, or else new ones.
+    /// At least `len` numbers of any value: those that fit best. If none fit, the longest make room
+    /// for new ones, so that no more pieces are kept than were ever in use at once.
     pub fn take(&self, len: usize) -> Vec<f64> {
         let mut free = self.free();
         let fits = (0..free.len()).filter(|k| free[*k].len() >= len);
-        let best = fits.min_by_key(|k| free[*k].len());
-        let taken = best.map(|best| free.swap_remove(best));
+        if let Some(best) = fits.min_by_key(|k| free[*k].len()) {
+            return free.swap_remove(best);
+        }
+        if let Some(longest) = (0..free.len()).max_by_key(|k| free[*k].len()) {
+            free.swap_remove(longest);
+        }
         drop(free);
-        taken.unwrap_or_else(|| vec![0.0; len])
+        vec![0.0; len]
     }
 
     /// Takes numbers back.

@@ -25,6 +25,8 @@ pub struct Part {
     /// Right side and solution of its bodies, then of those beyond: the task adds to their right
     /// side and needs their solution.
     pub work: Vec<[f64; 3]>,
+    /// Numbers that its fronts need in [`Current`], each at most.
+    current: [usize; 3],
 }
 
 /// Numbers of the front that is being eliminated.
@@ -39,16 +41,14 @@ pub struct Current {
 
 impl Current {
     /// Makes room for all fronts of a task.
-    fn fit(&mut self, fronts: &[Front]) {
-        let fit = |numbers: &mut Vec<f64>, len: fn(&Front) -> usize| {
-            let len = fronts.iter().map(len).max().unwrap_or(0);
+    fn fit(&mut self, lengths: [usize; 3]) {
+        for (numbers, len) in
+            [&mut self.panel, &mut self.packed, &mut self.work].into_iter().zip(lengths)
+        {
             if numbers.len() < len {
                 *numbers = vec![0.0; len];
             }
-        };
-        fit(&mut self.panel, Front::panel_len);
-        fit(&mut self.packed, packed::packed_len);
-        fit(&mut self.work, |front| 3 * front.bodies() + LANES);
+        }
     }
 }
 
@@ -56,11 +56,18 @@ impl Part {
     /// Room for a task.
     pub fn new(fronts: &Fronts, task: usize) -> Self {
         let task = &fronts.tasks[task];
+        let list = &fronts.list[task.fronts.clone()];
+        let maximum = |of: fn(&Front) -> usize| list.iter().map(of).max().unwrap_or(0);
         Self {
             factor: vec![0.0; task.factor_len],
             triangles: vec![[0.0; 6]; task.places.len()],
             updates: Vec::new(),
             work: vec![[0.0; 3]; task.bodies()],
+            current: [
+                maximum(Front::panel_len),
+                maximum(packed::packed_len),
+                3 * maximum(Front::bodies) + LANES,
+            ],
         }
     }
 
@@ -139,9 +146,9 @@ impl WithSimd for Eliminate<'_> {
         let fronts = &pattern.fronts;
         let first_below = task - below.len();
         let own = fronts.tasks[task].fronts.clone();
-        current.fit(&fronts.list[own.clone()]);
+        current.fit(part.current);
         let Current { panel, packed, work: front_work } = current;
-        let Part { factor, triangles, updates, work } = part;
+        let Part { factor, triangles, updates, work, .. } = part;
         let (even, odd) = updates.split_at_mut(fronts.tasks[task].update_len[0]);
         for number in own.clone() {
             let front = &fronts.list[number];
@@ -263,9 +270,10 @@ impl WithSimd for Forward<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Self(fronts, task, Part { factor, triangles, work, .. }, current) = self;
+        let Self(fronts, task, part, current) = self;
+        current.fit(part.current);
+        let Part { factor, triangles, work, .. } = part;
         let list = &fronts.list[fronts.tasks[task].fronts.clone()];
-        current.fit(list);
         for front in list {
             let rows = &fronts.rows[front.rows.clone()];
             let kept = &factor[front.factor.clone()];
@@ -283,9 +291,10 @@ impl WithSimd for Backward<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Self(fronts, task, Part { factor, triangles, work, .. }, current) = self;
+        let Self(fronts, task, part, current) = self;
+        current.fit(part.current);
+        let Part { factor, triangles, work, .. } = part;
         let list = &fronts.list[fronts.tasks[task].fronts.clone()];
-        current.fit(list);
         for front in list.iter().rev() {
             let rows = &fronts.rows[front.rows.clone()];
             let local = gather(front, rows, work, &mut current.work);

@@ -3,7 +3,7 @@
 //!
 //! A subtree with at most a two-hundredth of the work is not cut; small ones that hang on the same
 //! task are taken together. Above them, every chain of fronts without a fork is one task. There are
-//! at most a thousand tasks therefore, however long the chains are. The cut follows from the
+//! at most about a thousand tasks therefore, however long the chains are. The cut follows from the
 //! pattern, not from the number of threads, and a task takes the results of those below it in their
 //! order: any number of threads gives the same bytes.
 

@@ -25,6 +25,8 @@ pub(super) struct Part {
     pub(super) update_len: usize,
     /// Right side and solution of its bodies, then of those beyond.
     pub(super) work: Vec<[f64; 3]>,
+    /// Rows of its highest front.
+    highest: usize,
 }
 
 /// Numbers of the front that is being eliminated, and its right side and solution.
@@ -36,8 +38,7 @@ pub(super) struct Current {
 
 impl Current {
     /// Makes room for all fronts of a task.
-    fn fit(&mut self, fronts: &[Front]) {
-        let highest = fronts.iter().map(height).max().unwrap_or(0);
+    fn fit(&mut self, highest: usize) {
         if self.local.len() < highest {
             self.front = vec![0.0; highest * lu::row_len(highest)];
             self.local = vec![0.0; highest];
@@ -87,6 +88,7 @@ impl Part {
             updates: Vec::new(),
             update_len: max_waiting,
             work: vec![[0.0; 3]; task.bodies()],
+            highest: fronts.list[task.fronts.clone()].iter().map(height).max().unwrap_or(0),
         }
     }
 
@@ -121,7 +123,7 @@ impl WithSimd for Eliminate<'_> {
             self;
         let first_below = task - below.len();
         let task = &fronts.tasks[task];
-        current.fit(&fronts.list[task.fronts.clone()]);
+        current.fit(part.highest);
         let bodies = &bodies[task.places.clone()];
         part.sign = 0.0;
         let mut sign = 1.0;
@@ -218,9 +220,10 @@ impl WithSimd for Forward<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Self(fronts, task, Part { lower, exchanged, starts, work, .. }, current) = self;
+        let Self(fronts, task, part, current) = self;
+        current.fit(part.highest);
+        let Part { lower, exchanged, starts, work, .. } = part;
         let list = &fronts.list[fronts.tasks[task].fronts.clone()];
-        current.fit(list);
         for (front, [at_lower, _, at_pivots, _]) in list.iter().zip(&*starts) {
             let width = front.width();
             let rows = &fronts.rows[front.rows.clone()];
@@ -249,9 +252,10 @@ impl WithSimd for Backward<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Self(fronts, task, Part { upper, starts, work, .. }, current) = self;
+        let Self(fronts, task, part, current) = self;
+        current.fit(part.highest);
+        let Part { upper, starts, work, .. } = part;
         let list = &fronts.list[fronts.tasks[task].fronts.clone()];
-        current.fit(list);
         for (front, [_, at_upper, ..]) in list.iter().zip(&*starts).rev() {
             let width = front.width();
             let rows = &fronts.rows[front.rows.clone()];
