@@ -41,8 +41,7 @@ fn after(loaded: &LoadedScene, increments: usize, threads: usize) -> Left {
         let program = simulation.world().resource::<ConeProgram>();
         let pairs: Vec<_> = program.interactions.iter().map(|c| (c.a, c.b)).collect();
         let matrix = BodyMatrix::new(program.bodies.len(), &pairs).unwrap();
-        let large = matrix.branches().into_iter().filter(|b| b.len() > program.bodies.len() / 10);
-        assert!(large.count() > 1, "nothing to do for a second thread");
+        assert!(matrix.branches().len() > 4, "nothing to do for a fifth thread");
         let history = simulation.world().resource::<ContactHistory>().clone();
         (records, states(&mut simulation), history)
     })
@@ -63,7 +62,7 @@ fn rock_that_breaks() {
     // The Newton iteration ends after 16 factorisations.
     assert!(records.iter().any(|r| r.iterations > 16 * r.solves), "no interior point");
     assert!(records.iter().any(|r| r.solves > 1), "nothing solved twice");
-    for threads in [2, 3] {
+    for threads in [2, 5] {
         assert!(after(&loaded, 7, threads) == one, "{threads} threads");
     }
 }

@@ -1,11 +1,14 @@
-//! One thread against two: wall time of whole runs, and whether their results are
-//! the same bytes.
+//! One thread against two: wall time of whole runs, and whether their results are the same bytes.
+//! Work of the longest path of the tree of fronts, which no number of threads shortens.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use clastic::cone::condensed::matrix::BodyMatrix;
+use clastic::cone::program::ConeProgram;
 use clastic::output::plots::history::History;
 use clastic::output::{OutputError, directory};
+use clastic::run::{Simulation, Step};
 use rayon::ThreadPoolBuilder;
 
 use crate::clock::{Repetitions, median, time};
@@ -81,8 +84,42 @@ pub fn run(scenes: &Scenes, extent: Extent, scratch: &Path) -> Result<Part, Benc
     }
     let text = "Whole runs with all output but pictures. `wall_s` is the median wall time after \
         the scene was read, `solve_s` the sum of all solves of the last run. Below a \
-        thousand disks the matrix has no branches.";
-    Ok(Part { name: "threads", text: text.to_owned(), tables: vec![table], charts: Vec::new() })
+        thousand disks a solve uses one thread. `path` is the work of the longest path \
+        of the tree of fronts over that of the whole tree; in `shared_path` 16 threads \
+        share the work on each large front. `limit_of_16` is the speed-up of the factorisation that \
+        16 threads cannot exceed.";
+    let tables = vec![table, paths(scenes, extent)?];
+    Ok(Part { name: "threads", text: text.to_owned(), tables, charts: Vec::new() })
+}
+
+/// The longest path of the tree of fronts, for rock of several sizes.
+fn paths(scenes: &Scenes, extent: Extent) -> Result<Table, BenchError> {
+    let mut table = Table::new(
+        "threads_path",
+        "Longest path of the tree of fronts of bonded rock",
+        &["bodies", "path", "shared_path", "limit_of_16"],
+    );
+    let sizes = [(1, 1), (2, 2), (5, 3)];
+    for (columns, rows) in &sizes[..if extent == Extent::Quick { 2 } else { 3 }] {
+        let boxed = scenes.rock(true)?.tiled(*columns, *rows);
+        let loaded = scenes.compression_of(boxed, 1)?;
+        let mut simulation = Simulation::new(&loaded.scene, loaded.specimen.as_ref());
+        if simulation.step() != Step::Increment {
+            return Err(BenchError::Run("threads: no increment".to_owned()));
+        }
+        let program = simulation.world().resource::<ConeProgram>();
+        let pairs: Vec<_> = program.interactions.iter().map(|c| (c.a, c.b)).collect();
+        let matrix = BodyMatrix::new(program.bodies.len(), &pairs)
+            .ok_or_else(|| BenchError::Run("threads: no matrix".to_owned()))?;
+        let shared = matrix.longest_path(16);
+        table.rows.push(vec![
+            program.bodies.len().into(),
+            matrix.longest_path(1).into(),
+            shared.into(),
+            (1.0 / shared).min(16.0).into(),
+        ]);
+    }
+    Ok(table)
 }
 
 /// Whether two run directories hold the same files, timings apart.

@@ -285,10 +285,10 @@ fn a_large_front() {
     }
 }
 
-/// A graph large enough for branches: no pair joins two of them, and the solution is that of all
-/// its rows on any number of threads, byte for byte.
+/// A graph large enough for several threads: no pair joins two branches, and the solution is that
+/// of all its rows on any number of threads, byte for byte.
 #[test]
-fn branches_and_trunk() {
+fn several_threads() {
     // A square of 36 x 36 bodies, a body that touches one side of it, and a few that touch nothing.
     let side: u32 = 36;
     let wall = side * side;
@@ -310,9 +310,10 @@ fn branches_and_trunk() {
     let sample = Sample { weights: vec![1e-3; bodies], interactions };
     let matrix = sample.matrix();
     let branches = matrix.branches();
-    let large = branches.iter().filter(|branch| branch.len() > bodies / 10);
-    assert!(large.count() > 1 && branches.len() <= 4, "{branches:?}");
-    assert!(branches[branches.len() - 1].end < bodies, "no trunk");
+    assert!(branches.len() > 8, "{branches:?}");
+    let within: usize = branches.iter().map(ExactSizeIterator::len).sum();
+    assert!(within > bodies / 2 && branches.is_sorted_by(|a, b| a.end <= b.start), "{branches:?}");
+    assert!(branches.iter().all(|branch| branch.len() <= bodies / 16), "{branches:?}");
     let mut place = vec![0; bodies];
     for (k, &body) in matrix.order().iter().enumerate() {
         place[body] = k;
@@ -330,7 +331,7 @@ fn branches_and_trunk() {
             assert!(factorise_and_solve(&mut matrix, &mut x));
             in_its_order(&mut matrix, &mut again, BodyMatrix::solve);
             assert_eq!(x, again);
-            // Not positive definite in a branch, and in the trunk.
+            // Not positive definite in the first front, and in the last.
             for place in [0, bodies - 1] {
                 let mut matrix = sample.matrix();
                 matrix.assembly().add_diagonal(place, 1, -1e9);
@@ -342,13 +343,44 @@ fn branches_and_trunk() {
         })
     };
     let one = on(1);
-    assert_eq!(on(2), one);
-    assert_eq!(on(3), one);
+    for threads in [2, 5] {
+        assert_eq!(on(threads), one);
+    }
     let error = relative_defect(&sample, &sample.dense(), &one);
     assert!(error <= 1.0, "{error:e}");
 }
 
-/// Bodies that touch nothing have no trunk, and a pair that is there twice counts twice.
+/// Trees of fronts that are as deep as there are bodies, or as wide, solved on two threads, whose
+/// stacks are small. The graphs are a chain of bodies, a chain of small squares, and a body with
+/// many chains.
+#[test]
+fn long_chains_of_fronts_do_not_overflow_the_stack() {
+    let count: u32 = 60_000;
+    let chain: Vec<(u32, u32)> = (0..count - 1).map(|i| (i, i + 1)).collect();
+    let squares = (0..count - 3).step_by(3);
+    let squares = squares.flat_map(|i| [(i, i + 1), (i, i + 2), (i + 1, i + 3), (i + 2, i + 3)]);
+    let star = (1..count).map(|i| (if i % 60 == 1 { 0 } else { i - 1 }, i));
+    let (rows, d) = ([[[1.0, 0.0], [0.0, 1.0], [0.5, 0.0]]; 2], [[2.0, 0.0], [0.0, 1.0]]);
+    for pairs in [chain, squares.collect(), star.collect()] {
+        let on = |threads: usize| {
+            let stack = 256 << 10;
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).stack_size(stack);
+            pool.build().unwrap().install(|| {
+                let mut matrix = BodyMatrix::new(count as usize, &pairs).expect("an order");
+                let mut values = matrix.assembly();
+                (0..count as usize)
+                    .for_each(|i| (0..3).for_each(|k| values.add_diagonal(i, k, 1.0)));
+                (0..pairs.len()).for_each(|k| values.add(k, &rows, &d));
+                let mut x = right_side(count as usize);
+                assert!(factorise_and_solve(&mut matrix, &mut x));
+                x
+            })
+        };
+        assert!(on(2) == on(1));
+    }
+}
+
+/// Bodies that touch nothing are in subtrees of their own, and a pair that is there twice counts twice.
 #[test]
 fn bodies_that_touch_little() {
     let (rows, d) = ([[[1.0, 0.0], [0.0, 1.0], [0.5, 0.0]]; 2], [[2.0, 0.0], [0.0, 1.0]]);

@@ -61,7 +61,7 @@ pub struct Attempt<'a> {
     matrix: &'a mut BodyMatrix,
     demand: Demand,
     order: Vec<usize>,
-    has_branches: bool,
+    is_shared: bool,
     /// The program in the units of its scales.
     pub scaled: Scaled,
     /// Whether the program is static with some bodies that are not regularised. A later attempt
@@ -78,11 +78,11 @@ impl<'a> Attempt<'a> {
         demand: Demand,
     ) -> Self {
         let order = matrix.order().to_vec();
-        let has_branches = !matrix.branches().is_empty();
+        let is_shared = matrix.is_shared();
         let scaled = Scaled::new(program, &order);
         matrix.set_images(&scaled.images);
         let is_undamped = !scaled.is_damped() && !program.is_dynamic();
-        Self { program, settings, matrix, demand, order, has_branches, scaled, is_undamped }
+        Self { program, settings, matrix, demand, order, is_shared, scaled, is_undamped }
     }
 
     /// Displacements as a start, in units and order of the matrix; zero for bodies that are too
@@ -136,7 +136,7 @@ impl<'a> Attempt<'a> {
     ) -> (Newton, ConeSolution) {
         let settings = self.settings;
         let Self { scaled, matrix, .. } = self;
-        let result = in_pool(self.has_branches, || {
+        let result = in_pool(self.is_shared, || {
             local::solve(scaled, matrix, start, &settings.newton, &settings.local, goal)
         });
         *iterations += result.iterations;
@@ -166,7 +166,7 @@ impl<'a> Attempt<'a> {
                 let found = solution(program, order, tolerance, &point.u, &point.s, 0, "");
                 found.status == SolveStatus::Solved
             };
-            let result = in_pool(self.has_branches, || {
+            let result = in_pool(self.is_shared, || {
                 let warm = start.forces.as_deref().map(|f| raised(f, &settings.warm));
                 let start = &start.displacements;
                 interior::solve_from(

@@ -40,7 +40,7 @@ impl Condensed {
         self.prepare(&motion)?;
         let matrix = self.matrix.as_mut()?;
         let order = matrix.order().to_vec();
-        let has_branches = !matrix.branches().is_empty();
+        let is_shared = matrix.is_shared();
         let scaled = Scaled::new(&motion, &order);
         matrix.set_images(&scaled.images);
         let proof = |point: &Interior| proof(program, &motion, &order, point);
@@ -49,7 +49,7 @@ impl Condensed {
         let vanishes = |point: &Interior| interior::max_magnitude(&point.u) <= minimum;
         let start = vec![[0.0; 3]; order.len()];
         let goal = interior::Goal::enough(settings.proof.residual, settings.proof.max_residual);
-        let point = in_pool(has_branches, || {
+        let point = in_pool(is_shared, || {
             interior::solve(&scaled, matrix, &start, &settings.interior, goal, |point| {
                 vanishes(point) || proof(point).is_some()
             })

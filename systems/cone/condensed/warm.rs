@@ -86,7 +86,7 @@ impl Condensed {
         self.prepare(&part)?;
         let matrix = self.matrix.as_mut()?;
         let order = matrix.order().to_vec();
-        let has_branches = !matrix.branches().is_empty();
+        let is_shared = matrix.is_shared();
         let own = Scaled::new(&part, &order);
         let start: Vec<[f64; 3]> = order.iter().map(|i| u[*i]).collect();
         let forces: Vec<[f64; 3]> = kept.iter().map(|k| s[*k]).collect();
@@ -100,7 +100,7 @@ impl Condensed {
         let residual = (tolerance / self.settings.interior_margin).max(ROUND_OFF);
         let goal = interior::Goal::enough(residual, tolerance);
         let warm = Some(raised(&forces, &self.settings.warm));
-        let result = in_pool(has_branches, || {
+        let result = in_pool(is_shared, || {
             interior::solve_from(
                 &own,
                 matrix,

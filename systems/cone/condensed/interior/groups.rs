@@ -1,7 +1,7 @@
 //! The interactions by branches of the body matrix, so that several threads pass over them at once.
 //!
 //! Interactions within a branch touch no body and no block of the matrix of another branch.
-//! Interactions that touch the trunk come after all branches. Sums are over the branches in their
+//! The other interactions come after all branches. Sums are over the branches in their
 //! order, whatever the number of threads.
 
 use std::ops::Range;
@@ -18,7 +18,7 @@ pub struct Groups {
     branches: Vec<Cells>,
     /// Bodies of each branch.
     bodies: Vec<Range<usize>>,
-    /// Interactions that touch the trunk.
+    /// Interactions that touch a body outside of the branches.
     rest: Cells,
 }
 
@@ -35,8 +35,10 @@ impl Groups {
         let mut rest = Cells::default();
         for (number, local) in program.locals.iter().enumerate() {
             let [a, b] = local.bodies.map(|i| bodies.partition_point(|branch| branch.end <= i));
-            let cells = if a == b { branches.get_mut(a) } else { None };
-            cells.unwrap_or(&mut rest).push(number, local, u, settings);
+            let branch = bodies.get(a).filter(|branch| a == b && branch.contains(&local.bodies[0]));
+            let is_within = branch.is_some_and(|branch| branch.contains(&local.bodies[1]));
+            let cells = if is_within { &mut branches[a] } else { &mut rest };
+            cells.push(number, local, u, settings);
         }
         Self { branches, bodies, rest }
     }
@@ -50,7 +52,7 @@ impl Groups {
         maximum
     }
 
-    /// The interactions branch by branch, then those of the trunk.
+    /// The interactions branch by branch, then the others.
     pub fn all(&mut self) -> impl Iterator<Item = &mut Cells> {
         self.branches.iter_mut().chain([&mut self.rest])
     }
@@ -90,7 +92,7 @@ impl Groups {
         &'a mut self,
         rows: &'a mut [[f64; 3]],
     ) -> impl Iterator<Item = (&'a mut Cells, Rows<'a>)> {
-        let (pieces, _) = split(rows, self.bodies.iter().cloned());
+        let pieces = split(rows, self.bodies.iter().cloned());
         let rows = |(bodies, rows): (&Range<usize>, _)| Rows { first: bodies.start as u32, rows };
         self.branches.iter_mut().zip(self.bodies.iter().zip(pieces).map(rows))
     }

@@ -103,12 +103,7 @@ pub fn factorise(panel: &mut [f64], height: usize, triangles: &mut [Triangle]) -
 
 /// Factorises three columns, after the products of the preceding columns have been subtracted.
 #[inline(always)]
-pub fn finish_block(
-    block: &mut [f64],
-    height: usize,
-    pivot: usize,
-    triangle: &mut Triangle,
-) -> bool {
+fn finish_block(block: &mut [f64], height: usize, pivot: usize, triangle: &mut Triangle) -> bool {
     let (x, rest) = block.split_at_mut(height);
     let (y, z) = rest.split_at_mut(height);
     let diagonal = [x[pivot], x[pivot + 1], x[pivot + 2], y[pivot + 1], y[pivot + 2], z[pivot + 2]];
@@ -132,7 +127,7 @@ fn is_pivot(x: f64) -> bool {
 
 /// Cholesky factor of a symmetric block, whose lower triangle is given by columns.
 #[inline(always)]
-fn factor_of([xx, xy, xz, yy, yz, zz]: [f64; 6]) -> Option<Triangle> {
+pub fn factor_of([xx, xy, xz, yy, yz, zz]: [f64; 6]) -> Option<Triangle> {
     if !is_pivot(xx) {
         return None;
     }

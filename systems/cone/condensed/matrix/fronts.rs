@@ -9,8 +9,14 @@
 use std::ops::Range;
 
 use super::dense::LANES;
+use super::packed::packed_len;
+use super::schedule::parents;
+use super::tasks::work;
 
-/// One front. Places of bodies count from the first body of its branch in [`Fronts::order`].
+/// Number of branches in which passes over the interactions are divided, as far as the tree allows.
+const BRANCHES: usize = 16;
+
+/// One front. Places of bodies are those within its task: see [`Fronts::within`].
 pub struct Front {
     /// Places of the pivots.
     pub pivots: Range<usize>,
@@ -20,9 +26,9 @@ pub struct Front {
     pub inside: usize,
     /// Range of its children in [`Fronts::children`].
     pub children: Range<usize>,
-    /// Range of its trapezoid in the factor of its branch.
+    /// Range of its trapezoid in the factor of its task.
     pub factor: Range<usize>,
-    /// Start of its update in a stack of its branch; `odd` selects one of the two stacks.
+    /// Start of its update in a stack of its task; `odd` selects one of the two stacks.
     pub update: usize,
     /// Whether its depth in the tree is odd, so that parent and child use different stacks.
     pub odd: bool,
@@ -60,17 +66,26 @@ impl Front {
     }
 }
 
-/// A branch of the tree, or the trunk.
+/// Some subtrees of the tree, without the parts of them that are tasks of their own.
 #[derive(Default)]
-pub struct Branch {
+pub struct Task {
     /// Its fronts.
     pub fronts: Range<usize>,
     /// Its bodies in the order of elimination.
     pub places: Range<usize>,
+    /// Range of the rows of its subtrees in [`Fronts::beyond`] and [`Fronts::beyond_above`].
+    pub beyond: Range<usize>,
     /// Numbers in its factor, without the triangles of the pivots.
     pub factor_len: usize,
     /// Maximum number of numbers in each of its two stacks of updates.
     pub update_len: [usize; 2],
+}
+
+impl Task {
+    /// Its bodies and the rows of its subtrees.
+    pub fn bodies(&self) -> usize {
+        self.places.len() + self.beyond.len()
+    }
 }
 
 /// All fronts, children before their parents.
@@ -79,12 +94,17 @@ pub struct Fronts {
     pub order: Vec<usize>,
     /// The fronts.
     pub list: Vec<Front>,
-    /// Branches, in the order of elimination.
-    pub branches: Vec<Branch>,
-    /// The trunk, after all branches.
-    pub trunk: Branch,
-    /// Places of the rows of all fronts, ascending within each. In a branch they count from its
-    /// first body, and bodies of the trunk follow those of the branch.
+    /// The tasks, in the order of elimination.
+    pub tasks: Vec<Task>,
+    /// Number of tasks in the subtrees of every task, itself included.
+    pub sizes: Vec<usize>,
+    /// The tasks directly below each.
+    pub below: Vec<Vec<usize>>,
+    /// For every task the bodies that are rows of its subtrees and are eliminated after them: their
+    /// places in [`order`](Self::order), ascending, and those within the task above.
+    pub beyond: Vec<u32>,
+    pub beyond_above: Vec<u32>,
+    /// Places of the rows of all fronts within their task, ascending for each front.
     pub rows: Vec<u32>,
     /// For every row, the start of its three numbers in a column of the parent's trapezoid.
     pub in_parent: Vec<u32>,
@@ -93,30 +113,80 @@ pub struct Fronts {
 }
 
 impl Fronts {
-    /// Branches and trunk.
-    pub fn parts(&self) -> impl Iterator<Item = &Branch> {
-        self.branches.iter().chain([&self.trunk])
-    }
-
-    /// Start of the block of a pivot and a body that is eliminated later, in the trapezoid of the
-    /// front of the pivot. Places are those in [`order`](Self::order).
-    pub fn target(&self, branch: &Branch, front: &Front, pivot: usize, other: usize) -> usize {
-        let [pivot, other] = [pivot, other].map(|place| self.within(branch, place));
-        let row = if other < front.pivots.end {
-            3 * (other - front.pivots.start)
-        } else {
-            let rows = &self.rows[front.rows.clone()];
-            front.width() + 3 * rows.partition_point(|r| (*r as usize) < other)
-        };
-        3 * (pivot - front.pivots.start) * front.height() + row
-    }
-
-    /// The place of a body as its branch counts: its own bodies first, then those of the trunk.
-    pub fn within(&self, branch: &Branch, place: usize) -> usize {
-        if place < branch.places.end {
-            place - branch.places.start
-        } else {
-            branch.places.len() + place - self.trunk.places.start
+    /// The place of a body within a task: its own bodies come first, then those beyond.
+    pub fn within(&self, task: &Task, place: usize) -> usize {
+        if place < task.places.end {
+            return place - task.places.start;
         }
+        let beyond = &self.beyond[task.beyond.clone()];
+        task.places.len() + beyond.partition_point(|other| (*other as usize) < place)
+    }
+
+    /// Place of a pivot and of a body that is eliminated later among the pivots and rows of the
+    /// front of the pivot. The arguments are places in [`order`](Self::order).
+    pub fn in_front(&self, task: &Task, front: &Front, bodies: [usize; 2]) -> [usize; 2] {
+        bodies.map(|place| {
+            let place = self.within(task, place);
+            if place < front.pivots.end {
+                return place - front.pivots.start;
+            }
+            let rows = &self.rows[front.rows.clone()];
+            front.pivots.len() + rows.partition_point(|row| (*row as usize) < place)
+        })
+    }
+
+    /// The task of a front.
+    pub fn task_of(&self, front: usize) -> usize {
+        self.tasks.partition_point(|task| task.fronts.end <= front)
+    }
+
+    /// Ranges of tasks whose bodies no pair joins: complete subtrees with at most a sixteenth of
+    /// the bodies, next to each other.
+    pub fn branches(&self) -> Vec<Range<usize>> {
+        let bodies = |tasks: &Range<usize>| {
+            self.tasks[tasks.end - 1].places.end - self.tasks[tasks.start].places.start
+        };
+        let maximum = self.order.len() / BRANCHES;
+        let mut branches: Vec<Range<usize>> = Vec::new();
+        if self.tasks.len() < 2 {
+            return branches;
+        }
+        let mut end = self.tasks.len();
+        while end > 0 {
+            let subtree = end - self.sizes[end - 1]..end;
+            if bodies(&subtree) > maximum {
+                end -= 1;
+                continue;
+            }
+            end = subtree.start;
+            match branches.last_mut() {
+                Some(last) if last.start == subtree.end && bodies(&(end..last.end)) <= maximum => {
+                    last.start = end;
+                }
+                _ => branches.push(subtree),
+            }
+        }
+        branches.reverse();
+        branches
+    }
+
+    /// Work of the longest path over that of the whole tree, where `threads` threads share the work
+    /// on large fronts.
+    pub fn longest_path(&self, threads: usize) -> f64 {
+        let (mut total, mut longest) = (0.0, 0.0_f64);
+        let mut below = vec![0.0_f64; self.tasks.len()];
+        for (k, (task, above)) in self.tasks.iter().zip(parents(&self.sizes)).enumerate() {
+            for front in &self.list[task.fronts.clone()] {
+                let work = work(front.pivots.len(), front.rows.len());
+                total += work;
+                below[k] += if packed_len(front) > 0 { work / threads as f64 } else { work };
+            }
+            longest = longest.max(below[k]);
+            if let Some(above) = above {
+                // The work of the task above is added when its turn comes.
+                below[above] = below[above].max(below[k]);
+            }
+        }
+        if total > 0.0 { longest / total } else { 1.0 }
     }
 }

@@ -1,42 +1,30 @@
-//! Orders the fronts, children before parents and branches before the trunk, and gives all their
-//! numbers a place.
+//! Orders the fronts, children before parents and task by task, and gives all their numbers a place.
 
-use super::branches;
 use super::dense::kept_rows;
-use super::fronts::{Branch, Front, Fronts};
+use super::fronts::{Front, Fronts, Task};
 use super::merge::{Group, NONE, columns, merge};
+use super::schedule::parents;
+use super::tasks::cut;
 use crate::adjacency::Adjacency;
 
 /// The fronts of bodies with these neighbours, eliminated in this order or in one that gives the
 /// same fill.
 pub fn fronts(order: &[usize], neighbours: &Adjacency) -> Fronts {
-    in_parts(order, neighbours, branches::cut)
-}
-
-/// As [`fronts`], with all fronts in the trunk.
-pub fn fronts_in_one(order: &[usize], neighbours: &Adjacency) -> Fronts {
-    in_parts(order, neighbours, |_, _, _| Vec::new())
-}
-
-/// The fronts, with branches on the feet that `cut` finds.
-fn in_parts(
-    order: &[usize],
-    neighbours: &Adjacency,
-    cut: impl Fn(&[Vec<u32>], &[Option<Group>], &[usize]) -> Vec<Vec<usize>>,
-) -> Fronts {
     let n = order.len();
-    let (column_rows, parents) = columns(order, neighbours);
-    let (column_rows, groups) = (&column_rows[..], &merge(&column_rows, &parents)[..]);
-    let roots: Vec<usize> = (0..n).filter(|k| parents[*k] == NONE).collect();
-    let branches = cut(column_rows, groups, &roots);
+    let (column_rows, above) = columns(order, neighbours);
+    let (column_rows, groups) = (&column_rows[..], &merge(&column_rows, &above)[..]);
+    let roots: Vec<usize> = (0..n).filter(|k| above[*k] == NONE).collect();
     let mut layout = Layout {
         column_rows,
         groups,
         fronts: Fronts {
             order: Vec::with_capacity(n),
             list: Vec::new(),
-            branches: Vec::new(),
-            trunk: Branch::default(),
+            tasks: Vec::new(),
+            sizes: Vec::new(),
+            below: Vec::new(),
+            beyond: Vec::new(),
+            beyond_above: Vec::new(),
             rows: Vec::new(),
             in_parent: Vec::new(),
             children: Vec::new(),
@@ -44,12 +32,10 @@ fn in_parts(
         columns: Vec::new(),
         number: vec![NONE; n],
     };
-    for feet in &branches {
-        let branch = layout.lay_out(feet);
-        layout.fronts.branches.push(branch);
+    for task in cut(column_rows, groups, &roots) {
+        layout.lay_out(&task.feet);
+        layout.fronts.sizes.push(task.size);
     }
-    // Fronts without a number are those of the trunk.
-    layout.fronts.trunk = layout.lay_out(&roots);
     let Layout { mut fronts, columns, .. } = layout;
     let mut place = vec![0; n];
     for &column in columns.iter().filter_map(|c| groups[*c].as_ref()).flat_map(|g| &g.pivots) {
@@ -71,7 +57,7 @@ fn in_parts(
             fronts.list[child].inside = find_in_parent(&mut fronts, child, parent);
         }
     }
-    count_within_branches(&mut fronts);
+    count_within_tasks(&mut fronts);
     fronts
 }
 
@@ -88,7 +74,7 @@ struct Layout<'a> {
 
 impl Layout<'_> {
     /// Lays out the subtrees on these feet, without the fronts that are laid out already.
-    fn lay_out(&mut self, feet: &[usize]) -> Branch {
+    fn lay_out(&mut self, feet: &[usize]) {
         let first_front = self.fronts.list.len();
         let first_place = self.fronts.list.last().map_or(0, |front| front.pivots.end);
         let (mut place, mut factor_len) = (first_place, 0);
@@ -111,7 +97,7 @@ impl Layout<'_> {
                 update: used[mine],
                 odd: mine == 1,
             };
-            // Its children have the last updates in their stack; those of branches are in other
+            // Its children have the last updates in their stack; those of other tasks are in other
             // stacks.
             let mut children = fronts.children[first_child..].iter().map(|c| *c as usize);
             if let Some(child) = children.find(|c| *c >= first_front) {
@@ -127,7 +113,8 @@ impl Layout<'_> {
             fronts.list.push(front);
         }
         let fronts = first_front..self.fronts.list.len();
-        Branch { fronts, places: first_place..place, factor_len, update_len }
+        let places = first_place..place;
+        self.fronts.tasks.push(Task { fronts, places, beyond: 0..0, factor_len, update_len });
     }
 
     /// Columns of the groups above these feet with their depth, children before parents.
@@ -172,20 +159,42 @@ fn find_in_parent(fronts: &mut Fronts, child: usize, parent: usize) -> usize {
     inside
 }
 
-/// Makes all places count from the start of their branch.
-fn count_within_branches(fronts: &mut Fronts) {
-    let within = |fronts: &Fronts, branch: &Branch| {
-        let rows = branch.fronts.clone().flat_map(|k| fronts.list[k].rows.clone());
-        rows.map(|k| fronts.within(branch, fronts.rows[k] as usize) as u32).collect::<Vec<_>>()
-    };
-    // Rows lie front by front.
-    fronts.rows = fronts.parts().flat_map(|branch| within(fronts, branch)).collect();
-    let branches = std::mem::take(&mut fronts.branches);
-    for branch in branches.iter().chain([&fronts.trunk]) {
-        let first = branch.places.start;
-        for front in &mut fronts.list[branch.fronts.clone()] {
+/// Makes all places count within their task.
+fn count_within_tasks(fronts: &mut Fronts) {
+    let above = parents(&fronts.sizes);
+    fronts.below = vec![Vec::new(); above.len()];
+    for (task, above) in above.iter().enumerate().filter_map(|(k, above)| Some((k, (*above)?))) {
+        fronts.below[above].push(task);
+    }
+    for task in &mut fronts.tasks {
+        let rows =
+            fronts.list[task.fronts.clone()].iter().flat_map(|f| &fronts.rows[f.rows.clone()]);
+        let mut beyond: Vec<u32> =
+            rows.copied().filter(|row| *row as usize >= task.places.end).collect();
+        beyond.sort_unstable();
+        beyond.dedup();
+        let start = fronts.beyond.len();
+        fronts.beyond.extend(beyond);
+        task.beyond = start..fronts.beyond.len();
+    }
+    let within = |task: &Task, place: &u32| fronts.within(task, *place as usize) as u32;
+    let mut beyond_above = Vec::with_capacity(fronts.beyond.len());
+    let mut rows = Vec::with_capacity(fronts.rows.len());
+    for (task, above) in fronts.tasks.iter().zip(above) {
+        if let Some(above) = above {
+            let beyond = &fronts.beyond[task.beyond.clone()];
+            beyond_above.extend(beyond.iter().map(|place| within(&fronts.tasks[above], place)));
+        }
+        // Rows lie front by front.
+        let of_task =
+            fronts.list[task.fronts.clone()].iter().flat_map(|f| &fronts.rows[f.rows.clone()]);
+        rows.extend(of_task.map(|place| within(task, place)));
+    }
+    (fronts.rows, fronts.beyond_above) = (rows, beyond_above);
+    for task in &fronts.tasks {
+        let first = task.places.start;
+        for front in &mut fronts.list[task.fronts.clone()] {
             front.pivots = front.pivots.start - first..front.pivots.end - first;
         }
     }
-    fronts.branches = branches;
 }

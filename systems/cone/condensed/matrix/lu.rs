@@ -8,7 +8,10 @@
 //! All functions are inlined into a caller that is compiled for the instructions of the machine
 //! (`pulp`). The order of every sum is fixed, and fused multiplications are explicit.
 
+use pulp::{Arch, Simd, WithSimd};
+
 use super::dense::LANES;
+use super::share::in_pieces;
 
 /// A pivot stays on the diagonal if it is at least this part of the maximum of its column among the
 /// pivots of the front.
@@ -38,9 +41,16 @@ fn two_rows(front: &mut [f64], len: usize, upper: usize, lower: usize) -> (&mut 
 
 /// Factorises the first `width` columns, `P A = L U` with a unit diagonal in L, and leaves the
 /// update in the remaining square. `exchanged[k]` is the row with which row k was exchanged.
-/// Returns the sign of the determinant of the pivots, or 0 if a pivot is zero or not finite.
+/// Returns the sign of the determinant of the pivots, or 0 if a pivot is zero or not finite. With
+/// instructions in `share` the threads of the pool share the work below the pivots.
 #[inline(always)]
-pub fn factorise(front: &mut [f64], height: usize, width: usize, exchanged: &mut [u32]) -> f64 {
+pub fn factorise<S: Simd>(
+    simd: S,
+    share: Option<Arch>,
+    front: &mut [f64],
+    [height, width]: [usize; 2],
+    exchanged: &mut [u32],
+) -> f64 {
     let len = row_len(height);
     let mut sign = 1.0;
     for k in 0..width {
@@ -72,31 +82,55 @@ pub fn factorise(front: &mut [f64], height: usize, width: usize, exchanged: &mut
             take_away(&mut row[k + 1..], &own[k + 1..], factor);
         }
     }
-    let (pivots, others) = front.split_at_mut(width * len);
-    let inverse = |k: usize| 1.0 / pivots[k * len + k];
-    for row in others.chunks_exact_mut(len) {
-        let (factors, row) = row.split_at_mut(width);
-        for k in 0..width {
-            let factor = factors[k] * inverse(k);
-            factors[k] = factor;
-            let of_pivot = &pivots[k * len + k + 1..k * len + width];
-            take_away(&mut factors[k + 1..], of_pivot, factor);
-        }
-        let mut k = 0;
-        while k + TOGETHER <= width {
-            let of = |j: usize| &pivots[(k + j) * len + width..(k + j + 1) * len];
-            let [a, b, c, d] = [factors[k], factors[k + 1], factors[k + 2], factors[k + 3]];
-            let rows = of(0).iter().zip(of(1)).zip(of(2)).zip(of(3));
-            for (x, (((p, q), r), s)) in row.iter_mut().zip(rows) {
-                *x -= a.mul_add(*p, b.mul_add(*q, c.mul_add(*r, d * *s)));
+    let (pivots, rows) = front.split_at_mut(width * len);
+    in_pieces(simd, share, rows, len, width * (height - width / 2), |_, rows| Below {
+        pivots: &*pivots,
+        rows,
+        len,
+        width,
+    });
+    sign
+}
+
+/// Rows below the pivots.
+struct Below<'a> {
+    pivots: &'a [f64],
+    rows: &'a mut [f64],
+    len: usize,
+    width: usize,
+}
+
+impl WithSimd for Below<'_> {
+    type Output = ();
+
+    /// Eliminates the pivots in the rows.
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { pivots, rows, len, width } = self;
+        let inverse = |k: usize| 1.0 / pivots[k * len + k];
+        for row in rows.chunks_exact_mut(len) {
+            let (factors, row) = row.split_at_mut(width);
+            for k in 0..width {
+                let factor = factors[k] * inverse(k);
+                factors[k] = factor;
+                let of_pivot = &pivots[k * len + k + 1..k * len + width];
+                take_away(&mut factors[k + 1..], of_pivot, factor);
             }
-            k += TOGETHER;
-        }
-        for k in k..width {
-            take_away(row, &pivots[k * len + width..(k + 1) * len], factors[k]);
+            let mut k = 0;
+            while k + TOGETHER <= width {
+                let of = |j: usize| &pivots[(k + j) * len + width..(k + j + 1) * len];
+                let [a, b, c, d] = [factors[k], factors[k + 1], factors[k + 2], factors[k + 3]];
+                let rows = of(0).iter().zip(of(1)).zip(of(2)).zip(of(3));
+                for (x, (((p, q), r), s)) in row.iter_mut().zip(rows) {
+                    *x -= a.mul_add(*p, b.mul_add(*q, c.mul_add(*r, d * *s)));
+                }
+                k += TOGETHER;
+            }
+            for k in k..width {
+                take_away(row, &pivots[k * len + width..(k + 1) * len], factors[k]);
+            }
         }
     }
-    sign
 }
 
 /// Forward solve in place: `x` has the numbers of the pivots and of the rows.
@@ -150,7 +184,7 @@ mod tests {
             row[..3].copy_from_slice(&values);
         }
         let mut exchanged = [0; 3];
-        assert_eq!(factorise(&mut front, 3, 3, &mut exchanged), -1.0);
+        assert_eq!(factorise(pulp::Scalar::new(), None, &mut front, [3, 3], &mut exchanged), -1.0);
         let square: Vec<f64> =
             front.chunks_exact(row_len(3)).flat_map(|row| row[..3].to_vec()).collect();
         let expected = [1.0, -2.0, 3.0];
@@ -165,6 +199,23 @@ mod tests {
     #[test]
     fn a_singular_front_has_no_sign() {
         let mut front = vec![1.0; 2 * row_len(2)];
-        assert_eq!(factorise(&mut front, 2, 2, &mut [0; 2]), 0.0);
+        assert_eq!(factorise(pulp::Scalar::new(), None, &mut front, [2, 2], &mut [0; 2]), 0.0);
+    }
+
+    /// A front so large that threads share it has the same bytes as on one thread.
+    #[test]
+    fn a_shared_front_has_the_same_bytes() {
+        let (height, width) = (300, 45);
+        let len = row_len(height);
+        let matrix: Vec<f64> = (0..height * len)
+            .map(|k| if k / len == k % len { 300.0 } else { ((k * k) as f64).sin() })
+            .collect();
+        let on = |share: Option<Arch>| {
+            let (mut front, mut exchanged) = (matrix.clone(), vec![0; width]);
+            let simd = pulp::Scalar::new();
+            let sign = factorise(simd, share, &mut front, [height, width], &mut exchanged);
+            (sign, front, exchanged)
+        };
+        assert!(on(Some(Arch::new())) == on(None));
     }
 }

@@ -8,7 +8,6 @@
 //! 005).
 
 mod assembly;
-mod branches;
 mod dense;
 mod fronts;
 mod layout;
@@ -18,7 +17,11 @@ mod numeric;
 mod ordering;
 mod packed;
 mod pattern;
+mod schedule;
+mod share;
+mod tasks;
 mod unsymmetric;
+mod work;
 
 use std::ops::Range;
 
@@ -26,12 +29,14 @@ use pulp::Arch;
 
 pub use self::assembly::Assembly;
 use self::assembly::PairPlace;
-use self::numeric::{Backward, Eliminate, Forward, Part};
+use self::numeric::{Backward, Current, Eliminate, Forward, Part};
 pub(super) use self::ordering::places;
 use self::pattern::{DIAGONAL, PAIR, Pattern};
+use self::schedule::{downward, upward};
 pub use self::unsymmetric::UnsymmetricMatrix;
+use self::work::{copy_from_above, gather_below};
 use super::images::Images;
-use super::parallel::{in_parallel, split};
+use super::parallel::{Lent, is_alone, split};
 use crate::adjacency::Adjacency;
 
 /// Shifts of the diagonal, over its maximum, that make up for round-off: a hundred times the unit
@@ -47,8 +52,9 @@ pub struct BodyMatrix {
     /// Places of the pairs, in the order given.
     pairs: Vec<PairPlace>,
     pattern: Pattern,
-    branches: Vec<Part>,
-    trunk: Part,
+    parts: Vec<Part>,
+    current: Lent<Current>,
+    updates: Lent<Vec<f64>>,
     images: Images,
     instructions: Arch,
 }
@@ -63,10 +69,10 @@ impl BodyMatrix {
 
         let place = places(&fronts.order);
         let mut front_of = vec![0; bodies];
-        for part in fronts.parts() {
-            for number in part.fronts.clone() {
+        for task in &fronts.tasks {
+            for number in task.fronts.clone() {
                 let pivots = fronts.list[number].pivots.clone();
-                front_of[part.places.start..][pivots].fill(number);
+                front_of[task.places.start..][pivots].fill(number);
             }
         }
         let mut of_front = vec![Vec::new(); fronts.list.len()];
@@ -80,8 +86,8 @@ impl BodyMatrix {
         let mut target_starts = Vec::with_capacity(fronts.list.len() + 1);
         let mut starts = Vec::with_capacity(fronts.list.len() + 1);
         let mut start = 0;
-        for part in fronts.parts() {
-            for number in part.fronts.clone() {
+        for task in &fronts.tasks {
+            for number in task.fronts.clone() {
                 let front = &fronts.list[number];
                 starts.push(start);
                 target_starts.push(targets.len());
@@ -93,19 +99,20 @@ impl BodyMatrix {
                     let bodies = [a as u32, b as u32];
                     places[pair] = PairPlace { start, forward: a < b, bodies };
                     start += PAIR;
-                    targets.push(fronts.target(part, front, a.min(b), a.max(b)) as u32);
+                    let [column, row] = fronts.in_front(task, front, [a.min(b), a.max(b)]);
+                    targets.push((3 * column * front.height() + 3 * row) as u32);
                 }
             }
         }
         starts.push(start);
         target_starts.push(targets.len());
-        let in_trunk = fronts.trunk.places.len();
         Some(Self {
             values: vec![0.0; start],
             diagonal,
             pairs: places,
-            branches: fronts.branches.iter().map(|b| Part::new(&fronts, b, in_trunk)).collect(),
-            trunk: Part::new(&fronts, &fronts.trunk, 0),
+            parts: (0..fronts.tasks.len()).map(|task| Part::new(&fronts, task)).collect(),
+            current: Lent::default(),
+            updates: Lent::default(),
             pattern: Pattern { fronts, starts, targets, target_starts },
             images: Images::default(),
             instructions: Arch::new(),
@@ -124,11 +131,28 @@ impl BodyMatrix {
         &self.pattern.fronts.order
     }
 
+    /// Whether there is work for several threads.
+    #[must_use]
+    pub fn is_shared(&self) -> bool {
+        self.parts.len() > 1
+    }
+
+    /// Work of the longest path of the tree of fronts over that of the whole tree, where `threads`
+    /// threads share the work on large fronts. No number of threads takes less than this part of
+    /// the time.
+    #[must_use]
+    pub fn longest_path(&self, threads: usize) -> f64 {
+        self.pattern.fronts.longest_path(threads)
+    }
+
     /// Ranges of bodies, in the order of elimination, that no pair joins: several threads can work
     /// on them at once. Empty if the work is too small for that.
     #[must_use]
     pub fn branches(&self) -> Vec<Range<usize>> {
-        self.pattern.fronts.branches.iter().map(|branch| branch.places.clone()).collect()
+        let tasks = &self.pattern.fronts.tasks;
+        let branches = self.pattern.fronts.branches();
+        let places = |b: Range<usize>| tasks[b.start].places.start..tasks[b.end - 1].places.end;
+        branches.into_iter().map(places).collect()
     }
 
     /// Takes over the images of a program, which [`Assembly::add`] needs for interactions with
@@ -151,10 +175,12 @@ impl BodyMatrix {
     /// Access to the values of each of the [branches](Self::branches), to add to them.
     pub fn assemblies(&mut self) -> Vec<Assembly<'_>> {
         let Self { values, pattern, diagonal, pairs, images, .. } = self;
-        let fronts = pattern.fronts.branches.iter().map(|branch| &branch.fronts);
-        let ranges = fronts.map(|fronts| pattern.starts[fronts.start]..pattern.starts[fronts.end]);
-        let (pieces, _) = split(values, ranges.clone());
-        let pieces = pieces.into_iter().zip(ranges);
+        let branches = pattern.fronts.branches();
+        let fronts = |task: usize| &pattern.fronts.tasks[task].fronts;
+        let ranges = branches.iter().map(|branch| {
+            pattern.starts[fronts(branch.start).start]..pattern.starts[fronts(branch.end - 1).end]
+        });
+        let pieces = split(values, ranges.clone()).into_iter().zip(ranges);
         let assembly = |(values, range): (_, Range<_>)| Assembly {
             values,
             first: range.start,
@@ -175,20 +201,34 @@ impl BodyMatrix {
     /// as it was. `x` is in the order of elimination.
     #[must_use = "without a factor the right side is where the solution would be"]
     pub fn factorise_and_solve(&mut self, x: &mut [[f64; 3]]) -> bool {
-        let Self { values, pattern, branches, trunk, instructions, .. } = self;
+        let Self { values, pattern, parts, current, updates, instructions, .. } = self;
         let fronts = &pattern.fronts;
-        let definite = in_parallel(fronts.branches.iter().zip(&mut *branches), |(branch, part)| {
-            take(&x[branch.places.clone()], part);
-            instructions.dispatch(Eliminate { pattern, values, branch, part, branches: &[] })
+        let right = &*x;
+        let share = (!is_alone()).then_some(*instructions);
+        let definite = upward(&fronts.sizes, parts, &|task, below, part| {
+            let work_of = |other: usize| &below[other + below.len() - task].work[..];
+            gather_below(fronts, task, right, work_of, &mut part.work);
+            part.updates = updates.take(fronts.tasks[task].update_len.iter().sum());
+            let definite = current.with(|current| {
+                let below = &*below;
+                instructions.dispatch(Eliminate {
+                    pattern,
+                    values,
+                    task,
+                    part,
+                    below,
+                    current,
+                    share,
+                })
+            });
+            let number = below.len();
+            for other in &fronts.below[task] {
+                updates.give(std::mem::take(&mut below[other + number - task].updates));
+            }
+            definite
         });
-        if definite.contains(&false) {
-            return false;
-        }
-        let branch = &fronts.trunk;
-        take(&x[branch.places.clone()], trunk);
-        add_branches(trunk, branches);
-        let definite =
-            instructions.dispatch(Eliminate { pattern, values, branch, part: trunk, branches });
+        let left = parts.iter_mut().map(|part| std::mem::take(&mut part.updates));
+        left.for_each(|left| updates.give(left));
         if definite {
             self.solve_backward(x);
         }
@@ -221,48 +261,27 @@ impl BodyMatrix {
     /// Solves in place with the last factor, after `factorise_and_solve` has returned true. `x` is
     /// in the order of elimination.
     pub fn solve(&mut self, x: &mut [[f64; 3]]) {
-        let Self { pattern: Pattern { fronts, .. }, branches, trunk, instructions, .. } = self;
-        in_parallel(fronts.branches.iter().zip(&mut *branches), |(branch, part)| {
-            take(&x[branch.places.clone()], part);
-            instructions.dispatch(Forward(fronts, branch, part));
+        let Self { pattern: Pattern { fronts, .. }, parts, current, instructions, .. } = self;
+        let right = &*x;
+        upward(&fronts.sizes, parts, &|task, below, part| {
+            let work_of = |other: usize| &below[other + below.len() - task].work[..];
+            gather_below(fronts, task, right, work_of, &mut part.work);
+            current.with(|current| instructions.dispatch(Forward(fronts, task, part, current)));
+            true
         });
-        take(&x[fronts.trunk.places.clone()], trunk);
-        add_branches(trunk, branches);
-        instructions.dispatch(Forward(fronts, &fronts.trunk, trunk));
         self.solve_backward(x);
     }
 
     fn solve_backward(&mut self, x: &mut [[f64; 3]]) {
-        let Self { pattern: Pattern { fronts, .. }, branches, trunk, instructions, .. } = self;
-        instructions.dispatch(Backward(fronts, &fronts.trunk, trunk));
-        let (of_branches, of_trunk) =
-            split(x, fronts.branches.iter().map(|branch| branch.places.clone()));
-        of_trunk.copy_from_slice(&trunk.work);
-        let parts = fronts.branches.iter().zip(branches).zip(of_branches);
-        in_parallel(parts, |((branch, part), x)| {
-            part.work[x.len()..].copy_from_slice(&trunk.work);
-            instructions.dispatch(Backward(fronts, branch, part));
+        let Self { pattern: Pattern { fronts, .. }, parts, current, instructions, .. } = self;
+        let pieces = split(x, fronts.tasks.iter().map(|task| task.places.clone()));
+        let mut parts: Vec<_> = parts.iter_mut().zip(pieces).collect();
+        downward(&fronts.sizes, &mut parts, &|task, above, (part, x)| {
+            if let Some((above, _)) = above {
+                copy_from_above(fronts, task, &above.work, &mut part.work);
+            }
+            current.with(|current| instructions.dispatch(Backward(fronts, task, part, current)));
             x.copy_from_slice(&part.work[..x.len()]);
         });
-    }
-}
-
-/// Copies the right side to the work of a part, and clears the part of a branch for the trunk.
-fn take(x: &[[f64; 3]], part: &mut Part) {
-    let (own, beyond) = part.work.split_at_mut(x.len());
-    own.copy_from_slice(x);
-    beyond.fill([0.0; 3]);
-}
-
-/// Adds the parts of the branches for the trunk to its work, one after the other.
-fn add_branches(trunk: &mut Part, branches: &[Part]) {
-    let in_trunk = trunk.work.len();
-    for branch in branches {
-        let beyond = &branch.work[branch.work.len() - in_trunk..];
-        for (x, of_branch) in trunk.work.iter_mut().zip(beyond) {
-            for k in 0..3 {
-                x[k] += of_branch[k];
-            }
-        }
     }
 }

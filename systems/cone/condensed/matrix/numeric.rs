@@ -6,51 +6,74 @@
 
 use std::ops::Range;
 
-use pulp::{Simd, WithSimd};
+use pulp::{Arch, Simd, WithSimd};
 
 use super::dense::{self, LANES, Triangle};
-use super::fronts::{Branch, Front, Fronts};
+use super::fronts::{Front, Fronts, Task};
 use super::packed;
 use super::pattern::{DIAGONAL, PAIR, Pattern};
 
-/// The numbers of a branch, or of the trunk.
+/// The numbers of a task.
 pub struct Part {
     /// Its factor, front by front.
     factor: Vec<f64>,
     /// Its diagonal blocks, in the order of elimination.
     triangles: Vec<Triangle>,
-    /// Updates that wait for the parents of their fronts: of fronts in even and in odd depth.
-    updates: [Vec<f64>; 2],
-    /// The trapezoid of one front, and its copy if it is large.
+    /// Updates that wait for the parents of their fronts: of fronts in even depth, then in odd
+    /// depth. Lent until the task above has taken them.
+    pub updates: Vec<f64>,
+    /// Right side and solution of its bodies, then of those beyond: the task adds to their right
+    /// side and needs their solution.
+    pub work: Vec<[f64; 3]>,
+    /// Numbers that its fronts need in [`Current`], each at most.
+    current: [usize; 3],
+}
+
+/// Numbers of the front that is being eliminated.
+#[derive(Default)]
+pub struct Current {
+    /// Its trapezoid, and the copy of it if it is large.
     panel: Vec<f64>,
     packed: Vec<f64>,
-    /// Right side and solution of its bodies. In a branch the bodies of the trunk follow: the
-    /// branch adds to their right side and needs their solution.
-    pub work: Vec<[f64; 3]>,
-    /// Right side and solution of one front.
-    front_work: Vec<f64>,
+    /// Its right side and solution.
+    work: Vec<f64>,
+}
+
+impl Current {
+    /// Makes room for all fronts of a task.
+    fn fit(&mut self, lengths: [usize; 3]) {
+        for (numbers, len) in
+            [&mut self.panel, &mut self.packed, &mut self.work].into_iter().zip(lengths)
+        {
+            if numbers.len() < len {
+                *numbers = vec![0.0; len];
+            }
+        }
+    }
 }
 
 impl Part {
-    /// Room for a branch, with `beyond` the number of bodies in the trunk, or for the trunk, with
-    /// `beyond` = 0.
-    pub fn new(fronts: &Fronts, branch: &Branch, beyond: usize) -> Self {
-        let list = &fronts.list[branch.fronts.clone()];
+    /// Room for a task.
+    pub fn new(fronts: &Fronts, task: usize) -> Self {
+        let task = &fronts.tasks[task];
+        let list = &fronts.list[task.fronts.clone()];
         let maximum = |of: fn(&Front) -> usize| list.iter().map(of).max().unwrap_or(0);
         Self {
-            factor: vec![0.0; branch.factor_len],
-            triangles: vec![[0.0; 6]; branch.places.len()],
-            updates: branch.update_len.map(|len| vec![0.0; len]),
-            panel: vec![0.0; maximum(Front::panel_len)],
-            packed: vec![0.0; maximum(packed::packed_len)],
-            work: vec![[0.0; 3]; branch.places.len() + beyond],
-            front_work: vec![0.0; 3 * maximum(Front::bodies) + LANES],
+            factor: vec![0.0; task.factor_len],
+            triangles: vec![[0.0; 6]; task.places.len()],
+            updates: Vec::new(),
+            work: vec![[0.0; 3]; task.bodies()],
+            current: [
+                maximum(Front::panel_len),
+                maximum(packed::packed_len),
+                3 * maximum(Front::bodies) + LANES,
+            ],
         }
     }
 
-    fn update(&self, front: &Front) -> &[f64] {
-        let start = front.update;
-        &self.updates[usize::from(front.odd)][start..start + front.update_len()]
+    fn update(&self, task: &Task, front: &Front) -> &[f64] {
+        let start = front.update + if front.odd { task.update_len[0] } else { 0 };
+        &self.updates[start..start + front.update_len()]
     }
 }
 
@@ -100,28 +123,34 @@ fn solve_front(
     }
 }
 
-/// Factorisation of a branch, or of the trunk with its branches, and forward solve of its work;
-/// whether it was positive definite.
+/// Factorisation of a task, and forward solve of its work; whether it was positive definite.
 pub struct Eliminate<'a> {
     pub pattern: &'a Pattern,
     /// Values of the whole matrix.
     pub values: &'a [f64],
-    pub branch: &'a Branch,
+    pub task: usize,
     pub part: &'a mut Part,
-    /// The branches, if this is the trunk.
-    pub branches: &'a [Part],
+    /// The other tasks of its subtrees.
+    pub below: &'a [Part],
+    pub current: &'a mut Current,
+    /// The instructions of the machine, if the threads of the pool share the work on large fronts.
+    pub share: Option<Arch>,
 }
 
 impl WithSimd for Eliminate<'_> {
     type Output = bool;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> bool {
-        let Self { pattern, values, branch, part, branches } = self;
+    fn with_simd<S: Simd>(self, simd: S) -> bool {
+        let Self { pattern, values, task, part, below, current, share } = self;
         let fronts = &pattern.fronts;
-        let Part { factor, triangles, updates, panel, packed, work, front_work } = part;
-        let [even, odd] = updates;
-        for number in branch.fronts.clone() {
+        let first_below = task - below.len();
+        let own = fronts.tasks[task].fronts.clone();
+        current.fit(part.current);
+        let Current { panel, packed, work: front_work } = current;
+        let Part { factor, triangles, updates, work, .. } = part;
+        let (even, odd) = updates.split_at_mut(fronts.tasks[task].update_len[0]);
+        for number in own.clone() {
             let front = &fronts.list[number];
             let (height, width) = (front.height(), front.width());
             let panel = &mut panel[..front.panel_len()];
@@ -141,11 +170,11 @@ impl WithSimd for Eliminate<'_> {
             let children = &fronts.children[front.children.clone()];
             let update_of = |child: usize| {
                 let front = &fronts.list[child];
-                if child >= branch.fronts.start {
+                if child >= own.start {
                     return &theirs[front.update..front.update + front.update_len()];
                 }
-                let before = fronts.branches.partition_point(|b| b.fronts.end <= child);
-                branches[before].update(front)
+                let other = fronts.task_of(child);
+                below[other - first_below].update(&fronts.tasks[other], front)
             };
             for child in children.iter().map(|c| *c as usize) {
                 let (update, child) = (update_of(child), &fronts.list[child]);
@@ -157,20 +186,24 @@ impl WithSimd for Eliminate<'_> {
             let definite = if packed.is_empty() {
                 dense::factorise(panel, height, triangles)
             } else {
-                packed::factorise(panel, height, triangles, packed)
+                packed::factorise(simd, share, panel, height, triangles, packed)
             };
             if !definite {
                 return false;
             }
             let kept = &mut factor[front.factor.clone()];
-            dense::keep(panel, height, front.bodies(), kept);
+            if packed.is_empty() {
+                dense::keep(panel, height, front.bodies(), kept);
+            } else {
+                packed::keep(packed, width, front.bodies(), kept);
+            }
             let rows = &fronts.rows[front.rows.clone()];
             solve_front(front, rows, kept, triangles, work, front_work);
             let update = &mut mine[front.update..front.update + front.update_len()];
             if packed.is_empty() {
                 dense::update(panel, height, width, front.bottom(), update);
             } else {
-                packed::update(packed, width, front.bottom(), update);
+                packed::update(simd, share, packed, width, front.bottom(), update);
             }
             for child in children.iter().map(|c| *c as usize) {
                 let (of_child, child) = (update_of(child), &fronts.list[child]);
@@ -229,35 +262,42 @@ fn extend(
     }
 }
 
-/// Forward solve of the work with the last factor.
-pub struct Forward<'a>(pub &'a Fronts, pub &'a Branch, pub &'a mut Part);
+/// Forward solve of the work of a task with the last factor.
+pub struct Forward<'a>(pub &'a Fronts, pub usize, pub &'a mut Part, pub &'a mut Current);
 
 impl WithSimd for Forward<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Self(fronts, branch, Part { factor, triangles, work, front_work, .. }) = self;
-        for front in &fronts.list[branch.fronts.clone()] {
+        let Self(fronts, task, part, current) = self;
+        current.fit(part.current);
+        let Part { factor, triangles, work, .. } = part;
+        let list = &fronts.list[fronts.tasks[task].fronts.clone()];
+        for front in list {
             let rows = &fronts.rows[front.rows.clone()];
             let kept = &factor[front.factor.clone()];
-            solve_front(front, rows, kept, &triangles[front.pivots.clone()], work, front_work);
+            let triangles = &triangles[front.pivots.clone()];
+            solve_front(front, rows, kept, triangles, work, &mut current.work);
         }
     }
 }
 
-/// Backward solve, from the last front to the first.
-pub struct Backward<'a>(pub &'a Fronts, pub &'a Branch, pub &'a mut Part);
+/// Backward solve of a task, from its last front to the first.
+pub struct Backward<'a>(pub &'a Fronts, pub usize, pub &'a mut Part, pub &'a mut Current);
 
 impl WithSimd for Backward<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Self(fronts, branch, Part { factor, triangles, work, front_work, .. }) = self;
-        for front in fronts.list[branch.fronts.clone()].iter().rev() {
+        let Self(fronts, task, part, current) = self;
+        current.fit(part.current);
+        let Part { factor, triangles, work, .. } = part;
+        let list = &fronts.list[fronts.tasks[task].fronts.clone()];
+        for front in list.iter().rev() {
             let rows = &fronts.rows[front.rows.clone()];
-            let local = gather(front, rows, work, front_work);
+            let local = gather(front, rows, work, &mut current.work);
             let triangles = &triangles[front.pivots.clone()];
             dense::backward(&factor[front.factor.clone()], front.bodies(), triangles, local);
             store(&mut work[front.pivots.clone()], local);

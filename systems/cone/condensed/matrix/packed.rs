@@ -2,10 +2,14 @@
 //!
 //! In a trapezoid the numbers of a sum lie a column apart, and with some hundred rows each is in a
 //! memory page of its own. A chunk has [`CHUNK`] rows of all columns, one after the other. Sums and
-//! their order are those of [`dense`](super::dense), and the results are equal byte by byte.
+//! their order are those of [`dense`](super::dense), and the results are equal byte by byte. Below
+//! the pivots of a chunk the others do not depend on each other: several threads share them.
 
-use super::dense::{LANES, Triangle, finish_block};
+use pulp::{Arch, Simd, WithSimd};
+
+use super::dense::{LANES, Triangle, factor_of, kept_rows};
 use super::fronts::Front;
+use super::share::in_pieces;
 
 /// Rows of a chunk: a multiple of three, so that no block of three rows is in two chunks.
 const CHUNK: usize = 3 * LANES;
@@ -34,63 +38,202 @@ fn products(chunk: &[f64], other: &[f64], row: usize, columns: usize) -> [[f64; 
     sums
 }
 
-/// As [`dense::factorise`](super::dense::factorise); also fills the copy.
+/// A trapezoid and a part of its pivots: those of one chunk.
+#[derive(Clone, Copy)]
+struct Pivots<'a> {
+    panel: &'a [f64],
+    height: usize,
+    /// Column of the first of them.
+    first: usize,
+}
+
+impl Pivots<'_> {
+    /// Three columns from `pivot` of a chunk of rows, less the products of the columns before them.
+    #[inline(always)]
+    fn block(self, pivot: usize, rows: usize, chunk: &[f64], other: &[f64]) -> [[f64; CHUNK]; 3] {
+        let mut block = products(chunk, other, pivot % CHUNK, pivot);
+        for (block, column) in
+            block.iter_mut().zip(self.panel[pivot * self.height..].chunks_exact(self.height))
+        {
+            let column = &column[rows..];
+            if let Some(column) = column.first_chunk::<CHUNK>() {
+                for (sum, x) in block.iter_mut().zip(column) {
+                    *sum = x - *sum;
+                }
+            } else {
+                for (k, sum) in block.iter_mut().enumerate() {
+                    *sum = column.get(k).map_or(0.0, |x| x - *sum);
+                }
+            }
+        }
+        block
+    }
+
+    /// Factorises the chunk of the pivots; whether it is positive definite.
+    #[inline(always)]
+    fn factorise(self, chunk: &mut [f64], triangles: &mut [Triangle]) -> bool {
+        for (k, triangle) in triangles.iter_mut().enumerate() {
+            let pivot = self.first + 3 * k;
+            let mut block = self.block(pivot, self.first, chunk, chunk);
+            let at = 3 * k;
+            let [x, y, z] = &block;
+            let diagonal = [x[at], x[at + 1], x[at + 2], y[at + 1], y[at + 2], z[at + 2]];
+            let Some(factor) = factor_of(diagonal) else { return false };
+            *triangle = factor;
+            divide(&mut block, at + 3, triangle);
+            chunk[CHUNK * pivot..CHUNK * (pivot + 3)].copy_from_slice(block.as_flattened());
+        }
+        true
+    }
+}
+
+/// Divides three columns, from the row `first` on, by their triangle.
 #[inline(always)]
-pub fn factorise(
-    panel: &mut [f64],
+fn divide(block: &mut [[f64; CHUNK]; 3], first: usize, triangle: &Triangle) {
+    let [xx, xy, xz, yy, yz, zz] = *triangle;
+    let [x, y, z] = block;
+    for k in first..CHUNK {
+        x[k] *= xx;
+        y[k] = (-xy).mul_add(x[k], y[k]) * yy;
+        z[k] = (-yz).mul_add(y[k], (-xz).mul_add(x[k], z[k])) * zz;
+    }
+}
+
+/// The columns of the pivots of a chunk in consecutive chunks below it.
+struct Below<'a> {
+    pivots: Pivots<'a>,
+    triangles: &'a [Triangle],
+    /// The chunk of the pivots.
+    own: &'a [f64],
+    /// The chunks, and the first row of the first of them.
+    chunks: &'a mut [f64],
+    row: usize,
+}
+
+impl WithSimd for Below<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { pivots, triangles, own, chunks, row } = self;
+        for (c, chunk) in chunks.chunks_exact_mut(own.len()).enumerate() {
+            for (k, triangle) in triangles.iter().enumerate() {
+                let pivot = pivots.first + 3 * k;
+                let mut block = pivots.block(pivot, row + CHUNK * c, chunk, own);
+                divide(&mut block, 0, triangle);
+                chunk[CHUNK * pivot..CHUNK * (pivot + 3)].copy_from_slice(block.as_flattened());
+            }
+        }
+    }
+}
+
+/// As [`dense::factorise`](super::dense::factorise), into the copy. With instructions in `share`
+/// the threads of the pool share the work.
+#[inline(always)]
+pub fn factorise<S: Simd>(
+    simd: S,
+    share: Option<Arch>,
+    panel: &[f64],
     height: usize,
     triangles: &mut [Triangle],
     packed: &mut [f64],
 ) -> bool {
     let chunk_len = CHUNK * 3 * triangles.len();
-    for ((k, block), triangle) in panel.chunks_exact_mut(3 * height).enumerate().zip(triangles) {
-        let pivot = 3 * k;
-        let first = pivot / CHUNK;
-        let other = &packed[first * chunk_len..];
-        for (c, chunk) in packed.chunks_exact(chunk_len).enumerate().skip(first) {
-            let sums = products(chunk, other, pivot % CHUNK, pivot);
-            for (sums, column) in sums.iter().zip(block.chunks_exact_mut(height)) {
-                for (x, sum) in column[CHUNK * c..].iter_mut().zip(sums) {
-                    *x -= sum;
-                }
-            }
-        }
-        if !finish_block(block, height, pivot, triangle) {
+    for (number, triangles) in triangles.chunks_mut(CHUNK / 3).enumerate() {
+        let pivots = Pivots { panel, height, first: CHUNK * number };
+        let (before, below) = packed.split_at_mut((number + 1) * chunk_len);
+        let own = &mut before[number * chunk_len..];
+        if !pivots.factorise(own, triangles) {
             return false;
         }
-        for (c, chunk) in packed.chunks_exact_mut(chunk_len).enumerate().skip(first) {
-            let columns = chunk[CHUNK * pivot..].chunks_exact_mut(CHUNK);
-            for (copy, column) in columns.zip(block.chunks_exact(height)) {
-                for (copy, x) in copy.iter_mut().zip(&column[CHUNK * c..]) {
-                    *copy = *x;
-                }
-            }
-        }
+        let (own, triangles) = (&*own, &*triangles);
+        let work = CHUNK * CHUNK * (pivots.first + CHUNK / 2);
+        in_pieces(simd, share, below, chunk_len, work, |first, chunks| {
+            let row = CHUNK * (number + 1 + first);
+            Below { pivots, triangles, own, chunks, row }
+        });
     }
     true
 }
 
-/// As [`dense::update`](super::dense::update), from the copy of `width` columns.
+/// As [`dense::keep`](super::dense::keep), from the copy.
 #[inline(always)]
-pub fn update(packed: &[f64], width: usize, bottom: usize, out: &mut [f64]) {
-    if bottom == 0 {
-        return;
+pub fn keep(packed: &[f64], width: usize, bodies: usize, kept: &mut [f64]) {
+    let mut kept = kept;
+    for column in 0..width {
+        let rows = kept_rows(bodies, column / 3);
+        let (mut out, rest) = std::mem::take(&mut kept).split_at_mut(rows);
+        kept = rest;
+        let mut row = column - column % 3 + 3;
+        while !out.is_empty() {
+            let start = row / CHUNK * CHUNK * width + CHUNK * column + row % CHUNK;
+            let len = (CHUNK - row % CHUNK).min(out.len());
+            let (piece, rest) = out.split_at_mut(len);
+            for (x, y) in piece.iter_mut().zip(&packed[start..start + len]) {
+                *x = *y;
+            }
+            (out, row) = (rest, row + len);
+        }
     }
-    let chunk_len = CHUNK * width;
-    for (c, chunk) in packed.chunks_exact(chunk_len).enumerate().skip(width / CHUNK) {
-        let from = (CHUNK * c).saturating_sub(width);
-        let skipped = (width + from) - CHUNK * c;
-        let to = (CHUNK * (c + 1) - width).min(bottom);
-        for (k, block) in out.chunks_exact_mut(3 * bottom).take(to.div_ceil(3)).enumerate() {
-            let row = width + 3 * k;
-            let sums = products(chunk, &packed[row / CHUNK * chunk_len..], row % CHUNK, width);
-            for (sums, column) in sums.iter().zip(block.chunks_exact_mut(bottom)) {
-                for (x, sum) in column[from..to].iter_mut().zip(&sums[skipped..]) {
-                    *x = -sum;
+}
+
+/// Consecutive blocks of three columns of an update.
+struct Update<'a> {
+    packed: &'a [f64],
+    width: usize,
+    bottom: usize,
+    first: usize,
+    blocks: &'a mut [f64],
+}
+
+impl WithSimd for Update<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { packed, width, bottom, first, blocks } = self;
+        let chunk_len = CHUNK * width;
+        let first_chunk = (width + 3 * first) / CHUNK;
+        for (c, chunk) in packed.chunks_exact(chunk_len).enumerate().skip(first_chunk) {
+            let from = (CHUNK * c).saturating_sub(width);
+            let skipped = (width + from) - CHUNK * c;
+            let to = (CHUNK * (c + 1) - width).min(bottom);
+            let within = blocks.chunks_exact_mut(3 * bottom);
+            for (k, block) in within.take(to.div_ceil(3).saturating_sub(first)).enumerate() {
+                let row = width + 3 * (first + k);
+                let sums = products(chunk, &packed[row / CHUNK * chunk_len..], row % CHUNK, width);
+                for (sums, column) in sums.iter().zip(block.chunks_exact_mut(bottom)) {
+                    for (x, sum) in column[from..to].iter_mut().zip(&sums[skipped..]) {
+                        *x = -sum;
+                    }
                 }
             }
         }
     }
+}
+
+/// As [`dense::update`](super::dense::update), from the copy of `width` columns.
+#[inline(always)]
+pub fn update<S: Simd>(
+    simd: S,
+    share: Option<Arch>,
+    packed: &[f64],
+    width: usize,
+    bottom: usize,
+    out: &mut [f64],
+) {
+    if bottom == 0 {
+        return;
+    }
+    // A block has half of its rows on average.
+    let work = 3 * width * bottom / 2;
+    in_pieces(simd, share, out, 3 * bottom, work, |first, blocks| Update {
+        packed,
+        width,
+        bottom,
+        first,
+        blocks,
+    });
 }
 
 #[cfg(test)]
@@ -176,19 +319,23 @@ mod tests {
             let mut plain = vec![0.0; bottom * 3 * rows];
             dense::update(&panel, height, width, bottom, &mut plain);
 
-            let (mut other, mut other_triangles) = (matrix, vec![[0.0; 6]; pivots]);
-            let mut copy = vec![0.0; height.next_multiple_of(CHUNK) * width];
-            assert!(factorise(&mut other, height, &mut other_triangles, &mut copy));
-            let mut chunked = vec![0.0; bottom * 3 * rows];
-            update(&copy, width, bottom, &mut chunked);
-            assert_eq!(triangles, other_triangles);
-            for j in 0..width {
-                let below = j * height + 3 * (j / 3) + 3..(j * height + 3 * (pivots + rows));
-                assert_eq!(panel[below.clone()], other[below]);
-            }
-            for j in 0..3 * rows {
-                let lower = j * bottom + j..j * bottom + 3 * rows;
-                assert_eq!(plain[lower.clone()], chunked[lower]);
+            let mut kept = vec![0.0; (0..pivots).map(|k| 3 * kept_rows(pivots + rows, k)).sum()];
+            dense::keep(&panel, height, pivots + rows, &mut kept);
+            for share in [None, Some(Arch::new())] {
+                let mut other_triangles = vec![[0.0; 6]; pivots];
+                let mut copy = vec![f64::NAN; height.next_multiple_of(CHUNK) * width];
+                let mut chunked = vec![0.0; bottom * 3 * rows];
+                let (triangles_of_copy, simd) = (&mut other_triangles, pulp::Scalar::new());
+                assert!(factorise(simd, share, &matrix, height, triangles_of_copy, &mut copy));
+                update(simd, share, &copy, width, bottom, &mut chunked);
+                assert_eq!(triangles, other_triangles);
+                let mut kept_of_copy = vec![0.0; kept.len()];
+                keep(&copy, width, pivots + rows, &mut kept_of_copy);
+                assert_eq!(kept, kept_of_copy);
+                for j in 0..3 * rows {
+                    let lower = j * bottom + j..j * bottom + 3 * rows;
+                    assert_eq!(plain[lower.clone()], chunked[lower]);
+                }
             }
         }
     }

@@ -1,83 +1,137 @@
 //! The factor: LU factorisation of the fronts, and the solutions with it.
 
-use pulp::{Simd, WithSimd};
+use pulp::{Arch, Simd, WithSimd};
 
 use super::super::fronts::{Front, Fronts};
 use super::super::lu;
 use super::{BODY, PAIR};
 
-/// The factor, front by front.
+/// The numbers of a task.
 #[derive(Default)]
-pub(super) struct Factor {
+pub(super) struct Part {
     /// Columns of the pivots, row by row, of all rows of a front.
     lower: Vec<f64>,
     /// Rows of the pivots, without padding.
     upper: Vec<f64>,
     /// The row with which the row of every pivot was exchanged.
     exchanged: Vec<u32>,
-    /// Start of the three in every front.
-    starts: Vec<[usize; 3]>,
-    /// Sign of the determinant.
+    /// Start of these three and of the update, for every front.
+    starts: Vec<[usize; 4]>,
+    /// Sign of the determinant of the pivots; 0 if there is no factor.
     pub(super) sign: f64,
-    /// The current front, and the updates that wait for their parents.
+    /// Updates that wait for the parents of their fronts, lent until the task above has taken them,
+    /// and their maximum length.
+    pub(super) updates: Vec<f64>,
+    pub(super) update_len: usize,
+    /// Right side and solution of its bodies, then of those beyond.
+    pub(super) work: Vec<[f64; 3]>,
+    /// Rows of its highest front.
+    highest: usize,
+}
+
+/// Numbers of the front that is being eliminated, and its right side and solution.
+#[derive(Default)]
+pub(super) struct Current {
     front: Vec<f64>,
-    updates: Vec<f64>,
     local: Vec<f64>,
 }
 
-/// Rows of a front, three a body.
-pub(super) fn height(front: &Front) -> usize {
-    3 * front.bodies()
-}
-
-impl Factor {
-    /// The factor of a matrix with these fronts, without values.
-    pub(super) fn new(fronts: &Fronts) -> Self {
-        let mut factor = Self::default();
-        let (mut at, mut waiting, mut max_waiting) = ([0; 3], 0, 0);
-        for front in &fronts.list {
-            factor.starts.push(at);
-            let (rows, width) = (height(front), front.width());
-            at = [at[0] + rows * width, at[1] + width * rows, at[2] + width];
-            let square = |front: &Front| (height(front) - front.width()).pow(2);
-            for child in &fronts.children[front.children.clone()] {
-                waiting -= square(&fronts.list[*child as usize]);
-            }
-            waiting += square(front);
-            max_waiting = max_waiting.max(waiting);
+impl Current {
+    /// Makes room for all fronts of a task.
+    fn fit(&mut self, highest: usize) {
+        if self.local.len() < highest {
+            self.front = vec![0.0; highest * lu::row_len(highest)];
+            self.local = vec![0.0; highest];
         }
-        let highest = fronts.list.iter().map(height).max().unwrap_or(0);
-        factor.lower = vec![0.0; at[0]];
-        factor.upper = vec![0.0; at[1]];
-        factor.exchanged = vec![0; at[2]];
-        factor.front = vec![0.0; highest * lu::row_len(highest)];
-        factor.updates = Vec::with_capacity(max_waiting);
-        factor.local = vec![0.0; highest];
-        factor
     }
 }
 
+/// Rows of a front, three a body.
+fn height(front: &Front) -> usize {
+    3 * front.bodies()
+}
+
+/// Numbers in the update of a front.
+fn update_len(front: &Front) -> usize {
+    9 * front.rows.len() * front.rows.len()
+}
+
+impl Part {
+    /// Room for a task.
+    pub(super) fn new(fronts: &Fronts, task: usize) -> Self {
+        let task = &fronts.tasks[task];
+        let (mut at, mut max_waiting) = ([0; 4], 0);
+        let mut starts = Vec::with_capacity(task.fronts.len());
+        for front in &fronts.list[task.fronts.clone()] {
+            // Its children have the last updates; those of other tasks are there.
+            let children = fronts.children[front.children.clone()].iter().map(|c| *c as usize);
+            for child in children.filter(|child| *child >= task.fronts.start) {
+                at[3] -= update_len(&fronts.list[child]);
+            }
+            starts.push(at);
+            let (rows, width) = (height(front), front.width());
+            let [lower, upper, pivots, waiting] = at;
+            at = [
+                lower + rows * width,
+                upper + width * rows,
+                pivots + width,
+                waiting + update_len(front),
+            ];
+            max_waiting = max_waiting.max(at[3]);
+        }
+        Self {
+            lower: vec![0.0; at[0]],
+            upper: vec![0.0; at[1]],
+            exchanged: vec![0; at[2]],
+            starts,
+            sign: 0.0,
+            updates: Vec::new(),
+            update_len: max_waiting,
+            work: vec![[0.0; 3]; task.bodies()],
+            highest: fronts.list[task.fronts.clone()].iter().map(height).max().unwrap_or(0),
+        }
+    }
+
+    /// The update of a front, by its number in the task.
+    fn update(&self, number: usize, front: &Front) -> &[f64] {
+        &self.updates[self.starts[number][3]..][..update_len(front)]
+    }
+}
+
+/// Values of bodies and of pairs, and the pairs of every front.
+type Values<'a> = (&'a [[f64; BODY]], &'a [[f64; PAIR]], &'a [Vec<(u32, [u32; 2])>]);
+
+/// Factorisation of a task; whether all pivots are finite and none is zero.
 pub(super) struct Eliminate<'a> {
     pub(super) fronts: &'a Fronts,
-    pub(super) bodies: &'a [[f64; BODY]],
-    pub(super) pairs: &'a [[f64; PAIR]],
-    pub(super) in_front: &'a [Vec<(u32, [u32; 2])>],
-    pub(super) factor: &'a mut Factor,
+    pub(super) values: Values<'a>,
+    pub(super) task: usize,
+    pub(super) part: &'a mut Part,
+    /// The other tasks of its subtrees.
+    pub(super) below: &'a [Part],
+    pub(super) current: &'a mut Current,
+    /// The instructions of the machine, if the threads of the pool share the work on large fronts.
+    pub(super) share: Option<Arch>,
 }
 
 impl WithSimd for Eliminate<'_> {
-    type Output = ();
+    type Output = bool;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let Self { fronts, bodies, pairs, in_front, factor } = self;
-        let Factor { lower, upper, exchanged, starts, sign, front: square, updates, .. } = factor;
-        *sign = 1.0;
-        updates.clear();
-        for (number, front) in fronts.list.iter().enumerate() {
+    fn with_simd<S: Simd>(self, simd: S) -> bool {
+        let Self { fronts, values: (bodies, pairs, in_front), task, part, below, current, share } =
+            self;
+        let first_below = task - below.len();
+        let task = &fronts.tasks[task];
+        current.fit(part.highest);
+        let bodies = &bodies[task.places.clone()];
+        part.sign = 0.0;
+        let mut sign = 1.0;
+        for number in task.fronts.clone() {
+            let front = &fronts.list[number];
             let (height, width) = (height(front), front.width());
             let len = lu::row_len(height);
-            let square = &mut square[..height * len];
+            let square = &mut current.front[..height * len];
             square.fill(0.0);
             for (k, block) in bodies[front.pivots.clone()].iter().enumerate() {
                 add_block(square, len, [3 * k, 3 * k], block);
@@ -88,32 +142,42 @@ impl WithSimd for Eliminate<'_> {
                 add_block(square, len, [a, b], first);
                 add_block(square, len, [b, a], second);
             }
-            // The updates of its children are the last ones.
             let children = &fronts.children[front.children.clone()];
-            for child in children.iter().rev().map(|c| &fronts.list[*c as usize]) {
-                let places = &fronts.in_parent[child.rows.clone()];
-                let start = updates.len() - 9 * places.len() * places.len();
-                extend(square, len, &updates[start..], places);
-                updates.truncate(start);
+            for child in children.iter().rev().map(|c| *c as usize) {
+                let (of_child, first) = if child >= task.fronts.start {
+                    (&*part, task.fronts.start)
+                } else {
+                    let other = fronts.task_of(child);
+                    (&below[other - first_below], fronts.tasks[other].fronts.start)
+                };
+                let front = &fronts.list[child];
+                let places = &fronts.in_parent[front.rows.clone()];
+                extend(square, len, of_child.update(child - first, front), places);
             }
-            let [at_lower, at_upper, at_pivots] = starts[number];
-            let exchanged = &mut exchanged[at_pivots..at_pivots + width];
-            *sign *= lu::factorise(square, height, width, exchanged);
-            if *sign == 0.0 {
-                return;
+            let [at_lower, at_upper, at_pivots, at_update] =
+                part.starts[number - task.fronts.start];
+            let exchanged = &mut part.exchanged[at_pivots..at_pivots + width];
+            sign *= lu::factorise(simd, share, square, [height, width], exchanged);
+            if sign == 0.0 {
+                return false;
             }
-            let lower = &mut lower[at_lower..at_lower + height * width];
+            let lower = &mut part.lower[at_lower..at_lower + height * width];
             for (out, row) in lower.chunks_exact_mut(width).zip(square.chunks_exact(len)) {
                 out.copy_from_slice(&row[..width]);
             }
-            let upper = &mut upper[at_upper..at_upper + width * height];
+            let upper = &mut part.upper[at_upper..at_upper + width * height];
             for (out, row) in upper.chunks_exact_mut(height).zip(square.chunks_exact(len)) {
                 out.copy_from_slice(&row[..height]);
             }
-            for row in square.chunks_exact(len).skip(width) {
-                updates.extend_from_slice(&row[width..height]);
+            let below = height - width;
+            let update = &mut part.updates[at_update..at_update + below * below];
+            let rows = square.chunks_exact(len).skip(width);
+            for (out, row) in update.chunks_exact_mut(below.max(1)).zip(rows) {
+                out.copy_from_slice(&row[width..height]);
             }
         }
+        part.sign = sign;
+        true
     }
 }
 
@@ -143,39 +207,63 @@ fn extend(square: &mut [f64], len: usize, update: &[f64], places: &[u32]) {
     }
 }
 
-pub(super) struct Solve<'a> {
-    pub(super) fronts: &'a Fronts,
-    pub(super) factor: &'a mut Factor,
-    pub(super) x: &'a mut [[f64; 3]],
-}
+/// Forward solve of the work of a task.
+pub(super) struct Forward<'a>(
+    pub(super) &'a Fronts,
+    pub(super) usize,
+    pub(super) &'a mut Part,
+    pub(super) &'a mut Current,
+);
 
-impl WithSimd for Solve<'_> {
+impl WithSimd for Forward<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Self { fronts, factor, x } = self;
-        let Factor { lower, upper, exchanged, starts, local, .. } = factor;
-        for (front, [at_lower, _, at_pivots]) in fronts.list.iter().zip(&*starts) {
+        let Self(fronts, task, part, current) = self;
+        current.fit(part.highest);
+        let Part { lower, exchanged, starts, work, .. } = part;
+        let list = &fronts.list[fronts.tasks[task].fronts.clone()];
+        for (front, [at_lower, _, at_pivots, _]) in list.iter().zip(&*starts) {
             let width = front.width();
             let rows = &fronts.rows[front.rows.clone()];
-            let local = gather(front, rows, x, local);
+            let local = gather(front, rows, work, &mut current.local);
             let lower = &lower[*at_lower..at_lower + local.len() * width];
             lu::forward(lower, width, &exchanged[*at_pivots..at_pivots + width], local);
             let (own, below) = local.as_chunks::<3>().0.split_at(front.pivots.len());
-            x[front.pivots.clone()].copy_from_slice(own);
+            work[front.pivots.clone()].copy_from_slice(own);
             for (row, value) in rows.iter().zip(below) {
-                x[*row as usize] = *value;
+                work[*row as usize] = *value;
             }
         }
-        for (front, [_, at_upper, _]) in fronts.list.iter().zip(&*starts).rev() {
+    }
+}
+
+/// Backward solve of the work of a task.
+pub(super) struct Backward<'a>(
+    pub(super) &'a Fronts,
+    pub(super) usize,
+    pub(super) &'a mut Part,
+    pub(super) &'a mut Current,
+);
+
+impl WithSimd for Backward<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self(fronts, task, part, current) = self;
+        current.fit(part.highest);
+        let Part { upper, starts, work, .. } = part;
+        let list = &fronts.list[fronts.tasks[task].fronts.clone()];
+        for (front, [_, at_upper, ..]) in list.iter().zip(&*starts).rev() {
             let width = front.width();
             let rows = &fronts.rows[front.rows.clone()];
-            let local = gather(front, rows, x, local);
+            let local = gather(front, rows, work, &mut current.local);
             let upper = &upper[*at_upper..at_upper + local.len() * width];
             lu::backward(upper, local.len(), local);
             let own = local.as_chunks::<3>().0;
-            x[front.pivots.clone()].copy_from_slice(&own[..front.pivots.len()]);
+            work[front.pivots.clone()].copy_from_slice(&own[..front.pivots.len()]);
         }
     }
 }

@@ -1,8 +1,7 @@
 //! An unsymmetric matrix with the pattern of the condensed matrix, factorised by a multifrontal LU
 //! method (Davis and Duff 1997) on the fronts of the symmetric pattern.
 //!
-//! The fronts are those of the Cholesky method without branches, and the work is done on one
-//! thread. Rows are exchanged among the pivots of a front only, so that the fronts do not depend on
+//! Fronts and tasks are those of the Cholesky method. Rows are exchanged among the pivots of a front only, so that the fronts do not depend on
 //! the values. This costs accuracy, which the caller recovers by iterative refinement. The sign of
 //! the determinant comes with the factor.
 
@@ -10,12 +9,15 @@ mod factor;
 
 use pulp::Arch;
 
-use self::factor::{Eliminate, Factor, Solve};
+use self::factor::{Backward, Current, Eliminate, Forward, Part};
 use super::fronts::Fronts;
 use super::ordering::places;
+use super::schedule::{downward, upward};
+use super::work::{copy_from_above, gather_below};
 use super::{layout, ordering};
 use crate::adjacency::Adjacency;
 use crate::condensed::images::Images;
+use crate::condensed::parallel::{Lent, in_pool, is_alone, split};
 
 /// Numbers in the block of a body and in the two blocks of a pair.
 const BODY: usize = 9;
@@ -32,7 +34,9 @@ pub struct UnsymmetricMatrix {
     of_pair: Vec<[u32; 2]>,
     /// The pairs of every front, with the rows at which their bodies start in it.
     in_front: Vec<Vec<(u32, [u32; 2])>>,
-    factor: Factor,
+    parts: Vec<Part>,
+    current: Lent<Current>,
+    updates: Lent<Vec<f64>>,
     images: Images,
     instructions: Arch,
 }
@@ -43,37 +47,37 @@ impl UnsymmetricMatrix {
     pub fn new(bodies: usize, pairs: &[(u32, u32)]) -> Option<Self> {
         let neighbours = Adjacency::of_neighbours(bodies, pairs);
         let order = ordering::minimum_degree(&neighbours)?;
-        let fronts = layout::fronts_in_one(&order, &neighbours);
+        let fronts = layout::fronts(&order, &neighbours);
         let place = places(&fronts.order);
+        let mut task_of = vec![0; bodies];
         let mut front_of = vec![0; bodies];
-        for (number, front) in fronts.list.iter().enumerate() {
-            front_of[front.pivots.clone()].fill(number);
+        for (task, of_task) in fronts.tasks.iter().enumerate() {
+            task_of[of_task.places.clone()].fill(task);
+            for number in of_task.fronts.clone() {
+                let pivots = fronts.list[number].pivots.clone();
+                front_of[of_task.places.start..][pivots].fill(number);
+            }
         }
         let mut in_front = vec![Vec::new(); fronts.list.len()];
         let mut of_pair = Vec::with_capacity(pairs.len());
         for (pair, &(a, b)) in pairs.iter().enumerate() {
             let [a, b] = [a, b].map(|i| place[i as usize]);
-            let number = front_of[a.min(b)];
-            let front = &fronts.list[number];
-            let row = |body: usize| {
-                let rows = &fronts.rows[front.rows.clone()];
-                3 * if body < front.pivots.end {
-                    body - front.pivots.start
-                } else {
-                    front.pivots.len() + rows.partition_point(|r| (*r as usize) < body)
-                }
-            };
-            in_front[number].push((pair as u32, [row(a) as u32, row(b) as u32]));
+            let first = a.min(b);
+            let (task, number) = (&fronts.tasks[task_of[first]], front_of[first]);
+            let rows = fronts.in_front(task, &fronts.list[number], [a, b]);
+            in_front[number].push((pair as u32, rows.map(|row| 3 * row as u32)));
             of_pair.push([a as u32, b as u32]);
         }
-        let factor = Factor::new(&fronts);
+        let parts = (0..fronts.tasks.len()).map(|task| Part::new(&fronts, task)).collect();
         Some(Self {
             bodies: vec![[0.0; BODY]; bodies],
             pairs: vec![[0.0; PAIR]; pairs.len()],
             of_pair,
             in_front,
             fronts,
-            factor,
+            parts,
+            current: Lent::default(),
+            updates: Lent::default(),
             images: Images::default(),
             instructions: Arch::new(),
         })
@@ -148,21 +152,65 @@ impl UnsymmetricMatrix {
     /// Factorises; whether all pivots are finite and none is zero.
     #[must_use]
     pub fn factorise(&mut self) -> bool {
-        let Self { fronts, bodies, pairs, in_front, factor, instructions, .. } = self;
-        instructions.dispatch(Eliminate { fronts, bodies, pairs, in_front, factor });
-        factor.sign != 0.0
+        let Self { fronts, bodies, pairs, in_front, parts, current, updates, instructions, .. } =
+            self;
+        let share = (!is_alone()).then_some(*instructions);
+        let has_factor = in_pool(parts.len() > 1, || {
+            upward(&fronts.sizes, parts, &|task, below, part| {
+                part.updates = updates.take(part.update_len);
+                let has_factor = current.with(|current| {
+                    let values = (&bodies[..], &pairs[..], &in_front[..]);
+                    let below = &*below;
+                    instructions.dispatch(Eliminate {
+                        fronts,
+                        values,
+                        task,
+                        part,
+                        below,
+                        current,
+                        share,
+                    })
+                });
+                let number = below.len();
+                for other in &fronts.below[task] {
+                    updates.give(std::mem::take(&mut below[other + number - task].updates));
+                }
+                has_factor
+            })
+        });
+        let left = parts.iter_mut().map(|part| std::mem::take(&mut part.updates));
+        left.for_each(|left| updates.give(left));
+        has_factor
     }
 
     /// Sign of the determinant of the matrix that was factorised last.
     #[must_use]
     pub fn sign(&self) -> f64 {
-        self.factor.sign
+        self.parts.iter().map(|part| part.sign).product()
     }
 
     /// Solves in place with the last factor; `x` is in the order of elimination.
     pub fn solve(&mut self, x: &mut [[f64; 3]]) {
-        let Self { fronts, factor, instructions, .. } = self;
-        instructions.dispatch(Solve { fronts, factor, x });
+        let Self { fronts, parts, current, instructions, .. } = self;
+        in_pool(parts.len() > 1, || {
+            let right = &*x;
+            upward(&fronts.sizes, parts, &|task, below, part| {
+                let work_of = |other: usize| &below[other + below.len() - task].work[..];
+                gather_below(fronts, task, right, work_of, &mut part.work);
+                current.with(|current| instructions.dispatch(Forward(fronts, task, part, current)));
+                true
+            });
+            let pieces = split(x, fronts.tasks.iter().map(|task| task.places.clone()));
+            let mut parts: Vec<_> = parts.iter_mut().zip(pieces).collect();
+            downward(&fronts.sizes, &mut parts, &|task, above, (part, x)| {
+                if let Some((above, _)) = above {
+                    copy_from_above(fronts, task, &above.work, &mut part.work);
+                }
+                current
+                    .with(|current| instructions.dispatch(Backward(fronts, task, part, current)));
+                x.copy_from_slice(&part.work[..x.len()]);
+            });
+        });
     }
 }
 
@@ -234,6 +282,65 @@ mod tests {
                     }
                 }
             }
+        }
+    }
+
+    /// A graph with many tasks: solution and sign are the same bytes on any number of threads, and
+    /// the residual is small.
+    #[test]
+    fn threads_change_no_byte() {
+        let side = 60_u32;
+        let bodies = (side * side) as usize;
+        let pairs: Vec<(u32, u32)> = (0..side * side)
+            .flat_map(|i| [(i, i + 1, i % side < side - 1), (i, i + side, i + side < side * side)])
+            .filter_map(|(a, b, is_pair)| is_pair.then_some((a, b)))
+            .collect();
+        let on = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| {
+                let mut random = ChaCha8Rng::seed_from_u64(1);
+                let mut uniform = move || random.next_u32() as f64 / f64::from(u32::MAX) - 0.5;
+                let mut matrix = UnsymmetricMatrix::new(bodies, &pairs).unwrap();
+                assert!(matrix.parts.len() > 20);
+                for place in 0..bodies {
+                    (0..3).for_each(|k| matrix.add_diagonal(place, k, 0.1 * uniform()));
+                }
+                for pair in 0..pairs.len() {
+                    let mut block = || [0; 3].map(|_| [0; 3].map(|_| uniform()));
+                    matrix.add(pair, &[block(), block()], &block());
+                }
+                assert!(matrix.factorise());
+                let right: Vec<[f64; 3]> = (0..bodies).map(|_| [0; 3].map(|_| uniform())).collect();
+                let mut x = right.clone();
+                matrix.solve(&mut x);
+                // The residual of the solution.
+                let mut left = right;
+                for (left, (x, block)) in left.iter_mut().zip(x.iter().zip(&matrix.bodies)) {
+                    take_away(left, block, x);
+                }
+                for ([a, b], blocks) in matrix.of_pair.iter().zip(&matrix.pairs) {
+                    let [a, b] = [*a as usize, *b as usize];
+                    take_away(&mut left[a], &blocks[..BODY], &x[b]);
+                    take_away(&mut left[b], &blocks[BODY..], &x[a]);
+                }
+                let worst = left.as_flattened().iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+                let size = x.as_flattened().iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+                assert!(worst <= 1e-10 * size, "{worst:e} of {size:e}");
+                // A matrix of zeros has no factor.
+                let sign = matrix.sign();
+                matrix.clear();
+                assert!(!matrix.factorise() && matrix.sign() == 0.0);
+                (x, sign)
+            })
+        };
+        let one = on(1);
+        assert!(one.1.abs() == 1.0);
+        assert!(on(2) == one && on(5) == one);
+    }
+
+    fn take_away(left: &mut [f64; 3], block: &[f64], x: &[f64; 3]) {
+        for (left, row) in left.iter_mut().zip(block.as_chunks::<3>().0) {
+            *left -= row[0] * x[0] + row[1] * x[1] + row[2] * x[2];
         }
     }
 }

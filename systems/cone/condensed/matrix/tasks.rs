@@ -1,0 +1,135 @@
+//! Cuts the tree of fronts into tasks. A task waits for the tasks below it alone, so that several
+//! threads can work on the tree at once.
+//!
+//! A subtree with at most a two-hundredth of the work is not cut; small ones that hang on the same
+//! task are taken together. Above them, every chain of fronts without a fork is one task. There are
+//! at most about a thousand tasks therefore, however long the chains are. The cut follows from the
+//! pattern, not from the number of threads, and a task takes the results of those below it in their
+//! order: any number of threads gives the same bytes.
+
+use super::merge::Group;
+
+/// Minimum number of bodies of a matrix with more than one task: for less, handing out the work
+/// costs more than it saves.
+const MIN_BODIES: usize = 1000;
+/// Maximum work of a subtree that is not cut, as a part of the whole.
+const GRAIN: f64 = 1.0 / 200.0;
+
+/// A task of the cut.
+#[derive(Default)]
+pub struct Cut {
+    /// The columns at the feet of its subtrees. The tasks below it are parts of these subtrees that
+    /// do not belong to it.
+    pub feet: Vec<usize>,
+    /// Number of tasks in its subtrees, itself included: it comes last of them.
+    pub size: usize,
+}
+
+/// Tasks while the tree is cut.
+#[derive(Default)]
+struct Nodes {
+    feet: Vec<Vec<usize>>,
+    /// The tasks directly below each.
+    below: Vec<Vec<usize>>,
+    /// Columns of small subtrees that hang on each.
+    small: Vec<Vec<usize>>,
+}
+
+impl Nodes {
+    fn push(&mut self, feet: Vec<usize>, below: Vec<usize>) -> usize {
+        self.feet.push(feet);
+        self.below.push(below);
+        self.small.push(Vec::new());
+        self.feet.len() - 1
+    }
+}
+
+/// The tasks, each after those below it.
+pub fn cut(rows: &[Vec<u32>], groups: &[Option<Group>], roots: &[usize]) -> Vec<Cut> {
+    if groups.len() < MIN_BODIES {
+        return vec![Cut { feet: roots.to_vec(), size: 1 }];
+    }
+    // Children come before their parents.
+    let mut whole = vec![0.0; groups.len()];
+    for (k, group) in groups.iter().enumerate() {
+        let Some(group) = group else { continue };
+        let children: f64 = group.children.iter().map(|c| whole[*c]).sum();
+        whole[k] = work(group.pivots.len(), rows[k].len()) + children;
+    }
+    let grain = GRAIN * roots.iter().map(|root| whole[*root]).sum::<f64>();
+    let mut nodes = Nodes::default();
+    // The task of every front that is not in a small subtree.
+    let mut task_of = vec![0; groups.len()];
+    let mut add = |children: &[usize], column: Option<usize>| {
+        let (small, large): (Vec<usize>, Vec<usize>) =
+            children.iter().partition(|c| whole[**c] <= grain);
+        let task = match (&large[..], column) {
+            (&[child], Some(_)) => task_of[child],
+            _ => nodes.push(Vec::new(), large.iter().map(|c| task_of[*c]).collect()),
+        };
+        nodes.small[task].extend(small);
+        if let Some(column) = column {
+            nodes.feet[task] = vec![column];
+            task_of[column] = task;
+        }
+        task
+    };
+    for (k, group) in groups.iter().enumerate() {
+        if let Some(group) = group.as_ref().filter(|_| whole[k] > grain) {
+            add(&group.children, Some(k));
+        }
+    }
+    // What everything hangs on is no task.
+    let all = add(roots, None);
+    for task in 0..=all {
+        let small = std::mem::take(&mut nodes.small[task]);
+        for feet in share_out(&small, &whole, grain) {
+            let new = nodes.push(feet, Vec::new());
+            nodes.below[task].push(new);
+        }
+    }
+    let mut cuts = in_postorder(nodes, all);
+    cuts.pop();
+    cuts
+}
+
+/// Small subtrees in groups with at most the work `grain`, in their order.
+fn share_out(feet: &[usize], whole: &[f64], grain: f64) -> Vec<Vec<usize>> {
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    let mut work = f64::INFINITY;
+    for &foot in feet {
+        if work + whole[foot] > grain {
+            groups.push(Vec::new());
+            work = 0.0;
+        }
+        work += whole[foot];
+        groups.last_mut().expect("a group was begun").push(foot);
+    }
+    groups
+}
+
+/// The tasks in the subtree of one, each after those below it.
+fn in_postorder(mut nodes: Nodes, root: usize) -> Vec<Cut> {
+    let mut cuts = Vec::new();
+    let mut path = vec![(root, 0, 0)];
+    while let Some((task, next, first)) = path.last_mut() {
+        if let Some(&below) = nodes.below[*task].get(*next) {
+            *next += 1;
+            path.push((below, 0, cuts.len()));
+        } else {
+            let feet = std::mem::take(&mut nodes.feet[*task]);
+            cuts.push(Cut { feet, size: cuts.len() + 1 - *first });
+            path.pop();
+        }
+    }
+    cuts
+}
+
+/// Work of a front: multiplications, and four times the numbers that are moved. Moving a number
+/// takes several times as long as a multiplication.
+pub fn work(pivots: usize, rows: usize) -> f64 {
+    let (width, below) = (3.0 * pivots as f64, 3.0 * rows as f64);
+    let multiplications = width * (width * width / 3.0 + width * below + below * below);
+    let numbers = width * (width + below) + below * below;
+    multiplications + 4.0 * numbers
+}
