@@ -8,10 +8,10 @@
 //! All functions are inlined into a caller that is compiled for the instructions of the machine
 //! (`pulp`). The order of every sum is fixed, and fused multiplications are explicit.
 
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Simd, WithSimd};
 
 use super::dense::LANES;
-use super::share::in_pieces;
+use super::share::{Share, in_pieces};
 
 /// A pivot stays on the diagonal if it is at least this part of the maximum of its column among the
 /// pivots of the front.
@@ -41,12 +41,12 @@ fn two_rows(front: &mut [f64], len: usize, upper: usize, lower: usize) -> (&mut 
 
 /// Factorises the first `width` columns, `P A = L U` with a unit diagonal in L, and leaves the
 /// update in the remaining square. `exchanged[k]` is the row with which row k was exchanged.
-/// Returns the sign of the determinant of the pivots, or 0 if a pivot is zero or not finite. With
-/// instructions in `share` the threads of the pool share the work below the pivots.
+/// Returns the sign of the determinant of the pivots, or 0 if a pivot is zero or not finite. The
+/// threads that `share` names work below the pivots.
 #[inline(always)]
 pub fn factorise<S: Simd>(
     simd: S,
-    share: Option<Arch>,
+    share: impl Share,
     front: &mut [f64],
     [height, width]: [usize; 2],
     exchanged: &mut [u32],
@@ -171,6 +171,9 @@ pub fn backward(upper: &[f64], height: usize, x: &mut [f64]) {
 
 #[cfg(test)]
 mod tests {
+    use pulp::Arch;
+
+    use super::super::share::Alone;
     use super::*;
 
     /// A front without rows whose first pivot is zero: rows are exchanged, and the solution of
@@ -184,7 +187,7 @@ mod tests {
             row[..3].copy_from_slice(&values);
         }
         let mut exchanged = [0; 3];
-        assert_eq!(factorise(pulp::Scalar::new(), None, &mut front, [3, 3], &mut exchanged), -1.0);
+        assert_eq!(factorise(pulp::Scalar::new(), Alone, &mut front, [3, 3], &mut exchanged), -1.0);
         let square: Vec<f64> =
             front.chunks_exact(row_len(3)).flat_map(|row| row[..3].to_vec()).collect();
         let expected = [1.0, -2.0, 3.0];
@@ -199,7 +202,7 @@ mod tests {
     #[test]
     fn a_singular_front_has_no_sign() {
         let mut front = vec![1.0; 2 * row_len(2)];
-        assert_eq!(factorise(pulp::Scalar::new(), None, &mut front, [2, 2], &mut [0; 2]), 0.0);
+        assert_eq!(factorise(pulp::Scalar::new(), Alone, &mut front, [2, 2], &mut [0; 2]), 0.0);
     }
 
     /// A front so large that threads share it has the same bytes as on one thread.
@@ -210,12 +213,12 @@ mod tests {
         let matrix: Vec<f64> = (0..height * len)
             .map(|k| if k / len == k % len { 300.0 } else { ((k * k) as f64).sin() })
             .collect();
-        let on = |share: Option<Arch>| {
-            let (mut front, mut exchanged) = (matrix.clone(), vec![0; width]);
-            let simd = pulp::Scalar::new();
-            let sign = factorise(simd, share, &mut front, [height, width], &mut exchanged);
+        fn on(share: impl Share, matrix: &[f64], size: [usize; 2]) -> (f64, Vec<f64>, Vec<u32>) {
+            let (mut front, mut exchanged) = (matrix.to_vec(), vec![0; size[1]]);
+            let sign = factorise(pulp::Scalar::new(), share, &mut front, size, &mut exchanged);
             (sign, front, exchanged)
-        };
-        assert!(on(Some(Arch::new())) == on(None));
+        }
+        let size = [height, width];
+        assert!(on(Arch::new(), &matrix, size) == on(Alone, &matrix, size));
     }
 }

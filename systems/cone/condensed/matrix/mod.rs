@@ -33,10 +33,11 @@ use self::numeric::{Backward, Current, Eliminate, Forward, Part};
 pub(super) use self::ordering::places;
 use self::pattern::{DIAGONAL, PAIR, Pattern};
 use self::schedule::{downward, upward};
+use self::share::dispatch;
 pub use self::unsymmetric::UnsymmetricMatrix;
 use self::work::{copy_from_above, gather_below};
 use super::images::Images;
-use super::parallel::{Lent, is_alone, split};
+use super::parallel::{Lent, split};
 use crate::adjacency::Adjacency;
 
 /// Shifts of the diagonal, over its maximum, that make up for round-off: a hundred times the unit
@@ -204,22 +205,13 @@ impl BodyMatrix {
         let Self { values, pattern, parts, current, updates, instructions, .. } = self;
         let fronts = &pattern.fronts;
         let right = &*x;
-        let share = (!is_alone()).then_some(*instructions);
         let definite = upward(&fronts.sizes, parts, &|task, below, part| {
             let work_of = |other: usize| &below[other + below.len() - task].work[..];
             gather_below(fronts, task, right, work_of, &mut part.work);
             part.updates = updates.take(fronts.tasks[task].update_len.iter().sum());
             let definite = current.with(|current| {
                 let below = &*below;
-                instructions.dispatch(Eliminate {
-                    pattern,
-                    values,
-                    task,
-                    part,
-                    below,
-                    current,
-                    share,
-                })
+                dispatch(*instructions, Eliminate { pattern, values, task, part, below, current })
             });
             let number = below.len();
             for other in &fronts.below[task] {

@@ -6,12 +6,13 @@
 
 use std::ops::Range;
 
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Simd, WithSimd};
 
 use super::dense::{self, LANES, Triangle};
 use super::fronts::{Front, Fronts, Task};
 use super::packed;
 use super::pattern::{DIAGONAL, PAIR, Pattern};
+use super::share::{By, Share};
 
 /// The numbers of a task.
 pub struct Part {
@@ -133,16 +134,14 @@ pub struct Eliminate<'a> {
     /// The other tasks of its subtrees.
     pub below: &'a [Part],
     pub current: &'a mut Current,
-    /// The instructions of the machine, if the threads of the pool share the work on large fronts.
-    pub share: Option<Arch>,
 }
 
-impl WithSimd for Eliminate<'_> {
+impl<H: Share> WithSimd for By<H, Eliminate<'_>> {
     type Output = bool;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> bool {
-        let Self { pattern, values, task, part, below, current, share } = self;
+        let Self(share, Eliminate { pattern, values, task, part, below, current }) = self;
         let fronts = &pattern.fronts;
         let first_below = task - below.len();
         let own = fronts.tasks[task].fronts.clone();

@@ -5,11 +5,11 @@
 //! their order are those of [`dense`](super::dense), and the results are equal byte by byte. Below
 //! the pivots of a chunk the others do not depend on each other: several threads share them.
 
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Simd, WithSimd};
 
 use super::dense::{LANES, Triangle, factor_of, kept_rows};
 use super::fronts::Front;
-use super::share::in_pieces;
+use super::share::{Share, in_pieces};
 
 /// Rows of a chunk: a multiple of three, so that no block of three rows is in two chunks.
 const CHUNK: usize = 3 * LANES;
@@ -127,12 +127,12 @@ impl WithSimd for Below<'_> {
     }
 }
 
-/// As [`dense::factorise`](super::dense::factorise), into the copy. With instructions in `share`
-/// the threads of the pool share the work.
+/// As [`dense::factorise`](super::dense::factorise), into the copy. The threads that `share`
+/// names work on it.
 #[inline(always)]
 pub fn factorise<S: Simd>(
     simd: S,
-    share: Option<Arch>,
+    share: impl Share,
     panel: &[f64],
     height: usize,
     triangles: &mut [Triangle],
@@ -216,7 +216,7 @@ impl WithSimd for Update<'_> {
 #[inline(always)]
 pub fn update<S: Simd>(
     simd: S,
-    share: Option<Arch>,
+    share: impl Share,
     packed: &[f64],
     width: usize,
     bottom: usize,
@@ -238,7 +238,10 @@ pub fn update<S: Simd>(
 
 #[cfg(test)]
 mod tests {
+    use pulp::Arch;
+
     use super::super::dense;
+    use super::super::share::Alone;
     use super::*;
 
     /// A trapezoid that is diagonally dominant, of a number of pivots and rows.
@@ -321,13 +324,19 @@ mod tests {
 
             let mut kept = vec![0.0; (0..pivots).map(|k| 3 * kept_rows(pivots + rows, k)).sum()];
             dense::keep(&panel, height, pivots + rows, &mut kept);
-            for share in [None, Some(Arch::new())] {
+            for shared in [false, true] {
                 let mut other_triangles = vec![[0.0; 6]; pivots];
                 let mut copy = vec![f64::NAN; height.next_multiple_of(CHUNK) * width];
                 let mut chunked = vec![0.0; bottom * 3 * rows];
                 let (triangles_of_copy, simd) = (&mut other_triangles, pulp::Scalar::new());
-                assert!(factorise(simd, share, &matrix, height, triangles_of_copy, &mut copy));
-                update(simd, share, &copy, width, bottom, &mut chunked);
+                if shared {
+                    let share = Arch::new();
+                    assert!(factorise(simd, share, &matrix, height, triangles_of_copy, &mut copy));
+                    update(simd, share, &copy, width, bottom, &mut chunked);
+                } else {
+                    assert!(factorise(simd, Alone, &matrix, height, triangles_of_copy, &mut copy));
+                    update(simd, Alone, &copy, width, bottom, &mut chunked);
+                }
                 assert_eq!(triangles, other_triangles);
                 let mut kept_of_copy = vec![0.0; kept.len()];
                 keep(&copy, width, pivots + rows, &mut kept_of_copy);

@@ -4,24 +4,67 @@ use pulp::{Arch, Simd, WithSimd};
 use rayon::iter::{IndexedParallelIterator, ParallelIterator};
 use rayon::slice::ParallelSliceMut;
 
+use super::super::parallel::is_alone;
+
 /// Minimum number of multiplications of a piece that another thread may take. They last some ten
 /// microseconds, a few times as long as it takes to hand them out.
 const MIN_PIECE: usize = 100_000;
 
+/// Who works on a front: [`Alone`] one thread, [`Arch`] the threads of the pool with these
+/// instructions. It is a type because the loops of one thread are slower where the compiler has to
+/// provide for both.
+pub trait Share: Copy + Sync {
+    /// The instructions for the other threads; `None` for one thread.
+    fn instructions(self) -> Option<Arch>;
+}
+
+/// One thread works on a front.
+#[derive(Clone, Copy)]
+pub struct Alone;
+
+impl Share for Alone {
+    #[inline(always)]
+    fn instructions(self) -> Option<Arch> {
+        None
+    }
+}
+
+impl Share for Arch {
+    #[inline(always)]
+    fn instructions(self) -> Option<Arch> {
+        Some(self)
+    }
+}
+
+/// Work on fronts, and who does it.
+pub struct By<H, W>(pub H, pub W);
+
+/// Does the work, on large fronts with the threads of the pool.
+pub fn dispatch<W, R>(instructions: Arch, work: W) -> R
+where
+    By<Alone, W>: WithSimd<Output = R>,
+    By<Arch, W>: WithSimd<Output = R>,
+{
+    if is_alone() {
+        instructions.dispatch(By(Alone, work))
+    } else {
+        instructions.dispatch(By(instructions, work))
+    }
+}
+
 /// Evaluates what `operation` makes of consecutive units of `data`, given the number of the first:
-/// all at once, or in pieces on the threads of the pool if `share` has the instructions of the
-/// machine. A unit has `len` numbers and takes about `work` multiplications.
+/// all at once, or in pieces on the threads that `share` the work. A unit has `len` numbers and takes about `work` multiplications.
 #[inline(always)]
 pub fn in_pieces<'a, S: Simd, O: WithSimd<Output = ()>>(
     simd: S,
-    share: Option<Arch>,
+    share: impl Share,
     data: &'a mut [f64],
     len: usize,
     work: usize,
     operation: impl Fn(usize, &'a mut [f64]) -> O + Sync,
 ) {
     let units = MIN_PIECE.div_ceil(work.max(1));
-    match share {
+    match share.instructions() {
         Some(instructions) if data.len() > units * len => {
             let pieces = data.par_chunks_mut(units * len).enumerate();
             pieces.for_each(|(k, piece)| instructions.dispatch(operation(k * units, piece)));

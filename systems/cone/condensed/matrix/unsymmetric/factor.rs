@@ -1,9 +1,10 @@
 //! The factor: LU factorisation of the fronts, and the solutions with it.
 
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Simd, WithSimd};
 
 use super::super::fronts::{Front, Fronts};
 use super::super::lu;
+use super::super::share::{By, Share};
 use super::{BODY, PAIR};
 
 /// The numbers of a task.
@@ -110,17 +111,15 @@ pub(super) struct Eliminate<'a> {
     /// The other tasks of its subtrees.
     pub(super) below: &'a [Part],
     pub(super) current: &'a mut Current,
-    /// The instructions of the machine, if the threads of the pool share the work on large fronts.
-    pub(super) share: Option<Arch>,
 }
 
-impl WithSimd for Eliminate<'_> {
+impl<H: Share> WithSimd for By<H, Eliminate<'_>> {
     type Output = bool;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> bool {
-        let Self { fronts, values: (bodies, pairs, in_front), task, part, below, current, share } =
-            self;
+        let Self(share, Eliminate { fronts, values, task, part, below, current }) = self;
+        let (bodies, pairs, in_front) = values;
         let first_below = task - below.len();
         let task = &fronts.tasks[task];
         current.fit(part.highest);

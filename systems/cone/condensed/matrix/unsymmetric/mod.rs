@@ -13,11 +13,12 @@ use self::factor::{Backward, Current, Eliminate, Forward, Part};
 use super::fronts::Fronts;
 use super::ordering::places;
 use super::schedule::{downward, upward};
+use super::share::dispatch;
 use super::work::{copy_from_above, gather_below};
 use super::{layout, ordering};
 use crate::adjacency::Adjacency;
 use crate::condensed::images::Images;
-use crate::condensed::parallel::{Lent, in_pool, is_alone, split};
+use crate::condensed::parallel::{Lent, in_pool, split};
 
 /// Numbers in the block of a body and in the two blocks of a pair.
 const BODY: usize = 9;
@@ -154,22 +155,16 @@ impl UnsymmetricMatrix {
     pub fn factorise(&mut self) -> bool {
         let Self { fronts, bodies, pairs, in_front, parts, current, updates, instructions, .. } =
             self;
-        let share = (!is_alone()).then_some(*instructions);
         let has_factor = in_pool(parts.len() > 1, || {
             upward(&fronts.sizes, parts, &|task, below, part| {
                 part.updates = updates.take(part.update_len);
                 let has_factor = current.with(|current| {
                     let values = (&bodies[..], &pairs[..], &in_front[..]);
                     let below = &*below;
-                    instructions.dispatch(Eliminate {
-                        fronts,
-                        values,
-                        task,
-                        part,
-                        below,
-                        current,
-                        share,
-                    })
+                    dispatch(
+                        *instructions,
+                        Eliminate { fronts, values, task, part, below, current },
+                    )
                 });
                 let number = below.len();
                 for other in &fronts.below[task] {
