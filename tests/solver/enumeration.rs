@@ -7,6 +7,7 @@ use clastic::cone::coulomb::{Coulomb, Goal};
 use clastic::cone::program::{
     ConeProgram, ConeSolution, Dof, FreeDof, Interaction, Limits, ProgramBody, Scales, SolveStatus,
 };
+use clastic::cone::residuals::residuals;
 use clastic::cone::solver::ConeSolver;
 use glam::DVec2;
 use rand_chacha::ChaCha8Rng;
