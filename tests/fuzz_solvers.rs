@@ -14,7 +14,8 @@ use std::time::{Duration, Instant};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::RunSystemOnce;
 use clastic::components::attempt::Attempt;
-use clastic::components::increment::{Acceptance, Analysis};
+use clastic::components::findings::Sliding;
+use clastic::components::increment::{Acceptance, Analysis, FrictionLaw};
 use clastic::cone::certificate::{certificate, proves};
 use clastic::cone::clarabel::Clarabel;
 use clastic::cone::condensed::Condensed;
@@ -167,6 +168,8 @@ fn solve(program: &ConeProgram, solver: Solver) -> ConeSolution {
     world.insert_resource(program.clone());
     world.insert_resource(Acceptance::default());
     world.insert_resource(solver);
+    world.init_resource::<FrictionLaw>();
+    world.init_resource::<Sliding>();
     world.init_resource::<Analysis>();
     world.init_resource::<Attempt>();
     world.init_resource::<ConeSolution>();

@@ -24,6 +24,12 @@ pub trait ConeSolver: Send + Sync {
     /// negative inertias, compliances or limits.
     fn solve(&mut self, program: &ConeProgram) -> Result<ConeSolution, MalformedProgram>;
 
+    /// Whether the first point within the tolerance suffices as the solution of a program. By
+    /// default it does not.
+    fn first_point_suffices(&self, _program: &ConeProgram) -> bool {
+        false
+    }
+
     /// The start of the next solve, on which its solution depends besides the program: for every
     /// body in its own axes two displacements, m, and a rotation, rad. A checkpoint stores it.
     fn memory(&self) -> &[[f64; 3]] {

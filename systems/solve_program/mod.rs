@@ -10,7 +10,7 @@ use clastic_components::attempt::{Attempt, Mode};
 use clastic_components::contact::Bodies;
 use clastic_components::contact_history::KeptRows;
 use clastic_components::findings::Sliding;
-use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
+use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, FrictionLaw};
 use clastic_cone::condensed;
 use clastic_cone::mechanism;
 use clastic_cone::program::{ConeProgram, ConeSolution, Residuals, SolveStatus};
@@ -99,13 +99,24 @@ fn residuals_of(attempt: &Attempt, program: &ConeProgram, solution: &ConeSolutio
 
 /// Solves the program and computes the residuals of the solution.
 pub fn solve_program(
-    program: Res<ConeProgram>,
+    law: Res<FrictionLaw>,
+    finding: Res<Sliding>,
     acceptance: Res<Acceptance>,
     analysis: Res<Analysis>,
+    mut program: ResMut<ConeProgram>,
     mut solver: ResMut<Solver>,
     mut attempt: ResMut<Attempt>,
     mut solution: ResMut<ConeSolution>,
 ) {
+    // Only the start of the search for Coulomb's law need not be exact, unless the law of bonds
+    // keeps it as the solution.
+    let tolerance = program.tolerance;
+    if sliding::law_of(&law, &analysis, &attempt, &finding).is_some()
+        && solver.0.first_point_suffices(&program)
+        && !program.has_bonds()
+    {
+        program.tolerance = tolerance.max(sliding::START);
+    }
     let mut solve = |program: &ConeProgram| {
         if attempt.mode == Mode::Proof {
             Ok(mechanism::find(program))
@@ -132,6 +143,7 @@ pub fn solve_program(
         let converged = solution.residuals.worst() <= enough;
         solution.status = if converged { SolveStatus::Solved } else { SolveStatus::Stalled };
     }
+    program.tolerance = tolerance;
     attempt.solves += 1;
     attempt.iterations += solution.iterations;
 }

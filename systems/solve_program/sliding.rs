@@ -6,10 +6,11 @@ use clastic_components::attempt::{Attempt, Mode};
 use clastic_components::contact::Bodies;
 use clastic_components::findings::Sliding;
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, FrictionLaw};
-use clastic_cone::coulomb::Coulomb;
+use clastic_cone::coulomb::{Coulomb, Goal};
 use clastic_cone::program::{ConeProgram, ConeSolution, SolveStatus};
 use clastic_cone::residuals;
 
+use super::Solver;
 use crate::mean_field::thrown;
 
 /// Number of failed solves after which the other solves of the increment are quick.
@@ -21,15 +22,32 @@ const QUICK: u32 = 40;
 /// Safety factor: the solver aims at 0.9 times the tolerance.
 const MARGIN: f64 = 0.9;
 
+/// Maximum residual of an associated solution that is only the start of the search.
+///
+/// 1e-3: the products at which the search begins. A more exact start is lost there.
+pub const START: f64 = 1e-3;
+
 /// The solver of the world, with its memory between increments.
 #[derive(Resource, Default)]
 pub struct SlidingSolver(Coulomb);
 
+/// The law of the programs of an attempt that are solved without dilation; `None` if they keep it.
+/// The proof of a collapse keeps it, because it holds for both laws. A followed motion keeps it
+/// until Coulomb's law has rejected an equilibrium of the increment. Without it, motions would rest
+/// where the associated law does.
+pub fn law_of(
+    law: &FrictionLaw,
+    analysis: &Analysis,
+    attempt: &Attempt,
+    finding: &Sliding,
+) -> Option<clastic_components::increment::Coulomb> {
+    let is_left_out =
+        attempt.mode == Mode::Proof || (attempt.motion().is_some() && !finding.rejected);
+    law.coulomb(analysis.kind).filter(|_| !is_left_out)
+}
+
 /// Solves the program of an equilibrium or a time step again without the dilation of contacts that
-/// slide or roll. Interactions with strength keep the dilation: their law is that of the bond. The
-/// proof of a collapse keeps it, because it holds for both laws. A followed motion keeps it until
-/// Coulomb's law has rejected an equilibrium of the increment. Without it, motions would rest where
-/// the associated law does.
+/// slide or roll. Interactions with strength keep the dilation: their law is that of the bond.
 ///
 /// A solution that did not converge is kept with its residual.
 /// [`coulomb::judge`](crate::attempt::coulomb::judge) decides on it.
@@ -38,6 +56,7 @@ pub fn solve_sliding(
     acceptance: Res<Acceptance>,
     analysis: Res<Analysis>,
     bodies: Res<Bodies>,
+    associated: Res<Solver>,
     mut solver: ResMut<SlidingSolver>,
     mut program: ResMut<ConeProgram>,
     mut solution: ResMut<ConeSolution>,
@@ -46,12 +65,11 @@ pub fn solve_sliding(
 ) {
     let Sliding { failures, rejected, .. } = *finding;
     *finding = Sliding { failures, rejected, ..Sliding::default() };
-    let Some(law) = law.coulomb(analysis.kind) else { return };
-    let moves = attempt.motion().is_some();
-    let is_left_out = attempt.mode == Mode::Proof || (moves && !rejected);
-    if is_left_out || solution.status != SolveStatus::Solved {
+    let Some(law) = law_of(&law, &analysis, &attempt, &finding) else { return };
+    if solution.status != SolveStatus::Solved {
         return;
     }
+    let moves = attempt.motion().is_some();
     // A throw is rejected in any case.
     let is_static = analysis.kind == AnalysisKind::Static;
     if is_static && thrown(&bodies, &program, &solution, &acceptance).is_some() {
@@ -68,16 +86,18 @@ pub fn solve_sliding(
     // The tolerance of a motion must be so small that states which only the associated law balances
     // show as out of balance.
     let aim = MARGIN * if moves { enough.min(Sliding::BOUND) } else { enough };
+    let goal =
+        if associated.0.first_point_suffices(&program) { Goal::enough } else { Goal::exact }(aim);
     // The last forces are the second start, with a tenth of the factorisations. After a motion they
     // belong to its state at rest, from which the associated solution may be far away.
     let last = last_solution(&program);
     let (of_first, of_second) = if rejected { (max, max) } else { (max - max / 10, max / 10) };
-    let mut found = solver.0.solve(&program, &solution, aim, of_first);
+    let mut found = solver.0.solve(&program, &solution, goal, of_first);
     attempt.iterations += found.iterations;
     if found.status != SolveStatus::Solved
         && let Some(last) = last
     {
-        let other = solver.0.solve(&program, &last, aim, of_second);
+        let other = solver.0.solve(&program, &last, goal, of_second);
         attempt.iterations += other.iterations;
         let worst = |s: &ConeSolution| super::residuals_of(&attempt, &program, s).worst();
         if other.status == SolveStatus::Solved || worst(&other) < worst(&found) {

@@ -3,7 +3,7 @@
 
 use clastic::cone::clarabel::Clarabel;
 use clastic::cone::condensed::Condensed;
-use clastic::cone::coulomb::Coulomb;
+use clastic::cone::coulomb::{Coulomb, Goal};
 use clastic::cone::dump::{from_json, to_json};
 use clastic::cone::program::{
     ConeProgram, ConeSolution, Dof, FreeDof, Interaction, Limits, ProgramBody, Scales, SolveStatus,
@@ -290,7 +290,7 @@ fn slides(program: &ConeProgram, other: &ConeProgram) -> [Option<bool>; 2] {
         for c in &mut program.interactions {
             c.dilation = f64::from(u8::from(c.limits.has_strength()));
         }
-        let found = Coulomb::default().solve(&program, &start, 9e-9, 600);
+        let found = Coulomb::default().solve(&program, &start, Goal::exact(9e-9), 600);
         let worst = residuals(&program, &found.forces, &found.displacements).worst();
         let map = natural_map(&program, &found.forces, &found.displacements);
         Some(worst <= 1e-8 && map <= 1e-3)

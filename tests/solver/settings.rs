@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex};
 
 use clastic::cone::certificate::proves;
 use clastic::cone::condensed::{Condensed, CondensedSettings};
-use clastic::cone::coulomb::{Coulomb, CoulombSettings};
+use clastic::cone::coulomb::{Coulomb, CoulombSettings, Goal};
 use clastic::cone::program::{ConeProgram, ConeSolution, Dof, SolveStatus};
 use clastic::cone::residuals::{displacement_scale, force_scale, regularised_residuals};
 use clastic::cone::solver::{ConeSolver, MalformedProgram};
@@ -196,7 +196,9 @@ fn slide_all(
 ) -> Vec<ConeSolution> {
     let mut solver = Coulomb::new(settings);
     let pairs = set.iter().zip(starts);
-    pairs.map(|(p, start)| solver.solve(&p.program, start, 0.9 * RESIDUAL, 600)).collect()
+    pairs
+        .map(|(p, start)| solver.solve(&p.program, start, Goal::exact(0.9 * RESIDUAL), 600))
+        .collect()
 }
 
 /// The programs without dilation, of those that are solved, with their solutions with dilation.

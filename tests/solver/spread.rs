@@ -2,7 +2,7 @@
 //! scenes. The table is in `docs/validation.md`.
 
 use clastic::cone::condensed::Condensed;
-use clastic::cone::coulomb::Coulomb;
+use clastic::cone::coulomb::{Coulomb, Goal};
 use clastic::cone::program::{ConeProgram, ConeSolution, Dof, SolveStatus};
 use clastic::cone::solver::ConeSolver;
 use clastic::run::Simulation;
@@ -112,7 +112,8 @@ fn solutions_from_several_starts() {
             let Some(starts) = starts(program, record.increment) else { continue };
             tried += starts.len();
             let mut solver = Coulomb::default();
-            let found = starts.iter().map(|start| solver.solve(program, start, 0.9e-8, 600));
+            let found =
+                starts.iter().map(|start| solver.solve(program, start, Goal::exact(0.9e-8), 600));
             let found: Vec<_> = found.filter(|s| s.status == SolveStatus::Solved).collect();
             solved += found.len();
             programs += 1;

@@ -125,6 +125,10 @@ impl ConeSolver for Condensed {
         Ok(solution)
     }
 
+    fn first_point_suffices(&self, program: &ConeProgram) -> bool {
+        Demand::of(program, &self.settings).at_once
+    }
+
     // The matrix follows from the pairs alone: its order and pattern are no memory.
     fn memory(&self) -> &[[f64; 3]] {
         &self.last

@@ -27,6 +27,30 @@ use super::condensed::matrix::UnsymmetricMatrix;
 use super::lowering::units;
 use super::residuals::{applied_force, choose_displacements, natural_map};
 
+/// Requirements on a solution.
+#[derive(Clone, Copy, Debug)]
+pub struct Goal {
+    /// Maximum residual.
+    tolerance: f64,
+    /// Whether the first point within the tolerance suffices.
+    at_once: bool,
+}
+
+impl Goal {
+    /// A residual within the tolerance, from where the iteration goes on while it gains much: a
+    /// product within the tolerance leaves its square root in the forces.
+    #[must_use]
+    pub fn exact(tolerance: f64) -> Self {
+        Self { tolerance, at_once: false }
+    }
+
+    /// The first point with a residual within the tolerance.
+    #[must_use]
+    pub fn enough(tolerance: f64) -> Self {
+        Self { tolerance, at_once: true }
+    }
+}
+
 /// The solver of Coulomb's law. It keeps the pattern of its matrix between calls.
 #[derive(Default)]
 pub struct Coulomb {
@@ -44,17 +68,17 @@ impl Coulomb {
     }
 
     /// Solves a program with the dilation of its interactions, from a solution with full dilation,
-    /// in at most `max` factorisations. The result is solved if its residual is at most
-    /// `tolerance`, otherwise the best point on the way, stalled.
+    /// in at most `max` factorisations. The result is solved if its residual is within the
+    /// tolerance of the goal, otherwise the best point on the way, stalled.
     pub fn solve(
         &mut self,
         program: &ConeProgram,
         start: &ConeSolution,
-        tolerance: f64,
+        goal: Goal,
         max: u32,
     ) -> ConeSolution {
         let settings = self.settings;
-        let mut trial = Trial::new(program, start, &settings, tolerance);
+        let mut trial = Trial::new(program, start, &settings, goal);
         trial.offer(&start.forces, &start.displacements);
         let is_associated = program.interactions.iter().all(|c| c.dilation == 1.0);
         if is_associated || trial.is_within(settings.max_start_map) || !self.prepare(program) {
@@ -83,9 +107,9 @@ impl Coulomb {
             let z = system.near(&u, &s, product);
             let end =
                 arc::follow(&mut system, z, &settings.arc, left.min(settings.max_arc), &mut trial);
-            if let Some(z) = end.filter(|_| trial.is_solved()) {
+            if let Some(z) = end.filter(|_| trial.is_solved() && !goal.at_once) {
                 let (u, s) = (&z.u, z.cells.iter().map(|x| x.s).collect::<Vec<_>>());
-                let z = system.near(u, &s, settings.end_product * tolerance);
+                let z = system.near(u, &s, settings.end_product * goal.tolerance);
                 let left = (max - system.factorisations.min(max)).min(settings.max_sharpening);
                 interior::iterate(&mut system, z, &settings.interior, left, &mut trial);
             }
@@ -116,7 +140,7 @@ fn unit_of_force(program: &ConeProgram, start: &ConeSolution, min: f64) -> f64 {
 pub struct Trial<'a> {
     program: &'a ConeProgram,
     settings: &'a CoulombSettings,
-    tolerance: f64,
+    goal: Goal,
     units: ([f64; 3], [f64; 3]),
     order: Vec<usize>,
     best: ConeSolution,
@@ -130,14 +154,14 @@ impl<'a> Trial<'a> {
         program: &'a ConeProgram,
         start: &ConeSolution,
         settings: &'a CoulombSettings,
-        tolerance: f64,
+        goal: Goal,
     ) -> Self {
         let best = start.clone();
         let units = units(program);
         Self {
             program,
             settings,
-            tolerance,
+            goal,
             units,
             order: Vec::new(),
             best,
@@ -147,7 +171,7 @@ impl<'a> Trial<'a> {
     }
 
     fn is_solved(&self) -> bool {
-        self.worst <= self.tolerance
+        self.worst <= self.goal.tolerance
     }
 
     /// The residual of the best point.
@@ -163,7 +187,8 @@ impl<'a> Trial<'a> {
 
     /// Whether the best point needs no further iteration.
     fn is_sharp(&self) -> bool {
-        self.is_within(self.settings.sharp * self.tolerance)
+        let Goal { tolerance, at_once } = self.goal;
+        if at_once { self.is_solved() } else { self.is_within(self.settings.sharp * tolerance) }
     }
 
     /// Whether the best point is a solution whose natural map is at most `map`.
@@ -198,7 +223,7 @@ impl<'a> Trial<'a> {
             displacements: displacements.to_vec(),
             ..ConeSolution::default()
         };
-        let r = choose_displacements(self.program, &mut solution, self.tolerance).worst();
+        let r = choose_displacements(self.program, &mut solution, self.goal.tolerance).worst();
         self.residuals = [self.residuals[1], r];
         if r < self.worst {
             self.worst = r;
