@@ -14,17 +14,21 @@ use crate::stepping::Halted;
 
 /// Halts the world at the first value that has no meaning, before an attempt works with it: a
 /// position that is not a number would otherwise come back as an increment without a solution. It
-/// reads each row of the tables once, as the system before it that fills them.
+/// runs in every increment: it reads what the system before it has just written.
 pub fn check_values(
     bodies: Res<Bodies>,
     materials: Option<Res<Materials>>,
+    halted: Option<Res<Halted>>,
     mut commands: Commands,
 ) {
-    let laws = materials.iter().flat_map(|materials| &materials.0);
-    let of_material = laws.filter_map(|material| {
+    if halted.is_some() {
+        return;
+    }
+    let laws = materials.iter().flat_map(|materials| &materials.0).enumerate();
+    let of_material = laws.filter_map(|(i, material)| {
         let bond = || of_bond_law(material.bond.as_ref()?).map(|bad| bad.of("bond."));
         let bad = of_law(&material.contact).map(|bad| bad.of("contact.")).or_else(bond)?;
-        Some(bad.in_words(format_args!("material `{}`", material.name)))
+        Some(bad.in_words(format_args!("material {i} (`{}`)", material.name)))
     });
     let of_particle = (0..bodies.particles).filter_map(|i| Some((i, particle(&bodies, i)?)));
     let of_wall = bodies
@@ -66,7 +70,9 @@ impl Bad {
 
     fn in_words(&self, owner: impl Display) -> String {
         let Self { field, value, wanted } = self;
-        format!("{owner} has {field} = {value:?}: give {wanted}, then remove `Halted`")
+        format!(
+            "{owner} has {field} = {value:?}: give {wanted}, then remove `Halted` and insert `Running::Always`"
+        )
     }
 }
 

@@ -52,13 +52,17 @@ pub struct ControlWalls;
 #[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Loads;
 
+/// The parts of an increment that do not run if the world is halted before them.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct AfterGather;
+
 /// Sets of [`Increment`], in order.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum IncrementSystems {
     /// Computes drives of walls and loads of particles for the next increment.
     Controls,
     /// Gathers bodies, bonds, controls and contact memory into tables in the order of identities,
-    /// and checks their values. The sets after it do not run where the world is [`Halted`].
+    /// and checks their values. The sets after it do not run if the world is [`Halted`] by then.
     Gather,
     /// Updates the rows of persistent tables. Runs only if rows have changed.
     Renumber,
@@ -163,16 +167,20 @@ impl Plugin for SchedulePlugin {
             });
         };
         edit(Increment.intern(), |schedule| {
-            // A world that `Gather` has halted keeps its state.
-            let goes_on = || not(resource_exists::<Halted>);
-            schedule.configure_sets((
-                IncrementSystems::Renumber.run_if(goes_on()),
-                IncrementSystems::Draft.run_if(goes_on()),
-                IncrementSystems::Attempts.run_if(goes_on()),
-                IncrementSystems::Update.run_if(goes_on()),
-                IncrementSystems::Rupture.run_if(goes_on()),
-                IncrementSystems::Record.run_if(goes_on()),
-            ));
+            // The condition of a set is evaluated once, before its first system: what begins after
+            // `Gather` is finished, even if a later system halts the world.
+            schedule.configure_sets(AfterGather.run_if(not(resource_exists::<Halted>)));
+            schedule.configure_sets(
+                (
+                    IncrementSystems::Renumber,
+                    IncrementSystems::Draft,
+                    IncrementSystems::Attempts,
+                    IncrementSystems::Update,
+                    IncrementSystems::Rupture,
+                    IncrementSystems::Record,
+                )
+                    .in_set(AfterGather),
+            );
             schedule.configure_sets(
                 (
                     IncrementSystems::Controls,

@@ -83,8 +83,8 @@ pub fn run(scenes: &Scenes, extent: Extent, scratch: &Path) -> Result<Part, Benc
         }
     }
     let text = "Whole runs with all output but pictures. `wall_s` is the median wall time after \
-        the scene was read, `solve_s` the sum of all solves of the last run. Below a \
-        thousand disks a solve uses one thread. `path` is the work of the longest path \
+        the scene was read, `solve_s` the sum of all solves of the last run. The solve of \
+        a small specimen uses one thread. `path` is the work of the longest path \
         of the tree of fronts over that of the whole tree; in `shared_path` 16 threads \
         share the work on each large front. `limit_of_16` is the speed-up of the factorisation that \
         16 threads cannot exceed.";

@@ -11,8 +11,8 @@ pub fn deformed(bodies: &Bodies, moved: Option<[f64; 3]>) -> Option<PeriodicCell
     Some(moved.map_or(cell, |moved| cell.deformed(moved, bodies.mean_radius)))
 }
 
-/// Loads of the body in the whole increment that was just committed: the stresses of the controls on
-/// the area at its start. Zero along an imposed strain and without a cell.
+/// Loads of the body in the whole increment that was just committed: the stresses of the controls
+/// on the area at its start. Zero along an imposed strain and without a cell.
 pub fn loads(bodies: &Bodies, analysis: &Analysis, progress: &Progress) -> [Ramp; 3] {
     let Some(cell) = &bodies.cell else { return [Ramp::default(); 3] };
     let start = Progress { done: progress.done - progress.fraction, ..progress.clone() };

@@ -29,9 +29,9 @@
 //! it gave, as long as the force is constant. `dilation` contains both, so that it stays near zero
 //! in steady sliding.
 //!
-//! **A periodic cell** is a body of the program like others. Its loads are the stresses times the area
-//! at the start of the increment, its reactions the work of imposed strains. In time steps the
-//! ledger has no term for it, so that scenes may not ask for both.
+//! **A periodic cell** is a body of the program like others. Its loads are the stresses times the
+//! area at the start of the increment, and its reactions do the work of imposed strains. In time
+//! steps the ledger has no term for it, so that scenes may not ask for both.
 //!
 //! A followed motion within a static increment ([`motion`](crate::attempt::motion)) is booked step
 //! by step. The work of the loads minus friction, rolling and rupture is the kinetic energy that

@@ -112,7 +112,7 @@ pub fn solve_program(
     // keeps it as the solution.
     let tolerance = program.tolerance;
     if sliding::law_of(&law, &analysis, &attempt, &finding).is_some()
-        && solver.0.first_point_suffices(&program)
+        && sliding::first_point_suffices(&solver, &analysis, &program)
         && !program.has_bonds()
     {
         program.tolerance = tolerance.max(sliding::START);

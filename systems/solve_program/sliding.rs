@@ -24,7 +24,8 @@ const MARGIN: f64 = 0.9;
 
 /// Maximum residual of an associated solution that is only the start of the search.
 ///
-/// 1e-3: the products at which the search begins. A more exact start is lost there.
+/// The search begins at products of 1e-3 (`CoulombSettings::product`), so that nothing is gained
+/// from a more exact start.
 pub const START: f64 = 1e-3;
 
 /// The solver of the world, with its memory between increments.
@@ -44,6 +45,12 @@ pub fn law_of(
     let is_left_out =
         attempt.mode == Mode::Proof || (attempt.motion().is_some() && !finding.rejected);
     law.coulomb(analysis.kind).filter(|_| !is_left_out)
+}
+
+/// Whether the first point within the tolerance suffices: in time steps where it does for the
+/// associated law. Solutions of a static increment are exact, those of its motions included.
+pub fn first_point_suffices(solver: &Solver, analysis: &Analysis, program: &ConeProgram) -> bool {
+    analysis.kind != AnalysisKind::Static && solver.0.first_point_suffices(program)
 }
 
 /// Solves the program of an equilibrium or a time step again without the dilation of contacts that
@@ -86,8 +93,8 @@ pub fn solve_sliding(
     // The tolerance of a motion must be so small that states which only the associated law balances
     // show as out of balance.
     let aim = MARGIN * if moves { enough.min(Sliding::BOUND) } else { enough };
-    let goal =
-        if associated.0.first_point_suffices(&program) { Goal::enough } else { Goal::exact }(aim);
+    let at_once = first_point_suffices(&associated, &analysis, &program);
+    let goal = if at_once { Goal::enough(aim) } else { Goal::exact(aim) };
     // The last forces are the second start, with a tenth of the factorisations. After a motion they
     // belong to its state at rest, from which the associated solution may be far away.
     let last = last_solution(&program);

@@ -55,7 +55,8 @@ fn increments_that_an_accuracy_chooses() {
     assert!(short >= 4 && short % 2 == 0, "{short} of {}", shear.len());
 }
 
-/// Fractions that an accuracy has chosen are cut by an `Until`, whose search is no part of the state.
+/// Fractions that an accuracy has chosen are cut by an `Until`, whose search is no part of the
+/// state.
 #[test]
 fn increments_that_an_accuracy_chooses_and_an_until_cuts() {
     let sets = [

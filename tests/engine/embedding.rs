@@ -118,7 +118,7 @@ fn a_value_without_meaning_stops_the_app_and_is_named() {
                     world.resource_mut::<material::Materials>().0[0].contact.friction = 0.6;
                 })
             },
-            "material `sand` has contact.friction = -0.5: give a number not below 0",
+            "material 0 (`sand`) has contact.friction = -0.5: give a number not below 0",
         ),
     ];
     for (spoil, message) in cases {
@@ -132,7 +132,7 @@ fn a_value_without_meaning_stops_the_app_and_is_named() {
         let Some(Halted(reason)) = world.remove_resource::<Halted>() else {
             panic!("not said: {message}")
         };
-        assert_eq!(reason, format!("{message}, then remove `Halted`"));
+        assert_eq!(reason, format!("{message}, then remove `Halted` and insert `Running::Always`"));
         assert_eq!(*world.resource::<Running>(), Running::Stopped(StoppedBy::Halted));
         assert_eq!(world.resource::<Progress>().increment, 1, "{message}");
         mend(world);

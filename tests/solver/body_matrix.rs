@@ -380,7 +380,8 @@ fn long_chains_of_fronts_do_not_overflow_the_stack() {
     }
 }
 
-/// Bodies that touch nothing are in subtrees of their own, and a pair that is there twice counts twice.
+/// Bodies that touch nothing are in subtrees of their own, and a pair that is there twice counts
+/// twice.
 #[test]
 fn bodies_that_touch_little() {
     let (rows, d) = ([[[1.0, 0.0], [0.0, 1.0], [0.5, 0.0]]; 2], [[2.0, 0.0], [0.0, 1.0]]);

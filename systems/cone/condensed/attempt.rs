@@ -24,8 +24,9 @@ pub struct Demand {
     /// Whether the program is large.
     pub large: bool,
     /// Whether the first point within the tolerance suffices. It does not suffice in statics, where
-    /// grains without load drift further the less exact the solution is. It does not suffice with
-    /// bonds either, because only exact forces show which bonds are at a limit.
+    /// grains without load drift further the less exact the solution is. With a
+    /// tight tolerance it does not suffice with bonds either, because only exact forces show which
+    /// bonds are at a limit.
     pub at_once: bool,
 }
 

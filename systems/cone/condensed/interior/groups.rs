@@ -1,8 +1,8 @@
 //! The interactions by branches of the body matrix, so that several threads pass over them at once.
 //!
 //! Interactions within a branch touch no body and no block of the matrix of another branch.
-//! The other interactions come after all branches. Sums are over the branches in their
-//! order, whatever the number of threads.
+//! The other interactions come after all branches. Sums are over the branches in their order,
+//! whatever the number of threads.
 
 use std::ops::Range;
 

@@ -1,4 +1,5 @@
-//! Orders the fronts, children before parents and task by task, and gives all their numbers a place.
+//! Orders the fronts, children before parents and task by task, and gives all their numbers a
+//! place.
 
 use super::dense::kept_rows;
 use super::fronts::{Front, Fronts, Task};

@@ -41,8 +41,8 @@ fn two_rows(front: &mut [f64], len: usize, upper: usize, lower: usize) -> (&mut 
 
 /// Factorises the first `width` columns, `P A = L U` with a unit diagonal in L, and leaves the
 /// update in the remaining square. `exchanged[k]` is the row with which row k was exchanged.
-/// Returns the sign of the determinant of the pivots, or 0 if a pivot is zero or not finite. The
-/// threads that `share` names work below the pivots.
+/// Returns the sign of the determinant of the pivots, or 0 if a pivot is zero or not finite. Threads
+/// of the pool help below the pivots, as `share` says.
 #[inline(always)]
 pub fn factorise<S: Simd>(
     simd: S,

@@ -139,8 +139,7 @@ impl BodyMatrix {
     }
 
     /// Work of the longest path of the tree of fronts over that of the whole tree, where `threads`
-    /// threads share the work on large fronts. No number of threads takes less than this part of
-    /// the time.
+    /// threads share the work on large fronts: a lower bound of the part of the time that they take.
     #[must_use]
     pub fn longest_path(&self, threads: usize) -> f64 {
         self.pattern.fronts.longest_path(threads)
@@ -204,14 +203,18 @@ impl BodyMatrix {
     pub fn factorise_and_solve(&mut self, x: &mut [[f64; 3]]) -> bool {
         let Self { values, pattern, parts, current, updates, instructions, .. } = self;
         let fronts = &pattern.fronts;
-        let right = &*x;
+        let (right, shared) = (&*x, parts.len() > 1);
         let definite = upward(&fronts.sizes, parts, &|task, below, part| {
             let work_of = |other: usize| &below[other + below.len() - task].work[..];
             gather_below(fronts, task, right, work_of, &mut part.work);
             part.updates = updates.take(fronts.tasks[task].update_len.iter().sum());
             let definite = current.with(|current| {
                 let below = &*below;
-                dispatch(*instructions, Eliminate { pattern, values, task, part, below, current })
+                dispatch(
+                    *instructions,
+                    shared,
+                    Eliminate { pattern, values, task, part, below, current },
+                )
             });
             let number = below.len();
             for other in &fronts.below[task] {

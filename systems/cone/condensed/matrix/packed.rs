@@ -127,8 +127,8 @@ impl WithSimd for Below<'_> {
     }
 }
 
-/// As [`dense::factorise`](super::dense::factorise), into the copy. The threads that `share`
-/// names work on it.
+/// As [`dense::factorise`](super::dense::factorise), into the copy. Threads of the pool help, as
+/// `share` says.
 #[inline(always)]
 pub fn factorise<S: Simd>(
     simd: S,

@@ -39,13 +39,13 @@ impl Share for Arch {
 /// Work on fronts, and who does it.
 pub struct By<H, W>(pub H, pub W);
 
-/// Does the work, on large fronts with the threads of the pool.
-pub fn dispatch<W, R>(instructions: Arch, work: W) -> R
+/// Does the work, with the threads of the pool on large fronts if it is `shared`.
+pub fn dispatch<W, R>(instructions: Arch, shared: bool, work: W) -> R
 where
     By<Alone, W>: WithSimd<Output = R>,
     By<Arch, W>: WithSimd<Output = R>,
 {
-    if is_alone() {
+    if !shared || is_alone() {
         instructions.dispatch(By(Alone, work))
     } else {
         instructions.dispatch(By(instructions, work))
@@ -53,7 +53,8 @@ where
 }
 
 /// Evaluates what `operation` makes of consecutive units of `data`, given the number of the first:
-/// all at once, or in pieces on the threads that `share` the work. A unit has `len` numbers and takes about `work` multiplications.
+/// all at once, or in pieces on the threads of the pool, as `share` says. A unit has `len` numbers
+/// and takes about `work` multiplications.
 #[inline(always)]
 pub fn in_pieces<'a, S: Simd, O: WithSimd<Output = ()>>(
     simd: S,

@@ -1,8 +1,8 @@
 //! Cuts the tree of fronts into tasks. A task waits for the tasks below it alone, so that several
 //! threads can work on the tree at once.
 //!
-//! A subtree with at most a two-hundredth of the work, or with little work, is not cut; small ones that hang on the same
-//! task are taken together. Above them, every chain of fronts without a fork is one task. There are
+//! A subtree with at most a two-hundredth of the work, or with little work, is not cut; small ones
+//! that hang on the same task are taken together. Above them, every chain of fronts without a fork is one task. There are
 //! at most about a thousand tasks therefore, however long the chains are. The cut follows from the
 //! pattern, not from the number of threads, and a task takes the results of those below it in their
 //! order: any number of threads gives the same bytes.
@@ -12,8 +12,8 @@ use super::merge::Group;
 /// Maximum work of a subtree that is not cut, as a part of the whole.
 const GRAIN: f64 = 1.0 / 200.0;
 /// A subtree with at most this work is not cut either, so that small matrices have one task. It
-/// lasts some three tenths of a millisecond. With shorter tasks, their own right sides and the
-/// memory that they do not share make the solves of 2000 disks up to 6 % slower.
+/// lasts some three tenths of a millisecond. Shorter tasks, each with memory of its own, make the
+/// solves of 2000 disks up to 6 % slower.
 const MIN_WORK: f64 = 1e6;
 
 /// A task of the cut.

@@ -1,9 +1,9 @@
 //! An unsymmetric matrix with the pattern of the condensed matrix, factorised by a multifrontal LU
 //! method (Davis and Duff 1997) on the fronts of the symmetric pattern.
 //!
-//! Fronts and tasks are those of the Cholesky method. Rows are exchanged among the pivots of a front only, so that the fronts do not depend on
-//! the values. This costs accuracy, which the caller recovers by iterative refinement. The sign of
-//! the determinant comes with the factor.
+//! Fronts and tasks are those of the Cholesky method. Rows are exchanged among the pivots of a front
+//! only, so that the fronts do not depend on the values. This costs accuracy, which the caller
+//! recovers by iterative refinement. The sign of the determinant comes with the factor.
 
 mod factor;
 
@@ -155,7 +155,8 @@ impl UnsymmetricMatrix {
     pub fn factorise(&mut self) -> bool {
         let Self { fronts, bodies, pairs, in_front, parts, current, updates, instructions, .. } =
             self;
-        let has_factor = in_pool(parts.len() > 1, || {
+        let shared = parts.len() > 1;
+        let has_factor = in_pool(shared, || {
             upward(&fronts.sizes, parts, &|task, below, part| {
                 part.updates = updates.take(part.update_len);
                 let has_factor = current.with(|current| {
@@ -163,6 +164,7 @@ impl UnsymmetricMatrix {
                     let below = &*below;
                     dispatch(
                         *instructions,
+                        shared,
                         Eliminate { fronts, values, task, part, below, current },
                     )
                 });
