@@ -9,10 +9,12 @@
 
 use super::merge::Group;
 
+/// Minimum number of bodies of a matrix with more than one task: for less, a second thread gains
+/// nothing.
+const MIN_BODIES: usize = 1000;
 /// Maximum work of a subtree that is not cut, as a part of the whole.
 const GRAIN: f64 = 1.0 / 200.0;
-/// A subtree with at most this work is not cut either, so that small matrices have one task. It
-/// lasts some three tenths of a millisecond. Shorter tasks, each with memory of its own, make the
+/// A subtree with at most this work is not cut either. It lasts some three tenths of a millisecond. Shorter tasks, each with memory of its own, make the
 /// solves of 2000 disks up to 6 % slower.
 const MIN_WORK: f64 = 1e6;
 
@@ -56,7 +58,7 @@ pub fn cut(rows: &[Vec<u32>], groups: &[Option<Group>], roots: &[usize]) -> Vec<
     }
     let all: f64 = roots.iter().map(|root| whole[*root]).sum();
     let grain = (GRAIN * all).max(MIN_WORK);
-    if all <= grain {
+    if groups.len() < MIN_BODIES || all <= grain {
         return vec![Cut { feet: roots.to_vec(), size: 1 }];
     }
     let mut nodes = Nodes::default();
