@@ -14,8 +14,8 @@ use super::merge::Group;
 const MIN_BODIES: usize = 1000;
 /// Maximum work of a subtree that is not cut, as a part of the whole.
 const GRAIN: f64 = 1.0 / 200.0;
-/// A subtree with at most this work is not cut either. It lasts some three tenths of a millisecond. Shorter tasks, each with memory of its own, make the
-/// solves of 2000 disks up to 6 % slower.
+/// A subtree with at most this work is not cut either. It lasts some three tenths of a millisecond.
+/// Shorter tasks, each with memory of its own, make the solves of 2000 disks up to 6 % slower.
 const MIN_WORK: f64 = 1e6;
 
 /// A task of the cut.
