@@ -289,8 +289,8 @@ fn a_large_front() {
 /// of all its rows on any number of threads, byte for byte.
 #[test]
 fn several_threads() {
-    // A square of 36 x 36 bodies, a body that touches one side of it, and a few that touch nothing.
-    let side: u32 = 36;
+    // A square of 72 x 72 bodies, a body that touches one side of it, and a few that touch nothing.
+    let side: u32 = 72;
     let wall = side * side;
     let spring = |angle: f64, size: f64| {
         let (s, c) = angle.sin_cos();
