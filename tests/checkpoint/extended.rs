@@ -11,7 +11,7 @@ use clastic::run::{Simulation, changes};
 use clastic::scene::{self, LoadedScene};
 
 use crate::common::files;
-use crate::resumed::{COULOMB, finish, load, parse, run};
+use crate::resumed::{COULOMB, finish, load, load_small_cell, parse, run};
 
 /// Extends the run in a directory by the scene `text`, as the program does. Returns what is
 /// refused.
@@ -164,15 +164,7 @@ fn what_would_not_be_a_run_in_one_piece_is_refused() {
 /// the increments before would have been others.
 #[test]
 fn a_cell_on_its_way_to_a_strain_takes_no_more_increments() {
-    let sets = [
-        "specimen.count=64",
-        "specimen.columns=8",
-        "cell.size=(0.0808, 0.0808)",
-        "stages.compact.step=4.0e-3",
-        "stages.confine.increments=2",
-        "stages.shear.increments=3",
-    ];
-    let short = load("simple_shear_periodic", &sets);
+    let short = load_small_cell(&["stages.shear.increments=3"]);
     let parent = tempfile::tempdir().unwrap();
     run(&short, parent.path(), 0, |_| {});
     let long =

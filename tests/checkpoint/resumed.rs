@@ -21,6 +21,18 @@ pub fn load(name: &str, sets: &[&str]) -> LoadedScene {
     scene::load(Path::new(&path), &sets).unwrap_or_else(|e| panic!("{e}"))
 }
 
+/// `simple_shear_periodic` with 64 disks, under settings.
+pub fn load_small_cell(sets: &[&str]) -> LoadedScene {
+    let small = [
+        "specimen.count=64",
+        "specimen.columns=8",
+        "cell.size=(0.0808, 0.0808)",
+        "stages.compact.step=4.0e-3",
+        "stages.confine.increments=2",
+    ];
+    load("simple_shear_periodic", &[&small, sets].concat())
+}
+
 /// A scene from its text.
 pub fn parse(text: &str) -> LoadedScene {
     scene::from_str(text, Path::new("rig.ron"), Path::new(""), &[])

@@ -5,7 +5,9 @@ use clastic::components::observation::Observation;
 use clastic::output::directory;
 use clastic::scene::LoadedScene;
 
-use crate::resumed::{COULOMB, load, parse, rolling_elastically, run, same_from_anywhere};
+use crate::resumed::{
+    COULOMB, load, load_small_cell, parse, rolling_elastically, run, same_from_anywhere,
+};
 
 #[test]
 fn elastic_rolling_moments_under_either_law_of_friction() {
@@ -39,16 +41,8 @@ fn biaxial_test_after_every_increment() {
 /// is to come, are those of the state.
 #[test]
 fn increments_that_an_accuracy_chooses() {
-    let sets = [
-        "specimen.count=64",
-        "specimen.columns=8",
-        "cell.size=(0.0808, 0.0808)",
-        "stages.compact.step=4.0e-3",
-        "stages.confine.increments=2",
-        "stages.shear.increments=6",
-        "stages.shear.accuracy=0.02",
-    ];
-    let loaded = load("simple_shear_periodic", &sets);
+    let sets = ["stages.shear.increments=6", "stages.shear.accuracy=0.02"];
+    let loaded = load_small_cell(&sets);
     let records = same_from_anywhere(&loaded, |_| true);
     let shear: Vec<_> = records.iter().filter(|o| o.stage == "shear").collect();
     let short = shear.iter().filter(|o| o.fraction < 1.0).count();
@@ -60,16 +54,11 @@ fn increments_that_an_accuracy_chooses() {
 #[test]
 fn increments_that_an_accuracy_chooses_and_an_until_cuts() {
     let sets = [
-        "specimen.count=64",
-        "specimen.columns=8",
-        "cell.size=(0.0808, 0.0808)",
-        "stages.compact.step=4.0e-3",
-        "stages.confine.increments=2",
         "stages.shear.increments=6",
         "stages.shear.accuracy=0.02",
         "stages.shear.stop=[Until(\"shear_stress_pa\", 4.5e3)]",
     ];
-    let loaded = load("simple_shear_periodic", &sets);
+    let loaded = load_small_cell(&sets);
     let records = same_from_anywhere(&loaded, |_| true);
     let shear: Vec<_> = records.iter().filter(|o| o.stage == "shear").collect();
     let sum: f64 = shear.iter().map(|o| o.fraction).sum();

@@ -21,6 +21,7 @@ mod schedule;
 mod share;
 mod tasks;
 mod unsymmetric;
+mod updates;
 mod work;
 
 use std::ops::Range;
@@ -35,6 +36,7 @@ use self::pattern::{DIAGONAL, PAIR, Pattern};
 use self::schedule::{downward, upward};
 use self::share::dispatch;
 pub use self::unsymmetric::UnsymmetricMatrix;
+use self::updates::factorise;
 use self::work::{copy_from_above, gather_below};
 use super::images::Images;
 use super::parallel::{Lent, split};
@@ -204,26 +206,14 @@ impl BodyMatrix {
         let Self { values, pattern, parts, current, updates, instructions, .. } = self;
         let fronts = &pattern.fronts;
         let (right, shared) = (&*x, parts.len() > 1);
-        let definite = upward(&fronts.sizes, parts, &|task, below, part| {
+        let definite = factorise(fronts, parts, updates, &|task, below, part| {
             let work_of = |other: usize| &below[other + below.len() - task].work[..];
             gather_below(fronts, task, right, work_of, &mut part.work);
-            part.updates = updates.take(fronts.tasks[task].update_len.iter().sum());
-            let definite = current.with(|current| {
-                let below = &*below;
-                dispatch(
-                    *instructions,
-                    shared,
-                    Eliminate { pattern, values, task, part, below, current },
-                )
-            });
-            let number = below.len();
-            for other in &fronts.below[task] {
-                updates.give(std::mem::take(&mut below[other + number - task].updates));
-            }
-            definite
+            current.with(|current| {
+                let work = Eliminate { pattern, values, task, part, below, current };
+                dispatch(*instructions, shared, work)
+            })
         });
-        let left = parts.iter_mut().map(|part| std::mem::take(&mut part.updates));
-        left.for_each(|left| updates.give(left));
         if definite {
             self.solve_backward(x);
         }

@@ -13,6 +13,7 @@ use super::fronts::{Front, Fronts, Task};
 use super::packed;
 use super::pattern::{DIAGONAL, PAIR, Pattern};
 use super::share::{By, Share};
+use super::updates;
 
 /// The numbers of a task.
 pub struct Part {
@@ -22,7 +23,7 @@ pub struct Part {
     triangles: Vec<Triangle>,
     /// Updates that wait for the parents of their fronts: of fronts in even depth, then in odd
     /// depth. Lent until the task above has taken them.
-    pub updates: Vec<f64>,
+    updates: Vec<f64>,
     /// Right side and solution of its bodies, then of those beyond: the task adds to their right
     /// side and needs their solution.
     pub work: Vec<[f64; 3]>,
@@ -75,6 +76,16 @@ impl Part {
     fn update(&self, task: &Task, front: &Front) -> &[f64] {
         let start = front.update + if front.odd { task.update_len[0] } else { 0 };
         &self.updates[start..start + front.update_len()]
+    }
+}
+
+impl updates::Part for Part {
+    fn updates(&mut self) -> &mut Vec<f64> {
+        &mut self.updates
+    }
+
+    fn update_len(&self, task: &Task) -> usize {
+        task.update_len.iter().sum()
     }
 }
 

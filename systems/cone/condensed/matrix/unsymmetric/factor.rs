@@ -2,9 +2,10 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::super::fronts::{Front, Fronts};
+use super::super::fronts::{Front, Fronts, Task};
 use super::super::lu;
 use super::super::share::{By, Share};
+use super::super::updates;
 use super::{BODY, PAIR};
 
 /// The numbers of a task.
@@ -22,8 +23,8 @@ pub(super) struct Part {
     pub(super) sign: f64,
     /// Updates that wait for the parents of their fronts, lent until the task above has taken them,
     /// and their maximum length.
-    pub(super) updates: Vec<f64>,
-    pub(super) update_len: usize,
+    updates: Vec<f64>,
+    update_len: usize,
     /// Right side and solution of its bodies, then of those beyond.
     pub(super) work: Vec<[f64; 3]>,
     /// Rows of its highest front.
@@ -96,6 +97,16 @@ impl Part {
     /// The update of a front, by its number in the task.
     fn update(&self, number: usize, front: &Front) -> &[f64] {
         &self.updates[self.starts[number][3]..][..update_len(front)]
+    }
+}
+
+impl updates::Part for Part {
+    fn updates(&mut self) -> &mut Vec<f64> {
+        &mut self.updates
+    }
+
+    fn update_len(&self, _: &Task) -> usize {
+        self.update_len
     }
 }
 

@@ -14,6 +14,7 @@ use super::fronts::Fronts;
 use super::ordering::places;
 use super::schedule::{downward, upward};
 use super::share::dispatch;
+use super::updates::factorise;
 use super::work::{copy_from_above, gather_below};
 use super::{layout, ordering};
 use crate::adjacency::Adjacency;
@@ -156,28 +157,15 @@ impl UnsymmetricMatrix {
         let Self { fronts, bodies, pairs, in_front, parts, current, updates, instructions, .. } =
             self;
         let shared = parts.len() > 1;
-        let has_factor = in_pool(shared, || {
-            upward(&fronts.sizes, parts, &|task, below, part| {
-                part.updates = updates.take(part.update_len);
-                let has_factor = current.with(|current| {
+        in_pool(shared, || {
+            factorise(fronts, parts, updates, &|task, below, part| {
+                current.with(|current| {
                     let values = (&bodies[..], &pairs[..], &in_front[..]);
-                    let below = &*below;
-                    dispatch(
-                        *instructions,
-                        shared,
-                        Eliminate { fronts, values, task, part, below, current },
-                    )
-                });
-                let number = below.len();
-                for other in &fronts.below[task] {
-                    updates.give(std::mem::take(&mut below[other + number - task].updates));
-                }
-                has_factor
+                    let work = Eliminate { fronts, values, task, part, below, current };
+                    dispatch(*instructions, shared, work)
+                })
             })
-        });
-        let left = parts.iter_mut().map(|part| std::mem::take(&mut part.updates));
-        left.for_each(|left| updates.give(left));
-        has_factor
+        })
     }
 
     /// Sign of the determinant of the matrix that was factorised last.
