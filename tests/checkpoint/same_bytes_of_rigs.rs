@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 
 use clastic::components::attempt::IncrementStatus;
 
-use crate::resumed::{load, load_small_cell, parse, same_from_anywhere};
+use crate::resumed::{load_small_cell, parse, same_from_anywhere};
 use crate::same_bytes::EACH_LAW;
 
 /// A periodic cell is state: its size, its shear, its stresses and what a stage does with it.
