@@ -28,8 +28,8 @@ pub struct ContactLaw {
 }
 
 impl ContactLaw {
-    /// Law between two different materials if the scene names none: springs in series, the smaller
-    /// friction and the smaller restitution.
+    /// Law between two different materials if the scene names none: the mean compliances, the
+    /// smaller friction and the smaller restitution.
     #[must_use]
     pub fn between(self, other: Self) -> Self {
         Self {
@@ -72,7 +72,7 @@ pub struct BondLaw {
 }
 
 impl BondLaw {
-    /// Law of a bond between two different materials: springs in series, the smaller value of each
+    /// Law of a bond between two different materials: the mean compliances, the smaller value of each
     /// strength.
     #[must_use]
     pub fn between(self, other: Self) -> Self {

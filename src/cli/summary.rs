@@ -9,7 +9,8 @@ use crate::output::found::Settled;
 use crate::run::key_results::{RIGID, Results};
 use crate::run::sanity::Report;
 use crate::run::stages::Script;
-use crate::run::{Collapse, Outcome, StageEnd};
+use crate::run::{Collapse, EndedBy, Outcome, StageEnd};
+use crate::scene::format::{Analysis, Load, Stop};
 use crate::scene::one_round::one_round;
 use crate::scene::shown::label;
 
@@ -102,7 +103,7 @@ pub fn summary(of: &Summary) -> String {
     }
     let mut lines = vec![outcome];
     lines.extend(script.ends.iter().filter_map(stage));
-    lines.extend(warnings(&script.ends));
+    lines.extend(warnings(script));
     let has_bonds = results.bonds_created > 0;
     let reason = has_bonds.then(|| one_round(&script.scene)).flatten();
     lines.extend(reason.map(|reason| format!("note: {}", in_one_round(&reason))));
@@ -131,23 +132,59 @@ pub fn summary(of: &Summary) -> String {
     lines.join("\n")
 }
 
-/// Warnings about capped increments.
-fn warnings(stages: &[StageEnd]) -> Vec<String> {
-    let mut lines: Vec<_> = stages
-        .iter()
-        .filter_map(StageEnd::warning)
-        .map(|warning| format!("WARNING: {warning}"))
-        .collect();
-    if !lines.is_empty() {
-        lines.push(
-            "a capped increment has not converged: it satisfies Coulomb's law to a residual of 1e-4 only; in \
-             dynamic stages a `normal_stiffness` of the grains of at most 50 m/dt^2, with m the mass of the mean \
-             disk, mostly helps; a greater `acceptance.residual`, where the test allows it, or `friction_law: \
-             Associated` may. Key results leave it out"
-                .to_owned(),
-        );
+/// Warnings about the ends of the stages: capped increments, and values of `Until` that were passed
+/// or not reached.
+fn warnings(script: &Script) -> Vec<String> {
+    let ends = &script.ends;
+    let mut lines: Vec<_> = ends.iter().filter_map(StageEnd::warning).collect();
+    lines.extend(ends.iter().filter_map(|end| missed(script, end)));
+    for line in &mut lines {
+        line.insert_str(0, "WARNING: ");
+    }
+    let capped = || ends.iter().filter(|end| end.capped > 0);
+    if capped().next().is_some() {
+        let mut line = "a capped increment has not converged: it satisfies Coulomb's law to a residual of 1e-4 only"
+            .to_owned();
+        if capped().any(|end| is_dynamic(script, end)) {
+            line += "; in dynamic stages a `normal_stiffness` of the grains of at most 50 m/dt^2, with m the mass of \
+                     the mean disk, mostly helps";
+        }
+        if capped().any(|end| !is_dynamic(script, end)) {
+            line += "; in static stages Coulomb's law may have no solution near the last state";
+        }
+        line += "; a larger `acceptance.residual`, where the test allows it, or `friction_law: Associated` may \
+                 help. Key results leave it out";
+        lines.push(line);
     }
     lines
+}
+
+/// The stage of an end, if it loads or pours.
+fn load_of<'a>(script: &'a Script, end: &StageEnd) -> Option<&'a Load> {
+    script.scene.stages.iter().find(|stage| stage.name() == end.stage)?.load()
+}
+
+fn is_dynamic(script: &Script, end: &StageEnd) -> bool {
+    let analysis = load_of(script, end).and_then(|load| load.analysis);
+    matches!(analysis.unwrap_or(script.scene.analysis), Analysis::Dynamic { .. })
+}
+
+/// Warning about values that a stage should have landed on and did not reach: the next stage begins
+/// elsewhere.
+fn missed(script: &Script, end: &StageEnd) -> Option<String> {
+    if end.ended_by != Some(EndedBy::AllIncrements) {
+        return None;
+    }
+    let stops = &load_of(script, end)?.stop;
+    let until = stops.iter().filter(|stop| matches!(stop, Stop::Until(..)));
+    let until: Vec<_> = until.map(|stop| format!("{stop:?}")).collect();
+    (!until.is_empty()).then(|| {
+        format!(
+            "stage {} ended with the last of its increments and did not reach {}",
+            label(&end.stage),
+            until.join(", ")
+        )
+    })
 }
 
 /// Warning that `rupture.order: Events` does not hold for a scene.
@@ -213,9 +250,7 @@ pub fn stress(pascals: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use crate::run::EndedBy;
     use crate::run::key_results::KeyResults;
-    use crate::scene::format::Stop;
     use crate::scene::from_str;
 
     use super::*;
@@ -285,6 +320,40 @@ mod tests {
             all.contains("has not converged") && all.contains("`acceptance.residual`"),
             "{all}"
         );
+        assert!(all.contains("in static stages") && !all.contains("in dynamic stages"), "{all}");
+    }
+
+    /// A stage that should land on a value and ran out of increments, and one that passed its value:
+    /// neither has capped increments, which the remedies for capped increments must not suggest.
+    #[test]
+    fn a_summary_warns_of_an_until_that_was_not_reached() {
+        let scene = SCENE.replace("version: 1", "version: 2").replace(
+            "measures: (axial_strain: Particles(0, 1), axial_stress: Average(component: Yy, area: Fixed(1.0)))",
+            "measures: [(name: \"q\", of: Stress(Average(component: Yy, area: Fixed(1.0))))]",
+        );
+        let scene = scene.replace(
+            "(name: \"confine\", increments: 1)",
+            "(name: \"confine\", increments: 1, stop: [Until(\"q\", 3.0e5), Rest(1.0)])",
+        );
+        let scene = from_str(&scene, Path::new("t.ron"), Path::new(""), &[]).unwrap().scene;
+        let end = |ended_by, stop, passed| StageEnd {
+            stage: "confine".to_owned(),
+            increments: 1,
+            capped: 0,
+            passed,
+            ended_by: Some(ended_by),
+            stop,
+        };
+        let said = |end| warnings(&Script { ends: vec![end], ..Script::new(&scene) });
+        let until = Some(Stop::Until("q".to_owned(), 3.0e5));
+        assert_eq!(
+            said(end(EndedBy::AllIncrements, None, None)),
+            ["WARNING: stage confine ended with the last of its increments and did not reach \
+              Until(\"q\", 300000.0)"]
+        );
+        assert!(said(end(EndedBy::Stop, Some(Stop::Rest(1.0)), None)).is_empty());
+        let passed = said(end(EndedBy::Stop, until, Some(4.0e5)));
+        assert!(passed.len() == 1 && passed[0].contains("beyond"), "{passed:?}");
     }
 
     #[test]

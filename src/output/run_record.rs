@@ -17,7 +17,8 @@ use crate::run::{Collapse, CollapsedBy, Outcome, StageEnd};
 use crate::scene::LoadedScene;
 use crate::scene::files::read_at_most;
 use crate::scene::format::{
-    Acceptance, Analysis, Corrector, FrictionLaw, Rupture, Scene, Solver, Specimen, Stage,
+    Acceptance, Analysis, Avalanche, Corrector, FrictionLaw, RollingLimit, Rupture, RuptureOrder,
+    Scene, Solver, Specimen, Stage,
 };
 
 /// Version of this program.
@@ -115,7 +116,7 @@ struct Settings {
     friction_law: FrictionLaw,
     friction: FrictionOfStages,
     corrector: Option<Corrector>,
-    rupture: Rupture,
+    rupture: RuptureSettings,
     solver: Solver,
     acceptance: Acceptance,
     thickness_m: f64,
@@ -124,6 +125,50 @@ struct Settings {
     /// Probes whose force is that of the contacts on the body, against the motion.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     rigid_groups: Vec<String>,
+}
+
+/// The rules of rupture. A scene leaves out fields with their defaults; a record has them all, since
+/// another version may have other defaults.
+#[derive(Clone, Copy, Debug, Serialize)]
+struct RuptureSettings {
+    rolling: RollingLimit,
+    order: RuptureOrder,
+    tolerance: f64,
+    group: f64,
+    density: f64,
+    brittleness: f64,
+    rounds: u32,
+    avalanche: Avalanche,
+    snap_back: bool,
+}
+
+impl From<Rupture> for RuptureSettings {
+    fn from(rules: Rupture) -> Self {
+        let Rupture {
+            rolling,
+            order,
+            tolerance,
+            group,
+            density,
+            brittleness,
+            rounds,
+            avalanche,
+            snap_back,
+            slack: _,
+            multiplier: _,
+        } = rules;
+        Self {
+            rolling,
+            order,
+            tolerance,
+            group,
+            density,
+            brittleness,
+            rounds,
+            avalanche,
+            snap_back,
+        }
+    }
 }
 
 /// The law of friction that `friction_law` means in this scene, by kind of stage.
@@ -248,7 +293,7 @@ impl RunRecord {
                 friction_law: scene.friction_law,
                 friction: FrictionOfStages::new(scene),
                 corrector: scene.corrector,
-                rupture: scene.rupture,
+                rupture: scene.rupture.into(),
                 solver: scene.solver.clone(),
                 acceptance: scene.acceptance,
                 thickness_m: scene.thickness,

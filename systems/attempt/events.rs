@@ -23,7 +23,7 @@ use clastic_components::increment::{
 };
 use clastic_components::material::Materials;
 use clastic_components::release::Release;
-use clastic_cone::program::{ConeProgram, ConeSolution};
+use clastic_cone::program::{ConeProgram, ConeSolution, SolveStatus};
 
 use super::going_back::{self, Next};
 use crate::event_search::{Decision, GroupRules, Now, at_constant_load, decide, maximum};
@@ -117,11 +117,22 @@ pub fn judge(
     }
     // A followed motion has left the path on which the imposed motion could go back.
     if search.returns && !search.moved {
-        let broken = match going_back::next(rules, trial, &progress, &mut search) {
-            Next::Stands(broken) => broken,
-            Next::Try(fraction) => return try_next(fraction, &mut search, &mut attempt),
-        };
-        tables.commit(&found, &broken, &mut progress, &mut program, &mut solution, &mut search);
+        match going_back::next(rules, trial, &progress, &mut search) {
+            Next::Try(fraction) => try_next(fraction, &mut search, &mut attempt),
+            // A trial that throws a body may have an error of the regularisation. It shows which
+            // bonds are above their limits, but it is not committed.
+            Next::Stands(_) if solution.status != SolveStatus::Solved => {}
+            Next::Stands(broken) => {
+                tables.commit(
+                    &found,
+                    &broken,
+                    &mut progress,
+                    &mut program,
+                    &mut solution,
+                    &mut search,
+                );
+            }
+        }
         return;
     }
     let shares = tables.shares(&found, &solution);

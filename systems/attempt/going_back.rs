@@ -48,20 +48,32 @@ fn give_up(search: &mut EventSearch) {
     *search = EventSearch { active: search.active, no_root: true, ..EventSearch::default() };
 }
 
-/// Gives up the way back where it has no equilibrium nearby.
+/// Gives up the way back where it has no equilibrium nearby. The verdict on a trial at the standing
+/// motion decides how the increment goes on.
 pub(super) fn end_where_lost(world: &mut World) {
     let search = world.resource::<EventSearch>();
-    if !search.returns || world.resource::<Progress>().fraction >= 0.0 {
+    if !search.returns || search.moved {
         return;
     }
+    let stands = world.resource::<Progress>().fraction == 0.0;
     let attempt = world.resource::<Attempt>();
     let is_lost = match attempt.verdict {
-        Verdict::TooFar(_) | Verdict::Impossible | Verdict::Loose | Verdict::Locked => true,
+        // At the standing motion all bonds hold in it: nothing has to go back.
+        Verdict::TooFar(_) => !stands,
+        Verdict::Impossible | Verdict::Loose | Verdict::Locked => true,
         Verdict::Unconverged { .. } => attempt.effort() == Some(Effort::Regularised),
         _ => false,
     };
     if is_lost {
         give_up(&mut world.resource_mut::<EventSearch>());
-        world.resource_mut::<Attempt>().verdict = Verdict::Overloaded;
+        if !stands {
+            world.resource_mut::<Attempt>().verdict = Verdict::Overloaded;
+        }
     }
+}
+
+/// Whether the trial is that at the standing motion, which shows how far the imposed motion goes
+/// back.
+pub(super) fn may_return(search: &EventSearch, progress: &Progress) -> bool {
+    search.returns && !search.moved && progress.fraction == 0.0
 }

@@ -111,15 +111,26 @@ impl KeyResults {
         positive((here.stress - before.stress) / (here.strain - before.strain))
     }
 
-    /// The first increment that strains the specimen and gains a thousandth of the peak: the points
-    /// before and after it. In earlier ones a platen may not have touched the specimen.
+    /// The first point whose stress differs by a thousandth of the peak from that of an earlier
+    /// point with another strain, and the last such earlier point. Before, a platen may not have
+    /// touched the specimen. The number of increments between the two does not matter.
     pub(super) fn first_gain(&self, peak: f64) -> Option<(Point, Point)> {
         let touch = 1e-3 * (peak - self.start.stress).abs();
-        let befores = std::iter::once(&self.start).chain(&self.curve);
-        let mut pairs = befores.zip(&self.curve).map(|(before, here)| (*before, *here));
-        pairs.find(|(before, here)| {
-            here.strain != before.strain && (here.stress - before.stress).abs() >= touch
-        })
+        let points: Vec<&Point> = std::iter::once(&self.start).chain(&self.curve).collect();
+        let [mut low, mut high] = [self.start.stress; 2];
+        for (k, here) in points.iter().enumerate() {
+            (low, high) = (low.min(here.stress), high.max(here.stress));
+            if high - low < touch {
+                continue;
+            }
+            let differs = |before: &&&Point| {
+                here.strain != before.strain && (here.stress - before.stress).abs() >= touch
+            };
+            if let Some(before) = points[..k].iter().rev().find(differs) {
+                return Some((**before, **here));
+            }
+        }
+        None
     }
 
     fn secant(&self, peak: f64) -> Result<f64, &'static str> {

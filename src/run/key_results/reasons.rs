@@ -6,7 +6,7 @@ pub(super) const RESOLVED: f64 = 1e-6;
 /// Reason where no increment comes to half the peak.
 pub(super) const NO_HALF: &str = "no increment comes to half the peak";
 pub(super) const NO_GAIN: &str =
-    "no increment that strains the specimen gains a thousandth of the peak";
+    "the strain does not change where the stress gains a thousandth of the peak";
 /// Reason why a rigid specimen has no modulus.
 pub const RIGID: &str = "nothing is elastic";
 pub(super) const CAPPED_BEFORE: &str = "an increment that it would come from is capped";

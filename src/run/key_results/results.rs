@@ -12,14 +12,15 @@ pub const PEAK_ERROR: f64 = 0.02;
 /// Key results as in `run.json`; `None` for those that the run does not define.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Results {
-    /// Tangent modulus of the first increment of the reference stage that gains at least a
-    /// thousandth of the peak. In earlier increments a platen may not have touched the specimen.
-    /// `None` for a rigid specimen.
+    /// Tangent modulus at the start of the reference stage: the slope from the last point whose
+    /// stress differs by at least a thousandth of the peak to the first one for which there is
+    /// such a point. Before, a platen may not have touched the specimen. `None` for a rigid
+    /// specimen.
     pub youngs_modulus_pa: Option<f64>,
     /// Secant modulus from the start of the reference stage to half the peak.
     pub youngs_modulus_secant_half_peak_pa: Option<f64>,
     /// Poisson's ratio in the plane: minus the change of the lateral over that of the axial strain,
-    /// from the increment before the first that counts for the modulus to half the peak. The
+    /// from the first of the two points of the modulus to half the peak. The
     /// lateral stress must be constant.
     pub poissons_ratio: Option<f64>,
     /// Axial stress with the maximum difference from that at the start of the reference stage.

@@ -110,6 +110,20 @@ fn round_off_is_no_modulus_and_no_peak() {
     assert!(falls.not_defined["youngs_modulus_pa"].contains("does not rise"));
 }
 
+/// 3000 increments to the peak, none of which gains a thousandth of it, after 500 in which the
+/// platen does not touch the specimen. Then the motion goes back along another slope.
+#[test]
+fn a_modulus_needs_no_large_increment_and_not_the_way_back() {
+    use Phase::Reference;
+    let mut rows: Vec<_> =
+        (1..=500).map(|k| (Reference, Some(-1e-5 * f64::from(500 - k)), Some(0.0))).collect();
+    let rise =
+        (1..=3000).map(|k| (Reference, Some(1e-5 * f64::from(k)), Some(10.0 * f64::from(k))));
+    rows.extend(rise);
+    rows.push((Reference, Some(0.02), Some(10.0)));
+    near(run(false, &rows).results().youngs_modulus_pa, 1e6);
+}
+
 #[test]
 fn a_tension_test_peaks_in_tension() {
     use Phase::Reference;

@@ -44,13 +44,20 @@ impl<'a> Findings<'a> {
     }
 
     pub(super) fn add(&mut self, path: Arguments, message: impl Into<String>, help: &str) {
-        self.list.push(Finding::new(path.to_string(), message, help));
+        self.push(Finding::new(path.to_string(), message, help));
+    }
+
+    /// Adds a finding. Several stages may have the same mistake in one field, which is reported once.
+    fn push(&mut self, finding: Finding) {
+        if !self.list.contains(&finding) {
+            self.list.push(finding);
+        }
     }
 
     /// A finding at the key of a field.
     pub(super) fn add_at_key(&mut self, path: Arguments, message: String, help: &str) {
         let finding = Finding::new(path.to_string(), message, help);
-        self.list.push(Finding { at_key: true, ..finding });
+        self.push(Finding { at_key: true, ..finding });
     }
 
     /// Checks a number; `what` completes "give ...". If zero is not allowed, numbers below

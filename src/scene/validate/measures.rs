@@ -260,7 +260,8 @@ fn two_walls(context: &Context, path: Arguments, (a, b): (&str, &str), findings:
 
 fn wall(context: &Context, path: Arguments, name: &str, findings: &mut Findings) {
     findings.reference(path, name, ("wall", "walls"), &context.walls);
-    one_piece(context, path, name, "place and normal", findings);
+    let help = "name a wall of one piece; `probe` records the force on a polyline";
+    one_piece(context, path, name, ("place and normal", help), findings);
 }
 
 fn membrane(context: &Context, path: Arguments, name: &str, findings: &mut Findings) {

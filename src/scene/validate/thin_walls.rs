@@ -71,18 +71,22 @@ fn arc(i: usize, wall: &Wall, through: (f64, f64), findings: &mut Findings) {
     }
 }
 
-/// A wall that a control or a measure needs as one straight or curved piece.
+/// Help where a control needs a wall of one piece.
+pub(super) const ONE_PIECE: &str = "name a wall of one piece";
+
+/// A wall that a control or a measure needs as one straight or curved piece. The pair completes "has
+/// no one ..." and says what helps.
 pub(super) fn one_piece(
     context: &Context,
     path: std::fmt::Arguments,
     name: &str,
-    what: &str,
+    (what, help): (&str, &str),
     findings: &mut Findings,
 ) {
     let wall = context.scene.walls.iter().find(|wall| wall.name == name);
     if wall.is_some_and(|wall| matches!(wall.shape, WallShape::Polyline(_))) {
         let message = format!("wall `{name}` is a polyline, which has no one {what}");
-        findings.add(path, message, "name a wall of one piece");
+        findings.add(path, message, help);
     }
 }
 

@@ -8,7 +8,7 @@ use crate::scene::suggest;
 use super::Context;
 use super::findings::Findings;
 use super::parts::{no_time, wall_there};
-use super::thin_walls::one_piece;
+use super::thin_walls::{ONE_PIECE, one_piece};
 
 /// Maximum rotation of a wall in an increment, rad. Gaps are those of the rotation to first order
 /// for a disk that moves with the wall, whose error is that share squared of its motion.
@@ -63,11 +63,11 @@ pub(super) fn control_of_wall(
             }
         }
         WallControl::Force(force) => {
-            one_piece(context, path, name, "normal", findings);
+            one_piece(context, path, name, ("normal", ONE_PIECE), findings);
             findings.finite(format_args!("{path}[0]"), *force, "a force in N");
         }
         WallControl::Stress { stress, between } => {
-            one_piece(context, path, name, "normal", findings);
+            one_piece(context, path, name, ("normal", ONE_PIECE), findings);
             findings.finite(format_args!("{path}.stress"), *stress, "a stress in Pa");
             loaded_between(context, path, (name, between), present, findings);
         }
@@ -112,7 +112,7 @@ fn loaded_between(
     for (i, other) in [a, b].into_iter().enumerate() {
         let path = format_args!("{path}.between[{i}]");
         wall_there(context, path, other, present, findings);
-        one_piece(context, path, other, "place and normal", findings);
+        one_piece(context, path, other, ("place and normal", ONE_PIECE), findings);
         if other == name {
             let help = "name the two walls that bound its loaded length";
             findings.add(path, format!("the wall itself (`{name}`)"), help);
@@ -184,7 +184,7 @@ fn follow(
         }
     };
     if !matches!(table, Table::Displacement(_) | Table::Rotation { .. }) {
-        one_piece(context, format_args!("{path}"), name, "normal", findings);
+        one_piece(context, format_args!("{path}"), name, ("normal", ONE_PIECE), findings);
     }
     if points.len() < 2 {
         let help = "give two or more, in order of time or progress";
