@@ -147,7 +147,7 @@ fn warnings(script: &Script) -> Vec<String> {
             .to_owned();
         if capped().any(|end| is_dynamic(script, end)) {
             line += "; in dynamic stages a `normal_stiffness` of the grains of at most 50 m/dt^2, with m the mass of \
-                     the mean disk, mostly helps";
+                     the mean disk, mostly helps; a smaller `dt` allows stiffer grains";
         }
         if capped().any(|end| !is_dynamic(script, end)) {
             line += "; in static stages Coulomb's law may have no solution near the last state";

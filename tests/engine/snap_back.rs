@@ -214,3 +214,101 @@ fn a_rock_lets_its_platen_back() {
     assert!(backward >= 3, "{backward}");
     assert_relative(peak, 177.04e6, 1e-3);
 }
+
+/// Three chains of four disks hold a crosshead, and a soft chain of three disks pulls it. With n
+/// chains left, one of which breaks at S, the pull has moved by n S/k_s + S/k_f.
+fn bundle(throw: f64) -> Simulation {
+    let bond = |stiffness: f64, strength: f64| {
+        format!(
+            "bond: (normal_stiffness: {stiffness:?}, tangential_stiffness: {stiffness:?}, friction: 0.3,
+                cohesion: 1.0e9, tensile_strength: {strength:?})"
+        )
+    };
+    let material = |name: &str, bond: String| {
+        format!(
+            "\"{name}\": (contact: (normal_stiffness: 1.0e8, tangential_stiffness: 1.0e8), {bond}),"
+        )
+    };
+    let mut materials = material("strong", bond(2.0e7, 1.0e9))
+        + &material("head", bond(1.0e15, 1.0e9))
+        + &material("soft", bond(1.0e7, 1.0e9));
+    let mut disks = String::new();
+    let mut disk = |x: f64, y: f64, more: &str| {
+        disks += &format!("(position: ({x:?}e-3, {y:?}e-3), radius: 1.0e-3, {more}),");
+    };
+    for (name, x, strength) in [("a", -4.0, 1.0e6), ("b", 0.0, 1.1e6), ("c", 4.0, 1.5e6)] {
+        materials += &material(name, bond(2.0e7, strength));
+        disk(x, 1.0, &format!("material: \"{name}\""));
+        for y in [3.0, 5.0, 7.0] {
+            disk(x, y, "material: \"strong\"");
+        }
+    }
+    for x in [-4.0, -2.0, 0.0, 2.0, 4.0] {
+        disk(x, 9.0, "material: \"head\", group: \"head\"");
+    }
+    for y in [11.0, 13.0, 15.0] {
+        disk(0.0, y, "material: \"soft\"");
+    }
+    let wall = |name: &str, start: (f64, f64), end: (f64, f64)| {
+        format!(
+            "(name: \"{name}\", start: {start:?}, end: {end:?}, probe: \"{name}\",
+                contact: (normal_stiffness: 1.0e8), {}),",
+            bond(1.0e15, 1.0e9)
+        )
+    };
+    let walls = wall("floor", (-6.0e-3, 0.0), (6.0e-3, 0.0))
+        + &wall("grip", (6.0e-3, 16.0e-3), (-6.0e-3, 16.0e-3));
+    let text = format!(
+        "(
+            version: 2,
+            title: \"bundle\",
+            rupture: (snap_back: true),
+            acceptance: (throw: {throw:?}),
+            materials: {{ {materials} }},
+            specimen: Particles([{disks}]),
+            walls: [{walls}],
+            stages: [
+                Cement(name: \"glue\", length: 1.0e-6, walls: true),
+                Load(name: \"pull\", increments: 100, walls: {{ \"grip\": Displacement(0.0, 20.0e-6) }},
+                    rigid: {{ \"crosshead\": (select: Group(\"head\"), rotation: Held) }}),
+            ],
+        )"
+    );
+    Simulation::new(&parse(&text), None)
+}
+
+/// A broken chain springs back, which throws its disks in the trial at the standing motion. The
+/// trial was followed as a motion without a way back, and nothing said so.
+#[test]
+fn a_chain_that_springs_back_lets_the_motion_back() {
+    let mut simulation = bundle(0.3);
+    let strengths = [2000.0, 2200.0, 3000.0];
+    let [soft, chain] = [1.0 / 4.0e6, 0.175e-6];
+    let mut at = 0.0;
+    let mut event = 0;
+    while let Some(record) = step(&mut simulation) {
+        assert_eq!(record.status, IncrementStatus::Solved);
+        at += record.fraction * 20.0e-6;
+        if !record.ruptures.is_empty() {
+            let force = f64::from(3 - event) * strengths[event as usize];
+            assert_relative(at, force * soft + strengths[event as usize] * chain, 1e-6);
+            assert_relative(probe(&record, "grip").force[1].abs(), force, 1e-6);
+            assert_eq!((record.ruptures.len(), record.motion_steps), (1, 0));
+            event += 1;
+        }
+    }
+    assert_eq!(event, 3);
+}
+
+/// Where the way back throws disks as well, it is given up, and the search says so.
+#[test]
+fn a_way_back_that_throws_disks_has_no_root() {
+    let mut simulation = bundle(0.2);
+    let mut no_roots = 0;
+    while let Some(record) = step(&mut simulation) {
+        assert_eq!(record.status, IncrementStatus::Solved);
+        assert!(record.fraction >= 0.0);
+        no_roots += u32::from(simulation.world().resource::<EventSearch>().no_root);
+    }
+    assert!(no_roots > 0);
+}

@@ -101,9 +101,11 @@
         running: "not finished",
         refused: "stopped: a stage cannot begin",
       }[status] ?? status;
+    // The message of a completed run is about its stages.
+    const where = status === "completed" ? "" : `increment ${increment}: `;
     return (
       `${told} after ${count(record.increments, "increment", "increments")}` +
-      (message ? ` (increment ${increment}: ${message})` : "")
+      (message ? ` (${where}${message})` : "")
     );
   };
 
