@@ -333,7 +333,7 @@ mod tests {
         );
         let scene = scene.replace(
             "(name: \"confine\", increments: 1)",
-            "(name: \"confine\", increments: 1, stop: [Until(\"q\", 3.0e5), Rest(1.0)])",
+            "(name: \"confine\", increments: 1, stop: [Until(\"q\", 3.0e5), Below(\"q\", -1.0)])",
         );
         let scene = from_str(&scene, Path::new("t.ron"), Path::new(""), &[]).unwrap().scene;
         let end = |ended_by, stop, passed| StageEnd {
@@ -351,7 +351,7 @@ mod tests {
             ["WARNING: stage confine ended with the last of its increments and did not reach \
               Until(\"q\", 300000.0)"]
         );
-        assert!(said(end(EndedBy::Stop, Some(Stop::Rest(1.0)), None)).is_empty());
+        assert!(said(end(EndedBy::Stop, Some(Stop::Below("q".to_owned(), -1.0)), None)).is_empty());
         let passed = said(end(EndedBy::Stop, until, Some(4.0e5)));
         assert!(passed.len() == 1 && passed[0].contains("beyond"), "{passed:?}");
     }
