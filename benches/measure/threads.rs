@@ -84,24 +84,26 @@ pub fn run(scenes: &Scenes, extent: Extent, scratch: &Path) -> Result<Part, Benc
     }
     let text = "Whole runs with all output but pictures. `wall_s` is the median wall time after \
         the scene was read, `solve_s` the sum of all solves of the last run. The solve of \
-        a small specimen uses one thread. `path` is the work of the longest path \
-        of the tree of fronts over that of the whole tree; in `shared_path` 16 threads \
-        share the work on each large front. `limit_of_16` is the speed-up of the factorisation that \
-        16 threads cannot exceed.";
-    let tables = vec![table, paths(scenes, extent)?];
+        a small specimen uses one thread. The table of paths has no times: its work is counted, and \
+        is the same on every machine. `tasks` is the number of tasks of a factorisation. `path` is \
+        the work of the longest path of the tree of fronts over that of the whole tree, and `limit` \
+        the speed-up that no number of threads exceeds with it; in `shared_path` 16 threads share the \
+        work on each large front, and `limit_of_16` is the speed-up of the factorisation that they \
+        cannot exceed.";
+    let tables = vec![table, paths(scenes)?];
     Ok(Part { name: "threads", text: text.to_owned(), tables, charts: Vec::new() })
 }
 
-/// The longest path of the tree of fronts, for rock of several sizes.
-fn paths(scenes: &Scenes, extent: Extent) -> Result<Table, BenchError> {
+/// The longest path of the tree of fronts, for rock of several sizes. Work is counted, so that one
+/// increment suffices.
+fn paths(scenes: &Scenes) -> Result<Table, BenchError> {
     let mut table = Table::new(
         "threads_path",
         "Longest path of the tree of fronts of bonded rock",
-        &["bodies", "path", "shared_path", "limit_of_16"],
+        &["bodies", "tasks", "path", "limit", "shared_path", "limit_of_16"],
     );
-    let sizes = [(1, 1), (2, 2), (5, 3)];
-    for (columns, rows) in &sizes[..if extent == Extent::Quick { 2 } else { 3 }] {
-        let boxed = scenes.rock(true)?.tiled(*columns, *rows);
+    for (columns, rows) in [(1, 1), (2, 2), (5, 3)] {
+        let boxed = scenes.rock(true)?.tiled(columns, rows);
         let loaded = scenes.compression_of(boxed, 1)?;
         let mut simulation = Simulation::new(&loaded.scene, loaded.specimen.as_ref());
         if simulation.step() != Step::Increment {
@@ -111,10 +113,12 @@ fn paths(scenes: &Scenes, extent: Extent) -> Result<Table, BenchError> {
         let pairs: Vec<_> = program.interactions.iter().map(|c| (c.a, c.b)).collect();
         let matrix = BodyMatrix::new(program.bodies.len(), &pairs)
             .ok_or_else(|| BenchError::Run("threads: no matrix".to_owned()))?;
-        let shared = matrix.longest_path(16);
+        let (alone, shared) = (matrix.longest_path(1), matrix.longest_path(16));
         table.rows.push(vec![
             program.bodies.len().into(),
-            matrix.longest_path(1).into(),
+            matrix.tasks().into(),
+            alone.into(),
+            (1.0 / alone).into(),
             shared.into(),
             (1.0 / shared).min(16.0).into(),
         ]);
@@ -122,7 +126,7 @@ fn paths(scenes: &Scenes, extent: Extent) -> Result<Table, BenchError> {
     Ok(table)
 }
 
-/// Whether two run directories hold the same files, timings apart.
+/// Whether two directories hold the same files, timings apart, and the same folders.
 fn same_results(a: &Path, b: &Path) -> Result<bool, OutputError> {
     let names = |dir: &Path| -> Result<Vec<_>, OutputError> {
         let entries = fs::read_dir(dir).map_err(OutputError::at(dir))?;
@@ -136,11 +140,37 @@ fn same_results(a: &Path, b: &Path) -> Result<bool, OutputError> {
         return Ok(false);
     }
     for name in found {
-        let read =
-            |dir: &Path| fs::read(dir.join(&name)).map_err(OutputError::at(&dir.join(&name)));
-        if read(a)? != read(b)? {
+        let (a, b) = (a.join(name.clone()), b.join(name));
+        let read = |path: &Path| fs::read(path).map_err(OutputError::at(path));
+        let is_same = if a.is_dir() { same_results(&a, &b)? } else { read(&a)? == read(&b)? };
+        if !is_same {
             return Ok(false);
         }
     }
     Ok(true)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Runs have folders, of frames for example: they are compared file by file, and a folder that
+    /// one of the two lacks is a difference. They were read as files, which failed.
+    #[test]
+    fn folders_of_a_run_are_compared_file_by_file() -> Result<(), Box<dyn std::error::Error>> {
+        let runs = tempfile::tempdir()?;
+        let [a, b] = ["a", "b"].map(|name| runs.path().join(name));
+        for run in [&a, &b] {
+            fs::create_dir_all(run.join("frames"))?;
+            fs::write(run.join("history.csv"), "increment")?;
+            fs::write(run.join("frames/0.bin"), "grains")?;
+        }
+        fs::write(a.join(directory::TIMINGS), "1 s")?;
+        assert!(same_results(&a, &b)?);
+        fs::write(b.join("frames/0.bin"), "others")?;
+        assert!(!same_results(&a, &b)?);
+        fs::remove_dir_all(b.join("frames"))?;
+        assert!(!same_results(&a, &b)?);
+        Ok(())
+    }
 }

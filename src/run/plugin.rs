@@ -35,7 +35,7 @@ use super::state::{
     ScriptState,
 };
 use super::stop::end_increment;
-use super::until::{APPROACH, Approach, is_on, keep_state};
+use super::until::{APPROACH, Approach, forget_halted, is_halted, is_on, keep_state};
 use crate::scene::format::Stage;
 
 /// Whether a plugin drives walls with the control `Custom`. Without one the command line refuses
@@ -147,6 +147,10 @@ impl Plugin for ScenePlugin {
                         .run_if(is_undecided)
                         .run_if(is_due)
                         .after(AdvanceSystems::Output),
+                    forget_halted
+                        .run_if(is_halted)
+                        .after(AdvanceSystems::End)
+                        .before(AdvanceSystems::Output),
                     // Measures are read after all systems of plugins that come before `Stop`.
                     (
                         read_key_results.run_if(runs_scene),

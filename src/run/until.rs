@@ -61,6 +61,8 @@ impl StateOf for Approach {
 #[derive(Resource)]
 pub struct Undoable {
     state: WorldState,
+    /// [`Progress::tried`] before the increment was shortened.
+    tried: f64,
     /// [`Script::stop`], which is no part of the state.
     stop: bool,
     /// `None` for an increment that only reads the measure at the start of the stage.
@@ -129,17 +131,18 @@ pub(super) fn keep_state(world: &mut World) {
         None => done + if is_dynamic { READING } else { RESOLUTION },
     };
     world.resource_mut::<Progress>().tried = 0.5 * (asked - done);
-    world.insert_resource(Undoable { state, stop, search, asked });
+    world.insert_resource(Undoable { state, tried, stop, search, asked });
 }
 
 /// Undoes the increment and has it repeated shorter, where the measure has passed the value of the
 /// `Until` of the stage. Whether it has done so.
 pub(super) fn repeats(world: &mut World, stage: &Stage) -> bool {
-    let Some(mut undoable) = world.remove_resource::<Undoable>() else { return false };
-    let Some((name, value)) = until(stage) else { return false };
+    // See `forget_halted`.
     if world.contains_resource::<Halted>() {
         return false;
     }
+    let Some(mut undoable) = world.remove_resource::<Undoable>() else { return false };
+    let Some((name, value)) = until(stage) else { return false };
     let Some(search) = &mut undoable.search else {
         return begin_anew(world, &undoable, name, value);
     };
@@ -161,6 +164,23 @@ pub(super) fn repeats(world: &mut World, stage: &Stage) -> bool {
     progress.tried = 0.5 * (end - progress.done);
     world.insert_resource(undoable);
     true
+}
+
+/// Run condition: the world was halted within an increment that may be undone.
+pub(super) fn is_halted(halted: Option<Res<Halted>>, undoable: Option<Res<Undoable>>) -> bool {
+    halted.is_some() && undoable.is_some()
+}
+
+/// Forgets the search of a halted increment, and the length that it gave to the increment. The app
+/// may go on with other values of bodies and materials: a new search begins from these, while the
+/// state that was kept has the values that have halted the world.
+pub(super) fn forget_halted(
+    undoable: Res<Undoable>,
+    mut progress: ResMut<Progress>,
+    mut commands: Commands,
+) {
+    progress.tried = undoable.tried;
+    commands.remove_resource::<Undoable>();
 }
 
 /// Undoes the increment that has read the measure at the start of the stage.

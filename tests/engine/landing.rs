@@ -1,6 +1,8 @@
 //! `Until`: where stages land, against hand calculations, and traces of an increment that is
 //! undone.
 
+use bevy_app::App;
+use bevy_ecs::prelude::{Entity, With};
 use bevy_ecs::schedule::IntoScheduleConfigs as _;
 use clastic::components::body::BodyId;
 use clastic::components::measure::Readings;
@@ -162,11 +164,8 @@ fn an_increment_that_pours_is_undone_with_its_grains() {
         let world = simulation.world_mut();
         let named = world.resource::<Readings>().0[0];
         poured.push(named.unwrap() as u32);
-        let mut ids: Vec<u32> = world
-            .query_filtered::<&BodyId, bevy_ecs::query::With<Particle>>()
-            .iter(world)
-            .map(|id| id.0)
-            .collect();
+        let mut ids: Vec<u32> =
+            world.query_filtered::<&BodyId, With<Particle>>().iter(world).map(|id| id.0).collect();
         ids.sort_unstable();
         // The floor has the identity 0.
         assert_eq!(ids, (1..=poured[poured.len() - 1]).collect::<Vec<_>>());
@@ -186,7 +185,7 @@ struct Made(u64);
 /// increments lands with the same bytes.
 #[test]
 fn undone_increments_leave_no_trace_in_states_of_plugins() -> Result<(), StateError> {
-    fn counts(app: &mut bevy_app::App) {
+    fn counts(app: &mut App) {
         app.register_resource::<Made>("test.made").init_resource::<Made>().add_systems(
             Increment,
             (|mut made: bevy_ecs::prelude::ResMut<Made>| made.0 += 1)
@@ -209,4 +208,54 @@ fn undone_increments_leave_no_trace_in_states_of_plugins() -> Result<(), StateEr
         }
     }
     Ok(())
+}
+
+/// A position that is not a number halts the app before an increment that reads the measure at the
+/// start of a stage, before one of full length, or before one that is shortened to land. With the
+/// position of before the app makes the increments of an app that was not halted.
+#[test]
+fn an_app_that_is_halted_within_the_search_goes_on_with_the_length_of_before() {
+    /// Halts the app before an increment and repairs it.
+    fn halt(app: &mut App) {
+        let disk =
+            app.world_mut().query_filtered::<Entity, With<Particle>>().single(app.world()).unwrap();
+        let before = app.world().resource::<Progress>().increment;
+        let place = *app.world().get::<body::Position>(disk).unwrap();
+        app.world_mut().get_mut::<body::Position>(disk).unwrap().0.y = f64::NAN;
+        app.update();
+        let running = *app.world().resource::<Running>();
+        assert_eq!(running, Running::Stopped(StoppedBy::Halted));
+        let now = app.world().resource::<Progress>();
+        // The increments before were whole, and a stage begins with a whole one.
+        assert_eq!((now.increment, now.tried), (before, 1.0));
+        *app.world_mut().get_mut::<body::Position>(disk).unwrap() = place;
+        app.world_mut().remove_resource::<Halted>();
+        app.insert_resource(Running::Always);
+    }
+    /// Fractions and stresses of a run that is halted after this number of increments, and its last
+    /// state.
+    fn follow(halted_after: Option<usize>) -> (Vec<(f64, Option<f64>)>, WorldState) {
+        let scene = parse(&column("Associated", UP_AND_DOWN));
+        let mut app = App::new();
+        app.add_plugins((ClasticPlugins::default(), ScenePlugin));
+        let mut simulation = Simulation::in_app(app, &scene, None);
+        let mut records = Vec::new();
+        while simulation.world().resource::<Script>().outcome.is_none() {
+            if halted_after == Some(records.len()) {
+                halt(simulation.app_mut());
+            }
+            simulation.app_mut().update();
+            let record = simulation.world().resource::<Observation>();
+            records.push((record.fraction, record.axial_stress));
+            assert!(records.len() < 40);
+        }
+        (records, simulation.state().unwrap())
+    }
+    let (whole, end) = follow(None);
+    assert!(whole[13].0 < 0.5 && whole[12].0 == 1.0, "{whole:?}");
+    for halted_after in [0, 5, 13, 14] {
+        let (records, state) = follow(Some(halted_after));
+        assert_eq!(records, whole, "{halted_after}");
+        assert!(state == end, "{halted_after}");
+    }
 }

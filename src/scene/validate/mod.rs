@@ -27,6 +27,7 @@ mod sizes;
 mod snap_back;
 mod specimen;
 mod stages;
+mod standing;
 mod state;
 mod stops;
 mod thin_walls;

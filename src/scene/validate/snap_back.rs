@@ -1,16 +1,12 @@
 //! `rupture.snap_back`: tests in which one imposed motion goes back, and nothing else loads.
 
-use std::collections::BTreeSet;
-
 use clastic_components::bond::{Bond, BondId};
 
-use crate::scene::format::{
-    Analysis, Avalanche, Load, Motion, ParticleControl, RigidControl, RuptureOrder, Stage,
-    WallControl,
-};
+use crate::scene::format::{Analysis, Avalanche, Load, Motion, RuptureOrder, Stage, WallControl};
 
+use super::Context;
 use super::findings::Findings;
-use super::{Context, membranes};
+use super::standing::{Standing, has_load, loads_group, loads_particles};
 
 const HELP: &str = "leave `snap_back` out, or load with one imposed displacement alone";
 
@@ -57,75 +53,6 @@ fn has_stored_bonds(context: &Context) -> bool {
     let saved = state.and_then(|state| state.saved.as_ref());
     let bonds = saved.map(|saved| saved.world.components::<BondId, Bond>("bond"));
     bonds.and_then(Result::ok).is_some_and(|bonds| !bonds.is_empty())
-}
-
-/// Loads that later stages keep.
-#[derive(Clone, Default)]
-struct Standing {
-    walls: BTreeSet<String>,
-    membranes: BTreeSet<String>,
-    rigid: BTreeSet<String>,
-    /// Selections of particles as text: the same text selects the same particles.
-    particles: BTreeSet<String>,
-}
-
-impl Standing {
-    fn at_start(context: &Context) -> Self {
-        let membranes = membranes::inherited(context.specimen);
-        let membranes = membranes.into_iter().map(|(name, _)| name).collect();
-        Self { membranes, ..Self::default() }
-    }
-
-    /// Follows a stage to its end.
-    fn follow(&mut self, stage: &Load) {
-        for name in &stage.remove_walls {
-            self.walls.remove(name);
-        }
-        for (name, control) in &stage.walls {
-            set(&mut self.walls, name, has_load(control));
-        }
-        for name in &stage.remove_membranes {
-            self.membranes.remove(name);
-        }
-        self.membranes.extend(stage.membranes.keys().cloned());
-        for name in &stage.release {
-            self.rigid.remove(name);
-        }
-        for (name, c) in &stage.rigid {
-            if loads_group(c) {
-                set(&mut self.rigid, name, !is_zero(c.total_force(1.0), c.moment));
-            }
-        }
-        // The load of a `live` entry ends with its stage.
-        for c in stage.particles.iter().filter(|c| !c.live && loads_particles(c)) {
-            set(&mut self.particles, &format!("{:?}", c.select), !is_zero(c.force, c.moment));
-        }
-    }
-}
-
-fn set(names: &mut BTreeSet<String>, name: &str, is_in: bool) {
-    if is_in {
-        names.insert(name.to_owned());
-    } else {
-        names.remove(name);
-    }
-}
-
-fn loads_particles(c: &ParticleControl) -> bool {
-    c.force.is_some() || c.moment.is_some()
-}
-
-fn loads_group(c: &RigidControl) -> bool {
-    c.force.is_some() || c.moment.is_some() || c.stress.is_some()
-}
-
-/// Whether an entry takes a load away.
-fn is_zero(force: Option<(f64, f64)>, moment: Option<f64>) -> bool {
-    force.unwrap_or_default() == (0.0, 0.0) && moment.unwrap_or_default() == 0.0
-}
-
-fn has_load(control: &WallControl) -> bool {
-    matches!(control, WallControl::Force(_) | WallControl::Stress { .. } | WallControl::Lid { .. })
 }
 
 /// Checks a stage with bonds, before which the loads `before` act; those that its entries of walls
@@ -191,19 +118,11 @@ fn of_stage(
             driven.push(format!("rigid.{name}"));
         }
     }
-    let is_here = |selection: &String| {
-        let mut own = stage.particles.iter().filter(|c| loads_particles(c));
-        own.any(|c| format!("{:?}", c.select) == *selection)
-    };
-    if before.particles.iter().any(|selection| !is_here(selection)) {
-        refuse(&stage_path, "with loads that particles keep from an earlier stage");
+    for origin in before.kept_by_particles(stage) {
+        refuse(&stage_path, &format!("with loads that particles keep from {origin}"));
     }
-    for name in &before.rigid {
-        let is_here = stage.rigid.get(name).is_some_and(loads_group);
-        if !is_here && !stage.release.contains(name) {
-            let what = format!("with the load that rigid group `{name}` keeps");
-            refuse(&stage_path, &what);
-        }
+    for name in before.kept_by_groups(stage) {
+        refuse(&stage_path, &format!("with the load that rigid group `{name}` keeps"));
     }
     for name in &standing.membranes {
         let is_here = stage.membranes.contains_key(name);

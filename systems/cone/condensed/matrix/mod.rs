@@ -140,6 +140,12 @@ impl BodyMatrix {
         self.parts.len() > 1
     }
 
+    /// Number of tasks into which the tree of fronts is cut for several threads.
+    #[must_use]
+    pub fn tasks(&self) -> usize {
+        self.pattern.fronts.tasks.len()
+    }
+
     /// Work of the longest path of the tree of fronts over that of the whole tree, where `threads`
     /// threads share the work on large fronts: a lower bound of the part of the time that they take.
     #[must_use]
