@@ -80,7 +80,7 @@ pub fn of_condensed() -> Vec<Field<CondensedSettings>> {
         interior.divergence,
         warm.sweeps, warm.full_sweep_every, warm.max_gap, warm.product, warm.max_returns,
         sleep.max_residual,
-        proof.residual, proof.max_residual, proof.min_motion,
+        proof.max_residual, proof.min_motion,
         polish.max_passes, polish.residual, polish.large_residual, polish.large,
         polish.small_residual, polish.regularisation, polish.max_refinements, polish.progress,
         fallback.tolerance, fallback.max_iterations,

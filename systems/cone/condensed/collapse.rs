@@ -8,12 +8,13 @@
 //! nearby is followed as a motion; a mechanism would add the pairs that it closes, and the next
 //! solution would jump to another packing (decision 015).
 //! Where forces within the limits balance the loads there is no mechanism: the motion vanishes, and
-//! the method ends there too.
+//! the method ends there too. No residual ends it: of a point that neither proves a collapse nor
+//! has no motion nothing is known, however exact it is.
 
-use super::Condensed;
 use super::interior::{self, Interior};
 use super::parallel::in_pool;
 use super::scaled::Scaled;
+use super::{Condensed, ROUND_OFF};
 use crate::certificate::{certificate, proves};
 use crate::lowering::units;
 use crate::mechanism;
@@ -48,7 +49,7 @@ impl Condensed {
         let minimum = settings.proof.min_motion * motion.scales.length / motion.scales.displacement;
         let vanishes = |point: &Interior| interior::max_magnitude(&point.u) <= minimum;
         let start = vec![[0.0; 3]; order.len()];
-        let goal = interior::Goal::enough(settings.proof.residual, settings.proof.max_residual);
+        let goal = interior::Goal::enough(ROUND_OFF, settings.proof.max_residual);
         let point = in_pool(is_shared, || {
             interior::solve(&scaled, matrix, &start, &settings.interior, goal, |point| {
                 vanishes(point) || proof(point).is_some()

@@ -204,10 +204,6 @@ impl Default for SleepSettings {
 #[non_exhaustive]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProofSettings {
-    /// Residual, without dimension, at which the search ends in any case.
-    ///
-    /// 1e-10: at 1e-6 one of nine mechanisms was not found yet (decision 015).
-    pub residual: f64,
     /// Maximum residual, without dimension, of a point that may be a mechanism.
     ///
     /// 1e-3: bodies without part in the mechanism hardly move by then.
@@ -216,12 +212,12 @@ pub struct ProofSettings {
     /// the loads that no forces within the limits balance.
     ///
     /// 1e-5: where forces balance the loads the motion falls with every iteration, and where they
-    /// do not it was above 7e-5 (decision 015).
+    /// do not it was above 3e-5 (decision 015).
     pub min_motion: f64,
 }
 
 impl Default for ProofSettings {
     fn default() -> Self {
-        Self { residual: 1e-10, max_residual: 1e-3, min_motion: 1e-5 }
+        Self { max_residual: 1e-3, min_motion: 1e-5 }
     }
 }
