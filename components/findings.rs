@@ -90,7 +90,7 @@ pub struct EventSearch {
     pub broken: Vec<Rupture>,
     /// Whether the imposed motion goes back after a rupture to the limit of the next bond.
     pub returns: bool,
-    /// Whether the imposed motion has found no such state in this increment.
+    /// Whether the way back was given up in this increment.
     pub no_root: bool,
     /// Share of the forces of broken bonds that the trial still applies to their ends
     /// ([`Release`](crate::release::Release)).

@@ -62,7 +62,7 @@ pub enum Avalanche {
 }
 
 impl Avalanche {
-    /// Whether the rule is the default, which records of scenes leave out.
+    /// Whether the rule is the default, which scenes leave out when they are written.
     fn is_default(&self) -> bool {
         *self == Self::default()
     }
@@ -132,12 +132,12 @@ impl RuptureRules {
     pub const BRITTLENESS: f64 = 0.5;
 }
 
-/// Whether an option is off, which records of scenes leave out.
+/// Whether an option is off, which scenes leave out when they are written.
 fn is_not(option: &bool) -> bool {
     !option
 }
 
-/// Whether the density is the default, which records of scenes leave out.
+/// Whether the density is the default, which scenes leave out when they are written.
 fn is_usual_density(density: &f64) -> bool {
     density.total_cmp(&RuptureRules::DENSITY).is_eq()
 }

@@ -155,7 +155,7 @@ mod tests {
     use super::*;
 
     /// Runs have folders, of frames for example: they are compared file by file, and a folder that
-    /// one of the two lacks is a difference. They were read as files, which failed.
+    /// one of the two lacks is a difference.
     #[test]
     fn folders_of_a_run_are_compared_file_by_file() -> Result<(), Box<dyn std::error::Error>> {
         let runs = tempfile::tempdir()?;

@@ -10,7 +10,7 @@ use crate::run::key_results::{RIGID, Results};
 use crate::run::sanity::Report;
 use crate::run::stages::Script;
 use crate::run::{Collapse, EndedBy, Outcome, StageEnd};
-use crate::scene::format::{Analysis, Load, Stop};
+use crate::scene::format::{Analysis, Stage};
 use crate::scene::one_round::one_round;
 use crate::scene::shown::label;
 
@@ -132,15 +132,14 @@ pub fn summary(of: &Summary) -> String {
     lines.join("\n")
 }
 
-/// Warnings about the ends of the stages: capped increments, and values of `Until` that were passed
-/// or not reached.
+/// Warnings about the ends of the stages.
 fn warnings(script: &Script) -> Vec<String> {
     let ends = &script.ends;
-    let mut lines: Vec<_> = ends.iter().filter_map(StageEnd::warning).collect();
-    lines.extend(ends.iter().filter_map(|end| missed(script, end)));
-    for line in &mut lines {
-        line.insert_str(0, "WARNING: ");
-    }
+    let mut lines: Vec<_> = ends
+        .iter()
+        .filter_map(StageEnd::warning)
+        .map(|warning| format!("WARNING: {warning}"))
+        .collect();
     let capped = || ends.iter().filter(|end| end.capped > 0);
     if capped().next().is_some() {
         let mut line = "a capped increment has not converged: it satisfies Coulomb's law to a residual of 1e-4 only"
@@ -159,32 +158,11 @@ fn warnings(script: &Script) -> Vec<String> {
     lines
 }
 
-/// The stage of an end, if it loads or pours.
-fn load_of<'a>(script: &'a Script, end: &StageEnd) -> Option<&'a Load> {
-    script.scene.stages.iter().find(|stage| stage.name() == end.stage)?.load()
-}
-
+/// Whether the stage of an end is dynamic.
 fn is_dynamic(script: &Script, end: &StageEnd) -> bool {
-    let analysis = load_of(script, end).and_then(|load| load.analysis);
+    let stage = script.scene.stages.iter().find(|stage| stage.name() == end.stage);
+    let analysis = stage.and_then(Stage::load).and_then(|load| load.analysis);
     matches!(analysis.unwrap_or(script.scene.analysis), Analysis::Dynamic { .. })
-}
-
-/// Warning about values that a stage should have landed on and did not reach: the next stage begins
-/// elsewhere.
-fn missed(script: &Script, end: &StageEnd) -> Option<String> {
-    if end.ended_by != Some(EndedBy::AllIncrements) {
-        return None;
-    }
-    let stops = &load_of(script, end)?.stop;
-    let until = stops.iter().filter(|stop| matches!(stop, Stop::Until(..)));
-    let until: Vec<_> = until.map(|stop| format!("{stop:?}")).collect();
-    (!until.is_empty()).then(|| {
-        format!(
-            "stage {} ended with the last of its increments and did not reach {}",
-            label(&end.stage),
-            until.join(", ")
-        )
-    })
 }
 
 /// Warning that `rupture.order: Events` does not hold for a scene.
@@ -231,9 +209,9 @@ fn not_defined(script: &Script, ending: &Ending, results: &Results) -> Vec<Strin
 fn stage(end: &StageEnd) -> Option<String> {
     let StageEnd { stage, increments, .. } = end;
     let n = if *increments == 1 { "increment" } else { "increments" };
-    let stop = end.stop.as_ref().map(|stop| format!("{stop:?}"));
+    let stop = end.stop.as_ref().filter(|_| end.ended_by == Some(EndedBy::Stop));
     let stage = label(stage);
-    stop.map(|stop| format!("stage {stage}: stopped by {stop} after {increments} {n}"))
+    stop.map(|stop| format!("stage {stage}: stopped by {stop:?} after {increments} {n}"))
 }
 
 /// A stress in a suitable unit.
@@ -251,6 +229,7 @@ pub fn stress(pascals: f64) -> String {
 #[cfg(test)]
 mod tests {
     use crate::run::key_results::KeyResults;
+    use crate::scene::format::Stop;
     use crate::scene::from_str;
 
     use super::*;
@@ -323,36 +302,46 @@ mod tests {
         assert!(all.contains("in static stages") && !all.contains("in dynamic stages"), "{all}");
     }
 
+    #[test]
+    fn remedies_for_capped_increments_follow_the_analysis() {
+        let scene = SCENE.replace("version: 1,", "version: 1, analysis: Dynamic(dt: 1.0e-3),");
+        let scene = from_str(&scene, Path::new("t.ron"), Path::new(""), &[]).unwrap().scene;
+        let end = StageEnd {
+            stage: "confine".to_owned(),
+            increments: 3,
+            capped: 1,
+            ended_by: Some(EndedBy::AllIncrements),
+            stop: None,
+            passed: None,
+        };
+        let lines = warnings(&Script { ends: vec![end], ..Script::new(&scene) });
+        assert_eq!(lines.len(), 2);
+        assert!(lines[1].contains("in dynamic stages"), "{lines:?}");
+        assert!(!lines[1].contains("in static stages"), "{lines:?}");
+    }
+
     /// A stage that should land on a value and ran out of increments, and one that passed its value:
-    /// neither has capped increments, which the remedies for capped increments must not suggest.
+    /// neither has capped increments, so that no remedy for these stands there.
     #[test]
     fn a_summary_warns_of_an_until_that_was_not_reached() {
-        let scene = SCENE.replace("version: 1", "version: 2").replace(
-            "measures: (axial_strain: Particles(0, 1), axial_stress: Average(component: Yy, area: Fixed(1.0)))",
-            "measures: [(name: \"q\", of: Stress(Average(component: Yy, area: Fixed(1.0))))]",
-        );
-        let scene = scene.replace(
-            "(name: \"confine\", increments: 1)",
-            "(name: \"confine\", increments: 1, stop: [Until(\"q\", 3.0e5), Below(\"q\", -1.0)])",
-        );
-        let scene = from_str(&scene, Path::new("t.ron"), Path::new(""), &[]).unwrap().scene;
-        let end = |ended_by, stop, passed| StageEnd {
+        let scene = from_str(SCENE, Path::new("t.ron"), Path::new(""), &[]).unwrap().scene;
+        let end = |ended_by, passed| StageEnd {
             stage: "confine".to_owned(),
             increments: 1,
             capped: 0,
             passed,
             ended_by: Some(ended_by),
-            stop,
+            stop: Some(Stop::Until("q".to_owned(), 3.0e5)),
         };
         let said = |end| warnings(&Script { ends: vec![end], ..Script::new(&scene) });
-        let until = Some(Stop::Until("q".to_owned(), 3.0e5));
+        let missed = end(EndedBy::AllIncrements, None);
+        assert_eq!(stage(&missed), None);
         assert_eq!(
-            said(end(EndedBy::AllIncrements, None, None)),
+            said(missed),
             ["WARNING: stage confine ended with the last of its increments and did not reach \
               Until(\"q\", 300000.0)"]
         );
-        assert!(said(end(EndedBy::Stop, Some(Stop::Below("q".to_owned(), -1.0)), None)).is_empty());
-        let passed = said(end(EndedBy::Stop, until, Some(4.0e5)));
+        let passed = said(end(EndedBy::Stop, Some(4.0e5)));
         assert!(passed.len() == 1 && passed[0].contains("beyond"), "{passed:?}");
     }
 

@@ -63,7 +63,8 @@ pub struct StageEnd {
     pub capped: u64,
     /// What ended the stage; `None` for the current stage.
     pub ended_by: Option<EndedBy>,
-    /// The stop condition as the scene writes it; only with [`EndedBy::Stop`].
+    /// The stop condition as the scene writes it: the one that was met with [`EndedBy::Stop`], and an
+    /// `Until` that was not reached with [`EndedBy::AllIncrements`].
     pub stop: Option<Stop>,
     /// The measure of an `Until` that has passed its value by more than the tolerance.
     pub passed: Option<f64>,
@@ -71,12 +72,12 @@ pub struct StageEnd {
 
 impl StageEnd {
     /// Warning about capped increments, and about a measure that has passed the value on which it
-    /// should land; `None` if the stage has neither.
+    /// should land or has not reached it; `None` if the stage has none of them.
     #[must_use]
     pub fn warning(&self) -> Option<String> {
-        let both = [self.capped_warning(), self.passed_warning()];
-        let both: Vec<_> = both.into_iter().flatten().collect();
-        (!both.is_empty()).then(|| both.join("; "))
+        let all = [self.capped_warning(), self.passed_warning(), self.missed_warning()];
+        let all: Vec<_> = all.into_iter().flatten().collect();
+        (!all.is_empty()).then(|| all.join("; "))
     }
 
     fn passed_warning(&self) -> Option<String> {
@@ -87,6 +88,14 @@ impl StageEnd {
             "stage {} ends at {} = {passed:?}, beyond {value:?}: it jumps there",
             label(&self.stage),
             label(name)
+        ))
+    }
+
+    fn missed_warning(&self) -> Option<String> {
+        let stop = self.stop.as_ref().filter(|_| self.ended_by == Some(EndedBy::AllIncrements))?;
+        let stage = label(&self.stage);
+        Some(format!(
+            "stage {stage} ended with the last of its increments and did not reach {stop:?}"
         ))
     }
 

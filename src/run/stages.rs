@@ -138,13 +138,16 @@ fn begin(world: &mut World, stage: Stage) {
 }
 
 fn end(world: &mut World, stage: Stage) {
+    let missed = until::missed(world, &stage);
     world.insert_resource(CurrentStage(stage));
     world.run_schedule(EndStage);
     world.resource_mut::<Progress>().stage += 1;
     let mut script = world.resource_mut::<Script>();
     script.begun = false;
     if let Some(end) = script.ends.last_mut() {
-        end.ended_by.get_or_insert(EndedBy::AllIncrements);
+        if end.ended_by.is_none() {
+            (end.ended_by, end.stop) = (Some(EndedBy::AllIncrements), missed);
+        }
     }
 }
 

@@ -171,9 +171,9 @@ pub(super) fn is_halted(halted: Option<Res<Halted>>, undoable: Option<Res<Undoab
     halted.is_some() && undoable.is_some()
 }
 
-/// Forgets the search of a halted increment, and the length that it gave to the increment. The app
-/// may go on with other values of bodies and materials: a new search begins from these, while the
-/// state that was kept has the values that have halted the world.
+/// Forgets the search of a halted increment, and the length that it gave to the increment. The kept
+/// state has the values that halted the world. The app may go on with others, so that the search
+/// begins anew.
 pub(super) fn forget_halted(
     undoable: Res<Undoable>,
     mut progress: ResMut<Progress>,
@@ -256,6 +256,15 @@ pub(super) fn reached(world: &mut World, stage: &Stage) -> Option<Landing> {
         return Some(Landing { stop: Stop::Until(name.to_owned(), value), passed });
     }
     None
+}
+
+/// The `Until` of a stage that has ended without landing on it. A measure that was at the value all
+/// the time has not missed it.
+pub(super) fn missed(world: &World, stage: &Stage) -> Option<Stop> {
+    let (name, value) = until(stage)?;
+    let approach = world.resource::<Approach>();
+    let is_missed = approach.side != 0.0 || approach.points.is_empty();
+    is_missed.then(|| Stop::Until(name.to_owned(), value))
 }
 
 impl Approach {

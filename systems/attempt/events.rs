@@ -23,7 +23,7 @@ use clastic_components::increment::{
 };
 use clastic_components::material::Materials;
 use clastic_components::release::Release;
-use clastic_cone::program::{ConeProgram, ConeSolution, SolveStatus};
+use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use super::going_back::{self, Next};
 use crate::event_search::{Decision, GroupRules, Now, at_constant_load, decide, maximum};
@@ -117,22 +117,11 @@ pub fn judge(
     }
     // A followed motion has left the path on which the imposed motion could go back.
     if search.returns && !search.moved {
-        match going_back::next(rules, trial, &progress, &mut search) {
-            Next::Try(fraction) => try_next(fraction, &mut search, &mut attempt),
-            // A trial that throws a body may have an error of the regularisation. It shows which
-            // bonds are above their limits, but it is not committed.
-            Next::Stands(_) if solution.status != SolveStatus::Solved => {}
-            Next::Stands(broken) => {
-                tables.commit(
-                    &found,
-                    &broken,
-                    &mut progress,
-                    &mut program,
-                    &mut solution,
-                    &mut search,
-                );
-            }
-        }
+        let broken = match going_back::next(rules, trial, &progress, &mut search) {
+            Next::Stands(broken) => broken,
+            Next::Try(fraction) => return try_next(fraction, &mut search, &mut attempt),
+        };
+        tables.commit(&found, &broken, &mut progress, &mut program, &mut solution, &mut search);
         return;
     }
     let shares = tables.shares(&found, &solution);
@@ -173,16 +162,12 @@ pub fn judge(
 impl Tables<'_> {
     /// Index of the bond of an overload.
     fn bond(&self, o: &Overload) -> usize {
-        self.contacts.0[o.contact].bond.map_or(0, |k| k as usize)
+        bond(&self.contacts, o)
     }
 
     /// The overloads of all bonds at a fraction.
     fn trial(&self, found: &[Overload], fraction: f64) -> EventTrial {
-        let mut overloads = vec![0.0; self.bodies.bonds.len()];
-        for o in found {
-            overloads[self.bond(o)] = o.value;
-        }
-        EventTrial { fraction, overloads, change: 0.0, is_solved: false }
+        trial(&self.contacts, found, self.bodies.bonds.len(), fraction)
     }
 
     /// The start of the increment, by the forces after the last one.
@@ -272,6 +257,28 @@ impl Tables<'_> {
         };
         breaking.filter_map(rupture).collect()
     }
+}
+
+/// Index of the bond of an overload.
+fn bond(contacts: &Contacts, o: &Overload) -> usize {
+    contacts.0[o.contact].bond.map_or(0, |k| k as usize)
+}
+
+/// The overloads of `bonds` bonds at a fraction.
+fn trial(contacts: &Contacts, found: &[Overload], bonds: usize, fraction: f64) -> EventTrial {
+    let mut overloads = vec![0.0; bonds];
+    for o in found {
+        overloads[bond(contacts, o)] = o.value;
+    }
+    EventTrial { fraction, overloads, change: 0.0, is_solved: false }
+}
+
+/// The trial of the last solution, which [`judge`] has not seen.
+pub(super) fn trial_of(world: &World) -> EventTrial {
+    let contacts = world.resource::<Contacts>();
+    let found = overloads(&contacts.0, world.resource(), world.resource(), UNLIMITED);
+    let bonds = world.resource::<Bodies>().bonds.len();
+    trial(contacts, &found, bonds, world.resource::<Progress>().fraction)
 }
 
 fn group_rules(rules: &RuptureRules) -> GroupRules {

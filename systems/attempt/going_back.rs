@@ -6,8 +6,11 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, Effort, Verdict};
-use clastic_components::findings::{EventSearch, EventTrial};
+use clastic_components::findings::{EventSearch, EventTrial, Sliding};
 use clastic_components::increment::{Progress, RuptureRules};
+use clastic_cone::program::{ConeSolution, SolveStatus};
+
+use super::events;
 
 use crate::event_search::maximum;
 use crate::snap_back::{Return, decide};
@@ -48,32 +51,48 @@ fn give_up(search: &mut EventSearch) {
     *search = EventSearch { active: search.active, no_root: true, ..EventSearch::default() };
 }
 
-/// Gives up the way back where it has no equilibrium nearby. The verdict on a trial at the standing
-/// motion decides how the increment goes on.
-pub(super) fn end_where_lost(world: &mut World) {
+/// Decides on a trial without an equilibrium nearby. At the standing motion such a trial may still
+/// show how far the imposed motion goes back; elsewhere the way back is given up.
+pub(super) fn judge_where_lost(world: &mut World) {
     let search = world.resource::<EventSearch>();
     if !search.returns || search.moved {
         return;
     }
-    let stands = world.resource::<Progress>().fraction == 0.0;
     let attempt = world.resource::<Attempt>();
     let is_lost = match attempt.verdict {
-        // At the standing motion all bonds hold in it: nothing has to go back.
-        Verdict::TooFar(_) => !stands,
-        Verdict::Impossible | Verdict::Loose | Verdict::Locked => true,
+        Verdict::TooFar(_) | Verdict::Impossible | Verdict::Loose | Verdict::Locked => true,
         Verdict::Unconverged { .. } => attempt.effort() == Some(Effort::Regularised),
         _ => false,
     };
-    if is_lost {
-        give_up(&mut world.resource_mut::<EventSearch>());
-        if !stands {
-            world.resource_mut::<Attempt>().verdict = Verdict::Overloaded;
-        }
+    if !is_lost {
+        return;
     }
-}
-
-/// Whether the trial is that at the standing motion, which shows how far the imposed motion goes
-/// back.
-pub(super) fn may_return(search: &EventSearch, progress: &Progress) -> bool {
-    search.returns && !search.moved && progress.fraction == 0.0
+    if world.resource::<Progress>().fraction < 0.0 {
+        give_up(&mut world.resource_mut::<EventSearch>());
+        world.resource_mut::<Attempt>().verdict = Verdict::Overloaded;
+        return;
+    }
+    let is_far = matches!(attempt.verdict, Verdict::TooFar(_));
+    if !is_far || world.resource::<Sliding>().lost {
+        // The verdict decides how the increment goes on at the standing motion.
+        give_up(&mut world.resource_mut::<EventSearch>());
+        return;
+    }
+    // A solution that is far without an error of the regularisation was judged: its bonds hold.
+    if world.resource::<ConeSolution>().status == SolveStatus::Solved {
+        return;
+    }
+    // The part that broke off springs away. The trial is not committed, and its overloads show
+    // where the next one is made.
+    let trial = events::trial_of(world);
+    let (rules, progress) = (*world.resource::<RuptureRules>(), world.resource::<Progress>());
+    let progress = progress.clone();
+    let mut search = world.resource_mut::<EventSearch>();
+    if let Next::Try(fraction) = next(&rules, trial, &progress, &mut search)
+        && fraction < 0.0
+    {
+        search.trials += 1;
+        search.target = fraction;
+        world.resource_mut::<Attempt>().verdict = Verdict::Overloaded;
+    }
 }

@@ -83,7 +83,7 @@ impl Plugin for AttemptPlugin {
                     converged::judge,
                     coulomb::judge.run_if(sound),
                     motion::judge_length.run_if(in_motion),
-                    events::judge.run_if(in_equilibrium).run_if(events::searches).run_if(is_trial),
+                    events::judge.run_if(in_equilibrium).run_if(events::searches).run_if(unbiased),
                     closed_pairs::judge.run_if(sound),
                     too_far::judge.run_if(in_equilibrium),
                     // The certificate belongs to the program, in which members of groups have no
@@ -127,12 +127,7 @@ fn impossible(attempt: Res<Attempt>) -> bool {
     attempt.verdict == Verdict::Impossible && attempt.motion().is_none()
 }
 
-/// Run condition: the solution has no error of the regularisation, or it only shows how far the
-/// imposed motion goes back. A thrown grain may have such an error.
-fn is_trial(
-    solution: Res<ConeSolution>,
-    search: Res<EventSearch>,
-    progress: Res<Progress>,
-) -> bool {
-    solution.status == SolveStatus::Solved || going_back::may_return(&search, &progress)
+/// Run condition: the solution has no error of the regularisation. A thrown grain may have one.
+fn unbiased(solution: Res<ConeSolution>) -> bool {
+    solution.status == SolveStatus::Solved
 }

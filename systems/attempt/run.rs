@@ -30,7 +30,7 @@ pub fn run_attempts(world: &mut World) {
     let mut start = None;
     loop {
         world.run_schedule(AttemptIncrement);
-        going_back::end_where_lost(world);
+        going_back::judge_where_lost(world);
         let budget = budget(world);
         let mut attempt = world.resource_mut::<Attempt>();
         let verdict = std::mem::take(&mut attempt.verdict);

@@ -277,8 +277,8 @@ fn bundle(throw: f64) -> Simulation {
     Simulation::new(&parse(&text), None)
 }
 
-/// A broken chain springs back, which throws its disks in the trial at the standing motion. The
-/// trial was followed as a motion without a way back, and nothing said so.
+/// A broken chain springs back, which throws its disks in the trial at the standing motion. That
+/// trial has an error of the regularisation and still shows how far the motion goes back.
 #[test]
 fn a_chain_that_springs_back_lets_the_motion_back() {
     let mut simulation = bundle(0.3);

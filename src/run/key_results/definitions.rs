@@ -101,8 +101,8 @@ impl KeyResults {
         if self.rigid {
             return Err(RIGID);
         }
-        let (before, here) = self.first_gain(peak).ok_or(NO_GAIN)?;
-        if !(here.solved && before.solved) {
+        let (before, here, solved) = self.first_gain(peak).ok_or(NO_GAIN)?;
+        if !solved {
             return Err(CAPPED_BEFORE);
         }
         if !self.lateral_stays_to(&here) {
@@ -111,23 +111,27 @@ impl KeyResults {
         positive((here.stress - before.stress) / (here.strain - before.strain))
     }
 
-    /// The first point whose stress differs by a thousandth of the peak from that of an earlier
-    /// point with another strain, and the last such earlier point. Before, a platen may not have
-    /// touched the specimen. The number of increments between the two does not matter.
-    pub(super) fn first_gain(&self, peak: f64) -> Option<(Point, Point)> {
+    /// The first rise of the stress by a thousandth of the peak: its last point is the first one
+    /// whose stress differs by as much from that of an earlier point with another strain, and its
+    /// first point is the last such point. Before, a platen may not have touched the specimen. Also
+    /// whether all points from the first to the last are solved.
+    pub(super) fn first_gain(&self, peak: f64) -> Option<(Point, Point, bool)> {
         let touch = 1e-3 * (peak - self.start.stress).abs();
         let points: Vec<&Point> = std::iter::once(&self.start).chain(&self.curve).collect();
-        let [mut low, mut high] = [self.start.stress; 2];
+        let mut stress = [self.start.stress; 2];
+        let mut strain = [self.start.strain; 2];
         for (k, here) in points.iter().enumerate() {
-            (low, high) = (low.min(here.stress), high.max(here.stress));
-            if high - low < touch {
+            stress = [stress[0].min(here.stress), stress[1].max(here.stress)];
+            strain = [strain[0].min(here.strain), strain[1].max(here.strain)];
+            if stress[1] - stress[0] < touch || strain[0] == strain[1] {
                 continue;
             }
-            let differs = |before: &&&Point| {
+            let differs = |before: &&Point| {
                 here.strain != before.strain && (here.stress - before.stress).abs() >= touch
             };
-            if let Some(before) = points[..k].iter().rev().find(differs) {
-                return Some((**before, **here));
+            if let Some(first) = points[..k].iter().rposition(differs) {
+                let solved = points[first..=k].iter().all(|point| point.solved);
+                return Some((*points[first], **here, solved));
             }
         }
         None

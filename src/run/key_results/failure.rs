@@ -29,7 +29,7 @@ impl KeyResults {
         if self.rigid {
             return Err(RIGID);
         }
-        let (from, _) = self.first_gain(peak).ok_or(NO_GAIN)?;
+        let (from, _, _) = self.first_gain(peak).ok_or(NO_GAIN)?;
         let (before, here, part) = self.half_way(peak).ok_or(NO_HALF)?;
         if !(from.solved && before.solved && here.solved) {
             return Err(CAPPED_BEFORE);

@@ -12,10 +12,9 @@ pub const PEAK_ERROR: f64 = 0.02;
 /// Key results as in `run.json`; `None` for those that the run does not define.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Results {
-    /// Tangent modulus at the start of the reference stage: the slope from the last point whose
-    /// stress differs by at least a thousandth of the peak to the first one for which there is
-    /// such a point. Before, a platen may not have touched the specimen. `None` for a rigid
-    /// specimen.
+    /// Tangent modulus at the start of the reference stage: the slope over the first rise of the
+    /// stress by a thousandth of the peak, between two points of the curve with different strains.
+    /// Before, a platen may not have touched the specimen. `None` for a rigid specimen.
     pub youngs_modulus_pa: Option<f64>,
     /// Secant modulus from the start of the reference stage to half the peak.
     pub youngs_modulus_secant_half_peak_pa: Option<f64>,

@@ -124,6 +124,39 @@ fn a_modulus_needs_no_large_increment_and_not_the_way_back() {
     near(run(false, &rows).results().youngs_modulus_pa, 1e6);
 }
 
+/// A fall before the rise, several points at one strain, and tension over several increments.
+#[test]
+fn a_modulus_is_the_slope_of_the_first_rise() {
+    use Phase::{Loading, Reference};
+    // The stress falls by 20 of 1000 Pa at the first strain: that is the first change of stress.
+    let fall = [(Reference, Some(0.01), Some(-20.0)), (Reference, Some(0.02), Some(1000.0))];
+    let results = run(false, &fall).results();
+    assert_eq!(results.youngs_modulus_pa, None);
+    assert!(results.not_defined["youngs_modulus_pa"].contains("does not rise"));
+    // The stress rises at a strain that stays: no slope comes from there.
+    let held = [
+        (Loading, None, Some(0.0)),
+        (Reference, Some(0.0), Some(50.0)),
+        (Reference, Some(0.0), Some(100.0)),
+        (Reference, Some(0.01), Some(200.0)),
+    ];
+    near(run(false, &held).results().youngs_modulus_pa, 1e4);
+    let pulled: Vec<_> = (1..=4000)
+        .map(|k| (Reference, Some(-1e-6 * f64::from(k)), Some(-2.0 * f64::from(k))))
+        .collect();
+    near(run(false, &pulled).results().youngs_modulus_pa, 2e6);
+}
+
+/// A capped increment within the first rise.
+#[test]
+fn a_modulus_comes_from_solved_increments_only() {
+    let rows: Vec<_> =
+        (1..=3000).map(|k| (1e-5 * f64::from(k), 10.0 * f64::from(k), k == 2)).collect();
+    let results = partly_capped(&rows);
+    assert_eq!(results.youngs_modulus_pa, None);
+    assert!(results.not_defined["youngs_modulus_pa"].contains("capped"));
+}
+
 #[test]
 fn a_tension_test_peaks_in_tension() {
     use Phase::Reference;

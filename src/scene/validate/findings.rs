@@ -1,6 +1,6 @@
 //! The list of findings, and checks that all topics share.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Arguments;
 
 use crate::scene::diagnostic::{Finding, within};
@@ -10,12 +10,14 @@ use crate::scene::suggest;
 /// Collects findings. Paths are formatted only for findings, since most checks find nothing.
 pub(super) struct Findings<'a> {
     list: Vec<Finding>,
+    /// Paths and messages of the list.
+    known: BTreeSet<(String, String)>,
     made_up: &'a [String],
 }
 
 impl<'a> Findings<'a> {
     pub(super) fn new(made_up: &'a [String]) -> Self {
-        Self { list: Vec::new(), made_up }
+        Self { list: Vec::new(), known: BTreeSet::new(), made_up }
     }
 
     pub(super) fn into_list(self) -> Vec<Finding> {
@@ -49,7 +51,7 @@ impl<'a> Findings<'a> {
 
     /// Adds a finding. Several stages may have the same mistake in one field, which is reported once.
     fn push(&mut self, finding: Finding) {
-        if !self.list.contains(&finding) {
+        if self.known.insert((finding.path.clone(), finding.message.clone())) {
             self.list.push(finding);
         }
     }

@@ -9,7 +9,7 @@ use clastic_components::wall::WallName;
 use clastic_systems::state::WorldState;
 use clastic_systems::wall_states::{ControlState, ControlStates, WALL_CONTROL};
 
-use crate::scene::format::{Load, ParticleControl, RigidControl, Select, WallControl};
+use crate::scene::format::{Load, ParticleControl, RigidControl, Select, Table, WallControl};
 
 use super::{Context, membranes};
 
@@ -188,5 +188,11 @@ pub(super) fn loads_group(c: &RigidControl) -> bool {
 }
 
 pub(super) fn has_load(control: &WallControl) -> bool {
-    matches!(control, WallControl::Force(_) | WallControl::Stress { .. } | WallControl::Lid { .. })
+    // A wall keeps the last load of its table.
+    let of_table = matches!(control, WallControl::Follow(Table::Force(_) | Table::Stress { .. }));
+    of_table
+        || matches!(
+            control,
+            WallControl::Force(_) | WallControl::Stress { .. } | WallControl::Lid { .. }
+        )
 }

@@ -8,8 +8,8 @@
 //! nearby is followed as a motion; a mechanism would add the pairs that it closes, and the next
 //! solution would jump to another packing (decision 015).
 //! Where forces within the limits balance the loads there is no mechanism: the motion vanishes, and
-//! the method ends there too. No residual ends it: of a point that neither proves a collapse nor
-//! has no motion nothing is known, however exact it is.
+//! the method ends there too. A small residual does not end it: it says nothing about a point that
+//! still moves and proves no collapse.
 
 use super::interior::{self, Interior};
 use super::parallel::in_pool;
