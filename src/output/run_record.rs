@@ -346,4 +346,15 @@ mod tests {
         let empty = "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855";
         assert_eq!(sha256(b""), empty);
     }
+
+    /// The record has all fields, those with their defaults too.
+    #[test]
+    fn a_record_has_all_rules_of_rupture() -> Result<(), serde_json::Error> {
+        let rules = serde_json::to_value(RuptureSettings::from(Rupture::default()))?;
+        let rules = rules.as_object().into_iter().flatten();
+        let names: Vec<_> = rules.map(|(name, _)| name.as_str()).collect();
+        let all = "avalanche brittleness density group order rolling rounds snap_back tolerance";
+        assert_eq!(names, all.split(' ').collect::<Vec<_>>());
+        Ok(())
+    }
 }

@@ -144,10 +144,10 @@ fn end(world: &mut World, stage: Stage) {
     world.resource_mut::<Progress>().stage += 1;
     let mut script = world.resource_mut::<Script>();
     script.begun = false;
-    if let Some(end) = script.ends.last_mut() {
-        if end.ended_by.is_none() {
-            (end.ended_by, end.stop) = (Some(EndedBy::AllIncrements), missed);
-        }
+    if let Some(end) = script.ends.last_mut()
+        && end.ended_by.is_none()
+    {
+        (end.ended_by, end.stop) = (Some(EndedBy::AllIncrements), missed);
     }
 }
 

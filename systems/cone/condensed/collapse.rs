@@ -34,7 +34,10 @@ impl Condensed {
         };
         // A program with a weight on every degree of freedom has a solution.
         let has_solution = program.bodies.iter().all(|body| body.dofs.iter().all(is_held));
-        if has_solution || program.is_dynamic() || !program.has_bonds() {
+        // Zero forces are within all limits and balance zero loads.
+        let is_loaded = |dof: &Dof| matches!(dof, Dof::Free(free) if free.load != 0.0);
+        let is_loaded = program.bodies.iter().any(|body| body.dofs.iter().any(is_loaded));
+        if has_solution || !is_loaded || program.is_dynamic() || !program.has_bonds() {
             return None;
         }
         let motion = mechanism::of_loads(program);
@@ -127,6 +130,12 @@ mod tests {
         let mut program = on_a_floor(1.0, -1.0);
         program.interactions[0].limits = Limits::new(0.0, 0.5, 0.0, 0.0);
         assert!(sought(&program).0.is_none());
+    }
+
+    #[test]
+    fn nothing_is_sought_without_loads() {
+        let (found, iterations) = sought(&on_a_floor(0.0, 0.0));
+        assert!(found.is_none() && iterations == 0);
     }
 
     /// The shear limit at p = 1 is 0.7: forces balance 0.699 and do not balance 0.701.
