@@ -258,12 +258,12 @@ pub(super) fn reached(world: &mut World, stage: &Stage) -> Option<Landing> {
     None
 }
 
-/// The `Until` of a stage that has ended without landing on it. A measure that was at the value all
-/// the time has not missed it.
+/// The `Until` of a stage that has ended without landing on it, also because its measure is not
+/// defined. A measure that was at the value all the time has not missed it.
 pub(super) fn missed(world: &World, stage: &Stage) -> Option<Stop> {
     let (name, value) = until(stage)?;
     let approach = world.resource::<Approach>();
-    let is_missed = approach.side != 0.0 || approach.points.is_empty();
+    let is_missed = approach.side != 0.0 || approach.points.iter().all(|[_, m]| m.is_nan());
     is_missed.then(|| Stop::Until(name.to_owned(), value))
 }
 

@@ -80,6 +80,32 @@ fn the_first_increment_of_a_run_lands() {
     }
 }
 
+/// A stage that ends below its value, one whose measure stays at the value of the stage, and one
+/// whose measure has no value.
+#[test]
+fn a_stage_knows_the_until_that_it_has_not_reached() {
+    let stage = |name: &str, measure: &str, value: f64| {
+        format!(
+            "Load(name: \"{name}\", increments: 3, walls: {{ \"top\": Displacement(0.0, 1.0e-5) }},
+                stop: [Until(\"{measure}\", {value:?})]),"
+        )
+    };
+    let stages = stage("load", "axial_stress", 33.0e3)
+        + &stage("hold", "axial_stress", 0.0)
+        + &stage("read", "fabric", 0.5);
+    let text = column("Associated", &stages).replace(
+        "measures: [",
+        "measures: [(name: \"fabric\", of: Fabric(component: Yy, network: All)),",
+    );
+    let mut simulation = Simulation::new(&parse(&text), None);
+    while step(&mut simulation).is_some() {}
+    let ends = &simulation.world().resource::<Script>().ends;
+    let missed: Vec<_> = ends.iter().map(|end| end.warning().unwrap_or_default()).collect();
+    assert!(missed[0].contains("did not reach Until(\"axial_stress\", 33000.0)"), "{missed:?}");
+    assert_eq!(missed[1], "");
+    assert!(missed[2].contains("did not reach Until(\"fabric\", 0.5)"), "{missed:?}");
+}
+
 /// A measure without a value shortens no increment: there is no contact between particles.
 #[test]
 fn a_measure_that_is_not_defined_shortens_no_increment() {
