@@ -19,7 +19,7 @@ use clastic_cone::residuals::{displacement_scale, regularised_residuals};
 /// Accepts solved programs and proven collapses, moves the centre of the regularisation until its
 /// bias vanishes, and rejects all else. A bias together with a throw is left to
 /// [`closed_pairs`](super::closed_pairs) and [`too_far`](super::too_far), one of which rejects it.
-/// [`going_back`](super::going_back) may still read its overloads.
+/// Where `snap_back` is on, its overloads may still show how far the motion goes back.
 pub fn judge(
     program: Res<ConeProgram>,
     mut solution: ResMut<ConeSolution>,
