@@ -144,29 +144,16 @@ struct RuptureSettings {
 
 impl From<Rupture> for RuptureSettings {
     fn from(rules: Rupture) -> Self {
-        let Rupture {
-            rolling,
-            order,
-            tolerance,
-            group,
-            density,
-            brittleness,
-            rounds,
-            avalanche,
-            snap_back,
-            slack: _,
-            multiplier: _,
-        } = rules;
         Self {
-            rolling,
-            order,
-            tolerance,
-            group,
-            density,
-            brittleness,
-            rounds,
-            avalanche,
-            snap_back,
+            rolling: rules.rolling,
+            order: rules.order,
+            tolerance: rules.tolerance,
+            group: rules.group,
+            density: rules.density,
+            brittleness: rules.brittleness,
+            rounds: rules.rounds,
+            avalanche: rules.avalanche,
+            snap_back: rules.snap_back,
         }
     }
 }
