@@ -45,7 +45,6 @@ pub mod dump;
 mod interaction;
 mod lowering;
 pub mod mechanism;
-pub mod polish;
 pub mod program;
 pub mod residuals;
 mod solution;

@@ -3,15 +3,7 @@
 
 use clarabel::algebra::CscMatrix;
 
-use crate::program::{ConeProgram, ConeSolution, Dof, Interaction};
-
-use super::polish::{Point, PolishSettings, QuadraticProgram};
-use super::residuals::regularised_residuals;
-
-/// Residual at which polishing ends in a program of this size.
-fn polished(low: &Lowered, settings: &PolishSettings) -> f64 {
-    if low.linear.len() > settings.large { settings.large_residual } else { settings.residual }
-}
+use crate::program::{ConeProgram, Dof, Interaction};
 
 /// Triplets of a sparse matrix.
 #[derive(Default)]
@@ -49,13 +41,6 @@ pub(super) struct Lowered {
     pub(super) balance_rows: usize,
     /// A free degree of freedom with a load and without interactions: a collapse by itself.
     pub(super) unbalanced: Option<(usize, usize)>,
-}
-
-/// Units of the three degrees of freedom: displacement and force.
-pub(super) fn units(program: &ConeProgram) -> ([f64; 3], [f64; 3]) {
-    let s = &program.scales;
-    let (u, f, l) = (s.displacement, s.force, s.length);
-    ([u, u, u / l], [f, f, f * l])
 }
 
 pub(super) fn lower(program: &ConeProgram) -> Lowered {
@@ -98,7 +83,7 @@ fn touched(program: &ConeProgram) -> Vec<[bool; 3]> {
 impl Lowered {
     /// Adds the balance rows. One without coefficients is trivial, or a collapse by itself.
     fn add_balance(&mut self, program: &ConeProgram) {
-        let (_, df) = units(program);
+        let (_, df) = program.scales.units();
         let touched = touched(program);
         for (i, body) in program.bodies.iter().enumerate() {
             for k in 0..3 {
@@ -117,7 +102,7 @@ impl Lowered {
 
     /// Adds the forces of an interaction and its limits. `imposed` are the known displacements.
     fn add_interaction(&mut self, program: &ConeProgram, c: &Interaction, imposed: &[[f64; 3]]) {
-        let (du, df) = units(program);
+        let (du, df) = program.scales.units();
         let length = program.scales.length;
         let stiffness = program.scales.force / program.scales.displacement;
         self.columns.push(self.linear.len());
@@ -161,7 +146,7 @@ impl Lowered {
         quadratic: f64,
         linear: f64,
     ) -> usize {
-        let (_, df) = units(program);
+        let (_, df) = program.scales.units();
         let column = self.linear.len();
         self.linear.push(linear);
         self.quadratic.push(quadratic);
@@ -182,7 +167,7 @@ impl Lowered {
 
     /// Adds the columns of inertia and regularisation.
     fn add_weights(&mut self, program: &ConeProgram) {
-        let (du, df) = units(program);
+        let (du, df) = program.scales.units();
         for (i, body) in program.bodies.iter().enumerate() {
             for k in 0..3 {
                 if let (Dof::Free(free), Some(row)) = (&body.dofs[k], self.rows[i][k]) {
@@ -204,66 +189,12 @@ fn force_unit(force: usize) -> usize {
     if force == 2 { 2 } else { 0 }
 }
 
-/// Polishes a solution until its residual is at its goal or the guess of the active limits stays.
-pub(super) fn polish(
-    program: &ConeProgram,
-    low: &Lowered,
-    matrix: &CscMatrix<f64>,
-    start: Point,
-    settings: &PolishSettings,
-    solution: &mut ConeSolution,
-) {
-    let qp = QuadraticProgram {
-        quadratic: &low.quadratic,
-        linear: &low.linear,
-        matrix,
-        right: &low.right,
-        equalities: low.balance_rows,
-    };
-    let worst =
-        |s: &ConeSolution| regularised_residuals(program, &s.forces, &s.displacements).worst();
-    let mut best = worst(solution);
-    let goal = polished(low, settings);
-    // A small program is polished even if its residual is small: where a gap just closes, slack and
-    // force are accurate to the square root of their product only.
-    if best <= goal && low.linear.len() > settings.large {
-        return;
-    }
-    let mut active = qp.active(&start);
-    for pass in 0..settings.max_passes {
-        let Some(point) = qp.solve_active(&active, &start, settings) else { return };
-        let forces = forces(program, &low.columns, &point.x);
-        let displacements = displacements(program, &low.rows, &point.z);
-        let polished = ConeSolution { forces, displacements, ..Default::default() };
-        let now = worst(&polished);
-        // For the reason above, the polished one of two solutions with small residuals is the more
-        // accurate. The negation also replaces a solution whose residual is NaN.
-        if now <= goal.max(settings.small_residual) || !(best <= now) {
-            best = now;
-            solution.forces = polished.forces;
-            solution.displacements = polished.displacements;
-            solution.message = format!(
-                "{}, polished {}",
-                solution.message.split(',').next().unwrap_or_default(),
-                pass + 1
-            );
-        }
-        if best <= goal {
-            return;
-        }
-        match qp.corrected(&active, &point) {
-            Some(next) => active = next,
-            None => return,
-        }
-    }
-}
-
 pub(super) fn displacements(
     program: &ConeProgram,
     rows: &[[Option<usize>; 3]],
     z: &[f64],
 ) -> Vec<[f64; 3]> {
-    let (du, _) = units(program);
+    let (du, _) = program.scales.units();
     let mut out = program.imposed();
     for (u, rows) in out.iter_mut().zip(rows) {
         for k in 0..3 {
@@ -276,7 +207,7 @@ pub(super) fn displacements(
 }
 
 pub(super) fn forces(program: &ConeProgram, columns: &[usize], x: &[f64]) -> Vec<[f64; 3]> {
-    let (_, df) = units(program);
+    let (_, df) = program.scales.units();
     program
         .interactions
         .iter()

@@ -97,6 +97,16 @@ pub struct Scales {
     pub force: f64,
 }
 
+impl Scales {
+    /// Units of the three degrees of freedom of a body: displacement (m, m, rad) and force (N, N,
+    /// N m).
+    #[must_use]
+    pub fn units(&self) -> ([f64; 3], [f64; 3]) {
+        let (u, f, l) = (self.displacement, self.force, self.length);
+        ([u, u, u / l], [f, f, f * l])
+    }
+}
+
 impl Default for Scales {
     fn default() -> Self {
         Self { length: 1.0, displacement: 1.0, force: 1.0 }
@@ -215,6 +225,16 @@ impl ConeProgram {
     pub fn has_momentum(&self) -> bool {
         let moves = |dof: &Dof| matches!(dof, Dof::Free(f) if f.momentum != 0.0);
         self.bodies.iter().any(|body| body.dofs.iter().any(moves))
+    }
+
+    /// Whether every free degree of freedom has a weight: inertia or regularisation.
+    #[must_use]
+    pub fn is_damped(&self) -> bool {
+        let is_held = |dof: &Dof| match dof {
+            Dof::Fixed(_) => true,
+            Dof::Free(free) => free.inertia + free.proximal > 0.0,
+        };
+        self.bodies.iter().all(|body| body.dofs.iter().all(is_held))
     }
 
     /// Whether any body has inertia.

@@ -1,25 +1,18 @@
 //! The condensed solver: the forces of every interaction are eliminated in closed form, which
 //! leaves one sparse symmetric positive definite matrix with three unknowns per body.
 //!
-//! A solve goes through these steps until one of them has a solution:
+//! A solve goes through these steps:
 //!
 //! 1. Bodies at rest keep their forces and are left out (`sleeping`, `reduced`).
 //! 2. A dynamic program that may end with the first point within the tolerance has a warm start:
 //!    sweeps from the last forces, then the interior point (`warm`, `sweeps`).
 //! 3. A program in which every force has a compliance goes to a Newton iteration from the last
-//!    displacements (`newton`, `local`).
-//! 4. The primal-dual [`interior`] point method finds the active limits. An elastic step of a
-//!    followed motion with rolling moments starts it from the last forces (`warm`).
-//! 5. The [`polish`](super::polish) solves for the active limits exactly.
-//! 6. A search for a mechanism proves that a static program with bonds has no solution
-//!    (`collapse`).
-//! 7. [Clarabel](super::clarabel) is the fallback. Its verdict on an infeasible program counts only
-//!    with a certificate. It is not asked where bonded bodies move too far.
+//!    displacements (`newton`, `local`): near a solution it takes two factorisations.
+//! 4. The [`interior`] point decides all else: solved, collapsed with its mechanism, locked with
+//!    its forces, or stalled at the limit of arithmetic.
 //!
 //! [`settings`] has every number that steers these steps.
 
-mod attempt;
-mod collapse;
 pub mod images;
 pub mod interior;
 mod line_search;
@@ -27,6 +20,7 @@ mod local;
 pub mod matrix;
 mod newton;
 mod parallel;
+mod posed;
 mod reduced;
 mod rolling_spring;
 #[cfg(test)]
@@ -40,12 +34,10 @@ mod warm;
 
 use crate::program::{ConeProgram, ConeSolution, SolveStatus};
 
-use self::attempt::{Attempt, Demand, Start};
 use self::matrix::BodyMatrix;
+use self::posed::{Demand, Posed, Start};
 use self::reduced::Reduced;
 pub use self::settings::CondensedSettings;
-use super::clarabel::Clarabel;
-use super::lowering::units;
 use super::residuals::choose_displacements;
 use super::solver::{ConeSolver, MalformedProgram};
 
@@ -59,7 +51,6 @@ pub struct Condensed {
     matrix: Option<BodyMatrix>,
     /// Displacements of the last solution by body, m and rad: the start of the next solve.
     last: Vec<[f64; 3]>,
-    fallback: Clarabel,
 }
 
 impl Default for Condensed {
@@ -72,13 +63,7 @@ impl Condensed {
     /// A solver with these settings.
     #[must_use]
     pub fn new(settings: CondensedSettings) -> Self {
-        Self {
-            settings,
-            pairs: Vec::new(),
-            matrix: None,
-            last: Vec::new(),
-            fallback: settings.fallback,
-        }
+        Self { settings, pairs: Vec::new(), matrix: None, last: Vec::new() }
     }
 
     /// Maximum residual of a solution of a program.
@@ -86,18 +71,6 @@ impl Condensed {
         self.settings.tolerance_of(program)
     }
 
-    /// Brings the pattern of the matrix up to date; `None` if no order of elimination is found.
-    fn prepare(&mut self, program: &ConeProgram) -> Option<()> {
-        let bodies = program.bodies.len();
-        let pairs = images::pairs(program);
-        let known = pairs.clone().eq(self.pairs.iter().copied())
-            && self.matrix.as_ref().is_some_and(|m| m.bodies() == bodies);
-        if !known {
-            self.pairs = pairs.collect();
-            self.matrix = BodyMatrix::new(bodies, &self.pairs);
-        }
-        self.matrix.as_ref().map(|_| ())
-    }
 }
 
 impl ConeSolver for Condensed {
@@ -110,12 +83,12 @@ impl ConeSolver for Condensed {
             self.last = vec![[0.0; 3]; program.bodies.len()];
         }
         let asleep = sleeping::find(program, &self.last, &self.settings.sleep);
-        let awake = asleep.map(|asleep| self.solve_awake(program, asleep)).transpose()?;
+        let awake = asleep.map(|asleep| self.solve_awake(program, asleep));
         let spent = awake.as_ref().map_or(0, |solution| solution.iterations);
         let solution = match awake {
             Some(solution) if solution.status == SolveStatus::Solved => solution,
             _ => {
-                let whole = self.solve_reduced(program, vec![false; program.bodies.len()])?;
+                let whole = self.solve_reduced(program, vec![false; program.bodies.len()]);
                 ConeSolution { iterations: spent + whole.iterations, ..whole }
             }
         };
@@ -142,11 +115,7 @@ impl ConeSolver for Condensed {
 impl Condensed {
     /// Solves the program with the bodies `asleep` left out. The result is solved if it is a
     /// solution of the whole program.
-    fn solve_awake(
-        &mut self,
-        program: &ConeProgram,
-        asleep: Vec<bool>,
-    ) -> Result<ConeSolution, MalformedProgram> {
+    fn solve_awake(&mut self, program: &ConeProgram, asleep: Vec<bool>) -> ConeSolution {
         let mut bodies = program.bodies.iter().zip(&asleep);
         let mut solution = if bodies.all(|(body, asleep)| *asleep || !body.is_free()) {
             let mut forces = program.last_forces.clone();
@@ -156,7 +125,7 @@ impl Condensed {
             let status = SolveStatus::Solved;
             ConeSolution { status, forces, displacements, message, ..Default::default() }
         } else {
-            self.solve_reduced(program, asleep)?
+            self.solve_reduced(program, asleep)
         };
         if solution.status == SolveStatus::Solved {
             // The committed motion follows from the forces, and the forces of bodies at rest are
@@ -166,19 +135,15 @@ impl Condensed {
                 solution.status = SolveStatus::Stalled;
             }
         }
-        Ok(solution)
+        solution
     }
 
     /// Solves a program without bodies at rest and without interactions whose forces are known.
-    fn solve_reduced(
-        &mut self,
-        program: &ConeProgram,
-        at_rest: Vec<bool>,
-    ) -> Result<ConeSolution, MalformedProgram> {
+    fn solve_reduced(&mut self, program: &ConeProgram, at_rest: Vec<bool>) -> ConeSolution {
         match Reduced::new(program, at_rest) {
             Some(part) => {
                 let start: Vec<_> = part.bodies.iter().map(|i| self.last[*i]).collect();
-                Ok(part.expand(program, self.solve_part(&part.program, &start)?))
+                part.expand(program, self.solve_part(&part.program, &start))
             }
             None => {
                 let start = std::mem::take(&mut self.last);
@@ -189,72 +154,55 @@ impl Condensed {
         }
     }
 
-    /// Solves a program from the displacements `start`, m and rad, with the fallback where needed.
-    fn solve_part(
-        &mut self,
-        program: &ConeProgram,
-        start: &[[f64; 3]],
-    ) -> Result<ConeSolution, MalformedProgram> {
-        let mut spent = 0;
-        let found = self.try_condensed(program, start, &mut spent);
-        let is_large = program.interactions.len() > self.settings.large;
-        match found {
-            Some(solution) if is_large || solution.status == SolveStatus::Solved => Ok(solution),
-            unsolved => {
-                if let Some(collapse) = self.try_proof(program, &mut spent) {
-                    return Ok(collapse);
-                }
-                let solution = match unsolved {
-                    Some(solution) => ConeSolution { iterations: 0, ..solution },
-                    None => self.fallback.solve(program)?,
-                };
-                Ok(ConeSolution { iterations: spent + solution.iterations, ..solution })
-            }
-        }
-    }
-
-    /// Tries all methods that may solve the program, but the fallback; `None` if the fallback may
-    /// solve it. Adds the factorisations to `iterations` in any case.
-    fn try_condensed(
-        &mut self,
-        program: &ConeProgram,
-        start: &[[f64; 3]],
-        iterations: &mut u32,
-    ) -> Option<ConeSolution> {
-        if program.interactions.is_empty() {
-            return None;
-        }
+    /// Solves a program from the displacements `start`, m and rad.
+    fn solve_part(&mut self, program: &ConeProgram, start: &[[f64; 3]]) -> ConeSolution {
+        let mut iterations = 0;
         let demand = Demand::of(program, &self.settings);
         if demand.at_once
-            && let Some(solution) = self.try_warm(program, iterations)
+            && let Some(solution) = self.try_warm(program, &mut iterations)
         {
-            return Some(solution);
+            return solution;
         }
-        self.prepare(program)?;
-        let mut attempt = Attempt::new(program, &self.settings, self.matrix.as_mut()?, demand);
-        let mut starts = vec![Start::at(attempt.in_units(start))];
-        if newton::applies(&attempt.scaled) {
-            let (result, solution) = attempt.newton(&starts[0].displacements, iterations);
+        let Some(matrix) = prepare(&mut self.matrix, &mut self.pairs, program) else {
+            let message = "no order of elimination was found".to_owned();
+            return ConeSolution { message, ..ConeSolution::default() };
+        };
+        let mut posed = Posed::new(program, &self.settings, matrix, demand);
+        let mut start = Start { displacements: posed.in_units(start), forces: None };
+        if newton::applies(&posed.scaled) {
+            let (result, solution) = posed.newton(&start.displacements, &mut iterations);
             if solution.status == SolveStatus::Solved {
-                return Some(solution);
+                return solution;
             }
             // The point where the iteration gave up is mostly a better start than the last
             // solution.
-            starts.insert(0, Start::at(result.u));
-        } else if warm::is_elastic_step(program, &attempt.scaled) {
+            start.displacements = result.u;
+        } else if warm::is_elastic_step(program, &posed.scaled) {
             // The last step of the motion has moved the bodies to their present places: its forces
             // belong to a displacement of zero.
-            let displacements = vec![[0.0; 3]; program.bodies.len()];
-            let forces = Some(warm::last_forces(program));
-            starts.insert(0, Start { displacements, forces });
+            start.displacements = vec![[0.0; 3]; program.bodies.len()];
+            start.forces = Some(warm::last_forces(program));
         }
-        let (point, solution) = attempt.best_interior(&starts, iterations)?;
-        if attempt.is_final(&point, &solution) {
-            Some(solution)
-        } else {
-            attempt.polished(&point, solution)
-        }
+        posed.interior(&start, &mut iterations)
     }
+}
+
+/// The matrix with the pattern of a program; `None` if no order of elimination is found. It stays as
+/// it is while the `pairs` do.
+fn prepare<'a>(
+    matrix: &'a mut Option<BodyMatrix>,
+    known: &mut Vec<(u32, u32)>,
+    program: &ConeProgram,
+) -> Option<&'a mut BodyMatrix> {
+    let bodies = program.bodies.len();
+    let pairs = images::pairs(program);
+    let is_known = pairs.clone().eq(known.iter().copied())
+        && matrix.as_ref().is_some_and(|m| m.bodies() == bodies);
+    if !is_known {
+        *known = pairs.collect();
+        *matrix = BodyMatrix::new(bodies, known);
+    }
+    matrix.as_mut()
 }
 
 /// The solution with these forces, in units of the program's scales, and displacements, m and rad.
@@ -268,7 +216,7 @@ fn checked(
     iterations: u32,
     message: &str,
 ) -> ConeSolution {
-    let (_, df) = units(program);
+    let (_, df) = program.scales.units();
     let mut solution = ConeSolution {
         status: SolveStatus::Stalled,
         forces: forces.iter().map(|s| [s[0] * df[0], s[1] * df[0], s[2] * df[2]]).collect(),

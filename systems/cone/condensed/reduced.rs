@@ -131,7 +131,7 @@ fn alone(program: &ConeProgram, c: &Interaction) -> [f64; 3] {
         scales: program.scales,
         ..ConeProgram::default()
     };
-    let (_, df) = super::super::lowering::units(program);
+    let (_, df) = program.scales.units();
     let order: Vec<usize> = (0..pair.bodies.len()).collect();
     let s = RollingSpring::new(&Scaled::new(&pair, &order).locals[0]).respond([0.0; 3]).s;
     [s[0] * df[0], s[1] * df[0], s[2] * df[2]]

@@ -6,7 +6,6 @@
 
 use crate::program::{ConeProgram, Dof, Interaction, ProgramBody};
 
-use super::super::lowering::units;
 use super::images::Images;
 use super::matrix::places;
 
@@ -138,7 +137,7 @@ struct Units {
 
 impl Units {
     fn of(program: &ConeProgram) -> Self {
-        let (du, df) = units(program);
+        let (du, df) = program.scales.units();
         let s = &program.scales;
         Self { du, df, stiffness: s.force / s.displacement, length: s.length }
     }
@@ -287,6 +286,19 @@ impl Scaled {
             (out.rows[1], _) = self.images.rows(k, &local.rows[1]);
         }
         out
+    }
+
+    /// Sum of `term` of body and direction over all free degrees of freedom.
+    pub fn sum_of_free(&self, term: impl Fn(usize, usize) -> f64) -> f64 {
+        let mut sum = 0.0;
+        for (i, free) in self.free.iter().enumerate() {
+            for k in 0..3 {
+                if free[k] {
+                    sum += term(i, k);
+                }
+            }
+        }
+        sum
     }
 
     /// Whether every free degree of freedom has a weight: inertia or regularisation.

@@ -5,11 +5,11 @@
 
 use crate::program::{ConeProgram, ConeSolution, SolveStatus};
 
-use super::super::lowering::units;
 use super::parallel::in_pool;
 use super::scaled::{Local, Scaled};
 use super::settings::WarmSettings;
-use super::{Condensed, ROUND_OFF, checked, interior, sweeps};
+use super::interior::{self, Interior, Judge};
+use super::{Condensed, ROUND_OFF, checked, prepare, sweeps};
 
 impl Condensed {
     /// Solves the program from the forces of the last increment. `None` where that does not apply
@@ -83,8 +83,7 @@ impl Condensed {
             last_forces: Vec::new(),
             cell: None,
         };
-        self.prepare(&part)?;
-        let matrix = self.matrix.as_mut()?;
+        let matrix = prepare(&mut self.matrix, &mut self.pairs, &part)?;
         let order = matrix.order().to_vec();
         let is_shared = matrix.is_shared();
         let own = Scaled::new(&part, &order);
@@ -98,24 +97,26 @@ impl Condensed {
             all
         };
         let residual = (tolerance / self.settings.interior_margin).max(ROUND_OFF);
-        let goal = interior::Goal::enough(residual, tolerance);
+        let goal = interior::Goal::enough(residual);
         let warm = Some(raised(&forces, &self.settings.warm));
-        let result = in_pool(is_shared, || {
-            interior::solve_from(
-                &own,
-                matrix,
-                &start,
-                warm,
-                &self.settings.interior,
-                goal,
-                |point| is_enough(&expand(&point.s)),
-            )
-        })?;
+        let judge = Kept(|point: &Interior| is_enough(&expand(&point.s)));
+        let (_, result) = in_pool(is_shared, || {
+            interior::solve(&own, matrix, &start, warm, &self.settings.interior, goal, &judge)
+        });
         *s = expand(&result.s);
         for (place, displacement) in order.iter().zip(&result.u) {
             u[*place] = *displacement;
         }
         Some(result.iterations)
+    }
+}
+
+/// Judges a point of the kept interactions as one of the whole program.
+struct Kept<F>(F);
+
+impl<F: Fn(&Interior) -> bool> Judge for Kept<F> {
+    fn is_solution(&self, point: &Interior) -> bool {
+        (self.0)(point)
     }
 }
 
@@ -140,7 +141,7 @@ pub(super) fn is_elastic_step(program: &ConeProgram, scaled: &Scaled) -> bool {
 /// Forces that the interactions carried at the end of the last increment, in units of the scales; 0
 /// where there was none.
 pub(super) fn last_forces(program: &ConeProgram) -> Vec<[f64; 3]> {
-    let (_, df) = units(program);
+    let (_, df) = program.scales.units();
     let in_units = |f: &[f64; 3]| [f[0] / df[0], f[1] / df[0], f[2] / df[2]];
     let mut out: Vec<_> = program.last_forces.iter().map(in_units).collect();
     out.resize(program.interactions.len(), [0.0; 3]);

@@ -24,7 +24,6 @@ pub use self::settings::{ArcSettings, CoulombInteriorSettings, CoulombSettings};
 use self::system::System;
 use super::condensed::images;
 use super::condensed::matrix::UnsymmetricMatrix;
-use super::lowering::units;
 use super::residuals::{applied_force, choose_displacements, natural_map};
 
 /// Requirements on a solution.
@@ -88,7 +87,7 @@ impl Coulomb {
         // The force scale of the program may be far above its forces.
         let mut scaled = program.clone();
         scaled.scales.force = unit_of_force(program, start, settings.min_force);
-        trial.units = units(&scaled);
+        trial.units = scaled.scales.units();
         trial.order = matrix.order().to_vec();
         let (du, df) = trial.units;
         let mut system = System::new(&scaled, matrix, &settings);
@@ -157,7 +156,7 @@ impl<'a> Trial<'a> {
         goal: Goal,
     ) -> Self {
         let best = start.clone();
-        let units = units(program);
+        let units = program.scales.units();
         Self {
             program,
             settings,

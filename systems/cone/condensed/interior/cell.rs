@@ -10,7 +10,7 @@ use super::super::settings::InteriorSettings;
 use super::law::{Law, Rows, first};
 use super::local_system::LocalSystem;
 use super::point::{Warm, slack};
-use super::slacks::Slacks;
+use super::slacks::{Right, Slacks, Step};
 
 /// One interaction.
 #[derive(Clone)]
@@ -20,12 +20,18 @@ pub struct Cell<const F: usize, const Q: usize> {
     law: Law<F, Q>,
     /// Forces.
     s: [f64; F],
-    /// Steps of the forces.
-    ds: [f64; F],
+    slacks: Slacks<Q>,
     /// Residuals of stationarity.
     stationarity: [f64; F],
-    slacks: Slacks<Q>,
+    /// Residuals of the limits.
+    defect: [f64; Q],
     system: LocalSystem<F, Q>,
+    /// Response A to the residuals, and response B to the products.
+    responses: [Step<F, Q>; 2],
+    /// Products that the corrector takes away.
+    correction: [f64; Q],
+    /// The step of the iteration, without the part that follows the growth of tau.
+    step: Step<F, Q>,
 }
 
 /// Interactions, by their kind.
@@ -80,15 +86,19 @@ impl Cells {
     }
 }
 
-/// Maxima over interactions: residuals of kinematics and limits, force, product; and the sum of all
-/// products.
-#[derive(Default)]
+/// Maxima over interactions: residuals of kinematics and limits, force, product; and sums.
+#[derive(Clone, Copy, Default)]
 pub struct Sizes {
     pub kinematic: f64,
     pub primal: f64,
     pub force: f64,
-    pub products: f64,
     pub product: f64,
+    /// Sum of the products.
+    pub products: f64,
+    /// The terms `l's`, `b'lambda` and `s'Cs` of the duality gap.
+    pub linear: f64,
+    pub strength: f64,
+    pub energy: f64,
 }
 
 impl Sizes {
@@ -98,13 +108,17 @@ impl Sizes {
             kinematic: self.kinematic.max(other.kinematic),
             primal: self.primal.max(other.primal),
             force: self.force.max(other.force),
-            products: self.products + other.products,
             product: self.product.max(other.product),
+            products: self.products + other.products,
+            linear: self.linear + other.linear,
+            strength: self.strength + other.strength,
+            energy: self.energy + other.energy,
         }
     }
 }
 
 /// The length of a step to the boundary, and the products along it.
+#[derive(Clone, Copy)]
 pub struct Ahead {
     /// Maximum length, at most 1, that leaves all slacks and multipliers positive.
     pub length: f64,
@@ -119,6 +133,20 @@ impl Default for Ahead {
 }
 
 impl Ahead {
+    /// Takes a slack w and its multiplier lambda along with their steps.
+    #[inline]
+    pub fn add(&mut self, w: f64, lambda: f64, dw: f64, dlambda: f64) {
+        if w + self.length * dw < 0.0 {
+            self.length = -w / dw;
+        }
+        if lambda + self.length * dlambda < 0.0 {
+            self.length = -lambda / dlambda;
+        }
+        self.products[0] += w * lambda;
+        self.products[1] += w * dlambda + lambda * dw;
+        self.products[2] += dw * dlambda;
+    }
+
     /// The step of two sets of interactions together.
     pub fn and(self, other: Self) -> Self {
         let products = [0, 1, 2].map(|k| self.products[k] + other.products[k]);
@@ -131,13 +159,24 @@ impl Ahead {
     }
 }
 
-/// The products of slacks and multipliers that a step aims at.
-#[derive(Clone, Copy)]
-pub enum Aim {
-    /// Zero (predictor).
-    Zero,
-    /// This product, with the products of the predictor's steps taken into account (corrector).
-    Target(f64),
+/// What the responses A and B say about tau: their gains, and the sum of squares in the
+/// denominator of its step.
+#[derive(Clone, Copy, Default)]
+pub struct Gains {
+    pub of_residuals: f64,
+    pub of_products: f64,
+    pub squares: f64,
+}
+
+impl Gains {
+    /// The gains of two sets of interactions together.
+    pub fn and(self, other: Self) -> Self {
+        Self {
+            of_residuals: self.of_residuals + other.of_residuals,
+            of_products: self.of_products + other.of_products,
+            squares: self.squares + other.squares,
+        }
+    }
 }
 
 impl<const F: usize, const Q: usize> Cell<F, Q> {
@@ -147,10 +186,10 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
         let e = law.kinematics(u);
         let mut trial = [0.0; F];
         for f in (0..F).filter(|f| local.has[*f]) {
-            let c = law.compliance[f];
+            let c = local.compliance[f];
             trial[f] = if c > 0.0 { (e[f] - law.linear[f]) / c } else { 0.0 };
         }
-        let mut slacks = Slacks::default();
+        let mut slacks = Slacks { w: [0.0; Q], lambda: [0.0; Q] };
         // The trial clamped to the limits: normal force first, then the others at that normal force.
         let lowest = (0..Q)
             .map(|q| (law.right[q], -local.limits[q][0]))
@@ -166,9 +205,9 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
         }
         // Inside of a limit the distance to it is the slack; outside, the excess is the multiplier.
         // A contact that is far softer than the others must not start with far larger products.
-        let is_rigid = law.compliance[0] == 0.0;
+        let is_rigid = local.compliance[0] == 0.0;
         let compliance =
-            if is_rigid { 1.0 } else { law.compliance[0].min(settings.max_start_compliance) };
+            if is_rigid { 1.0 } else { local.compliance[0].min(settings.max_start_compliance) };
         // The multipliers of a rigid open contact add up to its gap: the stationarity of p. Near
         // rest gaps are thousands of displacements, and smaller multipliers would shorten the steps
         // of all other interactions. An interaction with strength does not open by itself.
@@ -189,10 +228,13 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
             number,
             law,
             s,
-            ds: [0.0; F],
-            stationarity: [0.0; F],
             slacks,
+            stationarity: [0.0; F],
+            defect: [0.0; Q],
             system: LocalSystem::default(),
+            responses: [Step::default(); 2],
+            correction: [0.0; Q],
+            step: Step::default(),
         }
     }
 
@@ -239,28 +281,31 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
 
     /// Makes `length` times the step, evaluates the residuals, and adds the forces to the balance.
     pub fn evaluate(&mut self, length: f64, u: &[[f64; 3]], balance: &mut Rows, size: &mut Sizes) {
+        let Self { law, s, slacks, step, .. } = self;
         for f in 0..F {
-            self.s[f] += length * self.ds[f];
+            s[f] += length * step.s[f];
         }
-        let slacks = &mut self.slacks;
         for q in 0..Q {
-            slacks.w[q] += length * slacks.dw[q];
-            slacks.lambda[q] += length * slacks.dlambda[q];
+            slacks.w[q] += length * step.w[q];
+            slacks.lambda[q] += length * step.lambda[q];
         }
-        let law = &self.law;
-        law.add_forces(&self.s, 1.0, balance);
+        law.add_forces(s, 1.0, balance);
         let e = law.kinematics(u);
         let mut r = [0.0; F];
         for f in 0..F {
-            r[f] = law.linear[f] + law.compliance[f] * self.s[f] - e[f];
+            let elongation = law.compliance[f] * s[f];
+            r[f] = law.linear[f] + elongation - e[f];
+            size.linear += law.linear[f] * s[f];
+            size.energy += elongation * s[f];
         }
         for q in 0..Q {
             let (w, lambda) = (slacks.w[q], slacks.lambda[q]);
-            let defect = w - law.right[q] + law.limit(q, &self.s);
-            slacks.defect[q] = defect;
+            let defect = w - law.right[q] + law.limit(q, s);
+            self.defect[q] = defect;
             size.primal = size.primal.max(defect.abs());
-            size.products += w * lambda;
             size.product = size.product.max(w * lambda);
+            size.products += w * lambda;
+            size.strength += law.right[q] * lambda;
         }
         for k in 0..Law::<F, Q>::PAIRS {
             let (plus, minus) = (slacks.lambda[2 * k], slacks.lambda[2 * k + 1]);
@@ -274,7 +319,7 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
             size.kinematic = size.kinematic.max(r[f].abs());
         }
         self.stationarity = r;
-        size.force = size.force.max(self.s[0].abs());
+        size.force = size.force.max(s[0].abs());
     }
 
     /// Copies forces and multipliers to their places in the program.
@@ -283,48 +328,111 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
         multipliers[self.number][..Q].copy_from_slice(&self.slacks.lambda);
     }
 
-    /// Sets up the system, adds its stiffness to the matrix, and aims the predictor.
-    pub fn condense(&mut self, matrix: &mut Assembly, right: &mut Rows) {
-        self.system.set(&self.law, &self.slacks);
-        matrix.add(self.number, &self.law.rows, &self.system.stiffness);
-        self.aim(Aim::Zero, right);
+    /// Copies the steps of the forces to their places in the program.
+    pub fn store_steps(&self, forces: &mut [[f64; 3]]) {
+        forces[self.number][..F].copy_from_slice(&self.step.s);
     }
 
-    /// Sets the aim, and adds its part to the right side of the condensed system.
-    #[inline]
-    pub fn aim(&mut self, aim: Aim, right: &mut Rows) {
-        let slacks = &mut self.slacks;
-        for q in 0..Q {
-            slacks.product[q] = slacks.w[q] * slacks.lambda[q]
-                + match aim {
-                    Aim::Zero => 0.0,
-                    Aim::Target(target) => slacks.dw[q] * slacks.dlambda[q] - target,
-                };
-        }
+    /// Sets up the system, adds its stiffness to the matrix, and its part to the right sides of the
+    /// responses to the residuals and to the products.
+    pub fn condense(&mut self, min_compliance: f64, matrix: &mut Assembly, right: &mut [Rows; 2]) {
+        let Self { law, slacks, .. } = self;
+        self.system.set(law, slacks, min_compliance);
+        matrix.add(self.number, &law.rows, &self.system.stiffness);
         let e = self.stationarity.map(|r| -r);
-        self.law.add_forces(&self.system.forces(&self.law, &e, slacks), -1.0, right);
+        let b = self.defect.map(|d| -d);
+        law.add_forces(&self.system.forces(law, &e, &b), -1.0, &mut right[0]);
+        // The products over the multipliers are the slacks.
+        law.add_forces(&self.system.forces(law, &[0.0; F], &slacks.w), -1.0, &mut right[1]);
     }
 
-    /// Steps of forces, slacks and multipliers that belong to steps of the displacements.
-    pub fn step(&mut self, du: &[[f64; 3]], ahead: &mut Ahead) {
-        let mut e = self.law.kinematics(du);
-        for (e, r) in e.iter_mut().zip(&self.stationarity) {
-            *e -= r;
+    /// The step of the interaction that belongs to a step of the bodies and takes these parts of
+    /// the residuals and these products away.
+    #[inline]
+    fn respond(&self, du: &[[f64; 3]], of_residuals: f64, product: [f64; Q]) -> Step<F, Q> {
+        let mut kinematics = self.law.kinematics(du);
+        for (e, r) in kinematics.iter_mut().zip(&self.stationarity) {
+            *e -= of_residuals * r;
         }
-        let slacks = &mut self.slacks;
-        self.ds = self.system.solve(&self.law, &e, slacks);
+        let defect = self.defect.map(|d| of_residuals * d);
+        self.system.solve(&self.law, &self.slacks, &Right { kinematics, defect, product })
+    }
+
+    /// Derivative of the duality gap `f'u - l's - b'lambda - u'Mu - s'Cs` along a step.
+    #[inline]
+    fn gain(&self, step: &Step<F, Q>) -> f64 {
+        let mut sum = 0.0;
+        for f in 0..F {
+            sum -= (self.law.linear[f] + 2.0 * self.law.compliance[f] * self.s[f]) * step.s[f];
+        }
         for q in 0..Q {
-            let (w, lambda) = (slacks.w[q], slacks.lambda[q]);
-            let (dw, dlambda) = (slacks.dw[q], slacks.dlambda[q]);
-            if w + ahead.length * dw < 0.0 {
-                ahead.length = -w / dw;
-            }
-            if lambda + ahead.length * dlambda < 0.0 {
-                ahead.length = -lambda / dlambda;
-            }
-            ahead.products[0] += w * lambda;
-            ahead.products[1] += w * dlambda + lambda * dw;
-            ahead.products[2] += dw * dlambda;
+            sum -= self.law.right[q] * step.lambda[q];
+        }
+        sum
+    }
+
+    /// Computes the responses to the residuals and to the products from those of the bodies.
+    pub fn set_responses(&mut self, du: [&[[f64; 3]]; 2], gains: &mut Gains) {
+        let a = self.respond(du[0], 1.0, [0.0; Q]);
+        let b = self.respond(du[1], 0.0, self.slacks.products());
+        gains.of_residuals += self.gain(&a);
+        gains.of_products += self.gain(&b);
+        for f in 0..F {
+            let s = a.s[f] + 2.0 * b.s[f];
+            gains.squares += self.system.compliance[f] * s * s;
+        }
+        for q in 0..Q {
+            let w = self.slacks.w[q] + a.w[q] + 2.0 * b.w[q];
+            let lambda = self.slacks.lambda[q] + a.lambda[q] + 2.0 * b.lambda[q];
+            gains.squares += (-w * lambda).max(0.0);
+        }
+        self.responses = [a, b];
+    }
+
+    /// Looks ahead along the predictor, `(1 + rho) A + (1 + 2 rho) B + rho x` at the point x.
+    pub fn predict(&mut self, rho: f64, ahead: &mut Ahead) {
+        let [a, b] = &self.responses;
+        for q in 0..Q {
+            let (w, lambda) = (self.slacks.w[q], self.slacks.lambda[q]);
+            let dw = (1.0 + rho) * a.w[q] + (1.0 + 2.0 * rho) * b.w[q] + rho * w;
+            let dlambda = (1.0 + rho) * a.lambda[q] + (1.0 + 2.0 * rho) * b.lambda[q] + rho * lambda;
+            ahead.add(w, lambda, dw, dlambda);
+            self.correction[q] = dw * dlambda;
+        }
+    }
+
+    /// Aims the corrector at the product `target`, with the products of the predictor's steps taken
+    /// into account.
+    pub fn aim(&mut self, target: f64, right: &mut Rows) {
+        for product in &mut self.correction {
+            *product -= target;
+        }
+        let b = std::array::from_fn(|q| self.correction[q] / self.slacks.lambda[q]);
+        let forces = self.system.forces(&self.law, &[0.0; F], &b);
+        self.law.add_forces(&forces, -1.0, right);
+    }
+
+    /// The gain of the corrector, from that of the bodies.
+    pub fn gain_of_corrector(&self, du: &[[f64; 3]]) -> f64 {
+        self.gain(&self.respond(du, 0.0, self.correction))
+    }
+
+    /// The whole step that belongs to a step of the bodies.
+    pub fn set_step(
+        &mut self,
+        du: &[[f64; 3]],
+        of_residuals: f64,
+        of_products: f64,
+        rho: f64,
+        ahead: &mut Ahead,
+    ) {
+        let (correction, products) = (self.correction, self.slacks.products());
+        let product = std::array::from_fn(|q| of_products * products[q] + correction[q]);
+        self.step = self.respond(du, of_residuals, product);
+        for q in 0..Q {
+            let (w, lambda) = (self.slacks.w[q], self.slacks.lambda[q]);
+            let (dw, dlambda) = (self.step.w[q] + rho * w, self.step.lambda[q] + rho * lambda);
+            ahead.add(w, lambda, dw, dlambda);
         }
     }
 

@@ -74,17 +74,22 @@ impl Groups {
         results
     }
 
-    /// Calls `f` for the interactions of every group with the `rows` of their bodies and their part
-    /// of the matrix.
+    /// Calls `f` for the interactions of every group with two sets of rows of their bodies and
+    /// their part of the matrix.
     pub fn condense(
         &mut self,
         matrix: &mut BodyMatrix,
-        rows: &mut [[f64; 3]],
-        f: impl Fn(&mut Cells, &mut Assembly, &mut Rows) + Sync + Send,
+        [a, b]: [&mut [[f64; 3]]; 2],
+        f: impl Fn(&mut Cells, &mut Assembly, &mut [Rows; 2]) + Sync + Send,
     ) {
-        let items = self.with_rows(rows).zip(matrix.assemblies());
+        let pieces = |rows| split(rows, self.bodies.iter().cloned());
+        let firsts = self.bodies.iter().map(|bodies| bodies.start as u32);
+        let rows = firsts.zip(pieces(&mut *a).into_iter().zip(pieces(&mut *b)));
+        let rows = rows.map(|(first, (a, b))| [Rows { first, rows: a }, Rows { first, rows: b }]);
+        let items = self.branches.iter_mut().zip(rows).zip(matrix.assemblies());
         in_parallel(items, |((cells, mut rows), mut values)| f(cells, &mut values, &mut rows));
-        f(&mut self.rest, &mut matrix.assembly(), &mut Rows { first: 0, rows });
+        let mut rows = [Rows { first: 0, rows: a }, Rows { first: 0, rows: b }];
+        f(&mut self.rest, &mut matrix.assembly(), &mut rows);
     }
 
     /// The branches, each with the rows of its bodies.

@@ -1,11 +1,22 @@
 //! The current point of the method, and the steps that make an iteration.
 
-use super::cell::{Ahead, Aim, Sizes, for_each};
+use super::cell::{Ahead, Gains, Sizes, for_each};
 use super::groups::Groups;
 use super::point::{Interior, Warm, max_magnitude};
 use crate::condensed::matrix::BodyMatrix;
 use crate::condensed::scaled::Scaled;
 use crate::condensed::settings::InteriorSettings;
+
+/// Minimum of k at the start, force times displacement: a start without products is no reason to
+/// begin at the boundary.
+const MIN_K: f64 = 1e-6;
+/// Maximum displacement of a start. The residuals of a start further away are round-off.
+const MAX_START: f64 = 1e4;
+/// Round-off of the duality gap over the magnitude of its terms. The step of tau follows from the
+/// gap, and below this it would follow from noise.
+const GAP_ROUND_OFF: f64 = 1e-11;
+/// Part of tau below which the proximal weight falls no further.
+const MIN_TAU: f64 = 1e-12;
 
 /// The current point, its residuals, and the step that leads on from it.
 pub struct Iteration<'a> {
@@ -16,8 +27,12 @@ pub struct Iteration<'a> {
     groups: Groups,
     /// Displacements by body.
     u: Vec<[f64; 3]>,
-    /// Number of limits.
-    limits: f64,
+    /// The homogenising variable. All other variables are those of the embedding over tau.
+    tau: f64,
+    /// kappa over tau.
+    k: f64,
+    /// Number of products: those of the limits and that of tau and kappa.
+    products: f64,
     /// Part of the last step that the interactions have still to make. They make it in the pass
     /// that evaluates the residuals, since every pass over them costs.
     length: f64,
@@ -27,13 +42,22 @@ pub struct Iteration<'a> {
     unbalance: f64,
     /// Residuals of the interactions.
     sizes: Sizes,
-    /// Mean product of slacks and multipliers.
+    /// Residual of the duality gap, and the sum of the magnitudes of its terms.
+    gap: f64,
+    gap_terms: f64,
+    /// Mean product.
     mu: f64,
     /// Weights of the degrees of freedom in the matrix.
     weight: Vec<[f64; 3]>,
-    /// Right side of the condensed system, its solution, and its residual.
+    /// Right sides of the responses to residuals and to products and of the corrector.
+    rights: [Vec<[f64; 3]>; 3],
+    /// The responses of the bodies, and the corrector.
+    responses: [Vec<[f64; 3]>; 3],
+    gains: Gains,
+    /// Right side and solution of the whole step.
     right: Vec<[f64; 3]>,
     du: Vec<[f64; 3]>,
+    /// Defect of the solution.
     defect: Vec<[f64; 3]>,
 }
 
@@ -54,29 +78,41 @@ impl<'a> Iteration<'a> {
             for cells in groups.all() {
                 for_each!(cell of cells => cell.warm(&u, warm));
             }
-        } else if groups.max_force() > settings.max_start_force {
+        } else if groups.max_force() > settings.max_start_force || max_magnitude(&u) > MAX_START {
             u = program.with_known(&vec![[0.0; 3]; n]);
             groups = Groups::new(program, matrix, &u, settings);
         }
         let limits: usize = program.locals.iter().map(|l| l.count).sum();
         let zeros = vec![[0.0; 3]; program.places()];
-        Self {
+        let mut iteration = Self {
             program,
             matrix,
             settings,
             groups,
             u,
-            limits: limits.max(1) as f64,
+            tau: 1.0,
+            k: 0.0,
+            products: (limits + 1) as f64,
             length: 0.0,
             balance: zeros.clone(),
             unbalance: 0.0,
             sizes: Sizes::default(),
+            gap: 0.0,
+            gap_terms: 0.0,
             mu: 0.0,
             weight: zeros.clone(),
+            rights: std::array::from_fn(|_| zeros.clone()),
+            responses: std::array::from_fn(|_| zeros.clone()),
+            gains: Gains::default(),
             right: zeros.clone(),
             du: zeros.clone(),
             defect: zeros,
-        }
+        };
+        iteration.update_residuals();
+        // The product of tau and kappa begins as the mean of the others.
+        iteration.k = (iteration.sizes.products / limits.max(1) as f64).max(MIN_K);
+        iteration.update_gap();
+        iteration
     }
 
     /// Makes the last step in the interactions, and evaluates all residuals.
@@ -90,36 +126,49 @@ impl<'a> Iteration<'a> {
         });
         self.program.images.fold(&mut self.balance);
         self.sizes = sizes.into_iter().fold(Sizes::default(), Sizes::and);
-        self.mu = self.sizes.products / self.limits;
         self.unbalance = max_magnitude(&self.balance);
+        self.length = 0.0;
+        self.update_gap();
+    }
+
+    /// Residual of `k = f'u - l's - b'lambda - u'Mu - s'Cs`.
+    fn update_gap(&mut self) {
+        let Self { program, u, sizes, .. } = self;
+        let work = program.sum_of_free(|i, k| program.right[i][k] * u[i][k]);
+        let energy = sizes.energy + program.sum_of_free(|i, k| program.weight[i][k] * u[i][k].powi(2));
+        self.gap = self.k - (work - sizes.linear - sizes.strength - energy);
+        self.gap_terms = work.abs() + sizes.linear.abs() + sizes.strength.abs() + energy;
+        self.mu = (sizes.products + self.k) / self.products;
     }
 
     /// Whether all residuals are numbers.
     pub fn is_finite(&self) -> bool {
-        let Sizes { kinematic, primal, .. } = self.sizes;
-        (self.unbalance + kinematic + primal + self.mu).is_finite()
+        (self.merit() + self.mu + self.gap).is_finite()
     }
 
     /// Residual of the point: balance and limits over the maximum force, kinematics, and the
     /// maximum product. The mean product says little of a start near a solution, where most are
     /// zero.
     pub fn merit(&self) -> f64 {
-        let Sizes { kinematic, primal, force, product, .. } = self.sizes;
-        let force = force.max(self.settings.min_force);
+        let Sizes { kinematic, primal, product, .. } = self.sizes;
+        let force = self.force();
         (self.unbalance.max(primal) / force)
             .max(kinematic)
             .max(self.settings.product_weight * product / force)
     }
 
-    /// Mean product of slacks and multipliers.
-    #[cfg(test)]
-    pub fn mean_product(&self) -> f64 {
-        self.mu
+    /// Maximum force, for comparison.
+    fn force(&self) -> f64 {
+        self.sizes.force.max(self.settings.min_force)
+    }
+
+    /// Whether the point goes to infinity: kappa is larger than tau.
+    pub fn diverges(&self) -> bool {
+        self.k > 1.0
     }
 
     /// Copies the point.
-    pub fn store(&mut self, to: &mut Option<Interior>) {
-        let point = to.get_or_insert_with(|| Interior::of(self.program));
+    pub fn store(&mut self, point: &mut Interior) {
         point.u.clear();
         point.u.extend_from_slice(&self.u[..self.program.free.len()]);
         point.merit = self.merit();
@@ -128,116 +177,202 @@ impl<'a> Iteration<'a> {
         }
     }
 
-    /// Assembles the condensed matrix, and the right side of the predictor, which takes all
-    /// products away.
+    /// Copies the last step of the point, displacements and forces.
+    pub fn store_step(&mut self, point: &mut Interior) {
+        point.u.clear();
+        point.u.extend_from_slice(&self.du[..self.program.free.len()]);
+        for cells in self.groups.all() {
+            for_each!(cell of cells => cell.store_steps(&mut point.s));
+        }
+    }
+
+    /// Assembles the condensed matrix, and the right sides of the two responses.
     pub fn assemble(&mut self) {
-        let Self { program, matrix, settings, groups, weight, right, .. } = self;
+        let Self { program, matrix, settings, groups, weight, rights, .. } = self;
+        let n = program.free.len();
         matrix.clear();
         let mut values = matrix.assembly();
-        // A small proximal weight keeps bodies that nothing holds from moving to infinity.
-        let proximal = settings.min_proximal + settings.proximal * self.mu.min(1.0);
-        for i in 0..program.free.len() {
+        // A small proximal weight keeps bodies that nothing holds from moving to infinity, and a
+        // small compliance keeps forces of rigid interactions that are not unique from growing.
+        // Neither holds a point back that goes to infinity for want of a solution, and neither
+        // changes a solution, since they act on the step alone.
+        let scale = self.tau.clamp(MIN_TAU, 1.0);
+        let mu = (self.mu * self.tau * self.tau).min(1.0);
+        let proximal = scale * (settings.min_proximal + settings.proximal * mu);
+        let min_compliance = scale * settings.min_compliance;
+        let [of_residuals, of_products, _] = rights;
+        for i in 0..n {
             for k in 0..3 {
                 weight[i][k] = program.weight[i][k] + proximal;
                 let diagonal = if program.free[i][k] { weight[i][k] } else { 1.0 };
                 values.add_diagonal(i, k, diagonal);
+                of_residuals[i][k] = -self.balance[i][k];
             }
         }
-        set_negative(right, &self.balance);
-        groups.condense(matrix, right, |cells, values, right| {
-            for_each!(cell of cells => cell.condense(values, right));
+        of_residuals[n..].fill([0.0; 3]);
+        of_products.fill([0.0; 3]);
+        groups.condense(matrix, [of_residuals, of_products], |cells, values, rights| {
+            for_each!(cell of cells => cell.condense(min_compliance, values, rights));
         });
-        program.images.fold(right);
+        program.images.fold(of_residuals);
+        program.images.fold(of_products);
     }
 
-    /// Solves for the step of the predictor; whether the matrix has a factor.
-    pub fn predict(&mut self) -> bool {
-        self.du.clone_from(&self.right);
-        let n = self.program.free.len();
-        let solved = self.matrix.factorise_shifted_and_solve(&mut self.du[..n]);
-        self.program.images.spread(&mut self.du);
-        solved
+    /// Factorises and solves for the responses to residuals and to products; whether the matrix has
+    /// a factor.
+    pub fn respond(&mut self) -> bool {
+        let Self { program, matrix, groups, rights, responses, weight, u, .. } = self;
+        let n = program.free.len();
+        let [a, b, _] = responses;
+        a.clone_from(&rights[0]);
+        if !matrix.factorise_shifted_and_solve(&mut a[..n]) {
+            return false;
+        }
+        program.images.spread(a);
+        b.clone_from(&rights[1]);
+        matrix.solve(&mut b[..n]);
+        program.images.spread(b);
+        let (a, b) = (&*a, &*b);
+        let gains = groups.each(|cells| {
+            let mut gains = Gains::default();
+            for_each!(cell of cells => cell.set_responses([a, b], &mut gains));
+            gains
+        });
+        let square = |i: usize, k: usize| weight[i][k] * (a[i][k] + 2.0 * b[i][k]).powi(2);
+        let of_bodies = Gains {
+            of_residuals: gain(program, u, a),
+            of_products: gain(program, u, b),
+            squares: program.sum_of_free(square),
+        };
+        self.gains = gains.into_iter().fold(of_bodies, Gains::and);
+        true
     }
 
-    /// The mean product that the corrector aims at: `mu (mu_p/mu)^3`, with mu the mean product now
-    /// and mu_p that after the predictor (Mehrotra 1992).
-    pub fn target(&mut self) -> f64 {
-        let after = self.steps_of_interactions().products_after() / self.limits;
+    /// The step of tau over tau that takes `part` of the gap away, with `of_kappa` the product that
+    /// tau and kappa lose and `gain` that of the corrector.
+    fn growth(&self, of_kappa: f64, gain: f64) -> f64 {
+        let denominator = self.k + self.gains.squares + GAP_ROUND_OFF * self.gap_terms;
+        let Gains { of_residuals, of_products, .. } = self.gains;
+        (self.gap - of_kappa - of_residuals - of_products - gain) / denominator
+    }
+
+    /// Looks ahead along the predictor, which takes all residuals and products away. Returns the
+    /// product that the corrector aims at, `mu (mu_p/mu)^3` with mu the mean product now and mu_p
+    /// that after the predictor (Mehrotra 1992), and the second-order product of tau and kappa.
+    pub fn predict(&mut self) -> (f64, f64) {
+        let rho = self.growth(self.k, 0.0);
+        let dk = -self.k - self.k * rho;
+        let ahead = self.groups.each(|cells| {
+            let mut ahead = Ahead::default();
+            for_each!(cell of cells => cell.predict(rho, &mut ahead));
+            ahead
+        });
+        let mut ahead = ahead.into_iter().fold(Ahead::default(), Ahead::and);
+        ahead.add(1.0, self.k, rho, dk);
+        let after = ahead.products_after() / self.products;
         let ratio = if self.mu > 0.0 { after / self.mu } else { 0.0 };
-        ratio.powi(3).min(1.0) * self.mu
+        (ratio.powi(3).min(1.0) * self.mu, rho * dk)
     }
 
-    /// Solves for the step that leads to the target.
-    pub fn correct(&mut self, target: f64) {
-        set_negative(&mut self.right, &self.balance);
-        self.groups.scatter(&mut self.right, |cells, right| {
-            for_each!(cell of cells => cell.aim(Aim::Target(target), right));
+    /// Solves for the corrector, and moves the point along the whole step, up to a part of the
+    /// distance to the boundary. Returns whether the step is a number.
+    pub fn correct(&mut self, target: f64, of_tau: f64) -> bool {
+        let n = self.program.free.len();
+        let right = &mut self.rights[2];
+        right.fill([0.0; 3]);
+        self.groups.scatter(right, |cells, right| {
+            for_each!(cell of cells => cell.aim(target, right));
         });
-        self.program.images.fold(&mut self.right);
-        self.du.clone_from(&self.right);
-        self.matrix.solve(&mut self.du[..self.program.free.len()]);
-        self.program.images.spread(&mut self.du);
+        self.program.images.fold(right);
+        let corrector = &mut self.responses[2];
+        corrector.clone_from(right);
+        self.matrix.solve(&mut corrector[..n]);
+        self.program.images.spread(corrector);
+        let corrector = &*corrector;
+        let gains = self.groups.each(|cells| {
+            let mut sum = 0.0;
+            for_each!(cell of cells => sum += cell.gain_of_corrector(corrector));
+            sum
+        });
+        let of_bodies = gain(self.program, &self.u, corrector);
+        let of_kappa = self.k + of_tau - target;
+        let rho = self.growth(of_kappa, of_bodies + gains.into_iter().sum::<f64>());
+        let dk = -of_kappa - self.k * rho;
+        let (of_residuals, of_products) = (1.0 + rho, 1.0 + 2.0 * rho);
+        let sum = |of: &[Vec<[f64; 3]>; 3], to: &mut [[f64; 3]]| {
+            for (i, to) in to.iter_mut().enumerate() {
+                for k in 0..3 {
+                    to[k] = of_residuals * of[0][i][k] + of_products * of[1][i][k] + of[2][i][k];
+                }
+            }
+        };
+        sum(&self.rights, &mut self.right);
+        sum(&self.responses, &mut self.du);
         self.refine();
+        let Self { groups, du, .. } = self;
+        let ahead = groups.each(|cells| {
+            let mut ahead = Ahead::default();
+            for_each!(cell of cells => {
+                cell.set_step(du, of_residuals, of_products, rho, &mut ahead);
+            });
+            ahead
+        });
+        let mut ahead = ahead.into_iter().fold(Ahead::default(), Ahead::and);
+        ahead.add(1.0, self.k, rho, dk);
+        self.make_step(ahead.length, rho, dk)
     }
 
-    /// Moves the bodies along the step, up to a part of the distance to the boundary.
-    pub fn make_step(&mut self) {
-        let step = self.steps_of_interactions().length;
+    /// Moves the point.
+    fn make_step(&mut self, to_boundary: f64, rho: f64, dk: f64) -> bool {
         let [lower, upper] = self.settings.step;
-        self.length = if step < 1.0 { step * (1.0 - self.mu).clamp(lower, upper) } else { 1.0 };
+        let part = (1.0 - self.mu * self.tau * self.tau).clamp(lower, upper);
+        // A step onto the boundary, tau = 0, is as short of it as one that would cross it.
+        let reaches = to_boundary < 1.0 || rho <= -1.0;
+        let step = if reaches { to_boundary * part } else { 1.0 };
+        let growth = 1.0 + step * rho;
+        self.length = step / growth;
         for (u, du) in self.u.iter_mut().zip(&self.du) {
             for k in 0..3 {
                 u[k] += self.length * du[k];
             }
         }
         self.program.images.spread(&mut self.u);
-    }
-
-    /// Steps of forces, slacks and multipliers that belong to the steps of the displacements.
-    fn steps_of_interactions(&mut self) -> Ahead {
-        let Self { groups, du, .. } = self;
-        let ahead = groups.each(|cells| {
-            let mut ahead = Ahead::default();
-            for_each!(cell of cells => cell.step(du, &mut ahead));
-            ahead
-        });
-        ahead.into_iter().fold(Ahead::default(), Ahead::and)
+        self.tau *= growth;
+        self.k = (self.k + step * dk) / growth;
+        self.length.is_finite()
     }
 
     /// Refines the solution of the condensed system, on the operator whose matrix was factorised.
     fn refine(&mut self) {
         let Self { program, matrix, settings, groups, weight, right, du, defect, .. } = self;
-        let scale = max_magnitude(right);
-        for _ in 0..settings.max_refinements {
-            let n = program.free.len();
-            defect[n..].fill([0.0; 3]);
-            for (i, defect) in defect[..n].iter_mut().enumerate() {
-                for k in 0..3 {
-                    let is_free = program.free[i][k];
-                    defect[k] = if is_free { right[i][k] - weight[i][k] * du[i][k] } else { 0.0 };
-                }
+        let n = program.free.len();
+        defect[n..].fill([0.0; 3]);
+        for (i, defect) in defect[..n].iter_mut().enumerate() {
+            for k in 0..3 {
+                let is_free = program.free[i][k];
+                defect[k] = if is_free { right[i][k] - weight[i][k] * du[i][k] } else { 0.0 };
             }
-            groups.scatter(defect, |cells, defect| {
-                for_each!(cell of cells => cell.take_away(du, defect));
-            });
-            program.images.fold(defect);
-            if max_magnitude(defect) <= settings.refined * scale {
-                return;
-            }
-            matrix.solve(&mut defect[..n]);
-            program.images.spread(defect);
-            for (du, d) in du.iter_mut().zip(&*defect) {
-                for k in 0..3 {
-                    du[k] += d[k];
-                }
+        }
+        groups.scatter(defect, |cells, defect| {
+            for_each!(cell of cells => cell.take_away(du, defect));
+        });
+        program.images.fold(defect);
+        if max_magnitude(&defect[..n]) <= settings.refined * max_magnitude(&right[..n]) {
+            return;
+        }
+        matrix.solve(&mut defect[..n]);
+        program.images.spread(defect);
+        for (du, d) in du.iter_mut().zip(&*defect) {
+            for k in 0..3 {
+                du[k] += d[k];
             }
         }
     }
 }
 
-/// Sets rows to the negative of others.
-fn set_negative(rows: &mut [[f64; 3]], of: &[[f64; 3]]) {
-    for (row, of) in rows.iter_mut().zip(of) {
-        *row = of.map(|r| -r);
-    }
+/// Derivative of the duality gap along a step of the bodies.
+fn gain(program: &Scaled, u: &[[f64; 3]], du: &[[f64; 3]]) -> f64 {
+    program.sum_of_free(|i, k| {
+        (program.right[i][k] - 2.0 * program.weight[i][k] * u[i][k]) * du[i][k]
+    })
 }

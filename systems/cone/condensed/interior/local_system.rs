@@ -29,7 +29,7 @@
 //! stationarity of p gives their sum only, and the relation of each tie to p gives its share.
 
 use super::law::{Law, MAX_PAIRS};
-use super::slacks::{Slacks, right};
+use super::slacks::{Right, Slacks, Step};
 
 /// Minimum slope of a tie. With a smaller slope p hardly enters, and the sum follows from the
 /// limits of the pair alone.
@@ -51,6 +51,8 @@ struct Pair {
 /// The system at given slacks and multipliers.
 #[derive(Clone, Copy, Debug)]
 pub struct LocalSystem<const F: usize, const Q: usize> {
+    /// Compliances of the step.
+    pub compliance: [f64; F],
     /// The matrix T from kinematics to forces.
     pub stiffness: [[f64; F]; F],
     pairs: [Pair; MAX_PAIRS],
@@ -60,25 +62,27 @@ pub struct LocalSystem<const F: usize, const Q: usize> {
 
 impl<const F: usize, const Q: usize> Default for LocalSystem<F, Q> {
     fn default() -> Self {
-        Self { stiffness: [[0.0; F]; F], pairs: [Pair::default(); MAX_PAIRS], tension: 0.0 }
+        Self { compliance: [0.0; F], stiffness: [[0.0; F]; F], pairs: [Pair::default(); MAX_PAIRS], tension: 0.0 }
     }
 }
 
 impl<const F: usize, const Q: usize> LocalSystem<F, Q> {
-    /// Sets up the system at slacks w and multipliers lambda.
+    /// Sets up the system at slacks w and multipliers lambda, with compliances of at least
+    /// `min_compliance`.
     #[inline]
-    pub fn set(&mut self, law: &Law<F, Q>, slacks: &Slacks<Q>) {
+    pub fn set(&mut self, law: &Law<F, Q>, slacks: &Slacks<Q>, min_compliance: f64) {
+        self.compliance = law.compliance.map(|c| c.max(min_compliance));
         let (w, lambda) = (&slacks.w, &slacks.lambda);
-        let mut sum = law.compliance[0];
+        let mut sum = self.compliance[0];
         if Law::<F, Q>::HAS_TENSION {
             self.tension = lambda[Q - 1] / w[Q - 1];
             sum += self.tension;
         }
         // Stiffness of forces without limits of their own.
-        let mut own = law.compliance.map(|c| 1.0 / c);
+        let mut own = self.compliance.map(|c| 1.0 / c);
         let mut with_p = [0.0; F];
         for k in 0..Law::<F, Q>::PAIRS {
-            let (c, m, x) = (law.compliance[Law::<F, Q>::force(k)], law.slopes[k], 2 * k);
+            let (c, m, x) = (self.compliance[Law::<F, Q>::force(k)], law.slopes[k], 2 * k);
             let (plus, minus) = (lambda[x] / w[x], lambda[x + 1] / w[x + 1]);
             let total = plus + minus;
             let flexibility = 1.0 / (c + total);
@@ -107,16 +111,11 @@ impl<const F: usize, const Q: usize> LocalSystem<F, Q> {
         }
     }
 
-    /// Steps of the forces for the kinematics less the residuals of stationarity `e`.
+    /// Steps of the forces, for the kinematics less the residuals of stationarity `e` and the right
+    /// sides `b` of the limits.
     #[inline]
     #[must_use]
-    pub fn forces(&self, law: &Law<F, Q>, e: &[f64; F], slacks: &Slacks<Q>) -> [f64; F] {
-        self.forces_of(law, e, &right(slacks))
-    }
-
-    /// Steps of the forces for the right sides `b` of the limits.
-    #[inline]
-    fn forces_of(&self, law: &Law<F, Q>, e: &[f64; F], b: &[f64; Q]) -> [f64; F] {
+    pub fn forces(&self, law: &Law<F, Q>, e: &[f64; F], b: &[f64; Q]) -> [f64; F] {
         let mut of_p = e[0];
         if Law::<F, Q>::HAS_TENSION {
             of_p -= self.tension * b[Q - 1];
@@ -125,7 +124,7 @@ impl<const F: usize, const Q: usize> LocalSystem<F, Q> {
             of_p += law.slopes[k] * self.free_sum(k, e, b);
         }
         // Steps of forces without limits of their own; the other steps follow.
-        let mut ds: [f64; F] = std::array::from_fn(|f| e[f] / law.compliance[f]);
+        let mut ds: [f64; F] = std::array::from_fn(|f| e[f] / self.compliance[f]);
         ds[0] = self.stiffness[0][0] * of_p;
         for k in 0..Law::<F, Q>::PAIRS {
             let (pair, f, x) = (&self.pairs[k], Law::<F, Q>::force(k), 2 * k);
@@ -144,12 +143,20 @@ impl<const F: usize, const Q: usize> LocalSystem<F, Q> {
         lean * e[Law::<F, Q>::force(k)] - pair.pulls[0] * b[x] - pair.pulls[1] * b[x + 1]
     }
 
-    /// Steps of the forces; those of slacks and multipliers go to `slacks`.
+    /// Steps of forces, slacks and multipliers.
     #[inline]
-    pub fn solve(&self, law: &Law<F, Q>, e: &[f64; F], slacks: &mut Slacks<Q>) -> [f64; F] {
-        let b = right(slacks);
-        let ds = self.forces_of(law, e, &b);
-        let Slacks { w, lambda, dw, dlambda, defect, product } = slacks;
+    #[must_use]
+    pub fn solve(
+        &self,
+        law: &Law<F, Q>,
+        slacks: &Slacks<Q>,
+        right: &Right<F, Q>,
+    ) -> Step<F, Q> {
+        let b = right.of_limits(slacks);
+        let Right { kinematics: e, defect, product } = right;
+        let ds = self.forces(law, e, &b);
+        let Slacks { w, lambda } = slacks;
+        let (mut dw, mut dlambda) = ([0.0; Q], [0.0; Q]);
         // At first no limit counts as active.
         for q in 0..Q {
             let step = -defect[q] - law.limit(q, &ds);
@@ -160,12 +167,12 @@ impl<const F: usize, const Q: usize> LocalSystem<F, Q> {
         // Difference of the multipliers of a pair.
         let difference = |k: usize| {
             let f = Law::<F, Q>::force(k);
-            e[f] - law.compliance[f] * ds[f]
+            e[f] - self.compliance[f] * ds[f]
         };
         let divide =
             |k: usize, sum: f64| [0.5 * (sum + difference(k)), 0.5 * (sum - difference(k))];
         // The part of the stationarity of p that its ties must cancel.
-        let mut left = law.compliance[0] * ds[0] - e[0];
+        let mut left = self.compliance[0] * ds[0] - e[0];
         let mut ties = [false; MAX_PAIRS];
         for k in 0..Law::<F, Q>::PAIRS {
             let x = 2 * k;
@@ -220,7 +227,7 @@ impl<const F: usize, const Q: usize> LocalSystem<F, Q> {
         for q in (0..Q).filter(|q| is_active(*q)) {
             dw[q] = -(product[q] + w[q] * dlambda[q]) / lambda[q];
         }
-        ds
+        Step { s: ds, w: dw, lambda: dlambda }
     }
 }
 
@@ -249,7 +256,7 @@ mod tests {
     use proptest::test_runner::TestRunner;
 
     use super::super::law::Law;
-    use super::super::slacks::Slacks;
+    use super::super::slacks::{Right, Slacks, Step};
     use super::{LocalSystem, MIN_TIE_SLOPE};
 
     fn power(range: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
@@ -278,14 +285,19 @@ mod tests {
     }
 
     /// Not too far from the central path: products differ by a factor of 1e4 at most.
-    fn slacks<const Q: usize>() -> impl Strategy<Value = Slacks<Q>> {
+    fn slacks<const F: usize, const Q: usize>() -> impl Strategy<Value = (Slacks<Q>, Right<F, Q>)> {
         let each = |_| (power(-8.0..2.0), power(-2.0..2.0), -1.0..1.0_f64, 0.0..2.0_f64);
-        (power(-10.0..0.0), std::array::from_fn::<_, Q, _>(each)).prop_map(|(mu, each)| Slacks {
-            w: each.map(|(w, ..)| w),
-            lambda: each.map(|(w, product, ..)| mu * product / w),
-            defect: each.map(|(w, _, defect, _)| defect * w),
-            product: each.map(|(_, product, _, part)| mu * product * part),
-            ..Slacks::default()
+        (power(-10.0..0.0), std::array::from_fn::<_, Q, _>(each)).prop_map(|(mu, each)| {
+            let slacks = Slacks {
+                w: each.map(|(w, ..)| w),
+                lambda: each.map(|(w, product, ..)| mu * product / w),
+            };
+            let right = Right {
+                kinematics: [0.0; F],
+                defect: each.map(|(w, _, defect, _)| defect * w),
+                product: each.map(|(_, product, _, part)| mu * product * part),
+            };
+            (slacks, right)
         })
     }
 
@@ -299,18 +311,19 @@ mod tests {
 
     /// The steps fulfil the three equations of the system, each to round-off of its terms.
     fn check<const F: usize, const Q: usize>() {
-        let input = (law::<F, Q>(), slacks::<Q>(), prop::array::uniform3(-1.0..1.0_f64));
-        let result = TestRunner::default().run(&input, |(law, mut slacks, e)| {
+        let input = (law::<F, Q>(), slacks::<F, Q>(), prop::array::uniform3(-1.0..1.0_f64));
+        let result = TestRunner::default().run(&input, |(law, (slacks, right), e)| {
             let e: [f64; F] = std::array::from_fn(|f| e[f]);
+            let right = Right { kinematics: e, ..right };
             // Both limits of a pair without slope are active only if it has almost no strength.
             let active = |q: usize| slacks.lambda[q] > slacks.w[q];
             let no_strength =
                 |k: usize| law.slopes[k] <= MIN_TIE_SLOPE && active(2 * k) && active(2 * k + 1);
             prop_assume!(!(0..Law::<F, Q>::PAIRS).any(no_strength));
             let mut system = LocalSystem::default();
-            system.set(&law, &slacks);
-            let ds = system.solve(&law, &e, &mut slacks);
-            let Slacks { w, lambda, dw, dlambda, defect, product } = slacks;
+            system.set(&law, &slacks, 0.0);
+            let Step { s: ds, w: dw, lambda: dlambda } = system.solve(&law, &slacks, &right);
+            let (Slacks { w, lambda }, Right { defect, product, .. }) = (slacks, right);
             let mut rows: Vec<Vec<f64>> =
                 (0..F).map(|f| vec![law.compliance[f] * ds[f], -e[f]]).collect();
             // The multiplier of an inactive limit is as exact as its slack.

@@ -3,6 +3,7 @@
 use crate::condensed::scaled::{ROWS, Scaled};
 
 /// An interior point.
+#[derive(Clone)]
 pub struct Interior {
     /// Displacements by body, in the order of elimination.
     pub u: Vec<[f64; 3]>,
@@ -17,35 +18,64 @@ pub struct Interior {
 }
 
 impl Interior {
-    /// Room for a point.
+    /// A point at rest without forces.
     pub(super) fn of(program: &Scaled) -> Self {
         let count = program.locals.len();
         let (s, lambda) = (vec![[0.0; 3]; count], vec![[0.0; ROWS]; count]);
-        Self { u: Vec::new(), s, lambda, iterations: 0, merit: f64::INFINITY }
+        let u = vec![[0.0; 3]; program.free.len()];
+        Self { u, s, lambda, iterations: 0, merit: f64::INFINITY }
     }
 }
 
-/// Conditions that end the method.
+/// How the method ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum End {
+    /// The point solves the program.
+    Solved,
+    /// The displacements are a mechanism that proves a collapse.
+    Collapsed,
+    /// The forces prove that rigid bodies are locked.
+    Locked,
+    /// Neither: round-off has stopped the method. The point is the best one.
+    Limit,
+}
+
+/// The program's own judgement of points and directions, in units and order of the matrix.
+pub trait Judge {
+    /// Whether the point solves the program within its tolerance.
+    fn is_solution(&self, point: &Interior) -> bool;
+
+    /// Whether the displacements are a mechanism that proves a collapse.
+    fn is_mechanism(&self, _u: &[[f64; 3]]) -> bool {
+        false
+    }
+
+    /// Whether the forces prove that rigid bodies are locked.
+    fn is_lock(&self, _s: &[[f64; 3]]) -> bool {
+        false
+    }
+}
+
+/// Conditions that end the method at a solution.
 #[derive(Clone, Copy, Debug)]
 pub struct Goal {
     /// Residual at which it is done.
     pub(super) residual: f64,
-    /// Residual, over the goal, at which the first point that is good enough ends the method.
-    /// `None` if only a slow method ends there.
-    pub(super) first: Option<f64>,
+    /// Whether the first point that solves the program ends the method.
+    pub(super) at_once: bool,
 }
 
 impl Goal {
     /// The goal is this residual, or a slightly larger one where the method is slow.
     #[must_use]
     pub fn exact(residual: f64) -> Self {
-        Self { residual, first: None }
+        Self { residual, at_once: false }
     }
 
-    /// The goal is the first point that is accurate enough, from a residual of `near` on.
+    /// The goal is the first point that solves the program, or this residual.
     #[must_use]
-    pub fn enough(residual: f64, near: f64) -> Self {
-        Self { residual, first: Some(near / residual) }
+    pub fn enough(residual: f64) -> Self {
+        Self { residual, at_once: true }
     }
 }
 

@@ -15,8 +15,6 @@ use serde::{Deserialize, Serialize};
 
 pub use self::interior::InteriorSettings;
 pub use self::newton::{LineSearchSettings, LocalSettings, NewtonSettings};
-use crate::clarabel::Clarabel;
-use crate::polish::PolishSettings;
 use crate::program::ConeProgram;
 
 /// Tolerance of increments by default (`acceptance.residual` of a scene).
@@ -38,8 +36,8 @@ pub struct CondensedSettings {
     /// 0.9: the judge of the increment computes the residual again, with different round-off.
     #[serde(skip)]
     pub safety: f64,
-    /// A tolerance above this is loose: small programs are not polished, and dynamic programs end
-    /// with the first point within the tolerance.
+    /// A tolerance above this is loose: dynamic programs end with the first point within the
+    /// tolerance.
     ///
     /// The default tolerance. Ending with the first point saves an eighth of the iterations in
     /// dynamics. It must not happen in statics, where it threw grains in 129 of 169 increments
@@ -54,29 +52,16 @@ pub struct CondensedSettings {
     ///
     /// 3: decision 001.
     pub loose_newton_margin: f64,
-    /// Tolerance over the goal of the interior point. The polish that follows needs a point that is
-    /// more exact than the tolerance.
+    /// Tolerance over the goal of the interior point. Grains without load drift further the less
+    /// exact a solution is, and a limit that is just reached shows in exact forces alone.
     ///
     /// 900: a goal of 1e-11 for the default tolerance. Decision 001.
     pub interior_margin: f64,
-    /// Number of interactions above which a program is large. A large program is not polished once
-    /// it is solved. A large static program that is neither solved nor regularised throughout is
-    /// returned as it is, without a polish and without Clarabel.
+    /// Number of interactions above which a dynamic program without bonds ends with the first point
+    /// within the tolerance.
     ///
-    /// 2500: beyond, the polish costs more than it gains, and Clarabel does no better in twenty
-    /// times the time.
+    /// 2500: below, an exact solution takes little time.
     pub large: usize,
-    /// Maximum residual of an interior point that is worth a polish.
-    ///
-    /// 1e-3: a guess of the active limits needs a point near the solution. Inert in decision 001.
-    pub max_polished_residual: f64,
-    /// Motion of a body, over the length scale of the program, beyond which an unsolved static
-    /// program with bonds, elastic interactions and no imposed motion goes to no other solver.
-    ///
-    /// 1: constant normals do not hold over a radius. Clarabel took 33 to 200 iterations for such
-    /// programs, and none of its solutions was accepted (decision 015).
-    #[serde(skip)]
-    pub max_unsolved_motion: f64,
     /// Maximum displacement of a starting point. A body beyond starts from zero: a start far away
     /// (a grain that settled, another increment) is worse than none.
     ///
@@ -97,15 +82,6 @@ pub struct CondensedSettings {
     /// Sleeping bodies.
     #[serde(skip)]
     pub sleep: SleepSettings,
-    /// Polish of the solution of the interior point, in small programs.
-    #[serde(skip)]
-    pub polish: PolishSettings,
-    /// Search for the mechanism of a collapse.
-    #[serde(skip)]
-    pub proof: ProofSettings,
-    /// The solver that is called where all others fail.
-    #[serde(skip)]
-    pub fallback: Clarabel,
 }
 
 impl Default for CondensedSettings {
@@ -119,17 +95,12 @@ impl Default for CondensedSettings {
             loose_newton_margin: 3.0,
             interior_margin: 900.0,
             large: 2500,
-            max_polished_residual: 1e-3,
-            max_unsolved_motion: 1.0,
             max_start: 20.0,
             newton: NewtonSettings::default(),
             local: LocalSettings::default(),
             interior: InteriorSettings::default(),
             warm: WarmSettings::default(),
             sleep: SleepSettings::default(),
-            polish: PolishSettings::default(),
-            proof: ProofSettings::default(),
-            fallback: Clarabel::default(),
         }
     }
 }
@@ -196,28 +167,5 @@ pub struct SleepSettings {
 impl Default for SleepSettings {
     fn default() -> Self {
         Self { max_residual: 1e-10 }
-    }
-}
-
-/// Settings of the search for a mechanism that proves a collapse. They decide what a search costs
-/// and which mechanism it finds first; the certificate decides whether it proves anything.
-#[non_exhaustive]
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ProofSettings {
-    /// Maximum residual, without dimension, of a point that may be a mechanism.
-    ///
-    /// 1e-3: bodies without part in the mechanism hardly move by then.
-    pub max_residual: f64,
-    /// Motion that counts as none, over that of a free body under the maximum load: the share of
-    /// the loads that no forces within the limits balance.
-    ///
-    /// 1e-5: where forces balance the loads the motion falls with every iteration, and where they
-    /// do not it was above 3e-5 (decision 015).
-    pub min_motion: f64,
-}
-
-impl Default for ProofSettings {
-    fn default() -> Self {
-        Self { max_residual: 1e-3, min_motion: 1e-5 }
     }
 }

@@ -1,0 +1,127 @@
+//! The best point so far, and what ends the method.
+
+use super::iteration::Iteration;
+use super::point::{End, Goal, Interior, Judge};
+use crate::condensed::scaled::Scaled;
+use crate::condensed::settings::InteriorSettings;
+
+/// Residual of a point, over the goal, up to which every better point is judged. The method's
+/// residual is relative to the scales of the program, and the program's own may be far below it.
+const NEAR: f64 = 1e6;
+/// Number of iterations without a better point after which round-off has stopped a method that has
+/// a solution already.
+const MAX_IDLE: usize = 3;
+
+/// Memory of earlier points.
+pub struct Ending<'a> {
+    settings: &'a InteriorSettings,
+    goal: Goal,
+    iterations: u32,
+    /// The point with the minimum residual.
+    best: Interior,
+    /// The last best point that solves the program.
+    solution: Option<Interior>,
+    /// The displacements or forces of a proof.
+    proof: Interior,
+    /// Residuals of the best point, iteration by iteration.
+    merits: Vec<f64>,
+    last_merit: f64,
+    idle: usize,
+}
+
+impl<'a> Ending<'a> {
+    pub fn new(program: &Scaled, settings: &'a InteriorSettings, goal: Goal) -> Self {
+        Self {
+            settings,
+            goal,
+            iterations: 0,
+            best: Interior::of(program),
+            solution: None,
+            proof: Interior::of(program),
+            merits: Vec::new(),
+            last_merit: f64::INFINITY,
+            idle: 0,
+        }
+    }
+
+    /// Takes note of the current point. Returns how the method ends there; `None` if it goes on.
+    pub fn consider(&mut self, iteration: &mut Iteration, judge: &impl Judge) -> Option<End> {
+        if !iteration.is_finite() {
+            return Some(self.limit());
+        }
+        let merit = iteration.merit();
+        let is_slow = merit > self.settings.slow * self.last_merit;
+        self.last_merit = merit;
+        self.idle += 1;
+        if merit < self.best.merit {
+            self.idle = 0;
+            iteration.store(&mut self.best);
+            if merit <= NEAR * self.goal.residual && judge.is_solution(&self.best) {
+                self.solution = Some(self.best.clone());
+            }
+        }
+        self.merits.push(self.best.merit);
+        if self.solution.is_some() && (self.is_done(merit, is_slow) || self.idle >= MAX_IDLE) {
+            return Some(End::Solved);
+        }
+        if iteration.diverges()
+            && let Some(end) = self.proved(iteration, judge)
+        {
+            return Some(end);
+        }
+        let stalls = !iteration.diverges() && self.stalls();
+        if stalls || self.iterations >= self.settings.max_iterations {
+            return Some(self.limit());
+        }
+        self.iterations += 1;
+        None
+    }
+
+    /// Whether a point with this residual is accurate enough, given that the best one is a solution.
+    fn is_done(&self, merit: f64, is_slow: bool) -> bool {
+        let Goal { residual, at_once } = self.goal;
+        at_once || merit <= residual || (is_slow && merit <= self.settings.near * residual)
+    }
+
+    /// Whether the residual has fallen too little in the last iterations.
+    fn stalls(&self) -> bool {
+        let earlier = self.merits.len().checked_sub(self.settings.patience + 1);
+        earlier.is_some_and(|k| self.best.merit > self.settings.progress * self.merits[k])
+    }
+
+    /// Whether the point or its last step proves that there is no solution.
+    fn proved(&mut self, iteration: &mut Iteration, judge: &impl Judge) -> Option<End> {
+        for is_step in [false, true] {
+            if is_step && self.iterations == 0 {
+                break;
+            } else if is_step {
+                iteration.store_step(&mut self.proof);
+            } else {
+                iteration.store(&mut self.proof);
+            }
+            if judge.is_mechanism(&self.proof.u) {
+                return Some(End::Collapsed);
+            }
+            if judge.is_lock(&self.proof.s) {
+                return Some(End::Locked);
+            }
+        }
+        None
+    }
+
+    /// How the method ends where it cannot go on.
+    pub fn limit(&self) -> End {
+        if self.solution.is_some() { End::Solved } else { End::Limit }
+    }
+
+    /// The point that belongs to an end.
+    pub fn into_point(self, end: End) -> Interior {
+        let Self { best, solution, proof, iterations, .. } = self;
+        let point = match end {
+            End::Solved => solution.unwrap_or(best),
+            End::Limit => best,
+            End::Collapsed | End::Locked => proof,
+        };
+        Interior { iterations, ..point }
+    }
+}

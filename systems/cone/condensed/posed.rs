@@ -1,0 +1,212 @@
+//! A program in the units and the order of the matrix, and the two methods that solve it there:
+//! the Newton iteration and the interior point.
+
+use super::interior::{self, End, Interior, Judge};
+use super::local;
+use super::matrix::BodyMatrix;
+use super::newton::Newton;
+use super::parallel::in_pool;
+use super::scaled::Scaled;
+use super::settings::CondensedSettings;
+use super::warm::raised;
+use super::{ROUND_OFF, checked};
+use crate::certificate::{certificate, locks, proves};
+use crate::program::{Certificate, ConeProgram, ConeSolution, SolveStatus};
+use crate::residuals::MAX_BALANCE;
+
+/// Requirements on a solution.
+#[derive(Clone, Copy, Debug)]
+pub struct Demand {
+    /// Maximum residual.
+    pub tolerance: f64,
+    /// Whether the tolerance is loose.
+    pub loose: bool,
+    /// Whether the first point within the tolerance suffices. It does not suffice in statics, where
+    /// grains without load drift further the less exact the solution is. With a tight tolerance it
+    /// does not suffice with bonds either, because only exact forces show which bonds are at a
+    /// limit, nor in small programs, where an exact solution costs little.
+    pub at_once: bool,
+}
+
+impl Demand {
+    pub fn of(program: &ConeProgram, settings: &CondensedSettings) -> Self {
+        let tolerance = settings.tolerance_of(program);
+        let loose = tolerance > settings.loose_tolerance;
+        let large = program.interactions.len() > settings.large;
+        let at_once = program.is_dynamic() && (loose || (large && !program.has_bonds()));
+        Self { tolerance, loose, at_once }
+    }
+
+    /// The residual that a method aims at.
+    pub fn goal(&self, margin: f64) -> f64 {
+        (self.tolerance / margin).max(ROUND_OFF)
+    }
+}
+
+/// Where the interior point begins, in units and order of the matrix.
+pub struct Start {
+    /// Displacements by body.
+    pub displacements: Vec<[f64; 3]>,
+    /// Forces by interaction; `None` for forces that follow from the displacements.
+    pub forces: Option<Vec<[f64; 3]>>,
+}
+
+/// A program in the units and the order of the matrix.
+pub struct Posed<'a> {
+    program: &'a ConeProgram,
+    settings: &'a CondensedSettings,
+    matrix: &'a mut BodyMatrix,
+    demand: Demand,
+    order: Vec<usize>,
+    is_shared: bool,
+    /// The program in the units of its scales.
+    pub scaled: Scaled,
+}
+
+impl<'a> Posed<'a> {
+    /// The program posed for a matrix that has its pattern.
+    pub fn new(
+        program: &'a ConeProgram,
+        settings: &'a CondensedSettings,
+        matrix: &'a mut BodyMatrix,
+        demand: Demand,
+    ) -> Self {
+        let order = matrix.order().to_vec();
+        let is_shared = matrix.is_shared();
+        let scaled = Scaled::new(program, &order);
+        matrix.set_images(&scaled.images);
+        Self { program, settings, matrix, demand, order, is_shared, scaled }
+    }
+
+    /// Displacements as a start, in units and order of the matrix; zero for bodies that are too
+    /// far.
+    pub fn in_units(&self, start: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        let (du, _) = self.program.scales.units();
+        let is_near = |u: &[f64; 3]| u[0].hypot(u[1]) <= self.settings.max_start * du[0];
+        let in_units =
+            |u: &[f64; 3]| if is_near(u) { [0, 1, 2].map(|k| u[k] / du[k]) } else { [0.0; 3] };
+        self.order.iter().map(|i| in_units(&start[*i])).collect()
+    }
+
+    /// The Newton iteration with local elimination. Near rest, displacements of the iteration solve
+    /// the program, but displacements that follow from its forces do not. The iteration then
+    /// continues until the balance conserves momentum.
+    pub fn newton(&mut self, start: &[[f64; 3]], iterations: &mut u32) -> (Newton, ConeSolution) {
+        let settings = self.settings;
+        let margin =
+            if self.demand.loose { settings.loose_newton_margin } else { settings.newton_margin };
+        let goal = self.demand.goal(margin);
+        let (result, solution) = self.newton_to(start, goal, iterations);
+        let is_enough = solution.status == SolveStatus::Solved || !result.converged;
+        if is_enough || !self.program.is_dynamic() {
+            return (result, solution);
+        }
+        self.newton_to(&result.u, goal.min(MAX_BALANCE / margin), iterations)
+    }
+
+    /// The Newton iteration to a goal.
+    fn newton_to(
+        &mut self,
+        start: &[[f64; 3]],
+        goal: f64,
+        iterations: &mut u32,
+    ) -> (Newton, ConeSolution) {
+        let settings = self.settings;
+        let Self { scaled, matrix, .. } = self;
+        let result = in_pool(self.is_shared, || {
+            local::solve(scaled, matrix, start, &settings.newton, &settings.local, goal)
+        });
+        *iterations += result.iterations;
+        let units = Units::of(self.program, &self.order, self.demand.tolerance);
+        let solution = units.solution(&result.u, &result.s, *iterations, "newton");
+        (result, solution)
+    }
+
+    /// The interior point: solved, collapsed, locked, or stalled at the limit of arithmetic.
+    pub fn interior(&mut self, start: &Start, iterations: &mut u32) -> ConeSolution {
+        let settings = self.settings;
+        let residual = self.demand.goal(settings.interior_margin);
+        let goal = if self.demand.at_once {
+            interior::Goal::enough(residual)
+        } else {
+            interior::Goal::exact(residual)
+        };
+        let units = Units::of(self.program, &self.order, self.demand.tolerance);
+        let Self { scaled, matrix, .. } = self;
+        let (end, point) = in_pool(self.is_shared, || {
+            let warm = start.forces.as_deref().map(|f| raised(f, &settings.warm));
+            let u = &start.displacements;
+            interior::solve(scaled, matrix, u, warm, &settings.interior, goal, &units)
+        });
+        *iterations += point.iterations;
+        let mut found = units.solution(&point.u, &point.s, *iterations, "interior");
+        match end {
+            End::Solved | End::Limit => {}
+            End::Collapsed => {
+                found.certificate = units.mechanism(&point.u);
+                found.displacements =
+                    found.certificate.as_ref().map_or_else(Vec::new, |c| c.mechanism.clone());
+                found.status = SolveStatus::Collapsed;
+            }
+            End::Locked => found.status = SolveStatus::Locked,
+        }
+        found
+    }
+}
+
+/// The units and the order of the matrix, and the program that judges what is found in them.
+struct Units<'a> {
+    program: &'a ConeProgram,
+    order: &'a [usize],
+    tolerance: f64,
+    /// Whether a weight on every degree of freedom excludes a collapse.
+    is_held: bool,
+}
+
+impl<'a> Units<'a> {
+    fn of(program: &'a ConeProgram, order: &'a [usize], tolerance: f64) -> Self {
+        Self { program, order, tolerance, is_held: program.is_damped() }
+    }
+
+    /// Displacements in SI units and the order of the program.
+    fn displacements(&self, u: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        let (du, _) = self.program.scales.units();
+        let mut displacements = vec![[0.0; 3]; self.order.len()];
+        for (u, &i) in u.iter().zip(self.order) {
+            displacements[i] = [0, 1, 2].map(|k| u[k] * du[k]);
+        }
+        displacements
+    }
+
+    /// The solution with these displacements and forces.
+    fn solution(
+        &self,
+        u: &[[f64; 3]],
+        s: &[[f64; 3]],
+        iterations: u32,
+        message: &str,
+    ) -> ConeSolution {
+        checked(self.program, s, self.displacements(u), self.tolerance, iterations, message)
+    }
+
+    /// The proof of a collapse by these displacements.
+    fn mechanism(&self, u: &[[f64; 3]]) -> Option<Certificate> {
+        certificate(self.program, &self.displacements(u)).filter(proves)
+    }
+}
+
+impl Judge for Units<'_> {
+    fn is_solution(&self, point: &Interior) -> bool {
+        self.solution(&point.u, &point.s, 0, "").status == SolveStatus::Solved
+    }
+
+    fn is_mechanism(&self, u: &[[f64; 3]]) -> bool {
+        !self.is_held && self.mechanism(u).is_some()
+    }
+
+    fn is_lock(&self, s: &[[f64; 3]]) -> bool {
+        let (_, df) = self.program.scales.units();
+        let s: Vec<_> = s.iter().map(|s| [s[0] * df[0], s[1] * df[0], s[2] * df[2]]).collect();
+        locks(self.program, &s)
+    }
+}
