@@ -127,7 +127,6 @@ pub fn assemble_program(
         &history.0,
         analysis,
         &trial.progress,
-        attempt.magnitudes,
         contacts.0.len(),
         program,
     );

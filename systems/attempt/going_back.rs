@@ -61,7 +61,7 @@ pub(super) fn judge_where_lost(world: &mut World) {
     let attempt = world.resource::<Attempt>();
     let is_lost = match attempt.verdict {
         Verdict::TooFar(_) | Verdict::Impossible | Verdict::Loose | Verdict::Locked => true,
-        Verdict::Unconverged { .. } => attempt.effort() == Some(Effort::Regularised),
+        Verdict::Unconverged(_) => attempt.effort() == Some(Effort::Regularised),
         _ => false,
     };
     if !is_lost {

@@ -72,7 +72,6 @@ pub fn begin(world: &mut World, released: bool, repeated: bool) {
     let mut attempt = world.resource_mut::<Attempt>();
     attempt.mode = Mode::Motion(motion);
     attempt.motions += 1;
-    attempt.magnitudes = None;
     world.resource_mut::<Bodies>().drives_stopped = true;
     // Bonds that a cascade broke stay broken: their rupture is the cause of the motion.
     let mut ruptures = world.resource_mut::<Ruptures>();

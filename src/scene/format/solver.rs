@@ -12,21 +12,20 @@ use serde::ser::{Serialize, SerializeStructVariant, Serializer};
 pub(in crate::scene) const WITHOUT_BRACKETS: &str = "Condensed";
 
 /// What serde reads of [`CondensedSettings`].
-pub(in crate::scene) const CONDENSED_FIELDS: [&str; 8] = [
+pub(in crate::scene) const CONDENSED_FIELDS: [&str; 7] = [
     "tolerance",
     "loose_tolerance",
     "newton_margin",
     "loose_newton_margin",
     "interior_margin",
     "large",
-    "max_polished_residual",
     "max_start",
 ];
 
 /// The solver and its settings.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Solver {
-    /// The engine's own condensed solver, with Clarabel as its last resort: `Condensed`, or
+    /// The engine's own condensed solver: `Condensed`, or
     /// `Condensed(...)` with some of its settings.
     Condensed(Box<CondensedSettings>),
     /// The interior-point solver Clarabel.

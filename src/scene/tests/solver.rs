@@ -34,7 +34,7 @@ fn settings_are_those_of_the_solver() {
     let solver = with(
         "Condensed(tolerance: 1e-9, loose_tolerance: 1e-7, newton_margin: 10.0, \
          loose_newton_margin: 2.0, interior_margin: 100.0, large: 0, \
-         max_polished_residual: 1e-4, max_start: 0.0,)",
+         max_start: 0.0,)",
     );
     let mut expected = CondensedSettings::default();
     expected.tolerance = 1e-9;
@@ -43,7 +43,6 @@ fn settings_are_those_of_the_solver() {
     expected.loose_newton_margin = 2.0;
     expected.interior_margin = 100.0;
     expected.large = 0;
-    expected.max_polished_residual = 1e-4;
     expected.max_start = 0.0;
     let solver = solver.unwrap();
     assert_eq!(solver, Solver::Condensed(Box::new(expected)));
@@ -76,20 +75,16 @@ fn wrong_settings_are_named() {
             "2:46: solver.max_start: negative (-1.0); give a multiple of the expected displacement of 0 or more",
         ),
         (
-            "Condensed(max_polished_residual: 2.0)",
-            "2:58: solver.max_polished_residual: out of range (2.0); give a residual above 0 and up to 1",
-        ),
-        (
             "Condensed(large: 2.5)",
             "2:42: solver.large: expected a whole number from 0, found `2.5`; write 2 or 3",
         ),
         (
             "Condensed(tolerence: 1e-9)",
-            "2:35: solver.tolerence: unknown field `tolerence`; did you mean `tolerance`? the fields here are `tolerance`, `loose_tolerance`, `newton_margin`, `loose_newton_margin`, `interior_margin`, `large`, `max_polished_residual`, `max_start`",
+            "2:35: solver.tolerence: unknown field `tolerence`; did you mean `tolerance`? the fields here are `tolerance`, `loose_tolerance`, `newton_margin`, `loose_newton_margin`, `interior_margin`, `large`, `max_start`",
         ),
         (
             "Condensed(safety: 0.5)",
-            "2:35: solver.safety: unknown field `safety`; the fields here are `tolerance`, `loose_tolerance`, `newton_margin`, `loose_newton_margin`, `interior_margin`, `large`, `max_polished_residual`, `max_start`",
+            "2:35: solver.safety: unknown field `safety`; the fields here are `tolerance`, `loose_tolerance`, `newton_margin`, `loose_newton_margin`, `interior_margin`, `large`, `max_start`",
         ),
         (
             "Condensed(1e-9)",

@@ -111,10 +111,6 @@ fn condensed(settings: &CondensedSettings, residual: f64, findings: &mut Finding
     ] {
         findings.number(format_args!("solver.{name}"), margin, is_margin, "a factor from 1 to 1e6");
     }
-    let path = format_args!("solver.max_polished_residual");
-    let allowed = |value: f64| value > 0.0 && value <= 1.0;
-    let what = "a residual above 0 and up to 1";
-    findings.number(path, settings.max_polished_residual, allowed, what);
     let path = format_args!("solver.max_start");
     findings.not_negative(path, settings.max_start, "a multiple of the expected displacement");
 }

@@ -8,7 +8,7 @@ use crate::program::{ConeProgram, ConeSolution, SolveStatus};
 use super::parallel::in_pool;
 use super::scaled::{Local, Scaled};
 use super::settings::WarmSettings;
-use super::interior::{self, Interior, Judge};
+use super::interior::{self, Interior};
 use super::{Condensed, ROUND_OFF, checked, prepare, sweeps};
 
 impl Condensed {
@@ -99,7 +99,7 @@ impl Condensed {
         let residual = (tolerance / self.settings.interior_margin).max(ROUND_OFF);
         let goal = interior::Goal::enough(residual);
         let warm = Some(raised(&forces, &self.settings.warm));
-        let judge = Kept(|point: &Interior| is_enough(&expand(&point.s)));
+        let judge = |point: &Interior| is_enough(&expand(&point.s));
         let (_, result) = in_pool(is_shared, || {
             interior::solve(&own, matrix, &start, warm, &self.settings.interior, goal, &judge)
         });
@@ -108,15 +108,6 @@ impl Condensed {
             u[*place] = *displacement;
         }
         Some(result.iterations)
-    }
-}
-
-/// Judges a point of the kept interactions as one of the whole program.
-struct Kept<F>(F);
-
-impl<F: Fn(&Interior) -> bool> Judge for Kept<F> {
-    fn is_solution(&self, point: &Interior) -> bool {
-        (self.0)(point)
     }
 }
 

@@ -56,6 +56,13 @@ pub trait Judge {
     }
 }
 
+/// A judge of solutions alone.
+impl<F: Fn(&Interior) -> bool> Judge for F {
+    fn is_solution(&self, point: &Interior) -> bool {
+        self(point)
+    }
+}
+
 /// Conditions that end the method at a solution.
 #[derive(Clone, Copy, Debug)]
 pub struct Goal {
