@@ -92,10 +92,7 @@ fn after_motion(motion: &Motion, verdict: &Verdict, budget: Budget) -> Next {
         Verdict::GivesWay(_) if motion.repeated => Next::Prove,
         Verdict::GivesWay(_) => Next::Repeat,
         Verdict::Moving if budget.step => Next::Move,
-        Verdict::TooFar(_)
-        | Verdict::Unconverged(_)
-        | Verdict::Impossible
-        | Verdict::Locked
+        Verdict::TooFar(_) | Verdict::Unconverged(_) | Verdict::Impossible | Verdict::Locked
             if budget.step =>
         {
             Next::Shorten

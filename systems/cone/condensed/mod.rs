@@ -70,7 +70,6 @@ impl Condensed {
     fn tolerance(&self, program: &ConeProgram) -> f64 {
         self.settings.tolerance_of(program)
     }
-
 }
 
 impl ConeSolver for Condensed {

@@ -5,10 +5,10 @@
 
 use crate::program::{ConeProgram, ConeSolution, SolveStatus};
 
+use super::interior::{self, Interior};
 use super::parallel::in_pool;
 use super::scaled::{Local, Scaled};
 use super::settings::WarmSettings;
-use super::interior::{self, Interior};
 use super::{Condensed, ROUND_OFF, checked, prepare, sweeps};
 
 impl Condensed {

@@ -395,7 +395,8 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
         for q in 0..Q {
             let (w, lambda) = (self.slacks.w[q], self.slacks.lambda[q]);
             let dw = (1.0 + rho) * a.w[q] + (1.0 + 2.0 * rho) * b.w[q] + rho * w;
-            let dlambda = (1.0 + rho) * a.lambda[q] + (1.0 + 2.0 * rho) * b.lambda[q] + rho * lambda;
+            let dlambda =
+                (1.0 + rho) * a.lambda[q] + (1.0 + 2.0 * rho) * b.lambda[q] + rho * lambda;
             ahead.add(w, lambda, dw, dlambda);
             self.correction[q] = dw * dlambda;
         }

@@ -135,7 +135,8 @@ impl<'a> Iteration<'a> {
     fn update_gap(&mut self) {
         let Self { program, u, sizes, .. } = self;
         let work = program.sum_of_free(|i, k| program.right[i][k] * u[i][k]);
-        let energy = sizes.energy + program.sum_of_free(|i, k| program.weight[i][k] * u[i][k].powi(2));
+        let energy =
+            sizes.energy + program.sum_of_free(|i, k| program.weight[i][k] * u[i][k].powi(2));
         self.gap = self.k - (work - sizes.linear - sizes.strength - energy);
         self.gap_terms = work.abs() + sizes.linear.abs() + sizes.strength.abs() + energy;
         self.mu = (sizes.products + self.k) / self.products;
@@ -372,7 +373,6 @@ impl<'a> Iteration<'a> {
 
 /// Derivative of the duality gap along a step of the bodies.
 fn gain(program: &Scaled, u: &[[f64; 3]], du: &[[f64; 3]]) -> f64 {
-    program.sum_of_free(|i, k| {
-        (program.right[i][k] - 2.0 * program.weight[i][k] * u[i][k]) * du[i][k]
-    })
+    program
+        .sum_of_free(|i, k| (program.right[i][k] - 2.0 * program.weight[i][k] * u[i][k]) * du[i][k])
 }

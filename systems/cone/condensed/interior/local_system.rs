@@ -62,7 +62,12 @@ pub struct LocalSystem<const F: usize, const Q: usize> {
 
 impl<const F: usize, const Q: usize> Default for LocalSystem<F, Q> {
     fn default() -> Self {
-        Self { compliance: [0.0; F], stiffness: [[0.0; F]; F], pairs: [Pair::default(); MAX_PAIRS], tension: 0.0 }
+        Self {
+            compliance: [0.0; F],
+            stiffness: [[0.0; F]; F],
+            pairs: [Pair::default(); MAX_PAIRS],
+            tension: 0.0,
+        }
     }
 }
 
@@ -146,12 +151,7 @@ impl<const F: usize, const Q: usize> LocalSystem<F, Q> {
     /// Steps of forces, slacks and multipliers.
     #[inline]
     #[must_use]
-    pub fn solve(
-        &self,
-        law: &Law<F, Q>,
-        slacks: &Slacks<Q>,
-        right: &Right<F, Q>,
-    ) -> Step<F, Q> {
+    pub fn solve(&self, law: &Law<F, Q>, slacks: &Slacks<Q>, right: &Right<F, Q>) -> Step<F, Q> {
         let b = right.of_limits(slacks);
         let Right { kinematics: e, defect, product } = right;
         let ds = self.forces(law, e, &b);
