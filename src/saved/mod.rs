@@ -37,7 +37,8 @@ pub use progress::Counts;
 
 /// First word of the array `format`.
 const FORMAT: &str = "clastic state";
-/// Version of the format, which follows the word. It increases with every change of the arrays.
+/// Version of the format, which follows the word. It increases when arrays have changed since a
+/// release.
 const VERSION: u32 = 1;
 /// Prefix of arrays with the state of other plugins.
 const PLUGIN: &str = "plugin.";
