@@ -66,7 +66,7 @@ def confined(count, seed, out):
         for a, b in (("left", "right"), ("bottom", "top"))
     )
     text = f"""(
-  version: 2, title: "Uncemented disks under 200 kPa",
+  version: 1, title: "Uncemented disks under 200 kPa",
   {MATERIALS}
   specimen: Packing(count: {count}, columns: {columns}, spacing: 10.0e-3, origin: (0.5e-3, 0.0),
     sizes: Uniform(radius: (3.0e-3, 5.0e-3)), seed: {seed}),
@@ -98,7 +98,7 @@ def sheared(state, height, multiple, accuracy, end, out):
     closing = 0.5 * STRAIN * height * multiple
     choice = "" if accuracy is None else f"accuracy: {accuracy}, "
     text = f"""(
-  version: 2, title: "Uncemented biaxial test",
+  version: 1, title: "Uncemented biaxial test",
   {MATERIALS}
   specimen: State(path: "{state.resolve()}"),
   stages: [

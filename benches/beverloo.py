@@ -39,7 +39,7 @@ def scene(opening, increments, seed, law):
     half, side = opening / 2, WIDTH / 2
     mu = "contact: (friction: 0.4)"
     return f"""(
-    version: 2,
+    version: 1,
     title: "Discharge through {1e3 * opening:.0f} mm",
     analysis: Dynamic(dt: {DT}),
     gravity: (0.0, -{G}),

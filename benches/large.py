@@ -49,10 +49,10 @@ SCENE = """(
             record: (frames: [20, 40, 60, 66]),
         ),
     ],
-    measures: (
-        axial_strain: Walls("bottom", "top"),
-        axial_stress: Walls(walls: ["bottom", "top"], length: Fixed({width})),
-    ),
+    measures: [
+        (name: "axial_strain", of: Strain(Walls("bottom", "top"))),
+        (name: "axial_stress", of: Stress(Walls(walls: ["bottom", "top"], length: Fixed({width})))),
+    ],
 )
 """
 

@@ -57,7 +57,7 @@ def biaxial(seed, specimen, out):
     text = (ROOT / "scenes/biaxial_small.ron").read_text()
     text = text.replace("specimens/biaxial_400.csv", str(specimen.resolve()))
     text = text.replace("0.2147896", f"{height:.7f}").replace("0.121", f"{width:.7f}")
-    text = text.replace("50.0e3", "10.0e3").replace("AxialStrain(0.12)", f"AxialStrain({END})")
+    text = text.replace("50.0e3", "10.0e3").replace("Above(\"axial_strain\", 0.12)", f"Above(\"axial_strain\", {END})")
     scene = out / f"biaxial_{seed}.ron"
     scene.write_text(text)
     return scene, height * STRAIN / 2

@@ -62,7 +62,7 @@ mod custom_program;
 
 /// Two disks under a lid, with a measure and a condition of the plugin.
 const FABRIC: &str = r#"(
-    version: 2, title: "fabric",
+    version: 1, title: "fabric",
     materials: { "m": (contact: (normal_stiffness: 1.0e6)) },
     specimen: Particles([(position: (1.0, 1.0), radius: 1.0), (position: (1.0, 3.0), radius: 1.0)]),
     walls: [

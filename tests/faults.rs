@@ -42,10 +42,10 @@ const LATTICE: &str = r#"(
         Load(name: "load", increments: 4, walls: { "top": Force(400.0) }),
         Load(name: "compress", increments: 60, walls: { "top": Displacement(0.0, -10.0e-6) }),
     ],
-    measures: (
-        axial_strain: Walls("bottom", "top"),
-        axial_stress: Walls(walls: ["bottom", "top"], length: Fixed(80.0e-3)),
-    ),
+    measures: [
+        (name: "axial_strain", of: Strain(Walls("bottom", "top"))),
+        (name: "axial_stress", of: Stress(Walls(walls: ["bottom", "top"], length: Fixed(80.0e-3)))),
+    ],
     output: (frames_every: 8),
 )"#;
 

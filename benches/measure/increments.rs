@@ -259,7 +259,7 @@ fn uniaxial(scenes: &Scenes, full: bool, seed: u64) -> Result<LoadedScene, Bench
 
 /// `biaxial_50kPa.ron` or `biaxial_small.ron` on a packing of its own, of 400 or 6160 disks.
 fn biaxial(scenes: &Scenes, full: bool, seed: u64) -> Result<LoadedScene, BenchError> {
-    let mut loaded = scenes.biaxial(full, &["stages.load.stop=[AxialStrain(0.03)]"])?;
+    let mut loaded = scenes.biaxial(full, &["stages.load.stop=[Above(\"axial_strain\", 0.03)]"])?;
     let (count, columns, spacing) = if full { (6160, 47, 10.1e-3) } else { (400, 12, 10.08e-3) };
     loaded.scene.specimen = Specimen::Packing {
         count,

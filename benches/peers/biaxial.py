@@ -74,7 +74,7 @@ def clastic(bench, place, run):
         f"stages.load.increments={math.ceil(1.1 * last * height / (2 * step))}",
         f"stages.load.walls.bottom[1]={step!r}",
         f"stages.load.walls.top[1]={-step!r}",
-        f"stages.load.stop=[AxialStrain({last!r})]",
+        f"stages.load.stop=[Above(\"axial_strain\", {last!r})]",
         *bench.options.set,
     ]
     if run.single:

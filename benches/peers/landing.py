@@ -70,9 +70,10 @@ def scene(title, specimen, walls, stages, friction, law="Associated"):
   stages: [
 {stages}
   ],
-  measures: (axial_strain: Walls("bottom", "top"), lateral_strain: Walls("left", "right"),
-    axial_stress: Walls(walls: ["bottom", "top"], length: Between("left", "right")),
-    lateral_stress: Walls(walls: ["left", "right"], length: Between("bottom", "top"))),
+  measures: [(name: "axial_strain", of: Strain(Walls("bottom", "top"))),
+    (name: "lateral_strain", of: Strain(Walls("left", "right"))),
+    (name: "axial_stress", of: Stress(Walls(walls: ["bottom", "top"], length: Between("left", "right")))),
+    (name: "lateral_stress", of: Stress(Walls(walls: ["left", "right"], length: Between("bottom", "top"))))],
   output: (plots: false),
 )
 """
@@ -95,7 +96,7 @@ def test_stages(height, analysis="Static", rate=None, dt=None):
         move, step = "Displacement", 0.5 * SHEAR_STEP * height
     return f"""{hold}    Load(name: "shear", analysis: {analysis}, increments: {count}, walls: {{
       "bottom": {move}(0.0, {step!r}), "top": {move}(0.0, {-step!r}) }},
-      stop: [AxialStrain({1.02 * STRAINS[-1]!r})]),"""
+      stop: [Above("axial_strain", {1.02 * STRAINS[-1]!r})]),"""
 
 
 def read(path):

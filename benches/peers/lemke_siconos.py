@@ -26,7 +26,7 @@ from nsgs_siconos import Problem
 ROOT = Path(__file__).resolve().parent.parent.parent
 PROGRAM = ROOT / "target/release/clastic"
 SCENE = """(
-    version: 2,
+    version: 1,
     title: "twelve disks",
     analysis: Dynamic(dt: 5.0e-3),
     friction_law: Coulomb(),

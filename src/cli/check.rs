@@ -8,9 +8,8 @@ use crate::scene::load_with;
 use crate::scene::memory::poured;
 use crate::scene::one_round::one_round;
 use crate::scene::shown::label;
-use crate::scene::upgrade::upgrade;
 
-use super::CheckArgs;
+use super::SceneArgs;
 use super::exit::{Exit, Failure, say};
 use super::memory::fits;
 use super::own_findings::own_findings;
@@ -18,21 +17,9 @@ use super::resolve::resolve;
 use super::summary::in_one_round;
 
 /// Checks a scene.
-pub fn check(args: &CheckArgs, app: &App) -> Result<Exit, Failure> {
-    let CheckArgs { scene: args, upgrade: upgrades } = args;
+pub fn check(args: &SceneArgs, app: &App) -> Result<Exit, Failure> {
     let loaded = load_with(&resolve(&args.scene)?, &args.sets, |scene| own_findings(scene, app))?;
     fits(&loaded)?;
-    if *upgrades {
-        let Some(text) = upgrade(&loaded.text) else {
-            let message = format!(
-                "--upgrade: the scene is of version {} already, the latest one",
-                loaded.scene.version
-            );
-            return Err(Failure { exit: Exit::Usage, message });
-        };
-        say(text.trim_end())?;
-        return Ok(Exit::Ok);
-    }
     let scene = &loaded.scene;
     let poured: f64 = scene.stages.iter().map(|stage| poured(scene, stage)).sum();
     let poured = if poured > 0.0 { format!(" and about {poured} poured") } else { String::new() };

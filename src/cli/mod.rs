@@ -75,7 +75,7 @@ enum Command {
     /// Continue a run that was interrupted, killed or stalled, or extend one that has ended
     Resume(ResumeArgs),
     /// Read a scene and report everything that is wrong with it
-    Check(CheckArgs),
+    Check(SceneArgs),
     /// List the scenes that have a name: those in ./scenes and those that clastic ships
     List,
     /// Print a commented scene to start from
@@ -199,15 +199,6 @@ struct SceneArgs {
     /// Set a field of the scene, e.g. --set stages[0].increments=10; may be repeated
     #[arg(long = "set", value_name = "PATH=VALUE")]
     sets: Vec<String>,
-}
-
-#[derive(Args)]
-struct CheckArgs {
-    #[command(flatten)]
-    scene: SceneArgs,
-    /// Convert a scene of version 1 to version 2 and write it to standard output
-    #[arg(long)]
-    upgrade: bool,
 }
 
 #[derive(Args)]

@@ -42,7 +42,7 @@ pub fn own_findings(scene: &Scene, app: &App) -> Vec<Finding> {
             )
         }));
     }
-    for (i, measure) in scene.measures.list.iter().flatten().enumerate() {
+    for (i, measure) in scene.measures.iter().enumerate() {
         if let Quantity::Custom(kind) = &measure.of
             && !kind.trim().is_empty()
             && !measures.contains(&kind.as_str())

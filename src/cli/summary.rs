@@ -175,18 +175,17 @@ pub(super) fn in_one_round(reason: &str) -> String {
 
 /// Key results that the measured strain and stress should define but do not, with reasons.
 fn not_defined(script: &Script, ending: &Ending, results: &Results) -> Vec<String> {
-    let measures = &script.scene.measures;
-    if measures.axial_strain.is_none() || measures.axial_stress.is_none() {
+    let scene = &script.scene;
+    if scene.strain("axial_strain").is_none() || scene.stress("axial_stress").is_none() {
         return Vec::new();
     }
     let reason = |name: &str| results.not_defined.get(name);
     if let Some(reason) = reason("peak_stress_pa") {
-        let stage = script.scene.stages.get(script.reference_stage()).map_or("", |s| s.name());
+        let stage = scene.stages.get(script.reference_stage()).map_or("", |s| s.name());
         let stage = label(stage);
         return vec![format!(
             "no modulus and no peak stress: {reason} (the reference stage is {stage}; \
-             `{}` sets it)",
-            if script.scene.version == 1 { "measures.reference_stage" } else { "reference_stage" }
+             `reference_stage` sets it)"
         )];
     }
     let mut lines = Vec::new();
@@ -243,7 +242,7 @@ mod tests {
     const SCENE: &str = r#"(version: 1, title: "t", materials: {"m": ()},
         specimen: Particles([(position: (0.0, 0.0), radius: 1.0), (position: (0.0, 2.0), radius: 1.0)]),
         stages: [Load(name: "confine", increments: 1), Load(name: "shear", increments: 1)],
-        measures: (axial_strain: Particles(0, 1), axial_stress: Average(component: Yy, area: Fixed(1.0))))"#;
+        measures: [(name: "axial_strain", of: Strain(Particles(0, 1))), (name: "axial_stress", of: Stress(Average(component: Yy, area: Fixed(1.0))))])"#;
 
     /// Summary of a run of two stages, each with its number of increments and of capped increments.
     fn said(stages: [(u64, u64); 2], measured: bool, results: &Results) -> String {
@@ -251,7 +250,7 @@ mod tests {
         if !measured {
             scene.measures = Default::default();
         }
-        let stop = Some(Stop::AxialStrain(0.02));
+        let stop = Some(Stop::Above("axial_strain".to_owned(), 0.02));
         let ends = [("confine", None), ("shear", stop)].into_iter().zip(stages);
         let ends = ends.map(|((stage, stop), (increments, capped))| StageEnd {
             stage: stage.to_owned(),
@@ -280,7 +279,7 @@ mod tests {
         assert_eq!(
             said([(28, 0), (7, 0)], false, &Results::default()),
             "completed in 35 increments\n\
-             stage shear: stopped by AxialStrain(0.02) after 7 increments\n\
+             stage shear: stopped by Above(\"axial_strain\", 0.02) after 7 increments\n\
              results in runs/tension"
         );
     }
@@ -350,8 +349,7 @@ mod tests {
         let results = KeyResults::new(false).results();
         let text = said([(28, 0), (0, 0)], true, &results);
         let line = text.lines().find(|line| line.starts_with("no modulus")).unwrap_or_default();
-        for what in
-            ["no increment from the start", "reference stage is shear", "measures.reference_stage"]
+        for what in ["no increment from the start", "reference stage is shear", "`reference_stage`"]
         {
             assert!(line.contains(what), "no `{what}` in {text}");
         }

@@ -148,7 +148,6 @@ pub struct FrameMembranes {
     /// with a wall.
     pub is_closed: Vec<bool>,
     /// Chain k consists of the points from `first_point[k]` to `first_point[k + 1]`, exclusive.
-    /// Empty without chains.
     pub first_point: Vec<u32>,
     /// Identities of the grains, and walls, of the points.
     pub body: Vec<u32>,

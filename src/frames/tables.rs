@@ -6,8 +6,8 @@ use crate::tables::{Array, TableError, Tables};
 
 /// First word of the array `format`.
 const FORMAT: &str = "clastic frame";
-/// Versions of the format, the last of which follows the word: without and with membranes.
-const VERSIONS: [&str; 2] = ["2", "3"];
+/// Version of the format, which follows the word.
+const VERSION: &str = "1";
 
 impl Frame {
     /// The frame as arrays.
@@ -15,8 +15,7 @@ impl Frame {
     pub fn tables(&self) -> Tables {
         let mut tables = Tables::default();
         let mut put = |name: &str, array: Array| tables.put(name, array);
-        let version = VERSIONS[usize::from(!self.membranes.name.is_empty())];
-        put("format", Array::word(&format!("{FORMAT} {version}")));
+        put("format", Array::word(&format!("{FORMAT} {VERSION}")));
         put("increment", Array::count(self.increment));
         put("stage", Array::word(&self.stage));
         put("time_s", Array::value(self.time_s));
@@ -57,13 +56,11 @@ impl Frame {
         put("walls.first_point", Array::u32(walls.first_point.clone()));
         put("walls.point_m", Array::vectors(walls.point_m.iter().copied()));
         let membranes = &self.membranes;
-        if !membranes.name.is_empty() {
-            put("membranes.name", Array::text(membranes.name.iter().cloned()));
-            put("membranes.is_closed", Array::bool(membranes.is_closed.clone()));
-            put("membranes.first_point", Array::u32(membranes.first_point.clone()));
-            put("membranes.body", Array::u32(membranes.body.clone()));
-            put("membranes.point_m", Array::vectors(membranes.point_m.iter().copied()));
-        }
+        put("membranes.name", Array::text(membranes.name.iter().cloned()));
+        put("membranes.is_closed", Array::bool(membranes.is_closed.clone()));
+        put("membranes.first_point", Array::u32(membranes.first_point.clone()));
+        put("membranes.body", Array::u32(membranes.body.clone()));
+        put("membranes.point_m", Array::vectors(membranes.point_m.iter().copied()));
         tables
     }
 
@@ -75,7 +72,7 @@ impl Frame {
         let format = tables.text("format", &[]).map_or("", |format| format[0].as_str());
         match format.strip_prefix(FORMAT).map(str::trim) {
             None => return Err(FrameError::Foreign),
-            Some(version) if !VERSIONS.contains(&version) => {
+            Some(version) if version != VERSION => {
                 return Err(FrameError::Version(version.to_owned()));
             }
             Some(_) => {}
@@ -132,9 +129,6 @@ impl Frame {
         let membranes = &self.membranes;
         bad("membranes.body", membranes.body.iter().position(|id| !is_body(id)))?;
         from_all("walls.first_point", &self.walls.first_point, self.walls.point_m.len())?;
-        if membranes.name.is_empty() {
-            return Ok(());
-        }
         from_all("membranes.first_point", &membranes.first_point, membranes.point_m.len())
     }
 }
@@ -150,9 +144,6 @@ fn from_all(name: &str, first: &[u32], points: usize) -> Result<(), TableError> 
 }
 
 fn membranes(tables: &Tables) -> Result<FrameMembranes, TableError> {
-    if !tables.has("membranes.name") {
-        return Ok(FrameMembranes::default());
-    }
     let n = tables.rows("membranes.name")?;
     let points = tables.rows("membranes.point_m")?;
     Ok(FrameMembranes {

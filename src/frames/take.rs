@@ -126,18 +126,15 @@ impl FrameTables<'_, '_> {
     fn chains(&self) -> FrameMembranes {
         let mut list: Vec<_> = self.membranes.iter().collect();
         list.sort_unstable_by(|(a, _), (b, _)| a.name.cmp(&b.name));
-        let mut columns = FrameMembranes::default();
+        let mut columns = FrameMembranes { first_point: vec![0], ..FrameMembranes::default() };
         for (membrane, shape) in list {
             for chain in &shape.chains {
                 columns.name.push(membrane.name.clone());
                 columns.is_closed.push(chain.closed);
-                columns.first_point.push(columns.body.len() as u32);
                 columns.body.extend(chain.bodies.iter().map(|id| id.0));
                 columns.point_m.extend(chain.points.iter().map(DVec2::to_array));
+                columns.first_point.push(columns.body.len() as u32);
             }
-        }
-        if !columns.name.is_empty() {
-            columns.first_point.push(columns.body.len() as u32);
         }
         columns
     }

@@ -141,6 +141,7 @@ fn a_frame_holds_its_periodic_cell() {
 fn a_frame_without_anything_reads_back() {
     let empty = Frame {
         walls: FrameWalls { first_point: vec![0], ..FrameWalls::default() },
+        membranes: FrameMembranes { first_point: vec![0], ..FrameMembranes::default() },
         axial_strain: Some(0.25),
         ..Frame::default()
     };

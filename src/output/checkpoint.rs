@@ -19,9 +19,9 @@ use super::hashing_writer::HashingWriter;
 use super::run_record::{RunFacts, sha256};
 use crate::run::WorldState;
 
-/// Version of the format. It increases with every change of the stored types, which are the types
-/// that derive their encoding in this file and where plugins register state.
-pub const VERSION: u32 = 25;
+/// Version of the format. It increases when the stored types have changed since a release. These are
+/// the types that derive their encoding in this file and where plugins register state.
+pub const VERSION: u32 = 1;
 
 /// Length of a table that is kept whole.
 pub(super) const WHOLE: u64 = u64::MAX;

@@ -85,7 +85,7 @@ pub fn header(probes: &[String]) -> Vec<String> {
 
 /// Columns after all others: the measures of the scene beside its axial and lateral ones.
 pub fn measures(scene: &Scene) -> impl Iterator<Item = String> {
-    scene.measures.further().map(|measure| measure.name.clone())
+    scene.further_measures().map(|measure| measure.name.clone())
 }
 
 /// The row of an increment.

@@ -119,7 +119,7 @@ fn a_dumped_program_reads_back_and_has_the_dumped_solution() -> Result<(), Box<d
     for (f, g) in solution.forces.iter().zip(&dumped.forces) {
         assert!((f[0] - g[0]).abs() <= 1e-9 * g[0].abs(), "{f:?} {g:?}");
     }
-    let other = fs::read_to_string(&path)?.replacen("version 3", "version 1", 1);
+    let other = fs::read_to_string(&path)?.replacen("version 1", "version 2", 1);
     fs::write(&path, other)?;
     assert!(dump::read_program(&path).is_err());
     Ok(())

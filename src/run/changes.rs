@@ -13,7 +13,7 @@ use clastic_components::wall::WallControl;
 
 use super::state::StateView;
 use super::walls::find_walls;
-use crate::scene::format::{CellTarget, Load, Measures, Scene, Stage, WallControl as Wanted};
+use crate::scene::format::{CellTarget, Load, Scene, Stage, WallControl as Wanted};
 
 /// Changes in `new` that are not permitted when a run under `old` has reached `state`, each with a
 /// reason.
@@ -26,7 +26,6 @@ pub fn refused(old: &Scene, new: &Scene, state: &StateView) -> Vec<String> {
         }
     };
     let bodies = "the run has moved the particles already; start a new run";
-    fixed("version", old.version == new.version, "the checkpoint belongs to the other version");
     fixed("specimen", old.specimen == new.specimen, bodies);
     fixed("bonds", old.bonds == new.bonds, bodies);
     fixed("walls", old.walls == new.walls, "control them in later stages");
@@ -36,14 +35,11 @@ pub fn refused(old: &Scene, new: &Scene, state: &StateView) -> Vec<String> {
     let own = "stages that have ended used it; give it to later stages";
     fixed("analysis", old.analysis == new.analysis, own);
     fixed("gravity", old.gravity == new.gravity, own);
+    fixed("measures", old.measures == new.measures, "the history has a column for each");
     // A run that gets more stages names the reference stage that it had by default.
-    let measures =
-        Measures { reference_stage: old.measures.reference_stage.clone(), ..new.measures.clone() };
-    fixed("measures", old.measures == measures, "the history has a column for each");
     let counts_on = old.reference_stage() == new.reference_stage();
-    let is_named = old.strains_from() != new.strains_from();
-    let field = if new.version == 1 { "measures" } else { "reference_stage" };
-    fixed(field, counts_on || !is_named, "strains count from its stage");
+    let is_named = old.reference_stage != new.reference_stage;
+    fixed("reference_stage", counts_on || !is_named, "strains count from its stage");
     fixed("probes", old.probes == new.probes, "the history has columns for each");
     let energy = old.output.energy == new.output.energy;
     fixed(
@@ -51,11 +47,7 @@ pub fn refused(old: &Scene, new: &Scene, state: &StateView) -> Vec<String> {
         energy,
         "the columns of the history and the ledger exist from the start",
     );
-    let why = if new.version == 1 {
-        "strains count from the same stage; name it in `measures.reference_stage`"
-    } else {
-        "strains count from the same stage; name it in `reference_stage`"
-    };
+    let why = "strains count from the same stage; name it in `reference_stage`";
     fixed("stages", counts_on || is_named, why);
 
     let index = state.progress.stage;

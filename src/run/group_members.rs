@@ -30,7 +30,7 @@ fn wanted(world: &World) -> Vec<(String, scene::Select, bool)> {
         }
         _ => None,
     };
-    script.scene.measures.further().filter_map(of).collect()
+    script.scene.measures.iter().filter_map(of).collect()
 }
 
 /// The particles of a selection, in the order of identities.

@@ -27,7 +27,7 @@ impl MeasureKinds {
     /// Why a scene cannot run; `None` if plugins provide all its custom measures.
     #[must_use]
     pub fn refusal(&self, scene: &scene::Scene) -> Option<String> {
-        let missing = scene.measures.further().find_map(|measure| match &measure.of {
+        let missing = scene.measures.iter().find_map(|measure| match &measure.of {
             scene::Quantity::Custom(kind) => {
                 (!self.0.contains_key(kind.as_str())).then_some((&measure.name, kind))
             }

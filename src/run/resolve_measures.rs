@@ -21,13 +21,13 @@ use crate::scene::format as scene;
 /// Resolves the names in the scene's measures. A measure with a missing body or wall is left out.
 pub fn resolve_measures(world: &mut World) {
     let script = world.resource::<Script>();
-    let wanted = script.scene.measures.clone();
-    let list: Vec<_> = wanted.further().cloned().collect();
     let reference_stage = script.reference_stage();
-    let axial_strain = wanted.axial_strain.and_then(|m| strain(world, &m));
-    let lateral_strain = wanted.lateral_strain.and_then(|m| strain(world, &m));
-    let axial_stress = wanted.axial_stress.and_then(|m| stress(world, &m));
-    let lateral_stress = wanted.lateral_stress.and_then(|m| stress(world, &m));
+    let scene = &script.scene;
+    let strains = ["axial_strain", "lateral_strain"].map(|name| scene.strain(name).cloned());
+    let stresses = ["axial_stress", "lateral_stress"].map(|name| scene.stress(name).cloned());
+    let list: Vec<_> = scene.further_measures().cloned().collect();
+    let [axial_strain, lateral_strain] = strains.map(|of| strain(world, &of?));
+    let [axial_stress, lateral_stress] = stresses.map(|of| stress(world, &of?));
     let list = list
         .into_iter()
         .map(|scene::Measure { name, of }| {

@@ -109,8 +109,7 @@ fn error_of_stress(world: &mut World) -> f64 {
 /// The first stop condition of the stage that is met.
 fn stopped(world: &mut World, stage: &Stage) -> Option<Stop> {
     let load = stage.load()?;
-    let observation = world.resource::<Observation>();
-    let (strain, stress) = (observation.axial_strain, observation.axial_stress);
+    let stress = world.resource::<Observation>().axial_stress;
     let time = world.resource::<Progress>().time;
     let mut velocities = world.query::<&Velocity>();
     let maximum = velocities.iter(world).map(|v| v.0.length()).fold(0.0, f64::max);
@@ -122,9 +121,6 @@ fn stopped(world: &mut World, stage: &Stage) -> Option<Stop> {
     // The peak is negative in a tension test.
     let (peak, sign) = (script.peak.abs(), script.peak.signum());
     let held = load.stop.iter().find(|stop| match **stop {
-        // Strains are sums over increments. Round-off must not cause one more increment.
-        Stop::AxialStrain(limit) => strain
-            .is_some_and(|e| if limit < 0.0 { e <= limit + 1e-12 } else { e >= limit - 1e-12 }),
         // A drop below the error of the stress may be caused by this error.
         Stop::StressDrop(fraction) => {
             stress.is_some_and(|s| peak > 0.0 && sign * s < fraction * peak)

@@ -11,17 +11,15 @@ use crate::tables::{Array, Tables};
 
 pub(super) const ENTRIES: [&str; 2] = ["bond", "bond_state"];
 
-const LAW: [&str; 6] = [
+const LAW: [&str; 7] = [
     "bonds.normal_compliance_m_n",
     "bonds.tangential_compliance_m_n",
+    "bonds.rolling_compliance_rad_nm",
     "bonds.friction",
     "bonds.rolling_friction",
     "bonds.cohesion_pa",
     "bonds.tensile_strength_pa",
 ];
-
-/// Rolling compliance, rad/(N m), where a bond has one.
-pub(super) const ROLLING: &str = "bonds.rolling_compliance_rad_nm";
 
 /// The codes of the array `bonds.state`.
 const STATES: [BondState; 4] = [
@@ -52,6 +50,7 @@ pub(super) fn write(state: &WorldState, tables: &mut Tables) -> Result<(), Saved
             [
                 law.normal_compliance,
                 law.tangential_compliance,
+                law.rolling_compliance,
                 law.friction,
                 law.rolling_friction,
                 law.cohesion,
@@ -59,10 +58,6 @@ pub(super) fn write(state: &WorldState, tables: &mut Tables) -> Result<(), Saved
             ][k]
         };
         tables.put(name, Array::f64(bonds.iter().map(|(_, bond)| law(bond)).collect()));
-    }
-    let rolling: Vec<f64> = bonds.iter().map(|(_, bond)| bond.law.rolling_compliance).collect();
-    if rolling.iter().any(|compliance| *compliance > 0.0) {
-        tables.put(ROLLING, Array::f64(rolling));
     }
     Ok(())
 }
@@ -102,24 +97,17 @@ pub(super) fn read(
     for name in LAW {
         law.push(tables.f64(name, &[n])?);
     }
-    let rigid = vec![0.0; n];
-    let rolling = if tables.has(ROLLING) {
-        finite(tables, &[ROLLING])?;
-        tables.f64(ROLLING, &[n])?
-    } else {
-        &rigid
-    };
     let (mut bonds, mut states) = (Vec::with_capacity(n), Vec::with_capacity(n));
     for k in 0..n {
         let id = BondId(ids[k]);
         let law = BondLaw {
             normal_compliance: law[0][k],
             tangential_compliance: law[1][k],
-            rolling_compliance: rolling[k],
-            friction: law[2][k],
-            rolling_friction: law[3][k],
-            cohesion: law[4][k],
-            tensile_strength: law[5][k],
+            rolling_compliance: law[2][k],
+            friction: law[3][k],
+            rolling_friction: law[4][k],
+            cohesion: law[5][k],
+            tensile_strength: law[6][k],
         };
         let [a, b] = ends.map(|ends| BodyId(ends[k]));
         bonds.push((id, Bond { a, b, initial_gap: gaps[k], law }));

@@ -18,11 +18,6 @@ pub(super) const ENTRIES: [&str; 1] = [MEMBRANES];
 /// No wall: the membrane is closed.
 const NONE: u32 = u32::MAX;
 
-/// Whether a state has membranes.
-pub(super) fn are_there(state: &WorldState) -> Result<bool, StateError> {
-    Ok(!of(state)?.is_empty())
-}
-
 pub(super) fn write(state: &WorldState, tables: &mut Tables) -> Result<(), SavedError> {
     let list = of(state)?;
     if list.is_empty() {

@@ -37,16 +37,9 @@ pub use progress::Counts;
 
 /// First word of the array `format`.
 const FORMAT: &str = "clastic state";
-/// Version of the format, which follows the word. It increases with every change of the arrays. A
-/// state has the first version that has all its arrays, so that older programs read it too, and no
-/// program silently skips an array.
-const VERSION: u32 = 4;
-/// Version without elastic rolling moments.
-const WITH_CELL: u32 = 3;
-/// Version without a periodic cell and with another ledger.
-const WITH_GROUPS: u32 = 2;
-/// Version without rigid groups and membranes.
-const PLAIN: u32 = 1;
+/// Version of the format, which follows the word. It increases when arrays have changed since a
+/// release.
+const VERSION: u32 = 1;
 /// Prefix of arrays with the state of other plugins.
 const PLUGIN: &str = "plugin.";
 
@@ -100,7 +93,7 @@ pub enum SavedError {
     Foreign(String),
     /// The file is of another version of the format.
     #[error(
-        "a state of format {0}, and this clastic reads formats up to {VERSION}; save it again with this \
+        "a state of format {0}, and this clastic reads format {VERSION}; save it again with this \
          clastic"
     )]
     Version(String),
@@ -136,15 +129,7 @@ pub fn save(world: &mut World) -> Result<Tables, SavedError> {
     // Gathering the tables does not change the run.
     let _ = world.run_system_cached(gather_bodies);
     let mut tables = Tables::default();
-    // The first entry; its version is known when all arrays are there.
-    tables.put("format", Array::word(FORMAT));
-    let is_plain = groups::names(&state)?.is_empty() && !membranes::are_there(&state)?;
-    let is_new = cell::of(&state)?.is_some() || state.bytes(progress::LEDGER).is_some();
-    let mut version = match (is_plain, is_new) {
-        (_, true) => WITH_CELL,
-        (false, false) => WITH_GROUPS,
-        (true, false) => PLAIN,
-    };
+    tables.put("format", Array::word(&format!("{FORMAT} {VERSION}")));
     let thickness = world.resource::<Analysis>().thickness;
     progress::write(&state, thickness, &mut tables)?;
     let materials = world.resource::<Materials>();
@@ -159,10 +144,6 @@ pub fn save(world: &mut World) -> Result<Tables, SavedError> {
     contacts::write(&state, world, &mut tables)?;
     membranes::write(&state, &mut tables)?;
     cell::write(&state, &mut tables)?;
-    if [bonds::ROLLING, wall_laws::ROLLING].iter().any(|name| tables.has(name)) {
-        version = VERSION;
-    }
-    tables.put("format", Array::word(&format!("{FORMAT} {version}")));
     for name in state.names() {
         let known = AS_ARRAYS.iter().any(|entries| entries.contains(&name));
         if let Some(bytes) = state.bytes(name).filter(|_| !known && !OF_THE_SCENE.contains(&name)) {
@@ -189,7 +170,7 @@ impl SavedState {
         };
         match format.strip_prefix(FORMAT).map(str::trim) {
             None => return Err(SavedError::Foreign(format!("it is `{format}`"))),
-            Some(version) if !(PLAIN..=VERSION).any(|known| known.to_string() == version) => {
+            Some(version) if version != VERSION.to_string() => {
                 return Err(SavedError::Version(version.to_owned()));
             }
             Some(_) => {}

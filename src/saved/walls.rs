@@ -8,9 +8,7 @@ use clastic_systems::wall_states::WALL_CONTROL;
 use glam::DVec2;
 
 use super::columns::{add, bad, finite, identities, of, some};
-use super::wall_laws::{
-    bond, bond_row, contact, contact_row, law_row, read_rolling, rolling_row, write_rolling,
-};
+use super::wall_laws::{bond, bond_row, contact, contact_row, law, law_row};
 use super::{SavedError, wall_controls};
 use crate::run::wall_pieces::{count, moved, pieces};
 use crate::run::walls::WallCatalogue;
@@ -112,16 +110,14 @@ pub(super) fn write(
     let forces = forces.iter().map(|f| f.unwrap_or_default().0);
     tables.put("walls.external_force", Array::vectors(forces));
     let laws = of::<ContactLaw>(state, "contact_law", ids)?;
-    let law = |law: &Option<ContactLaw>| law.map_or([0.0; 5], |law| law_row(&law));
+    let law = |law: &Option<ContactLaw>| law.map_or([0.0; 6], |law| law_row(&law));
     tables.put("walls.law", Array::vectors(laws.iter().map(law)));
-    let rolling = |k: usize| rolling_row(laws[k].as_ref(), of_row.get(k).copied());
-    write_rolling(all().map(rolling).collect(), tables);
     let shape = |k: usize| of_row.get(k).filter(|w| !w.shape.is_line()).map(|w| as_ron(&w.shape));
     tables.put("walls.shape", text(&shape));
-    let contact = |k: usize| of_row.get(k).map_or([0.0; 5], |w| contact_row(&w.contact));
+    let contact = |k: usize| of_row.get(k).map_or([0.0; 6], |w| contact_row(&w.contact));
     tables.put("walls.contact", Array::vectors(all().map(contact)));
     let bond = |k: usize| of_row.get(k).and_then(|wall| wall.bond);
-    let bonds = all().map(|k| bond(k).map_or([f64::NAN; 6], |bond| bond_row(&bond)));
+    let bonds = all().map(|k| bond(k).map_or([f64::NAN; 7], |bond| bond_row(&bond)));
     tables.put("walls.bond", Array::vectors(bonds));
     wall_controls::write(state, ids, tables)
 }
@@ -190,18 +186,8 @@ pub(super) fn read(
     add(state, "last_motion", ids, motions.into_iter().map(|u| Some(LastMotion(u))))?;
     let forces = triples("walls.external_force")?;
     add(state, "external_force", ids, forces.into_iter().map(|f| Some(ExternalForce(f))))?;
-    let laws = tables.vectors::<5>("walls.law", n)?.into_iter().enumerate();
-    let rolling = read_rolling(tables, n)?;
-    let laws = laws.filter(|(k, _)| is_there(*k)).map(|(k, [n, t, mu, roll, e])| {
-        Some(ContactLaw {
-            normal_compliance: n,
-            tangential_compliance: t,
-            rolling_compliance: rolling[k][0],
-            friction: mu,
-            rolling_friction: roll,
-            restitution: e,
-        })
-    });
+    let laws = tables.vectors::<6>("walls.law", n)?.into_iter().enumerate();
+    let laws = laws.filter(|(k, _)| is_there(*k)).map(|(_, row)| Some(law(row)));
     add(state, "contact_law", ids, laws)?;
     let names = tables.text("walls.name", &[n])?;
     let probes = tables.text("walls.probe", &[n])?;
@@ -236,9 +222,8 @@ fn read_listed(
     }
     let starts = tables.vectors::<2>("walls.drawn_start_m", n)?;
     let ends = tables.vectors::<2>("walls.drawn_end_m", n)?;
-    let contacts = tables.vectors::<5>("walls.contact", n)?;
-    let bonds = tables.vectors::<6>("walls.bond", n)?;
-    let rolling = read_rolling(tables, n)?;
+    let contacts = tables.vectors::<6>("walls.contact", n)?;
+    let bonds = tables.vectors::<7>("walls.bond", n)?;
     let shapes = tables.text("walls.shape", &[n])?;
     let mut of_scene = Vec::new();
     let mut k = 0;
@@ -250,8 +235,8 @@ fn read_listed(
             start: starts[k].into(),
             end: ends[k].into(),
             shape,
-            contact: contact(contacts[k], rolling[k][1]),
-            bond: bond(bonds[k], rolling[k][2]),
+            contact: contact(contacts[k]),
+            bond: bond(bonds[k]),
             present: present[k],
             probe: some(&probes[k]),
         };

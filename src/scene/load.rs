@@ -214,7 +214,7 @@ fn from_text(
         }
         found.extend(findings(scene, specimen.as_ref(), &unsure));
         found.extend(further(scene));
-        let written = Written::of(text, scene.version);
+        let written = Written::of(text);
         let mut found = written.place(found);
         found.extend(written.findings);
         found.retain(|finding| !made_up.iter().any(|path| within(&finding.path, path)));

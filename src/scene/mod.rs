@@ -27,7 +27,6 @@ pub mod stored_state;
 #[cfg(test)]
 mod tests;
 mod unique_keys;
-pub mod upgrade;
 pub mod validate;
 mod values;
 

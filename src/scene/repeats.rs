@@ -17,8 +17,8 @@ pub(super) struct Written {
 }
 
 impl Written {
-    /// Reads the places from a text of a version.
-    pub fn of(text: &str, version: u32) -> Self {
+    /// Reads the places from a text.
+    pub fn of(text: &str) -> Self {
         let mut written = Self::default();
         if !text.contains("Repeat") {
             return written;
@@ -27,7 +27,7 @@ impl Written {
         let is_stages = |key: &str| key == "stages";
         let stages = field(&root, is_stages);
         let Some(list) = stages.filter(|list| list.shape == Shape::List) else { return written };
-        written.see(list, text, "stages", version);
+        written.see(list, text, "stages");
         if written.paths.len() > MAX_STAGES {
             let message = format!("more than {MAX_STAGES} stages");
             let help = "give fewer `times` to `Repeat`";
@@ -36,7 +36,7 @@ impl Written {
         written
     }
 
-    fn see(&mut self, list: &Node, text: &str, path: &str, version: u32) {
+    fn see(&mut self, list: &Node, text: &str, path: &str) {
         for (k, entry) in list.entries.iter().enumerate() {
             if self.paths.len() > MAX_STAGES {
                 return;
@@ -48,11 +48,6 @@ impl Written {
                 continue;
             }
             let repeat = unwrapped(&entry.value);
-            if version == 1 {
-                let help = "write `version: 2`; `clastic check SCENE --upgrade` shows what else \
-                            changes";
-                self.findings.push(Finding::new(&path, "`Repeat` is of version 2", help));
-            }
             let times = field(repeat, |key| key == "times");
             let times = times.and_then(|node| text.get(node.span.clone())?.parse::<u32>().ok());
             if times == Some(0) {
@@ -71,7 +66,7 @@ impl Written {
             }
             for _ in 0..times.unwrap_or(1) {
                 let before = self.findings.len();
-                self.see(stages, text, &format!("{path}.stages"), version);
+                self.see(stages, text, &format!("{path}.stages"));
                 if self.paths.len() > MAX_STAGES {
                     return;
                 }

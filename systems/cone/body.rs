@@ -22,7 +22,6 @@ pub struct FreeDof {
     pub load: f64,
     /// The part `inertia v_0 dt` of the load. It stands for the motion at the start of the
     /// increment and counts as no force in the residuals.
-    #[serde(default)]
     pub momentum: f64,
     /// Inertia `m / (theta dt^2)`, N/m (moments: N m/rad); 0 in static analysis.
     pub inertia: f64,

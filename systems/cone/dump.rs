@@ -8,7 +8,7 @@ use crate::program::{ConeProgram, ConeSolution, Interaction, ProgramBody, Progra
 
 /// The description of the convex program that every dump contains.
 pub const FORMAT: &str = "\
-clastic cone program, version 3. SI units: m, rad, N, N m. \
+clastic cone program, version 1. SI units: m, rad, N, N m. \
 Unknowns: (p, q, tau) of every interaction: normal force (compression positive), shear force, \
 rolling moment; and the displacements u of all free degrees of freedom, the multipliers of the \
 balance rows. \
@@ -53,9 +53,8 @@ pub const OF_ROLLING: &str = " The objective has 1/2 C_R (tau - tau_0)^2 besides
 rolling_compliance and tau_0 = previous_moment, so that d_r = C_R (tau - tau_0) + l3 - l4; an \
 interaction without the two has C_R = tau_0 = 0.";
 
-/// The first words of the formats that [`from_json`] reads. Version 2 had no arms of normal forces;
-/// they are read as 0.
-const READ: [&str; 2] = ["clastic cone program, version 2. ", "clastic cone program, version 3. "];
+/// The first words of [`FORMAT`].
+const READ: &str = "clastic cone program, version 1. ";
 
 /// A cone program and its solution, with their place in a run.
 #[derive(Clone, Debug)]
@@ -80,7 +79,7 @@ pub enum DumpError {
     #[error(transparent)]
     Json(#[from] serde_json::Error),
     /// It is of another version.
-    #[error("not a dump of version 2 or 3")]
+    #[error("not a dump of version 1")]
     Version,
 }
 
@@ -168,10 +167,10 @@ pub fn to_json(
 /// Reads what [`to_json`] wrote.
 ///
 /// # Errors
-/// Where the text is no dump of a version that is read, or has a number that is not finite.
+/// Where the text is no dump of this version, or has a number that is not finite.
 pub fn from_json(text: &str) -> Result<Dump, DumpError> {
     let written: Written = serde_json::from_str(text)?;
-    if !READ.iter().any(|version| written.format.starts_with(version)) {
+    if !written.format.starts_with(READ) {
         return Err(DumpError::Version);
     }
     Ok(Dump {

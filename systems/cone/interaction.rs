@@ -104,7 +104,6 @@ pub struct Interaction {
     pub limits: Limits,
     /// Share a of the associated dilation: sliding and rolling open the interaction by
     /// `a (mu |slip| + mu_r r |d_r|)`. 1 for the associated law, 0 for Coulomb's.
-    #[serde(default = "associated")]
     pub dilation: f64,
     /// Shift s of the image of b in the [cell](crate::program::ProgramCell), over the length of the
     /// cell; zero where b takes part itself.
@@ -174,11 +173,6 @@ impl Interaction {
         }
         self
     }
-}
-
-/// The dilation of a dump that does not state it.
-fn associated() -> f64 {
-    1.0
 }
 
 /// Whether a dump leaves a shift out.

@@ -12,6 +12,12 @@ use crate::common::files;
 use crate::resumed::{COULOMB, rolling_elastically, run, same_from_anywhere};
 use crate::same_bytes_of_rigs::{EXCAVATION, HINGED, POURED, THIN, TURNING};
 
+const MEASURES: &str = r#"measures=[
+    (name: "axial_strain", of: Strain(Walls("bottom", "top"))),
+    (name: "lateral_strain", of: Strain(Particles(0, 5))),
+    (name: "axial_stress", of: Stress(Average(component: Yy, area: Fixed(3.6e-3)))),
+]"#;
+
 /// A scene of `scenes/`, or a text, under settings.
 fn scene_of(rig: &str, sets: &[String]) -> LoadedScene {
     let path = format!("{}/scenes/{rig}.ron", env!("CARGO_MANIFEST_DIR"));
@@ -118,10 +124,6 @@ fn membrane_under_a_pressure_that_changes() {
     let (from, rows) =
         same_in_two("biaxial_membrane_small", &common, [&first, second], parent.path());
     assert_eq!(rows.len(), 4);
-    // A reader of version 1 would go on without the membrane.
-    let state = fs::read(parent.path().join("a/state_kept.npz")).unwrap();
-    let tables = Tables::decode(&state).unwrap();
-    assert_eq!(tables.text("format", &[]).unwrap(), ["clastic state 2"]);
     same_from_anywhere(&from, |_| true);
 }
 
@@ -230,7 +232,7 @@ fn a_dynamic_stage_with_an_until_begins_the_same_from_a_saved_state() {
 
 /// Elastic disks in a bin, of which one side can be taken away.
 const BIN: &str = r#"(
-    version: 2,
+    version: 1,
     title: "Bin",
     analysis: Dynamic(dt: 2.0e-3),
     gravity: (0.0, -9.81),
@@ -308,12 +310,7 @@ fn walls_that_are_away_and_loads_that_were_cut_short() {
         Load(name: "compress", increments: 6, walls: { "top": Displacement(0.0, -30.0e-6) },
             particles: [(select: Group("boundary"), moment: 1.0e-3)]),
         Load(name: "hold", increments: 2, add_walls: ["left"], gravity: (0.0, -9.81))"#;
-    let common = [
-        "measures=(axial_strain: Walls(\"bottom\", \"top\"), lateral_strain: Particles(0, 5), \
-         axial_stress: Average(component: Yy, area: Fixed(3.6e-3)))",
-        "probes={\"corner\": 5}",
-        "output=(energy: true)",
-    ];
+    let common = [MEASURES, "probes={\"corner\": 5}", "output=(energy: true)"];
     let parent = tempfile::tempdir().unwrap();
     same_in_two("COULOMB", &common, [first, second], parent.path());
     let record = text(&parent.path().join("a").join(directory::RUN));
@@ -333,15 +330,10 @@ fn rolling_moments_are_those_of_the_state() {
             "right": Stress(stress: 20.0e3, between: ("bottom", "top")) }),
         Load(name: "shear", increments: 3, walls: { "top": Displacement(10.0e-6, -10.0e-6) })"#;
     let second = r#"Load(name: "compress", increments: 6, walls: { "top": Displacement(5.0e-6, -30.0e-6) })"#;
-    let common = [
-        "measures=(axial_strain: Walls(\"bottom\", \"top\"), lateral_strain: Particles(0, 5), \
-         axial_stress: Average(component: Yy, area: Fixed(3.6e-3)))",
-        "output=(energy: true)",
-    ];
+    let common = [MEASURES, "output=(energy: true)"];
     same_in_two("ROLLING", &common, [first, second], parent.path());
     let state = fs::read(parent.path().join("a/state_kept.npz")).unwrap();
     let state = Tables::decode(&state).unwrap();
-    assert_eq!(state.text("format", &[]).unwrap()[0], "clastic state 4");
     let moments = state.f64("contacts.tau_nm", &[state.rows("contacts.tau_nm").unwrap()]).unwrap();
     assert!(moments.iter().any(|moment| moment.abs() > 1e-6), "{moments:?}");
 }
@@ -435,7 +427,7 @@ fn grains_that_are_poured_in_before_and_after() {
 
 /// Bonded disks on a floor.
 pub const RIGID: &str = r#"(
-    version: 2,
+    version: 1,
     title: "Rigid groups",
     gravity: (0.0, -9.81),
     materials: { "m": (density: 2000.0,
@@ -475,10 +467,6 @@ fn rigid_groups_in_both_analyses_under_both_laws() {
         let (from, rows) = same_in_two("RIGID", &common, [first, second], parent.path());
         assert!(rows.len() >= 8, "{common:?}: {}", rows.len());
         assert_eq!(from.scene.rigid_at_start, ["lower", "middle", "upper"]);
-        let state = fs::read(parent.path().join("a/state_kept.npz")).unwrap();
-        let tables = Tables::decode(&state).unwrap();
-        // With the energies of version 3.
-        assert_eq!(tables.text("format", &[]).unwrap(), ["clastic state 3"]);
         // Resumed from anywhere, also where `upper` is gone and where it is there again.
         same_from_anywhere(&from, |_| true);
     }
@@ -486,7 +474,7 @@ fn rigid_groups_in_both_analyses_under_both_laws() {
 
 /// Bonded and unbonded disks in a periodic cell.
 pub const CELL: &str = r#"(
-    version: 2,
+    version: 1,
     title: "Periodic cell",
     materials: { "sand": (density: 2650.0,
         contact: (normal_stiffness: 2.0e7, tangential_stiffness: 2.0e7, friction: 0.4),
@@ -529,9 +517,6 @@ fn periodic_cells_in_both_analyses_under_both_laws() {
             let common = [law, analysis];
             let (from, rows) = same_in_two("CELL", &common, [first, second], parent.path());
             assert!(rows.len() >= 9, "{common:?}: {}", rows.len());
-            let state = fs::read(parent.path().join("a/state_kept.npz")).unwrap();
-            let tables = Tables::decode(&state).unwrap();
-            assert_eq!(tables.text("format", &[]).unwrap(), ["clastic state 3"]);
             let sets = [
                 format!("specimen=State(path: {:?})", parent.path().join("a/state_kept.npz")),
                 format!("stages=[{second}]"),
@@ -539,6 +524,8 @@ fn periodic_cells_in_both_analyses_under_both_laws() {
             let error = scene::from_str(CELL, Path::new("rig.ron"), Path::new(""), &sets);
             let error = error.unwrap_err().to_string();
             assert!(error.contains("cell: the state has a periodic cell already"), "{error}");
+            let state = fs::read(parent.path().join("a/state_kept.npz")).unwrap();
+            let tables = Tables::decode(&state).unwrap();
             let size = tables.f64("cell.size_m", &[3]).unwrap();
             assert!(size[0] < 0.08 && size[1] < 0.08 && size[2] > 1e-4, "{size:?}");
             same_from_anywhere(&from, |n| n % 2 == 1);

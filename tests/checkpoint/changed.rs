@@ -92,7 +92,7 @@ fn what_may_change_depends_on_how_far_the_run_has_come() {
         "output.frames_every=2",
         "stages.release.increments=7",
         "stages.hold.gravity=(0.0, 0.0)",
-        "stages.compress.stop=[AxialStrain(0.01)]",
+        "stages.compress.stop=[Above(\"axial_strain\", 0.01)]",
         "stages.compress.walls.top[1]=-10.0e-6",
         "stages.compress.increments=40",
     ] {
@@ -104,7 +104,8 @@ fn what_may_change_depends_on_how_far_the_run_has_come() {
         ("walls.top.contact.friction=0.1", "walls"),
         ("thickness=2.0", "thickness"),
         ("gravity=(0.0, -1.0)", "gravity"),
-        ("measures.reference_stage=\"release\"", "measures"),
+        ("reference_stage=\"release\"", "reference_stage"),
+        ("measures[0].of=Strain(Walls(\"top\", \"bottom\"))", "measures"),
         ("bonds=[(a: 0, b: 1)]", "bonds"),
         ("stages.confine.increments=4", "stages.confine"),
         ("stages.cement.length=0.2e-3", "stages.cement"),

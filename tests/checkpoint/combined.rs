@@ -8,7 +8,7 @@ use crate::resumed::{load, parse, same_from_anywhere};
 /// Grains are poured on a packing. Some grains of the packing and some of the poured ones form rigid
 /// groups in between.
 const POUR: &str = r#"(
-    version: 2,
+    version: 1,
     title: "Pour beside rigid groups, a compaction and a landing",
     gravity: (0.0, -9.81),
     analysis: Dynamic(dt: 2.0e-3),

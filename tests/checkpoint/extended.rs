@@ -117,7 +117,7 @@ fn by_more_increments_and_stages_of_a_dynamic_run() {
         let stages = format!(
             r#"stages=[Load(name: "fall", increments: {increments}, stop: [Time(5.0)]), {more}]"#
         );
-        let sets = ["measures=(reference_stage: \"fall\")", &stages];
+        let sets = ["reference_stage=\"fall\"", &stages];
         load("bounce", &sets)
     };
     let more = r#"Save(name: "fallen"), Load(name: "heavy", increments: 9, gravity: (0.0, -20.0))"#;
@@ -155,8 +155,8 @@ fn what_would_not_be_a_run_in_one_piece_is_refused() {
     let more = format!("{hold} Load(name: \"more\", increments: 1),");
     let text = short.text.replace(hold, &more);
     let said = extend(parent.path(), &text).join("\n");
-    assert!(said.contains("name it in `measures.reference_stage`"), "{said}");
-    let text = text.replace("measures: (", "measures: (reference_stage: \"hold\",");
+    assert!(said.contains("name it in `reference_stage`"), "{said}");
+    let text = text.replace("measures: [", "reference_stage: \"hold\", measures: [");
     assert_eq!(extend(parent.path(), &text), [""; 0]);
 }
 
@@ -182,7 +182,7 @@ fn by_more_increments_of_a_stage_before_a_save() {
         let stages = format!(
             r#"stages=[Load(name: "fall", increments: {increments}), Save(name: "fallen"), {more}]"#
         );
-        load("bounce", &["measures=(reference_stage: \"fall\")", &stages])
+        load("bounce", &["reference_stage=\"fall\"", &stages])
     };
     same_as_in_one_piece(&with(20, ""), &with(33, ""));
     let on = r#"Load(name: "heavy", increments: 9, gravity: (0.0, -20.0)), Save(name: "end")"#;

@@ -211,10 +211,10 @@ pub const COULOMB: &str = r#"(
         Load(name: "release", increments: 4, remove_walls: ["left"], walls: { "top": Force(500.0) }),
         Load(name: "hold", increments: 2, add_walls: ["left"], gravity: (0.0, -9.81)),
     ],
-    measures: (
-        reference_stage: "compress",
-        axial_strain: Walls("bottom", "top"),
-        lateral_strain: Particles(0, 5),
-        axial_stress: Average(component: Yy, area: Fixed(3.6e-3)),
-    ),
+    reference_stage: "compress",
+    measures: [
+        (name: "axial_strain", of: Strain(Walls("bottom", "top"))),
+        (name: "lateral_strain", of: Strain(Particles(0, 5))),
+        (name: "axial_stress", of: Stress(Average(component: Yy, area: Fixed(3.6e-3)))),
+    ],
 )"#;

@@ -133,7 +133,6 @@ fn measures_that_look_back() {
         (name: "alignment", of: Cracks(part: Alignment, mode: Tension)),
     ]"#;
     let sets = [
-        "version=2",
         measures,
         "stages.load.stop=[]",
         "stages.confine.increments=2",

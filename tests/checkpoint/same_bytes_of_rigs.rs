@@ -121,7 +121,7 @@ fn thin_walls_lids_and_tables() {
 
 /// A heap in a box from which particles are taken away twice, with bonds and without.
 pub const EXCAVATION: &str = r#"(
-    version: 2,
+    version: 1,
     title: "Excavation of a bonded and of a loose heap",
     gravity: (0.0, -9.81),
     friction_law: ByAnalysis,
@@ -159,7 +159,7 @@ fn particles_that_are_taken_away() {
 /// A bonded heap on a plate that turns, beside a polyline that spins, and a drum below; groups whose
 /// force is measured.
 pub const TURNING: &str = r#"(
-    version: 2,
+    version: 1,
     title: "Walls that turn",
     gravity: (0.0, -9.81),
     friction_law: ByAnalysis,
@@ -211,7 +211,7 @@ fn walls_that_turn_and_groups_whose_force_is_measured() {
 /// A heap behind a gate under a moment, a cap of grains and a polyline that is one body, and a lid that
 /// follows a table of angles.
 pub const HINGED: &str = r#"(
-    version: 2,
+    version: 1,
     title: "Walls in rigid groups",
     gravity: (0.0, -9.81),
     friction_law: ByAnalysis,
@@ -263,7 +263,7 @@ fn a_load_on_what_is_in_a_strip() {
     {
         let records = same_from_anywhere(
             &parse(&format!(
-                r#"(version: 2, title: "strip", gravity: (0.0, -9.81), analysis: {analysis},
+                r#"(version: 1, title: "strip", gravity: (0.0, -9.81), analysis: {analysis},
               friction_law: {law},
               materials: {{ "m": (density: 2000.0, contact: (normal_stiffness: 1.0e6, friction: 0.3)) }},
               specimen: Particles([(position: (0.0, 0.01), radius: 0.01), (position: (0.05, 0.01), radius: 0.01)]),
@@ -284,7 +284,7 @@ fn a_load_on_what_is_in_a_strip() {
 /// A box into which grains of two minerals are poured on a bonded block that stands there; some of
 /// them are taken away, and others come through a full opening.
 pub const POURED: &str = r#"(
-    version: 2,
+    version: 1,
     title: "Grains that are poured in",
     gravity: (0.0, -9.81),
     analysis: Dynamic(dt: 2.0e-3),

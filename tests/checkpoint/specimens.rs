@@ -41,7 +41,7 @@ fn shipped_specimens_under_either_law_of_friction() {
 /// A packing by a sieve curve, cut to a disk with a hole and a notch, with clusters of a mineral, a
 /// layer and scattered bonds.
 const ALL: &str = r#"(
-    version: 2, title: "all", rupture: (rolling: Yields),
+    version: 1, title: "all", rupture: (rolling: Yields),
     materials: {
         "matrix": (contact: (normal_stiffness: 1.0e7, tangential_stiffness: 5.0e6, friction: 0.3),
             bond: (normal_stiffness: 1.0e7, tangential_stiffness: 5.0e6, friction: 0.5, cohesion: 2.0e4,
@@ -81,7 +81,7 @@ const ALL: &str = r#"(
 #[test]
 fn a_specimen_of_everything_under_either_law_of_friction() {
     for law in ["Associated", "Coulomb()"] {
-        let text = ALL.replacen("version: 2,", &format!("version: 2, friction_law: {law},"), 1);
+        let text = ALL.replacen("version: 1,", &format!("version: 1, friction_law: {law},"), 1);
         let loaded = parse(&text);
         assert!(broken(&loaded, |_| true) > 0, "{law}");
     }
@@ -144,7 +144,7 @@ fn an_imported_specimen_with_groups_under_either_law_of_friction() {
     fs::write(&file, rows).unwrap();
     for law in ["Associated", "Coulomb()"] {
         let loaded = parse(&format!(
-            r#"(version: 2, title: "file", friction_law: {law}, gravity: (0.0, -9.81),
+            r#"(version: 1, title: "file", friction_law: {law}, gravity: (0.0, -9.81),
             analysis: Dynamic(dt: 1.0e-3),
             materials: {{
                 "hard": (contact: (normal_stiffness: 1.0e6, tangential_stiffness: 1.0e6, friction: 0.5)),

@@ -170,12 +170,12 @@ pub fn small_cell(wall: &str, grain: &str) -> Scene {
                     \"top\": Displacement(0.0, -0.01e-3),
                 }}),
             ],
-            measures: (
-                axial_strain: Walls(\"bottom\", \"top\"),
-                lateral_strain: Walls(\"left\", \"right\"),
-                axial_stress: Average(component: Yy, area: Box((\"bottom\", \"top\"), (\"left\", \"right\"))),
-                lateral_stress: Average(component: Xx, area: Box((\"bottom\", \"top\"), (\"left\", \"right\"))),
-            ),
+            measures: [
+                (name: \"axial_strain\", of: Strain(Walls(\"bottom\", \"top\"))),
+                (name: \"lateral_strain\", of: Strain(Walls(\"left\", \"right\"))),
+                (name: \"axial_stress\", of: Stress(Average(component: Yy, area: Box((\"bottom\", \"top\"), (\"left\", \"right\"))))),
+                (name: \"lateral_stress\", of: Stress(Average(component: Xx, area: Box((\"bottom\", \"top\"), (\"left\", \"right\"))))),
+            ],
         )"
     ))
 }

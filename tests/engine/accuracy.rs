@@ -47,7 +47,7 @@ fn of_biaxial(increments: u32, accuracies: [Option<f64>; 2], stop: &str) -> Simu
         format!("stages.load.stop=[{stop}]"),
     ];
     if !stop.is_empty() {
-        sets.extend(["version=2".to_owned(), NAMED.to_owned()]);
+        sets.push(NAMED.to_owned());
     }
     let path = format!("{}/scenes/biaxial_small.ron", env!("CARGO_MANIFEST_DIR"));
     let mut loaded = scene::load(Path::new(&path), &sets).unwrap();

@@ -29,7 +29,7 @@ impl Test {
         let mut loaded = load_with_specimen("biaxial_small");
         let scene = &mut loaded.scene;
         scene.rupture.rolling = rolling;
-        stage(scene, "load").stop = vec![Stop::AxialStrain(end)];
+        stage(scene, "load").stop = vec![Stop::Above("axial_strain".to_owned(), end)];
         if strength > 0.0 {
             let bond = scene.materials.get_mut("sand").and_then(|m| m.bond.as_mut()).unwrap();
             (bond.cohesion, bond.tensile_strength) = (strength, strength);
@@ -43,7 +43,10 @@ impl Test {
             assert_eq!(record.status, IncrementStatus::Solved, "R = {strength}");
         }
         let last = simulation.world().resource::<Script>().ends.last().unwrap().clone();
-        assert_eq!((last.ended_by, last.stop), (Some(EndedBy::Stop), Some(Stop::AxialStrain(end))));
+        assert_eq!(
+            (last.ended_by, last.stop),
+            (Some(EndedBy::Stop), Some(Stop::Above("axial_strain".to_owned(), end)))
+        );
         let (confined, sheared) = records.into_iter().partition(|record| record.stage == "confine");
         Self { strength, confined, sheared }
     }

@@ -15,7 +15,7 @@ use crate::common::{parse, step};
 fn packing(more: &str, bond: &str, stages: &str) -> Scene {
     parse(&format!(
         r#"(
-    version: 2, title: "energy of a cell", output: (energy: true), {more}
+    version: 1, title: "energy of a cell", output: (energy: true), {more}
     materials: {{ "sand": (density: 2650.0,
         contact: (normal_stiffness: 3.0e7, tangential_stiffness: 1.0e7, friction: 0.4), {bond}) }},
     specimen: Packing(count: 100, columns: 10, spacing: 10.1e-3,

@@ -16,7 +16,7 @@ const PRESS: &str = r#"(
         (name: "lid", start: (0.5, 0.02), end: (-0.5, 0.02), contact: (normal_stiffness: 1.0e7)),
     ],
     stages: [Load(name: "press", increments: 10, walls: { "lid": Stress(stress: 10.0) })],
-    measures: (axial_stress: Walls(walls: ["lid"], length: Fixed(1.0))),
+    measures: [(name: "axial_stress", of: Stress(Walls(walls: ["lid"], length: Fixed(1.0))))],
 )"#;
 
 /// Stresses of all increments, with another target from the fifth one on.

@@ -43,10 +43,10 @@ pub(crate) fn confinement(porosity: f64, friction: f64, seed: u64) -> String {
                     }},
                 ),
             ],
-            measures: (
-                axial_stress: Walls(walls: [\"bottom\", \"top\"], length: Between(\"left\", \"right\")),
-                lateral_stress: Walls(walls: [\"left\", \"right\"], length: Between(\"bottom\", \"top\")),
-            ),
+            measures: [
+                (name: \"axial_stress\", of: Stress(Walls(walls: [\"bottom\", \"top\"], length: Between(\"left\", \"right\")))),
+                (name: \"lateral_stress\", of: Stress(Walls(walls: [\"left\", \"right\"], length: Between(\"bottom\", \"top\")))),
+            ],
         )"
     )
 }

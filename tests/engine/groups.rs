@@ -135,7 +135,7 @@ fn readings(scene: &Scene) -> Vec<(Vec<Option<f64>>, Vec<[f64; 3]>)> {
 fn the_force_on_a_group_is_that_on_its_boundary() {
     for analysis in ["Static", "Dynamic(dt: 1e-3)"] {
         let scene = parse(&format!(
-            "(version: 2, title: \"groups\", analysis: {analysis}, gravity: (0.0, -9.81),
+            "(version: 1, title: \"groups\", analysis: {analysis}, gravity: (0.0, -9.81),
               materials: {{ \"m\": (density: 2000.0,
                 contact: (normal_stiffness: 1e7, tangential_stiffness: 1e7, friction: 0.5)) }},
               specimen: Lattice(columns: 5, rows: 4, radius: 0.01),
@@ -172,7 +172,7 @@ fn the_force_on_a_group_is_that_on_its_boundary() {
 #[test]
 fn a_live_group_has_the_particles_that_are_there() {
     let scene = parse(
-        "(version: 2, title: \"fall\", analysis: Dynamic(dt: 1e-2), gravity: (0.0, -9.81),
+        "(version: 1, title: \"fall\", analysis: Dynamic(dt: 1e-2), gravity: (0.0, -9.81),
           materials: { \"m\": (density: 2000.0) },
           specimen: Particles([(position: (0.0, 0.01), radius: 0.01), (position: (0.5, 0.5), radius: 0.01)]),
           walls: [(name: \"floor\", start: (-1.0, 0.0), end: (1.0, 0.0))],
@@ -198,7 +198,7 @@ fn a_specimen_file_gives_its_particles_groups() {
     std::fs::write(folder.path().join("p.csv"), csv).unwrap();
     let read = |group: &str| {
         let text = format!(
-            "(version: 2, title: \"file\", materials: {{ \"m\": (density: 2000.0) }},
+            "(version: 1, title: \"file\", materials: {{ \"m\": (density: 2000.0) }},
               specimen: File(path: \"p.csv\"), probes: {{ \"a\": 0, \"b\": 1, \"c\": 2 }},
               stages: [Load(name: \"go\", increments: 1, particles: [
                 (select: All, x: Held, y: Held), (select: Group(\"{group}\"), x: Displacement(1.0e-3))])])"

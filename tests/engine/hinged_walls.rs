@@ -22,7 +22,7 @@ fn rows(head: &str, shape: &str, stages: &str) -> Scene {
         }
     }
     parse(&format!(
-        "(version: 2, title: \"gate\", {head} output: (energy: true),
+        "(version: 1, title: \"gate\", {head} output: (energy: true),
           materials: {{ \"steel\": (density: 7800.0, contact: (normal_stiffness: {K:?})) }},
           specimen: Particles([{disks}]),
           walls: [
@@ -163,7 +163,7 @@ fn a_seesaw_balances_by_the_law_of_the_lever() {
     for analysis in ["Static", "Dynamic(dt: 1.0e-3)"] {
         for (extra, falls) in [(0.0, false), (0.5, true), (-0.5, true)] {
             let scene = parse(&format!(
-                "(version: 2, title: \"seesaw\", gravity: (0.0, -9.81), analysis: {analysis},
+                "(version: 1, title: \"seesaw\", gravity: (0.0, -9.81), analysis: {analysis},
                   materials: {{ \"m\": (density: 2000.0) }},
                   specimen: Particles([(position: (-0.1, 0.02), radius: 0.02),
                     (position: (0.4, 0.01), radius: 0.01)]),
@@ -196,7 +196,7 @@ fn a_seesaw_balances_by_the_law_of_the_lever() {
 fn a_plate_swings_with_the_disk_that_carries_it() {
     let swing = |walls: &str| {
         let scene = parse(&format!(
-            "(version: 2, title: \"pendulum\", gravity: (0.0, -9.81), analysis: Dynamic(dt: 1.0e-3, theta: 0.5),
+            "(version: 1, title: \"pendulum\", gravity: (0.0, -9.81), analysis: Dynamic(dt: 1.0e-3, theta: 0.5),
               materials: {{ \"m\": (density: 2000.0) }},
               specimen: Particles([(position: (0.3, 0.4), radius: 0.05)]),
               walls: [(name: \"plate\", shape: Segment, start: (0.0, 0.6), end: (0.0, 0.9), probe: \"wall\")],
@@ -226,7 +226,7 @@ fn a_plate_swings_with_the_disk_that_carries_it() {
 fn a_gate_comes_from_afar_or_falls() {
     let gate = |disks: &str| {
         parse(&format!(
-            "(version: 2, title: \"gate\", materials: {{ \"m\": (density: 2000.0,
+            "(version: 1, title: \"gate\", materials: {{ \"m\": (density: 2000.0,
                 contact: (normal_stiffness: 1.0e7)) }},
               specimen: Particles([{disks}]),
               walls: [(name: \"gate\", shape: Segment, start: (0.0, 0.0), end: (0.0, 0.2),

@@ -19,7 +19,7 @@ use crate::common::*;
 /// A disk between two platens, each contact a spring of 1e7 N/m, loaded in steps of 10 um.
 fn column(law: &str, stages: &str) -> String {
     format!(
-        r#"(version: 2, title: "column", friction_law: {law},
+        r#"(version: 1, title: "column", friction_law: {law},
         materials: {{ "m": (density: 2000.0) }},
         specimen: Particles([(position: (0.0, 0.01), radius: 0.01)]),
         walls: [
@@ -139,7 +139,7 @@ fn a_platen_that_leaves_within_the_first_increment_lands_where_it_leaves() {
 fn the_number_of_broken_bonds_lands_at_the_rupture() {
     for order in ["Events", "OneRound", "AllAtOnce"] {
         let text = format!(
-            r#"(version: 2, title: "pull", rupture: (order: {order}),
+            r#"(version: 1, title: "pull", rupture: (order: {order}),
             materials: {{ "m": (density: 2000.0, bond: (normal_stiffness: 1.0e6,
                 tangential_stiffness: 1.0e6, cohesion: 1.0e6, tensile_strength: 1.0e3)) }},
             specimen: Particles([(position: (0.0, 0.0), radius: 0.01),
@@ -169,7 +169,7 @@ fn the_number_of_broken_bonds_lands_at_the_rupture() {
 fn an_increment_that_pours_is_undone_with_its_grains() {
     let text = |stop: &str| {
         parse(&format!(
-            r#"(version: 2, title: "bin", analysis: Dynamic(dt: 0.02), gravity: (0.0, -9.81),
+            r#"(version: 1, title: "bin", analysis: Dynamic(dt: 0.02), gravity: (0.0, -9.81),
             materials: {{ "m": (density: 1000.0) }},
             specimen: Particles([]),
             walls: [(name: "floor", start: (-0.5, 0.0), end: (0.5, 0.0))],

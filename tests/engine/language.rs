@@ -1,4 +1,4 @@
-//! The language of scenes, version 2: measures with names, conditions on them, repeated stages and
+//! The language of scenes: measures with names, conditions on them, repeated stages and
 //! values with names.
 
 use std::f64::consts::PI;
@@ -12,8 +12,7 @@ use clastic::run::measures::reading;
 use clastic::run::stages::Script;
 use clastic::run::{EndedBy, Outcome, Simulation, Step};
 use clastic::scene::format::{Scene, Stop};
-use clastic::scene::upgrade::upgrade;
-use clastic::scene::{LoadedScene, from_str, load};
+use clastic::scene::{LoadedScene, from_str};
 
 fn read(text: &str, sets: &[&str]) -> LoadedScene {
     let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
@@ -45,57 +44,10 @@ fn near(found: Option<f64>, expected: f64, tolerance: f64) {
     assert!((found - expected).abs() <= tolerance * expected.abs(), "{found} for {expected}");
 }
 
-#[test]
-fn every_shipped_scene_of_version_1_can_be_upgraded() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
-    let mut seen = 0;
-    for name in clastic::scene::shipped::names() {
-        let old = load(&folder.join(name).with_extension("ron"), &[]).unwrap();
-        let Some(text) = upgrade(&old.text) else { continue };
-        seen += 1;
-        let comments = |text: &str| text.matches("//").count();
-        assert_eq!(comments(&text), comments(&old.text), "{name}");
-        let new = read(&text, &[]).scene;
-        assert_eq!(new.version, 2, "{name}");
-        assert_eq!(new.strains_from(), old.scene.strains_from(), "{name}");
-        let roles = |scene: &Scene| {
-            let m = scene.measures.clone();
-            (m.axial_strain, m.lateral_strain, m.axial_stress, m.lateral_stress)
-        };
-        assert_eq!(roles(&new), roles(&old.scene), "{name}");
-        assert_eq!(upgrade(&text), None, "{name}");
-    }
-    assert!(seen >= 25, "{seen} scenes");
-}
-
-#[test]
-fn an_upgraded_scene_runs_to_the_same_curve() {
-    let old = shipped("biaxial_small").replace("AxialStrain(0.12)", "AxialStrain(0.003)");
-    let old = old.replace("measures: (\n", "measures: (\n        reference_stage: \"load\",\n");
-    let new = upgrade(&old).unwrap();
-    assert!(new.contains("    reference_stage: \"load\",\n    measures: [\n"), "{new}");
-    assert!(new.contains("stop: [Above(\"axial_strain\", 0.003)]"), "{new}");
-    let sets = ["stages.load.increments=9"];
-    let (old, new) = (history(&read(&old, &sets)), history(&read(&new, &sets)));
-    assert!(old.lines().count() > 8, "{old}");
-    assert_eq!(new, old);
-}
-
-#[test]
-fn upgrading_keeps_what_it_does_not_change() {
-    let old = "(version: 1, // one\n  stages: [Load(name: \"a\", increments: 1, stop: [Rest(1.0), AxialStrain(-0.1)])],\n  \
-               measures: (axial_stress: Some(Average(component: Yy, area: Fixed(2.0))), lateral_strain: None, // no\n  \
-               reference_stage: \"a\"), /* end */)";
-    let new = "(version: 2, // one\n  stages: [Load(name: \"a\", increments: 1, stop: [Rest(1.0), Below(\"axial_strain\", -0.1)])],\n  \
-               reference_stage: \"a\",\n  measures: [(name: \"axial_stress\", of: Stress(Average(component: Yy, area: Fixed(2.0)))), // no\n  \
-               ], /* end */)";
-    assert_eq!(upgrade(old).as_deref(), Some(new));
-}
-
 /// A lid presses a row of disks against a floor: two disks touch both, a third touches the floor
 /// only.
 const ROW: &str = r#"(
-    version: 2, title: "row", thickness: 0.5,
+    version: 1, title: "row", thickness: 0.5,
     let: { "k": 1.0e6, "down": 1.0e-4 },
     materials: { "m": (contact: (normal_stiffness: k)) },
     specimen: Particles([
@@ -184,7 +136,7 @@ fn a_stage_stops_at_any_measure_and_the_history_has_a_column_of_each() {
 fn a_stage_stops_by_every_kind_of_measure() {
     let stop = |law: &str, analysis: &str, kind: &str, stop: &str| {
         let text = format!(
-            r#"(version: 2, title: "stops", friction_law: {law}, analysis: {analysis},
+            r#"(version: 1, title: "stops", friction_law: {law}, analysis: {analysis},
             materials: {{ "m": (density: 2000.0,
                 contact: (normal_stiffness: 1.0e6, tangential_stiffness: 1.0e6, friction: 0.3),
                 bond: (normal_stiffness: 1.0e6, tangential_stiffness: 1.0e6, friction: 0.3,
@@ -254,7 +206,7 @@ fn a_stage_stops_by_every_kind_of_measure() {
 #[test]
 fn bonds_that_break_are_counted_by_mode() {
     let text = r#"(
-        version: 2, title: "pulled apart",
+        version: 1, title: "pulled apart",
         materials: { "m": (bond: (normal_stiffness: 8.0e6, cohesion: 4.0e3, tensile_strength: 2.0e3)) },
         specimen: Particles([
             (position: (0.0, 0.0), radius: 6.0e-3), (position: (12.0e-3, 0.0), radius: 6.0e-3),
@@ -283,7 +235,7 @@ fn bonds_that_break_are_counted_by_mode() {
 #[test]
 fn a_falling_disk_has_its_kinetic_energy_and_stops_by_time() {
     let text = r#"(
-        version: 2, title: "falls", gravity: (0.0, -10.0), friction_law: Coulomb(),
+        version: 1, title: "falls", gravity: (0.0, -10.0), friction_law: Coulomb(),
         let: { "dt": 1.0e-3 },
         analysis: Dynamic(dt: dt, theta: 1.0),
         materials: { "m": (density: 1000.0) },
@@ -437,7 +389,7 @@ fn until_lands_on_a_stress_by_displacement_and_by_load() {
 fn until_lands_on_an_energy_in_dynamics() {
     for law in ["Associated", "Coulomb()"] {
         let text = r#"(
-            version: 2, title: "falls", gravity: (0.0, -10.0), friction_law: LAW,
+            version: 1, title: "falls", gravity: (0.0, -10.0), friction_law: LAW,
             analysis: Dynamic(dt: 1.0e-3, theta: 0.5),
             materials: { "m": (density: 1000.0) },
             specimen: Particles([(position: (0.0, 1.0), radius: 0.1)]),
@@ -517,7 +469,7 @@ fn disks(simulation: &Simulation) -> f64 {
 #[test]
 fn a_measure_that_jumps_over_its_value_is_said_to_have_passed_it() {
     let text = r#"(
-        version: 2, title: "pull", rupture: (order: OneRound),
+        version: 1, title: "pull", rupture: (order: OneRound),
         materials: { "m": (density: 2000.0, bond: (normal_stiffness: 1.0e6,
             tangential_stiffness: 1.0e6, cohesion: 1.0e6, tensile_strength: 1.0e3)) },
         specimen: Particles([(position: (0.0, 0.0), radius: 0.01), (position: (0.02, 0.0), radius: 0.01)]),

@@ -17,7 +17,7 @@ fn a_disk_gains_the_work_of_the_field_that_it_crosses() {
     let mut errors = Vec::new();
     for dt in [1.0e-3, 0.5e-3] {
         let scene = parse(&format!(
-            "(version: 2, title: \"field\", analysis: Dynamic(dt: {dt:?}, theta: 0.5), output: (energy: true),
+            "(version: 1, title: \"field\", analysis: Dynamic(dt: {dt:?}, theta: 0.5), output: (energy: true),
               materials: {{ \"m\": (density: 2000.0) }},
               specimen: Particles([(position: (0.0, 0.0), radius: 0.01, velocity: (1.0, 0.0))]),
               stages: [
@@ -62,7 +62,7 @@ fn a_disk_carries_the_load_of_a_strip_while_it_is_in_it() {
         let strip = "select: Layer(normal: (1.0, 0.0), from: 0.0995, to: 0.1995), live: true";
         let lead = "(select: All, x: Displacement(0.01), rotation: Held)";
         let scene = parse(&format!(
-            "(version: 2, title: \"strip\", friction_law: {law}, gravity: (0.0, -9.81),
+            "(version: 1, title: \"strip\", friction_law: {law}, gravity: (0.0, -9.81),
               materials: {{ \"m\": (density: 2000.0) }},
               specimen: Particles([(position: (0.0, 0.01), radius: 0.01)]),
               walls: [(name: \"floor\", start: (-1.0, 0.0), end: (1.0, 0.0), probe: \"floor\")],

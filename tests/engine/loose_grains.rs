@@ -151,7 +151,7 @@ fn a_group_that_turns_beside_a_grain_is_no_loose_grain() {
     let far: String = (0..8).map(|k| format!("(position: ({k}.5, 1.0), radius: 0.01),")).collect();
     let scene = parse(&format!(
         "(
-            version: 2,
+            version: 1,
             title: \"turning\",
             materials: {{ \"stone\": (contact: (normal_stiffness: 1.0e8)) }},
             specimen: Particles([

@@ -27,7 +27,7 @@ fn deformed() -> Simulation {
     let law = format!("normal_stiffness: {:?}, tangential_stiffness: {:?}", K[0], K[1]);
     let scene = parse(&format!(
         r#"(
-        version: 2, title: "ten disks", thickness: 0.5,
+        version: 1, title: "ten disks", thickness: 0.5,
         materials: {{ "m": (contact: ({law}, friction: 10.0),
             bond: ({law}, cohesion: 1.0e9, tensile_strength: 1.0e9)) }},
         specimen: Particles([{}]),
@@ -157,7 +157,7 @@ fn a_crack_has_the_length_and_the_direction_of_the_bond_that_broke() {
     // degrees. The second has twice the strength, and breaks by half the stiffness later.
     let scene = parse(
         r#"(
-        version: 2, title: "two pairs",
+        version: 1, title: "two pairs",
         materials: { "m": (bond: (normal_stiffness: 1.0e6, tangential_stiffness: 1.0e6,
             cohesion: 1.0e4, tensile_strength: 1.0e3)) },
         specimen: Particles([

@@ -70,7 +70,7 @@ fn pressed() -> Simulation {
     let top = 2.0 * 3.0_f64.sqrt() + 1.0;
     after_one(&parse(&format!(
         r#"(
-        version: 2, title: "ten disks", thickness: {H:?},
+        version: 1, title: "ten disks", thickness: {H:?},
         materials: {{ "m": (contact: ({law}, friction: 10.0)) }},
         specimen: Particles([{}]),
         walls: [
@@ -222,7 +222,7 @@ fn the_structure_of_ten_pressed_disks_is_that_by_hand() {
 fn ruptures_cracks_and_fragments_of_ten_disks_are_those_by_hand() {
     let scene = parse(
         r#"(
-        version: 2, title: "five pairs", rupture: (rolling: Breaks, order: OneRound),
+        version: 1, title: "five pairs", rupture: (rolling: Breaks, order: OneRound),
         materials: { "m": (contact: (normal_stiffness: 1.0e6), bond: (normal_stiffness: 1.0e6,
             tangential_stiffness: 1.0e6, friction: 0.5, rolling_friction: 0.1, cohesion: 1.0e3, tensile_strength: 1.0e3)) },
         specimen: Particles([
@@ -292,7 +292,7 @@ fn apart(settings: &str) -> Scene {
         .map(|k| format!("(position: ({:?}, 1.0), radius: 1.0)", 3.0 * f64::from(k)))
         .collect();
     parse(&format!(
-        r#"(version: 2, title: "ten apart", thickness: {H:?}, gravity: (0.0, -9.81),
+        r#"(version: 1, title: "ten apart", thickness: {H:?}, gravity: (0.0, -9.81),
         specimen: Particles([{}]), output: (energy: true), {settings},
         measures: [
             (name: "kinetic", of: KineticEnergy), (name: "change", of: Energy(Kinetic)),

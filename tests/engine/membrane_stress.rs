@@ -32,7 +32,7 @@ fn an_isotropic_load_on_plates_is_read_as_the_pressure() {
     // A contact carries p h d = 450 N, and gives way by 7.5e-9 m: 7.5e-7 of a diameter.
     let scene = parse(&format!(
         r#"(
-        version: 2, title: "isotropic", thickness: {THICKNESS:?},
+        version: 1, title: "isotropic", thickness: {THICKNESS:?},
         materials: {{ "m": (contact: (normal_stiffness: 6.0e10, tangential_stiffness: 3.0e10,
             friction: 0.5, rolling_friction: 0.05)) }},
         specimen: Particles([{}]),

@@ -22,7 +22,7 @@ fn scene(particles: &str, size: [f64; 2], friction: f64, more: &str, stages: &st
     let [width, height] = size;
     parse(&format!(
         r#"(
-    version: 2, title: "cell",
+    version: 1, title: "cell",
     materials: {{ "sand": (density: 2650.0, contact: (normal_stiffness: {NORMAL:?},
         tangential_stiffness: {TANGENTIAL:?}, friction: {friction:?})) }},
     specimen: {particles},
@@ -269,7 +269,7 @@ fn fabric_and_strain_of_particles_across_the_sides() {
         let mut scene = scene(&disks, size, 100.0, r#"reference_stage: "a","#, &stages);
         let further = expected.iter().map(|(name, of, _)| (*name, of.clone()));
         let further = further.map(|(name, of)| Measure { name: name.to_owned(), of });
-        scene.measures.list.as_mut().unwrap().extend(further);
+        scene.measures.extend(further);
         let mut simulation = Simulation::new(&scene, None);
         while next(&mut simulation).is_some() {}
         for (name, _, value) in &expected {

@@ -22,7 +22,7 @@ const DT: f64 = 1e-3;
 /// stages that follow.
 fn bin(pour: &str, then: &str) -> Scene {
     parse(&format!(
-        "(version: 2, title: \"bin\", analysis: Dynamic(dt: {DT:?}), gravity: (0.0, -9.81),
+        "(version: 1, title: \"bin\", analysis: Dynamic(dt: {DT:?}), gravity: (0.0, -9.81),
           materials: {{
             \"a\": (density: 1000.0, contact: (friction: 0.4)),
             \"b\": (density: 2000.0, contact: (friction: 0.4)) }},

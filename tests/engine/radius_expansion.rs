@@ -59,7 +59,7 @@ fn radii_grow_by_one_factor_to_the_porosity_and_no_disks_overlap() {
         *of = seed;
         if law == "Coulomb" {
             scene.friction_law = parse(
-                r#"(version: 2, title: "law", materials: {"m": ()}, friction_law: Coulomb(),
+                r#"(version: 1, title: "law", materials: {"m": ()}, friction_law: Coulomb(),
                 specimen: Particles([(position: (0.0, 0.0), radius: 1.0)]),
                 stages: [Load(name: "l", increments: 1)])"#,
             )
@@ -98,7 +98,7 @@ fn radii_grow_by_one_factor_to_the_porosity_and_no_disks_overlap() {
 #[test]
 fn disks_of_a_periodic_cell_grow_while_the_cell_stands_still() {
     let scene = parse(
-        r#"(version: 2, title: "cell", materials: {"m": ()}, cell: (size: (20.0, 20.0)),
+        r#"(version: 1, title: "cell", materials: {"m": ()}, cell: (size: (20.0, 20.0)),
         specimen: Packing(count: 100, columns: 10, spacing: 2.0,
             sizes: Uniform(radius: (0.4, 0.8)), seed: 5),
         stages: [Compact(name: "expand", target: Porosity(0.22), by: Radii, step: 0.01,
@@ -139,7 +139,7 @@ fn a_packing_that_jams_while_it_grows_says_at_what_porosity() {
 #[test]
 fn bonded_grains_do_not_grow() {
     let scene = parse(
-        r#"(version: 2, title: "bonded", materials: {"m": (bond: (cohesion: 1.0, tensile_strength: 1.0))},
+        r#"(version: 1, title: "bonded", materials: {"m": (bond: (cohesion: 1.0, tensile_strength: 1.0))},
         specimen: Lattice(columns: 3, rows: 3, radius: 0.5, origin: (0.5, 0.5)),
         walls: [(name: "bottom", start: (0.0, 0.0), end: (4.0, 0.0)),
             (name: "top", start: (4.0, 4.0), end: (0.0, 4.0))],

@@ -19,8 +19,8 @@ fn recipe(comment: &str) -> String {
 fn pluviated_sand_is_loaded_under_a_lid_under_either_law_of_friction() {
     let text = recipe("// Pluviation, lid, oedometer.");
     for law in ["Associated", "Coulomb()"] {
-        let law = format!("version: 2, friction_law: {law},");
-        let scene = parse(&text.replacen("version: 2,", &law, 1));
+        let law = format!("version: 1, friction_law: {law},");
+        let scene = parse(&text.replacen("version: 1,", &law, 1));
         let mut simulation = Simulation::new(&scene, None);
         assert_eq!(simulation.run(), Outcome::Completed, "{law}");
         let disks: Vec<Particle> =

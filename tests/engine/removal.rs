@@ -23,7 +23,7 @@ fn column(analysis: &str, stages: &str) -> Scene {
         format!("(position: (0.0, {y:?}), radius: 0.01, probe: \"{k}\")")
     });
     parse(&format!(
-        "(version: 2, title: \"column\", analysis: {analysis}, gravity: (0.0, -9.81),
+        "(version: 1, title: \"column\", analysis: {analysis}, gravity: (0.0, -9.81),
           materials: {{ \"m\": (density: 2000.0,
             contact: (normal_stiffness: 1e6, tangential_stiffness: 1e6, friction: 0.5),
             bond: (normal_stiffness: 1e6, tangential_stiffness: 1e6, cohesion: 1e6, tensile_strength: 1e6)) }},
@@ -135,7 +135,7 @@ fn energy_that_a_removal_frees_is_motion_and_neither_turning_nor_numerical() {
         [(vec![disk(0.01), disk(0.03)], 0.05, by_disk), (vec![disk(0.01)], 0.02, by_wall)]
     {
         let scene = parse(&format!(
-            "(version: 2, title: \"pair\", gravity: (0.0, -9.81),
+            "(version: 1, title: \"pair\", gravity: (0.0, -9.81),
               materials: {{ \"m\": (density: 2000.0, contact: (normal_stiffness: {k:?})) }},
               specimen: Particles([{}]),
               walls: [(name: \"floor\", start: (-1.0, 0.0), end: (1.0, 0.0), probe: \"floor\",
@@ -175,7 +175,7 @@ fn particles_take_the_energy_of_their_contacts_out_of_a_packing() {
         let mut scene = load("isotropic_compression");
         scene.friction_law = law;
         scene.output.energy = true;
-        scene.measures.reference_stage = None;
+        scene.reference_stage = None;
         scene.stages.truncate(2);
         let Some(Stage::Load(confine)) = scene.stages.last().cloned() else { panic!("a load") };
         let increments = confine.increments;

@@ -19,7 +19,7 @@ fn grains_in_a_floating_half_slide_over_a_plane_at_mu() {
     let recipe = recipe.trim_start_matches("ron");
     for law in ["Coulomb()", "Associated"] {
         let scene = parse(&format!(
-            r#"(version: 2, title: "box", friction_law: {law},
+            r#"(version: 1, title: "box", friction_law: {law},
             materials: {{ "sand": (contact: (normal_stiffness: 1.0e8, tangential_stiffness: 1.0e8,
                 friction: 0.5)) }},
             specimen: Lattice(columns: 10, rows: 4, radius: 5.0e-3, origin: (5.0e-3, 5.0e-3)),
@@ -53,7 +53,7 @@ fn grains_in_a_floating_half_slide_over_a_plane_at_mu() {
 fn rows_of_two_rigid_halves_ride_over_each_other_as_by_patton() {
     let (mu, r, step) = (0.2_f64, 5.0e-3, 2.0e-5);
     let scene = parse(&format!(
-        r#"(version: 2, title: "halves", friction_law: Coulomb(),
+        r#"(version: 1, title: "halves", friction_law: Coulomb(),
         materials: {{ "rock": (contact: (friction: {mu:?})) }},
         specimen: Lattice(columns: 12, rows: 4, radius: {r:?}, origin: (0.0, 0.0)),
         groups: {{

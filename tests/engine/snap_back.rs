@@ -260,7 +260,7 @@ fn bundle(throw: f64) -> Simulation {
         + &wall("grip", (6.0e-3, 16.0e-3), (-6.0e-3, 16.0e-3));
     let text = format!(
         "(
-            version: 2,
+            version: 1,
             title: \"bundle\",
             rupture: (snap_back: true),
             acceptance: (throw: {throw:?}),

@@ -35,7 +35,7 @@ const MATERIALS: &str = r#"materials: { "rock": (), "clay": (), "mica": () },
 #[test]
 fn a_specimen_is_cut_to_a_disk_with_a_hole_and_a_notch() {
     let scene = parse(&format!(
-        r#"(version: 2, title: "disk", {MATERIALS},
+        r#"(version: 1, title: "disk", {MATERIALS},
         specimen: Lattice(columns: 41, rows: 47, radius: 0.5, origin: (-20.0, -20.0), material: "rock"),
         keep: Except(Circle(centre: (0.0, 0.0), radius: 15.0), Union([
             Circle(centre: (0.0, 0.0), radius: 4.0),
@@ -68,7 +68,7 @@ fn layers_and_minerals_have_their_shares_and_follow_places() {
     for seed in [2, 19, 333] {
         let text = |size: f64| {
             format!(
-                r#"(version: 2, title: "minerals", {MATERIALS},
+                r#"(version: 1, title: "minerals", {MATERIALS},
             specimen: Packing(count: 4000, columns: 50, spacing: 1.0,
                 sizes: Uniform(radius: (0.2, 0.5)), seed: {seed}, material: "rock"),
             minerals: [
@@ -110,7 +110,7 @@ fn minerals_do_not_depend_on_the_order_of_the_particles() {
     for seed in [2, 19, 333] {
         let text = |specimen: &str| {
             format!(
-                r#"(version: 2, title: "minerals", {MATERIALS}, specimen: {specimen},
+                r#"(version: 1, title: "minerals", {MATERIALS}, specimen: {specimen},
                 minerals: [(material: "mica", clusters: (share: 0.3, size: 3.0, seed: {seed}))])"#
             )
         };
@@ -154,7 +154,7 @@ fn pulled(order: impl Fn(usize) -> usize, seed: u32) -> (BTreeMap<[u64; 4], Bond
         .map(|k| format!("(position: {:?}, radius: 1.0e-3)", places[order(k)]))
         .collect();
     let scene = parse(&format!(
-        r#"(version: 2, title: "pulled", rupture: (rolling: Yields),
+        r#"(version: 1, title: "pulled", rupture: (rolling: Yields),
         materials: {{ "rock": (
             contact: (normal_stiffness: 1.0e7, tangential_stiffness: 5.0e6, friction: 0.5),
             bond: (normal_stiffness: 1.0e7, tangential_stiffness: 5.0e6, friction: 0.5,

@@ -40,13 +40,14 @@ fn loads_of_a_stage_that_ends_early_go_on_from_where_they_were() {
             // One newton more on lid and disk in every increment; the floor yields by F/k.
             Load(name: "ramp", increments: 10, walls: { "lid": Force(10.0) },
                 particles: [(select: Probe("disk"), x: Held, rotation: Held, force: (0.0, -10.0))],
-                stop: [AxialStrain(8.5e-6)]),
+                stop: [Above("axial_strain", 8.5e-6)]),
             Load(name: "hold", increments: 2,
                 particles: [(select: Probe("disk"), x: Held, rotation: Held)]),
             Load(name: "more", increments: 3, walls: { "lid": Force(6.0) },
                 particles: [(select: Probe("disk"), x: Held, rotation: Held, force: (0.0, -9.0))]),
         ],
-        measures: (reference_stage: "ramp", axial_strain: Walls("floor", "lid")),
+        reference_stage: "ramp",
+        measures: [(name: "axial_strain", of: Strain(Walls("floor", "lid")))],
         "#,
     ));
     let forces = |name: &str| -> Vec<f64> {
@@ -115,10 +116,10 @@ fn stress_drop_ends_a_tension_test() {
             (select: Index([0]), x: Held, y: Held, rotation: Held),
             (select: Index([1]), x: Displacement(1.0e-6), y: Held, rotation: Held),
         ])],
-        measures: (
-            axial_strain: Particles(0, 1),
-            axial_stress: Average(component: Xx, area: Fixed(1.0)),
-        ),
+        measures: [
+            (name: "axial_strain", of: Strain(Particles(0, 1))),
+            (name: "axial_stress", of: Stress(Average(component: Xx, area: Fixed(1.0)))),
+        ],
     )"#;
     let mut simulation = Simulation::new(&parse(text), None);
     let mut last = None;
@@ -265,10 +266,10 @@ fn stress_drop_waits_for_a_stress_that_is_no_round_off() {
             (select: Index([0, 1]), x: Displacement(5.771e-5), y: Held, rotation: Held),
             (select: Index([2]), x: Held, y: Held, rotation: Held),
         ])],
-        measures: (
-            axial_strain: Particles(0, 2),
-            axial_stress: Average(component: Xx, area: Fixed(0.01)),
-        ),
+        measures: [
+            (name: "axial_strain", of: Strain(Particles(0, 2))),
+            (name: "axial_stress", of: Stress(Average(component: Xx, area: Fixed(0.01)))),
+        ],
     )"#;
     let records = records(text);
     let stresses: Vec<_> = records.iter().map(|record| record.axial_stress.unwrap()).collect();
@@ -333,7 +334,7 @@ fn the_default_friction_law_is_coulombs_where_elastic_grains_move() {
 fn a_wall_that_comes_with_particles_behind_it_is_refused() {
     let scene = |lid: &str| {
         parse(&format!(
-            r#"(version: 2, title: "lid", gravity: (0.0, -9.81), analysis: Dynamic(dt: 5.0e-3),
+            r#"(version: 1, title: "lid", gravity: (0.0, -9.81), analysis: Dynamic(dt: 5.0e-3),
             materials: {{ "m": (density: 2650.0, contact: (friction: 0.5)) }},
             specimen: Particles([(position: (0.0, 0.01), radius: 0.01), (position: (0.0, 0.05), radius: 0.01)]),
             walls: [

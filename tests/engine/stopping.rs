@@ -141,7 +141,7 @@ fn a_halted_app_says_why_once() {
 #[test]
 fn a_collapse_ends_a_stage_of_a_scene_and_does_not_stop_its_app() {
     let text = r#"(
-        version: 2, title: "a disk that nothing carries", gravity: (0.0, -9.81),
+        version: 1, title: "a disk that nothing carries", gravity: (0.0, -9.81),
         materials: { "stone": (density: 2650.0) },
         specimen: Particles([(position: (0.0, 0.0), radius: 1.0)]),
         stages: [Load(name: "hang", increments: 2),

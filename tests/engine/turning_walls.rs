@@ -19,7 +19,7 @@ fn plate(analysis: &str, contact: &str, stages: &str) -> Scene {
     let disks = [0.05, 0.09, 0.15]
         .map(|x| format!("(position: ({x:?}, 0.01), radius: 0.01, probe: \"{x:?}\")"));
     parse(&format!(
-        "(version: 2, title: \"plate\", analysis: {analysis}, gravity: (0.0, -9.81),
+        "(version: 1, title: \"plate\", analysis: {analysis}, gravity: (0.0, -9.81),
           materials: {{ \"m\": (density: 2000.0, contact: ({contact})) }},
           specimen: Particles([{}]),
           walls: [(name: \"plate\", shape: Segment, start: (0.0, 0.0), end: (0.2, 0.0), probe: \"plate\",
@@ -141,7 +141,7 @@ fn a_wall_turns_about_its_toe_into_springs() {
     let disks = heights.map(|y| format!("(position: (-0.01, {y:?}), radius: 0.01)")).join(", ");
     for shape in ["Line", "Segment", "Polyline([(0.0, 0.04)])"] {
         let scene = parse(&format!(
-            "(version: 2, title: \"toe\",
+            "(version: 1, title: \"toe\",
               materials: {{ \"m\": (density: 2000.0, contact: (normal_stiffness: 1e7)) }},
               specimen: Particles([{disks}]),
               walls: [(name: \"wall\", start: (0.0, 0.0), end: (0.0, 0.1), shape: {shape}, probe: \"wall\",
@@ -187,7 +187,7 @@ fn a_drum_turns_under_a_disk_that_slides() {
         ("Dynamic(dt: 1e-3)", "Spin(about: (0.0, 0.0), angular_velocity: 2.0)"),
     ] {
         let mut scene = parse(&format!(
-            "(version: 2, title: \"drum\", analysis: {analysis}, gravity: (0.0, -9.81),
+            "(version: 1, title: \"drum\", analysis: {analysis}, gravity: (0.0, -9.81),
               materials: {{ \"m\": (density: 2000.0, contact: (friction: {mu:?})) }},
               specimen: Particles([(position: ({:?}, {:?}), radius: 0.01)]),
               walls: [(name: \"drum\", shape: Arc(through: (0.0, 0.1)), start: (0.0, -0.1), end: (0.0, -0.1),
@@ -215,7 +215,7 @@ fn cemented_disks_turn_with_their_plate() {
     let bond = "normal_stiffness: 1e7, tangential_stiffness: 1e7, cohesion: 1e7, \
                 tensile_strength: 1e7, rolling_friction: 0.5, friction: 0.5";
     let scene = parse(&format!(
-        "(version: 2, title: \"clamp\", rupture: (rolling: Yields),
+        "(version: 1, title: \"clamp\", rupture: (rolling: Yields),
           materials: {{ \"m\": (density: 2000.0, bond: ({bond})) }},
           specimen: Particles([(position: (0.1, 0.01), radius: 0.01), (position: (0.1, 0.03), radius: 0.01)]),
           walls: [(name: \"plate\", shape: Segment, start: (0.0, 0.0), end: (0.2, 0.0), probe: \"plate\")],
@@ -243,7 +243,7 @@ fn a_wall_follows_a_table_of_angles() {
     for (analysis, end) in [("Static", 1.0), ("Dynamic(dt: 1.0e-3)", 0.04)] {
         for shape in ["Line", "Segment", "Polyline([(0.0, 0.04)])", "Arc(through: (0.01, 0.05))"] {
             let scene = parse(&format!(
-                "(version: 2, title: \"table\", analysis: {analysis},
+                "(version: 1, title: \"table\", analysis: {analysis},
                   materials: {{ \"m\": (density: 2000.0) }},
                   specimen: Particles([(position: (-0.5, 0.01), radius: 0.01)]),
                   walls: [(name: \"wall\", start: (0.0, 0.0), end: (0.0, 0.1), shape: {shape}, probe: \"wall\")],
@@ -281,7 +281,7 @@ fn a_wall_follows_a_table_of_angles() {
 #[test]
 fn a_smooth_wall_that_turns_carries_along_its_normal_alone() {
     let scene = parse(
-        "(version: 2, title: \"smooth\",
+        "(version: 1, title: \"smooth\",
           materials: { \"m\": (density: 2000.0, contact: (normal_stiffness: 1e7)) },
           specimen: Particles([(position: (-0.01, 0.03), radius: 0.01), (position: (-0.01, 0.07), radius: 0.01)]),
           walls: [(name: \"wall\", start: (0.0, 0.0), end: (0.0, 0.1), contact: (normal_stiffness: 1e7))],

@@ -165,7 +165,7 @@ impl Rig {
         }
         format!(
             "// {}.\n(\n    version: 1,\n    title: {:?},\n{}    materials: {{ \"grains\": ({}) }},\n    \
-             specimen: {},\n    walls: [\n{}    ],\n    stages: [\n{}    ],\n    measures: (\n{}    ),\n)\n",
+             specimen: {},\n    walls: [\n{}    ],\n    stages: [\n{}    ],\n    measures: [\n{}    ],\n)\n",
             self.heading,
             self.title,
             lines(&settings, "    "),

@@ -38,11 +38,11 @@ fn with_rig(mut scene: Scene, seed: u64) -> Scene {
     scene.measures = measures(r, count, boxed);
     let mut present: BTreeSet<String> =
         scene.walls.iter().filter(|w| w.present).map(|w| w.name.clone()).collect();
-    let strain = scene.measures.axial_strain.is_some();
-    let stress = scene.measures.axial_stress.is_some();
+    let measured = scene.strain("axial_strain").cloned();
+    let strain = measured.is_some();
+    let stress = scene.stress("axial_stress").is_some();
     let first = scene.stages.iter().find(|s| matches!(s, Stage::Load(_)));
-    scene.measures.reference_stage = first.map(|stage| stage.name().to_owned());
-    let measured = scene.measures.axial_strain.clone();
+    scene.reference_stage = first.map(|stage| stage.name().to_owned());
     let dynamic = scene.analysis != Analysis::Static;
     let mut kept: BTreeMap<String, (String, String)> = BTreeMap::new();
     for stage in &mut scene.stages {
@@ -89,27 +89,34 @@ fn with_rig(mut scene: Scene, seed: u64) -> Scene {
     scene
 }
 
-fn measures(r: &mut Random, particles: u32, boxed: bool) -> Measures {
+fn measures(r: &mut Random, particles: u32, boxed: bool) -> Vec<Measure> {
     let walls = |a: &str, b: &str| Strain::Walls(a.to_owned(), b.to_owned());
     let area = r.decades(1e-4, 1.0);
     let average = |component| Stress::Average { component, area: Area::Fixed(area) };
-    let mut measures = Measures::default();
-    if particles > 1 && r.chance(0.5) {
-        measures.axial_strain = Some(Strain::Particles(0, particles - 1));
-    }
+    let mut measures = Vec::new();
+    let mut add = |name: &str, of| measures.push(Measure { name: name.to_owned(), of });
+    let by_particles = particles > 1 && r.chance(0.5);
     if boxed && r.chance(0.3) {
-        measures.axial_strain = Some(walls("bottom", "top"));
-        measures.lateral_strain = Some(walls("left", "right"));
+        add("axial_strain", Quantity::Strain(walls("bottom", "top")));
+        add("lateral_strain", Quantity::Strain(walls("left", "right")));
+    } else if by_particles {
+        add("axial_strain", Quantity::Strain(Strain::Particles(0, particles - 1)));
     }
-    measures.axial_stress = r.maybe(0.5, |_| average(Component::Yy));
-    measures.lateral_stress = r.maybe(0.3, |_| average(Component::Xx));
+    if r.chance(0.5) {
+        add("axial_stress", Quantity::Stress(average(Component::Yy)));
+    }
+    if r.chance(0.3) {
+        add("lateral_stress", Quantity::Stress(average(Component::Xx)));
+    }
     measures
 }
 
 fn stops(r: &mut Random, strain: bool, stress: bool, moves: bool) -> Vec<Stop> {
     let mut stops = Vec::new();
     if strain && r.chance(0.3) {
-        stops.push(Stop::AxialStrain(r.decades(1e-6, 1e-1) * r.pick(&[-1.0, 1.0])));
+        let (strain, name) = (r.decades(1e-6, 1e-1), "axial_strain".to_owned());
+        let extends = r.pick(&[true, false]);
+        stops.push(if extends { Stop::Below(name, -strain) } else { Stop::Above(name, strain) });
     }
     if stress && r.chance(0.3) {
         stops.push(Stop::StressDrop(r.pick(&[0.5, 0.9])));

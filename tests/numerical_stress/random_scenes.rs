@@ -83,7 +83,7 @@ pub fn random_scene(seed: u64, maximum: u32) -> Scene {
         bonds,
         walls,
         stages: Vec::new(),
-        measures: Measures::default(),
+        measures: Vec::new(),
         output: Output { energy: true, ..Output::default() },
     };
     if scene.walls.len() == 4 && r.chance(0.15) {

@@ -232,7 +232,7 @@ fn doubled_stress(snap: f64) -> String {
     };
     format!(
         "(
-            version: 2,
+            version: 1,
             title: \"a stress that doubles\",
             acceptance: (snap: {snap:?}, halvings: 0),
             materials: {{ \"steel\": (contact: (normal_stiffness: 1.0e7)) }},

@@ -118,7 +118,7 @@ fn every_figure_has_its_content_and_size_and_the_same_bytes() {
 
 /// Two minerals without bonds between two platens, which no measure calls a stress.
 const MINERALS: &str = r#"(
-    version: 2,
+    version: 1,
     title: "Two minerals",
     materials: {
         "quartz": (density: 2650.0, contact: (normal_stiffness: 6.0e9, friction: 0.5)),

@@ -123,10 +123,10 @@ fn confined(specimen: &Path) -> String {
         stages: [Load(name: "confine", increments: 10, walls: {{
             "floor": {axial}, "lid": {axial}, "left": {lateral}, "right": {lateral},
         }})],
-        measures: (
-            axial_stress: Walls(walls: ["floor", "lid"], length: Between("left", "right")),
-            lateral_stress: Walls(walls: ["left", "right"], length: Between("floor", "lid")),
-        ),
+        measures: [
+            (name: "axial_stress", of: Stress(Walls(walls: ["floor", "lid"], length: Between("left", "right")))),
+            (name: "lateral_stress", of: Stress(Walls(walls: ["left", "right"], length: Between("floor", "lid")))),
+        ],
     )"#
     )
 }

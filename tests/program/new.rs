@@ -21,7 +21,7 @@ fn every_rig_is_listed_sound_and_runs() {
     for (rig, sets) in RIGS {
         assert!(list.contains(&format!("  {rig} ")), "{list}");
         let text = stdout(&clastic(&["new", rig]).code(0));
-        assert!(text.contains("version: 2,"), "{rig}");
+        assert!(text.contains("version: 1,"), "{rig}");
         let path = folder.path().join(format!("{rig}.ron"));
         fs::write(&path, text).unwrap();
         let path = path.to_str().unwrap();

@@ -224,12 +224,12 @@ fn a_reference_stage_without_a_curve_is_mentioned() {
     let said = stdout(&done.code(0));
     let line = said.lines().find(|line| line.contains("no increment from the start"));
     let line = line.unwrap_or_else(|| panic!("nothing is said in {said}"));
-    assert!(line.contains("the reference stage is last; `measures.reference_stage`"), "{line}");
+    assert!(line.contains("the reference stage is last; `reference_stage`"), "{line}");
     // The other scene has a curve: no reason is given.
-    let reference = "measures.reference_stage=\"load\"";
+    let reference = "reference_stage=\"load\"";
     let (done, _out) = run("lattice", &["--quiet", "--set", &stages, "--set", reference]);
     let said = stdout(&done.code(0));
-    assert!(said.contains("E = ") && !said.contains("measures.reference_stage"), "{said}");
+    assert!(said.contains("E = ") && !said.contains("`reference_stage`"), "{said}");
 }
 
 /// Key results of a biaxial test as columns, and in `stop`, against the rows of its history.
@@ -247,8 +247,7 @@ fn key_results_are_measures_and_agree_with_the_history() {
         (name: "damage_pa", of: KeyResult(CrackDamage)),
     ]"#;
     let stop = r#"stages.load.stop=[Above("strength_pa", 0.0)]"#;
-    let (done, out) =
-        run("biaxial_small", &["--quiet", "--set", "version=2", "--set", measures, "--set", stop]);
+    let (done, out) = run("biaxial_small", &["--quiet", "--set", measures, "--set", stop]);
     done.code(0);
     let table = rows(out.path(), "history.csv");
     let number = |row: usize, name: &str| table[row][name].parse::<f64>().ok();

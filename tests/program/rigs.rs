@@ -21,7 +21,7 @@ fn scene(text: &str) -> (PathBuf, TempDir) {
 /// A disk on a floor, and a press of 20 mm 1 mm above it: a contact is a spring of 1e7 N/m.
 fn press(more: &str, stages: &str) -> String {
     format!(
-        r#"(version: 2, title: "press", {more}
+        r#"(version: 1, title: "press", {more}
         materials: {{ "m": (contact: (normal_stiffness: 2.0e7)) }},
         specimen: Particles([(position: (0.0, 0.01), radius: 0.01)]),
         walls: [

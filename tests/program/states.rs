@@ -154,8 +154,8 @@ fn a_run_that_has_ended_is_extended_on_the_command_line() {
     assert_eq!(record["increments"], 7);
     // Once more, by a scene with one more stage, which is edited outside of the directory.
     let edited = out.path().join("../longer.ron");
-    let stage = "    Load(name: \"hold\", increments: 2),\n    ],\n    measures: (reference_stage: \"load\",";
-    let text = read(out.path(), "scene.ron").replacen("    ],\n    measures: (", stage, 1);
+    let stage = "    Load(name: \"hold\", increments: 2),\n    ],\n    reference_stage: \"load\", measures: [";
+    let text = read(out.path(), "scene.ron").replacen("    ],\n    measures: [", stage, 1);
     fs::write(&edited, text).unwrap();
     clastic(&["resume", directory, "--quiet", "--scene", edited.to_str().unwrap()]).code(0);
     fs::remove_file(&edited).unwrap();
@@ -237,10 +237,11 @@ fn the_script_of_the_docs_reads_state_and_history_with_numpy_alone() {
 /// The fields of a biaxial test that begins with the load.
 const TEST: &str = r#"stages: [Load(name: "load", increments: 12, walls: {
         "bottom": Displacement(0.0, 0.08e-3), "top": Displacement(0.0, -0.08e-3) })],
-    rupture: (rolling: Yields, order: OneRound), measures: (
-        axial_strain: Walls("bottom", "top"), lateral_strain: Walls("left", "right"),
-        axial_stress: Walls(walls: ["bottom", "top"], length: Between("left", "right")),
-        lateral_stress: Walls(walls: ["left", "right"], length: Between("bottom", "top")))"#;
+    rupture: (rolling: Yields, order: OneRound), measures: [
+        (name: "axial_strain", of: Strain(Walls("bottom", "top"))),
+        (name: "lateral_strain", of: Strain(Walls("left", "right"))),
+        (name: "axial_stress", of: Stress(Walls(walls: ["bottom", "top"], length: Between("left", "right")))),
+        (name: "lateral_stress", of: Stress(Walls(walls: ["left", "right"], length: Between("bottom", "top"))))]"#;
 
 /// Key results of a run whose first stage is the reference stage were null, because the stress of the
 /// state was not known.

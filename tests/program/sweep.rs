@@ -138,7 +138,7 @@ fn the_envelope_of_a_cemented_sand_is_near_that_of_its_bonds() {
     for field in &fields {
         arguments.extend(["--field", field]);
     }
-    arguments.extend(["--set", "stages.load.stop=[AxialStrain(0.02)]"]);
+    arguments.extend(["--set", "stages.load.stop=[Above(\"axial_strain\", 0.02)]"]);
     let said = stdout(&clastic(&arguments).code(0));
     let value = |name: &str| -> f64 {
         let line = said.lines().find(|line| line.trim_start().starts_with(name)).unwrap();
@@ -215,7 +215,7 @@ const BRANCHES: &str = r#"(
 )"#;
 
 const PACKING: &str = r#"(
-    version: 2, title: "packing", let: { "seed": 1 },
+    version: 1, title: "packing", let: { "seed": 1 },
     materials: { "m": (contact: (normal_stiffness: 1.0e8, tangential_stiffness: 1.0e8, friction: 0.5)) },
     specimen: Packing(count: 16, columns: 4, spacing: 2.1e-2, sizes: Uniform(radius: (8.0e-3, 1.0e-2)), seed: seed),
     walls: [
@@ -231,7 +231,7 @@ const PACKING: &str = r#"(
 )"#;
 
 const BRANCH: &str = r#"(
-    version: 2, title: "branch", let: { "step": 1.0e-6 },
+    version: 1, title: "branch", let: { "step": 1.0e-6 },
     materials: { "m": (contact: (normal_stiffness: 1.0e8, tangential_stiffness: 1.0e8, friction: 0.5)) },
     specimen: State(path: "set by the study"),
     stages: [Load(name: "press", increments: 5, walls: { "top": Displacement(0.0, -step) })],

@@ -34,7 +34,7 @@ impl Field {
     /// since a specimen is tested there, and displacements where grains flow.
     #[must_use]
     pub fn of(scene: &Scene) -> Self {
-        if scene.measures.axial_strain.is_some() { Self::Rotation } else { Self::Displacement }
+        if scene.strain("axial_strain").is_some() { Self::Rotation } else { Self::Displacement }
     }
 }
 

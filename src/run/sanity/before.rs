@@ -107,7 +107,7 @@ fn kept(stored: Option<&StoredSpecimen>) -> Option<f64> {
 /// Axial strain that a stage imposes in an increment; `None` where it is not imposed by a constant
 /// motion of the walls, or of the cell, from which it is measured.
 fn imposed_strain(scene: &Scene, load: &Load, packed: Option<&Packed>) -> Option<f64> {
-    match scene.measures.axial_strain.as_ref()? {
+    match scene.strain("axial_strain")? {
         Strain::Walls(a, b) => {
             let [a, b] = [a, b].map(|name| scene.walls.iter().find(|wall| wall.name == *name));
             let (a, b) = (a?, b?);

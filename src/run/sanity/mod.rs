@@ -20,7 +20,7 @@ pub use self::heights::heights;
 pub use self::untouched::Untouched;
 pub(super) use self::untouched::{UNTOUCHED, follow_driven};
 use crate::run::script::Script;
-use crate::scene::format::{Measures, Scene, Specimen, Strain, Stress};
+use crate::scene::format::{Scene, Specimen, Strain, Stress};
 
 /// Stiffness level below which deflections of contacts count: at 1000 they are a thousandth of a
 /// diameter. The limit is a choice of this project; da Cruz et al. (2005, Phys. Rev. E 72, 021309)
@@ -49,11 +49,12 @@ const ROUNDING: f64 = 1e-6;
 /// measured, which its walls, its membrane or its cell bound, and its grains are not on a lattice,
 /// which has no random structure to average over.
 pub(super) fn is_specimen(scene: &Scene) -> bool {
-    let Measures { axial_strain, axial_stress, .. } = &scene.measures;
-    let strained =
-        matches!(axial_strain, Some(Strain::Walls(..) | Strain::Membrane(..) | Strain::Cell(..)));
+    let strained = matches!(
+        scene.strain("axial_strain"),
+        Some(Strain::Walls(..) | Strain::Membrane(..) | Strain::Cell(..))
+    );
     let stressed = matches!(
-        axial_stress,
+        scene.stress("axial_stress"),
         Some(Stress::Walls { .. } | Stress::Membrane(..) | Stress::Average { .. })
     );
     strained && stressed && !matches!(scene.specimen, Specimen::Lattice { .. })
@@ -71,7 +72,7 @@ pub fn after(world: &World) -> Report {
 
 /// Whether the scene measures a stress and a strain.
 fn is_test(scene: &Scene) -> bool {
-    scene.measures.axial_strain.is_some() && scene.measures.axial_stress.is_some()
+    scene.strain("axial_strain").is_some() && scene.stress("axial_stress").is_some()
 }
 
 /// The ratios, before or after a run. `None` where one is not defined.

@@ -11,7 +11,7 @@ use crate::scene::from_str;
 /// increment.
 fn scene(stiffness: &str, analysis: &str, motion: &str) -> Scene {
     let text = format!(
-        r#"(version: 2, title: "t", thickness: 0.5,
+        r#"(version: 1, title: "t", thickness: 0.5,
         analysis: {analysis},
         materials: {{"m": (density: 2000.0, contact: (normal_stiffness: {stiffness}))}},
         specimen: Particles([{}]),
@@ -153,7 +153,7 @@ fn lattices_and_beams_are_no_specimens() {
 fn estimates_know_the_specimen_after_its_compaction() {
     let packed = |by: &str, analysis: &str, motion: &str| {
         let text = format!(
-            r#"(version: 2, title: "t", analysis: {analysis},
+            r#"(version: 1, title: "t", analysis: {analysis},
             materials: {{"m": (density: 2000.0, contact: (normal_stiffness: 1e8))}},
             specimen: Packing(count: 60, columns: 6, spacing: 0.02, origin: (0.0, 0.0),
                 sizes: Uniform(radius: (0.006, 0.009)), seed: 5),

@@ -3,7 +3,6 @@
 use serde::{Deserialize, Serialize};
 
 /// A periodic cell: the specimen repeats along (width, 0) and (tilt, height), without walls.
-/// Version 2.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Cell {

@@ -1,4 +1,4 @@
-//! The scene format, versions 1 and 2: types of a RON scene.
+//! The scene format: types of a RON scene.
 //!
 //! Units are SI throughout: m, s, kg, N, Pa, rad. Compression, contraction and anticlockwise
 //! rotation are positive. `some(x)` may be written as plain `x`; newtype variants need no second
@@ -49,7 +49,7 @@ pub use cement::Cement;
 pub use compact::{Compact, CompactBy, CompactRest, CompactTarget};
 pub use load::Load;
 pub use materials::{Bond, Contact, Material};
-pub use measures::{Measure, Measures, ROLES};
+pub use measures::{Measure, ROLES};
 pub use membranes::MembraneControl;
 pub use minerals::{Clusters, Mineral};
 pub use output::{Output, Record};
@@ -68,19 +68,19 @@ pub use stages::{CustomStage, Remove, Save, Stage};
 pub use stop::Stop;
 pub use walls::{LidLoad, Slide, Table, Wall, WallControl, WallShape};
 
-/// Latest version of the format. Version 1 is read too.
-pub const VERSION: u32 = 2;
+/// Version of the format.
+pub const VERSION: u32 = 1;
 
 /// A scene: materials, a specimen, walls, and stages.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scene {
-    /// Version of the format: 1 or 2.
+    /// Version of the format: [`VERSION`].
     pub version: u32,
     /// One line that says what the scene shows.
     pub title: String,
     /// Values with names, which stand for numbers of the scene. The text has their values in place
-    /// of the names before it is read. Version 2.
+    /// of the names before it is read.
     #[serde(
         default,
         rename = "let",
@@ -118,10 +118,10 @@ pub struct Scene {
     /// The particles.
     pub specimen: Specimen,
     /// Layers and minerals: materials of particles of the specimen, where several select one the
-    /// last. Version 2.
+    /// last.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub minerals: Vec<Mineral>,
-    /// Particles of the specimen that the run has; all if left out. Indices count these. Version 2.
+    /// Particles of the specimen that the run has; all if left out. Indices count these.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub keep: Option<Select>,
     /// Bonds at the start, free of stress. Cementing stages add more.
@@ -138,7 +138,7 @@ pub struct Scene {
         skip_serializing_if = "BTreeMap::is_empty"
     )]
     pub groups: BTreeMap<String, Select>,
-    /// Periodic cell of the specimen, instead of walls. Version 2.
+    /// Periodic cell of the specimen, instead of walls.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cell: Option<Cell>,
     /// Walls.
@@ -151,13 +151,12 @@ pub struct Scene {
     /// Stages, in order.
     #[serde(deserialize_with = "repeat::deserialize")]
     pub stages: Vec<Stage>,
-    /// Stage at whose start strains are zero; the last stage if left out. Version 2; in version 1
-    /// it is a field of `measures`.
+    /// Stage at whose start strains are zero; the last stage if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reference_stage: Option<String>,
     /// Definitions of strain and stress, and further measures.
     #[serde(default)]
-    pub measures: Measures,
+    pub measures: Vec<Measure>,
     /// Output.
     #[serde(default)]
     pub output: Output,
@@ -176,16 +175,41 @@ impl Scene {
     /// last stage that does more than keep the state.
     #[must_use]
     pub fn reference_stage(&self) -> usize {
-        let named =
-            self.strains_from().and_then(|name| self.stages.iter().position(|s| s.name() == name));
+        let named = self
+            .reference_stage
+            .as_deref()
+            .and_then(|name| self.stages.iter().position(|s| s.name() == name));
         let last = || self.stages.iter().rposition(|stage| !matches!(stage, Stage::Save(_)));
         named.or_else(last).unwrap_or(0)
     }
 
-    /// Name of the stage at whose start strains are zero; `None` if the scene names none.
+    /// What the measure of a name measures. Of two with the same name the first counts.
     #[must_use]
-    pub fn strains_from(&self) -> Option<&str> {
-        self.reference_stage.as_deref().or(self.measures.reference_stage.as_deref())
+    pub fn measure(&self, name: &str) -> Option<&Quantity> {
+        self.measures.iter().find(|measure| measure.name == name).map(|measure| &measure.of)
+    }
+
+    /// The measures that are none of [`ROLES`].
+    pub fn further_measures(&self) -> impl Iterator<Item = &Measure> {
+        self.measures.iter().filter(|measure| !ROLES.contains(&measure.name.as_str()))
+    }
+
+    /// The strain of a name; `None` if there is none, or the measure is no strain.
+    #[must_use]
+    pub fn strain(&self, name: &str) -> Option<&Strain> {
+        match self.measure(name) {
+            Some(Quantity::Strain(strain)) => Some(strain),
+            _ => None,
+        }
+    }
+
+    /// The stress of a name; `None` if there is none, or the measure is no stress.
+    #[must_use]
+    pub fn stress(&self, name: &str) -> Option<&Stress> {
+        match self.measure(name) {
+            Some(Quantity::Stress(stress)) => Some(stress),
+            _ => None,
+        }
     }
 
     /// Whether the contacts of all materials have a normal stiffness.

@@ -143,10 +143,10 @@ pub enum Strain {
     Particles(u32, u32),
     /// Mean width of a membrane that covers both sides.
     Membrane(String),
-    /// Strain of the periodic cell. Version 2.
+    /// Strain of the periodic cell.
     Cell(CellStrain),
     /// Of the displacement gradient that fits best the displacements of the particles whose centres
-    /// lie in a rectangle at the start of the reference stage. Version 2.
+    /// lie in a rectangle at the start of the reference stage.
     Region {
         /// Component.
         component: StrainComponent,
@@ -176,7 +176,7 @@ pub enum Stress {
         area: Area,
     },
     /// Component of the average stress in a rectangle. Every contact counts by the part of its
-    /// branch inside. Version 2.
+    /// branch inside.
     Region {
         /// Component.
         component: Component,
@@ -209,6 +209,6 @@ pub enum Area {
     Box((String, String), (String, String)),
     /// Area that a membrane encloses.
     Membrane(String),
-    /// The periodic cell. Version 2.
+    /// The periodic cell.
     Cell,
 }

@@ -6,8 +6,6 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub enum Stop {
-    /// Axial strain reaches this value. Version 1; in version 2 it is `Above("axial_strain", e)`.
-    AxialStrain(f64),
     /// After its peak, the axial stress falls below this fraction of the peak. The drop must exceed
     /// the error of the stress that `acceptance.residual` allows.
     StressDrop(f64),
@@ -15,11 +13,11 @@ pub enum Stop {
     Time(f64),
     /// The maximum speed of a particle falls below this value, m/s (after the first increment).
     Rest(f64),
-    /// A measure, by name, is at or below this value. Version 2.
+    /// A measure, by name, is at or below this value.
     Below(String, f64),
-    /// A measure, by name, is at or above this value. Version 2.
+    /// A measure, by name, is at or above this value.
     Above(String, f64),
-    /// A measure, by name, lands on this value: the last increment is shortened. Version 2.
+    /// A measure, by name, lands on this value: the last increment is shortened.
     Until(String, f64),
     /// No grain that is due has found room for this time, s, in a stage that pours.
     Full(f64),
@@ -30,7 +28,6 @@ impl Stop {
     #[must_use]
     pub fn measure(&self) -> Option<&str> {
         match self {
-            Self::AxialStrain(_) => Some("axial_strain"),
             Self::StressDrop(_) => Some("axial_stress"),
             Self::Time(_) | Self::Rest(_) | Self::Full(_) => None,
             Self::Below(name, _) | Self::Above(name, _) | Self::Until(name, _) => Some(name),

@@ -91,7 +91,7 @@ pub(in crate::scene) fn unit_of(name: &str, around: Option<&'static str>) -> Opt
         "moment" => "N m",
         "theta" | "friction" | "rolling_friction" | "restitution" | "tolerance" | "residual"
         | "throw" | "deviation" | "accuracy" | "agitation" | "affine" | "Porosity"
-        | "AxialStrain" | "StressDrop" => "",
+        | "StressDrop" => "",
         // Lengths and areas share this name of a variant.
         "Fixed" => return around,
         _ => return None,

@@ -87,7 +87,7 @@ fn a_setting_that_does_not_fit_is_refused() {
         "stages.load.increments=many",
         "expected a whole number from 0 to 4294967295, found `many`",
     );
-    refused("thickness=1.0, version: 2", "`1.0, version: 2` is not a value in RON");
+    refused("thickness=1.0, version: 1", "`1.0, version: 1` is not a value in RON");
     refused("thickness=1.0 // thin", "`1.0 // thin` is not a value in RON");
     refused("thickness=", "`` is not a value in RON");
     refused(

@@ -76,7 +76,7 @@ Scene(
                 (select: Box(min: (0.0, 0.0), max: (1.0, 1.0))),
                 (select: Group("few"), y: Held),
             ],
-            stop: [AxialStrain(0.05), StressDrop(0.5)],
+            stop: [Above("axial_strain", 0.05), StressDrop(0.5)],
         ),
         Load(
             name: "let go",
@@ -96,13 +96,13 @@ Scene(
             stop: [Time(3.0), Rest(1e-6)],
         ),
     ],
-    measures: (
-        reference_stage: "shear",
-        axial_strain: Walls("top", "bottom"),
-        lateral_strain: Particles(0, 1),
-        axial_stress: Walls(walls: ["top"], length: Between("left", "right")),
-        lateral_stress: Average(component: Xx, area: Box(("left", "right"), ("top", "bottom"))),
-    ),
+    reference_stage: "shear",
+    measures: [
+        (name: "axial_strain", of: Strain(Walls("top", "bottom"))),
+        (name: "lateral_strain", of: Strain(Particles(0, 1))),
+        (name: "axial_stress", of: Stress(Walls(walls: ["top"], length: Between("left", "right")))),
+        (name: "lateral_stress", of: Stress(Average(component: Xx, area: Box(("left", "right"), ("top", "bottom"))))),
+    ],
     output: (frames_every: 5, plots: false),
 )
 "##;

@@ -3,8 +3,7 @@
 use std::fmt::Arguments;
 
 use crate::scene::format::{
-    Area, CellStrain, KeyResult, Length, Measure, Measures, Quantity, ROLES, Strain,
-    StrainComponent, Stress,
+    Area, CellStrain, KeyResult, Length, Measure, Quantity, ROLES, Strain, StrainComponent, Stress,
 };
 
 use super::Context;
@@ -20,37 +19,11 @@ fn is_taken(name: &str) -> bool {
 }
 
 pub(super) fn check(context: &Context, findings: &mut Findings) {
-    let measures = &context.scene.measures;
-    let stages = [
-        ("measures.reference_stage", &measures.reference_stage),
-        ("reference_stage", &context.scene.reference_stage),
-    ];
-    for (path, stage) in stages {
-        if let Some(stage) = stage {
-            let path = format_args!("{path}");
-            findings.reference(path, stage, ("stage", "stages"), &context.stages);
-        }
+    if let Some(stage) = &context.scene.reference_stage {
+        let path = format_args!("reference_stage");
+        findings.reference(path, stage, ("stage", "stages"), &context.stages);
     }
-    if let Some(list) = &measures.list {
-        return check_list(context, list, findings);
-    }
-    for (field, of) in
-        [("axial_strain", &measures.axial_strain), ("lateral_strain", &measures.lateral_strain)]
-    {
-        if let Some(of) = of {
-            strain(context, format_args!("measures.{field}"), of, findings);
-        }
-    }
-    for (field, of) in
-        [("axial_stress", &measures.axial_stress), ("lateral_stress", &measures.lateral_stress)]
-    {
-        if let Some(of) = of {
-            stress(context, format_args!("measures.{field}"), of, findings);
-        }
-    }
-}
-
-fn check_list(context: &Context, list: &[Measure], findings: &mut Findings) {
+    let list = &context.scene.measures;
     if findings.is_sure_of("measures") {
         let names = list.iter().enumerate();
         let names = names.map(|(i, measure)| (format!("measures[{i}].name"), &*measure.name));
@@ -165,17 +138,8 @@ fn needs_strains(context: &Context, path: Arguments, findings: &mut Findings) {
 
 /// For measures that follow from those of [`ROLES`].
 fn needs(context: &Context, path: Arguments, names: &[&str], findings: &mut Findings) {
-    let Measures { axial_strain, lateral_strain, axial_stress, lateral_stress, .. } =
-        &context.scene.measures;
-    let there = [
-        axial_strain.is_some(),
-        lateral_strain.is_some(),
-        axial_stress.is_some(),
-        lateral_stress.is_some(),
-    ];
     for name in names {
-        let is_there = ROLES.iter().zip(there).any(|(role, there)| role == name && there);
-        if !is_there && findings.is_sure_of("measures") {
+        if context.scene.measure(name).is_none() && findings.is_sure_of("measures") {
             let help = format!("add a measure `{name}`");
             findings.add(path, format!("it follows from `{name}`, which is not measured"), &help);
         }

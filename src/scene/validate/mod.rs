@@ -31,7 +31,6 @@ mod standing;
 mod state;
 mod stops;
 mod thin_walls;
-mod version;
 mod wall_controls;
 mod walls;
 
@@ -60,7 +59,6 @@ pub(super) fn findings(
     let mut findings = Findings::new(made_up);
     settings::check(&context, &mut findings);
     snap_back::check(&context, &mut findings);
-    version::check(&context, &mut findings);
     materials::check(&context, &mut findings);
     walls::check(&context, &mut findings);
     cell::check(&context, &mut findings);

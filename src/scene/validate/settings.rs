@@ -12,9 +12,9 @@ const MOST_HALVINGS: u32 = 30;
 
 pub(super) fn check(context: &Context, findings: &mut Findings) {
     let scene = context.scene;
-    if !(1..=VERSION).contains(&scene.version) {
+    if scene.version != VERSION {
         let message = format!("unknown version ({})", scene.version);
-        let help = format!("this build reads versions 1 and {VERSION}");
+        let help = format!("this build reads version {VERSION}");
         findings.add(format_args!("version"), message, &help);
     }
     findings.positive(format_args!("thickness"), scene.thickness, "a thickness in m");

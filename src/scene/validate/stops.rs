@@ -2,7 +2,7 @@
 
 use std::fmt::Arguments;
 
-use crate::scene::format::{Area, Length, Measures, Quantity, ROLES, Stop, Strain, Stress};
+use crate::scene::format::{Area, Length, Quantity, Stop, Strain, Stress};
 
 use super::Context;
 use super::findings::Findings;
@@ -15,23 +15,13 @@ pub(super) fn check(
     findings: &mut Findings,
 ) {
     let number = format_args!("{path}[0]");
-    let measures = &context.scene.measures;
+    let scene = context.scene;
     let sure = findings.is_sure_of("measures");
     match stop {
-        Stop::AxialStrain(strain) => {
-            // Negative values are permitted and mean extension.
-            let allowed = |size: f64| size > 0.0 && size < 1.0;
-            let what = "a strain as a fraction: 0.12 is 12 %";
-            findings.number(number, strain.abs(), allowed, what);
-            if measures.axial_strain.is_none() && sure {
-                let help = "add `axial_strain` to `measures`";
-                findings.add(path, "no axial strain is measured", help);
-            }
-        }
         Stop::StressDrop(fraction) => {
             let allowed = |value| value > 0.0 && value < 1.0;
             findings.number(number, *fraction, allowed, "a fraction between 0 and 1");
-            if measures.axial_stress.is_none() && sure {
+            if scene.measure("axial_stress").is_none() && sure {
                 let help = "add `axial_stress` to `measures`";
                 findings.add(path, "no axial stress is measured", help);
             }
@@ -47,19 +37,17 @@ pub(super) fn check(
         }
         Stop::Below(name, value) | Stop::Above(name, value) | Stop::Until(name, value) => {
             let names: Vec<_> =
-                measures.list.iter().flatten().map(|measure| measure.name.as_str()).collect();
-            if context.scene.version != 1 {
-                findings.reference(number, name, ("measure", "measures"), &names);
-            }
+                scene.measures.iter().map(|measure| measure.name.as_str()).collect();
+            findings.reference(number, name, ("measure", "measures"), &names);
             let number = format_args!("{path}[1]");
-            match of(measures, name) {
-                Some(Of::Strain(_)) => {
+            match scene.measure(name) {
+                Some(Quantity::Strain(_)) => {
                     let allowed = |value: f64| value.abs() < 1.0;
                     let what = "a strain as a fraction: 0.12 is 12 %";
                     findings.number(number, *value, allowed, what);
                 }
                 found => {
-                    let jumps = matches!(found, Some(Of::Other(Quantity::KeyResult(_))));
+                    let jumps = matches!(found, Some(Quantity::KeyResult(_)));
                     if jumps && matches!(stop, Stop::Until(..)) {
                         let help = "write `Above` or `Below`";
                         let message = "a key result jumps where it becomes defined, so that no \
@@ -78,51 +66,21 @@ pub(super) fn check(
     }
 }
 
-/// The quantity that a measure of this name reads.
-enum Of<'a> {
-    Strain(&'a Strain),
-    Stress(&'a Stress),
-    Other(&'a Quantity),
-}
-
-fn of<'a>(measures: &'a Measures, name: &str) -> Option<Of<'a>> {
-    let Measures { axial_strain, lateral_strain, axial_stress, lateral_stress, .. } = measures;
-    match ROLES.iter().position(|role| *role == name) {
-        Some(0) => axial_strain.as_ref().map(Of::Strain),
-        Some(1) => lateral_strain.as_ref().map(Of::Strain),
-        Some(2) => axial_stress.as_ref().map(Of::Stress),
-        Some(_) => lateral_stress.as_ref().map(Of::Stress),
-        None => {
-            measures.further().find(|measure| measure.name == name).map(|measure| {
-                match &measure.of {
-                    Quantity::Strain(of) => Of::Strain(of),
-                    Quantity::Stress(of) => Of::Stress(of),
-                    of => Of::Other(of),
-                }
-            })
-        }
-    }
-}
-
 /// Walls on which a measure is taken.
-fn walls<'a>(of: &Of<'a>) -> Vec<&'a String> {
-    let area = |area: &'a Area| match area {
-        Area::Box((a, b), (c, d)) => vec![a, b, c, d],
-        Area::Fixed(_) | Area::Cell | Area::Membrane(_) => Vec::new(),
-    };
-    match *of {
-        Of::Strain(Strain::Walls(a, b)) => vec![a, b],
-        Of::Stress(Stress::Walls { walls, length }) => {
+fn walls(of: &Quantity) -> Vec<&String> {
+    match of {
+        Quantity::Strain(Strain::Walls(a, b)) => vec![a, b],
+        Quantity::Stress(Stress::Walls { walls, length }) => {
             let between = match length {
                 Length::Between(a, b) => vec![a, b],
                 Length::Fixed(_) | Length::Membrane(_) => Vec::new(),
             };
             walls.iter().chain(between).collect()
         }
-        Of::Stress(Stress::Average { area: over, .. }) => area(over),
-        Of::Other(Quantity::Porosity(over)) => area(over),
-        Of::Other(Quantity::WallForce { wall, .. }) => vec![wall],
-        Of::Strain(_) | Of::Stress(_) | Of::Other(_) => Vec::new(),
+        Quantity::Stress(Stress::Average { area: Area::Box((a, b), (c, d)), .. })
+        | Quantity::Porosity(Area::Box((a, b), (c, d))) => vec![a, b, c, d],
+        Quantity::WallForce { wall, .. } => vec![wall],
+        _ => Vec::new(),
     }
 }
 
@@ -137,46 +95,38 @@ pub(super) fn never(
     if !["measures", "stages", "walls"].iter().all(|part| findings.is_sure_of(part)) {
         return;
     }
-    let measures = &context.scene.measures;
-    let Some(of) = stop.measure().and_then(|name| of(measures, name)) else { return };
+    let scene = context.scene;
+    let Some(of) = stop.measure().and_then(|name| scene.measure(name)) else { return };
     let there = |name: &&&String| {
         let index = context.walls.iter().position(|wall| *wall == name.as_str());
         index.is_none_or(|index| present.get(index) == Some(&true))
     };
-    if let Some(wall) = walls(&of).iter().find(|name| !there(name)) {
+    if let Some(wall) = walls(of).iter().find(|name| !there(name)) {
         let message =
             format!("it can never hold: wall `{wall}`, on which it is measured, is not there");
         findings.add(path, message, "measure on walls of this stage, or leave it out");
     }
-    if timeless && matches!(of, Of::Other(Quantity::Time)) && findings.is_sure_of("analysis") {
+    if timeless && matches!(of, Quantity::Time) && findings.is_sure_of("analysis") {
         let message = "it can never hold: a static stage has no time";
         findings.add(path, message, "use a dynamic analysis");
     }
     let last = context.stages.len().saturating_sub(1);
-    let reference = match context.scene.strains_from() {
+    let reference = match &scene.reference_stage {
         Some(name) => context.stages.iter().position(|stage| *stage == name).unwrap_or(0),
-        None => context.scene.reference_stage(),
+        None => scene.reference_stage(),
     };
-    let counts = match of {
-        Of::Strain(_) => true,
-        Of::Other(of) => {
-            matches!(
-                of,
-                Quantity::VolumetricStrain
-                    | Quantity::DilationAngle { .. }
-                    | Quantity::KeyResult(_)
-            )
-        }
-        Of::Stress(_) => false,
-    };
+    let counts = matches!(
+        of,
+        Quantity::Strain(_)
+            | Quantity::VolumetricStrain
+            | Quantity::DilationAngle { .. }
+            | Quantity::KeyResult(_)
+    );
     if counts && here < reference {
         let name = context.stages[reference];
         let the_last = if reference == last { ", the last one" } else { "" };
         let message =
             format!("it can never hold: strains count from the start of stage `{name}`{the_last}");
-        let field =
-            if context.scene.version == 1 { "measures.reference_stage" } else { "reference_stage" };
-        let help = format!("set `{field}` to this stage or an earlier one");
-        findings.add(path, message, &help);
+        findings.add(path, message, "set `reference_stage` to this stage or an earlier one");
     }
 }

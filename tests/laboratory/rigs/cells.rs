@@ -60,7 +60,7 @@ pub fn oedometer(sample: &Sample, seed: u64, random: &mut Random) -> Rig {
         stages.push(load("unload", 20, &[back], ""));
     }
     let mut rig = sand(sample, seed, "Oedometer test", width, stages);
-    rig.measures.insert(0, "reference_stage: \"load\"".to_owned());
+    rig.settings.push("reference_stage: \"load\"".to_owned());
     rig
 }
 
@@ -76,7 +76,7 @@ pub fn isotropic(sample: &Sample, seed: u64, random: &mut Random) -> Rig {
         load("unload", 20, &all(first), ""),
     ];
     let mut rig = sand(sample, seed, "Isotropic compression", width, stages);
-    rig.measures.insert(0, "reference_stage: \"confine\"".to_owned());
+    rig.settings.push("reference_stage: \"confine\"".to_owned());
     rig
 }
 
@@ -97,7 +97,7 @@ fn shear(sample: &Sample, width: f64, strain: f64, random: &mut Random) -> Strin
     let controls =
         ["\"bottom\": Fixed".to_owned(), format!("\"top\": Displacement(0.0, {:?})", -step)];
     let stop = if random.chance(0.3) {
-        format!("stop: [AxialStrain({:?})]", 0.8 * strain)
+        format!("stop: [Above(\"axial_strain\", {:?})]", 0.8 * strain)
     } else {
         String::new()
     };

@@ -1,6 +1,6 @@
 //! Bonded columns between platens, without side walls: compression and tension.
 
-use super::{Cement, cell, compact, load};
+use super::{Cement, cell, compact, load, measure};
 use crate::common::random::Random;
 use crate::sample::{Sample, digits};
 use crate::scenes::Rig;
@@ -75,8 +75,11 @@ fn column(
         walls: cell(width, height, &sample.walls()),
         stages: [&[compact(sample, seed)], stages].concat(),
         measures: vec![
-            "axial_strain: Walls(\"bottom\", \"top\")".to_owned(),
-            format!("axial_stress: Walls(walls: [\"bottom\", \"top\"], length: Fixed({width:?}))"),
+            measure("axial_strain", "Strain(Walls(\"bottom\", \"top\"))"),
+            measure(
+                "axial_stress",
+                &format!("Stress(Walls(walls: [\"bottom\", \"top\"], length: Fixed({width:?})))"),
+            ),
         ],
         ..Rig::default()
     }

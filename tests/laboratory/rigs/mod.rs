@@ -54,15 +54,24 @@ fn load(name: &str, increments: u32, walls: &[String], more: &str) -> String {
     format!("Load(name: {name:?}, increments: {increments}{walls}{more})")
 }
 
+/// A measure as the scene writes it.
+fn measure(name: &str, of: &str) -> String {
+    format!("(name: {name:?}, of: {of})")
+}
+
 /// Strains and wall stresses of a box, from the start of the last stage.
 fn box_measures() -> Vec<String> {
     vec![
-        "axial_strain: Walls(\"bottom\", \"top\")".to_owned(),
-        "lateral_strain: Walls(\"left\", \"right\")".to_owned(),
-        "axial_stress: Walls(walls: [\"bottom\", \"top\"], length: Between(\"left\", \"right\"))"
-            .to_owned(),
-        "lateral_stress: Walls(walls: [\"left\", \"right\"], length: Between(\"bottom\", \"top\"))"
-            .to_owned(),
+        measure("axial_strain", "Strain(Walls(\"bottom\", \"top\"))"),
+        measure("lateral_strain", "Strain(Walls(\"left\", \"right\"))"),
+        measure(
+            "axial_stress",
+            "Stress(Walls(walls: [\"bottom\", \"top\"], length: Between(\"left\", \"right\")))",
+        ),
+        measure(
+            "lateral_stress",
+            "Stress(Walls(walls: [\"left\", \"right\"], length: Between(\"bottom\", \"top\")))",
+        ),
     ]
 }
 

@@ -1,7 +1,7 @@
 //! Simple shear without periodic boundaries: platens of glued grains, a rough lid, or hinged flaps.
 
 use super::disks::{Disk, area, grid, listed};
-use super::{Cement, box_measures, cell, compact, load, stress};
+use super::{Cement, box_measures, cell, compact, load, measure, stress};
 use crate::common::random::Random;
 use crate::sample::{Sample, digits, pascal};
 use crate::scenes::Rig;
@@ -144,7 +144,10 @@ fn flaps(sample: &Sample, random: &mut Random) -> Rig {
                 ),
             ),
         ],
-        measures: vec![format!("axial_stress: Average(component: Xy, area: Fixed({area:?}))")],
+        measures: vec![measure(
+            "axial_stress",
+            &format!("Stress(Average(component: Xy, area: Fixed({area:?})))"),
+        )],
         ..Rig::default()
     }
 }

@@ -42,10 +42,7 @@ impl<'de> de::Deserializer<'de> for Reader<'de> {
     }
 
     fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Failure> {
-        match self.node.shape {
-            Shape::List => visitor.visit_seq(Items { reader: &self, next: 0 }),
-            _ => visitor.visit_newtype_struct(self),
-        }
+        visitor.visit_unit()
     }
 
     fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Failure> {
