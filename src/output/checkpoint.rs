@@ -21,7 +21,7 @@ use crate::run::WorldState;
 
 /// Version of the format. It increases with every change of the stored types, which are the types
 /// that derive their encoding in this file and where plugins register state.
-pub const VERSION: u32 = 25;
+pub const VERSION: u32 = 26;
 
 /// Length of a table that is kept whole.
 pub(super) const WHOLE: u64 = u64::MAX;
