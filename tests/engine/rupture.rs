@@ -20,11 +20,7 @@ use clastic::systems::measures::stress::average_stress;
 const TURNS: f64 = 1e-5;
 
 fn fork(rules: &str) -> Simulation {
-    pulled_fork(rules, "x: Displacement(0.5e-6)")
-}
-
-fn pulled_fork(rules: &str, pull: &str) -> Simulation {
-    Simulation::new(&fork_scene(rules, 11, pull), None)
+    Simulation::new(&fork_scene(rules, 11, "x: Displacement(0.5e-6)"), None)
 }
 
 /// Bonds (in order of creation) that broke in the increment.
