@@ -2,11 +2,11 @@
 //!
 //! Judges run in this order, each only if no judge before it objects: [`converged`], [`coulomb`],
 //! [`events`], [`closed_pairs`], [`too_far`], [`closing_mechanism`], [`restraints`],
-//! [`loose_grains`], [`push_out`], [`corrector`], [`dense`]. [`one_round`] collects
-//! the bonds that then break. For a step of a motion
-//! only [`converged`], [`coulomb`], [`motion::judge_length`], [`closed_pairs`] and
-//! [`motion::judge_rest`] run. The tables of [`findings`](clastic_components::findings) keep their
-//! findings until the increment is committed. [`mod@next`] maps the verdict to the next action.
+//! [`loose_grains`], [`push_out`], [`corrector`], [`dense`]. [`one_round`] then collects the bonds
+//! on a limit where no judge has chosen others. For a step of a motion only [`converged`],
+//! [`coulomb`], [`motion::judge_length`], [`closed_pairs`] and [`motion::judge_rest`] run. The
+//! tables of [`findings`](clastic_components::findings) keep their findings until the increment is
+//! committed. Only judges set a verdict, and [`mod@next`] alone maps it to the next action.
 //!
 //! Attempts work on the tables that were gathered when the increment began. Entities are written
 //! when it is committed, so a failed attempt changes nothing.
