@@ -158,7 +158,7 @@ fn from_event_to_event_and_within_avalanches() {
             "rupture.brittleness=0.0",
             "stages.confine.increments=2",
             "stages.load.increments=3",
-            "stages.load.walls.top[1]=-0.3e-3",
+            "stages.load.walls.top[1]=-0.33e-3",
         ],
     );
     let stops = |increment: u64| increment % 3 == 1;
