@@ -86,7 +86,6 @@ impl Plugin for ReflectPlugin {
             observation::Timings,
             particle::MaterialIndex,
             particle::Swinging,
-            release::Release,
             step_control::StepControl,
             rigid_group::RigidGroup,
             rigid_group::ContactForce,

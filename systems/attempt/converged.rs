@@ -9,17 +9,15 @@ use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
 use clastic_cone::program::{Certificate, ConeProgram, ConeSolution, SolveStatus};
 
 use super::places::{moves_most, near, worst_place};
-use super::too_far::is_unsupported;
 use crate::assemble_program::regularise::max_moves;
 use crate::assemble_program::scales::MAX_MOTION;
-use crate::mean_field::thrown;
+use crate::mean_field::{is_unsupported, thrown};
 use clastic_cone::certificate::{certificate, proves};
 use clastic_cone::residuals::{displacement_scale, regularised_residuals};
 
 /// Accepts solved programs and proven collapses, moves the centre of the regularisation until its
 /// bias vanishes, and rejects all else. A bias together with a throw is left to
 /// [`closed_pairs`](super::closed_pairs) and [`too_far`](super::too_far), one of which rejects it.
-/// Where `snap_back` is on, its overloads may still show how far the motion goes back.
 pub fn judge(
     program: Res<ConeProgram>,
     mut solution: ResMut<ConeSolution>,
@@ -66,6 +64,10 @@ pub fn judge(
         }
         SolveStatus::Stalled => unconverged(solution, complaint(&best, &acceptance)),
     };
+    if attempt.verdict != Verdict::Impossible {
+        // A solution has a certificate only if it proves a collapse.
+        solution.certificate = None;
+    }
     if matches!(attempt.verdict, Verdict::Unconverged { .. }) && seeks_equilibrium {
         attempt.magnitudes = magnitudes(&program, solution);
     }

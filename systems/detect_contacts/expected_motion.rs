@@ -76,7 +76,7 @@ pub fn expected_motion(
         if u.iter().all(Option::is_none) {
             continue;
         }
-        imposed = imposed.max(f.abs() * bodies.imposed_motion(group));
+        imposed = imposed.max(f * bodies.imposed_motion(group));
         for &member in &group.members {
             let i = member as usize;
             let own = displacement[i];
@@ -92,7 +92,7 @@ pub fn expected_motion(
         let drive = bodies.wall_drive(wall);
         if let WallDrive::Imposed(u) = drive {
             displacement[wall.body as usize] = f * u;
-            imposed = imposed.max(f.abs() * u.length());
+            imposed = imposed.max(f * u.length());
         } else if let WallDrive::Turning { .. } = drive {
             // The contact point may move more than the wall's position: the margin covers it.
             displacement[wall.body as usize] = DVec2::ZERO;

@@ -150,8 +150,7 @@ fn bonded_static() {
     for order in ["rupture.order=OneRound", "rupture.order=Events"] {
         let parent = tempfile::tempdir().unwrap();
         let first = format!("{CEMENT}, {CONFINE}, {}", shear("a", 2));
-        // Groups, so that fewer events take less time.
-        let common = [order, "rupture.group=0.01", "output=(frames_every: 3, energy: true)"];
+        let common = [order, "output=(frames_every: 3, energy: true)"];
         let (_, rows) =
             same_in_two("biaxial_small", &common, [&first, &shear("b", 3)], parent.path());
         let events = text(&parent.path().join("b").join(directory::EVENTS));

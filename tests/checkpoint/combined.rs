@@ -76,7 +76,6 @@ fn halved_increments_with_events_and_a_wall_on_a_table() {
             "rupture.order=Events",
             "rupture.density=30.0",
             "rupture.brittleness=0.0",
-            "rupture.group=0.01",
             "acceptance.throw=0.007",
             "stages.confine.increments=2",
             "stages.load.increments=4",

@@ -59,13 +59,7 @@ pub fn random_scene(seed: u64, maximum: u32) -> Scene {
         },
         rupture: Rupture {
             rolling: r.pick(&[RollingLimit::Breaks, RollingLimit::Yields]),
-            order: r.pick(&[
-                RuptureOrder::Events,
-                RuptureOrder::OneRound,
-                RuptureOrder::OneRound,
-                RuptureOrder::AllAtOnce,
-            ]),
-            rounds: r.pick(&[1, 5, 50]),
+            order: r.pick(&[RuptureOrder::Events, RuptureOrder::OneRound]),
             ..Rupture::default()
         },
         corrector: None,

@@ -39,8 +39,7 @@ pub struct Results {
     pub friction_angle_rad: Option<f64>,
     /// Estimate of the relative error of the peak due to the size of the increments. It is the
     /// delay of ruptures, as a relative change of force, in the last increment up to the peak with
-    /// ruptures. `None` without ruptures. It does not include the effect of another order or number
-    /// of rounds, nor that of the state after a drop (`AllAtOnce`).
+    /// ruptures. `None` without ruptures. It does not include the effect of another order.
     pub peak_error_estimate: Option<f64>,
     /// Number of avalanches: ruptures at constant load, from the first to an equilibrium in which
     /// all bonds hold. 0 unless bonds break from event to event.

@@ -249,11 +249,6 @@ fn settings() {
         ),
         (
             VERSION,
-            "version: 1, rupture: (rounds: 0)",
-            "2:35: rupture.rounds: zero (0); give a number of rounds of 1 or more",
-        ),
-        (
-            VERSION,
             "version: 1, rupture: (density: 0.0)",
             "2:36: rupture.density: zero (0.0); give a share of the bonds per relative change of force, above 0",
         ),
@@ -261,12 +256,6 @@ fn settings() {
             VERSION,
             "version: 1, rupture: (brittleness: -0.5)",
             "2:40: rupture.brittleness: negative (-0.5); give a multiple of the mean contact force, 0 or more",
-        ),
-        (
-            VERSION,
-            "version: 1, rupture: (group: 0.01, avalanche: Gradual)",
-            "2:51: rupture.avalanche: `Gradual` breaks bonds one by one; with `group: 0.01` they \
-             break in groups; leave `group` out, or give another `avalanche`",
         ),
         (
             VERSION,

@@ -12,7 +12,7 @@ Scene(
     gravity: (0.0, -9.81),
     analysis: Dynamic(dt: 1e-4, theta: 0.5),
     friction_law: Coulomb(factorisations: 20),
-    rupture: (rolling: Yields, order: AllAtOnce, rounds: 5),
+    rupture: (rolling: Yields, order: OneRound, density: 5.0),
     solver: Clarabel(tolerance: 1e-11, max_iterations: 100),
     acceptance: (residual: 1e-8, throw: 0.3, halvings: 6),
     materials: {

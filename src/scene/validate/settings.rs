@@ -25,13 +25,9 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
         findings.at_least_one(path, factorisations, "a number");
     }
     let rupture = &scene.rupture;
-    findings.at_least_one(format_args!("rupture.rounds"), rupture.rounds, "a number of rounds");
     let what = "a tolerance between 0 and 0.1";
     let allowed = |value: f64| value > 0.0 && value <= 0.1;
     findings.number(format_args!("rupture.tolerance"), rupture.tolerance, allowed, what);
-    let what = "a relative change of force from 0 to 0.1";
-    let allowed = |value: f64| (0.0..=0.1).contains(&value);
-    findings.number(format_args!("rupture.group"), rupture.group, allowed, what);
     let what = "a share of the bonds per relative change of force, above 0";
     findings.number(format_args!("rupture.density"), rupture.density, |value| value > 0.0, what);
     let what = "a multiple of the mean contact force, 0 or more";
@@ -43,14 +39,6 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
             rupture.avalanche, rupture.order
         );
         let help = "give `order: Events`, or leave `avalanche` out";
-        findings.add(format_args!("rupture.avalanche"), message, help);
-    }
-    if rupture.avalanche == Avalanche::Gradual && rupture.group > 0.0 {
-        let message = format!(
-            "`Gradual` breaks bonds one by one; with `group: {:?}` they break in groups",
-            rupture.group
-        );
-        let help = "leave `group` out, or give another `avalanche`";
         findings.add(format_args!("rupture.avalanche"), message, help);
     }
     if let Some(corrector) = scene.corrector {
