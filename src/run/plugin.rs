@@ -20,9 +20,7 @@ use clastic_systems::stepping::{Advance, AdvanceSystems, is_due};
 use super::before::{Before, take_down};
 use super::group_members::{GROUP_MEMBERS, GroupMembers, are_measured, begin_increment};
 use super::grow::{are_growing, grow, keep_radii};
-use super::key_results::{
-    KEY_RESULTS, KeyResults, is_undecided, observe_increment, read_key_results,
-};
+use super::key_results::{KEY_RESULTS, KeyResults, is_undecided, observe_increment};
 use super::live_loads::{self, LIVE_LOADS, LiveLoads};
 use super::measures::{MeasureKinds, read_custom};
 use super::pour::{POURED, pour};
@@ -152,11 +150,7 @@ impl Plugin for ScenePlugin {
                         .after(AdvanceSystems::End)
                         .before(AdvanceSystems::Output),
                     // Measures are read after all systems of plugins that come before `Stop`.
-                    (
-                        read_key_results.run_if(runs_scene),
-                        read_custom.run_if(measures_of_plugins),
-                        end_increment.run_if(runs_scene),
-                    )
+                    (read_custom.run_if(measures_of_plugins), end_increment.run_if(runs_scene))
                         .chain()
                         .in_set(AdvanceSystems::End)
                         .after(StageSystems::Stop),

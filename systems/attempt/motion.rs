@@ -232,14 +232,7 @@ fn move_tables(world: &mut World) {
     let (program, solution) = (world.resource::<ConeProgram>(), world.resource::<ConeSolution>());
     let (contacts, draft) = (world.resource::<Contacts>(), world.resource::<DraftHistory>());
     let bodies = world.resource::<Bodies>();
-    let mut history = remembered(
-        bodies,
-        world.resource(),
-        contacts,
-        program,
-        solution,
-        &draft.0,
-    );
+    let mut history = remembered(bodies, world.resource(), contacts, program, solution, &draft.0);
     // A program with a rule of rupture of its own breaks bonds when the increment is committed.
     let mut broken = if world.contains_resource::<BuiltInRule>() {
         find_ruptures(

@@ -430,14 +430,13 @@ fn stages() {
 22:55: stages[0].add_walls[0]: wall `bottom` is already there; leave it out of this list"),
         ("-5.0, 2.0))", "-5.0, 2.0), present: false)",
          "22:28: stages[0].walls.top: wall `top` is not there in this stage; bring it in with `add_walls`"),
-        (CONTROL, "stop: [Time(1.0), AxialStrain(0.0), StressDrop(2.0), Rest(-1.0)]",
-         "22:20: stages[0].stop[0]: a stop by time or speed in a static stage, which has no time; use a dynamic analysis
-22:31: stages[0].stop[1]: no axial strain is measured; add `axial_strain` to `measures`
-22:43: stages[0].stop[1][0]: zero (0.0); give a strain as a fraction: 0.12 is 12 %
-22:49: stages[0].stop[2]: no axial stress is measured; add `axial_stress` to `measures`
-22:60: stages[0].stop[2][0]: out of range (2.0); give a fraction between 0 and 1
-22:66: stages[0].stop[3]: a stop by time or speed in a static stage, which has no time; use a dynamic analysis
-22:71: stages[0].stop[3][0]: negative (-1.0); give a speed in m/s greater than 0"),
+        (CONTROL, "stop: [AxialStrain(0.0), StressDrop(2.0), Rest(-1.0)]",
+         "22:20: stages[0].stop[0]: no axial strain is measured; add `axial_strain` to `measures`
+22:32: stages[0].stop[0][0]: zero (0.0); give a strain as a fraction: 0.12 is 12 %
+22:38: stages[0].stop[1]: no axial stress is measured; add `axial_stress` to `measures`
+22:49: stages[0].stop[1][0]: out of range (2.0); give a fraction between 0 and 1
+22:55: stages[0].stop[2]: a stop by speed in a static stage, which has no time; use a dynamic analysis
+22:60: stages[0].stop[2][0]: negative (-1.0); give a speed in m/s greater than 0"),
         (CONTROL, r#"particles: [(select: Group("g")), (select: Probe("p")), (select: Index([])), (select: Index([0, 7]))]"#,
          "22:40: stages[0].particles[0].select[0]: unknown group (`g`); there are no groups
 22:62: stages[0].particles[1].select[0]: unknown probe (`p`); there are no probes
