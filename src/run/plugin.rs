@@ -8,11 +8,8 @@ use clastic_components::body::{BodyId, Group};
 use clastic_components::measure::{NamedMeasures, Quantity};
 use clastic_components::poured::Poured;
 use clastic_components::wall::WallName;
-use clastic_systems::control_loads::control_loads;
-use clastic_systems::control_walls::control_walls;
 use clastic_systems::schedule::{
-    AttemptIncrement, AttemptSystems, ControlSystems, ControlWalls, Increment, IncrementSystems,
-    committed,
+    AttemptIncrement, AttemptSystems, Increment, IncrementSystems, committed,
 };
 use clastic_systems::state::RegisterState;
 use clastic_systems::stepping::{Advance, AdvanceSystems, is_due};
@@ -21,7 +18,6 @@ use super::before::{Before, take_down};
 use super::group_members::{GROUP_MEMBERS, GroupMembers, are_measured, begin_increment};
 use super::grow::{are_growing, grow, keep_radii};
 use super::key_results::{KEY_RESULTS, KeyResults, is_undecided, observe_increment};
-use super::live_loads::{self, LIVE_LOADS, LiveLoads};
 use super::measures::{MeasureKinds, read_custom};
 use super::pour::{POURED, pour};
 use super::sanity::{self, SANITY, Sanity, UNTOUCHED, Untouched};
@@ -43,8 +39,9 @@ pub struct WallPlugins;
 
 /// Registers that a plugin drives walls.
 pub trait ProvideWalls {
-    /// The plugin has systems in [`ControlSystems::Custom`] that drive walls with the control
-    /// `Custom`.
+    /// The plugin has systems in
+    /// [`ControlSystems::Custom`](clastic_systems::schedule::ControlSystems::Custom) that drive walls
+    /// with the control `Custom`.
     fn provide_walls(&mut self) -> &mut Self;
 }
 
@@ -96,15 +93,6 @@ impl Plugin for ScenePlugin {
             .register_resource::<Untouched>(UNTOUCHED)
             .register_resource::<Poured>(POURED)
             .register_resource::<RigidAtStart>(RIGID_AT_START)
-            .register_resource::<LiveLoads>(LIVE_LOADS)
-            .add_systems(
-                ControlWalls,
-                live_loads::add
-                    .in_set(ControlSystems::BuiltIn)
-                    .after(control_loads)
-                    .after(control_walls)
-                    .run_if(resource_exists::<LiveLoads>),
-            )
             .init_resource::<StageKinds>()
             .init_resource::<MeasureKinds>()
             .init_resource::<Before>()

@@ -166,7 +166,7 @@ fn fields() {
          "22:55: stages[0].remove_walls: expected a list `[...]`, found `(\"top\", \"bottom\")`; write `[` and `]` for `(` and `)`"),
         (VERSION, "version: 1,
     friction_law: Coulomb",
-         "3:19: friction_law: expected `Coulomb(...)`, found `Coulomb`; its fields are `factorisations`, `tolerance`, `max_passes`"),
+         "3:19: friction_law: expected `Coulomb(...)`, found `Coulomb`; its fields are `factorisations`"),
         (r#"title: "Small""#, "title: 5",
          "3:12: title: expected a text in quotes, found `5`; write `\"5\"`"),
         (r#"{"top": Force(1.0)}"#, r#"("top": Force(1.0))"#,

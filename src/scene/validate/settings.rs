@@ -18,7 +18,7 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
     findings.positive(format_args!("thickness"), scene.thickness, "a thickness in m");
     findings.vector(format_args!("gravity"), scene.gravity, "an acceleration in m/s^2");
     analysis(format_args!("analysis"), scene.analysis, findings);
-    if let FrictionLaw::Coulomb { factorisations, .. } = scene.friction_law {
+    if let FrictionLaw::Coulomb { factorisations } = scene.friction_law {
         let path = format_args!("friction_law.factorisations");
         findings.at_least_one(path, factorisations, "a number");
     }

@@ -115,8 +115,7 @@ impl Standing {
         for (name, c) in &stage.rigid {
             self.rigid.set(name, c.total_force(1.0), c.moment);
         }
-        // The load of a `live` entry ends with its stage.
-        for c in stage.particles.iter().filter(|c| !c.live) {
+        for c in &stage.particles {
             if c.select == Select::All {
                 // It replaces the loads of all other selections.
                 if c.force.is_some() {

@@ -86,11 +86,6 @@ fn of_two(context: &Context, findings: &mut Findings) {
         if let Stage::Pour(_) = stage {
             findings.add(format_args!("stages[{i}]"), "`Pour` is of version 2", WRITE_2);
         }
-        let controls = stage.load().into_iter().flat_map(|load| load.particles.iter().enumerate());
-        for (k, _) in controls.filter(|(_, control)| control.live) {
-            let path = format_args!("stages[{i}].particles[{k}].live");
-            findings.add(path, "live selections are of version 2", WRITE_2);
-        }
         for (name, control) in stage.load().into_iter().flat_map(|load| &load.rigid) {
             if !control.walls.is_empty() {
                 let path = format!("{}.walls", join(&format!("stages[{i}].rigid"), name));
