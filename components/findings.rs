@@ -4,6 +4,7 @@
 use bevy_ecs::prelude::*;
 #[cfg(feature = "reflect")]
 use bevy_ecs::reflect::ReflectResource;
+use glam::DVec2;
 
 use crate::bond::{BondId, Rupture};
 use clastic_cone::program::Residuals;
@@ -123,6 +124,55 @@ pub struct Sliding {
 impl Sliding {
     /// Maximum residual at which a solution under Coulomb's law is committed.
     pub const BOUND: f64 = 1e-4;
+}
+
+/// Correction of the geometry of a pair of particles by [`Corrector`](crate::increment::Corrector).
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub struct Correction {
+    /// The pair.
+    pub pair: (u32, u32),
+    /// Normal from a to b.
+    pub normal: DVec2,
+    /// Gap in the geometry of the normal, m. The arms end in the middle of this gap.
+    pub gap: f64,
+    /// Offset that replaces the initial gap, m. The offset minus the closing is the gap at the end.
+    pub offset: f64,
+    /// Slip minus its linear expression, m.
+    pub slip: f64,
+}
+
+/// Normals, gaps and slips in the geometry that the last pass of the corrector found.
+#[derive(Resource, Clone, Debug, Default)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
+pub struct Corrections {
+    /// Sorted by pair.
+    pub list: Vec<Correction>,
+    /// Number of passes so far.
+    pub passes: u32,
+    /// Error of the last pass: the maximum error of gaps and slips over the maximum displacement,
+    /// or the maximum error of normals if that is larger.
+    pub residual: f64,
+    /// Whether the corrector reached its maximum number of passes.
+    pub capped: bool,
+}
+
+impl Corrections {
+    /// The correction of a pair, if it has one.
+    #[must_use]
+    pub fn of(&self, pair: (u32, u32)) -> Option<&Correction> {
+        self.list.binary_search_by_key(&pair, |c| c.pair).ok().map(|k| &self.list[k])
+    }
+
+    /// Force that the corrector adds to the initial shear force of an interaction, N. `compliance`
+    /// is the tangential compliance in the program, m/N.
+    #[must_use]
+    pub fn shear_shift(&self, pair: (u32, u32), compliance: f64) -> f64 {
+        match self.of(pair) {
+            Some(c) if compliance > 0.0 => c.slip / compliance,
+            _ => 0.0,
+        }
+    }
 }
 
 /// Displacements that separate rigid overlaps, by body in the axes of the body. They move the

@@ -143,7 +143,7 @@ pub mod prelude {
     };
     pub use crate::components::bond::{Bond, BondId, BondState, Rupture, RuptureMode};
     pub use crate::components::increment::{
-        Acceptance, Analysis, AnalysisKind, FrictionLaw, Progress, RuptureRules,
+        Acceptance, Analysis, AnalysisKind, Corrector, FrictionLaw, Progress, RuptureRules,
     };
     pub use crate::components::loads::TrialLoads;
     pub use crate::components::material::{BondLaw, ContactLaw};

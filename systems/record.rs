@@ -10,7 +10,7 @@ use clastic_components::attempt::Attempt;
 use clastic_components::body::{BodyId, ExternalForce, Origin, Position, Probe, Rotation};
 use clastic_components::bond::{BondState, Rupture};
 use clastic_components::contact::{Bodies, Contacts};
-use clastic_components::findings::{EventSearch, Ruptures, Sliding};
+use clastic_components::findings::{Corrections, EventSearch, Ruptures, Sliding};
 use clastic_components::increment::{Progress, RuptureOrder, RuptureRules};
 use clastic_components::measure::{
     CrackSums, NamedMeasures, Readings, StrainPath, StrainReference,
@@ -127,7 +127,7 @@ fn record_state(
     solution: Res<ConeSolution>,
     progress: Res<Progress>,
     attempt: Res<Attempt>,
-    loops: (Res<Ruptures>, Res<Sliding>),
+    loops: (Res<Ruptures>, Res<Corrections>, Res<Sliding>),
     order: (Res<RuptureRules>, Res<EventSearch>),
     count: Res<RuptureCount>,
     moving: Query<Moving>,
@@ -150,7 +150,7 @@ fn record_state(
     out.motion_strain = attempt.motion_strain;
     out.iterations = attempt.iterations;
     out.residuals = solution.residuals;
-    let (ruptures, sliding) = loops;
+    let (ruptures, corrections, sliding) = loops;
     out.in_avalanche = order.1.in_avalanche;
     out.coulomb_residual = sliding.natural_map;
     out.rupture_lag = if ruptures.list.is_empty() {
@@ -163,7 +163,11 @@ fn record_state(
             _ => change,
         }
     };
-    let caps = [(ruptures.capped, "cascade"), (sliding.capped, "coulomb")];
+    let caps = [
+        (ruptures.capped, "cascade"),
+        (corrections.capped, "corrector"),
+        (sliding.capped, "coulomb"),
+    ];
     let caps: Vec<_> = caps.iter().filter(|(capped, _)| *capped).map(|(_, name)| *name).collect();
     out.caps = caps.join("+");
     out.status = attempt.status;

@@ -17,7 +17,7 @@ use glam::DVec2;
 use clastic_components::body::Drive;
 use clastic_components::contact::{Bodies, BondRow, Contact};
 use clastic_components::contact_history::ContactHistory;
-use clastic_components::findings::{Pushed, Ruptures};
+use clastic_components::findings::{Corrections, Pushed, Ruptures};
 use clastic_components::increment::{Analysis, AnalysisKind};
 use clastic_components::material::{ContactLaw, Materials};
 use clastic_cone::program::{Interaction, Limits};
@@ -32,6 +32,8 @@ pub(super) const ROUND_OFF: f64 = 1e-9;
 pub struct Findings<'a> {
     /// Bonds that are broken already.
     pub ruptures: &'a Ruptures,
+    /// Geometry of the last pass of the corrector.
+    pub corrections: &'a Corrections,
     /// Whether rigid overlaps have been pushed apart.
     pub pushed: &'a Pushed,
 }
@@ -59,7 +61,7 @@ pub fn assemble(
         let bond = contact.bond.map(|k| &bodies.bonds[k as usize]);
         let broken = bond.is_some_and(|b| findings.ruptures.list.iter().any(|r| r.bond == b.id));
         match bond.filter(|_| !broken) {
-            Some(bond) => bonded(bodies, analysis, contact, bond, memory),
+            Some(bond) => bonded(bodies, analysis, findings, contact, bond, memory),
             None => {
                 let memory = match memory {
                     [q, tau] if broken => [
@@ -122,6 +124,7 @@ pub fn moment_after_rupture(tau: f64, contact: &Contact, bodies: &Bodies, law: &
 fn bonded(
     bodies: &Bodies,
     analysis: &Analysis,
+    findings: Findings,
     contact: &Contact,
     bond: &BondRow,
     memory: [f64; 2],
@@ -138,6 +141,7 @@ fn bonded(
     interaction(
         bodies,
         analysis,
+        findings,
         contact,
         contact.gap - bond.initial_gap,
         [law.normal_compliance, law.tangential_compliance, law.rolling_compliance],
@@ -163,6 +167,7 @@ fn unbonded(
     interaction(
         bodies,
         analysis,
+        findings,
         contact,
         gap,
         [law.normal_compliance, law.tangential_compliance, law.rolling_compliance],
@@ -174,6 +179,7 @@ fn unbonded(
 fn interaction(
     bodies: &Bodies,
     analysis: &Analysis,
+    findings: Findings,
     contact: &Contact,
     gap: f64,
     [normal, tangential, rolling]: [f64; 3],
@@ -184,10 +190,17 @@ fn interaction(
         AnalysisKind::Dynamic { theta, .. } => theta,
         AnalysisKind::Static | AnalysisKind::Compaction { .. } => 1.0,
     };
+    let pair = (contact.a, contact.b);
+    let correction = findings.corrections.of(pair);
+    let (direction, at) = correction.map_or((contact.normal, contact.gap), |c| (c.normal, c.gap));
     // The contact point is the middle of the gap. The arms then add up to the centre distance, so
     // that angular momentum is conserved to round-off.
-    let half_gap = 0.5 * contact.gap;
+    let half_gap = 0.5 * at;
     let arm_b = bodies.radii.get(contact.b as usize).map_or(0.0, |r| r + half_gap);
+    // The correction applies to the end of the increment, and the program uses averages over it.
+    let corrected = correction.map_or(0.0, |c| c.offset - contact.gap);
+    let (normal_compliance, tangential_compliance) = (normal / theta, tangential / theta);
+    let shift = findings.corrections.shear_shift(pair, tangential_compliance);
     let round_off = -ROUND_OFF * bodies.mean_radius..0.0;
     let gap = match analysis.kind {
         AnalysisKind::Static if normal == 0.0 && round_off.contains(&gap) => 0.0,
@@ -205,15 +218,15 @@ fn interaction(
     Interaction {
         a: contact.a,
         b: contact.b,
-        normal: contact.normal,
+        normal: direction,
         arm_a: bodies.radii[contact.a as usize] + half_gap,
         arm_b,
         normal_arm_a: 0.0,
         normal_arm_b: 0.0,
-        offset: if normal > 0.0 { gap / theta } else { gap },
-        normal_compliance: normal / theta,
-        tangential_compliance: tangential / theta,
-        previous_shear: if tangential > 0.0 { shear } else { 0.0 },
+        offset: if normal > 0.0 { gap / theta } else { gap } + corrected,
+        normal_compliance,
+        tangential_compliance,
+        previous_shear: if tangential > 0.0 { shear + shift } else { 0.0 },
         rolling_compliance: rolling / theta,
         previous_moment: if rolling > 0.0 { moment } else { 0.0 },
         limits,

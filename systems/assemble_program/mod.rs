@@ -20,7 +20,9 @@ use bevy_ecs::system::SystemParam;
 use clastic_components::attempt::Attempt;
 use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::contact_history::DraftHistory;
-use clastic_components::findings::{Centre, EventSearch, Impacts, Pushed, Restraints, Ruptures};
+use clastic_components::findings::{
+    Centre, Corrections, EventSearch, Impacts, Pushed, Restraints, Ruptures,
+};
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
 use clastic_components::loads::TrialLoads;
 use clastic_components::material::Materials;
@@ -100,6 +102,7 @@ pub struct Settings<'w> {
 #[derive(SystemParam)]
 pub struct Found<'w> {
     ruptures: Res<'w, Ruptures>,
+    corrections: Res<'w, Corrections>,
     pushed: Res<'w, Pushed>,
     search: Res<'w, EventSearch>,
     release: Res<'w, Release>,
@@ -150,7 +153,7 @@ fn assemble_interactions(
     program: &mut ConeProgram,
 ) {
     let (bodies, contacts) = (&trial.bodies, &trial.contacts.0);
-    let Found { ruptures, pushed, .. } = found;
+    let Found { ruptures, corrections, pushed, .. } = found;
     program.cell =
         bodies.cell.map(|cell| cell.in_program(bodies.positions.len(), bodies.mean_radius));
     interactions::assemble(
@@ -159,7 +162,7 @@ fn assemble_interactions(
         &trial.history.0,
         &settings.materials,
         &settings.analysis,
-        Findings { ruptures, pushed },
+        Findings { ruptures, corrections, pushed },
         &mut program.interactions,
         &mut program.last_forces,
     );
@@ -169,7 +172,7 @@ fn assemble_interactions(
         lift_strengths(contacts, interactions);
     }
     cell::set_images(bodies, interactions);
-    turning::carry(bodies, contacts, trial.progress.fraction, interactions);
+    turning::carry(bodies, contacts, corrections, trial.progress.fraction, interactions);
     groups::join(bodies, interactions);
 }
 

@@ -10,6 +10,7 @@
 use glam::DVec2;
 
 use clastic_components::contact::{Bodies, Contact, WallRow};
+use clastic_components::findings::Corrections;
 use clastic_components::rigid_group::GroupRow;
 use clastic_components::wall::WallDrive;
 use clastic_cone::program::Interaction;
@@ -26,6 +27,7 @@ struct Turning<'a> {
 pub fn carry(
     bodies: &Bodies,
     contacts: &[Contact],
+    corrections: &Corrections,
     fraction: f64,
     interactions: &mut [Interaction],
 ) {
@@ -53,7 +55,10 @@ pub fn carry(
         let at = bodies.positions[contact.b as usize];
         let lever = contact.point(bodies) - at;
         *c = c.carried_by(false, contact.b, lever);
-        c.offset += turning[k].beyond_first_order(bodies, contact, lever).unwrap_or(0.0);
+        // The corrector has the exact gap already.
+        if corrections.of((contact.a, contact.b)).is_none() {
+            c.offset += turning[k].beyond_first_order(bodies, contact, lever).unwrap_or(0.0);
+        }
     }
 }
 

@@ -5,7 +5,7 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::contact::{Bodies, Contacts};
-use clastic_components::findings::Ruptures;
+use clastic_components::findings::{Corrections, Ruptures};
 use clastic_components::increment::{Progress, RuptureOrder, RuptureRules};
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
@@ -20,6 +20,7 @@ pub fn judge(
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
     mut ruptures: ResMut<Ruptures>,
+    mut corrections: ResMut<Corrections>,
     mut attempt: ResMut<Attempt>,
 ) {
     let mut found = find_ruptures(
@@ -45,6 +46,7 @@ pub fn judge(
     } else {
         ruptures.rounds += 1;
         ruptures.capped = false;
+        corrections.passes = 0;
         attempt.verdict = Verdict::Again;
     }
 }

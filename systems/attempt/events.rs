@@ -17,7 +17,7 @@ use bevy_ecs::system::SystemParam;
 use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::bond::Rupture;
 use clastic_components::contact::{Bodies, BondRow, Contacts};
-use clastic_components::findings::{EventSearch, EventTrial};
+use clastic_components::findings::{Corrections, EventSearch, EventTrial};
 use clastic_components::increment::{
     Analysis, AnalysisKind, Avalanche, Progress, RollingLimit, RuptureOrder, RuptureRules,
 };
@@ -81,6 +81,7 @@ pub struct Tables<'w> {
     contacts: Res<'w, Contacts>,
     materials: Res<'w, Materials>,
     analysis: Res<'w, Analysis>,
+    corrections: Res<'w, Corrections>,
     release: Res<'w, Release>,
 }
 
@@ -109,6 +110,11 @@ pub fn judge(
         ..tables.trial(&found, fraction)
     };
     search.overload = maximum(&trial);
+    // The corrector continues from the chosen state with its bonds.
+    if tables.corrections.passes > 0 {
+        judge_by_true_limits(&found, &mut program, &mut solution);
+        return;
+    }
     // A followed motion has left the path on which the imposed motion could go back.
     if search.returns && !search.moved {
         let broken = match going_back::next(rules, trial, &progress, &mut search) {

@@ -2,7 +2,7 @@
 //!
 //! Judges run in this order, each only if no judge before it objects: [`converged`], [`coulomb`],
 //! [`events`], [`closed_pairs`], [`too_far`], [`closing_mechanism`], [`restraints`],
-//! [`loose_grains`], [`push_out`], [`cascade`] or [`dense`]. For a step of a motion
+//! [`loose_grains`], [`push_out`], [`corrector`], [`cascade`] or [`dense`]. For a step of a motion
 //! only [`converged`], [`coulomb`], [`motion::judge_length`], [`closed_pairs`] and
 //! [`motion::judge_rest`] run. The tables of [`findings`](clastic_components::findings) keep their
 //! findings until the increment is committed. [`mod@next`] maps the verdict to the next action.
@@ -14,6 +14,7 @@ pub mod cascade;
 pub mod closed_pairs;
 pub mod closing_mechanism;
 pub mod converged;
+pub mod corrector;
 pub mod coulomb;
 pub mod dense;
 pub mod events;
@@ -34,9 +35,11 @@ use bevy_ecs::prelude::*;
 use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::energy::MotionEnergies;
 use clastic_components::findings::{
-    AddedPairs, BestUnconverged, Centre, EventSearch, Pushed, Restraints, Ruptures,
+    AddedPairs, BestUnconverged, Centre, Corrections, EventSearch, Pushed, Restraints, Ruptures,
 };
-use clastic_components::increment::{Acceptance, Analysis, FrictionLaw, Progress, RuptureRules};
+use clastic_components::increment::{
+    Acceptance, Analysis, Corrector, FrictionLaw, Progress, RuptureRules,
+};
 use clastic_components::step_control::StepControl;
 use clastic_cone::program::{ConeSolution, SolveStatus};
 
@@ -50,10 +53,13 @@ pub struct AttemptPlugin;
 
 impl Plugin for AttemptPlugin {
     fn build(&self, app: &mut App) {
+        // The default of a `Corrector` is for scenes that ask for one.
+        app.world_mut().get_resource_or_insert_with(|| Corrector::OFF);
         app.init_resource::<Attempt>()
             .init_resource::<MotionSettings>()
             .init_resource::<AddedPairs>()
             .init_resource::<Ruptures>()
+            .init_resource::<Corrections>()
             .init_resource::<Pushed>()
             .init_resource::<Restraints>()
             .init_resource::<Centre>()
@@ -88,6 +94,7 @@ impl Plugin for AttemptPlugin {
                     loose_grains::judge.run_if(impossible),
                     motion::judge_rest.run_if(in_motion),
                     push_out::judge.run_if(in_equilibrium),
+                    corrector::judge.run_if(in_equilibrium),
                     cascade::judge
                         .run_if(in_equilibrium)
                         .run_if(not(events::searches))

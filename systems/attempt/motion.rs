@@ -20,7 +20,7 @@ use clastic_components::attempt::{Attempt, Mode, Verdict};
 use clastic_components::contact::{Bodies, BondRow, Contact, Contacts};
 use clastic_components::contact_history::DraftHistory;
 use clastic_components::energy::EnergyLedger;
-use clastic_components::findings::{AddedPairs, Centre, Pushed, Ruptures};
+use clastic_components::findings::{AddedPairs, Centre, Corrections, Pushed, Ruptures};
 use clastic_components::increment::{Acceptance, Analysis, Progress, RuptureRules};
 use clastic_components::material::Materials;
 use clastic_components::motion::Motion;
@@ -106,6 +106,7 @@ pub fn forget_pairs(world: &mut World) {
 
 /// Drops findings that hold only for the last solution.
 pub fn forget_passes(world: &mut World) {
+    clear::<Corrections>(world);
     clear::<Pushed>(world);
     clear::<Centre>(world);
 }
@@ -232,7 +233,15 @@ fn move_tables(world: &mut World) {
     let (program, solution) = (world.resource::<ConeProgram>(), world.resource::<ConeSolution>());
     let (contacts, draft) = (world.resource::<Contacts>(), world.resource::<DraftHistory>());
     let bodies = world.resource::<Bodies>();
-    let mut history = remembered(bodies, world.resource(), contacts, program, solution, &draft.0);
+    let mut history = remembered(
+        bodies,
+        world.resource(),
+        world.resource(),
+        contacts,
+        program,
+        solution,
+        &draft.0,
+    );
     // A program with a rule of rupture of its own breaks bonds when the increment is committed.
     let mut broken = if world.contains_resource::<BuiltInRule>() {
         find_ruptures(

@@ -8,6 +8,7 @@ use clastic_components::cell::PeriodicCell;
 use clastic_components::contact::{Bodies, Contact, Contacts};
 use clastic_components::contact_history::ContactHistory;
 use clastic_components::energy::{Changed, Energies, EnergyLedger, MotionEnergies};
+use clastic_components::findings::Corrections;
 use clastic_components::increment::{Analysis, AnalysisKind};
 use clastic_components::material::{ContactLaw, Materials};
 use clastic_cone::program::{ConeProgram, ConeSolution, Interaction, Kinematics};
@@ -29,6 +30,7 @@ pub struct Tables<'a> {
     pub fraction: f64,
     pub program: &'a ConeProgram,
     pub solution: &'a ConeSolution,
+    pub corrections: &'a Corrections,
     /// Positions at the end, m.
     pub end: &'a [DVec2],
     /// The periodic cell at the end.
@@ -180,7 +182,7 @@ fn part<'a>(
     is_bond: bool,
     breaks: bool,
 ) -> Part<'a> {
-    let Tables { bodies, program, solution, .. } = tables;
+    let Tables { bodies, program, solution, corrections, .. } = tables;
     let theta = match tables.analysis.kind {
         AnalysisKind::Dynamic { theta, .. } => theta,
         AnalysisKind::Static | AnalysisKind::Compaction { .. } => 1.0,
@@ -190,10 +192,10 @@ fn part<'a>(
     let born =
         contact.bond.filter(|_| is_bond).map_or(0.0, |k| bodies.bonds[k as usize].initial_gap);
     let start = contact.gap - born;
-    // The offset of an elastic interaction is divided by theta. The remainder comes from a wall that
-    // turns.
-    let beyond = c.offset - start / theta;
-    let gaps = [start, start + beyond - kinematics[0]];
+    // The offset of an elastic interaction is divided by theta. The remainder comes from the
+    // corrector.
+    let corrected = c.offset - start / theta;
+    let gaps = [start, start + corrected - kinematics[0]];
     let compliance = theta * c.normal_compliance;
     let normal = if is_bond && breaks {
         // The stored energy follows from the force. Opening beyond it at the limit is dissipated.
@@ -204,7 +206,8 @@ fn part<'a>(
         [start, gaps[1], end].map(|gap| pressed(compliance, gap, is_bond))
     };
     let tangential = theta * c.tangential_compliance;
-    let sheared = c.previous_shear;
+    let shift = corrections.shear_shift((contact.a, contact.b), c.tangential_compliance);
+    let sheared = c.previous_shear - shift;
     let twisted = c.previous_moment;
     let at_end = if breaks {
         [sheared + (q - sheared) / theta, twisted + (tau - twisted) / theta]

@@ -52,7 +52,7 @@ use clastic_components::body::{AngularVelocity, BodyId, ExternalForce, Position,
 use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::contact_history::{ContactHistory, DraftHistory, KeptRows};
 use clastic_components::energy::{Changed, Energies, EnergyLedger, MotionEnergies, Released};
-use clastic_components::findings::{EventSearch, Ruptures};
+use clastic_components::findings::{Corrections, EventSearch, Ruptures};
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::material::Materials;
 use clastic_components::release::Release;
@@ -135,6 +135,7 @@ pub struct Solved<'w> {
     progress: Res<'w, Progress>,
     program: Res<'w, ConeProgram>,
     solution: Res<'w, ConeSolution>,
+    corrections: Res<'w, Corrections>,
     ruptures: Res<'w, Ruptures>,
     /// Memory of the contacts at the start, after a followed motion.
     draft: Res<'w, DraftHistory>,
@@ -174,6 +175,7 @@ pub fn book_energies(solved: Solved, moved: Moved, mut ledger: ResMut<EnergyLedg
         fraction: solved.progress.fraction,
         program,
         solution,
+        corrections: &solved.corrections,
         end: &end,
         end_cell: cell::deformed(bodies, moved_cell),
         cell_loads: cell::loads(bodies, analysis, &solved.progress),

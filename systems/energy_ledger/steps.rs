@@ -54,6 +54,7 @@ pub(crate) fn book_step(
         fraction: world.resource::<Progress>().fraction,
         program,
         solution,
+        corrections: world.resource(),
         end: &end,
         end_cell: cell::deformed(bodies, moved.get(bodies.positions.len()).copied()),
         // The loads of a step are constant.

@@ -3,6 +3,7 @@
 use bevy_ecs::prelude::*;
 use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::contact_history::{ContactHistory, ContactMemory, DraftHistory};
+use clastic_components::findings::Corrections;
 use clastic_components::increment::{Analysis, AnalysisKind};
 use clastic_cone::program::{ConeProgram, ConeSolution};
 use clastic_cone::residuals::Carrying;
@@ -11,13 +12,15 @@ use clastic_cone::residuals::Carrying;
 pub fn remember_contacts(
     bodies: Res<Bodies>,
     analysis: Res<Analysis>,
+    corrections: Res<Corrections>,
     contacts: Res<Contacts>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
     draft: Res<DraftHistory>,
     mut history: ResMut<ContactHistory>,
 ) {
-    *history = remembered(&bodies, &analysis, &contacts, &program, &solution, &draft.0);
+    *history =
+        remembered(&bodies, &analysis, &corrections, &contacts, &program, &solution, &draft.0);
 }
 
 /// Forces of the persistent contacts after a solution, given those `before` it. An elastic shear
@@ -27,6 +30,7 @@ pub fn remember_contacts(
 pub fn remembered(
     bodies: &Bodies,
     analysis: &Analysis,
+    corrections: &Corrections,
     contacts: &Contacts,
     program: &ConeProgram,
     solution: &ConeSolution,
@@ -52,7 +56,9 @@ pub fn remembered(
             continue;
         }
         let q = if c.tangential_compliance > 0.0 {
-            c.previous_shear + (f[1] - c.previous_shear) / theta
+            let shift = corrections.shear_shift((contact.a, contact.b), c.tangential_compliance);
+            let before = c.previous_shear - shift;
+            before + (f[1] - before) / theta
         } else {
             f[1]
         };

@@ -1,11 +1,48 @@
-//! Arcs and end points where the geometry within an increment counts: impacts.
+//! Arcs and end points where the geometry within an increment counts: corrector and impacts.
 
 use std::f64::consts::PI;
 
 use crate::common::*;
+use clastic::cone::program::ConeSolution;
 use clastic::run::Simulation;
-use clastic::scene::format::Specimen;
+use clastic::scene::format::{Scene, Specimen};
 use glam::DVec2;
+
+/// A disk of radius 0.05 m at `place`, held but for what `motion` imposes.
+fn driven(wall: &str, place: DVec2, motion: DVec2, settings: &str) -> Scene {
+    parse(&format!(
+        "(version: 1, title: \"curved\", {settings}
+          materials: {{ \"m\": (density: 2000.0) }},
+          specimen: Particles([(position: ({:?}, {:?}), radius: 0.05)]),
+          walls: [({wall}, contact: (normal_stiffness: 1.0e8, tangential_stiffness: 5.0e7, friction: 1.0e5))],
+          stages: [Load(name: \"go\", increments: 1, particles: [(select: All,
+            x: Displacement({:?}), y: Displacement({:?}), rotation: Held)])])",
+        place.x, place.y, motion.x, motion.y
+    ))
+}
+
+/// With the corrector a disk that is carried along a curve by a finite angle, at a constant
+/// overlap, keeps its normal force k o and has the shear force k_T L phi, L the distance of its
+/// centre from that of the curve.
+#[test]
+fn the_corrector_follows_a_curve() {
+    let overlap = 1e-5;
+    let arc =
+        "name: \"w\", shape: Arc(through: (0.0, -0.25)), start: (-0.2, -0.15), end: (0.2, -0.15)";
+    let end = "name: \"w\", shape: Segment, start: (0.0, 0.0), end: (0.0, 0.5)";
+    for (wall, distance) in [(arc, 0.2 + overlap), (arc, 0.3 - overlap), (end, 0.05 - overlap)] {
+        for phi in [0.02_f64, -0.3] {
+            let at = |angle: f64| distance * DVec2::new(angle.sin(), -angle.cos());
+            let (start, finish) = (at(-0.1), at(-0.1 + phi));
+            let scene = driven(wall, start, finish - start, "corrector: (),");
+            let mut simulation = Simulation::new(&scene, None);
+            next(&mut simulation).unwrap();
+            let [p, q, _] = simulation.world().resource::<ConeSolution>().forces[0];
+            assert_relative(p, 1e8 * overlap, 1e-6);
+            assert_relative(q.abs(), 5e7 * distance * phi.abs(), 1e-9);
+        }
+    }
+}
 
 /// A disk that flies into a curve leaves it with v - (1 + e) (v . n) n, n the normal where it hits,
 /// and is where it must be at the end of the increment.

@@ -64,6 +64,7 @@ pub fn random_scene(seed: u64, maximum: u32) -> Scene {
             rounds: r.pick(&[1, 5, 50]),
             ..Rupture::default()
         },
+        corrector: None,
         probes: BTreeMap::new(),
         cell: None,
         rigid_at_start: Vec::new(),

@@ -51,6 +51,12 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
         let help = "leave `group` out, or give another `avalanche`";
         findings.add(format_args!("rupture.avalanche"), message, help);
     }
+    if let Some(corrector) = scene.corrector {
+        let what = "a tolerance between 0 and 1";
+        let allowed = |value| value > 0.0 && value < 1.0;
+        findings.number(format_args!("corrector.tolerance"), corrector.tolerance, allowed, what);
+        findings.at_least_one(format_args!("corrector.passes"), corrector.passes, "a number");
+    }
     let allowed = |value| value > 0.0 && value <= 1e-2;
     if let Solver::Clarabel { tolerance, max_iterations } = scene.solver {
         let what = "a tolerance above 0 and up to 1e-2";
