@@ -8,7 +8,6 @@ use clastic_components::{
 };
 use clastic_cone::program;
 
-use crate::detect_contacts::settings::DetectionSettings;
 use crate::identities::Identities;
 use crate::motion_settings::MotionSettings;
 use crate::stepping::{Due, Halted, Running, Undone};
@@ -99,7 +98,6 @@ impl Plugin for ReflectPlugin {
             wall_shape::WallShape,
             program::ConeProgram,
             program::ConeSolution,
-            DetectionSettings,
             MotionSettings,
             Due,
             Halted,

@@ -38,7 +38,6 @@ const POUR: &str = r#"(
     measures: [
         (name: "t_s", of: Time),
         (name: "poured", of: Poured(Number)),
-        (name: "exchange_j", of: Energy(Exchange)),
     ],
     output: (frames_every: 6, energy: true),
 )"#;

@@ -31,7 +31,6 @@ mod landing;
 mod language;
 mod lids;
 mod limit_load;
-mod live_loads;
 mod loose_grains;
 mod measures;
 mod measures_of_ten;

@@ -93,7 +93,7 @@ Scene(
                 "skin": (pressure: 1e5, between: ("bottom", "top"), sides: Right, ball: 0.5),
             },
             particles: [(select: Index([1]), x: Velocity(0.5))],
-            stop: [Time(3.0), Rest(1e-6)],
+            stop: [Rest(1e-6)],
         ),
     ],
     reference_stage: "shear",

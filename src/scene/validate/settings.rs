@@ -1,7 +1,5 @@
 //! Version, analysis, solver and acceptance.
 
-use clastic_cone::condensed::CondensedSettings;
-
 use crate::scene::format::{Analysis, Avalanche, FrictionLaw, RuptureOrder, Solver, VERSION};
 
 use super::Context;
@@ -20,7 +18,7 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
     findings.positive(format_args!("thickness"), scene.thickness, "a thickness in m");
     findings.vector(format_args!("gravity"), scene.gravity, "an acceleration in m/s^2");
     analysis(format_args!("analysis"), scene.analysis, findings);
-    if let FrictionLaw::Coulomb { factorisations, .. } = scene.friction_law {
+    if let FrictionLaw::Coulomb { factorisations } = scene.friction_law {
         let path = format_args!("friction_law.factorisations");
         findings.at_least_one(path, factorisations, "a number");
     }
@@ -47,16 +45,14 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
         findings.number(format_args!("corrector.tolerance"), corrector.tolerance, allowed, what);
         findings.at_least_one(format_args!("corrector.passes"), corrector.passes, "a number");
     }
-    match &scene.solver {
-        Solver::Condensed(settings) => condensed(settings, scene.acceptance.residual, findings),
-        &Solver::Clarabel { tolerance, max_iterations } => {
-            findings.number(format_args!("solver.tolerance"), tolerance, is_tolerance, TOLERANCE);
-            let path = format_args!("solver.max_iterations");
-            findings.at_least_one(path, max_iterations, "a number");
-        }
+    let allowed = |value| value > 0.0 && value <= 1e-2;
+    if let Solver::Clarabel { tolerance, max_iterations } = scene.solver {
+        let what = "a tolerance above 0 and up to 1e-2";
+        findings.number(format_args!("solver.tolerance"), tolerance, allowed, what);
+        let path = format_args!("solver.max_iterations");
+        findings.at_least_one(path, max_iterations, "a number");
     }
     let acceptance = scene.acceptance;
-    let allowed = |value| value > 0.0 && value <= 1e-2;
     let what = "a residual above 0 and up to 1e-2";
     findings.number(format_args!("acceptance.residual"), acceptance.residual, allowed, what);
     findings.positive(format_args!("acceptance.throw"), acceptance.throw, "a number of radii");
@@ -66,45 +62,6 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
         let help = format!("give a number up to {MOST_HALVINGS}");
         findings.add(format_args!("acceptance.halvings"), message, &help);
     }
-}
-
-const TOLERANCE: &str = "a tolerance above 0 and up to 1e-2";
-
-fn is_tolerance(value: f64) -> bool {
-    value > 0.0 && value <= 1e-2
-}
-
-/// The settings of the condensed solver that a scene may have.
-fn condensed(settings: &CondensedSettings, residual: f64, findings: &mut Findings) {
-    let tolerance = settings.tolerance;
-    let is_sound =
-        findings.number(format_args!("solver.tolerance"), tolerance, is_tolerance, TOLERANCE);
-    // The default is above a small residual as well: the author of a scene without the field may
-    // not know of it.
-    if is_sound && tolerance != CondensedSettings::default().tolerance && tolerance > residual {
-        let message = format!("above `acceptance.residual` ({tolerance:?} > {residual:?})");
-        findings.add(
-            format_args!("solver.tolerance"),
-            message,
-            "give a tolerance up to the residual",
-        );
-    }
-    let path = format_args!("solver.loose_tolerance");
-    findings.number(path, settings.loose_tolerance, is_tolerance, TOLERANCE);
-    let is_margin = |value: f64| (1.0..=1e6).contains(&value);
-    for (name, margin) in [
-        ("newton_margin", settings.newton_margin),
-        ("loose_newton_margin", settings.loose_newton_margin),
-        ("interior_margin", settings.interior_margin),
-    ] {
-        findings.number(format_args!("solver.{name}"), margin, is_margin, "a factor from 1 to 1e6");
-    }
-    let path = format_args!("solver.max_polished_residual");
-    let allowed = |value: f64| value > 0.0 && value <= 1.0;
-    let what = "a residual above 0 and up to 1";
-    findings.number(path, settings.max_polished_residual, allowed, what);
-    let path = format_args!("solver.max_start");
-    findings.not_negative(path, settings.max_start, "a multiple of the expected displacement");
 }
 
 /// The analysis of the scene or of a stage.
