@@ -29,7 +29,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 PROGRAM = ROOT / "target/release/clastic"
 COUNT, STRAIN, END = 900, 0.000741, 0.022
-AVALANCHES = ["MostOverloaded", "Together", "Gradual", "Dynamic"]
+AVALANCHES = ["MostOverloaded", "Dynamic"]
 
 
 def prepare(seed, out):

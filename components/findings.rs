@@ -6,7 +6,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::reflect::ReflectResource;
 use glam::DVec2;
 
-use crate::bond::{BondId, Rupture};
+use crate::bond::Rupture;
 use clastic_cone::program::Residuals;
 
 /// Sorted pairs that pruned detection left out and that a solution closed.
@@ -23,31 +23,13 @@ pub struct Ruptures {
     /// Number of ruptures, from the first on, that followed motions caused. A failed attempt does
     /// not undo them.
     pub on_the_way: usize,
-    /// Number of rounds of the cascade so far.
-    pub rounds: u32,
-    /// Whether the cascade reached its maximum number of rounds.
-    pub capped: bool,
-}
-
-impl Ruptures {
-    /// Whether the increment breaks the bond.
-    #[must_use]
-    pub fn has(&self, bond: BondId) -> bool {
-        self.list.iter().any(|rupture| rupture.bond == bond)
-    }
-
-    /// Removes the ruptures that the last attempt found.
-    pub fn forget_attempt(&mut self) {
-        self.list.truncate(self.on_the_way);
-        (self.rounds, self.capped) = (0, false);
-    }
 }
 
 /// A trial of the search for the next event.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct EventTrial {
-    /// Fraction of a whole increment, or part of the [release](crate::release::Release).
+    /// Fraction of a whole increment.
     pub fraction: f64,
     /// Overload R of every bond, in the order of [`Bodies::bonds`](crate::contact::Bodies::bonds).
     /// R is at most 1 for a bond within its limits.
@@ -86,21 +68,14 @@ pub struct EventSearch {
     /// Number of consecutive last trials that replaced `below`, and that replaced `above`. One of
     /// the two is 0.
     pub in_a_row: [u32; 2],
-    /// Bonds at their limits in the last trial. They break when the trial is committed.
-    pub broken: Vec<Rupture>,
-    /// Whether the imposed motion goes back after a rupture to the limit of the next bond.
-    pub returns: bool,
-    /// Whether the way back was given up in this increment.
-    pub no_root: bool,
-    /// Share of the forces of broken bonds that the trial still applies to their ends
-    /// ([`Release`](crate::release::Release)).
-    pub kept: f64,
+    /// The bond at its limit in the last trial. It breaks when the trial is committed.
+    pub broken: Option<Rupture>,
     /// Whether a followed motion has moved bodies in this increment before the trial.
     pub moved: bool,
     /// Maximum overload of the last trial.
     pub overload: f64,
-    /// Whether the last trial is a state within an avalanche, in which bonds are above their limits
-    /// or forces of broken bonds are not yet released.
+    /// Whether the last trial is a state within an avalanche, in which bonds are above their
+    /// limits.
     pub in_avalanche: bool,
 }
 

@@ -47,15 +47,9 @@ pub enum RollingLimit {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum Avalanche {
-    /// By equilibria: of the bonds above their limits in one of them, the most overloaded breaks,
-    /// or as many of these as a group takes.
+    /// By equilibria: of the bonds above their limits in one of them, the most overloaded breaks.
     #[default]
     MostOverloaded,
-    /// By equilibria: all bonds above their limits in one of them break.
-    Together,
-    /// By equilibria: the force of the broken bond is taken back gradually. The first bond that
-    /// reaches its limit on the way breaks there, and its force joins what is left of the others.
-    Gradual,
     /// By a motion with inertia and kinetic damping ([`Motion`](crate::motion::Motion)), in which
     /// bonds break as they reach their limits.
     Dynamic,
@@ -80,9 +74,6 @@ pub enum RuptureOrder {
     Events,
     /// All bonds that are on a limit at the end of an increment break, once (3.4.2 of the paper).
     OneRound,
-    /// The increment is solved again without the bonds on a limit until no more break, at most
-    /// [`rounds`](RuptureRules::rounds) times.
-    AllAtOnce,
 }
 
 /// Rules of rupture: `rupture` of a scene, which has all fields but the last two.
@@ -96,9 +87,6 @@ pub struct RuptureRules {
     pub order: RuptureOrder,
     /// With `Events`: a bond is at its limit when its overload R lies between 1 - tolerance and 1.
     pub tolerance: f64,
-    /// With `Events`: bonds that reach their limits while the bond forces change by this fraction
-    /// after the first rupture break together. 0: bonds break one by one.
-    pub group: f64,
     /// With `Events`: density of ruptures (share of the bonds per relative change of force) from
     /// which many bonds break together at the end of an increment. Above 20: never.
     #[serde(skip_serializing_if = "is_usual_density")]
@@ -107,15 +95,9 @@ pub struct RuptureRules {
     /// at which many bonds break together at the end of an increment. 0: only `density` decides.
     #[serde(skip_serializing_if = "is_usual_brittleness")]
     pub brittleness: f64,
-    /// With `AllAtOnce`: maximum number of rounds.
-    pub rounds: u32,
     /// With `Events`: what happens after the first bond of an avalanche.
     #[serde(skip_serializing_if = "Avalanche::is_default")]
     pub avalanche: Avalanche,
-    /// With `Events`: whether the imposed motion goes back after a rupture until the next bond is
-    /// at its limit and all others hold.
-    #[serde(skip_serializing_if = "is_not")]
-    pub snap_back: bool,
     /// A bond is on a limit if its slack is below this fraction of the limit.
     #[serde(skip)]
     pub slack: f64,
@@ -130,11 +112,6 @@ impl RuptureRules {
     pub const DENSITY: f64 = 0.1;
     /// Default of [`brittleness`](Self::brittleness).
     pub const BRITTLENESS: f64 = 0.5;
-}
-
-/// Whether an option is off, which scenes leave out when they are written.
-fn is_not(option: &bool) -> bool {
-    !option
 }
 
 /// Whether the density is the default, which scenes leave out when they are written.
@@ -152,12 +129,9 @@ impl Default for RuptureRules {
             rolling: RollingLimit::default(),
             order: RuptureOrder::default(),
             tolerance: 5e-4,
-            group: 0.0,
             density: Self::DENSITY,
             brittleness: Self::BRITTLENESS,
-            rounds: 200,
             avalanche: Avalanche::default(),
-            snap_back: false,
             slack: 1e-7,
             multiplier: 1e-9,
         }

@@ -25,7 +25,6 @@ pub mod observation;
 pub mod particle;
 pub mod poured;
 pub mod progress;
-pub mod release;
 pub mod rigid_group;
 pub mod rows;
 pub mod step_control;

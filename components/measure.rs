@@ -65,8 +65,6 @@ pub enum Quantity {
         /// The value.
         part: CrackPart,
     },
-    /// Term of the energy ledger, J. It is not defined without a ledger.
-    Energy(EnergyTerm),
     /// Kinetic energy of the particles, J.
     KineticEnergy,
     /// Elastic energy of contacts and bonds, J: the sum of C f^2 / 2 over their springs.
@@ -100,79 +98,10 @@ pub enum Quantity {
         /// The value.
         value: MembraneValue,
     },
-    /// Key result of the run so far, as if it ended here.
-    KeyResult(KeyResult),
     /// Time, s.
     Time,
     /// The value that a plugin provides under this name.
     Custom(String),
-}
-
-/// Key result of a run, as `run.json` has it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
-#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
-pub enum KeyResult {
-    /// Tangent modulus at the start of the reference stage, Pa.
-    YoungsModulus,
-    /// Secant modulus up to half the peak, Pa.
-    SecantModulus,
-    /// Poisson's ratio in the plane.
-    PoissonsRatio,
-    /// Axial stress at its peak so far, Pa.
-    PeakStress,
-    /// Axial strain at that peak.
-    StrainAtPeak,
-    /// Axial stress at the peak, Pa. It is defined once the stress has fallen.
-    Strength,
-    /// Axial stress on the plateau far beyond the peak, Pa.
-    ResidualStrength,
-    /// Friction angle at the strength, rad.
-    FrictionAngle,
-    /// Axial stress before the first collapse, Pa.
-    LimitLoad,
-    /// Axial stress where the first bond broke, Pa.
-    FirstCrack,
-    /// Axial stress where a hundredth of the bonds that are broken at the strength had broken, Pa.
-    CrackInitiation,
-    /// Axial stress where the volume is at its minimum before the strength, Pa.
-    CrackDamage,
-}
-
-impl KeyResult {
-    /// All of them.
-    pub const ALL: [Self; 12] = [
-        Self::YoungsModulus,
-        Self::SecantModulus,
-        Self::PoissonsRatio,
-        Self::PeakStress,
-        Self::StrainAtPeak,
-        Self::Strength,
-        Self::ResidualStrength,
-        Self::FrictionAngle,
-        Self::LimitLoad,
-        Self::FirstCrack,
-        Self::CrackInitiation,
-        Self::CrackDamage,
-    ];
-
-    /// Name in `run.json`.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::YoungsModulus => "youngs_modulus_pa",
-            Self::SecantModulus => "youngs_modulus_secant_half_peak_pa",
-            Self::PoissonsRatio => "poissons_ratio",
-            Self::PeakStress => "peak_stress_pa",
-            Self::StrainAtPeak => "strain_at_peak",
-            Self::Strength => "strength_pa",
-            Self::ResidualStrength => "residual_strength_pa",
-            Self::FrictionAngle => "friction_angle_rad",
-            Self::LimitLoad => "limit_load_pa",
-            Self::FirstCrack => "first_crack_stress_pa",
-            Self::CrackInitiation => "crack_initiation_stress_pa",
-            Self::CrackDamage => "crack_damage_stress_pa",
-        }
-    }
 }
 
 /// Component of the force of a wall.
@@ -246,38 +175,6 @@ pub enum CrackPart {
     Direction,
     /// Magnitude of that mean: 1 for parallel cracks, 0 without a preferred direction.
     Alignment,
-}
-
-/// Term of the [`EnergyLedger`](crate::energy::EnergyLedger).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
-#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
-pub enum EnergyTerm {
-    /// Work of walls, imposed motion and loads.
-    External,
-    /// Work of gravity.
-    Gravity,
-    /// Energy that added bodies bring minus energy that removed bodies take.
-    Exchange,
-    /// Change of the kinetic energy.
-    Kinetic,
-    /// Work of sliding.
-    Friction,
-    /// Work of rolling.
-    Rolling,
-    /// Work of opening gaps by the dilation of the associated law.
-    Dilation,
-    /// Energy dissipated by normal impulses.
-    Collision,
-    /// Energy dissipated by bonds, at their tension limit and by rupture.
-    Rupture,
-    /// Kinetic energy that static analysis removes.
-    Motion,
-    /// Work of contact forces because normals turn.
-    Turning,
-    /// Energy dissipated by the time integration.
-    Numerical,
-    /// Supplied energy minus all the terms that receive it.
-    Error,
 }
 
 /// Centres of the particles at the start of the reference stage, m, by identity. The resource

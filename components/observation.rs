@@ -225,8 +225,8 @@ pub struct Observation {
     /// maximum overload minus 1, or the tolerance of the search if that is larger. 0 without
     /// ruptures.
     pub rupture_lag: f64,
-    /// Loops that reached their maximum number of passes: `cascade`, `corrector`, `coulomb`, joined
-    /// by `+`.
+    /// Loops that reached their maximum number of passes: `corrector`, `coulomb`, joined by
+    /// `+`.
     pub caps: String,
     /// Maximum of the natural map of the contacts under Coulomb's law, without dimension; 0 with
     /// the associated law.

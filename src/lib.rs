@@ -64,7 +64,6 @@ use clastic_systems::control_walls::ControlWallsPlugin;
 use clastic_systems::detect_contacts::DetectContactsPlugin;
 use clastic_systems::energy_ledger::EnergyLedgerPlugin;
 use clastic_systems::gather_bodies::GatherBodiesPlugin;
-use clastic_systems::gradual_release::GradualReleasePlugin;
 use clastic_systems::material_names::MaterialNamesPlugin;
 use clastic_systems::membranes::MembranesPlugin;
 use clastic_systems::record::RecordPlugin;
@@ -117,7 +116,6 @@ impl PluginGroup for ClasticPlugins {
             .add(StepControlPlugin)
             .add(UpdateStatePlugin)
             .add(RuptureBondsPlugin)
-            .add(GradualReleasePlugin)
             .add(EnergyLedgerPlugin)
             .add(ControlWallsPlugin)
             .add(ControlLoadsPlugin)

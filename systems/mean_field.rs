@@ -11,6 +11,8 @@ use clastic_cone::program::{ConeProgram, ConeSolution};
 
 /// With fewer grains than this, the field is their mean motion instead of an affine field.
 const FEW: usize = 6;
+/// A grain that a solution moves further than this, in its radii, has no support.
+const UNSUPPORTED: f64 = 10.0;
 
 /// The grain with the maximum motion relative to the mean field, and this motion in its radii.
 #[must_use]
@@ -34,6 +36,14 @@ pub fn thrown(
     acceptance: &Acceptance,
 ) -> Option<(usize, f64)> {
     furthest(bodies, program, solution).filter(|(_, far)| !(*far <= acceptance.throw))
+}
+
+/// Whether a solution moves a grain so far that the grain lacks support. It ends where no accepted
+/// solution can: such a grain crosses thousands of others, and other scales do not help.
+#[must_use]
+pub fn is_unsupported(bodies: &Bodies, program: &ConeProgram, solution: &ConeSolution) -> bool {
+    solution.displacements.len() == bodies.rows_in_program()
+        && furthest(bodies, program, solution).is_some_and(|(_, far)| far > UNSUPPORTED)
 }
 
 /// Motion of every grain relative to the mean field, in its radii.

@@ -163,11 +163,7 @@ fn record_state(
             _ => change,
         }
     };
-    let caps = [
-        (ruptures.capped, "cascade"),
-        (corrections.capped, "corrector"),
-        (sliding.capped, "coulomb"),
-    ];
+    let caps = [(corrections.capped, "corrector"), (sliding.capped, "coulomb")];
     let caps: Vec<_> = caps.iter().filter(|(capped, _)| *capped).map(|(_, name)| *name).collect();
     out.caps = caps.join("+");
     out.status = attempt.status;

@@ -8,7 +8,6 @@ use clastic_components::{
 };
 use clastic_cone::program;
 
-use crate::detect_contacts::settings::DetectionSettings;
 use crate::identities::Identities;
 use crate::motion_settings::MotionSettings;
 use crate::stepping::{Due, Halted, Running, Undone};
@@ -86,7 +85,6 @@ impl Plugin for ReflectPlugin {
             observation::Timings,
             particle::MaterialIndex,
             particle::Swinging,
-            release::Release,
             step_control::StepControl,
             rigid_group::RigidGroup,
             rigid_group::ContactForce,
@@ -100,7 +98,6 @@ impl Plugin for ReflectPlugin {
             wall_shape::WallShape,
             program::ConeProgram,
             program::ConeSolution,
-            DetectionSettings,
             MotionSettings,
             Due,
             Halted,

@@ -22,7 +22,7 @@ use bevy_ecs::schedule::{
     InternedScheduleLabel, LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor,
 };
 
-use clastic_components::attempt::{Attempt, IncrementStatus};
+use clastic_components::attempt::Attempt;
 use clastic_components::contact_history::KeptRows;
 use clastic_components::increment::{Analysis, Progress};
 use clastic_components::observation::Timings;
@@ -135,12 +135,6 @@ pub fn committed(attempt: Res<Attempt>) -> bool {
     attempt.status.is_committed()
 }
 
-/// Run condition: bonds break. If a cascade ends in a collapse, the bonds of its earlier rounds
-/// break although nothing else is committed.
-pub fn ruptured(attempt: Res<Attempt>) -> bool {
-    attempt.status == IncrementStatus::Collapsed || attempt.status.is_committed()
-}
-
 /// Adds the four schedules with their sets.
 pub struct SchedulePlugin;
 
@@ -189,7 +183,7 @@ impl Plugin for SchedulePlugin {
                     IncrementSystems::Draft,
                     IncrementSystems::Attempts,
                     IncrementSystems::Update.run_if(committed),
-                    IncrementSystems::Rupture.run_if(ruptured),
+                    IncrementSystems::Rupture.run_if(committed),
                     IncrementSystems::Record,
                 )
                     .chain(),

@@ -25,7 +25,7 @@ const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 const LATTICE: &str = r#"(
     version: 1,
     title: "lattice",
-    rupture: (rolling: Yields, order: AllAtOnce, rounds: 20),
+    rupture: (rolling: Yields, order: OneRound),
     materials: { "stone": (
         contact: (normal_stiffness: 6.0e7, tangential_stiffness: 3.0e7, friction: 0.3, rolling_friction: 0.05),
         bond: (normal_stiffness: 6.0e7, tangential_stiffness: 3.0e7, friction: 0.5, rolling_friction: 0.05,

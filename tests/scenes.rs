@@ -143,6 +143,13 @@ scenes! {
     simple_shear_periodic_undrained: "simple_shear_periodic_undrained", COMPLETES, &[
         ("porosity", 0.18938159194848847),
     ];
+    // The mean stress stays at 50 kPa, to 1e-9: the peak of the axial stress is a mobilised friction
+    // of 0.331.
+    biaxial_periodic_constant_mean: "biaxial_periodic_constant_mean", COMPLETES, &[
+        ("porosity", 0.1905083246076329),
+        ("peak_stress_pa", 66561.36849816161),
+        ("strain_at_peak", 0.004906200947674545),
+    ];
     // At rest, before the sides are lifted.
     #[ignore = "half a minute"]
     angle_of_repose: "angle_of_repose", COMPLETES, &[

@@ -31,12 +31,10 @@ struct Test {
     prepare: fn(&Scenes, bool, u64) -> Result<LoadedScene, BenchError>,
 }
 
-const TESTS: [Test; 6] = [
+const TESTS: [Test; 4] = [
     uniaxial_test("uniaxial", RuptureOrder::OneRound),
-    uniaxial_test("uniaxial, all at once", RuptureOrder::AllAtOnce),
     uniaxial_test("uniaxial, events", RuptureOrder::Events),
     biaxial_test("biaxial", RuptureOrder::OneRound),
-    biaxial_test("biaxial, all at once", RuptureOrder::AllAtOnce),
     biaxial_test("biaxial, events", RuptureOrder::Events),
 ];
 
@@ -149,11 +147,10 @@ pub fn run(scenes: &Scenes, extent: Extent) -> Result<Part, BenchError> {
         fallen to 40 % of its peak (uniaxial), or at 3 % strain (biaxial, lateral stress 200 \
         kPa). Stresses are interpolated linearly at the axial strains {:?} (uniaxial) and {:?} \
         (biaxial). The biaxial confinement always has five increments, and the first bond breaks \
-        there. With `all at once` an increment is solved again without its broken bonds until no \
-        further bond breaks; with `events` it ends where the next bond reaches its limit. The \
-        modulus is the tangent of the first increment. The first crack is the stress of the \
-        increment in which the first bond broke. Empty cells: the value was not reached, for \
-        example where one increment goes beyond the peak.",
+        there. With `events` an increment ends where the next bond reaches its limit. The modulus \
+        is the tangent of the first increment. The first crack is the stress of the increment in \
+        which the first bond broke. Empty cells: the value was not reached, for example where one \
+        increment goes beyond the peak.",
         if full { "7380 and 6160" } else { "400" },
         "0.005 % and 0.074 %",
         TESTS[0].strains,

@@ -22,7 +22,7 @@ use super::found::Found;
 use super::run_directory::RunDirectory;
 
 /// Columns.
-pub const COLUMNS: [&str; 13] = [
+pub const COLUMNS: [&str; 12] = [
     "increment",
     "stage",
     "axial_strain",
@@ -35,7 +35,6 @@ pub const COLUMNS: [&str; 13] = [
     "axial_stress_after_pa",
     "elastic_energy_before_j",
     "elastic_energy_after_j",
-    "snap_back",
 ];
 
 /// The current avalanche of a run.
@@ -55,8 +54,6 @@ pub struct Avalanche {
     broken: [u32; 3],
     stress: Option<f64>,
     energy: f64,
-    /// Whether the imposed motion could not go back to the limit of the next bond.
-    no_root: bool,
 }
 
 impl Avalanche {
@@ -68,24 +65,13 @@ impl Avalanche {
             return None;
         }
         let is_loaded = observation.fraction > 0.0;
-        // The imposed motion has gone back to the limit of the next bond.
-        let is_root = observation.fraction < 0.0;
         let is_active = now.search.active;
-        if let Some(avalanche) = open {
-            avalanche.no_root |= now.search.no_root;
-        }
         let after = (!is_loaded).then(|| (observation.axial_stress, now.elastic_energy()));
-        // Forces of broken bonds are still being released.
-        if observation.ruptures.is_empty() && observation.in_avalanche {
-            return None;
-        }
-        let mut ended = if is_root {
-            open.take().map(|avalanche| avalanche.ended(after, "root"))
-        } else if observation.ruptures.is_empty() {
-            open.take().map(|avalanche| avalanche.ended(after, ""))
+        let mut ended = if observation.ruptures.is_empty() {
+            open.take().map(|avalanche| avalanche.ended(after))
         } else if is_loaded {
             // Loading continued with one round of ruptures.
-            open.take().map(|avalanche| avalanche.ended(None, ""))
+            open.take().map(|avalanche| avalanche.ended(None))
         } else {
             None
         };
@@ -106,7 +92,7 @@ impl Avalanche {
         // The followed motion has come to rest without the bonds that broke in it.
         let is_settled = is_active && !is_loaded && !now.progress.relaxing;
         if is_settled && let Some(avalanche) = open.take() {
-            ended = Some(avalanche.ended(after, ""));
+            ended = Some(avalanche.ended(after));
         }
         ended
     }
@@ -123,13 +109,12 @@ impl Avalanche {
             broken: [0; 3],
             stress: observation.axial_stress,
             energy: now.elastic_energy(),
-            no_root: false,
         })
     }
 
     /// Row of the avalanche, and number of its bonds. `after` is the axial stress and the elastic
-    /// energy after it, if it ended with an equilibrium, and `snap_back` how.
-    pub fn ended(self, after: Option<(Option<f64>, f64)>, snap_back: &str) -> (Row, usize) {
+    /// energy after it, if it ended with an equilibrium.
+    pub fn ended(self, after: Option<(Option<f64>, f64)>) -> (Row, usize) {
         let bonds = self.broken.iter().sum::<u32>() as usize;
         let mut row = Row::default()
             .count(self.increment)
@@ -142,8 +127,7 @@ impl Avalanche {
         }
         let stress = after.and_then(|after| after.0);
         let row = row.optionals([self.stress, stress]);
-        let row = row.optionals([Some(self.energy), after.map(|after| after.1)]);
-        (row.text(if self.no_root { "no root" } else { snap_back }), bonds)
+        (row.optionals([Some(self.energy), after.map(|after| after.1)]), bonds)
     }
 }
 

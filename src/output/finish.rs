@@ -64,7 +64,7 @@ pub fn finish(world: &mut World, ending: &Ending) -> Result<Results, OutputError
         if ending.outcome().is_some()
             && let Some(avalanche) = world.resource_mut::<CurrentAvalanche>().0.take()
         {
-            let (row, bonds) = avalanche.ended(None, "");
+            let (row, bonds) = avalanche.ended(None);
             run.tables.avalanches.push(row)?;
             world.resource_mut::<Found>().see_avalanche(bonds);
         }

@@ -134,12 +134,9 @@ struct RuptureSettings {
     rolling: RollingLimit,
     order: RuptureOrder,
     tolerance: f64,
-    group: f64,
     density: f64,
     brittleness: f64,
-    rounds: u32,
     avalanche: Avalanche,
-    snap_back: bool,
 }
 
 impl From<Rupture> for RuptureSettings {
@@ -148,12 +145,9 @@ impl From<Rupture> for RuptureSettings {
             rolling: rules.rolling,
             order: rules.order,
             tolerance: rules.tolerance,
-            group: rules.group,
             density: rules.density,
             brittleness: rules.brittleness,
-            rounds: rules.rounds,
             avalanche: rules.avalanche,
-            snap_back: rules.snap_back,
         }
     }
 }
@@ -340,7 +334,7 @@ mod tests {
         let rules = serde_json::to_value(RuptureSettings::from(Rupture::default()))?;
         let rules = rules.as_object().into_iter().flatten();
         let names: Vec<_> = rules.map(|(name, _)| name.as_str()).collect();
-        let all = "avalanche brittleness density group order rolling rounds snap_back tolerance";
+        let all = "avalanche brittleness density order rolling tolerance";
         assert_eq!(names, all.split(' ').collect::<Vec<_>>());
         Ok(())
     }

@@ -6,7 +6,7 @@ use clastic_components::body::LoadControl;
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::wall::{TableOf, WallControl, WallSlide, WallTable};
 
-use super::{live_loads, membranes};
+use super::membranes;
 
 /// Ends controls of walls that last for one stage: loads from tables keep the values that they have
 /// reached, and lids stop.
@@ -52,7 +52,6 @@ pub fn end_early(world: &mut World) {
         }
     }
     membranes::end_early(world, &progress);
-    live_loads::end_early(world, &progress);
     let mut particles = world.query::<&mut LoadControl>();
     for mut control in particles.iter_mut(world) {
         for (from, to) in &mut control.0 {

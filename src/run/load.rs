@@ -8,7 +8,7 @@ use clastic_components::step_control::StepControl;
 use super::script::Script;
 use super::settings::analysis;
 use super::walls::{find_wall, find_walls, spawn_wall};
-use super::{live_loads, membranes, particle_controls, rigid, wall_controls};
+use super::{membranes, particle_controls, rigid, wall_controls};
 use crate::scene::format as scene;
 
 /// Sets up a loading stage.
@@ -32,7 +32,6 @@ pub fn begin(world: &mut World, stage: &scene::Load) {
     wall_controls::set(world, stage);
     super::cell::control(world, stage);
     particle_controls::set(world, stage, &analysis);
-    live_loads::begin(world, stage);
     rigid::control_groups(world, stage, &analysis);
     membranes::control_membranes(world, stage, confining);
 }

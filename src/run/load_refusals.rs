@@ -16,10 +16,7 @@ use crate::scene::validate::is_behind;
 /// An entry of `particles` that selects no particle. The stage is refused, because without this
 /// entry the results would be those of another scene.
 pub fn selects_nothing(world: &mut World, stage: &scene::Load) -> Option<String> {
-    let empty = |control: &scene::ParticleControl| {
-        !control.live && selected(world, &control.select).is_empty()
-    };
-    let k = stage.particles.iter().position(empty)?;
+    let k = stage.particles.iter().position(|c| selected(world, &c.select).is_empty())?;
     let (what, remedy) = why_empty(&stage.particles[k].select);
     Some(format!(
         "stage `{}` cannot begin: particles[{k}].select selects no particle: {what}; {remedy}",

@@ -21,7 +21,6 @@ mod kept_stress;
 pub mod key_results;
 mod landing;
 mod laws;
-mod live_loads;
 pub mod load;
 mod load_refusals;
 mod measure_error;

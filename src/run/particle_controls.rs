@@ -21,7 +21,7 @@ pub(super) fn set(world: &mut World, stage: &scene::Load, analysis: &Analysis) {
         }
     }
     let mut particles = world.query::<(&Position, &mut Drives, &mut LoadControl)>();
-    for control in stage.particles.iter().filter(|control| !control.live) {
+    for control in &stage.particles {
         for (_, entity) in selected(world, &control.select) {
             let Ok((x, mut drives, mut loads)) = particles.get_mut(world, entity) else { continue };
             for (k, motion) in [control.x, control.y, control.rotation].into_iter().enumerate() {

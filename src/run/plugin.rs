@@ -8,11 +8,8 @@ use clastic_components::body::{BodyId, Group};
 use clastic_components::measure::{NamedMeasures, Quantity};
 use clastic_components::poured::Poured;
 use clastic_components::wall::WallName;
-use clastic_systems::control_loads::control_loads;
-use clastic_systems::control_walls::control_walls;
 use clastic_systems::schedule::{
-    AttemptIncrement, AttemptSystems, ControlSystems, ControlWalls, Increment, IncrementSystems,
-    committed,
+    AttemptIncrement, AttemptSystems, Increment, IncrementSystems, committed,
 };
 use clastic_systems::state::RegisterState;
 use clastic_systems::stepping::{Advance, AdvanceSystems, is_due};
@@ -20,10 +17,7 @@ use clastic_systems::stepping::{Advance, AdvanceSystems, is_due};
 use super::before::{Before, take_down};
 use super::group_members::{GROUP_MEMBERS, GroupMembers, are_measured, begin_increment};
 use super::grow::{are_growing, grow, keep_radii};
-use super::key_results::{
-    KEY_RESULTS, KeyResults, is_undecided, observe_increment, read_key_results,
-};
-use super::live_loads::{self, LIVE_LOADS, LiveLoads};
+use super::key_results::{KEY_RESULTS, KeyResults, is_undecided, observe_increment};
 use super::measures::{MeasureKinds, read_custom};
 use super::pour::{POURED, pour};
 use super::sanity::{self, SANITY, Sanity, UNTOUCHED, Untouched};
@@ -45,8 +39,9 @@ pub struct WallPlugins;
 
 /// Registers that a plugin drives walls.
 pub trait ProvideWalls {
-    /// The plugin has systems in [`ControlSystems::Custom`] that drive walls with the control
-    /// `Custom`.
+    /// The plugin has systems in
+    /// [`ControlSystems::Custom`](clastic_systems::schedule::ControlSystems::Custom) that drive walls
+    /// with the control `Custom`.
     fn provide_walls(&mut self) -> &mut Self;
 }
 
@@ -98,15 +93,6 @@ impl Plugin for ScenePlugin {
             .register_resource::<Untouched>(UNTOUCHED)
             .register_resource::<Poured>(POURED)
             .register_resource::<RigidAtStart>(RIGID_AT_START)
-            .register_resource::<LiveLoads>(LIVE_LOADS)
-            .add_systems(
-                ControlWalls,
-                live_loads::add
-                    .in_set(ControlSystems::BuiltIn)
-                    .after(control_loads)
-                    .after(control_walls)
-                    .run_if(resource_exists::<LiveLoads>),
-            )
             .init_resource::<StageKinds>()
             .init_resource::<MeasureKinds>()
             .init_resource::<Before>()
@@ -152,11 +138,7 @@ impl Plugin for ScenePlugin {
                         .after(AdvanceSystems::End)
                         .before(AdvanceSystems::Output),
                     // Measures are read after all systems of plugins that come before `Stop`.
-                    (
-                        read_key_results.run_if(runs_scene),
-                        read_custom.run_if(measures_of_plugins),
-                        end_increment.run_if(runs_scene),
-                    )
+                    (read_custom.run_if(measures_of_plugins), end_increment.run_if(runs_scene))
                         .chain()
                         .in_set(AdvanceSystems::End)
                         .after(StageSystems::Stop),

@@ -124,7 +124,6 @@ fn quantity(world: &mut World, name: &str, of: &scene::Quantity) -> Option<Quant
         scene::Quantity::Cracks { part, mode: modes } => {
             Quantity::Cracks { mode: mode(*modes), part: *part }
         }
-        scene::Quantity::Energy(term) => Quantity::Energy(*term),
         scene::Quantity::KineticEnergy => Quantity::KineticEnergy,
         scene::Quantity::ElasticEnergy => Quantity::ElasticEnergy,
         scene::Quantity::KineticOverElastic => Quantity::KineticOverElastic,
@@ -134,7 +133,6 @@ fn quantity(world: &mut World, name: &str, of: &scene::Quantity) -> Option<Quant
         scene::Quantity::Membrane { membrane, value } => {
             Quantity::Membrane { membrane: find_membrane(world, membrane)?, value: *value }
         }
-        scene::Quantity::KeyResult(key) => Quantity::KeyResult(*key),
         scene::Quantity::Poured(amount) => {
             Quantity::Poured { mass: *amount == scene::Amount::Mass }
         }

@@ -5,7 +5,7 @@ use bevy_ecs::prelude::*;
 use clastic_components::increment as inc;
 use clastic_components::material::{Material, Materials};
 use clastic_cone::clarabel::Clarabel;
-use clastic_cone::condensed::Condensed;
+use clastic_cone::condensed::{Condensed, CondensedSettings};
 use clastic_systems::solve_program::Solver;
 
 use super::laws::{bond_law, contact_law};
@@ -30,9 +30,9 @@ pub fn insert_settings(world: &mut World, scene: &scene::Scene, particles: u32) 
     world.insert_resource(scene.rupture);
     world.insert_resource(scene.corrector.unwrap_or(inc::Corrector::OFF));
     world.insert_resource(scene.acceptance);
-    world.insert_resource(Solver(match &scene.solver {
-        scene::Solver::Condensed(settings) => Box::new(Condensed::new(**settings)),
-        &scene::Solver::Clarabel { tolerance, max_iterations } => {
+    world.insert_resource(Solver(match scene.solver {
+        scene::Solver::Condensed => Box::new(condensed(scene.acceptance.residual)),
+        scene::Solver::Clarabel { tolerance, max_iterations } => {
             Box::new(Clarabel { tolerance, max_iterations, ..Default::default() })
         }
     }));
@@ -50,6 +50,14 @@ pub fn insert_settings(world: &mut World, scene: &scene::Scene, particles: u32) 
             })
             .collect(),
     ));
+}
+
+/// The condensed solver for increments of this residual. A residual below the default needs a solver
+/// that aims lower; a larger one is stated by the program where it may be used.
+fn condensed(residual: f64) -> Condensed {
+    let mut settings = CondensedSettings::default();
+    settings.tolerance = settings.tolerance.min(settings.safety * residual);
+    Condensed::new(settings)
 }
 
 /// Analysis of a stage.

@@ -13,8 +13,8 @@ use super::resolve_measures::resolve_measures;
 pub use super::script::{Collapse, CollapsedBy, EndedBy, Outcome, Script, StageEnd, Step};
 use super::stage_kinds::{BeginStage, EndStage, StageKinds};
 use super::{
-    cement, compact, end_load, group_members, grow, kept_stress, key_results, live_loads, load,
-    load_refusals, membranes, pour, remove, rigid, save, until,
+    cement, compact, end_load, group_members, grow, kept_stress, key_results, load, load_refusals,
+    membranes, pour, remove, rigid, save, until,
 };
 use crate::scene::format::{Load, Stage};
 
@@ -154,10 +154,7 @@ fn end(world: &mut World, stage: Stage) {
 /// Begins a stage of a built-in kind. Exclusive, because it adds and removes walls and bonds.
 pub(super) fn begin_built_in(world: &mut World) {
     match world.resource::<CurrentStage>().0.clone() {
-        Stage::Compact(stage) => {
-            live_loads::end(world);
-            compact::begin(world, &stage);
-        }
+        Stage::Compact(stage) => compact::begin(world, &stage),
         Stage::Cement(stage) => {
             cement::cement(world, &stage);
             key_results::count_bonds(world);
@@ -166,10 +163,7 @@ pub(super) fn begin_built_in(world: &mut World) {
         Stage::Remove(stage) => remove::remove(world, &stage),
         Stage::Load(stage) => load::begin(world, &stage),
         Stage::Pour(stage) => pour::begin(world, &stage),
-        Stage::Custom(stage) => {
-            live_loads::end(world);
-            load::begin_custom(world, &stage);
-        }
+        Stage::Custom(stage) => load::begin_custom(world, &stage),
     }
 }
 

@@ -22,7 +22,6 @@ use clastic_systems::wall_states::{ControlStates, WALL_CONTROL};
 
 use super::before::Before;
 use super::begin_script::insert_script;
-use super::live_loads::{LIVE_LOADS, LiveLoads};
 use super::resolve_measures::resolve_measures;
 use super::script::{Collapse, Outcome, Script, StageEnd};
 use super::settings::insert_settings;
@@ -244,10 +243,6 @@ impl StateView {
             Some(_) => state.get::<MembraneStates>(MEMBRANES)?.0,
             None => Vec::new(),
         };
-        let live = match state.bytes(LIVE_LOADS) {
-            Some(_) => state.get::<LiveLoads>(LIVE_LOADS)?,
-            None => LiveLoads::default(),
-        };
         let materials: MaterialNames = state.get(MATERIALS)?;
         let particles = state.components::<BodyId, Particle>("particle")?;
         let origins = state.components::<BodyId, Origin>("origin")?;
@@ -273,7 +268,6 @@ impl StateView {
             begun: script.begun,
             ended: script.ends.last().is_some_and(|end| end.ended_by.is_some()),
             ramps: controls.0.iter().any(|(_, control)| control.is_ramp())
-                || live.are_ramps()
                 || membranes.iter().any(|membrane| membrane.pressure.0 != membrane.pressure.1)
                 || loads.iter().any(|(_, load)| load.0.iter().any(|(from, to)| from != to)),
             specimen,

@@ -126,7 +126,6 @@ fn stopped(world: &mut World, stage: &Stage) -> Option<Stop> {
             stress.is_some_and(|s| peak > 0.0 && sign * s < fraction * peak)
                 && (1.0 - fraction) * peak > error_of_stress(world)
         }
-        Stop::Time(limit) => time >= limit * (1.0 - 1e-12),
         // A body that starts to fall is slow as well. At rest the speed does not increase.
         Stop::Rest(speed) => maximum < speed && last.is_some_and(|last| maximum <= last),
         Stop::Full(patience) => world

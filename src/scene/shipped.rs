@@ -22,6 +22,7 @@ static FILES: &[(&str, &[u8])] = &files! {
     "biaxial_50kPa.ron"
     "biaxial_membrane.ron"
     "biaxial_membrane_small.ron"
+    "biaxial_periodic_constant_mean.ron"
     "biaxial_small.ron"
     "bounce.ron"
     "brazilian.ron"

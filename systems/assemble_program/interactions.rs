@@ -17,7 +17,7 @@ use glam::DVec2;
 use clastic_components::body::Drive;
 use clastic_components::contact::{Bodies, BondRow, Contact};
 use clastic_components::contact_history::ContactHistory;
-use clastic_components::findings::{Corrections, Pushed, Ruptures};
+use clastic_components::findings::{Corrections, Pushed};
 use clastic_components::increment::{Analysis, AnalysisKind};
 use clastic_components::material::{ContactLaw, Materials};
 use clastic_cone::program::{Interaction, Limits};
@@ -30,8 +30,6 @@ pub(super) const ROUND_OFF: f64 = 1e-9;
 /// Findings of the judges that change interactions.
 #[derive(Clone, Copy)]
 pub struct Findings<'a> {
-    /// Bonds that are broken already.
-    pub ruptures: &'a Ruptures,
     /// Geometry of the last pass of the corrector.
     pub corrections: &'a Corrections,
     /// Whether rigid overlaps have been pushed apart.
@@ -58,20 +56,9 @@ pub fn assemble(
         let memory = memory_of(contact.a, contact.b);
         last.push(memory.map_or([0.0; 3], |m| [m.p, m.q, m.tau]));
         let memory = memory.map_or([0.0; 2], |m| [m.q, m.tau]);
-        let bond = contact.bond.map(|k| &bodies.bonds[k as usize]);
-        let broken = bond.is_some_and(|b| findings.ruptures.list.iter().any(|r| r.bond == b.id));
-        match bond.filter(|_| !broken) {
+        match contact.bond.map(|k| &bodies.bonds[k as usize]) {
             Some(bond) => bonded(bodies, analysis, findings, contact, bond, memory),
-            None => {
-                let memory = match memory {
-                    [q, tau] if broken => [
-                        shear_after_rupture(q, contact.gap, &law),
-                        moment_after_rupture(tau, contact, bodies, &law),
-                    ],
-                    memory => memory,
-                };
-                unbonded(bodies, analysis, findings, contact, &law, memory)
-            }
+            None => unbonded(bodies, analysis, findings, contact, &law, memory),
         }
     }));
 }

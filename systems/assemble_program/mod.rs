@@ -20,18 +20,14 @@ use bevy_ecs::system::SystemParam;
 use clastic_components::attempt::Attempt;
 use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::contact_history::DraftHistory;
-use clastic_components::findings::{
-    Centre, Corrections, EventSearch, Impacts, Pushed, Restraints, Ruptures,
-};
+use clastic_components::findings::{Centre, Corrections, EventSearch, Impacts, Pushed, Restraints};
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
 use clastic_components::loads::TrialLoads;
 use clastic_components::material::Materials;
-use clastic_components::release::Release;
 use clastic_cone::program::ConeProgram;
 
 use self::interactions::Findings;
 use self::rebounds::{assemble_rebounds, has_restitution};
-use crate::gradual_release::add_loads;
 use crate::rupture_bonds::lift_strengths;
 use crate::schedule::{AttemptIncrement, AttemptSystems, lap};
 
@@ -101,11 +97,9 @@ pub struct Settings<'w> {
 /// What the judges have found in earlier attempts.
 #[derive(SystemParam)]
 pub struct Found<'w> {
-    ruptures: Res<'w, Ruptures>,
     corrections: Res<'w, Corrections>,
     pushed: Res<'w, Pushed>,
     search: Res<'w, EventSearch>,
-    release: Res<'w, Release>,
     restraints: Res<'w, Restraints>,
     centre: Res<'w, Centre>,
 }
@@ -119,7 +113,7 @@ pub fn assemble_program(
 ) {
     let program = &mut *program;
     assemble_interactions(&trial, &settings, &found, program);
-    assemble_bodies(&trial, &settings, &found, program);
+    assemble_bodies(&trial, &settings, program);
     let Settings { analysis, acceptance, .. } = &settings;
     let Trial { bodies, contacts, history, attempt, .. } = &trial;
     program.scales =
@@ -146,7 +140,7 @@ fn assemble_interactions(
     program: &mut ConeProgram,
 ) {
     let (bodies, contacts) = (&trial.bodies, &trial.contacts.0);
-    let Found { ruptures, corrections, pushed, .. } = found;
+    let Found { corrections, pushed, .. } = found;
     program.cell =
         bodies.cell.map(|cell| cell.in_program(bodies.positions.len(), bodies.mean_radius));
     interactions::assemble(
@@ -155,7 +149,7 @@ fn assemble_interactions(
         &trial.history.0,
         &settings.materials,
         &settings.analysis,
-        Findings { ruptures, corrections, pushed },
+        Findings { corrections, pushed },
         &mut program.interactions,
         &mut program.last_forces,
     );
@@ -170,7 +164,7 @@ fn assemble_interactions(
 }
 
 /// Fills the balance rows of the bodies.
-fn assemble_bodies(trial: &Trial, settings: &Settings, found: &Found, program: &mut ConeProgram) {
+fn assemble_bodies(trial: &Trial, settings: &Settings, program: &mut ConeProgram) {
     let Trial { bodies, contacts, history, loads, progress, attempt } = trial;
     let analysis = &settings.analysis;
     let balance = |program: &mut ConeProgram| {
@@ -183,7 +177,6 @@ fn assemble_bodies(trial: &Trial, settings: &Settings, found: &Found, program: &
         // known.
         balance(program);
     }
-    add_loads(bodies, &found.release, found.search.kept, program);
     if analysis.kind == AnalysisKind::Static && attempt.motion().is_none() {
         cell::hold_one(bodies, &history.0, program);
     }

@@ -11,11 +11,11 @@ use clastic_components::findings::AddedPairs;
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
-use super::too_far::is_unsupported;
 use crate::detect_contacts::Candidates;
 use crate::detect_contacts::gaps::wall_gap;
 use crate::detect_contacts::grid::pairs_within;
 use crate::detect_contacts::periodic;
+use crate::mean_field::is_unsupported;
 
 /// Pairs that are about to close are added together with those that close. Their gap is at most
 /// this many mean radii plus this fraction of their relative motion.

@@ -17,7 +17,6 @@ use clastic_cone::residuals::regularised_residuals;
 /// Accepts solved programs and proven collapses, moves the centre of the regularisation until its
 /// bias vanishes, and rejects all else. A bias together with a throw is left to
 /// [`closed_pairs`](super::closed_pairs) and [`too_far`](super::too_far), one of which rejects it.
-/// Where `snap_back` is on, its overloads may still show how far the motion goes back.
 pub fn judge(
     program: Res<ConeProgram>,
     mut solution: ResMut<ConeSolution>,
@@ -60,6 +59,10 @@ pub fn judge(
         }
         SolveStatus::Stalled => Verdict::Unconverged(complaint(&best, &acceptance)),
     };
+    if attempt.verdict != Verdict::Impossible {
+        // A solution has a certificate only if it proves a collapse.
+        solution.certificate = None;
+    }
     if attempt.verdict == Verdict::Locked {
         attempt.complaint = locked(&bodies, &program, solution);
     }

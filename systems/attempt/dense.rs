@@ -72,7 +72,6 @@ pub fn judge(
     let (increment, fraction) = (progress.increment, progress.fraction);
     let mut found =
         find_ruptures(&rules, Met::Slack, increment, &bodies, contacts, &program, &solution);
-    found.retain(|r| !ruptures.has(r.bond));
     let on_limit: HashSet<BondId> = found.iter().map(|r| r.bond).collect();
     let late = found.len();
     let moved = search.moved;
@@ -91,8 +90,7 @@ pub fn judge(
             .filter_map(|(distance, o)| {
                 let forces = &solution.forces[o.contact];
                 let rupture = rupture(increment, &bodies, &contacts[o.contact], forces, o.mode)?;
-                let is_new = !ruptures.has(rupture.bond) && !on_limit.contains(&rupture.bond);
-                is_new.then_some((distance, rupture))
+                (!on_limit.contains(&rupture.bond)).then_some((distance, rupture))
             })
             .collect();
         due.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.bond.cmp(&b.1.bond)));

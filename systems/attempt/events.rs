@@ -2,31 +2,25 @@
 //! trials with bonds of unlimited strength give the fraction at which the next bonds reach their
 //! limits ([`event_search`](crate::event_search)).
 //!
-//! That state is committed before its ruptures. Bonds that hold are judged by their own limits. The
+//! That state is committed before its rupture. Bonds that hold are judged by their own limits. The
 //! next increment has the fraction 0: its equilibrium at constant load shows whether other bonds
-//! break as a consequence (an avalanche). The scene chooses what breaks then ([`Avalanche`]).
-//! Either the most overloaded bond or all bonds above their limits break, repeatedly until all
-//! bonds hold. Or the force of the broken bond is released gradually, and the same search finds the
-//! part of the release at which the next bond reaches its limit
-//! ([`gradual_release`](crate::gradual_release)). Or the motion to the next state at rest is
-//! followed, from the equilibrium before the rupture.
+//! break as a consequence (an avalanche). The scene chooses what breaks then ([`Avalanche`]). Either
+//! the most overloaded bond breaks, repeatedly until all bonds hold. Or the motion to the next state
+//! at rest is followed, from the equilibrium before the rupture.
 
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 
 use clastic_components::attempt::{Attempt, Verdict};
-use clastic_components::bond::Rupture;
 use clastic_components::contact::{Bodies, BondRow, Contacts};
 use clastic_components::findings::{Corrections, EventSearch, EventTrial};
 use clastic_components::increment::{
     Analysis, AnalysisKind, Avalanche, Progress, RollingLimit, RuptureOrder, RuptureRules,
 };
 use clastic_components::material::Materials;
-use clastic_components::release::Release;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
-use super::going_back::{self, Next};
-use crate::event_search::{Decision, GroupRules, Now, at_constant_load, decide, maximum};
+use crate::event_search::{Decision, at_constant_load, decide, maximum};
 use crate::rupture_bonds::{
     BuiltInRule, Overload, UNLIMITED, overloads, overloads_at_start, restore_strengths, rupture,
 };
@@ -57,20 +51,17 @@ pub fn begin(world: &mut World) {
         && world.contains_resource::<BuiltInRule>()
         && !bodies.bonds.is_empty()
         && bodies.bonds.iter().all(is_elastic);
-    let progress = world.resource::<Progress>();
-    let dense = active && rules.avalanche != Avalanche::Dynamic && progress.dense;
-    // Scenes have no loads with this option, and programs that embed the engine may have some.
-    let returns =
-        active && rules.snap_back && progress.relaxing && !super::run::carries_loads(world);
+    let is_dense = world.resource::<Progress>().dense;
+    let dense = active && rules.avalanche != Avalanche::Dynamic && is_dense;
     *world.resource_mut::<EventSearch>() =
-        EventSearch { active: active && !dense, dense, returns, ..EventSearch::default() };
+        EventSearch { active: active && !dense, dense, ..EventSearch::default() };
 }
 
 /// Whether the motion that the last ruptures released must still be followed.
 #[must_use]
 pub fn is_released(rules: &RuptureRules, progress: &Progress, search: &EventSearch) -> bool {
-    let follows = rules.order == RuptureOrder::Events && rules.avalanche == Avalanche::Dynamic;
-    follows && search.active && progress.relaxing && !search.moved
+    let follows = search.active && rules.avalanche == Avalanche::Dynamic;
+    follows && progress.relaxing && !search.moved
 }
 
 /// What the judge reads.
@@ -82,10 +73,9 @@ pub struct Tables<'w> {
     materials: Res<'w, Materials>,
     analysis: Res<'w, Analysis>,
     corrections: Res<'w, Corrections>,
-    release: Res<'w, Release>,
 }
 
-/// Accepts the trial, with the bonds that break in it, or requests another fraction.
+/// Accepts the trial, with the bond that breaks in it, or requests another fraction.
 pub fn judge(
     tables: Tables,
     mut progress: ResMut<Progress>,
@@ -95,19 +85,15 @@ pub fn judge(
     mut attempt: ResMut<Attempt>,
 ) {
     let rules = &*tables.rules;
-    if rules.order != RuptureOrder::Events {
-        return;
-    }
     if is_released(rules, &progress, &search) {
         attempt.verdict = Verdict::Released;
         return;
     }
     let found = overloads(&tables.contacts.0, &program, &solution, UNLIMITED);
-    let fraction = part_tried(&tables.release, &progress, &search);
     let trial = EventTrial {
         change: change(&program, &solution),
         is_solved: true,
-        ..tables.trial(&found, fraction)
+        ..tables.trial(&found, progress.fraction)
     };
     search.overload = maximum(&trial);
     // The corrector continues from the chosen state with its bonds.
@@ -115,22 +101,10 @@ pub fn judge(
         judge_by_true_limits(&found, &mut program, &mut solution);
         return;
     }
-    // A followed motion has left the path on which the imposed motion could go back.
-    if search.returns && !search.moved {
-        let broken = match going_back::next(rules, trial, &progress, &mut search) {
-            Next::Stands(broken) => broken,
-            Next::Try(fraction) => return try_next(fraction, &mut search, &mut attempt),
-        };
-        tables.commit(&found, &broken, &mut progress, &mut program, &mut solution, &mut search);
-        return;
-    }
-    let shares = tables.shares(&found, &solution);
-    let now = Now { trial: &trial, shares: &shares };
-    let group = group_rules(rules);
     let below = search.below.clone().unwrap_or_else(|| tables.start(&program));
     // After a motion under the loads of this trial the fraction can no longer change.
     let decision = if search.moved {
-        Decision::Stands(at_constant_load(now, group))
+        Decision::Stands(at_constant_load(&trial, rules.tolerance))
     } else if tables.may_break_together(&progress, &search)
         && tables.break_together(&below, &trial, &found, &program, &solution)
     {
@@ -140,11 +114,12 @@ pub fn judge(
         attempt.verdict = Verdict::Overloaded;
         return;
     } else {
-        decide(&below, search.above.as_ref(), now, search.trials, search.in_a_row, group)
+        let EventSearch { above, trials, in_a_row, .. } = &*search;
+        decide(&below, above.as_ref(), &trial, *trials, *in_a_row, rules.tolerance)
     };
     match decision {
         Decision::Stands(broken) => {
-            tables.commit(&found, &broken, &mut progress, &mut program, &mut solution, &mut search);
+            tables.commit(&found, broken, &mut progress, &mut program, &mut solution, &mut search);
         }
         Decision::Later(fraction) => {
             search.below = Some(trial);
@@ -162,28 +137,21 @@ pub fn judge(
 impl Tables<'_> {
     /// Index of the bond of an overload.
     fn bond(&self, o: &Overload) -> usize {
-        bond(&self.contacts, o)
+        self.contacts.0[o.contact].bond.map_or(0, |k| k as usize)
     }
 
     /// The overloads of all bonds at a fraction.
     fn trial(&self, found: &[Overload], fraction: f64) -> EventTrial {
-        trial(&self.contacts, found, self.bodies.bonds.len(), fraction)
+        let mut overloads = vec![0.0; self.bodies.bonds.len()];
+        for o in found {
+            overloads[self.bond(o)] = o.value;
+        }
+        EventTrial { fraction, overloads, change: 0.0, is_solved: false }
     }
 
     /// The start of the increment, by the forces after the last one.
     fn start(&self, program: &ConeProgram) -> EventTrial {
         self.trial(&overloads_at_start(&self.contacts.0, program, UNLIMITED), 0.0)
-    }
-
-    /// Force of each bond over the sum of all contact forces.
-    fn shares(&self, found: &[Overload], solution: &ConeSolution) -> Vec<f64> {
-        let sum = sum(&solution.forces).max(f64::MIN_POSITIVE);
-        let mut shares = vec![0.0; self.bodies.bonds.len()];
-        for o in found {
-            let f = &solution.forces[o.contact];
-            shares[self.bond(o)] = f[0].hypot(f[1]) / sum;
-        }
-        shares
     }
 
     /// Whether this is the first trial of a loading with which bonds may break together.
@@ -192,7 +160,6 @@ impl Tables<'_> {
             && search.overload >= 1.0
             && progress.fraction > 0.0
             && self.rules.avalanche != Avalanche::Dynamic
-            && !self.rules.snap_back
     }
 
     /// Whether the bonds that reach their limits are so dense, or release so little force, that
@@ -219,117 +186,41 @@ impl Tables<'_> {
         brittleness(&due, &self.contacts.0, &forces, laws) <= self.rules.brittleness
     }
 
-    /// Commits the trial, in which these bonds break.
+    /// Commits the trial, in which this bond breaks, if there is one.
     fn commit(
         &self,
         found: &[Overload],
-        broken: &[usize],
+        broken: Option<usize>,
         progress: &mut Progress,
         program: &mut ConeProgram,
         solution: &mut ConeSolution,
         search: &mut EventSearch,
     ) {
-        search.broken = self.ruptures(found, broken, progress.increment, solution);
-        // All bonds of a group break at one state, some of them a little late.
-        let is_late = |o: &Overload| o.value > 1.0 && !broken.contains(&self.bond(o));
-        search.in_avalanche = search.kept > 0.0
-            || !broken.is_empty()
-                && (progress.fraction == 0.0 || search.moved || found.iter().any(is_late));
-        if !search.broken.is_empty() && progress.fraction > 0.0 {
+        let breaks = |o: &&Overload| Some(self.bond(o)) == broken;
+        search.broken = found.iter().find(breaks).and_then(|o| {
+            let (contact, forces) = (&self.contacts.0[o.contact], &solution.forces[o.contact]);
+            rupture(progress.increment, &self.bodies, contact, forces, o.mode)
+        });
+        let is_late = |o: &Overload| o.value > 1.0 && !breaks(&o);
+        search.in_avalanche = broken.is_some()
+            && (progress.fraction == 0.0 || search.moved || found.iter().any(is_late));
+        if search.broken.is_some() && progress.fraction > 0.0 {
             // The distance to the next event is estimated from the last distances.
             progress.tried = 0.5 * (REACH * progress.fraction).max(FORGET * progress.tried);
         }
         judge_by_true_limits(found, program, solution);
     }
-
-    /// The ruptures of these bonds.
-    fn ruptures(
-        &self,
-        found: &[Overload],
-        broken: &[usize],
-        increment: u64,
-        solution: &ConeSolution,
-    ) -> Vec<Rupture> {
-        let breaking = found.iter().filter(|o| broken.contains(&self.bond(o)));
-        let rupture = |o: &Overload| {
-            let (contact, forces) = (&self.contacts.0[o.contact], &solution.forces[o.contact]);
-            rupture(increment, &self.bodies, contact, forces, o.mode)
-        };
-        breaking.filter_map(rupture).collect()
-    }
 }
 
-/// Index of the bond of an overload.
-fn bond(contacts: &Contacts, o: &Overload) -> usize {
-    contacts.0[o.contact].bond.map_or(0, |k| k as usize)
-}
-
-/// The overloads of `bonds` bonds at a fraction.
-fn trial(contacts: &Contacts, found: &[Overload], bonds: usize, fraction: f64) -> EventTrial {
-    let mut overloads = vec![0.0; bonds];
-    for o in found {
-        overloads[bond(contacts, o)] = o.value;
-    }
-    EventTrial { fraction, overloads, change: 0.0, is_solved: false }
-}
-
-/// The trial of the last solution, which [`judge`] has not seen.
-pub(super) fn trial_of(world: &World) -> EventTrial {
-    let contacts = world.resource::<Contacts>();
-    let found = overloads(&contacts.0, world.resource(), world.resource(), UNLIMITED);
-    let bonds = world.resource::<Bodies>().bonds.len();
-    trial(contacts, &found, bonds, world.resource::<Progress>().fraction)
-}
-
-fn group_rules(rules: &RuptureRules) -> GroupRules {
-    let &RuptureRules { tolerance, group, avalanche, .. } = rules;
-    let share = if avalanche == Avalanche::Together { f64::INFINITY } else { group };
-    GroupRules { tolerance, group, share }
-}
-
-/// Whether the increment releases forces of broken bonds instead of loading.
-#[must_use]
-pub fn releases(release: &Release, search: &EventSearch) -> bool {
-    search.active && !release.forces.is_empty()
-}
-
-/// Fraction of the increment that the trial solves, or the part of the release.
-#[must_use]
-pub fn part_tried(release: &Release, progress: &Progress, search: &EventSearch) -> f64 {
-    if releases(release, search) { 1.0 - search.kept } else { progress.fraction }
-}
-
-/// Sets the fraction of the increment, or the part of the release, of the next trial.
-pub fn set_part(world: &mut World, part: f64) {
-    if releases(world.resource(), world.resource()) {
-        world.resource_mut::<EventSearch>().kept = 1.0 - part;
-    } else {
-        world.resource_mut::<Progress>().fraction = part;
-    }
-}
-
-/// Halves the fraction of the increment, or the part of the release, and begins its search anew.
+/// Halves the fraction of the increment, and begins its search anew.
 pub fn halve(world: &mut World) {
-    let (release, progress) = (world.resource::<Release>(), world.resource::<Progress>());
     let search = world.resource::<EventSearch>();
-    let half = 0.5 * part_tried(release, progress, search);
-    let releases = releases(release, search);
     // An increment that fell back to one round stays in this mode.
     let (active, dense) = (search.active, search.dense);
     *world.resource_mut::<EventSearch>() = EventSearch { active, dense, ..Default::default() };
-    set_part(world, half);
-    if !releases {
-        world.resource_mut::<Progress>().tried = half;
-    }
-}
-
-/// Fraction of a whole increment that is tried, or the part of a whole release.
-#[must_use]
-pub fn part_of_whole(world: &World) -> f64 {
-    let (release, progress) = (world.resource::<Release>(), world.resource::<Progress>());
-    let search = world.resource::<EventSearch>();
-    let whole = if releases(release, search) { release.left } else { 1.0 };
-    whole * part_tried(release, progress, search)
+    let mut progress = world.resource_mut::<Progress>();
+    progress.fraction *= 0.5;
+    progress.tried = progress.fraction;
 }
 
 /// Restores the strengths of the bonds, and judges the residuals by them.

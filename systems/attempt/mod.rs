@@ -2,15 +2,15 @@
 //!
 //! Judges run in this order, each only if no judge before it objects: [`converged`], [`coulomb`],
 //! [`events`], [`closed_pairs`], [`too_far`], [`closing_mechanism`], [`restraints`],
-//! [`loose_grains`], [`push_out`], [`corrector`], [`cascade`] or [`dense`]. For a step of a motion
-//! only [`converged`], [`coulomb`], [`motion::judge_length`], [`closed_pairs`] and
-//! [`motion::judge_rest`] run. The tables of [`findings`](clastic_components::findings) keep their
-//! findings until the increment is committed. [`mod@next`] maps the verdict to the next action.
+//! [`loose_grains`], [`push_out`], [`corrector`], [`dense`]. [`one_round`] then collects the bonds
+//! on a limit where no judge has chosen others. For a step of a motion only [`converged`],
+//! [`coulomb`], [`motion::judge_length`], [`closed_pairs`] and [`motion::judge_rest`] run. The
+//! tables of [`findings`](clastic_components::findings) keep their findings until the increment is
+//! committed. Only judges set a verdict, and [`mod@next`] alone maps it to the next action.
 //!
 //! Attempts work on the tables that were gathered when the increment began. Entities are written
 //! when it is committed, so a failed attempt changes nothing.
 
-pub mod cascade;
 pub mod closed_pairs;
 pub mod closing_mechanism;
 pub mod converged;
@@ -18,10 +18,10 @@ pub mod corrector;
 pub mod coulomb;
 pub mod dense;
 pub mod events;
-mod going_back;
 pub mod loose_grains;
 pub mod motion;
 pub mod next;
+pub mod one_round;
 mod places;
 pub mod proof;
 pub mod push_out;
@@ -95,11 +95,11 @@ impl Plugin for AttemptPlugin {
                     motion::judge_rest.run_if(in_motion),
                     push_out::judge.run_if(in_equilibrium),
                     corrector::judge.run_if(in_equilibrium),
-                    cascade::judge
+                    dense::judge.run_if(in_equilibrium).run_if(dense::is_dense),
+                    one_round::collect
                         .run_if(in_equilibrium)
                         .run_if(not(events::searches))
                         .run_if(not(dense::is_dense)),
-                    dense::judge.run_if(in_equilibrium).run_if(dense::is_dense),
                 )
                     .chain()
                     .in_set(AttemptSystems::Judge),

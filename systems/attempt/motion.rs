@@ -27,7 +27,6 @@ use clastic_components::motion::Motion;
 use clastic_cone::program::{ConeProgram, ConeSolution, SolveStatus};
 
 use super::places::{digits, moves_most, near};
-use super::run::clear;
 use crate::kinetic_damping;
 use crate::mean_field::{furthest, mean_strain};
 use crate::motion_settings::MotionSettings;
@@ -73,10 +72,6 @@ pub fn begin(world: &mut World, released: bool, repeated: bool) {
     attempt.mode = Mode::Motion(motion);
     attempt.motions += 1;
     world.resource_mut::<Bodies>().drives_stopped = true;
-    // Bonds that a cascade broke stay broken: their rupture is the cause of the motion.
-    let mut ruptures = world.resource_mut::<Ruptures>();
-    ruptures.on_the_way = ruptures.list.len();
-    (ruptures.rounds, ruptures.capped) = (0, false);
     forget_passes(world);
     forget_pairs(world);
 }
@@ -105,9 +100,9 @@ pub fn forget_pairs(world: &mut World) {
 
 /// Drops findings that hold only for the last solution.
 pub fn forget_passes(world: &mut World) {
-    clear::<Corrections>(world);
-    clear::<Pushed>(world);
-    clear::<Centre>(world);
+    world.insert_resource(Corrections::default());
+    world.insert_resource(Pushed::default());
+    world.insert_resource(Centre::default());
 }
 
 /// Judge: is the step short enough for constant normals? In a motion that a rupture released, it
@@ -242,7 +237,7 @@ fn move_tables(world: &mut World) {
         &draft.0,
     );
     // A program with a rule of rupture of its own breaks bonds when the increment is committed.
-    let mut broken = if world.contains_resource::<BuiltInRule>() {
+    let broken = if world.contains_resource::<BuiltInRule>() {
         find_ruptures(
             world.resource::<RuptureRules>(),
             Met::Overload,
@@ -255,9 +250,6 @@ fn move_tables(world: &mut World) {
     } else {
         Vec::new()
     };
-    // Bonds that a cascade broke are contacts already.
-    let known = world.resource::<Ruptures>();
-    broken.retain(|rupture| !known.has(rupture.bond));
     let materials = world.resource::<Materials>();
     release(broken.iter(), bodies, contacts, materials, world.resource(), &mut history);
     let displacements = program.bodies.iter().zip(&solution.displacements);

@@ -1,6 +1,5 @@
 //! From attempt to attempt: the tables of an increment, and what the next action does to them.
 
-use bevy_ecs::component::Mutable;
 use bevy_ecs::prelude::*;
 use glam::DVec2;
 
@@ -17,7 +16,7 @@ use clastic_components::loads::TrialLoads;
 use clastic_cone::program::ConeSolution;
 
 use super::next::{Budget, Next, next};
-use super::{events, going_back, motion};
+use super::{events, motion};
 use crate::control_walls::renew_stresses;
 use crate::motion_settings::MotionSettings;
 use crate::schedule::AttemptIncrement;
@@ -30,14 +29,13 @@ pub fn run_attempts(world: &mut World) {
     let mut start = None;
     loop {
         world.run_schedule(AttemptIncrement);
-        going_back::judge_where_lost(world);
         let budget = budget(world);
         let mut attempt = world.resource_mut::<Attempt>();
         let verdict = std::mem::take(&mut attempt.verdict);
         let next = next(&attempt.mode, &verdict, budget);
         complain(&mut attempt, &verdict, next);
         if let Next::End(status) = next {
-            return end_increment(world, status, &verdict, start.as_ref());
+            return end_increment(world, status, start.as_ref());
         }
         act(world, next, &mut start);
     }
@@ -68,12 +66,11 @@ fn act(world: &mut World, next: Next, start: &mut Option<Start>) {
         Next::Solve | Next::End(_) => {}
         Next::Try(effort) => {
             world.resource_mut::<Attempt>().mode = Mode::Equilibrium(effort);
-            world.resource_mut::<Ruptures>().forget_attempt();
             motion::forget_passes(world);
         }
         Next::Approach => {
             let target = world.resource::<EventSearch>().target;
-            events::set_part(world, target);
+            world.resource_mut::<Progress>().fraction = target;
             seek_equilibrium(world);
             open_trial(world);
         }
@@ -112,7 +109,7 @@ fn act(world: &mut World, next: Next, start: &mut Option<Start>) {
             let mut progress = world.resource_mut::<Progress>();
             progress.tried = progress.left_of_increment();
             progress.fraction = progress.tried;
-            clear::<EventSearch>(world);
+            world.insert_resource(EventSearch::default());
             open_trial(world);
         }
         Next::Prove => {
@@ -159,25 +156,20 @@ fn put_back(world: &mut World, start: Option<&Start>) {
 fn undo(world: &mut World, start: Option<Start>) {
     put_back(world, start.as_ref());
     seek_equilibrium(world);
-    clear::<Ruptures>(world);
+    world.insert_resource(Ruptures::default());
     let mut attempt = world.resource_mut::<Attempt>();
     attempt.motion_strain = 0.0;
     attempt.motions = 0;
 }
 
-/// Sets a resource to its default.
-pub(super) fn clear<R: Resource<Mutability = Mutable> + Default>(world: &mut World) {
-    *world.resource_mut::<R>() = R::default();
-}
-
 fn begin_increment(world: &mut World) {
-    clear::<Attempt>(world);
-    clear::<AddedPairs>(world);
-    clear::<Restraints>(world);
-    clear::<MotionEnergies>(world);
-    clear::<Ruptures>(world);
-    clear::<BestUnconverged>(world);
-    clear::<Sliding>(world);
+    world.insert_resource(Attempt::default());
+    world.insert_resource(AddedPairs::default());
+    world.insert_resource(Restraints::default());
+    world.insert_resource(MotionEnergies::default());
+    world.insert_resource(Ruptures::default());
+    world.insert_resource(BestUnconverged::default());
+    world.insert_resource(Sliding::default());
     motion::forget_passes(world);
     let mut progress = world.resource_mut::<Progress>();
     progress.increment += 1;
@@ -212,7 +204,7 @@ fn budget(world: &World) -> Budget {
             } else {
                 attempt.motion_steps - released < motion::max_steps(world.resource(), settings)
             },
-        half: 0.5 * events::part_of_whole(world) >= finest,
+        half: 0.5 * world.resource::<Progress>().fraction >= finest,
         searches: world.resource::<EventSearch>().active,
     }
 }
@@ -236,12 +228,7 @@ fn seek_equilibrium(world: &mut World) {
     attempt.mode = Mode::default();
 }
 
-fn end_increment(
-    world: &mut World,
-    status: IncrementStatus,
-    verdict: &Verdict,
-    start: Option<&Start>,
-) {
+fn end_increment(world: &mut World, status: IncrementStatus, start: Option<&Start>) {
     motion::end(world);
     if status == IncrementStatus::Solved {
         let broken = std::mem::take(&mut world.resource_mut::<EventSearch>().broken);
@@ -257,9 +244,6 @@ fn end_increment(
     if matches!(status, IncrementStatus::Collapsed) {
         // A collapse does not commit the motion.
         put_back(world, start);
-        let proved = matches!(verdict, Verdict::Impossible | Verdict::Loose);
-        let mut solution = world.resource_mut::<ConeSolution>();
-        solution.certificate = solution.certificate.take().filter(|_| proved);
     }
     if status == IncrementStatus::Undecided
         && let Some(best) = world.resource_mut::<BestUnconverged>().0.take()
@@ -271,7 +255,7 @@ fn end_increment(
 
 /// Whether loads, and not only imposed motions of walls, act on a specimen that carries forces
 /// already. A specimen without forces may reach its first support over any distance.
-pub(super) fn carries_loads(world: &World) -> bool {
+fn carries_loads(world: &World) -> bool {
     let bodies = world.resource::<Bodies>();
     let acts = |ramp: &Ramp| ramp.from != 0.0 || ramp.to != 0.0;
     world.resource::<DraftHistory>().0.0.iter().any(|m| m.p != 0.0)

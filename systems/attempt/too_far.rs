@@ -17,10 +17,7 @@ use super::converged::impossible_or;
 use super::places::{digits, moves_most, near};
 use super::restraints::restrain;
 use crate::assemble_program::scales::maximum_imposed;
-use crate::mean_field::{furthest, mean_strain, thrown};
-
-/// A grain that a solution moves further than this, in its radii, has no support.
-const UNSUPPORTED: f64 = 10.0;
+use crate::mean_field::{mean_strain, thrown};
 
 /// Rejects a static solution that moves a grain by more than [`Acceptance::throw`] radii about the
 /// mean field, or that strains a loaded specimen by more than [`Acceptance::snap`] beyond the
@@ -67,17 +64,6 @@ fn complaint(bodies: &Bodies, grain: usize, far: f64, acceptance: &Acceptance) -
     )
 }
 
-/// Whether a solution moves a grain so far that the grain lacks support. It ends where no accepted
-/// solution can: such a grain crosses thousands of others, and other scales do not help.
-pub(super) fn is_unsupported(
-    bodies: &Bodies,
-    program: &ConeProgram,
-    solution: &ConeSolution,
-) -> bool {
-    solution.displacements.len() == bodies.rows_in_program()
-        && furthest(bodies, program, solution).is_some_and(|(_, far)| far > UNSUPPORTED)
-}
-
 /// Complaint about a specimen that strains much more than is imposed.
 fn snapped(
     bodies: &Bodies,
@@ -87,7 +73,7 @@ fn snapped(
     acceptance: &Acceptance,
 ) -> Option<String> {
     let strain = mean_strain(bodies, program, solution);
-    let imposed = progress.fraction.abs() * maximum_imposed(bodies);
+    let imposed = progress.fraction * maximum_imposed(bodies);
     let n = bodies.particles;
     let (low, high) = bodies.positions[..n]
         .iter()

@@ -3,9 +3,16 @@
 
 use glam::DVec2;
 
-use super::delaunay;
 use super::grid::{self, ROUNDING};
-use super::settings::{ListSettings, SearchMethod};
+
+/// Skin of the list, mean radii.
+///
+/// 0.1: a thicker skin means fewer rebuilds and a longer list.
+const SKIN: f64 = 0.1;
+/// Maximum width of a complete list beyond what is asked for, mean radii. A wider one is rebuilt.
+///
+/// 1: after one violent increment all quiet ones would otherwise go through its many pairs.
+const MAX_EXCESS: f64 = 1.0;
 
 /// Pairs of disks that are, or may soon be, within reach of each other.
 ///
@@ -13,35 +20,25 @@ use super::settings::{ListSettings, SearchMethod};
 /// holds every pair with gap <= reach until two disks have together moved farther than the skin.
 /// Which of its pairs are within reach does not depend on when it was built, so that a resumed run
 /// finds the pairs of an uninterrupted one.
-/// pairs of an uninterrupted one.
 #[derive(Clone, Debug)]
 pub struct CandidatePairs {
-    /// When the list is built, and how.
-    pub settings: ListSettings,
     pairs: Vec<(u32, u32)>,
     /// Reach (m) that the list was complete to when it was built, skin included.
     built_reach: f64,
     built_positions: Vec<DVec2>,
     built_radii: Vec<f64>,
     mean_radius: f64,
-    /// Maximum overlap (m) at the last build, which predicts whether a triangulation is worth its
-    /// cost.
-    overlap: f64,
-    method: SearchMethod,
     rebuilds: u64,
 }
 
 impl Default for CandidatePairs {
     fn default() -> Self {
         Self {
-            settings: ListSettings::default(),
             pairs: Vec::new(),
             built_reach: f64::NEG_INFINITY,
             built_positions: Vec::new(),
             built_radii: Vec::new(),
             mean_radius: 0.0,
-            overlap: 0.0,
-            method: SearchMethod::Grid,
             rebuilds: 0,
         }
     }
@@ -54,8 +51,8 @@ impl CandidatePairs {
     /// It is rebuilt if it may not be [complete](Self::is_complete), or if it is much wider than
     /// `reach`. A disk is in no pair while its position or radius is not finite.
     pub fn ensure(&mut self, positions: &[DVec2], radii: &[f64], reach: f64) -> bool {
-        let excess = self.built_reach - reach - self.settings.skin * self.mean_radius;
-        let too_wide = excess > self.settings.max_excess * self.mean_radius;
+        let excess = self.built_reach - reach - SKIN * self.mean_radius;
+        let too_wide = excess > MAX_EXCESS * self.mean_radius;
         if !too_wide && self.is_complete(positions, radii, reach) {
             return false;
         }
@@ -89,11 +86,6 @@ impl CandidatePairs {
         self.pairs.iter().copied().filter(move |&pair| gap(positions, radii, pair) <= reach)
     }
 
-    /// How the list was found.
-    pub fn method(&self) -> SearchMethod {
-        self.method
-    }
-
     /// Number of times the list has been built.
     #[cfg(test)]
     fn rebuilds(&self) -> u64 {
@@ -104,59 +96,24 @@ impl CandidatePairs {
         // A disk without a finite radius is in no pair, and must not spoil the skin of the others.
         let usable = || radii.iter().copied().filter(|r| r.is_finite());
         self.mean_radius = usable().sum::<f64>() / usable().count().max(1) as f64;
-        let skin = self.settings.skin * self.mean_radius;
+        let skin = SKIN * self.mean_radius;
         // The list reaches farther than stated, by the possible round-off of gaps and
         // displacements.
         let largest = usable().fold(0.0, f64::max);
         let guard = ROUNDING * (2.0 * largest + reach.abs() + skin);
-
-        let minimum = reach + self.settings.min_skin * skin + guard;
-        match self.triangulate(positions, radii, minimum) {
-            Some(bound) => {
-                self.method = SearchMethod::Delaunay;
-                self.built_reach = (reach + skin).min(bound - guard);
-                let listed = self.built_reach + guard;
-                self.pairs.retain(|&pair| gap(positions, radii, pair) <= listed);
-                self.pairs.sort_unstable();
-            }
-            None => {
-                self.method = SearchMethod::Grid;
-                self.built_reach = reach + skin;
-                grid::pairs_within(positions, radii, self.built_reach + guard, &mut self.pairs);
-                self.overlap = max_overlap(positions, radii, &self.pairs);
-            }
-        }
+        self.built_reach = reach + skin;
+        grid::pairs_within(positions, radii, self.built_reach + guard, &mut self.pairs);
         self.built_positions.clear();
         self.built_positions.extend_from_slice(positions);
         self.built_radii.clear();
         self.built_radii.extend_from_slice(radii);
         self.rebuilds += 1;
     }
-
-    /// Fills the list with the edges of the triangulation and returns the reach (m) to which they
-    /// are complete, if that is `minimum` or more.
-    fn triangulate(&mut self, positions: &[DVec2], radii: &[f64], minimum: f64) -> Option<f64> {
-        let complete =
-            |overlap| delaunay::complete_reach(radii, overlap).filter(|bound| *bound >= minimum);
-        if self.settings.preferred == SearchMethod::Grid {
-            return None;
-        }
-        complete(self.overlap)?;
-        if !delaunay::edges(positions, &mut self.pairs) {
-            return None;
-        }
-        self.overlap = max_overlap(positions, radii, &self.pairs);
-        complete(self.overlap)
-    }
 }
 
 fn gap(positions: &[DVec2], radii: &[f64], (a, b): (u32, u32)) -> f64 {
     let (a, b) = (a as usize, b as usize);
     grid::gap((positions[a], positions[b]), (radii[a], radii[b]))
-}
-
-fn max_overlap(positions: &[DVec2], radii: &[f64], pairs: &[(u32, u32)]) -> f64 {
-    pairs.iter().fold(0.0, |maximum, &pair| f64::max(maximum, -gap(positions, radii, pair)))
 }
 
 /// Sum of the two largest displacements (m): no gap can have closed by more. Infinite where a disk
@@ -178,10 +135,6 @@ mod tests {
     use crate::detect_contacts::test_packings::*;
     use proptest::prelude::*;
 
-    fn with(settings: ListSettings) -> CandidatePairs {
-        CandidatePairs { settings, ..Default::default() }
-    }
-
     /// Brings the list up to date and checks it against all pairs.
     fn check(list: &mut CandidatePairs, positions: &[DVec2], radii: &[f64], reach: f64) -> bool {
         let rebuilt = list.ensure(positions, radii, reach);
@@ -193,15 +146,13 @@ mod tests {
 
     #[test]
     fn built_once_while_nothing_moves() {
-        for skin in [0.1, 0.0] {
-            let (positions, radii) = lattice(10, 1.0);
-            let mut list = with(ListSettings { skin, ..Default::default() });
-            assert!(check(&mut list, &positions, &radii, 0.05));
-            for _ in 0..3 {
-                assert!(!check(&mut list, &positions, &radii, 0.05));
-            }
-            assert_eq!(list.rebuilds(), 1);
+        let (positions, radii) = lattice(10, 1.0);
+        let mut list = CandidatePairs::default();
+        assert!(check(&mut list, &positions, &radii, 0.05));
+        for _ in 0..3 {
+            assert!(!check(&mut list, &positions, &radii, 0.05));
         }
+        assert_eq!(list.rebuilds(), 1);
     }
 
     #[test]
@@ -263,59 +214,17 @@ mod tests {
         }
     }
 
-    #[test]
-    fn method_follows_from_the_bound() {
-        let mut list = CandidatePairs::default();
-        let (positions, radii) = lattice(8, 1.0); // bound: √2 - 1 = 0.414, all of radius 0.5
-        check(&mut list, &positions, &radii, 0.1);
-        assert_eq!(list.method(), SearchMethod::Delaunay);
-        check(&mut list, &positions, &radii, 0.38);
-        assert_eq!(list.method(), SearchMethod::Delaunay, "with a thinner skin");
-        check(&mut list, &positions, &radii, 0.45);
-        assert_eq!(list.method(), SearchMethod::Grid);
-
-        let swollen = vec![0.9; radii.len()];
-        check(&mut list, &positions, &swollen, 0.0);
-        assert_eq!(list.method(), SearchMethod::Grid, "overlaps of 0.8");
-        check(&mut list, &positions, &radii, 0.1);
-        check(&mut list, &(positions.iter().map(|x| 2.0 * x).collect::<Vec<_>>()), &radii, 0.1);
-        assert_eq!(list.method(), SearchMethod::Delaunay, "back once they are gone");
-
-        let mut list = with(ListSettings { preferred: SearchMethod::Grid, ..Default::default() });
-        check(&mut list, &positions, &radii, 0.1);
-        assert_eq!(list.method(), SearchMethod::Grid);
-        let line: Vec<_> = (0..9).map(|i| f64::from(i) * DVec2::X).collect();
-        for few in [0, 1, 2, 9] {
-            let mut list = CandidatePairs::default();
-            check(&mut list, &line[..few], &vec![0.5; few], 0.1);
-            assert_eq!(list.method(), SearchMethod::Grid);
-        }
-    }
-
-    #[test]
-    fn methods_list_the_same_pairs() {
-        let (positions, radii) = touching(&mut Random(11), 300, 1.5);
-        let mut lists = [SearchMethod::Delaunay, SearchMethod::Grid]
-            .map(|preferred| with(ListSettings { preferred, ..Default::default() }));
-        for list in &mut lists {
-            list.ensure(&positions, &radii, 0.01);
-            assert_eq!(list.method(), list.settings.preferred);
-        }
-        assert!(lists[0].pairs().len() > 300);
-        assert_eq!(lists[0].pairs(), lists[1].pairs());
-    }
-
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(60))]
 
         /// Random walks, with now and then a leap.
         #[test]
         fn no_pair_is_missed_in_motion(
-            seed: u64, ratio in 1.0..4.0, step in -4.0..0.0, reach in 0.0..0.3, skin in 0.0..0.5,
+            seed: u64, ratio in 1.0..4.0, step in -4.0..0.0, reach in 0.0..0.3,
         ) {
             let mut random = Random(seed);
             let (mut positions, radii) = touching(&mut random, 50, ratio);
-            let mut list = with(ListSettings { skin, ..Default::default() });
+            let mut list = CandidatePairs::default();
             for _ in 0..30 {
                 check(&mut list, &positions, &radii, reach);
                 let leap = if random.unit() < 0.1 { 10.0 } else { 1.0 };
@@ -325,7 +234,7 @@ mod tests {
             }
             let rebuilds = list.rebuilds();
             check(&mut list, &positions, &radii, reach);
-            prop_assert!(rebuilds <= 30 && (step > -3.0 || skin < 0.1 || rebuilds <= 3));
+            prop_assert!(rebuilds <= 30 && (step > -3.0 || rebuilds <= 3));
         }
 
         /// Two disks head on, the fastest way to use up a skin, beside one at rest.

@@ -8,13 +8,36 @@ use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::rigid_group::GroupRow;
 use clastic_components::wall::WallDrive;
 
-use super::settings::ReachSettings;
+/// Gap up to which a pair takes part, over the expected relative displacement of the pair.
+///
+/// 2: the expected motion may be wrong by as much again; no study.
+const MOTION: f64 = 2.0;
+/// Additional gap, over the maximum imposed displacement.
+///
+/// 0.5: imposed motion passes on to bodies on which it is not imposed; no study.
+const IMPOSED: f64 = 0.5;
+/// Additional gap in dynamics, over the displacement of the faster body.
+///
+/// 0.25: a body that hits another gives it part of its motion, which the free flight of the two
+/// does not predict.
+const HIT: f64 = 0.25;
+/// Minimum gap in dynamics, mean radii.
+///
+/// 0.06: more than in statics, for the same reason as [`HIT`].
+const MIN_IN_DYNAMICS: f64 = 0.06;
+/// Minimum gap in static and least-motion analysis, mean radii.
+///
+/// 0.01: a little, for bodies that are expected to rest; no study.
+const MIN: f64 = 0.01;
+/// Maximum gap, mean radii.
+///
+/// 2: a few radii suffice at first. The check of the solution finds pairs that come from further
+/// away.
+pub const MAX: f64 = 2.0;
 
 /// Expected displacements by body, and the reach that follows from them.
 pub struct ExpectedMotion {
     displacement: Vec<DVec2>,
-    /// Gap over the expected relative displacement.
-    motion: f64,
     /// Additional gap in dynamics, over the motion of the faster body.
     hit: f64,
     /// Additional gap of every pair, m.
@@ -23,18 +46,18 @@ pub struct ExpectedMotion {
 }
 
 impl ExpectedMotion {
-    /// The gap up to which the pair (a, b) is kept ([`ReachSettings`]).
+    /// The gap up to which the pair (a, b) is kept, m.
     pub fn pair_reach(&self, a: u32, b: u32) -> f64 {
         let [a, b] = [a as usize, b as usize];
         let [u, v] = [self.displacement[a], self.displacement[b]];
         let hit = self.hit * u.length().max(v.length());
-        (self.motion * (u - v).length() + hit + self.margin).min(self.ceiling)
+        (MOTION * (u - v).length() + hit + self.margin).min(self.ceiling)
     }
 
     /// No pair of the first `n` bodies reaches further than this.
     pub fn max_reach(&self, n: usize) -> f64 {
         let maximum = self.displacement[..n].iter().map(|d| d.length()).fold(0.0, f64::max);
-        ((2.0 * self.motion + self.hit) * maximum + self.margin).min(self.ceiling)
+        ((2.0 * MOTION + self.hit) * maximum + self.margin).min(self.ceiling)
     }
 }
 
@@ -44,7 +67,6 @@ pub fn expected_motion(
     bodies: &Bodies,
     analysis: &Analysis,
     progress: &Progress,
-    settings: &ReachSettings,
     minimum: f64,
 ) -> ExpectedMotion {
     let f = progress.fraction;
@@ -76,7 +98,7 @@ pub fn expected_motion(
         if u.iter().all(Option::is_none) {
             continue;
         }
-        imposed = imposed.max(f.abs() * bodies.imposed_motion(group));
+        imposed = imposed.max(f * bodies.imposed_motion(group));
         for &member in &group.members {
             let i = member as usize;
             let own = displacement[i];
@@ -92,7 +114,7 @@ pub fn expected_motion(
         let drive = bodies.wall_drive(wall);
         if let WallDrive::Imposed(u) = drive {
             displacement[wall.body as usize] = f * u;
-            imposed = imposed.max(f.abs() * u.length());
+            imposed = imposed.max(f * u.length());
         } else if let WallDrive::Turning { .. } = drive {
             // The contact point may move more than the wall's position: the margin covers it.
             displacement[wall.body as usize] = DVec2::ZERO;
@@ -110,14 +132,13 @@ pub fn expected_motion(
         imposed = imposed.max(f * cell.imposed());
     }
     let (hit, floor) = match analysis.kind {
-        AnalysisKind::Dynamic { .. } => (settings.hit, settings.min_in_dynamics),
-        AnalysisKind::Static | AnalysisKind::Compaction { .. } => (0.0, settings.min),
+        AnalysisKind::Dynamic { .. } => (HIT, MIN_IN_DYNAMICS),
+        AnalysisKind::Static | AnalysisKind::Compaction { .. } => (0.0, MIN),
     };
     ExpectedMotion {
         displacement,
-        motion: settings.motion,
         hit,
-        margin: settings.imposed * imposed + minimum.max(floor * bodies.mean_radius),
-        ceiling: settings.max * bodies.mean_radius,
+        margin: IMPOSED * imposed + minimum.max(floor * bodies.mean_radius),
+        ceiling: MAX * bodies.mean_radius,
     }
 }

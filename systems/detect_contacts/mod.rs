@@ -1,17 +1,16 @@
 //! Contact detection: which pairs may carry force in this increment.
 //!
-//! Candidates come from the Delaunay triangulation of the centres where it provably holds every
-//! pair within reach, else from an exact cell grid ([`candidates`]). Of the candidates, those that
-//! cannot close within the increment are pruned by an estimate of the motion; the estimate may be
-//! wrong, so [`closed_pairs`](crate::attempt::closed_pairs) checks the solution against all pairs
-//! and asks for another attempt with those that it missed.
+//! Candidates come from an exact search by a [`grid`] of cells, whose result is kept while the disks
+//! move little ([`candidates`]). Of the candidates, those that cannot close within the increment are
+//! pruned by an estimate of the motion; the estimate may be wrong, so
+//! [`closed_pairs`](crate::attempt::closed_pairs) checks the solution against all pairs and asks for
+//! another attempt with those that it missed. No number here therefore decides which contacts
+//! close.
 
 pub mod candidates;
-pub mod delaunay;
 pub mod gaps;
 pub mod grid;
 pub mod periodic;
-pub mod settings;
 #[cfg(test)]
 mod test_packings;
 
@@ -26,11 +25,16 @@ use clastic_components::increment::{Analysis, Progress};
 
 use crate::detect_contacts::candidates::CandidatePairs;
 use crate::detect_contacts::gaps::{pair_contact, wall_contact, wall_gap};
-use crate::detect_contacts::settings::DetectionSettings;
 use crate::motion_settings::MotionSettings;
 use crate::schedule::{AttemptIncrement, AttemptSystems, lap};
 
 mod expected_motion;
+
+/// Distance to a wall, in radii of the particle or mean radii, beyond which the expected motion is
+/// not evaluated.
+///
+/// Twice the maximum gap of a pair.
+const WALL_REACH: f64 = 2.0 * expected_motion::MAX;
 
 /// Adds [`detect_contacts`].
 pub struct DetectContactsPlugin;
@@ -39,7 +43,6 @@ impl Plugin for DetectContactsPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<Contacts>()
             .init_resource::<Candidates>()
-            .init_resource::<DetectionSettings>()
             .init_resource::<MotionSettings>()
             .add_systems(
                 AttemptIncrement,
@@ -59,18 +62,15 @@ pub fn detect_contacts(
     progress: Res<Progress>,
     attempt: Res<Attempt>,
     added: Res<AddedPairs>,
-    settings: (Res<DetectionSettings>, Res<MotionSettings>),
+    settings: Res<MotionSettings>,
     mut candidates: ResMut<Candidates>,
     mut contacts: ResMut<Contacts>,
 ) {
     // A step of a motion may change direction: nearby pairs take part whatever the last motion was.
-    let (settings, of_motion) = (*settings.0, &settings.1);
-    let minimum = attempt.motion().map_or(0.0, |_| of_motion.reach * bodies.mean_radius);
-    let expected =
-        expected_motion::expected_motion(&bodies, &analysis, &progress, &settings.reach, minimum);
+    let minimum = attempt.motion().map_or(0.0, |_| settings.reach * bodies.mean_radius);
+    let expected = expected_motion::expected_motion(&bodies, &analysis, &progress, minimum);
     let n = bodies.particles;
     let (positions, radii) = (&bodies.positions[..n], &bodies.radii[..]);
-    candidates.0.settings = settings.list;
     // The list of candidates does not handle images: in a cell the pairs are found anew.
     let in_cell = bodies
         .cell
@@ -101,7 +101,7 @@ pub fn detect_contacts(
         }
     };
     let is_grouped = !bodies.groups.is_empty();
-    for (a, b) in merged_pairs(&bodies, &added.0, near, settings.reach.wall) {
+    for (a, b) in merged_pairs(&bodies, &added.0, near) {
         if is_grouped && bodies.are_joined(a, b) {
             continue;
         }
@@ -127,7 +127,6 @@ fn merged_pairs(
     bodies: &Bodies,
     added: &[(u32, u32)],
     candidates: &[(u32, u32)],
-    wall_reach: f64,
 ) -> Vec<(u32, u32)> {
     let mut all = Vec::with_capacity(
         candidates.len() + bodies.bonds.len() + bodies.particles * bodies.walls.len(),
@@ -141,7 +140,7 @@ fn merged_pairs(
         for wall in &bodies.walls {
             // A wall that is many radii away needs no estimate of the motion.
             let gap = wall_gap(wall, bodies.positions[wall.body as usize], x, r);
-            if gap <= wall_reach * bodies.mean_radius.max(r) {
+            if gap <= WALL_REACH * bodies.mean_radius.max(r) {
                 all.push((a, wall.body));
             }
         }

@@ -50,7 +50,7 @@ pub fn touching(random: &mut Random, n: usize, ratio: f64) -> (Vec<DVec2>, Vec<f
     let mut positions = vec![DVec2::ZERO, 2.0 * DVec2::X];
     let mut radii = vec![1.0, 1.0];
     while radii.len() < n {
-        // Half of them of the extreme sizes, which decide how far the triangulation is complete.
+        // Half of them of the extreme sizes, among which the reach of a pair varies most.
         let exponent = [0.0, 1.0, random.unit(), random.unit()][(4.0 * random.unit()) as usize];
         let radius = ratio.powf(-exponent);
         let i = (random.unit() * radii.len() as f64) as usize;

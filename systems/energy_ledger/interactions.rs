@@ -62,9 +62,9 @@ pub struct Part<'a> {
     pub forces: [f64; 3],
     pub kinematics: Kinematics,
     pub multipliers: Multipliers,
-    /// Whether the interaction is a bond in the program.
+    /// Whether the interaction is a bond.
     pub is_bond: bool,
-    /// Whether the bond is broken at the end.
+    /// Whether it is a bond that is broken at the end.
     pub breaks: bool,
     /// Normal gap relative to the stress-free state, m: at the start, and at the end with the
     /// normal of the program.
@@ -99,7 +99,7 @@ impl Part<'_> {
 
     /// Work of opening at the limit of a breaking bond, J.
     pub fn opening(&self) -> f64 {
-        if self.is_bond && self.breaks { -self.forces[0] * self.multipliers.tension } else { 0.0 }
+        if self.breaks { -self.forces[0] * self.multipliers.tension } else { 0.0 }
     }
 }
 
@@ -134,20 +134,17 @@ pub fn book(
     // Three elastic energies: at the start and at the end by the law of the program, and at the end
     // by the law of the state. They differ if bonds break.
     let (mut starts, mut ends, mut state) = (0.0, 0.0, 0.0);
-    let mut broke_before = false;
     let interactions = program.interactions.iter().zip(&solution.forces);
     for (index, (contact, (c, f))) in contacts.0.iter().zip(interactions).enumerate() {
         let breaks =
             contact.bond.map(|k| &bodies.bonds[k as usize]).is_some_and(|b| is_broken(b.id));
-        let is_bond = contact.bond.is_some() && (c.limits.has_strength() || !breaks);
-        broke_before |= breaks && !is_bond;
-        let part = part(tables, index, contact, c, *f, is_bond, breaks);
+        let part = part(tables, index, contact, c, *f, breaks);
         e.rupture += part.opening();
         work(e, &part);
         starts += part.normal[0] + part.shear[0] + part.rolling[0];
         let finish = part.normal[2] + part.shear[1] + part.rolling[1];
         ends += finish;
-        state += if breaks && is_bond {
+        state += if breaks {
             let law = contact_law(bodies, tables.materials, tables.analysis, contact);
             let gap = gap_at(tables, contact);
             let memory = tables.history.get(contact.a, contact.b);
@@ -159,14 +156,14 @@ pub fn book(
             finish
         };
     }
-    // The energies before and at the start differ if bodies have come or gone, if bonds broke before
-    // the last solve, or were cemented between two increments.
+    // The energies before and at the start differ if bodies have come or gone, or if bonds were
+    // cemented between two increments.
     let changed = before.changed != Changed::Nothing;
     let before = before.stored.unwrap_or(starts);
-    match (changed, broke_before) {
-        (true, _) => e.exchange += starts - before,
-        (false, true) => e.rupture += before - starts,
-        (false, false) => e.numerical += before - starts,
+    if changed {
+        e.exchange += starts - before;
+    } else {
+        e.numerical += before - starts;
     }
     e.rupture += ends - state;
     e.elastic = state - before;
@@ -179,7 +176,6 @@ fn part<'a>(
     contact: &'a Contact,
     c: &'a Interaction,
     forces: [f64; 3],
-    is_bond: bool,
     breaks: bool,
 ) -> Part<'a> {
     let Tables { bodies, program, solution, corrections, .. } = tables;
@@ -189,15 +185,15 @@ fn part<'a>(
     };
     let kinematics = program.kinematics(c, &solution.displacements);
     let [p, q, tau] = forces;
-    let born =
-        contact.bond.filter(|_| is_bond).map_or(0.0, |k| bodies.bonds[k as usize].initial_gap);
+    let is_bond = contact.bond.is_some();
+    let born = contact.bond.map_or(0.0, |k| bodies.bonds[k as usize].initial_gap);
     let start = contact.gap - born;
     // The offset of an elastic interaction is divided by theta. The remainder comes from the
     // corrector.
     let corrected = c.offset - start / theta;
     let gaps = [start, start + corrected - kinematics[0]];
     let compliance = theta * c.normal_compliance;
-    let normal = if is_bond && breaks {
+    let normal = if breaks {
         // The stored energy follows from the force. Opening beyond it at the limit is dissipated.
         let at_limit = 0.5 * compliance * p * p;
         [pressed(compliance, start, true), at_limit, at_limit]

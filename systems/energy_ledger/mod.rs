@@ -52,17 +52,15 @@ use clastic_components::body::{AngularVelocity, BodyId, ExternalForce, Position,
 use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::contact_history::{ContactHistory, DraftHistory, KeptRows};
 use clastic_components::energy::{Changed, Energies, EnergyLedger, MotionEnergies, Released};
-use clastic_components::findings::{Corrections, EventSearch, Ruptures};
+use clastic_components::findings::{Corrections, Ruptures};
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::material::Materials;
-use clastic_components::release::Release;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 use glam::DVec2;
 
 use self::dynamic::book_bodies;
 use self::interactions::{Before, Part, Tables, after_rupture, book, gap_at};
 use self::quasi_static::Starts;
-use crate::gradual_release::work;
 use crate::schedule::{Increment, IncrementSystems, committed};
 use crate::state::RegisterState;
 use crate::stepping::Halted;
@@ -142,8 +140,6 @@ pub struct Solved<'w> {
     /// Memory of the contacts at the end.
     history: Res<'w, ContactHistory>,
     motion: Res<'w, MotionEnergies>,
-    /// Forces of broken bonds that are released gradually.
-    gradual: (Res<'w, Release>, Res<'w, EventSearch>),
 }
 
 /// Books the increment that was just committed.
@@ -185,10 +181,9 @@ pub fn book_energies(solved: Solved, moved: Moved, mut ledger: ResMut<EnergyLedg
     // Motions before the equilibrium were booked step by step.
     let before = Before::of(motion, &ledger);
     exchange_kinetic(&mut e, &tables, &rows, &mut ledger);
-    let (gradual, search) = &solved.gradual;
     let mut released = Vec::new();
     let mut release = |part: &Part| {
-        if part.breaks && part.is_bond && gradual.broken.is_empty() {
+        if part.breaks {
             let contact = part.contact;
             let gap = gap_at(&tables, contact);
             let left = after_rupture(&tables, contact, gap, part.forces);
@@ -214,10 +209,6 @@ pub fn book_energies(solved: Solved, moved: Moved, mut ledger: ResMut<EnergyLedg
         });
         let is_jump = before.stored.is_none() || before.changed == Changed::Went;
         unbalanced::book(&mut e, &tables, &starts, is_jump);
-        // A motion had the loads of this trial from its start.
-        let at_start = if motion.stored.is_some() { search.kept } else { 1.0 };
-        let work = work(bodies, gradual, program, &solution.displacements);
-        book_release(&mut e, work, [at_start, search.kept], is_jump);
         stored
     };
     // Interactions of an embedding program lie outside the specimen.
@@ -236,16 +227,6 @@ pub fn book_energies(solved: Solved, moved: Moved, mut ledger: ResMut<EnergyLedg
     ledger.released = released;
     ledger.increment = e;
     ledger.total += e;
-}
-
-/// Takes the work of the forces that are released gradually out of that of the loads: it is
-/// `motion`. `work` is that of the whole forces, which act with the `shares` at the start and at
-/// the end.
-fn book_release(e: &mut Energies, work: f64, [start, end]: [f64; 2], is_jump: bool) {
-    // The loads count as constant, so that their change counts as out of balance.
-    e.external += end * work;
-    *(if is_jump { &mut e.motion } else { &mut e.turning }) -= 0.5 * (start - end) * work;
-    e.motion += 0.5 * (start + end) * work;
 }
 
 /// Adds the kinetic energy that has come or gone since the last increment, and stores the present

@@ -14,7 +14,7 @@ use clastic_components::contact_history::{ContactHistory, ContactMemory};
 use clastic_components::energy::{Energies, Released};
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
-use super::interactions::{Part, Tables, after_rupture};
+use super::interactions::{Part, Tables};
 
 /// Forces of the interactions at the start of a static increment.
 pub struct Starts<'a> {
@@ -47,7 +47,7 @@ impl<'a> Starts<'a> {
     /// Adds the work of an interaction.
     pub fn book(&mut self, e: &mut Energies, tables: &Tables, part: &Part) {
         let memory = self.memory.get(part.contact.a, part.contact.b);
-        let start = if self.is_rigid { part.forces } else { self.start(e, tables, part, memory) };
+        let start = if self.is_rigid { part.forces } else { self.start(e, part, memory) };
         let [p, q, tau] = [0, 1, 2].map(|k| 0.5 * (start[k] + part.forces[k]));
         let [normal, shear, rolling] = part.change();
         let (m, d) = (&part.multipliers, part.kinematics);
@@ -72,13 +72,7 @@ impl<'a> Starts<'a> {
     }
 
     /// Forces of an interaction at the start, after bonds broke.
-    fn start(
-        &mut self,
-        e: &mut Energies,
-        tables: &Tables,
-        part: &Part,
-        memory: Option<&ContactMemory>,
-    ) -> [f64; 3] {
+    fn start(&mut self, e: &mut Energies, part: &Part, memory: Option<&ContactMemory>) -> [f64; 3] {
         let c = part.law;
         let gap = part.gaps[0];
         let by_law = if c.normal_compliance > 0.0 { -gap / c.normal_compliance } else { 0.0 };
@@ -99,8 +93,6 @@ impl<'a> Starts<'a> {
                 before[2] += lost[2];
             }
             [0, 1, 2].map(|k| before[k] - lost[k])
-        } else if part.breaks && !part.is_bond {
-            after_rupture(tables, part.contact, part.contact.gap, before)
         } else {
             before
         };

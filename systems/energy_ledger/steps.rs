@@ -7,11 +7,8 @@ use clastic_components::bond::Rupture;
 use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::contact_history::ContactHistory;
 use clastic_components::energy::{Energies, MotionEnergies};
-use clastic_components::findings::{EventSearch, Ruptures};
 use clastic_components::increment::{Analysis, Progress};
 use clastic_cone::program::{ConeProgram, ConeSolution, Dof};
-
-use crate::gradual_release::work;
 
 use super::cell;
 use super::interactions::{Before, Tables, book};
@@ -34,9 +31,6 @@ pub(crate) fn book_step(
             }
         }
     }
-    // The forces that are released gradually are no loads.
-    let kept = world.resource::<EventSearch>().kept;
-    e.external += kept * work(bodies, world.resource(), program, &solution.displacements);
     for (mass, u) in bodies.masses.iter().zip(moved) {
         e.gravity += mass * analysis.gravity.dot(DVec2::new(u[0], u[1]));
     }
@@ -60,8 +54,7 @@ pub(crate) fn book_step(
         // The loads of a step are constant.
         cell_loads: Default::default(),
     };
-    let ruptures = world.resource::<Ruptures>();
-    let is_broken = |bond| ruptures.list.iter().chain(broken).any(|r| r.bond == bond);
+    let is_broken = |bond| broken.iter().any(|r| r.bond == bond);
     let before = Before::of(world.resource(), world.resource());
     let stored = book(&mut e, &tables, &before, is_broken, |e, part| {
         e.friction += part.forces[1] * part.multipliers.slip;

@@ -39,7 +39,6 @@ pub fn kept_reading(world: &mut World, quantity: &Quantity, reference: Option<f6
         | Quantity::Porosity(_)
         | Quantity::Fragments(_)
         | Quantity::Cracks { .. }
-        | Quantity::Energy(_)
         | Quantity::WallForce { .. }
         | Quantity::Membrane { .. }
         | Quantity::Poured { .. } => {
@@ -57,7 +56,6 @@ pub fn kept_reading(world: &mut World, quantity: &Quantity, reference: Option<f6
         | Quantity::Fabric { .. }
         | Quantity::ElasticEnergy
         | Quantity::KineticOverElastic
-        | Quantity::KeyResult(_)
         | Quantity::Custom(_)
         | Quantity::Time => None,
     }

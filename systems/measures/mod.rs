@@ -20,11 +20,9 @@ use clastic_components::attempt::Attempt;
 use clastic_components::body::{ExternalForce, LastMotion};
 use clastic_components::bond::RuptureMode;
 use clastic_components::contact::{Bodies, Contacts};
-use clastic_components::energy::EnergyLedger;
 use clastic_components::increment::{Analysis, AnalysisKind};
 use clastic_components::measure::{
-    CrackSums, EnergyTerm, ForceComponent, MembraneValue, NamedMeasures, Quantity, Readings,
-    StrainPath,
+    CrackSums, ForceComponent, MembraneValue, NamedMeasures, Quantity, Readings, StrainPath,
 };
 use clastic_components::membrane::MembraneShape;
 use clastic_components::observation::{MeasureArea, Observation};
@@ -111,7 +109,6 @@ pub struct EndTables<'w, 's> {
     strains: StrainTables<'w, 's>,
     path: Option<Res<'w, StrainPath>>,
     cracks: Option<Res<'w, CrackSums>>,
-    ledger: Option<Res<'w, EnergyLedger>>,
     poured: Option<Res<'w, Poured>>,
     forces: Query<'w, 's, (&'static Wall, &'static ExternalForce, &'static LastMotion)>,
     membranes: Query<'w, 's, &'static MembraneShape>,
@@ -130,10 +127,7 @@ impl EndTables<'_, '_> {
         match quantity {
             Quantity::Strain(measure) => self.strains.strain(measure, reference),
             // These are read at the start, by the stages, or by the plugin.
-            Quantity::Stress(_)
-            | Quantity::GroupForce { .. }
-            | Quantity::KeyResult(_)
-            | Quantity::Custom(_) => None,
+            Quantity::Stress(_) | Quantity::GroupForce { .. } | Quantity::Custom(_) => None,
             Quantity::Porosity(area) => {
                 let area = match area {
                     MeasureArea::Fixed(area) => *area,
@@ -168,7 +162,6 @@ impl EndTables<'_, '_> {
             }
             Quantity::Fragments(part) => fragments::read(&self.bodies, *part),
             Quantity::Cracks { mode, part } => cracks::read(self.cracks.as_ref()?, *mode, *part),
-            Quantity::Energy(term) => Some(energy(self.ledger.as_ref()?, *term)),
             Quantity::KineticEnergy => Some(self.observation.kinetic_energy),
             Quantity::ElasticEnergy => elastic(),
             Quantity::KineticOverElastic => {
@@ -233,26 +226,6 @@ impl EndTables<'_, '_> {
         contacts.retain(|count| rattlers || *count >= 2);
         let sum: u32 = contacts.iter().sum();
         (!contacts.is_empty()).then(|| f64::from(sum) / contacts.len() as f64)
-    }
-}
-
-/// A term of the totals of the ledger, J.
-fn energy(ledger: &EnergyLedger, term: EnergyTerm) -> f64 {
-    let total = &ledger.total;
-    match term {
-        EnergyTerm::External => total.external,
-        EnergyTerm::Gravity => total.gravity,
-        EnergyTerm::Exchange => total.exchange,
-        EnergyTerm::Kinetic => total.kinetic,
-        EnergyTerm::Friction => total.friction,
-        EnergyTerm::Rolling => total.rolling,
-        EnergyTerm::Dilation => total.dilation,
-        EnergyTerm::Collision => total.collision,
-        EnergyTerm::Rupture => total.rupture,
-        EnergyTerm::Motion => total.motion,
-        EnergyTerm::Turning => total.turning,
-        EnergyTerm::Numerical => total.numerical,
-        EnergyTerm::Error => total.error(),
     }
 }
 

@@ -14,7 +14,6 @@ use clastic_components::increment::{
     Analysis, AnalysisKind, Avalanche, Progress, RuptureOrder, RuptureRules,
 };
 use clastic_components::particle::Swinging;
-use clastic_components::release::Release;
 
 pub use self::external_forces::external_forces;
 pub use self::move_bodies::move_bodies;
@@ -54,7 +53,6 @@ pub fn advance_progress(
     rules: Res<RuptureRules>,
     search: Res<EventSearch>,
     ruptures: Res<Ruptures>,
-    release: Res<Release>,
     mut progress: ResMut<Progress>,
 ) {
     // A released motion ends at rest without the bonds that broke in it.
@@ -62,9 +60,7 @@ pub fn advance_progress(
         (RuptureOrder::Events, Avalanche::Dynamic) => ruptures.on_the_way,
         _ => 0,
     };
-    let is_kept = search.kept > 0.0 && !release.forces.is_empty();
-    progress.relaxing =
-        search.settles || search.active && (ruptures.list.len() > is_settled || is_kept);
+    progress.relaxing = search.settles || search.active && ruptures.list.len() > is_settled;
     let fraction = progress.fraction;
     progress.done += fraction;
     if (progress.done - progress.done.round()).abs() < 1e-9 {

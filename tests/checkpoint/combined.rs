@@ -38,7 +38,6 @@ const POUR: &str = r#"(
     measures: [
         (name: "t_s", of: Time),
         (name: "poured", of: Poured(Number)),
-        (name: "exchange_j", of: Energy(Exchange)),
     ],
     output: (frames_every: 6, energy: true),
 )"#;
@@ -76,7 +75,6 @@ fn halved_increments_with_events_and_a_wall_on_a_table() {
             "rupture.order=Events",
             "rupture.density=30.0",
             "rupture.brittleness=0.0",
-            "rupture.group=0.01",
             "acceptance.throw=0.007",
             "stages.confine.increments=2",
             "stages.load.increments=4",

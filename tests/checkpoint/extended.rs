@@ -115,7 +115,7 @@ fn of_a_stored_specimen_from_which_particles_were_taken_away() {
 fn by_more_increments_and_stages_of_a_dynamic_run() {
     let with = |increments: u32, more: &str| {
         let stages = format!(
-            r#"stages=[Load(name: "fall", increments: {increments}, stop: [Time(5.0)]), {more}]"#
+            r#"stages=[Load(name: "fall", increments: {increments}, stop: [Rest(1.0e-9)]), {more}]"#
         );
         let sets = ["reference_stage=\"fall\"", &stages];
         load("bounce", &sets)

@@ -180,12 +180,12 @@ pub fn rolling_elastically() -> String {
         )
 }
 
-/// A bonded lattice under Coulomb's law, with a cascade; walls come, go and are driven by force.
+/// A bonded lattice under Coulomb's law, whose bonds break; walls come, go and are driven by force.
 pub const COULOMB: &str = r#"(
     version: 1,
     title: "lattice",
     friction_law: Coulomb(),
-    rupture: (rolling: Yields, order: AllAtOnce, rounds: 50),
+    rupture: (rolling: Yields, order: OneRound),
     materials: { "stone": (
         contact: (normal_stiffness: 6.0e7, tangential_stiffness: 3.0e7, friction: 0.3, rolling_friction: 0.05),
         bond: (normal_stiffness: 6.0e7, tangential_stiffness: 3.0e7, friction: 0.5, rolling_friction: 0.05,

@@ -255,32 +255,6 @@ fn walls_in_rigid_groups_and_a_table_of_angles() {
     }
 }
 
-/// A load on whatever is in a strip, which rises over one stage and holds in the next.
-#[test]
-fn a_load_on_what_is_in_a_strip() {
-    for (law, analysis) in
-        EACH_LAW.into_iter().flat_map(|law| ["Static", "Dynamic(dt: 1.0e-3)"].map(|of| (law, of)))
-    {
-        let records = same_from_anywhere(
-            &parse(&format!(
-                r#"(version: 1, title: "strip", gravity: (0.0, -9.81), analysis: {analysis},
-              friction_law: {law},
-              materials: {{ "m": (density: 2000.0, contact: (normal_stiffness: 1.0e6, friction: 0.3)) }},
-              specimen: Particles([(position: (0.0, 0.01), radius: 0.01), (position: (0.05, 0.01), radius: 0.01)]),
-              walls: [(name: "floor", start: (-1.0, 0.0), end: (1.0, 0.0), probe: "floor")],
-              stages: [
-                Load(name: "rise", increments: 6, particles: [(select: All, x: Displacement(0.01)),
-                    (select: Box(min: (0.08, -1.0), max: (0.125, 1.0)), live: true, force: (0.0, -7.0))]),
-                Load(name: "hold", increments: 9, particles: [(select: All, x: Displacement(0.01)),
-                    (select: Box(min: (0.08, -1.0), max: (0.125, 1.0)), live: true, force: (0.0, -5.0))]),
-              ], output: (energy: true))"#
-            )),
-            |_| true,
-        );
-        assert_eq!(records.len(), 15, "{law} {analysis}");
-    }
-}
-
 /// A box into which grains of two minerals are poured on a bonded block that stands there; some of
 /// them are taken away, and others come through a full opening.
 pub const POURED: &str = r#"(

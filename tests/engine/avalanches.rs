@@ -67,11 +67,8 @@ fn row_behind_a_prop(avalanche: &str, increments: u32) -> Simulation {
 fn what_breaks_in_an_avalanche_is_a_choice() {
     // The bonds that break, and the increments at constant load.
     let expected = [
-        ("MostOverloaded", vec![vec![1], vec![3], vec![]]),
         // One state has both bonds of the row above their limits.
-        ("Together", vec![vec![1], vec![2, 3], vec![]]),
-        // On the way the weaker one reaches its limit first.
-        ("Gradual", vec![vec![1], vec![3], vec![]]),
+        ("MostOverloaded", vec![vec![1], vec![3], vec![]]),
         // The weaker one reaches its limit first and relieves the other.
         ("Dynamic", vec![vec![1], vec![3]]),
     ];
@@ -207,7 +204,7 @@ fn with_coulombs_law_the_peak_of_a_rock_does_not_depend_on_the_increment() {
 #[test]
 #[ignore = "takes minutes"]
 fn curves_after_the_peak() {
-    let rules = ["MostOverloaded", "Together", "Gradual", "Dynamic"];
+    let rules = ["MostOverloaded", "Dynamic"];
     let sets = |rule: &str, seed: u32| {
         let set = |text: &str| text.to_owned();
         let rule = format!("rupture.avalanche={rule}");

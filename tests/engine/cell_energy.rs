@@ -134,8 +134,6 @@ fn the_ledger_closes_where_contacts_slide_and_bonds_break() {
             (String::new(), &cemented),
             ("rupture: (order: OneRound),".to_owned(), &cemented),
             (one_by_one("MostOverloaded"), &cemented),
-            (one_by_one("Together"), &cemented),
-            (one_by_one("Gradual"), &cemented),
             (one_by_one("Dynamic"), &cemented),
         ] {
             let bond = if stages == cemented { BOND } else { "" };

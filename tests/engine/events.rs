@@ -93,7 +93,7 @@ fn breaks_at(radius: f64) -> f64 {
 
 /// All rules of an avalanche at all of these increments.
 fn each_rule(increments: [u32; 3]) -> impl Iterator<Item = (u32, &'static str)> {
-    let rules = ["MostOverloaded", "Together", "Gradual", "Dynamic"];
+    let rules = ["MostOverloaded", "Dynamic"];
     increments.into_iter().flat_map(move |n| rules.map(|rule| (n, rule)))
 }
 
@@ -184,7 +184,7 @@ fn chain(radii: &[f64], pull: f64, increments: u32, avalanche: &str) -> Simulati
 fn an_avalanche_runs_at_constant_load_and_leaves_no_row_of_its_own() {
     for increments in [1, 11, 40] {
         let step = 5.5e-6 / f64::from(increments);
-        let order = format!("order: Events, tolerance: {TOLERANCE:?}, group: 0.0");
+        let order = format!("order: Events, tolerance: {TOLERANCE:?}");
         let scene = fork_scene(&order, increments, &format!("x: Displacement({step:?})"));
         let mut simulation = Simulation::new(&scene, None);
         let records = run(&mut simulation);

@@ -61,32 +61,10 @@ fn elastic_specimen_under_stress_collapses_near_its_peak() {
     let (records, outcome) = run("uniaxial_small.ron", &settings);
     assert_collapses(&outcome);
     // Bonds break in one round an increment and damage goes on under a given load, so that here,
-    // with 2 MPa more each time, it lags behind. With a cascade it does not: see the next test.
+    // with 2 MPa more each time, it lags behind.
     let (carried, strain) = limit(&records);
     assert!((carried / peak - 1.0).abs() < 0.1, "{carried} and {peak}");
     assert!(strain < 0.01, "{strain}");
-}
-
-/// Bonds that a cascade broke hold grains no longer while they settle: else the increment would
-/// stall where the specimen gives way.
-#[test]
-fn specimen_under_stress_collapses_with_a_cascade_too() {
-    let (driven, _) = run("uniaxial_small.ron", &["stages.load.increments=80"]);
-    let (peak, _) = limit(&driven);
-    for load in ["Stress(stress: 250.0e6)", "Force(2.9e6)"] {
-        let settings = [
-            &format!("stages.load.walls.top={load}"),
-            "rupture.order=AllAtOnce",
-            "rupture.rounds=50",
-            "stages.load.increments=60",
-        ];
-        let (records, outcome) = run("uniaxial_small.ron", &settings);
-        assert_collapses(&outcome);
-        let (carried, strain) = limit(&records);
-        println!("{load}: {carried:e} of {peak:e} at {strain:e}");
-        assert!((carried / peak - 1.0).abs() < 0.03, "{carried} and {peak}");
-        assert!(strain < 0.004, "{strain}");
-    }
 }
 
 #[test]

@@ -20,11 +20,7 @@ use clastic::systems::measures::stress::average_stress;
 const TURNS: f64 = 1e-5;
 
 fn fork(rules: &str) -> Simulation {
-    pulled_fork(rules, "x: Displacement(0.5e-6)")
-}
-
-fn pulled_fork(rules: &str, pull: &str) -> Simulation {
-    Simulation::new(&fork_scene(rules, 11, pull), None)
+    Simulation::new(&fork_scene(rules, 11, "x: Displacement(0.5e-6)"), None)
 }
 
 /// Bonds (in order of creation) that broke in the increment.
@@ -52,53 +48,6 @@ fn one_round_of_ruptures_an_increment() {
     let u = (45.0 - 12.0 * 0.75_f64.sqrt()) / 22.5;
     assert_relative(pull(&records[8]), 10.0 * (4.5 - u), TURNS);
     assert_within(pull(&records[10]), 0.0, 1e-7);
-}
-
-#[test]
-fn a_cascade_runs_to_its_end_within_the_increment() {
-    let mut simulation = fork("order: AllAtOnce, rounds: 50");
-    let records: Vec<_> = std::iter::from_fn(|| next(&mut simulation)).collect();
-    let rounds: Vec<_> = records.iter().map(broken).collect();
-    assert!(rounds[..8].iter().all(Vec::is_empty), "{rounds:?}");
-    assert_eq!(rounds[8..], [vec![1, 2], vec![], vec![]]);
-    // Each solve finds one bond; the third finds none.
-    assert_eq!((records[8].solves, records[8].status), (3, IncrementStatus::Solved));
-    assert_eq!(records[8].broken, [2, 0, 0]);
-    assert_within(pull(&records[8]), 0.0, 1e-7);
-    assert_relative(probe(&records[8], "middle").motion[0], 4.5e-6, 1e-9);
-}
-
-#[test]
-fn a_cascade_that_hits_its_cap_says_so() {
-    let mut simulation = fork("order: AllAtOnce, rounds: 1");
-    let records: Vec<_> = std::iter::from_fn(|| step(&mut simulation)).collect();
-    let ended: Vec<_> = records.iter().map(|r| r.status).collect();
-    let expected = [IncrementStatus::Solved; 11];
-    assert_eq!(ended, expected);
-    let caps: Vec<_> = records.iter().map(|r| r.caps.as_str()).collect();
-    let mut at_the_ninth = [""; 11];
-    at_the_ninth[8] = "cascade";
-    assert_eq!(caps, at_the_ninth);
-    // Bonds that the last round found break too, but the forces after that are not solved for: half
-    // of the way, less the force at the limit of the second bond.
-    assert_eq!((broken(&records[8]), records[8].solves), (vec![1, 2], 2));
-    assert!(pull(&records[8]) > 10.0);
-    assert!(records.iter().all(|r| r.residuals.worst() <= 1e-8));
-    // Twice is enough here.
-    let mut simulation = fork("order: AllAtOnce, rounds: 2");
-    assert!(
-        std::iter::from_fn(|| step(&mut simulation)).all(|r| r.status == IncrementStatus::Solved)
-    );
-}
-
-/// The bonds that an earlier round broke were lost when a later one collapsed.
-#[test]
-fn a_cascade_that_ends_in_a_collapse_keeps_its_ruptures() {
-    let mut simulation = pulled_fork("order: AllAtOnce, rounds: 50", "x: Free, force: (33.0, 0.0)");
-    let records: Vec<_> = std::iter::from_fn(|| step(&mut simulation)).collect();
-    let last = records.last().unwrap();
-    assert_eq!(last.status, IncrementStatus::Collapsed);
-    assert_eq!((broken(last), last.broken), (vec![1, 2], [2, 0, 0]));
 }
 
 #[test]

@@ -243,7 +243,6 @@ fn a_stack_sleeps_on_or_is_solved_when_what_is_fast_stops() {
     scene.stages.push(Stage::Load(Load { increments: 40, ..hold.clone() }));
     hold.name = "hold".to_owned();
     hold.particles = vec![ParticleControl {
-        live: false,
         select: Select::Index(vec![3]),
         x: Motion::Held,
         y: Motion::Held,

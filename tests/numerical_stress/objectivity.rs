@@ -50,7 +50,6 @@ fn beam(turn: f64, increments: u32, corrector: Option<Corrector>) -> Scene {
                 let u = step(2.0 * RADIUS * f64::from(k));
                 ParticleControl {
                     select: Select::Index(vec![k]),
-                    live: false,
                     x: Motion::Displacement(u.x),
                     y: Motion::Displacement(u.y),
                     rotation: Motion::Displacement(angle(n + 1) - angle(n)),

@@ -49,23 +49,13 @@ pub fn random_scene(seed: u64, maximum: u32) -> Scene {
         gravity: if r.chance(0.4) { (r.pick(&[0.0, 0.0, 3.0]), -9.81) } else { (0.0, 0.0) },
         analysis: if dynamic { dynamics(r) } else { Analysis::Static },
         friction_law: if r.chance(0.3) {
-            FrictionLaw::Coulomb {
-                factorisations: r.pick(&[10, 100, 800]),
-                tolerance: 0.0,
-                max_passes: 0,
-            }
+            FrictionLaw::Coulomb { factorisations: r.pick(&[10, 100, 800]) }
         } else {
             FrictionLaw::Associated
         },
         rupture: Rupture {
             rolling: r.pick(&[RollingLimit::Breaks, RollingLimit::Yields]),
-            order: r.pick(&[
-                RuptureOrder::Events,
-                RuptureOrder::OneRound,
-                RuptureOrder::OneRound,
-                RuptureOrder::AllAtOnce,
-            ]),
-            rounds: r.pick(&[1, 5, 50]),
+            order: r.pick(&[RuptureOrder::Events, RuptureOrder::OneRound]),
             ..Rupture::default()
         },
         corrector: None,
@@ -308,7 +298,6 @@ fn load(
         });
         let middle = (0.5 * (low.0 + high.0), 0.5 * (low.1 + high.1));
         particles.push(ParticleControl {
-            live: false,
             select: match r.below(4) {
                 0 => Select::All,
                 1 => Select::Index(vec![0]),

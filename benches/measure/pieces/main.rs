@@ -22,7 +22,6 @@ use clastic::scene::LoadedScene;
 use clastic::systems::assemble_program::assemble_program;
 use clastic::systems::detect_contacts::candidates::CandidatePairs;
 use clastic::systems::detect_contacts::detect_contacts;
-use clastic::systems::detect_contacts::settings::SearchMethod;
 use clastic_bench::capture::{Captured, Moment, capture};
 use clastic_bench::precision::problems;
 use clastic_bench::rigs::Scenes;
@@ -72,18 +71,13 @@ fn detection_and_assembly(c: &mut Criterion) {
         let bodies = simulation.world().resource::<Bodies>().clone();
         let n = bodies.particles;
         let (positions, radii) = (&bodies.positions[..n], &bodies.radii[..]);
-        for preferred in [SearchMethod::Grid, SearchMethod::Delaunay] {
-            let id = BenchmarkId::new(format!("candidates, {preferred:?}"), n);
-            group.bench_function(id, |b| {
-                b.iter(|| {
-                    let mut list = CandidatePairs::default();
-                    list.settings.preferred = preferred;
-                    list.ensure(positions, radii, 0.02 * bodies.mean_radius);
-                    assert_eq!(list.method(), preferred);
-                    list
-                });
+        group.bench_function(BenchmarkId::new("candidates", n), |b| {
+            b.iter(|| {
+                let mut list = CandidatePairs::default();
+                list.ensure(positions, radii, 0.02 * bodies.mean_radius);
+                list
             });
-        }
+        });
         let world = simulation.world_mut();
         let mut run = |name: &str, system: fn(&mut World)| {
             group.bench_function(BenchmarkId::new(name, n), |b| b.iter(|| system(world)));

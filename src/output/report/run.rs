@@ -39,7 +39,7 @@ impl Run {
             events::COLUMNS.contains(&name) && !name.starts_with("normal") && name != "stage"
         })?;
         let released = table(&path.join(names::AVALANCHES), |name| {
-            avalanches::COLUMNS.contains(&name) && !["stage", "snap_back"].contains(&name)
+            avalanches::COLUMNS.contains(&name) && name != "stage"
         })?;
         let numbers = |table: &Map<String, Value>, name: &str| -> Vec<Option<f64>> {
             let column = table.get(name).and_then(Value::as_array);

@@ -2,8 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use clastic_components::measure::KeyResult;
-
 use super::collected::{KeyResults, Point};
 use super::reasons::{CAPPED_BEFORE, LATERAL_CHANGES, NO_GAIN, NO_HALF, RESOLVED, RIGID};
 use super::results::Results;
@@ -22,55 +20,48 @@ impl KeyResults {
     /// The results so far.
     #[must_use]
     pub fn results(&self) -> Results {
-        let mut results = self.results.clone();
         let mut reasons = BTreeMap::new();
-        let mut defined = |names: &[&str], value: Result<f64, &str>| match value {
-            Ok(value) => Some(value),
-            Err(reason) => {
-                reasons.extend(names.iter().map(|name| ((*name).to_owned(), reason.to_owned())));
-                None
-            }
+        let mut defined = |name: &str, value: Result<f64, &str>| {
+            value.map_err(|reason| reasons.insert(name.to_owned(), reason.to_owned())).ok()
         };
-        for key in KeyResult::ALL {
-            *results.field(key) = defined(&[key.name()], self.value(key));
+        let before = &self.results;
+        let peak = self.peak();
+        let mut results = Results {
+            youngs_modulus_pa: defined("youngs_modulus_pa", peak.and_then(|p| self.tangent(p))),
+            youngs_modulus_secant_half_peak_pa: defined(
+                "youngs_modulus_secant_half_peak_pa",
+                peak.and_then(|p| self.secant(p)),
+            ),
+            poissons_ratio: defined("poissons_ratio", peak.and_then(|p| self.poissons_ratio(p))),
+            peak_stress_pa: defined("peak_stress_pa", peak),
+            strain_at_peak: defined(
+                "strain_at_peak",
+                peak.and_then(|_| before.strain_at_peak.ok_or(NO_CURVE)),
+            ),
+            strength_pa: defined("strength_pa", self.strength().map(|(_, peak)| peak.stress)),
+            residual_strength_pa: defined("residual_strength_pa", self.residual_strength()),
+            friction_angle_rad: defined("friction_angle_rad", self.friction_angle()),
+            limit_load_pa: defined("limit_load_pa", self.limit_load(peak)),
+            first_crack_stress_pa: defined("first_crack_stress_pa", self.first_crack()),
+            crack_initiation_stress_pa: defined(
+                "crack_initiation_stress_pa",
+                self.crack_initiation(),
+            ),
+            crack_damage_stress_pa: defined("crack_damage_stress_pa", self.crack_damage()),
+            porosity: defined(
+                "porosity",
+                before
+                    .porosity
+                    .ok_or("the reference stage made no increment, or no specimen is there"),
+            ),
+            ..before.clone()
+        };
+        if results.mechanism.is_none() {
+            let reason = "no mechanism proves a collapse";
+            reasons.insert("mechanism".to_owned(), reason.to_owned());
         }
-        let _ = defined(
-            &["porosity"],
-            results
-                .porosity
-                .ok_or("the reference stage made no increment, or no specimen is there"),
-        );
-        let mechanism = results.mechanism.map(|mechanism| mechanism.margin);
-        let _ = defined(&["mechanism"], mechanism.ok_or("no mechanism proves a collapse"));
         results.not_defined = reasons;
         results
-    }
-
-    /// A key result so far; `None` where it is not defined.
-    #[must_use]
-    pub fn result(&self, key: KeyResult) -> Option<f64> {
-        self.value(key).ok()
-    }
-
-    /// A key result, or the reason why it is not defined.
-    fn value(&self, key: KeyResult) -> Result<f64, &'static str> {
-        let peak = self.peak();
-        match key {
-            KeyResult::YoungsModulus => self.tangent(peak?),
-            KeyResult::SecantModulus => self.secant(peak?),
-            KeyResult::PoissonsRatio => self.poissons_ratio(peak?),
-            KeyResult::PeakStress => peak,
-            KeyResult::StrainAtPeak => {
-                peak.and_then(|_| self.results.strain_at_peak.ok_or(NO_CURVE))
-            }
-            KeyResult::Strength => self.strength().map(|(_, peak)| peak.stress),
-            KeyResult::ResidualStrength => self.residual_strength(),
-            KeyResult::FrictionAngle => self.friction_angle(),
-            KeyResult::LimitLoad => self.limit_load(peak),
-            KeyResult::FirstCrack => self.first_crack(),
-            KeyResult::CrackInitiation => self.crack_initiation(),
-            KeyResult::CrackDamage => self.crack_damage(),
-        }
     }
 
     /// Axial stress at the peak.

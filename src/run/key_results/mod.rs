@@ -12,7 +12,6 @@ mod results;
 mod stiffness;
 
 pub use self::collected::{KeyResults, Phase};
-pub(super) use self::observe::read_key_results;
 pub(super) use self::observe::{count_bonds, start_from_state};
 pub(crate) use self::observe::{is_undecided, observe_increment};
 pub use self::reasons::RIGID;

@@ -1,11 +1,10 @@
-//! Systems: the key results follow every increment, and measures read them.
+//! Systems: the key results follow every increment.
 
 use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::IncrementStatus;
 use clastic_components::bond::BondState;
 use clastic_components::increment::Progress;
-use clastic_components::measure::{NamedMeasures, Quantity, Readings};
 use clastic_components::observation::{Observation, RuptureCount};
 use clastic_systems::identities::Identities;
 use clastic_systems::measures::kept::kept_stresses;
@@ -60,18 +59,5 @@ pub fn start_from_state(world: &mut World) {
     let broken = world.get_resource::<RuptureCount>().map_or(0, |count| count.0.iter().sum());
     if let [Some(axial), lateral] = kept_stresses(world) {
         world.resource_mut::<KeyResults>().start_from(axial, lateral, broken);
-    }
-}
-
-/// Reads the measures that are key results.
-pub fn read_key_results(
-    named: Res<NamedMeasures>,
-    results: Res<KeyResults>,
-    mut out: ResMut<Readings>,
-) {
-    for (k, (_, quantity)) in named.list.iter().enumerate() {
-        if let (Some(Quantity::KeyResult(key)), Some(out)) = (quantity, out.0.get_mut(k)) {
-            *out = results.result(*key);
-        }
     }
 }

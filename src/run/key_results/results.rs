@@ -4,8 +4,6 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use clastic_components::measure::KeyResult;
-
 /// A larger estimated error of the peak is worth a warning.
 pub const PEAK_ERROR: f64 = 0.02;
 
@@ -39,8 +37,7 @@ pub struct Results {
     pub friction_angle_rad: Option<f64>,
     /// Estimate of the relative error of the peak due to the size of the increments. It is the
     /// delay of ruptures, as a relative change of force, in the last increment up to the peak with
-    /// ruptures. `None` without ruptures. It does not include the effect of another order or number
-    /// of rounds, nor that of the state after a drop (`AllAtOnce`).
+    /// ruptures. `None` without ruptures. It does not include the effect of another order.
     pub peak_error_estimate: Option<f64>,
     /// Number of avalanches: ruptures at constant load, from the first to an equilibrium in which
     /// all bonds hold. 0 unless bonds break from event to event.
@@ -77,26 +74,6 @@ pub struct Results {
     pub solver_iterations: u64,
     /// Reasons for undefined key results, by their names.
     pub not_defined: BTreeMap<String, String>,
-}
-
-impl Results {
-    /// The field of a key result.
-    pub(super) fn field(&mut self, key: KeyResult) -> &mut Option<f64> {
-        match key {
-            KeyResult::YoungsModulus => &mut self.youngs_modulus_pa,
-            KeyResult::SecantModulus => &mut self.youngs_modulus_secant_half_peak_pa,
-            KeyResult::PoissonsRatio => &mut self.poissons_ratio,
-            KeyResult::PeakStress => &mut self.peak_stress_pa,
-            KeyResult::StrainAtPeak => &mut self.strain_at_peak,
-            KeyResult::Strength => &mut self.strength_pa,
-            KeyResult::ResidualStrength => &mut self.residual_strength_pa,
-            KeyResult::FrictionAngle => &mut self.friction_angle_rad,
-            KeyResult::LimitLoad => &mut self.limit_load_pa,
-            KeyResult::FirstCrack => &mut self.first_crack_stress_pa,
-            KeyResult::CrackInitiation => &mut self.crack_initiation_stress_pa,
-            KeyResult::CrackDamage => &mut self.crack_damage_stress_pa,
-        }
-    }
 }
 
 /// Quality of a mechanism, as in `run.json`.

@@ -24,8 +24,7 @@ pub enum Analysis {
 }
 
 /// Friction law of unbonded contacts.
-// Not the engine's type: a scene names which analyses have which law, and it may have fields of
-// earlier builds.
+// Not the engine's type: a scene names which analyses have which law.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub enum FrictionLaw {
@@ -42,19 +41,12 @@ pub enum FrictionLaw {
         /// Maximum number of factorisations in a solve.
         #[serde(default = "coulomb_factorisations")]
         factorisations: u32,
-        /// Read for scenes of earlier builds, and without effect.
-        #[serde(default, skip_serializing)]
-        tolerance: f64,
-        /// Read for scenes of earlier builds, and without effect.
-        #[serde(default, skip_serializing)]
-        max_passes: u32,
     },
 }
 
 impl FrictionLaw {
     /// Coulomb's law with the defaults.
-    pub const COULOMB: Self =
-        Self::Coulomb { factorisations: FACTORISATIONS, tolerance: 0.0, max_passes: 0 };
+    pub const COULOMB: Self = Self::Coulomb { factorisations: Coulomb::FACTORISATIONS };
 
     /// The law by kind of analysis, of grains that are elastic or not.
     #[must_use]
@@ -63,7 +55,7 @@ impl FrictionLaw {
             Self::Associated => (None, None),
             Self::ByGrains => (None, are_elastic.then(Coulomb::default)),
             Self::ByAnalysis => (None, Some(Coulomb::default())),
-            Self::Coulomb { factorisations, .. } => {
+            Self::Coulomb { factorisations } => {
                 let coulomb = Some(Coulomb { factorisations });
                 (coulomb, coulomb)
             }
@@ -72,9 +64,6 @@ impl FrictionLaw {
     }
 }
 
-/// Default of [`FrictionLaw::Coulomb`].
-const FACTORISATIONS: u32 = Coulomb::FACTORISATIONS;
-
 fn coulomb_factorisations() -> u32 {
-    FACTORISATIONS
+    Coulomb::FACTORISATIONS
 }

@@ -35,8 +35,8 @@ pub use clastic_components::increment::{
     Acceptance, Avalanche, Corrector, RollingLimit, RuptureOrder, RuptureRules as Rupture,
 };
 pub use clastic_components::measure::{
-    CrackPart as Cracks, EnergyTerm as Energy, FabricComponent, ForceComponent as Along,
-    FragmentPart as Fragments, KeyResult, MembraneValue, Network,
+    CrackPart as Cracks, FabricComponent, ForceComponent as Along, FragmentPart as Fragments,
+    MembraneValue, Network,
 };
 pub use clastic_components::membrane::Sides;
 pub use clastic_components::observation::{StrainComponent, StressComponent as Component};
@@ -59,10 +59,7 @@ pub use quantities::{Amount, Area, GroupAlong, Length, Modes, Quantity, Strain, 
 pub(super) use repeat::MAX_STAGES;
 pub use rigid::{RigidControl, Traction};
 pub use scatter::{Scatter, Spread};
-#[cfg(test)]
-pub(super) use solver::CONDENSED_FIELDS;
 pub use solver::Solver;
-pub(super) use solver::WITHOUT_BRACKETS;
 pub use specimen::{ExplicitBond, Particle, Sizes, Specimen};
 pub use stages::{CustomStage, Remove, Save, Stage};
 pub use stop::Stop;

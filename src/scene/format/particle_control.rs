@@ -8,9 +8,6 @@ use serde::{Deserialize, Serialize};
 pub struct ParticleControl {
     /// The selected particles.
     pub select: Select,
-    /// Whether they are selected in every increment, and not when the stage begins; loads only.
-    #[serde(default)]
-    pub live: bool,
     /// Motion along x.
     #[serde(default)]
     pub x: Motion,

@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Along, CellStrain, Component, Cracks, Energy, FabricComponent, Fragments, KeyResult,
-    MembraneValue, Network, Select, StrainComponent,
+    Along, CellStrain, Component, Cracks, FabricComponent, Fragments, MembraneValue, Network,
+    Select, StrainComponent,
 };
 
 /// What is measured.
@@ -53,8 +53,6 @@ pub enum Quantity {
         #[serde(default)]
         mode: Modes,
     },
-    /// Term of the energy ledger, J. It needs `output: (energy: true)`.
-    Energy(Energy),
     /// Kinetic energy, J.
     KineticEnergy,
     /// Elastic energy of contacts and bonds, J.
@@ -90,8 +88,6 @@ pub enum Quantity {
         /// The value.
         value: MembraneValue,
     },
-    /// Key result of the run so far, as if it ended here.
-    KeyResult(KeyResult),
     /// Time, s.
     Time,
     /// The value that a plugin provides under this name.

@@ -9,8 +9,6 @@ pub enum Stop {
     /// After its peak, the axial stress falls below this fraction of the peak. The drop must exceed
     /// the error of the stress that `acceptance.residual` allows.
     StressDrop(f64),
-    /// Time reaches this value, s.
-    Time(f64),
     /// The maximum speed of a particle falls below this value, m/s (after the first increment).
     Rest(f64),
     /// A measure, by name, is at or below this value.
@@ -29,7 +27,7 @@ impl Stop {
     pub fn measure(&self) -> Option<&str> {
         match self {
             Self::StressDrop(_) => Some("axial_stress"),
-            Self::Time(_) | Self::Rest(_) | Self::Full(_) => None,
+            Self::Rest(_) | Self::Full(_) => None,
             Self::Below(name, _) | Self::Above(name, _) | Self::Until(name, _) => Some(name),
         }
     }

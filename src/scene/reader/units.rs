@@ -83,7 +83,7 @@ pub(in crate::scene) fn unit_of(name: &str, around: Option<&'static str>) -> Opt
         "gravity" => "m/s^2",
         "density" => "kg/m^3",
         "area" => "m^2",
-        "dt" | "Time" => "s",
+        "dt" => "s",
         "cohesion" | "tensile_strength" | "stress" | "pressure" => "Pa",
         "normal_stiffness" | "tangential_stiffness" => "N/m",
         "rolling_stiffness" => "N m/rad",

@@ -166,7 +166,7 @@ fn fields() {
          "22:55: stages[0].remove_walls: expected a list `[...]`, found `(\"top\", \"bottom\")`; write `[` and `]` for `(` and `)`"),
         (VERSION, "version: 1,
     friction_law: Coulomb",
-         "3:19: friction_law: expected `Coulomb(...)`, found `Coulomb`; its fields are `factorisations`, `tolerance`, `max_passes`"),
+         "3:19: friction_law: expected `Coulomb(...)`, found `Coulomb`; its fields are `factorisations`"),
         (r#"title: "Small""#, "title: 5",
          "3:12: title: expected a text in quotes, found `5`; write `\"5\"`"),
         (r#"{"top": Force(1.0)}"#, r#"("top": Force(1.0))"#,
@@ -249,11 +249,6 @@ fn settings() {
         ),
         (
             VERSION,
-            "version: 1, rupture: (rounds: 0)",
-            "2:35: rupture.rounds: zero (0); give a number of rounds of 1 or more",
-        ),
-        (
-            VERSION,
             "version: 1, rupture: (density: 0.0)",
             "2:36: rupture.density: zero (0.0); give a share of the bonds per relative change of force, above 0",
         ),
@@ -261,12 +256,6 @@ fn settings() {
             VERSION,
             "version: 1, rupture: (brittleness: -0.5)",
             "2:40: rupture.brittleness: negative (-0.5); give a multiple of the mean contact force, 0 or more",
-        ),
-        (
-            VERSION,
-            "version: 1, rupture: (group: 0.01, avalanche: Gradual)",
-            "2:51: rupture.avalanche: `Gradual` breaks bonds one by one; with `group: 0.01` they \
-             break in groups; leave `group` out, or give another `avalanche`",
         ),
         (
             VERSION,
@@ -426,13 +415,12 @@ fn stages() {
 22:55: stages[0].add_walls[0]: wall `bottom` is already there; leave it out of this list"),
         ("-5.0, 2.0))", "-5.0, 2.0), present: false)",
          "22:28: stages[0].walls.top: wall `top` is not there in this stage; bring it in with `add_walls`"),
-        (CONTROL, "stop: [Time(1.0), Above(\"axial_strain\", 0.0), StressDrop(2.0), Rest(-1.0)]",
-         "22:20: stages[0].stop[0]: a stop by time or speed in a static stage, which has no time; use a dynamic analysis
-22:37: stages[0].stop[1][0]: unknown measure (`axial_strain`); there are no measures
-22:59: stages[0].stop[2]: no axial stress is measured; add `axial_stress` to `measures`
-22:70: stages[0].stop[2][0]: out of range (2.0); give a fraction between 0 and 1
-22:76: stages[0].stop[3]: a stop by time or speed in a static stage, which has no time; use a dynamic analysis
-22:81: stages[0].stop[3][0]: negative (-1.0); give a speed in m/s greater than 0"),
+        (CONTROL, "stop: [Above(\"axial_strain\", 0.0), StressDrop(2.0), Rest(-1.0)]",
+         "22:20: stages[0].stop[0][0]: unknown measure (`axial_strain`); there are no measures
+22:50: stages[0].stop[1]: no axial stress is measured; add `axial_stress` to `measures`
+22:61: stages[0].stop[1][0]: out of range (2.0); give a fraction between 0 and 1
+22:67: stages[0].stop[2]: a stop by speed in a static stage, which has no time; use a dynamic analysis
+22:72: stages[0].stop[2][0]: negative (-1.0); give a speed in m/s greater than 0"),
         (CONTROL, r#"particles: [(select: Group("g")), (select: Probe("p")), (select: Index([])), (select: Index([0, 7]))]"#,
          "22:40: stages[0].particles[0].select[0]: unknown group (`g`); there are no groups
 22:62: stages[0].particles[1].select[0]: unknown probe (`p`); there are no probes

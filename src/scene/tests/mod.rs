@@ -5,7 +5,6 @@ mod files;
 mod mutations;
 mod overrides;
 mod samples;
-mod snap_back;
 mod solver;
 mod spans;
 

@@ -3,7 +3,7 @@
 use std::fmt::Arguments;
 
 use crate::scene::format::{
-    Area, CellStrain, KeyResult, Length, Measure, Quantity, ROLES, Strain, StrainComponent, Stress,
+    Area, CellStrain, Length, Measure, Quantity, ROLES, Strain, StrainComponent, Stress,
 };
 
 use super::Context;
@@ -61,18 +61,11 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
                 wall(context, format_args!("{path}.wall"), name, findings);
             }
             Quantity::VolumetricStrain => needs_strains(context, path, findings),
-            Quantity::KeyResult(key) => needs(context, path, needed(*key), findings),
             Quantity::DilationAngle { over } => {
                 let allowed = |over| (0.0..1.0).contains(&over);
                 let what = "an axial strain as a fraction, 0.002 is 0.2 %";
                 findings.number(format_args!("{path}.over"), *over, allowed, what);
                 needs_strains(context, path, findings);
-            }
-            Quantity::Energy(_) => {
-                if !context.scene.output.energy && findings.is_sure_of("output") {
-                    let help = "set `output: (energy: true)`";
-                    findings.add(path, "the run keeps no energy ledger", help);
-                }
             }
             Quantity::GroupForce { select: of, .. } => {
                 select(context, format_args!("{path}.select"), of, findings);
@@ -143,18 +136,6 @@ fn needs(context: &Context, path: Arguments, names: &[&str], findings: &mut Find
             let help = format!("add a measure `{name}`");
             findings.add(path, format!("it follows from `{name}`, which is not measured"), &help);
         }
-    }
-}
-
-/// The measures that a key result follows from.
-fn needed(key: KeyResult) -> &'static [&'static str] {
-    match key {
-        KeyResult::PoissonsRatio | KeyResult::CrackDamage => {
-            &["axial_strain", "lateral_strain", "axial_stress"]
-        }
-        KeyResult::FrictionAngle => &["axial_strain", "axial_stress", "lateral_stress"],
-        KeyResult::LimitLoad | KeyResult::FirstCrack => &["axial_stress"],
-        _ => &["axial_strain", "axial_stress"],
     }
 }
 

@@ -24,10 +24,8 @@ mod select;
 mod selections;
 mod settings;
 mod sizes;
-mod snap_back;
 mod specimen;
 mod stages;
-mod standing;
 mod state;
 mod stops;
 mod thin_walls;
@@ -58,7 +56,6 @@ pub(super) fn findings(
     let context = Context::new(scene, specimen);
     let mut findings = Findings::new(made_up);
     settings::check(&context, &mut findings);
-    snap_back::check(&context, &mut findings);
     materials::check(&context, &mut findings);
     walls::check(&context, &mut findings);
     cell::check(&context, &mut findings);

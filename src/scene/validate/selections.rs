@@ -78,8 +78,6 @@ fn regions<'a>(
     };
     let load = stage.load();
     let controls = load.into_iter().flat_map(|load| load.particles.iter().enumerate());
-    // Particles may come into a live selection later.
-    let controls = controls.filter(|(_, control)| !control.live);
     let controls = controls.map(|(k, control)| (format!("particles[{k}].select"), &control.select));
     let rigid = load.into_iter().flat_map(|load| &load.rigid).filter_map(|(name, control)| {
         Some((format!("{}.select", join("rigid", name)), control.select.as_ref()?))

@@ -1,7 +1,5 @@
 //! Version, analysis, solver and acceptance.
 
-use clastic_cone::condensed::CondensedSettings;
-
 use crate::scene::format::{Analysis, Avalanche, FrictionLaw, RuptureOrder, Solver, VERSION};
 
 use super::Context;
@@ -20,18 +18,14 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
     findings.positive(format_args!("thickness"), scene.thickness, "a thickness in m");
     findings.vector(format_args!("gravity"), scene.gravity, "an acceleration in m/s^2");
     analysis(format_args!("analysis"), scene.analysis, findings);
-    if let FrictionLaw::Coulomb { factorisations, .. } = scene.friction_law {
+    if let FrictionLaw::Coulomb { factorisations } = scene.friction_law {
         let path = format_args!("friction_law.factorisations");
         findings.at_least_one(path, factorisations, "a number");
     }
     let rupture = &scene.rupture;
-    findings.at_least_one(format_args!("rupture.rounds"), rupture.rounds, "a number of rounds");
     let what = "a tolerance between 0 and 0.1";
     let allowed = |value: f64| value > 0.0 && value <= 0.1;
     findings.number(format_args!("rupture.tolerance"), rupture.tolerance, allowed, what);
-    let what = "a relative change of force from 0 to 0.1";
-    let allowed = |value: f64| (0.0..=0.1).contains(&value);
-    findings.number(format_args!("rupture.group"), rupture.group, allowed, what);
     let what = "a share of the bonds per relative change of force, above 0";
     findings.number(format_args!("rupture.density"), rupture.density, |value| value > 0.0, what);
     let what = "a multiple of the mean contact force, 0 or more";
@@ -45,30 +39,20 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
         let help = "give `order: Events`, or leave `avalanche` out";
         findings.add(format_args!("rupture.avalanche"), message, help);
     }
-    if rupture.avalanche == Avalanche::Gradual && rupture.group > 0.0 {
-        let message = format!(
-            "`Gradual` breaks bonds one by one; with `group: {:?}` they break in groups",
-            rupture.group
-        );
-        let help = "leave `group` out, or give another `avalanche`";
-        findings.add(format_args!("rupture.avalanche"), message, help);
-    }
     if let Some(corrector) = scene.corrector {
         let what = "a tolerance between 0 and 1";
         let allowed = |value| value > 0.0 && value < 1.0;
         findings.number(format_args!("corrector.tolerance"), corrector.tolerance, allowed, what);
         findings.at_least_one(format_args!("corrector.passes"), corrector.passes, "a number");
     }
-    match &scene.solver {
-        Solver::Condensed(settings) => condensed(settings, scene.acceptance.residual, findings),
-        &Solver::Clarabel { tolerance, max_iterations } => {
-            findings.number(format_args!("solver.tolerance"), tolerance, is_tolerance, TOLERANCE);
-            let path = format_args!("solver.max_iterations");
-            findings.at_least_one(path, max_iterations, "a number");
-        }
+    let allowed = |value| value > 0.0 && value <= 1e-2;
+    if let Solver::Clarabel { tolerance, max_iterations } = scene.solver {
+        let what = "a tolerance above 0 and up to 1e-2";
+        findings.number(format_args!("solver.tolerance"), tolerance, allowed, what);
+        let path = format_args!("solver.max_iterations");
+        findings.at_least_one(path, max_iterations, "a number");
     }
     let acceptance = scene.acceptance;
-    let allowed = |value| value > 0.0 && value <= 1e-2;
     let what = "a residual above 0 and up to 1e-2";
     findings.number(format_args!("acceptance.residual"), acceptance.residual, allowed, what);
     findings.positive(format_args!("acceptance.throw"), acceptance.throw, "a number of radii");
@@ -78,41 +62,6 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
         let help = format!("give a number up to {MOST_HALVINGS}");
         findings.add(format_args!("acceptance.halvings"), message, &help);
     }
-}
-
-const TOLERANCE: &str = "a tolerance above 0 and up to 1e-2";
-
-fn is_tolerance(value: f64) -> bool {
-    value > 0.0 && value <= 1e-2
-}
-
-/// The settings of the condensed solver that a scene may have.
-fn condensed(settings: &CondensedSettings, residual: f64, findings: &mut Findings) {
-    let tolerance = settings.tolerance;
-    let is_sound =
-        findings.number(format_args!("solver.tolerance"), tolerance, is_tolerance, TOLERANCE);
-    // The default is above a small residual as well: the author of a scene without the field may
-    // not know of it.
-    if is_sound && tolerance != CondensedSettings::default().tolerance && tolerance > residual {
-        let message = format!("above `acceptance.residual` ({tolerance:?} > {residual:?})");
-        findings.add(
-            format_args!("solver.tolerance"),
-            message,
-            "give a tolerance up to the residual",
-        );
-    }
-    let path = format_args!("solver.loose_tolerance");
-    findings.number(path, settings.loose_tolerance, is_tolerance, TOLERANCE);
-    let is_margin = |value: f64| (1.0..=1e6).contains(&value);
-    for (name, margin) in [
-        ("newton_margin", settings.newton_margin),
-        ("loose_newton_margin", settings.loose_newton_margin),
-        ("interior_margin", settings.interior_margin),
-    ] {
-        findings.number(format_args!("solver.{name}"), margin, is_margin, "a factor from 1 to 1e6");
-    }
-    let path = format_args!("solver.max_start");
-    findings.not_negative(path, settings.max_start, "a multiple of the expected displacement");
 }
 
 /// The analysis of the scene or of a stage.

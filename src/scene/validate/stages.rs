@@ -281,31 +281,10 @@ fn control_of_particles(
             findings.vector(format_args!("{path}.affine[{i}]"), row, "a displacement gradient");
         }
     }
-    if control.live {
-        live(path, control, findings);
-    }
     if let Some(force) = control.force {
         findings.vector(format_args!("{path}.force"), force, "a force in N");
     }
     if let Some(moment) = control.moment {
         findings.finite(format_args!("{path}.moment"), moment, "a moment in N m");
-    }
-}
-
-/// Checks an entry whose particles are selected in every increment: it has loads alone.
-fn live(path: Arguments, control: &ParticleControl, findings: &mut Findings) {
-    let imposes = [control.x, control.y, control.rotation].iter().any(|m| *m != Motion::Free);
-    if imposes || control.affine.is_some() {
-        let help = "a particle that comes in would be stopped or set in motion at once, and one that \
-                    leaves would lose its reaction at once: impose motions on a selection of the stage, \
-                    and give `live` entries `force` or `moment` alone";
-        findings.add(
-            format_args!("{path}.live"),
-            "a motion that is imposed on a live selection",
-            help,
-        );
-    } else if control.force.is_none() && control.moment.is_none() {
-        let help = "give `force` or `moment`";
-        findings.add(format_args!("{path}.live"), "a live selection without a load", help);
     }
 }

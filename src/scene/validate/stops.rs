@@ -26,9 +26,6 @@ pub(super) fn check(
                 findings.add(path, "no axial stress is measured", help);
             }
         }
-        Stop::Time(time) => {
-            findings.positive(number, *time, "a time in s");
-        }
         Stop::Full(time) => {
             findings.positive(number, *time, "a time in s");
         }
@@ -46,22 +43,14 @@ pub(super) fn check(
                     let what = "a strain as a fraction: 0.12 is 12 %";
                     findings.number(number, *value, allowed, what);
                 }
-                found => {
-                    let jumps = matches!(found, Some(Quantity::KeyResult(_)));
-                    if jumps && matches!(stop, Stop::Until(..)) {
-                        let help = "write `Above` or `Below`";
-                        let message = "a key result jumps where it becomes defined, so that no \
-                                       fraction of an increment lands on a value";
-                        findings.add(path, message, help);
-                    }
+                _ => {
                     findings.finite(number, *value, "a finite value");
                 }
             }
         }
     }
-    if timeless && matches!(stop, Stop::Time(_) | Stop::Rest(_)) && findings.is_sure_of("analysis")
-    {
-        let message = "a stop by time or speed in a static stage, which has no time";
+    if timeless && matches!(stop, Stop::Rest(_)) && findings.is_sure_of("analysis") {
+        let message = "a stop by speed in a static stage, which has no time";
         findings.add(path, message, "use a dynamic analysis");
     }
 }
@@ -117,10 +106,7 @@ pub(super) fn never(
     };
     let counts = matches!(
         of,
-        Quantity::Strain(_)
-            | Quantity::VolumetricStrain
-            | Quantity::DilationAngle { .. }
-            | Quantity::KeyResult(_)
+        Quantity::Strain(_) | Quantity::VolumetricStrain | Quantity::DilationAngle { .. }
     );
     if counts && here < reference {
         let name = context.stages[reference];

@@ -114,7 +114,7 @@ impl Cement {
             rules.push("rolling: Yields");
         }
         if random.chance(0.3) {
-            rules.push("order: AllAtOnce, rounds: 50");
+            rules.push("order: OneRound");
         }
         let rupture = if rules.is_empty() {
             String::new()

@@ -4,7 +4,6 @@ use serde::de::value::StrDeserializer;
 use serde::de::{self, DeserializeSeed, IntoDeserializer, Visitor};
 
 use super::node_reader::Reader;
-use crate::scene::format::WITHOUT_BRACKETS;
 use crate::scene::reader::context::Failure;
 use crate::scene::reader::spans::is_group;
 use crate::scene::reader::suggest;
@@ -62,10 +61,6 @@ impl<'a> de::VariantAccess<'a> for Variant<'a> {
         visitor: V,
     ) -> Result<V::Value, Failure> {
         let unnamed = |entry: &Entry| entry.key.is_none();
-        if self.reader.node.shape == Shape::Word && self.name == WITHOUT_BRACKETS {
-            // No error: the variant has its defaults.
-            return Err(de::Error::custom("no brackets"));
-        }
         if self.reader.node.shape == Shape::Word {
             let what = format!("`{}(...)`", self.name);
             let help = match fields {

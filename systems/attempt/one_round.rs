@@ -1,0 +1,27 @@
+//! The bonds on a limit at the end of an increment break together, where no
+//! [event](super::events) is sought. It is the last word on an accepted attempt and objects to none.
+
+use bevy_ecs::prelude::*;
+
+use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::findings::Ruptures;
+use clastic_components::increment::{Progress, RuptureRules};
+use clastic_cone::program::{ConeProgram, ConeSolution};
+
+use crate::rupture_bonds::{Met, find_ruptures};
+
+/// Collects the bonds that the increment breaks.
+pub fn collect(
+    rules: Res<RuptureRules>,
+    progress: Res<Progress>,
+    bodies: Res<Bodies>,
+    contacts: Res<Contacts>,
+    program: Res<ConeProgram>,
+    solution: Res<ConeSolution>,
+    mut ruptures: ResMut<Ruptures>,
+) {
+    let (increment, contacts) = (progress.increment, &contacts.0);
+    let found =
+        find_ruptures(&rules, Met::Slack, increment, &bodies, contacts, &program, &solution);
+    ruptures.list.extend(found);
+}
