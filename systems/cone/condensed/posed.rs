@@ -161,11 +161,14 @@ struct Units<'a> {
     tolerance: f64,
     /// Whether a weight on every degree of freedom excludes a collapse.
     is_held: bool,
+    /// Whether a compliance of every normal force excludes that bodies are locked.
+    is_elastic: bool,
 }
 
 impl<'a> Units<'a> {
     fn of(program: &'a ConeProgram, order: &'a [usize], tolerance: f64) -> Self {
-        Self { program, order, tolerance, is_held: program.is_damped() }
+        let is_elastic = program.interactions.iter().all(|c| c.normal_compliance > 0.0);
+        Self { program, order, tolerance, is_held: program.is_damped(), is_elastic }
     }
 
     /// Displacements in SI units and the order of the program.
@@ -200,11 +203,19 @@ impl Judge for Units<'_> {
         self.solution(&point.u, &point.s, 0, "").status == SolveStatus::Solved
     }
 
+    // In statics tau also leads away from a start with the wrong limits.
+    fn seeks_proofs(&self) -> bool {
+        !(self.is_held && self.is_elastic && self.program.is_dynamic())
+    }
+
     fn is_mechanism(&self, u: &[[f64; 3]]) -> bool {
         !self.is_held && self.mechanism(u).is_some()
     }
 
     fn is_lock(&self, s: &[[f64; 3]]) -> bool {
+        if self.is_elastic {
+            return false;
+        }
         let (_, df) = self.program.scales.units();
         let s: Vec<_> = s.iter().map(|s| [s[0] * df[0], s[1] * df[0], s[2] * df[2]]).collect();
         locks(self.program, &s)

@@ -389,6 +389,11 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
         self.responses = [a, b];
     }
 
+    /// Computes the response to residuals and products together.
+    pub fn set_response(&mut self, du: &[[f64; 3]]) {
+        self.responses = [self.respond(du, 1.0, self.slacks.products()), Step::default()];
+    }
+
     /// Looks ahead along the predictor, `(1 + rho) A + (1 + 2 rho) B + rho x` at the point x.
     pub fn predict(&mut self, rho: f64, ahead: &mut Ahead) {
         let [a, b] = &self.responses;

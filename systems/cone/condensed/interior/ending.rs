@@ -7,7 +7,7 @@ use crate::condensed::settings::InteriorSettings;
 
 /// Residual of a point, over the goal, up to which every better point is judged. The method's
 /// residual is relative to the scales of the program, and the program's own may be far below it.
-const NEAR: f64 = 1e6;
+const NEAR: f64 = 1e4;
 /// Number of iterations without a better point after which round-off has stopped a method that has
 /// a solution already.
 const MAX_IDLE: usize = 3;

@@ -33,6 +33,9 @@ pub struct Iteration<'a> {
     k: f64,
     /// Number of products: those of the limits and that of tau and kappa.
     products: f64,
+    /// Whether tau moves. It stays 1 where a solution is known to exist or no proof is sought, and
+    /// saves a solve an iteration.
+    is_embedded: bool,
     /// Part of the last step that the interactions have still to make. They make it in the pass
     /// that evaluates the residuals, since every pass over them costs.
     length: f64,
@@ -70,6 +73,7 @@ impl<'a> Iteration<'a> {
         settings: &'a InteriorSettings,
         start: &[[f64; 3]],
         warm: Option<Warm>,
+        is_embedded: bool,
     ) -> Self {
         let n = program.free.len();
         let mut u = program.with_known(start);
@@ -92,7 +96,8 @@ impl<'a> Iteration<'a> {
             u,
             tau: 1.0,
             k: 0.0,
-            products: (limits + 1) as f64,
+            products: (limits + usize::from(is_embedded)).max(1) as f64,
+            is_embedded,
             length: 0.0,
             balance: zeros.clone(),
             unbalance: 0.0,
@@ -109,9 +114,11 @@ impl<'a> Iteration<'a> {
             defect: zeros,
         };
         iteration.update_residuals();
-        // The product of tau and kappa begins as the mean of the others.
-        iteration.k = (iteration.sizes.products / limits.max(1) as f64).max(MIN_K);
-        iteration.update_gap();
+        if is_embedded {
+            // The product of tau and kappa begins as the mean of the others.
+            iteration.k = (iteration.sizes.products / limits.max(1) as f64).max(MIN_K);
+            iteration.update_gap();
+        }
         iteration
     }
 
@@ -131,15 +138,18 @@ impl<'a> Iteration<'a> {
         self.update_gap();
     }
 
-    /// Residual of `k = f'u - l's - b'lambda - u'Mu - s'Cs`.
+    /// The mean product, and the residual of `k = f'u - l's - b'lambda - u'Mu - s'Cs`.
     fn update_gap(&mut self) {
         let Self { program, u, sizes, .. } = self;
+        self.mu = (sizes.products + self.k) / self.products;
+        if !self.is_embedded {
+            return;
+        }
         let work = program.sum_of_free(|i, k| program.right[i][k] * u[i][k]);
         let energy =
             sizes.energy + program.sum_of_free(|i, k| program.weight[i][k] * u[i][k].powi(2));
         self.gap = self.k - (work - sizes.linear - sizes.strength - energy);
         self.gap_terms = work.abs() + sizes.linear.abs() + sizes.strength.abs() + energy;
-        self.mu = (sizes.products + self.k) / self.products;
     }
 
     /// Whether all residuals are numbers.
@@ -225,11 +235,23 @@ impl<'a> Iteration<'a> {
         let Self { program, matrix, groups, rights, responses, weight, u, .. } = self;
         let n = program.free.len();
         let [a, b, _] = responses;
+        if !self.is_embedded {
+            // Both responses have the same factor: one solve serves their sum.
+            let [of_residuals, of_products, _] = rights;
+            for (sum, of_products) in of_residuals.iter_mut().zip(of_products) {
+                for k in 0..3 {
+                    sum[k] += std::mem::take(&mut of_products[k]);
+                }
+            }
+        }
         a.clone_from(&rights[0]);
         if !matrix.factorise_shifted_and_solve(&mut a[..n]) {
             return false;
         }
         program.images.spread(a);
+        if !self.is_embedded {
+            return true;
+        }
         b.clone_from(&rights[1]);
         matrix.solve(&mut b[..n]);
         program.images.spread(b);
@@ -252,6 +274,9 @@ impl<'a> Iteration<'a> {
     /// The step of tau over tau that takes `part` of the gap away, with `of_kappa` the product that
     /// tau and kappa lose and `gain` that of the corrector.
     fn growth(&self, of_kappa: f64, gain: f64) -> f64 {
+        if !self.is_embedded {
+            return 0.0;
+        }
         let denominator = self.k + self.gains.squares + GAP_ROUND_OFF * self.gap_terms;
         let Gains { of_residuals, of_products, .. } = self.gains;
         (self.gap - of_kappa - of_residuals - of_products - gain) / denominator
@@ -263,13 +288,19 @@ impl<'a> Iteration<'a> {
     pub fn predict(&mut self) -> (f64, f64) {
         let rho = self.growth(self.k, 0.0);
         let dk = -self.k - self.k * rho;
-        let ahead = self.groups.each(|cells| {
+        let Self { groups, responses: [a, ..], is_embedded, .. } = self;
+        let ahead = groups.each(|cells| {
             let mut ahead = Ahead::default();
+            if !*is_embedded {
+                for_each!(cell of cells => cell.set_response(a));
+            }
             for_each!(cell of cells => cell.predict(rho, &mut ahead));
             ahead
         });
         let mut ahead = ahead.into_iter().fold(Ahead::default(), Ahead::and);
-        ahead.add(1.0, self.k, rho, dk);
+        if self.is_embedded {
+            ahead.add(1.0, self.k, rho, dk);
+        }
         let after = ahead.products_after() / self.products;
         let ratio = if self.mu > 0.0 { after / self.mu } else { 0.0 };
         (ratio.powi(3).min(1.0) * self.mu, rho * dk)
@@ -289,16 +320,7 @@ impl<'a> Iteration<'a> {
         corrector.clone_from(right);
         self.matrix.solve(&mut corrector[..n]);
         self.program.images.spread(corrector);
-        let corrector = &*corrector;
-        let gains = self.groups.each(|cells| {
-            let mut sum = 0.0;
-            for_each!(cell of cells => sum += cell.gain_of_corrector(corrector));
-            sum
-        });
-        let of_bodies = gain(self.program, &self.u, corrector);
-        let of_kappa = self.k + of_tau - target;
-        let rho = self.growth(of_kappa, of_bodies + gains.into_iter().sum::<f64>());
-        let dk = -of_kappa - self.k * rho;
+        let (rho, dk) = self.step_of_tau(target, of_tau);
         let (of_residuals, of_products) = (1.0 + rho, 1.0 + 2.0 * rho);
         let sum = |of: &[Vec<[f64; 3]>; 3], to: &mut [[f64; 3]]| {
             for (i, to) in to.iter_mut().enumerate() {
@@ -319,8 +341,27 @@ impl<'a> Iteration<'a> {
             ahead
         });
         let mut ahead = ahead.into_iter().fold(Ahead::default(), Ahead::and);
-        ahead.add(1.0, self.k, rho, dk);
+        if self.is_embedded {
+            ahead.add(1.0, self.k, rho, dk);
+        }
         self.make_step(ahead.length, rho, dk)
+    }
+
+    /// The steps of tau, over tau, and of k that belong to the corrector.
+    fn step_of_tau(&mut self, target: f64, of_tau: f64) -> (f64, f64) {
+        if !self.is_embedded {
+            return (0.0, 0.0);
+        }
+        let corrector = &self.responses[2];
+        let gains = self.groups.each(|cells| {
+            let mut sum = 0.0;
+            for_each!(cell of cells => sum += cell.gain_of_corrector(corrector));
+            sum
+        });
+        let of_bodies = gain(self.program, &self.u, corrector);
+        let of_kappa = self.k + of_tau - target;
+        let rho = self.growth(of_kappa, of_bodies + gains.into_iter().sum::<f64>());
+        (rho, -of_kappa - self.k * rho)
     }
 
     /// Moves the point.

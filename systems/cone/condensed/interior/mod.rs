@@ -77,7 +77,8 @@ pub fn solve(
     goal: Goal,
     judge: &impl Judge,
 ) -> (End, Interior) {
-    let mut iteration = Iteration::new(program, matrix, settings, start, warm);
+    let is_embedded = judge.seeks_proofs();
+    let mut iteration = Iteration::new(program, matrix, settings, start, warm, is_embedded);
     let mut ending = Ending::new(program, settings, goal);
     let end = loop {
         if let Some(end) = ending.consider(&mut iteration, judge) {

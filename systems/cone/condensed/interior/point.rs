@@ -45,6 +45,11 @@ pub trait Judge {
     /// Whether the point solves the program within its tolerance.
     fn is_solution(&self, point: &Interior) -> bool;
 
+    /// Whether proofs are sought that there is no solution.
+    fn seeks_proofs(&self) -> bool {
+        false
+    }
+
     /// Whether the displacements are a mechanism that proves a collapse.
     fn is_mechanism(&self, _u: &[[f64; 3]]) -> bool {
         false
