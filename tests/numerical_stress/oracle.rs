@@ -430,7 +430,7 @@ impl Oracle {
             }
             let strength = limits[2];
             let [cohesion, friction, tension, rolling] = listed;
-            let dilation = if bonded || !coulomb { 1.0 } else { 0.0 };
+            let dilation = if l.has_strength() || !coulomb { 1.0 } else { 0.0 };
 
             let shear = cohesion + friction * p;
             let roll = rolling * (p + strength);

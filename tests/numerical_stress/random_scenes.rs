@@ -55,7 +55,13 @@ pub fn random_scene(seed: u64, maximum: u32) -> Scene {
         },
         rupture: Rupture {
             rolling: r.pick(&[RollingLimit::Breaks, RollingLimit::Yields]),
-            order: r.pick(&[RuptureOrder::Events, RuptureOrder::OneRound]),
+            order: r.pick(&[
+                RuptureOrder::Events,
+                RuptureOrder::OneRound,
+                RuptureOrder::OneRound,
+                RuptureOrder::OneRound,
+            ]),
+            density: r.pick(&[Rupture::DENSITY, Rupture::DENSITY, 30.0]),
             ..Rupture::default()
         },
         corrector: None,
