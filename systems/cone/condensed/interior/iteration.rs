@@ -15,6 +15,13 @@ const MAX_START: f64 = 1e4;
 /// Round-off of the duality gap over the magnitude of its terms. The step of tau follows from the
 /// gap, and below this it would follow from noise.
 const GAP_ROUND_OFF: f64 = 1e-11;
+/// Defect of a linear solve, over the maximum force, that round-off leaves.
+const SOLVE_ROUND_OFF: f64 = 1e-14;
+/// Maximum number of refinements of a linear solve.
+const MAX_REFINEMENTS: usize = 8;
+/// Maximum step of tau over tau. At the end of a solve the gap is round-off, and tau must not run
+/// away with it.
+const MAX_GROWTH: f64 = 1.0;
 /// Part of tau below which the proximal weight falls no further.
 const MIN_TAU: f64 = 1e-12;
 
@@ -279,7 +286,7 @@ impl<'a> Iteration<'a> {
         }
         let denominator = self.k + self.gains.squares + GAP_ROUND_OFF * self.gap_terms;
         let Gains { of_residuals, of_products, .. } = self.gains;
-        (self.gap - of_kappa - of_residuals - of_products - gain) / denominator
+        ((self.gap - of_kappa - of_residuals - of_products - gain) / denominator).min(MAX_GROWTH)
     }
 
     /// Looks ahead along the predictor, which takes all residuals and products away. Returns the
@@ -386,27 +393,34 @@ impl<'a> Iteration<'a> {
 
     /// Refines the solution of the condensed system, on the operator whose matrix was factorised.
     fn refine(&mut self) {
+        let force = self.force();
         let Self { program, matrix, settings, groups, weight, right, du, defect, .. } = self;
         let n = program.free.len();
-        defect[n..].fill([0.0; 3]);
-        for (i, defect) in defect[..n].iter_mut().enumerate() {
-            for k in 0..3 {
-                let is_free = program.free[i][k];
-                defect[k] = if is_free { right[i][k] - weight[i][k] * du[i][k] } else { 0.0 };
+        let enough = (settings.refined * max_magnitude(&right[..n])).min(SOLVE_ROUND_OFF * force);
+        let mut last = f64::INFINITY;
+        for _ in 0..MAX_REFINEMENTS {
+            defect[n..].fill([0.0; 3]);
+            for (i, defect) in defect[..n].iter_mut().enumerate() {
+                for k in 0..3 {
+                    let is_free = program.free[i][k];
+                    defect[k] = if is_free { right[i][k] - weight[i][k] * du[i][k] } else { 0.0 };
+                }
             }
-        }
-        groups.scatter(defect, |cells, defect| {
-            for_each!(cell of cells => cell.take_away(du, defect));
-        });
-        program.images.fold(defect);
-        if max_magnitude(&defect[..n]) <= settings.refined * max_magnitude(&right[..n]) {
-            return;
-        }
-        matrix.solve(&mut defect[..n]);
-        program.images.spread(defect);
-        for (du, d) in du.iter_mut().zip(&*defect) {
-            for k in 0..3 {
-                du[k] += d[k];
+            groups.scatter(defect, |cells, defect| {
+                for_each!(cell of cells => cell.take_away(du, defect));
+            });
+            program.images.fold(defect);
+            let now = max_magnitude(&defect[..n]);
+            if now <= enough || !(now <= 0.5 * last) {
+                return;
+            }
+            last = now;
+            matrix.solve(&mut defect[..n]);
+            program.images.spread(defect);
+            for (du, d) in du.iter_mut().zip(&*defect) {
+                for k in 0..3 {
+                    du[k] += d[k];
+                }
             }
         }
     }
