@@ -11,9 +11,11 @@ use crate::motion::Motion;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Default)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum Effort {
-    /// Loose bodies are regularised.
+    /// Scales are the expected magnitudes. Loose bodies are regularised.
     #[default]
     Usual,
+    /// Scales are the magnitudes of the last solution.
+    Rescaled,
     /// All bodies are regularised, and the centre of the regularisation follows the solution.
     Regularised,
 }
@@ -53,8 +55,14 @@ pub enum Verdict {
     Overloaded,
     /// Bonds have just broken, and the scene asks for the motion that follows.
     Released,
-    /// The solution did not converge: its residuals and the message of the solver.
-    Unconverged(String),
+    /// The solution did not converge.
+    Unconverged {
+        /// The residuals and the message of the solver.
+        reason: String,
+        /// Whether the solution moves bodies so far that they lack support. Otherwise other scales
+        /// may help.
+        unsupported: bool,
+    },
     /// Rigid bodies have no feasible motion.
     Locked,
     /// The solution moves so far that its constant normals are no longer valid.
@@ -135,6 +143,9 @@ pub struct Attempt {
     /// Whether loads act on a specimen that carried forces before the increment. Its strain is then
     /// bounded.
     pub bounded: bool,
+    /// Maximum displacement (m) and force (N) of the last rejected solution, which are the scales
+    /// of the next attempt.
+    pub magnitudes: Option<(f64, f64)>,
     /// Status under which the increment ended.
     pub status: IncrementStatus,
     /// Complaint about the last rejected attempt, which may be empty. For the status `Undecided` it

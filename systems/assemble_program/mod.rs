@@ -116,8 +116,15 @@ pub fn assemble_program(
     assemble_bodies(&trial, &settings, program);
     let Settings { analysis, acceptance, .. } = &settings;
     let Trial { bodies, contacts, history, attempt, .. } = &trial;
-    program.scales =
-        scales::estimate(bodies, &history.0, analysis, &trial.progress, contacts.0.len(), program);
+    program.scales = scales::estimate(
+        bodies,
+        &history.0,
+        analysis,
+        &trial.progress,
+        attempt.magnitudes,
+        contacts.0.len(),
+        program,
+    );
     program.tolerance = tolerance(analysis, acceptance, attempt, bodies);
     regularise::regularise(
         bodies,

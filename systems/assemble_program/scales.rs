@@ -10,12 +10,13 @@ use clastic_components::contact_history::ContactHistory;
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_cone::program::{ConeProgram, Dof, FreeDof, Interaction, Scales};
 
-/// Estimates the scales of the program.
+/// Estimates the scales of the program. The magnitudes of a rejected attempt take precedence.
 pub fn estimate(
     bodies: &Bodies,
     history: &ContactHistory,
     analysis: &Analysis,
     progress: &Progress,
+    magnitudes: Option<(f64, f64)>,
     contacts: usize,
     program: &ConeProgram,
 ) -> Scales {
@@ -30,7 +31,15 @@ pub fn estimate(
     let displacement = displacement.max(1e-9 * length);
     let determined = determined_force(program, interactions, displacement);
     let force = force(history, program, interactions, displacement, determined);
-    Scales { length, displacement, force }
+    match magnitudes {
+        // The magnitudes of a failed attempt are used unless they are round-off, or so large that
+        // they would hide all errors because the solver diverged.
+        Some((u, f)) => {
+            let f = f.min(determined).clamp(MIN_SCALE * force, MAX_RATIO * force);
+            Scales { length, displacement: u, force: f }
+        }
+        None => Scales { length, displacement, force },
+    }
 }
 
 /// Minimum force scale, as a fraction of the force of the displacement in one contact, or of the
@@ -42,7 +51,10 @@ const MIN_SCALE: f64 = 1e-3;
 const MIN_FRACTION: f64 = 0.05;
 
 /// Maximum scale from the motion of grains in an earlier solution, mean radii.
-const MAX_MOTION: f64 = 0.1;
+pub(crate) const MAX_MOTION: f64 = 0.1;
+
+/// Maximum force scale from a failed attempt, relative to the expected scale.
+const MAX_RATIO: f64 = 1e2;
 
 fn displacement(bodies: &Bodies, analysis: &Analysis, progress: &Progress) -> f64 {
     // An increment up to an event may have a small fraction of the imposed motion, but ruptures

@@ -59,6 +59,11 @@ pub fn judge(
     let walls = walls.filter(|pair| !is_listed(&contacts, *pair));
     let closing: Vec<(u32, u32)> = near.into_iter().chain(walls).filter(closes).collect();
     if !closing.is_empty() {
+        // The next solution moves by about the smallest of these gaps, and not as far as the last
+        // one.
+        let gaps = closing.iter().map(|(a, b)| start.gap(&bodies, *a, *b));
+        let nearest = gaps.fold(f64::INFINITY, f64::min);
+        attempt.magnitudes = Some((nearest.max(program.scales.displacement), program.scales.force));
         add(&mut pairs, closing.into_iter());
         attempt.verdict = Verdict::Again;
     }

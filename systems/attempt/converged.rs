@@ -10,9 +10,10 @@ use clastic_cone::program::{Certificate, ConeProgram, ConeSolution, SolveStatus}
 
 use super::places::{moves_most, near, worst_place};
 use crate::assemble_program::regularise::max_moves;
-use crate::mean_field::thrown;
+use crate::assemble_program::scales::MAX_MOTION;
+use crate::mean_field::{is_unsupported, thrown};
 use clastic_cone::certificate::{certificate, proves};
-use clastic_cone::residuals::regularised_residuals;
+use clastic_cone::residuals::{displacement_scale, regularised_residuals};
 
 /// Accepts solved programs and proven collapses, moves the centre of the regularisation until its
 /// bias vanishes, and rejects all else. A bias together with a throw is left to
@@ -33,6 +34,10 @@ pub fn judge(
         keep_best(&bodies, &program, solution, &mut best);
     }
     let is_static = analysis.kind == AnalysisKind::Static;
+    let unconverged = |solution: &ConeSolution, reason: String| Verdict::Unconverged {
+        reason,
+        unsupported: is_static && is_unsupported(&bodies, &program, solution),
+    };
     attempt.verdict = match solution.status {
         SolveStatus::Solved => Verdict::Sound,
         // The status of the solver alone is not sufficient.
@@ -41,7 +46,7 @@ pub fn judge(
                 solution.certificate = Some(mechanism);
                 Verdict::Impossible
             }
-            None => Verdict::Unconverged(unproved(&bodies, &program, solution)),
+            None => unconverged(solution, unproved(&bodies, &program, solution)),
         },
         SolveStatus::Locked => Verdict::Locked,
         SolveStatus::Stalled if seeks_equilibrium && is_biased(&program, solution, &acceptance) => {
@@ -53,15 +58,18 @@ pub fn judge(
                 centre.place.clone_from(&solution.displacements);
                 Verdict::Again
             } else {
-                let verdict = Verdict::Unconverged(complaint(&best, &acceptance));
+                let verdict = unconverged(solution, complaint(&best, &acceptance));
                 impossible_or(&program, solution, verdict)
             }
         }
-        SolveStatus::Stalled => Verdict::Unconverged(complaint(&best, &acceptance)),
+        SolveStatus::Stalled => unconverged(solution, complaint(&best, &acceptance)),
     };
     if attempt.verdict != Verdict::Impossible {
         // A solution has a certificate only if it proves a collapse.
         solution.certificate = None;
+    }
+    if matches!(attempt.verdict, Verdict::Unconverged { .. }) && seeks_equilibrium {
+        attempt.magnitudes = magnitudes(&program, solution);
     }
     if attempt.verdict == Verdict::Locked {
         attempt.complaint = locked(&bodies, &program, solution);
@@ -135,6 +143,19 @@ fn locked(bodies: &Bodies, program: &ConeProgram, solution: &ConeSolution) -> St
         format!("; most strongly at {}", near(bodies, [c.a as usize, c.b as usize]))
     });
     format!("locked: rigid bodies have no feasible motion{place}")
+}
+
+/// Maximum displacement and force of a solution, as scales for the next attempt.
+fn magnitudes(program: &ConeProgram, solution: &ConeSolution) -> Option<(f64, f64)> {
+    if !matches!(solution.status, SolveStatus::Stalled | SolveStatus::Solved) {
+        return None;
+    }
+    let moves = solution.displacements.iter().any(|u| u[0] != 0.0 || u[1] != 0.0);
+    let f = solution.forces.iter().map(|f| f[0].abs().max(f[1].abs())).fold(0.0, f64::max);
+    // Neither a thrown grain nor an almost fixed body may set the scale.
+    let u = displacement_scale(program, &solution.displacements);
+    let u = u.min(MAX_MOTION * program.scales.length);
+    (moves && u.is_finite() && f.is_finite() && f > 0.0).then_some((u, f))
 }
 
 fn complaint(best: &BestUnconverged, acceptance: &Acceptance) -> String {

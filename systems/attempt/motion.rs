@@ -71,6 +71,7 @@ pub fn begin(world: &mut World, released: bool, repeated: bool) {
     let mut attempt = world.resource_mut::<Attempt>();
     attempt.mode = Mode::Motion(motion);
     attempt.motions += 1;
+    attempt.magnitudes = None;
     world.resource_mut::<Bodies>().drives_stopped = true;
     forget_passes(world);
     forget_pairs(world);

@@ -44,7 +44,7 @@ pub fn run_attempts(world: &mut World) {
 /// Keeps why the attempt failed, and how a motion that ends here went.
 fn complain(attempt: &mut Attempt, verdict: &Verdict, next: Next) {
     use Verdict::{GivesWay, TooFar, Unconverged};
-    if let Unconverged(reason) | TooFar(reason) | GivesWay(reason) = verdict
+    if let Unconverged { reason, .. } | TooFar(reason) | GivesWay(reason) = verdict
         && attempt.mode != Mode::Proof
     {
         attempt.complaint.clone_from(reason);
@@ -116,6 +116,7 @@ fn act(world: &mut World, next: Next, start: &mut Option<Start>) {
             put_back(world, start.as_ref());
             let mut attempt = world.resource_mut::<Attempt>();
             attempt.mode = Mode::Proof;
+            attempt.magnitudes = None;
             open_trial(world);
         }
     }
@@ -226,6 +227,7 @@ fn seek_equilibrium(world: &mut World) {
     motion::forget_passes(world);
     let mut attempt = world.resource_mut::<Attempt>();
     attempt.mode = Mode::default();
+    attempt.magnitudes = None;
 }
 
 fn end_increment(world: &mut World, status: IncrementStatus, start: Option<&Start>) {

@@ -14,7 +14,8 @@ use clarabel::solver::{
 use crate::program::{ConeProgram, ConeSolution, Dof, SolveStatus};
 
 use super::certificate::{certificate, locks, proves};
-use super::lowering::{displacements, forces, lower};
+use super::lowering::{displacements, forces, lower, polish};
+use super::polish::{Point, PolishSettings};
 use super::solver::{ConeSolver, MalformedProgram};
 
 /// Clarabel with its settings.
@@ -24,11 +25,13 @@ pub struct Clarabel {
     pub tolerance: f64,
     /// Cap on iterations.
     pub max_iterations: u32,
+    /// Settings of the [polish](super::polish) of its solutions; `None` for no polish.
+    pub polish: Option<PolishSettings>,
 }
 
 impl Default for Clarabel {
     fn default() -> Self {
-        Self { tolerance: 1e-10, max_iterations: 200 }
+        Self { tolerance: 1e-10, max_iterations: 200, polish: Some(PolishSettings::default()) }
     }
 }
 
@@ -83,6 +86,10 @@ impl ConeSolver for Clarabel {
         match raw.status {
             SolverStatus::Solved | SolverStatus::AlmostSolved => {
                 solution.status = SolveStatus::Solved;
+                if let Some(settings) = &self.polish {
+                    let point = Point { x: raw.x.clone(), z: raw.z.clone() };
+                    polish(program, &low, &a, point, settings, &mut solution);
+                }
             }
             SolverStatus::DualInfeasible | SolverStatus::AlmostDualInfeasible
                 if locks(program, &solution.forces) =>
@@ -96,6 +103,9 @@ impl ConeSolver for Clarabel {
                 if mechanism.is_some() {
                     solution.status = SolveStatus::Collapsed;
                     solution.certificate = mechanism;
+                } else if let Some(settings) = &self.polish {
+                    let point = Point { x: raw.x.clone(), z: raw.z.clone() };
+                    polish(program, &low, &a, point, settings, &mut solution);
                 }
             }
         }

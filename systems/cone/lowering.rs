@@ -3,7 +3,15 @@
 
 use clarabel::algebra::CscMatrix;
 
-use crate::program::{ConeProgram, Dof, Interaction};
+use crate::program::{ConeProgram, ConeSolution, Dof, Interaction};
+
+use super::polish::{Point, PolishSettings, QuadraticProgram};
+use super::residuals::regularised_residuals;
+
+/// Residual at which polishing ends in a program of this size.
+fn polished(low: &Lowered, settings: &PolishSettings) -> f64 {
+    if low.linear.len() > settings.large { settings.large_residual } else { settings.residual }
+}
 
 /// Triplets of a sparse matrix.
 #[derive(Default)]
@@ -187,6 +195,60 @@ impl Lowered {
 /// The unit of a force variable: 0 for forces, 2 for moments.
 fn force_unit(force: usize) -> usize {
     if force == 2 { 2 } else { 0 }
+}
+
+/// Polishes a solution until its residual is at its goal or the guess of the active limits stays.
+pub(super) fn polish(
+    program: &ConeProgram,
+    low: &Lowered,
+    matrix: &CscMatrix<f64>,
+    start: Point,
+    settings: &PolishSettings,
+    solution: &mut ConeSolution,
+) {
+    let qp = QuadraticProgram {
+        quadratic: &low.quadratic,
+        linear: &low.linear,
+        matrix,
+        right: &low.right,
+        equalities: low.balance_rows,
+    };
+    let worst =
+        |s: &ConeSolution| regularised_residuals(program, &s.forces, &s.displacements).worst();
+    let mut best = worst(solution);
+    let goal = polished(low, settings);
+    // A small program is polished even if its residual is small: where a gap just closes, slack and
+    // force are accurate to the square root of their product only.
+    if best <= goal && low.linear.len() > settings.large {
+        return;
+    }
+    let mut active = qp.active(&start);
+    for pass in 0..settings.max_passes {
+        let Some(point) = qp.solve_active(&active, &start, settings) else { return };
+        let forces = forces(program, &low.columns, &point.x);
+        let displacements = displacements(program, &low.rows, &point.z);
+        let polished = ConeSolution { forces, displacements, ..Default::default() };
+        let now = worst(&polished);
+        // For the reason above, the polished one of two solutions with small residuals is the more
+        // accurate. The negation also replaces a solution whose residual is NaN.
+        if now <= goal.max(settings.small_residual) || !(best <= now) {
+            best = now;
+            solution.forces = polished.forces;
+            solution.displacements = polished.displacements;
+            solution.message = format!(
+                "{}, polished {}",
+                solution.message.split(',').next().unwrap_or_default(),
+                pass + 1
+            );
+        }
+        if best <= goal {
+            return;
+        }
+        match qp.corrected(&active, &point) {
+            Some(next) => active = next,
+            None => return,
+        }
+    }
 }
 
 pub(super) fn displacements(

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub enum Solver {
-    /// The engine's own condensed solver.
+    /// The engine's own condensed solver, with Clarabel as its last resort.
     #[default]
     Condensed,
     /// The interior-point solver Clarabel.

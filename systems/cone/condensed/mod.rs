@@ -9,7 +9,9 @@
 //! 3. A program in which every force has a compliance goes to a Newton iteration from the last
 //!    displacements (`newton`, `local`): near a solution it takes two factorisations.
 //! 4. The [`interior`] point decides all else: solved, collapsed with its mechanism, locked with
-//!    its forces, or stalled at the limit of arithmetic.
+//!    its forces, or stalled at the limit of arithmetic. In small programs the
+//!    [`polish`](super::polish) then solves for the active limits exactly.
+//! 5. [Clarabel](super::clarabel) tries what has stalled in a small program.
 //!
 //! [`settings`] has every number that steers these steps.
 
@@ -38,6 +40,7 @@ use self::matrix::BodyMatrix;
 use self::posed::{Demand, Posed, Start};
 use self::reduced::Reduced;
 pub use self::settings::CondensedSettings;
+use super::clarabel::Clarabel;
 use super::residuals::choose_displacements;
 use super::solver::{ConeSolver, MalformedProgram};
 
@@ -51,6 +54,7 @@ pub struct Condensed {
     matrix: Option<BodyMatrix>,
     /// Displacements of the last solution by body, m and rad: the start of the next solve.
     last: Vec<[f64; 3]>,
+    fallback: Clarabel,
 }
 
 impl Default for Condensed {
@@ -63,7 +67,8 @@ impl Condensed {
     /// A solver with these settings.
     #[must_use]
     pub fn new(settings: CondensedSettings) -> Self {
-        Self { settings, pairs: Vec::new(), matrix: None, last: Vec::new() }
+        let fallback = settings.fallback;
+        Self { settings, pairs: Vec::new(), matrix: None, last: Vec::new(), fallback }
     }
 
     /// Maximum residual of a solution of a program.
@@ -182,7 +187,14 @@ impl Condensed {
             start.displacements = vec![[0.0; 3]; program.bodies.len()];
             start.forces = Some(warm::last_forces(program));
         }
-        posed.interior(&start, &mut iterations)
+        let solution = posed.interior(&start, &mut iterations);
+        let is_undecided = solution.status == SolveStatus::Stalled;
+        if is_undecided && !demand.large && !program.interactions.is_empty() {
+            // Another solver may find what the limit of arithmetic has kept from this one.
+            let found = self.fallback.solve(program).unwrap_or_default();
+            return ConeSolution { iterations: iterations + found.iterations, ..found };
+        }
+        solution
     }
 }
 

@@ -1,9 +1,9 @@
-//! A program in the units and the order of the matrix, and the two methods that solve it there:
-//! the Newton iteration and the interior point.
+//! A program in the units and the order of the matrix, and the methods that solve it there: the
+//! Newton iteration, and the interior point with its polish.
 
 use super::interior::{self, End, Interior, Judge};
 use super::local;
-use super::matrix::BodyMatrix;
+use super::matrix::{BodyMatrix, places};
 use super::newton::Newton;
 use super::parallel::in_pool;
 use super::scaled::Scaled;
@@ -11,8 +11,10 @@ use super::settings::CondensedSettings;
 use super::warm::raised;
 use super::{ROUND_OFF, checked};
 use crate::certificate::{certificate, locks, proves};
+use crate::lowering::{Lowered, lower, polish};
+use crate::polish::Point;
 use crate::program::{Certificate, ConeProgram, ConeSolution, SolveStatus};
-use crate::residuals::MAX_BALANCE;
+use crate::residuals::{MAX_BALANCE, regularised_residuals};
 
 /// Requirements on a solution.
 #[derive(Clone, Copy, Debug)]
@@ -21,6 +23,8 @@ pub struct Demand {
     pub tolerance: f64,
     /// Whether the tolerance is loose.
     pub loose: bool,
+    /// Whether the program is large.
+    pub large: bool,
     /// Whether the first point within the tolerance suffices. It does not suffice in statics, where
     /// grains without load drift further the less exact the solution is. With a tight tolerance it
     /// does not suffice with bonds either, because only exact forces show which bonds are at a
@@ -34,7 +38,7 @@ impl Demand {
         let loose = tolerance > settings.loose_tolerance;
         let large = program.interactions.len() > settings.large;
         let at_once = program.is_dynamic() && (loose || (large && !program.has_bonds()));
-        Self { tolerance, loose, at_once }
+        Self { tolerance, loose, large, at_once }
     }
 
     /// The residual that a method aims at.
@@ -122,7 +126,8 @@ impl<'a> Posed<'a> {
         (result, solution)
     }
 
-    /// The interior point: solved, collapsed, locked, or stalled at the limit of arithmetic.
+    /// The interior point: solved, collapsed, locked, or stalled at the limit of arithmetic. A small
+    /// program whose solution is exact or near is polished.
     pub fn interior(&mut self, start: &Start, iterations: &mut u32) -> ConeSolution {
         let settings = self.settings;
         let residual = self.demand.goal(settings.interior_margin);
@@ -150,8 +155,68 @@ impl<'a> Posed<'a> {
             }
             End::Locked => found.status = SolveStatus::Locked,
         }
-        found
+        let is_polished = match end {
+            End::Solved => !self.demand.loose && !is_rigid_plastic(self.program),
+            End::Limit => point.merit <= settings.max_polished_residual,
+            End::Collapsed | End::Locked => false,
+        };
+        if is_polished && !self.demand.large { self.polished(&point, found) } else { found }
     }
+
+    /// The solution of an interior point, polished; it is solved if its residual is within the
+    /// tolerance.
+    fn polished(&self, point: &Interior, mut solution: ConeSolution) -> ConeSolution {
+        let program = self.program;
+        let mut low = lower(program);
+        let point = lowered_point(&self.scaled, &self.order, &low, point);
+        let (rows, variables) = (low.right.len(), low.linear.len());
+        let a = std::mem::take(&mut low.matrix).matrix(rows, variables);
+        polish(program, &low, &a, point, &self.settings.polish, &mut solution);
+        let r = regularised_residuals(program, &solution.forces, &solution.displacements).worst();
+        let is_solved = r <= self.demand.tolerance;
+        solution.status = if is_solved { SolveStatus::Solved } else { SolveStatus::Stalled };
+        solution
+    }
+}
+
+/// Whether forces and mechanism are not unique, because bonds have no compliance. The interior
+/// point converges to the middle of all solutions, where a limit is active only if it is active in
+/// all of them: these bonds break. A polish would move the solution to a corner.
+fn is_rigid_plastic(program: &ConeProgram) -> bool {
+    program.interactions.iter().any(|c| c.limits.tension > 0.0 && c.normal_compliance == 0.0)
+        && !program.is_dynamic()
+}
+
+/// The interior point in the numbering of the lowered program.
+fn lowered_point(scaled: &Scaled, order: &[usize], low: &Lowered, result: &Interior) -> Point {
+    let mut x = vec![0.0; low.linear.len()];
+    let mut z = vec![0.0; low.right.len()];
+    let mut row = low.balance_rows;
+    for (k, local) in scaled.locals.iter().enumerate() {
+        for (column, f) in (low.columns[k]..).zip((0..3).filter(|f| local.has[*f])) {
+            x[column] = result.s[k][f];
+        }
+        for q in 0..local.count {
+            z[row] = result.lambda[k][q];
+            row += 1;
+        }
+    }
+    let mut column = low
+        .columns
+        .last()
+        .map_or(0, |_| scaled.locals.iter().map(|l| l.has.iter().filter(|h| **h).count()).sum());
+    for (rows, i) in low.rows.iter().zip(places(order)) {
+        for k in 0..3 {
+            if let Some(r) = rows[k] {
+                z[r] = -result.u[i][k];
+                if scaled.weight[i][k] > 0.0 {
+                    x[column] = scaled.weight[i][k].sqrt() * result.u[i][k];
+                    column += 1;
+                }
+            }
+        }
+    }
+    Point { x, z }
 }
 
 /// The units and the order of the matrix, and the program that judges what is found in them.

@@ -8,11 +8,9 @@ use crate::condensed::settings::InteriorSettings;
 /// Residual of a point, over the goal, up to which every better point is judged. The method's
 /// residual is relative to the scales of the program, and the program's own may be far below it.
 const NEAR: f64 = 1e4;
-/// Residual that the method does not fall below by more than chance.
-const ROUND_OFF: f64 = 1e-16;
 /// Number of iterations without a better point after which round-off has stopped a method that has
 /// a solution already.
-const MAX_IDLE: usize = 2;
+const MAX_IDLE: usize = 3;
 
 /// Memory of earlier points.
 pub struct Ending<'a> {
@@ -80,11 +78,9 @@ impl<'a> Ending<'a> {
     }
 
     /// Whether a point with this residual is accurate enough, given that the best one is a solution.
-    /// Where slack and multiplier of a limit both vanish, each errs by the root of their product: the
-    /// method goes on while it is fast.
     fn is_done(&self, merit: f64, is_slow: bool) -> bool {
         let Goal { residual, at_once } = self.goal;
-        at_once || merit <= ROUND_OFF || (is_slow && merit <= 1e-2 * residual)
+        at_once || merit <= residual || (is_slow && merit <= self.settings.near * residual)
     }
 
     /// Whether the residual has fallen too little in the last iterations.

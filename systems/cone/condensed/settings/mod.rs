@@ -15,6 +15,8 @@ use serde::{Deserialize, Serialize};
 
 pub use self::interior::InteriorSettings;
 pub use self::newton::{LineSearchSettings, LocalSettings, NewtonSettings};
+use crate::clarabel::Clarabel;
+use crate::polish::PolishSettings;
 use crate::program::ConeProgram;
 
 /// Tolerance of increments by default (`acceptance.residual` of a scene).
@@ -36,8 +38,8 @@ pub struct CondensedSettings {
     /// 0.9: the judge of the increment computes the residual again, with different round-off.
     #[serde(skip)]
     pub safety: f64,
-    /// A tolerance above this is loose: dynamic programs end with the first point within the
-    /// tolerance.
+    /// A tolerance above this is loose: small programs are not polished, and dynamic programs end
+    /// with the first point within the tolerance.
     ///
     /// The default tolerance. Ending with the first point saves an eighth of the iterations in
     /// dynamics. It must not happen in statics, where it threw grains in 129 of 169 increments
@@ -52,16 +54,21 @@ pub struct CondensedSettings {
     ///
     /// 3: decision 001.
     pub loose_newton_margin: f64,
-    /// Tolerance over the goal of the interior point. Grains without load drift further the less
-    /// exact a solution is, and a limit that is just reached shows in exact forces alone.
+    /// Tolerance over the goal of the interior point. The polish that follows needs a point that is
+    /// more exact than the tolerance.
     ///
     /// 900: a goal of 1e-11 for the default tolerance. Decision 001.
     pub interior_margin: f64,
-    /// Number of interactions above which a dynamic program without bonds ends with the first point
-    /// within the tolerance.
+    /// Number of interactions above which a program is large. A large program is not polished, and
+    /// goes to no other solver.
     ///
-    /// 2500: below, an exact solution takes little time.
+    /// 2500: beyond, the polish costs more than it gains, and Clarabel does no better in twenty
+    /// times the time.
     pub large: usize,
+    /// Maximum residual of an interior point that is worth a polish.
+    ///
+    /// 1e-3: a guess of the active limits needs a point near the solution. Inert in decision 001.
+    pub max_polished_residual: f64,
     /// Maximum displacement of a starting point. A body beyond starts from zero: a start far away
     /// (a grain that settled, another increment) is worse than none.
     ///
@@ -82,6 +89,12 @@ pub struct CondensedSettings {
     /// Sleeping bodies.
     #[serde(skip)]
     pub sleep: SleepSettings,
+    /// Polish of the solution of the interior point, in small programs.
+    #[serde(skip)]
+    pub polish: PolishSettings,
+    /// The solver that is called where all others fail.
+    #[serde(skip)]
+    pub fallback: Clarabel,
 }
 
 impl Default for CondensedSettings {
@@ -95,12 +108,15 @@ impl Default for CondensedSettings {
             loose_newton_margin: 3.0,
             interior_margin: 900.0,
             large: 2500,
+            max_polished_residual: 1e-3,
             max_start: 20.0,
             newton: NewtonSettings::default(),
             local: LocalSettings::default(),
             interior: InteriorSettings::default(),
             warm: WarmSettings::default(),
             sleep: SleepSettings::default(),
+            polish: PolishSettings::default(),
+            fallback: Clarabel::default(),
         }
     }
 }
