@@ -11,11 +11,9 @@ use crate::motion::Motion;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Default)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum Effort {
-    /// Scales are the expected magnitudes. Loose bodies are regularised.
+    /// Loose bodies are regularised.
     #[default]
     Usual,
-    /// Scales are the magnitudes of the last solution.
-    Rescaled,
     /// All bodies are regularised, and the centre of the regularisation follows the solution.
     Regularised,
 }
@@ -55,14 +53,8 @@ pub enum Verdict {
     Overloaded,
     /// Bonds have just broken, and the scene asks for the motion that follows.
     Released,
-    /// The solution did not converge.
-    Unconverged {
-        /// The residuals and the message of the solver.
-        reason: String,
-        /// Whether the solution moves bodies so far that they lack support. Otherwise other scales
-        /// may help.
-        unsupported: bool,
-    },
+    /// The solution did not converge: its residuals and the message of the solver.
+    Unconverged(String),
     /// Rigid bodies have no feasible motion.
     Locked,
     /// The solution moves so far that its constant normals are no longer valid.

@@ -38,8 +38,8 @@ pub fn thrown(
     furthest(bodies, program, solution).filter(|(_, far)| !(*far <= acceptance.throw))
 }
 
-/// Whether a solution moves a grain so far that the grain lacks support. It ends where no accepted
-/// solution can: such a grain crosses thousands of others, and other scales do not help.
+/// Whether a solution moves a grain so far that the grain lacks support. Such a solution is never
+/// accepted, and the grain would cross thousands of others on its way.
 #[must_use]
 pub fn is_unsupported(bodies: &Bodies, program: &ConeProgram, solution: &ConeSolution) -> bool {
     solution.displacements.len() == bodies.rows_in_program()

@@ -4,7 +4,7 @@ use bevy_app::{App, Plugin};
 
 use clastic_components::{
     attempt, body, bond, contact, contact_history, energy, findings, increment, loads, material,
-    measure, membrane, observation, particle, release, rigid_group, step_control, wall, wall_shape,
+    measure, membrane, observation, particle, rigid_group, step_control, wall, wall_shape,
 };
 use clastic_cone::program;
 

@@ -11,7 +11,7 @@ use clastic_cone::program::{Certificate, ConeProgram, ConeSolution, SolveStatus}
 use super::places::{moves_most, near, worst_place};
 use crate::assemble_program::regularise::max_moves;
 use crate::assemble_program::scales::MAX_MOTION;
-use crate::mean_field::{is_unsupported, thrown};
+use crate::mean_field::thrown;
 use clastic_cone::certificate::{certificate, proves};
 use clastic_cone::residuals::{displacement_scale, regularised_residuals};
 
@@ -34,10 +34,6 @@ pub fn judge(
         keep_best(&bodies, &program, solution, &mut best);
     }
     let is_static = analysis.kind == AnalysisKind::Static;
-    let unconverged = |solution: &ConeSolution, reason: String| Verdict::Unconverged {
-        reason,
-        unsupported: is_static && is_unsupported(&bodies, &program, solution),
-    };
     attempt.verdict = match solution.status {
         SolveStatus::Solved => Verdict::Sound,
         // The status of the solver alone is not sufficient.
@@ -46,7 +42,7 @@ pub fn judge(
                 solution.certificate = Some(mechanism);
                 Verdict::Impossible
             }
-            None => unconverged(solution, unproved(&bodies, &program, solution)),
+            None => Verdict::Unconverged(unproved(&bodies, &program, solution)),
         },
         SolveStatus::Locked => Verdict::Locked,
         SolveStatus::Stalled if seeks_equilibrium && is_biased(&program, solution, &acceptance) => {
@@ -58,17 +54,17 @@ pub fn judge(
                 centre.place.clone_from(&solution.displacements);
                 Verdict::Again
             } else {
-                let verdict = unconverged(solution, complaint(&best, &acceptance));
+                let verdict = Verdict::Unconverged(complaint(&best, &acceptance));
                 impossible_or(&program, solution, verdict)
             }
         }
-        SolveStatus::Stalled => unconverged(solution, complaint(&best, &acceptance)),
+        SolveStatus::Stalled => Verdict::Unconverged(complaint(&best, &acceptance)),
     };
     if attempt.verdict != Verdict::Impossible {
         // A solution has a certificate only if it proves a collapse.
         solution.certificate = None;
     }
-    if matches!(attempt.verdict, Verdict::Unconverged { .. }) && seeks_equilibrium {
+    if matches!(attempt.verdict, Verdict::Unconverged(_)) && seeks_equilibrium {
         attempt.magnitudes = magnitudes(&program, solution);
     }
     if attempt.verdict == Verdict::Locked {

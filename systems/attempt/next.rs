@@ -74,9 +74,8 @@ fn after_equilibrium(effort: Effort, verdict: &Verdict, budget: Budget) -> Next 
         Verdict::Impossible | Verdict::Loose if budget.searches && budget.half => Next::Halve,
         Verdict::Impossible | Verdict::Loose => Next::End(IncrementStatus::Collapsed),
         Verdict::Again => Next::Solve,
-        Verdict::Unconverged { unsupported, .. } => match effort {
-            Effort::Usual if !unsupported => Next::Try(Effort::Rescaled),
-            Effort::Usual | Effort::Rescaled => Next::Try(Effort::Regularised),
+        Verdict::Unconverged(_) => match effort {
+            Effort::Usual => Next::Try(Effort::Regularised),
             Effort::Regularised => lost(),
         },
         Verdict::TooFar(_) | Verdict::Released => lost(),
@@ -93,10 +92,7 @@ fn after_motion(motion: &Motion, verdict: &Verdict, budget: Budget) -> Next {
         Verdict::GivesWay(_) if motion.repeated => Next::Prove,
         Verdict::GivesWay(_) => Next::Repeat,
         Verdict::Moving if budget.step => Next::Move,
-        Verdict::TooFar(_)
-        | Verdict::Unconverged { .. }
-        | Verdict::Impossible
-        | Verdict::Locked
+        Verdict::TooFar(_) | Verdict::Unconverged(_) | Verdict::Impossible | Verdict::Locked
             if budget.step =>
         {
             Next::Shorten
@@ -126,7 +122,6 @@ mod tests {
         let repeated = Motion { repeated: true, ..Motion::default() };
         vec![
             Mode::Equilibrium(Effort::Usual),
-            Mode::Equilibrium(Effort::Rescaled),
             Mode::Equilibrium(Effort::Regularised),
             Mode::Motion(Motion::default()),
             Mode::Motion(repeated.clone()),
@@ -145,8 +140,7 @@ mod tests {
             Verdict::Again,
             Verdict::Overloaded,
             Verdict::Released,
-            Verdict::Unconverged { reason: reason.clone(), unsupported: false },
-            Verdict::Unconverged { reason: reason.clone(), unsupported: true },
+            Verdict::Unconverged(reason.clone()),
             Verdict::Locked,
             Verdict::TooFar(reason.clone()),
             Verdict::Moving,
@@ -271,7 +265,7 @@ mod tests {
 
     #[test]
     fn a_released_specimen_is_followed() {
-        for effort in [Effort::Usual, Effort::Rescaled, Effort::Regularised] {
+        for effort in [Effort::Usual, Effort::Regularised] {
             let next = next(&Mode::Equilibrium(effort), &Verdict::Released, ALL);
             assert_eq!(next, Next::Follow);
         }
@@ -295,20 +289,12 @@ mod tests {
         let all = Budget { follows: false, motion: false, step: false, half: false, ..ALL };
         let mut effort = Effort::Usual;
         let mut seen = vec![effort];
-        let verdict = Verdict::Unconverged { reason: String::new(), unsupported: false };
+        let verdict = Verdict::Unconverged(String::new());
         while let Next::Try(harder) = next(&Mode::Equilibrium(effort), &verdict, all) {
             assert!(harder > effort);
             effort = harder;
             seen.push(effort);
         }
-        assert_eq!(seen, [Effort::Usual, Effort::Rescaled, Effort::Regularised]);
-    }
-
-    #[test]
-    fn what_lacks_a_hold_is_regularised_at_once() {
-        let all = Budget { searches: false, ..ALL };
-        let verdict = Verdict::Unconverged { reason: String::new(), unsupported: true };
-        let next = next(&Mode::Equilibrium(Effort::Usual), &verdict, all);
-        assert_eq!(next, Next::Try(Effort::Regularised));
+        assert_eq!(seen, [Effort::Usual, Effort::Regularised]);
     }
 }

@@ -44,7 +44,7 @@ pub fn run_attempts(world: &mut World) {
 /// Keeps why the attempt failed, and how a motion that ends here went.
 fn complain(attempt: &mut Attempt, verdict: &Verdict, next: Next) {
     use Verdict::{GivesWay, TooFar, Unconverged};
-    if let Unconverged { reason, .. } | TooFar(reason) | GivesWay(reason) = verdict
+    if let Unconverged(reason) | TooFar(reason) | GivesWay(reason) = verdict
         && attempt.mode != Mode::Proof
     {
         attempt.complaint.clone_from(reason);

@@ -416,11 +416,11 @@ fn stages() {
         ("-5.0, 2.0))", "-5.0, 2.0), present: false)",
          "22:28: stages[0].walls.top: wall `top` is not there in this stage; bring it in with `add_walls`"),
         (CONTROL, "stop: [Above(\"axial_strain\", 0.0), StressDrop(2.0), Rest(-1.0)]",
-         "22:20: stages[0].stop[0][0]: unknown measure (`axial_strain`); there are no measures
-22:50: stages[0].stop[1]: no axial stress is measured; add `axial_stress` to `measures`
-22:61: stages[0].stop[1][0]: out of range (2.0); give a fraction between 0 and 1
-22:67: stages[0].stop[2]: a stop by speed in a static stage, which has no time; use a dynamic analysis
-22:72: stages[0].stop[2][0]: negative (-1.0); give a speed in m/s greater than 0"),
+         "22:26: stages[0].stop[0][0]: unknown measure (`axial_strain`); there are no measures
+22:48: stages[0].stop[1]: no axial stress is measured; add `axial_stress` to `measures`
+22:59: stages[0].stop[1][0]: out of range (2.0); give a fraction between 0 and 1
+22:65: stages[0].stop[2]: a stop by speed in a static stage, which has no time; use a dynamic analysis
+22:70: stages[0].stop[2][0]: negative (-1.0); give a speed in m/s greater than 0"),
         (CONTROL, r#"particles: [(select: Group("g")), (select: Probe("p")), (select: Index([])), (select: Index([0, 7]))]"#,
          "22:40: stages[0].particles[0].select[0]: unknown group (`g`); there are no groups
 22:62: stages[0].particles[1].select[0]: unknown probe (`p`); there are no probes
