@@ -2,7 +2,7 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::attempt::{Attempt, Mode, Verdict};
+use clastic_components::attempt::{Attempt, Effort, Mode, Verdict};
 use clastic_components::contact::Bodies;
 use clastic_components::findings::{BestUnconverged, Centre, Unconverged};
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
@@ -36,6 +36,12 @@ pub fn judge(
     let is_static = analysis.kind == AnalysisKind::Static;
     attempt.verdict = match solution.status {
         SolveStatus::Solved => Verdict::Sound,
+        // Grains without bonds that have no equilibrium nearby are followed until they lie elsewhere.
+        SolveStatus::Collapsed
+            if attempt.mode == Mode::Equilibrium(Effort::Usual) && !program.has_bonds() =>
+        {
+            Verdict::Unconverged(gives_way(&bodies, &program, solution))
+        }
         // The status of the solver alone is not sufficient.
         SolveStatus::Collapsed => match recheck(&program, solution) {
             Some(mechanism) => {
@@ -87,6 +93,14 @@ pub(super) fn impossible_or(
         }
         None => otherwise,
     }
+}
+
+/// Complaint about grains without bonds that have no equilibrium nearby.
+fn gives_way(bodies: &Bodies, program: &ConeProgram, solution: &ConeSolution) -> String {
+    let mechanism = solution.certificate.as_ref();
+    let place = mechanism.and_then(|m| moves_most(bodies, program, &m.mechanism));
+    let place = place.map_or(String::new(), |(body, _)| format!(": {body} moves most"));
+    format!("no equilibrium is near{place}")
 }
 
 /// Complaint about a collapse without proof.

@@ -44,7 +44,6 @@ pub mod coulomb;
 pub mod dump;
 mod interaction;
 mod lowering;
-pub mod mechanism;
 pub mod polish;
 pub mod program;
 pub mod residuals;

@@ -6,13 +6,12 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use clastic_components::attempt::{Attempt, Mode};
+use clastic_components::attempt::Attempt;
 use clastic_components::contact::Bodies;
 use clastic_components::contact_history::KeptRows;
 use clastic_components::findings::Sliding;
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, FrictionLaw};
 use clastic_cone::condensed;
-use clastic_cone::mechanism;
 use clastic_cone::program::{ConeProgram, ConeSolution, Residuals, SolveStatus};
 use clastic_cone::residuals;
 use clastic_cone::solver::{ConeSolver, check};
@@ -117,14 +116,7 @@ pub fn solve_program(
     {
         program.tolerance = tolerance.max(sliding::START);
     }
-    let mut solve = |program: &ConeProgram| {
-        if attempt.mode == Mode::Proof {
-            Ok(mechanism::find(program))
-        } else {
-            solver.0.solve(program)
-        }
-    };
-    *solution = match check(&program).and_then(|()| solve(&program)) {
+    *solution = match check(&program).and_then(|()| solver.0.solve(&program)) {
         Ok(solution) => solution,
         Err(malformed) => ConeSolution { message: malformed.to_string(), ..Default::default() },
     };

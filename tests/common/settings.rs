@@ -80,7 +80,6 @@ pub fn of_condensed() -> Vec<Field<CondensedSettings>> {
         sleep.max_residual,
         polish.max_passes, polish.residual, polish.large_residual, polish.large,
         polish.small_residual, polish.regularisation, polish.max_refinements, polish.progress,
-        fallback.tolerance, fallback.max_iterations,
     ];
     fields.push(("interior.step", |s, factor| scale_rest(&mut s.interior.step, factor)));
     fields.push(("local.fast_quantile", |s, factor| {

@@ -11,7 +11,6 @@
 //! 4. The [`interior`] point decides all else: solved, collapsed with its mechanism, locked with
 //!    its forces, or stalled at the limit of arithmetic. In small programs the
 //!    [`polish`](super::polish) then solves for the active limits exactly.
-//! 5. [Clarabel](super::clarabel) tries what has stalled in a small program.
 //!
 //! [`settings`] has every number that steers these steps.
 
@@ -40,7 +39,6 @@ use self::matrix::BodyMatrix;
 use self::posed::{Demand, Posed, Start};
 use self::reduced::Reduced;
 pub use self::settings::CondensedSettings;
-use super::clarabel::Clarabel;
 use super::residuals::choose_displacements;
 use super::solver::{ConeSolver, MalformedProgram};
 
@@ -54,7 +52,6 @@ pub struct Condensed {
     matrix: Option<BodyMatrix>,
     /// Displacements of the last solution by body, m and rad: the start of the next solve.
     last: Vec<[f64; 3]>,
-    fallback: Clarabel,
 }
 
 impl Default for Condensed {
@@ -67,8 +64,7 @@ impl Condensed {
     /// A solver with these settings.
     #[must_use]
     pub fn new(settings: CondensedSettings) -> Self {
-        let fallback = settings.fallback;
-        Self { settings, pairs: Vec::new(), matrix: None, last: Vec::new(), fallback }
+        Self { settings, pairs: Vec::new(), matrix: None, last: Vec::new() }
     }
 
     /// Maximum residual of a solution of a program.
@@ -187,14 +183,7 @@ impl Condensed {
             start.displacements = vec![[0.0; 3]; program.bodies.len()];
             start.forces = Some(warm::last_forces(program));
         }
-        let solution = posed.interior(&start, &mut iterations);
-        let is_undecided = solution.status == SolveStatus::Stalled;
-        if is_undecided && !demand.large && !program.interactions.is_empty() {
-            // Another solver may find what the limit of arithmetic has kept from this one.
-            let found = self.fallback.solve(program).unwrap_or_default();
-            return ConeSolution { iterations: iterations + found.iterations, ..found };
-        }
-        solution
+        posed.interior(&start, &mut iterations)
     }
 }
 

@@ -15,7 +15,6 @@ use serde::{Deserialize, Serialize};
 
 pub use self::interior::InteriorSettings;
 pub use self::newton::{LineSearchSettings, LocalSettings, NewtonSettings};
-use crate::clarabel::Clarabel;
 use crate::polish::PolishSettings;
 use crate::program::ConeProgram;
 
@@ -59,11 +58,9 @@ pub struct CondensedSettings {
     ///
     /// 900: a goal of 1e-11 for the default tolerance. Decision 001.
     pub interior_margin: f64,
-    /// Number of interactions above which a program is large. A large program is not polished, and
-    /// goes to no other solver.
+    /// Number of interactions above which a program is large. A large program is not polished.
     ///
-    /// 2500: beyond, the polish costs more than it gains, and Clarabel does no better in twenty
-    /// times the time.
+    /// 2500: beyond, the polish costs more than it gains.
     pub large: usize,
     /// Maximum residual of an interior point that is worth a polish.
     ///
@@ -92,9 +89,6 @@ pub struct CondensedSettings {
     /// Polish of the solution of the interior point, in small programs.
     #[serde(skip)]
     pub polish: PolishSettings,
-    /// The solver that is called where all others fail.
-    #[serde(skip)]
-    pub fallback: Clarabel,
 }
 
 impl Default for CondensedSettings {
@@ -116,7 +110,6 @@ impl Default for CondensedSettings {
             warm: WarmSettings::default(),
             sleep: SleepSettings::default(),
             polish: PolishSettings::default(),
-            fallback: Clarabel::default(),
         }
     }
 }
