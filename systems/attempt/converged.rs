@@ -157,7 +157,7 @@ fn locked(bodies: &Bodies, program: &ConeProgram, solution: &ConeSolution) -> St
 
 /// Maximum displacement and force of a solution, as scales for the next attempt.
 fn magnitudes(program: &ConeProgram, solution: &ConeSolution) -> Option<(f64, f64)> {
-    if !matches!(solution.status, SolveStatus::Stalled | SolveStatus::Solved) {
+    if solution.status == SolveStatus::Locked {
         return None;
     }
     let moves = solution.displacements.iter().any(|u| u[0] != 0.0 || u[1] != 0.0);

@@ -51,7 +51,7 @@ const ROW: &str = r#"(
     let: { "k": 1.0e6, "down": 1.0e-4 },
     materials: { "m": (contact: (normal_stiffness: k)) },
     specimen: Particles([
-        (position: (1.0, 1.0), radius: 1.0), (position: (4.0, 1.0), radius: 1.0),
+        (position: (1.5, 1.0), radius: 1.0), (position: (4.0, 1.0), radius: 1.0),
         (position: (7.0, 0.5), radius: 0.5),
     ]),
     walls: [

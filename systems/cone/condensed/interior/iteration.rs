@@ -211,13 +211,14 @@ impl<'a> Iteration<'a> {
         matrix.clear();
         let mut values = matrix.assembly();
         // A small proximal weight keeps bodies that nothing holds from moving to infinity, and a
-        // small compliance keeps forces of rigid interactions that are not unique from growing.
+        // small compliance keeps forces of rigid interactions that are not unique from growing. Both
+        // fall with the products, so that they delay the end of the method no more than those do.
         // Neither holds a point back that goes to infinity for want of a solution, and neither
         // changes a solution, since they act on the step alone.
         let scale = self.tau.clamp(MIN_TAU, 1.0);
-        let mu = (self.mu * self.tau * self.tau).min(1.0);
-        let proximal = scale * (settings.min_proximal + settings.proximal * mu);
-        let min_compliance = scale * settings.min_compliance;
+        let of_products = settings.proximal * (self.mu * self.tau * self.tau).min(1.0);
+        let proximal = scale * (settings.min_proximal + of_products);
+        let min_compliance = scale * (settings.min_compliance + of_products);
         let [of_residuals, of_products, _] = rights;
         for i in 0..n {
             for k in 0..3 {

@@ -24,20 +24,22 @@ pub struct InteriorSettings {
     ///
     /// 10: decision 001.
     pub max_start_compliance: f64,
-    /// Proximal weight per unit of the mean product, force over displacement. Keeps bodies that
-    /// nothing holds in place.
+    /// Proximal weight, force over displacement, and compliance of an interaction, displacement over
+    /// force, in a step, per unit of the mean product. They keep bodies that nothing holds in place,
+    /// and forces that are not unique.
     ///
     /// 1e-3: decision 001.
     pub proximal: f64,
-    /// Minimum proximal weight, force over displacement.
+    /// Minimum proximal weight in a step, force over displacement.
     ///
     /// 1e-10: decision 001.
     pub min_proximal: f64,
     /// Minimum compliance of an interaction in a step, displacement over force. It bounds the
     /// entries of the matrix, and with them its round-off.
     ///
-    /// 1e-6: with 1e-9 to 1e-5, at most one in 1000 random programs remains undecided; with 1e-12
-    /// one in 300, mostly those that have a solution.
+    /// 1e-9: with 1e-12 one random program in 300 remains undecided, mostly those that have a
+    /// solution. With 1e-6 rigid grains that slide stall at a residual of 1e-8, because a step
+    /// leaves this part of the way of the forces.
     pub min_compliance: f64,
     /// Defect of a linear solve, over its right side, above which it is refined.
     ///
@@ -85,7 +87,7 @@ impl Default for InteriorSettings {
             max_start_compliance: 10.0,
             proximal: 1e-3,
             min_proximal: 1e-10,
-            min_compliance: 1e-6,
+            min_compliance: 1e-9,
             refined: 1e-4,
             product_weight: 0.02,
             min_force: 1e-3,
