@@ -14,6 +14,7 @@ use std::time::{Duration, Instant};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::RunSystemOnce;
 use clastic::components::attempt::Attempt;
+use clastic::components::contact::Bodies;
 use clastic::components::findings::Sliding;
 use clastic::components::increment::{Acceptance, Analysis, FrictionLaw};
 use clastic::cone::certificate::{certificate, proves};
@@ -123,7 +124,6 @@ fn program(case: u64) -> ConeProgram {
                 strength(r),
                 r.or_zero(60, -4.0, -3.0),
             ),
-            dilation: 1.0,
             image: DVec2::ZERO,
         });
     }
@@ -131,7 +131,6 @@ fn program(case: u64) -> ConeProgram {
         bodies,
         interactions,
         scales: Scales { length: 0.005, displacement: 1e-5, force: 100.0 },
-        tolerance: 0.0,
         last_forces: Vec::new(),
         cell: None,
     }
@@ -173,6 +172,7 @@ fn solve(program: &ConeProgram, solver: Solver) -> ConeSolution {
     world.init_resource::<FrictionLaw>();
     world.init_resource::<Sliding>();
     world.init_resource::<Analysis>();
+    world.init_resource::<Bodies>();
     world.init_resource::<Attempt>();
     world.init_resource::<ConeSolution>();
     world.run_system_once(solve_program).unwrap();
@@ -191,7 +191,7 @@ fn try_program(program: &ConeProgram) -> [ConeSolution; 2] {
             SolveStatus::Solved => {
                 assert_eq!(solution.forces.len(), program.interactions.len(), "{name}");
                 assert_eq!(solution.displacements.len(), program.bodies.len(), "{name}");
-                let r = residuals(program, &solution.forces, &solution.displacements);
+                let r = residuals(program, &solution);
                 assert!(r.worst() <= 1e-8, "{name}: {r:?}");
                 let numbers = solution.forces.iter().chain(&solution.displacements).flatten();
                 assert!(numbers.copied().all(f64::is_finite), "{name}");

@@ -207,7 +207,6 @@ mod tests {
             rolling_compliance: 0.0,
             previous_moment: 0.0,
             limits: Limits::default(),
-            dilation: 1.0,
             image: DVec2::ZERO,
         };
         let program = ConeProgram {

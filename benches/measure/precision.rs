@@ -58,7 +58,7 @@ impl Kind {
         TIGHT.iter().find_map(|&tolerance| {
             let mut solver = self.solver(tolerance);
             self.warm(solver.as_mut(), problem);
-            let solution = solver.solve(&problem.program).ok()?;
+            let solution = solver.solve(&problem.program, 0.0).ok()?;
             (worst(&problem.program, &solution) <= 1e-8).then_some(solution)
         })
     }
@@ -66,7 +66,7 @@ impl Kind {
     /// Prepares the solver with the data that it has in a run before this program.
     fn warm(self, solver: &mut dyn ConeSolver, problem: &Captured) {
         if let (Self::Condensed, Some(before)) = (self, &problem.before) {
-            let _ = solver.solve(before);
+            let _ = solver.solve(before, 0.0);
         }
     }
 }
@@ -78,7 +78,7 @@ fn worst(program: &ConeProgram, solution: &ConeSolution) -> f64 {
     if !complete || matches!(solution.status, SolveStatus::Collapsed | SolveStatus::Locked) {
         return f64::NAN;
     }
-    residuals(program, &solution.forces, &solution.displacements).worst()
+    residuals(program, solution).worst()
 }
 
 /// One measurement.
@@ -225,7 +225,7 @@ fn measure(problem: &Captured, extent: Extent) -> (Vec<Point>, Errors) {
             let seconds = median(&repetitions, || {
                 let mut solver = kind.solver(tolerance);
                 kind.warm(solver.as_mut(), problem);
-                let (seconds, solution) = time(|| solver.solve(program));
+                let (seconds, solution) = time(|| solver.solve(program, 0.0));
                 last = solution.ok();
                 seconds
             });

@@ -217,7 +217,6 @@ fn interaction(
         rolling_compliance: rolling / theta,
         previous_moment: if rolling > 0.0 { moment } else { 0.0 },
         limits,
-        dilation: 1.0,
         image: DVec2::ZERO,
     }
 }

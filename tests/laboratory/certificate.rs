@@ -173,7 +173,6 @@ mod tests {
             rolling_compliance: 0.0,
             previous_moment: 0.0,
             limits: Limits { friction: 0.5, tension, ..Limits::default() },
-            dilation: 1.0,
             image: DVec2::ZERO,
         };
         ConeProgram {
