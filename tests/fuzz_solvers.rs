@@ -105,26 +105,20 @@ fn program(case: u64) -> ConeProgram {
         let rigid = if r.chance(30) { 100 } else { 10 };
         let tangential = r.or_zero(rigid, -8.0, -4.0);
         interactions.push(Interaction {
-            a: a as u32,
-            b: b as u32,
             normal: DVec2::from_angle(angle),
             arm_a: if r.chance(20) { 0.0 } else { 0.005 },
             arm_b: if r.chance(20) { 0.0 } else { 0.005 },
-            normal_arm_a: 0.0,
-            normal_arm_b: 0.0,
             offset: if r.chance(50) { 0.0 } else { 1e-5 * r.unit() },
             normal_compliance: r.or_zero(rigid, -8.0, -4.0),
             tangential_compliance: tangential,
             previous_shear: if tangential > 0.0 && r.chance(40) { 10.0 * r.unit() } else { 0.0 },
-            rolling_compliance: 0.0,
-            previous_moment: 0.0,
             limits: Limits::new(
                 strength(r),
                 if r.chance(30) { 0.0 } else { r.unit().abs() },
                 strength(r),
                 r.or_zero(60, -4.0, -3.0),
             ),
-            image: DVec2::ZERO,
+            ..Interaction::between(a as u32, b as u32)
         });
     }
     ConeProgram {

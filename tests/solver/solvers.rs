@@ -109,21 +109,12 @@ fn disk_on_plate() -> (ConeProgram, Vec<[f64; 3]>, Vec<[f64; 3]>) {
             ProgramBody { axis: DVec2::X, dofs: [Dof::Fixed(0.0); 3] },
         ],
         interactions: vec![Interaction {
-            a: 0,
-            b: 1,
             normal: DVec2::NEG_Y,
             arm_a: 0.01,
-            arm_b: 0.0,
-            normal_arm_a: 0.0,
-            normal_arm_b: 0.0,
-            offset: 0.0,
             normal_compliance: 1e-6,
             tangential_compliance: 1e-6,
-            previous_shear: 0.0,
-            rolling_compliance: 0.0,
-            previous_moment: 0.0,
             limits: Limits::new(0.0, 0.5, 0.0, 1e-3),
-            image: DVec2::ZERO,
+            ..Interaction::between(0, 1)
         }],
         scales: Scales { length: 0.01, displacement: 1e-4, force: 100.0 },
         ..Default::default()
