@@ -16,13 +16,13 @@ use clastic_components::contact_history::ContactHistory;
 use clastic_components::findings::Ruptures;
 use clastic_components::increment::{Analysis, RollingLimit, RuptureRules};
 use clastic_components::material::Materials;
-use clastic_cone::program::{ConeProgram, ConeSolution, Interaction, Kinematics, Limits};
+use clastic_cone::program::{ConeProgram, ConeSolution, Interaction, Limits};
 
 use crate::assemble_program::interactions::{
     contact_law, moment_after_rupture, shear_after_rupture,
 };
 use crate::schedule::{Increment, IncrementSystems, lap};
-use clastic_cone::residuals::{displacement_scale, multipliers};
+use clastic_cone::residuals::{Multipliers, displacement_scale, multipliers};
 
 /// Adds [`rupture_bonds`]; it runs only where there are bonds.
 pub struct RuptureBondsPlugin;
@@ -73,7 +73,8 @@ pub fn find_ruptures(
             continue;
         }
         let e = program.kinematics(c, &solution.displacements);
-        let Some(mode) = mode(rules, met, [program.scales.length, maximum], c, &e, f) else {
+        let m = multipliers(solution.law, c, &e, f);
+        let Some(mode) = mode(rules, met, [program.scales.length, maximum], c, &m, f) else {
             continue;
         };
         ruptures.extend(rupture(increment, bodies, contact, f, mode));
@@ -170,7 +171,7 @@ pub fn overloads(
             let [p, q, _] = *f;
             let beyond = if is_complete && l.has_rolling() {
                 let e = program.kinematics(c, &solution.displacements);
-                multipliers(c, &e, f).tension.max(0.0) / c.normal_compliance
+                multipliers(solution.law, c, &e, f).tension.max(0.0) / c.normal_compliance
             } else {
                 0.0
             };
@@ -210,7 +211,7 @@ pub fn most_yielding(
     let interactions = contacts.iter().zip(&program.interactions).zip(&solution.forces);
     let bonds = interactions.enumerate().filter(|(_, ((contact, _), _))| contact.bond.is_some());
     let overloads = bonds.map(|(k, ((_, c), f))| {
-        let m = multipliers(c, &program.kinematics(c, &solution.displacements), f);
+        let m = multipliers(solution.law, c, &program.kinematics(c, &solution.displacements), f);
         let l = &c.limits;
         let tension = m.tension / (c.normal_compliance * l.tension);
         let shear = m.slip.abs() / (c.tangential_compliance * (l.cohesion + l.friction * f[0]));
@@ -226,11 +227,10 @@ fn mode(
     how: Met,
     [length, maximum]: [f64; 2],
     c: &Interaction,
-    e: &Kinematics,
+    m: &Multipliers,
     f: &[f64; 3],
 ) -> Option<RuptureMode> {
     let l = &c.limits;
-    let m = multipliers(c, e, f);
     let [p, q, tau] = *f;
     let moves = rules.multiplier * length;
     // Without compliance a solver makes the product of slack and multiplier small, so the larger of

@@ -14,6 +14,7 @@ use std::time::{Duration, Instant};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::RunSystemOnce;
 use clastic::components::attempt::Attempt;
+use clastic::components::contact::Bodies;
 use clastic::components::findings::Sliding;
 use clastic::components::increment::{Acceptance, Analysis, FrictionLaw};
 use clastic::cone::certificate::{certificate, proves};
@@ -104,34 +105,26 @@ fn program(case: u64) -> ConeProgram {
         let rigid = if r.chance(30) { 100 } else { 10 };
         let tangential = r.or_zero(rigid, -8.0, -4.0);
         interactions.push(Interaction {
-            a: a as u32,
-            b: b as u32,
             normal: DVec2::from_angle(angle),
             arm_a: if r.chance(20) { 0.0 } else { 0.005 },
             arm_b: if r.chance(20) { 0.0 } else { 0.005 },
-            normal_arm_a: 0.0,
-            normal_arm_b: 0.0,
             offset: if r.chance(50) { 0.0 } else { 1e-5 * r.unit() },
             normal_compliance: r.or_zero(rigid, -8.0, -4.0),
             tangential_compliance: tangential,
             previous_shear: if tangential > 0.0 && r.chance(40) { 10.0 * r.unit() } else { 0.0 },
-            rolling_compliance: 0.0,
-            previous_moment: 0.0,
             limits: Limits::new(
                 strength(r),
                 if r.chance(30) { 0.0 } else { r.unit().abs() },
                 strength(r),
                 r.or_zero(60, -4.0, -3.0),
             ),
-            dilation: 1.0,
-            image: DVec2::ZERO,
+            ..Interaction::between(a as u32, b as u32)
         });
     }
     ConeProgram {
         bodies,
         interactions,
         scales: Scales { length: 0.005, displacement: 1e-5, force: 100.0 },
-        tolerance: 0.0,
         last_forces: Vec::new(),
         cell: None,
     }
@@ -173,6 +166,7 @@ fn solve(program: &ConeProgram, solver: Solver) -> ConeSolution {
     world.init_resource::<FrictionLaw>();
     world.init_resource::<Sliding>();
     world.init_resource::<Analysis>();
+    world.init_resource::<Bodies>();
     world.init_resource::<Attempt>();
     world.init_resource::<ConeSolution>();
     world.run_system_once(solve_program).unwrap();
@@ -191,7 +185,7 @@ fn try_program(program: &ConeProgram) -> [ConeSolution; 2] {
             SolveStatus::Solved => {
                 assert_eq!(solution.forces.len(), program.interactions.len(), "{name}");
                 assert_eq!(solution.displacements.len(), program.bodies.len(), "{name}");
-                let r = residuals(program, &solution.forces, &solution.displacements);
+                let r = residuals(program, &solution);
                 assert!(r.worst() <= 1e-8, "{name}: {r:?}");
                 let numbers = solution.forces.iter().chain(&solution.displacements).flatten();
                 assert!(numbers.copied().all(f64::is_finite), "{name}");

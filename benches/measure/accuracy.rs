@@ -183,7 +183,7 @@ fn displacements(program: &ConeProgram, s: &ConeSolution, reference: &ConeSoluti
 
 #[cfg(test)]
 mod tests {
-    use clastic::cone::program::{FreeDof, Interaction, Limits, ProgramBody};
+    use clastic::cone::program::{FreeDof, Interaction, ProgramBody};
     use glam::DVec2;
 
     use super::*;
@@ -193,22 +193,10 @@ mod tests {
         let body = |y| ProgramBody { axis: DVec2::X, dofs: [Dof::Fixed(0.0), y, Dof::Fixed(0.0)] };
         let load = FreeDof { load: -3.0, inertia: 2.0, ..Default::default() };
         let c = Interaction {
-            a: 0,
-            b: 1,
             normal: DVec2::NEG_Y,
             arm_a: 1.0,
-            arm_b: 0.0,
-            normal_arm_a: 0.0,
-            normal_arm_b: 0.0,
-            offset: 0.0,
             normal_compliance: 0.1,
-            tangential_compliance: 0.0,
-            previous_shear: 0.0,
-            rolling_compliance: 0.0,
-            previous_moment: 0.0,
-            limits: Limits::default(),
-            dilation: 1.0,
-            image: DVec2::ZERO,
+            ..Interaction::between(0, 1)
         };
         let program = ConeProgram {
             bodies: vec![body(Dof::Free(load)), body(Dof::Fixed(1e-3))],

@@ -115,7 +115,7 @@ fn a_dumped_program_reads_back_and_has_the_dumped_solution() -> Result<(), Box<d
     let path = directory::program(parent.path(), 3);
     let Dump { program, solution: dumped, .. } = dump::read_program(&path)?;
     assert_eq!(dumped.status, SolveStatus::Solved);
-    let solution = Clarabel::default().solve(&program)?;
+    let solution = Clarabel::default().solve(&program, 0.0)?;
     for (f, g) in solution.forces.iter().zip(&dumped.forces) {
         assert!((f[0] - g[0]).abs() <= 1e-9 * g[0].abs(), "{f:?} {g:?}");
     }

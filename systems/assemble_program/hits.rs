@@ -264,24 +264,7 @@ mod tests {
             let motions = [DVec2::X, -DVec2::X]
                 .map(|velocity| Some(Motion { velocity, ..Motion::default() }));
             let contact = contact(&bodies);
-            let c = Interaction {
-                a: 0,
-                b: 1,
-                normal: contact.normal,
-                arm_a: 0.0,
-                arm_b: 0.0,
-                normal_arm_a: 0.0,
-                normal_arm_b: 0.0,
-                offset: 0.0,
-                normal_compliance: 0.0,
-                tangential_compliance: 0.0,
-                previous_shear: 0.0,
-                rolling_compliance: 0.0,
-                previous_moment: 0.0,
-                limits: Default::default(),
-                dilation: 1.0,
-                image: DVec2::ZERO,
-            };
+            let c = Interaction { normal: contact.normal, ..Interaction::between(0, 1) };
             let hit = Approach::of(&motions, &contact, &c)
                 .and_then(|x| x.impact(&bodies, &motions, (&contact, &c), 2.0));
             assert_eq!(hit.is_some(), meets, "{offset}: {hit:?}");

@@ -12,8 +12,6 @@
 //! program is the average over the increment. A rigid interaction keeps g, so that it does not
 //! penetrate at the end.
 
-use glam::DVec2;
-
 use clastic_components::body::Drive;
 use clastic_components::contact::{Bodies, BondRow, Contact};
 use clastic_components::contact_history::ContactHistory;
@@ -203,13 +201,9 @@ fn interaction(
         _ => gap,
     };
     Interaction {
-        a: contact.a,
-        b: contact.b,
         normal: direction,
         arm_a: bodies.radii[contact.a as usize] + half_gap,
         arm_b,
-        normal_arm_a: 0.0,
-        normal_arm_b: 0.0,
         offset: if normal > 0.0 { gap / theta } else { gap } + corrected,
         normal_compliance,
         tangential_compliance,
@@ -217,8 +211,7 @@ fn interaction(
         rolling_compliance: rolling / theta,
         previous_moment: if rolling > 0.0 { moment } else { 0.0 },
         limits,
-        dilation: 1.0,
-        image: DVec2::ZERO,
+        ..Interaction::between(contact.a, contact.b)
     }
 }
 

@@ -51,30 +51,6 @@ impl Plugin for AssembleProgramPlugin {
     }
 }
 
-/// Residual at which the solver may stop in a step of a motion. Only the equilibrium after the
-/// motion is committed.
-const RESIDUAL_OF_MOTION: f64 = 1e-3;
-
-/// Residual at which the solver may stop; 0 means its own default. Loading of bonds to their limits
-/// requires the default, because errors could change which bond breaks.
-fn tolerance(
-    analysis: &Analysis,
-    acceptance: &Acceptance,
-    attempt: &Attempt,
-    bodies: &Bodies,
-) -> f64 {
-    let is_dynamic = matches!(analysis.kind, AnalysisKind::Dynamic { .. });
-    // Solvers aim at this residual by default.
-    let usual = Acceptance::default().residual;
-    if attempt.motion().is_some() {
-        RESIDUAL_OF_MOTION
-    } else if is_dynamic && bodies.bonds.is_empty() && acceptance.residual > usual {
-        acceptance.residual
-    } else {
-        0.0
-    }
-}
-
 /// Tables of the trial.
 #[derive(SystemParam)]
 pub struct Trial<'w> {
@@ -125,7 +101,6 @@ pub fn assemble_program(
         contacts.0.len(),
         program,
     );
-    program.tolerance = tolerance(analysis, acceptance, attempt, bodies);
     regularise::regularise(
         bodies,
         &contacts.0,

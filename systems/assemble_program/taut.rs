@@ -58,18 +58,10 @@ pub fn assemble(
         if tension > 0.0 {
             interactions.push(Interaction {
                 normal: bond.normal.perp(),
-                arm_a: 0.0,
-                arm_b: 0.0,
-                normal_arm_a: 0.0,
-                normal_arm_b: 0.0,
-                offset: 0.0,
                 normal_compliance: (bond.arm_a + bond.arm_b) / tension,
-                tangential_compliance: 0.0,
-                previous_shear: 0.0,
-                rolling_compliance: 0.0,
-                previous_moment: 0.0,
                 limits: Limits { tension, ..Limits::default() },
-                ..bond
+                image: bond.image,
+                ..Interaction::between(bond.a, bond.b)
             });
         }
     }

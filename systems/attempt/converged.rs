@@ -121,9 +121,7 @@ fn recheck(program: &ConeProgram, solution: &ConeSolution) -> Option<Certificate
 fn is_biased(program: &ConeProgram, solution: &ConeSolution, acceptance: &Acceptance) -> bool {
     let sound = solution.forces.len() == program.interactions.len()
         && solution.displacements.len() == program.bodies.len();
-    sound
-        && regularised_residuals(program, &solution.forces, &solution.displacements).worst()
-            <= acceptance.residual
+    sound && regularised_residuals(program, solution).worst() <= acceptance.residual
 }
 
 /// Keeps the residuals of the solution with the smallest error in the increment. Regularised

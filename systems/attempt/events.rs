@@ -230,7 +230,7 @@ fn judge_by_true_limits(
     solution: &mut ConeSolution,
 ) {
     restore_strengths(found, &mut program.interactions);
-    solution.residuals = residuals(program, &solution.forces, &solution.displacements);
+    solution.residuals = residuals(program, solution);
 }
 
 fn try_next(fraction: f64, search: &mut EventSearch, attempt: &mut Attempt) {

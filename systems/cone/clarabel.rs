@@ -40,7 +40,11 @@ impl ConeSolver for Clarabel {
         "Clarabel"
     }
 
-    fn solve(&mut self, program: &ConeProgram) -> Result<ConeSolution, MalformedProgram> {
+    fn solve(
+        &mut self,
+        program: &ConeProgram,
+        _tolerance: f64,
+    ) -> Result<ConeSolution, MalformedProgram> {
         let mut low = lower(program);
         if let Some((body, dof)) = low.unbalanced {
             return Ok(lonely_collapse(program, body, dof));

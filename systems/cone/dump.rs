@@ -36,7 +36,9 @@ fixed degrees of freedom alone. \
 Optimality: d_n = g + C_N p - friction (l1 + l2) - rolling (l3 + l4) - l5, \
 d_t = C_T (q - q_0) + l1 - l2, d_r = l3 - l4 with l1, l2 >= 0 the multipliers of +q and -q, l3, \
 l4 those of \
-+tau and -tau, l5 that of p >= -tension. \
++tau and -tau, l5 that of p >= -tension. This is solution.law = associated; with coulomb d_n of an \
+interaction without cohesion and tension lacks the terms of friction and rolling, and the solution \
+is no minimum. \
 scales are the magnitudes that a solver may divide by; they change no solution. \
 Tables: bodies[i] is body i; solution.forces[k] = (p, q, tau) belongs to interactions[k]; \
 solution.displacements[i] = (first translation, second translation, rotation) to bodies[i]. \
@@ -65,8 +67,7 @@ pub struct Dump {
     pub stage: String,
     /// Share of the increment that was solved, 0 to 1.
     pub fraction: f64,
-    /// The program, without [`ConeProgram::tolerance`] and [`ConeProgram::last_forces`], which are
-    /// no part of the problem.
+    /// The program, without [`ConeProgram::last_forces`], which are no part of the problem.
     pub program: ConeProgram,
     /// Its solution.
     pub solution: ConeSolution,

@@ -66,6 +66,34 @@ impl Limits {
     }
 }
 
+/// The law of sliding and rolling that a solution of a program obeys. With a the
+/// [dilation](Self::dilation) of an interaction, s_t its slip and s_r its rotation, the gap opens by
+///
+/// ```text
+/// a (mu |s_t| + mu_r r |s_r|)
+/// ```
+///
+/// The program itself does not depend on the law: the admissible forces are the same.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub enum SlidingLaw {
+    /// a = 1: the solution is the minimum of the program.
+    #[default]
+    Associated,
+    /// a = 0 without strength. Interactions with strength keep a = 1: their law is that of the
+    /// bond.
+    Coulomb,
+}
+
+impl SlidingLaw {
+    /// The dilation a of an interaction.
+    #[must_use]
+    pub fn dilation(self, c: &Interaction) -> f64 {
+        f64::from(u8::from(self == Self::Associated || c.limits.has_strength()))
+    }
+}
+
 /// One interaction of the program: a contact or a bond.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
@@ -102,9 +130,6 @@ pub struct Interaction {
     pub previous_moment: f64,
     /// Limits.
     pub limits: Limits,
-    /// Share a of the associated dilation: sliding and rolling open the interaction by
-    /// `a (mu |slip| + mu_r r |d_r|)`. 1 for the associated law, 0 for Coulomb's.
-    pub dilation: f64,
     /// Shift s of the image of b in the [cell](crate::program::ProgramCell), over the length of the
     /// cell; zero where b takes part itself.
     #[serde(default, skip_serializing_if = "is_none")]
@@ -113,7 +138,7 @@ pub struct Interaction {
 
 impl Interaction {
     /// A rigid interaction without friction or strength from body `a` to body `b`: normal along x,
-    /// no arms, no gap, associated law.
+    /// no arms, no gap.
     #[must_use]
     pub fn between(a: u32, b: u32) -> Self {
         Self {
@@ -131,7 +156,6 @@ impl Interaction {
             rolling_compliance: 0.0,
             previous_moment: 0.0,
             limits: Limits::default(),
-            dilation: 1.0,
             image: DVec2::ZERO,
         }
     }

@@ -28,7 +28,7 @@
 //!     }],
 //!     ..ConeProgram::default()
 //! };
-//! let solution = Condensed::default().solve(&program)?;
+//! let solution = Condensed::default().solve(&program, 0.0)?;
 //! assert_eq!(solution.status, SolveStatus::Solved);
 //! assert!((solution.forces[0][0] - 1.0).abs() < 1.0e-9);
 //! assert!((solution.displacements[1][1] + 1.0e-6).abs() < 1.0e-15);

@@ -34,7 +34,7 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 pub use crate::body::{Dof, FreeDof, ProgramBody};
-pub use crate::interaction::{Interaction, Limits};
+pub use crate::interaction::{Interaction, Limits, SlidingLaw};
 pub use crate::solution::{Certificate, ConeSolution, Residuals, SolveStatus};
 
 /// The deformation of a periodic cell as a body of the program.
@@ -125,8 +125,6 @@ pub struct ConeProgram {
     pub interactions: Vec<Interaction>,
     /// Expected magnitudes.
     pub scales: Scales,
-    /// Residual at which the solver may stop; 0 means its own default.
-    pub tolerance: f64,
     /// Forces (p, q, tau) at the end of the last increment, in the order of the interactions;
     /// interactions beyond the end of the list carried none. They are a guess of the solution and
     /// no part of the problem.

@@ -5,6 +5,8 @@
 use bevy_ecs::reflect::ReflectResource;
 use serde::{Deserialize, Serialize};
 
+use crate::interaction::SlidingLaw;
+
 /// How a solve ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -71,6 +73,10 @@ pub struct Certificate {
 pub struct ConeSolution {
     /// How it ended.
     pub status: SolveStatus,
+    /// The law that the forces and displacements solve.
+    pub law: SlidingLaw,
+    /// Maximum residual that was asked for; 0 where the solver uses its own default.
+    pub tolerance: f64,
     /// The solver's own words about how it ended.
     pub message: String,
     /// Iterations of the solver.

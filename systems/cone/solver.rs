@@ -17,16 +17,22 @@ pub trait ConeSolver: Send + Sync {
     /// Name for the record.
     fn name(&self) -> &'static str;
 
-    /// Solves the program. Every ending of a well-formed program is a [`ConeSolution`].
+    /// Solves the program under the associated law. The solver may stop at the residual
+    /// `tolerance`, or at its own default if that is larger; 0 asks for the default. Every ending of
+    /// a well-formed program is a [`ConeSolution`].
     ///
     /// # Errors
     /// Only for a program that is malformed: indices out of range, numbers that are not finite,
     /// negative inertias, compliances or limits.
-    fn solve(&mut self, program: &ConeProgram) -> Result<ConeSolution, MalformedProgram>;
+    fn solve(
+        &mut self,
+        program: &ConeProgram,
+        tolerance: f64,
+    ) -> Result<ConeSolution, MalformedProgram>;
 
     /// Whether the first point within the tolerance suffices as the solution of a program. By
     /// default it does not.
-    fn first_point_suffices(&self, _program: &ConeProgram) -> bool {
+    fn first_point_suffices(&self, _program: &ConeProgram, _tolerance: f64) -> bool {
         false
     }
 

@@ -62,6 +62,8 @@ pub struct Part<'a> {
     pub forces: [f64; 3],
     pub kinematics: Kinematics,
     pub multipliers: Multipliers,
+    /// Its dilation under the law of the solution.
+    pub dilation: f64,
     /// Whether the interaction is a bond.
     pub is_bond: bool,
     /// Whether it is a bond that is broken at the end.
@@ -89,12 +91,12 @@ impl Part<'_> {
     /// Gap that sliding and rolling have opened by dilation, m.
     pub fn opened(&self) -> f64 {
         let (l, m) = (&self.law.limits, &self.multipliers);
-        self.law.dilation * (l.friction * m.slip.abs() + l.rolling * m.rotation.abs())
+        self.dilation * (l.friction * m.slip.abs() + l.rolling * m.rotation.abs())
     }
 
     /// Whether sliding or rolling can open the gap.
     pub fn dilates(&self) -> bool {
-        self.law.dilation * (self.law.limits.friction + self.law.limits.rolling) > 0.0
+        self.dilation * (self.law.limits.friction + self.law.limits.rolling) > 0.0
     }
 
     /// Work of opening at the limit of a breaking bond, J.
@@ -217,7 +219,8 @@ fn part<'a>(
         law: c,
         forces,
         kinematics,
-        multipliers: multipliers(c, &kinematics, &forces),
+        multipliers: multipliers(solution.law, c, &kinematics, &forces),
+        dilation: solution.law.dilation(c),
         is_bond,
         breaks,
         gaps,

@@ -6,7 +6,7 @@ use clastic_components::body::Ramp;
 use clastic_components::contact::WallRow;
 use clastic_components::energy::{Energies, Released};
 use clastic_components::wall::WallDrive;
-use clastic_cone::program::{ConeProgram, Dof, Interaction, Limits};
+use clastic_cone::program::{ConeProgram, Dof, Interaction};
 
 use super::dynamic::turned_work;
 use super::interactions::Tables;
@@ -96,22 +96,10 @@ fn bond_of(tables: &Tables, released: &Released) -> Interaction {
     };
     let half_gap = 0.5 * (distance - bodies.radii[a] - other);
     let c = Interaction {
-        a: released.a,
-        b: released.b,
         normal,
         arm_a: bodies.radii[a] + half_gap,
         arm_b: if wall.is_some() { 0.0 } else { other + half_gap },
-        normal_arm_a: 0.0,
-        normal_arm_b: 0.0,
-        offset: 0.0,
-        normal_compliance: 0.0,
-        tangential_compliance: 0.0,
-        previous_shear: 0.0,
-        rolling_compliance: 0.0,
-        previous_moment: 0.0,
-        limits: Limits::default(),
-        dilation: 0.0,
-        image: DVec2::ZERO,
+        ..Interaction::between(released.a, released.b)
     };
     let turns = |wall: &WallRow| {
         matches!(bodies.wall_drive(wall), WallDrive::Turning { .. }) || bodies.group(b).is_some()

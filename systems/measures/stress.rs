@@ -253,7 +253,7 @@ pub fn stress_error(
     ids: Query<&BodyId>,
     membranes: Query<&MembraneShape>,
 ) -> f64 {
-    let residual = acceptance.residual.max(program.tolerance);
+    let residual = acceptance.residual.max(solution.tolerance);
     let force = force_scale(&program, &solution.forces);
     let motion = displacement_scale(&program, &solution.displacements);
     let errors = contacts.0.iter().zip(&program.interactions).map(|(contact, c)| {

@@ -85,6 +85,30 @@ fn renumber_memory(rows: Res<KeptRows>, bodies: Res<Bodies>, mut solver: ResMut<
     solver.0.remember(&memory);
 }
 
+/// Residual at which the solver may stop in a step of a motion. Only the equilibrium after the
+/// motion is committed.
+const RESIDUAL_OF_MOTION: f64 = 1e-3;
+
+/// Residual at which the solver may stop; 0 means its own default. Loading of bonds to their limits
+/// requires the default, because errors could change which bond breaks.
+fn tolerance(
+    analysis: &Analysis,
+    acceptance: &Acceptance,
+    attempt: &Attempt,
+    bodies: &Bodies,
+) -> f64 {
+    let is_dynamic = matches!(analysis.kind, AnalysisKind::Dynamic { .. });
+    // Solvers aim at this residual by default.
+    let usual = Acceptance::default().residual;
+    if attempt.motion().is_some() {
+        RESIDUAL_OF_MOTION
+    } else if is_dynamic && bodies.bonds.is_empty() && acceptance.residual > usual {
+        acceptance.residual
+    } else {
+        0.0
+    }
+}
+
 /// Residuals of a solution. The inertia of a followed motion is part of its program. Elsewhere a
 /// regularisation is an error of the balance.
 fn residuals_of(attempt: &Attempt, program: &ConeProgram, solution: &ConeSolution) -> Residuals {
@@ -93,7 +117,7 @@ fn residuals_of(attempt: &Attempt, program: &ConeProgram, solution: &ConeSolutio
     } else {
         residuals::residuals
     };
-    evaluate(program, &solution.forces, &solution.displacements)
+    evaluate(program, solution)
 }
 
 /// Solves the program and computes the residuals of the solution.
@@ -102,29 +126,29 @@ pub fn solve_program(
     finding: Res<Sliding>,
     acceptance: Res<Acceptance>,
     analysis: Res<Analysis>,
-    mut program: ResMut<ConeProgram>,
+    bodies: Res<Bodies>,
+    program: Res<ConeProgram>,
     mut solver: ResMut<Solver>,
     mut attempt: ResMut<Attempt>,
     mut solution: ResMut<ConeSolution>,
 ) {
     // Only the start of the search for Coulomb's law need not be exact, unless the law of bonds
     // keeps it as the solution.
-    let tolerance = program.tolerance;
-    if sliding::law_of(&law, &analysis, &attempt, &finding).is_some()
-        && sliding::first_point_suffices(&solver, &analysis, &program)
-        && !program.has_bonds()
-    {
-        program.tolerance = tolerance.max(sliding::START);
-    }
-    *solution = match check(&program).and_then(|()| solver.0.solve(&program)) {
+    let tolerance = tolerance(&analysis, &acceptance, &attempt, &bodies);
+    let is_start = sliding::law_of(&law, &analysis, &attempt, &finding).is_some()
+        && sliding::first_point_suffices(&solver, &analysis, &program, tolerance)
+        && !program.has_bonds();
+    let asked = if is_start { tolerance.max(sliding::START) } else { tolerance };
+    *solution = match check(&program).and_then(|()| solver.0.solve(&program, asked)) {
         Ok(solution) => solution,
         Err(malformed) => ConeSolution { message: malformed.to_string(), ..Default::default() },
     };
+    solution.tolerance = tolerance;
     if matches!(solution.status, SolveStatus::Solved | SolveStatus::Stalled)
         && solution.forces.len() == program.interactions.len()
         && solution.displacements.len() == program.bodies.len()
     {
-        let enough = acceptance.residual.max(program.tolerance);
+        let enough = acceptance.residual.max(asked);
         solution.residuals = if let AnalysisKind::Dynamic { .. } = analysis.kind {
             residuals::choose_displacements(&program, &mut solution, enough)
         } else {
@@ -135,7 +159,6 @@ pub fn solve_program(
         let converged = solution.residuals.worst() <= enough;
         solution.status = if converged { SolveStatus::Solved } else { SolveStatus::Stalled };
     }
-    program.tolerance = tolerance;
     attempt.solves += 1;
     attempt.iterations += solution.iterations;
 }

@@ -49,12 +49,16 @@ pub fn law_of(
 
 /// Whether the first point within the tolerance suffices: in time steps where it does for the
 /// associated law. Solutions of a static increment are exact, those of its motions included.
-pub fn first_point_suffices(solver: &Solver, analysis: &Analysis, program: &ConeProgram) -> bool {
-    analysis.kind != AnalysisKind::Static && solver.0.first_point_suffices(program)
+pub fn first_point_suffices(
+    solver: &Solver,
+    analysis: &Analysis,
+    program: &ConeProgram,
+    tolerance: f64,
+) -> bool {
+    analysis.kind != AnalysisKind::Static && solver.0.first_point_suffices(program, tolerance)
 }
 
-/// Solves the program of an equilibrium or a time step again without the dilation of contacts that
-/// slide or roll. Interactions with strength keep the dilation: their law is that of the bond.
+/// Solves the program of an equilibrium or a time step again under Coulomb's law.
 ///
 /// A solution that did not converge is kept with its residual.
 /// [`coulomb::judge`](crate::attempt::coulomb::judge) decides on it.
@@ -65,7 +69,7 @@ pub fn solve_sliding(
     bodies: Res<Bodies>,
     associated: Res<Solver>,
     mut solver: ResMut<SlidingSolver>,
-    mut program: ResMut<ConeProgram>,
+    program: Res<ConeProgram>,
     mut solution: ResMut<ConeSolution>,
     mut attempt: ResMut<Attempt>,
     mut finding: ResMut<Sliding>,
@@ -82,10 +86,7 @@ pub fn solve_sliding(
     if is_static && thrown(&bodies, &program, &solution, &acceptance).is_some() {
         return;
     }
-    for c in &mut program.interactions {
-        c.dilation = f64::from(u8::from(c.limits.has_strength()));
-    }
-    let enough = acceptance.residual.max(program.tolerance);
+    let enough = acceptance.residual.max(solution.tolerance);
     // The solver treats the regularisation as part of the program, but the residual below counts it
     // as an error. The margin keeps a solution that just converges from failing.
     let patient = finding.failures < MAX_FAILURES && !moves;
@@ -93,7 +94,7 @@ pub fn solve_sliding(
     // The tolerance of a motion must be so small that states which only the associated law balances
     // show as out of balance.
     let aim = MARGIN * if moves { enough.min(Sliding::BOUND) } else { enough };
-    let at_once = first_point_suffices(&associated, &analysis, &program);
+    let at_once = first_point_suffices(&associated, &analysis, &program, solution.tolerance);
     let goal = if at_once { Goal::enough(aim) } else { Goal::exact(aim) };
     // The last forces are the second start, with a tenth of the factorisations. After a motion they
     // belong to its state at rest, from which the associated solution may be far away.
@@ -112,13 +113,13 @@ pub fn solve_sliding(
         }
     }
     finding.failures += u32::from(!moves && found.status != SolveStatus::Solved);
+    solution.law = found.law;
     solution.forces = found.forces;
     solution.displacements = found.displacements;
     solution.residuals = super::residuals_of(&attempt, &program, &solution);
     let worst = solution.residuals.worst();
     // The status is not changed. The finding contains the result of this solve.
-    finding.natural_map =
-        residuals::natural_map(&program, &solution.forces, &solution.displacements);
+    finding.natural_map = residuals::natural_map(&program, &solution);
     finding.lost = !(worst <= enough.max(Sliding::BOUND));
     finding.rejected |= finding.lost && !moves;
     finding.capped = !finding.lost && worst > enough;

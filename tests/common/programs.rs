@@ -163,6 +163,11 @@ pub const SPRUNG_WHEELS: Kind = Kind {
 /// Cone programs of a small random specimen with the loading of its kind: the last program of every
 /// increment, compaction included.
 pub fn programs(kind: &Kind, seed: u32) -> Vec<ConeProgram> {
+    increments(kind, seed).into_iter().map(|(program, _)| program).collect()
+}
+
+/// These programs with the solutions of the run.
+pub fn increments(kind: &Kind, seed: u32) -> Vec<(ConeProgram, ConeSolution)> {
     let Kind { contact, scene, stages, .. } = kind;
     let bond = if kind.bond.is_empty() {
         String::new()
@@ -191,27 +196,27 @@ pub fn programs(kind: &Kind, seed: u32) -> Vec<ConeProgram> {
         )"
     ));
     let mut simulation = Simulation::new(&scene, None);
-    let mut programs = Vec::new();
+    let mut found = Vec::new();
     while let Step::Increment = simulation.step() {
         // An undecided increment leaves the last of many attempts. It is no program of the scene
         // unless it is locked.
         let world = simulation.world();
         let undecided = world.resource::<Attempt>().status == IncrementStatus::Undecided;
-        let locked = world.resource::<ConeSolution>().status == SolveStatus::Locked;
-        if !undecided || locked {
-            programs.push(world.resource::<ConeProgram>().clone());
+        let solution = world.resource::<ConeSolution>();
+        if !undecided || solution.status == SolveStatus::Locked {
+            found.push((world.resource::<ConeProgram>().clone(), solution.clone()));
         }
     }
-    programs
+    found
 }
 
 /// Solves a program. The status follows from residuals and certificate, whatever the solver
 /// reports.
 pub fn solve(solver: &mut dyn ConeSolver, program: &ConeProgram) -> ConeSolution {
-    let mut solution = solver.solve(program).unwrap_or_else(|e| panic!("{e}"));
+    let mut solution = solver.solve(program, 0.0).unwrap_or_else(|e| panic!("{e}"));
     match solution.status {
         SolveStatus::Solved | SolveStatus::Stalled => {
-            let r = regularised_residuals(program, &solution.forces, &solution.displacements);
+            let r = regularised_residuals(program, &solution);
             let converged = r.worst() <= RESIDUAL;
             solution.status = if converged { SolveStatus::Solved } else { SolveStatus::Stalled };
         }

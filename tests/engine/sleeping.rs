@@ -199,7 +199,7 @@ fn what_is_at_rest_is_what_would_be_solved() {
         let mut program = simulation.world().resource::<ConeProgram>().clone();
         let with = simulation.world().resource::<ConeSolution>().clone();
         program.last_forces.clear();
-        let without = Condensed::default().solve(&program).unwrap();
+        let without = Condensed::default().solve(&program, 0.0).unwrap();
         assert_eq!(without.status, SolveStatus::Solved);
         let force = force_scale(&program, &without.forces);
         let far = displacement_scale(&program, &without.displacements);

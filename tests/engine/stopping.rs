@@ -96,7 +96,7 @@ impl ConeSolver for Helpless {
         "helpless"
     }
 
-    fn solve(&mut self, program: &ConeProgram) -> Result<ConeSolution, MalformedProgram> {
+    fn solve(&mut self, program: &ConeProgram, _: f64) -> Result<ConeSolution, MalformedProgram> {
         Ok(ConeSolution {
             forces: vec![[0.0; 3]; program.interactions.len()],
             displacements: vec![[0.0; 3]; program.bodies.len()],

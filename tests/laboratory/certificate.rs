@@ -159,22 +159,10 @@ mod tests {
         let disk = ProgramBody { axis: DVec2::X, dofs: [free(0.0), free(load), free(0.0)] };
         let wall = ProgramBody { axis: DVec2::X, dofs: [fixed; 3] };
         let contact = Interaction {
-            a: 0,
-            b: 1,
             normal: DVec2::NEG_Y,
             arm_a: 0.01,
-            arm_b: 0.0,
-            normal_arm_a: 0.0,
-            normal_arm_b: 0.0,
-            offset: 0.0,
-            normal_compliance: 0.0,
-            tangential_compliance: 0.0,
-            previous_shear: 0.0,
-            rolling_compliance: 0.0,
-            previous_moment: 0.0,
             limits: Limits { friction: 0.5, tension, ..Limits::default() },
-            dilation: 1.0,
-            image: DVec2::ZERO,
+            ..Interaction::between(0, 1)
         };
         ConeProgram {
             bodies: vec![disk, wall],

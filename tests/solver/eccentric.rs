@@ -281,18 +281,14 @@ fn compare(program: &ConeProgram, a: &ConeSolution, b: &ConeSolution) {
 /// natural map; `None` where nothing could slide.
 fn slides(program: &ConeProgram, other: &ConeProgram) -> [Option<bool>; 2] {
     [program, other].map(|program| {
-        let mut program = program.clone();
-        let start = solve(&mut Condensed::default(), &program);
+        let start = solve(&mut Condensed::default(), program);
         let friction = |c: &Interaction| c.limits.friction > 0.0 && !c.limits.has_strength();
         if start.status != SolveStatus::Solved || !program.interactions.iter().any(friction) {
             return None;
         }
-        for c in &mut program.interactions {
-            c.dilation = f64::from(u8::from(c.limits.has_strength()));
-        }
-        let found = Coulomb::default().solve(&program, &start, Goal::exact(9e-9), 600);
-        let worst = residuals(&program, &found.forces, &found.displacements).worst();
-        let map = natural_map(&program, &found.forces, &found.displacements);
+        let found = Coulomb::default().solve(program, &start, Goal::exact(9e-9), 600);
+        let worst = residuals(program, &found).worst();
+        let map = natural_map(program, &found);
         Some(worst <= 1e-8 && map <= 1e-3)
     })
 }

@@ -15,11 +15,11 @@
 //! Without inertia, with springs, it is that of Klarbring (1986): gaps and the two directions of
 //! slip are the variables, and the forces follow from the springs.
 
-use clastic::cone::program::{ConeProgram, Dof, Interaction};
+use clastic::cone::program::{ConeProgram, Dof, Interaction, SlidingLaw};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
-use crate::common::programs::{Kind, programs};
+use crate::common::programs::{Kind, increments};
 use crate::enumeration::{Random, coulomb, random, random_of, solutions, solve};
 use crate::lemke;
 
@@ -430,15 +430,14 @@ const PRESS: Kind = Kind {
         Load(name: "shear", increments: 20, walls: { "right": Displacement(1.0e-4, 0.0) })"#,
 };
 
-/// Programs of running scenes in which a contact slides: dilation is left out of all contacts.
+/// Programs of running scenes that were solved under Coulomb's law.
 fn of_scene(kind: &'static Kind) -> impl Iterator<Item = (String, ConeProgram)> {
     (1..=4_u32).flat_map(move |seed| {
-        let all = programs(kind, seed).into_iter().enumerate();
-        all.filter(|(_, program)| {
-            program.interactions.iter().any(|c| c.dilation == 0.0)
-                && (8..=30).contains(&program.interactions.len())
+        let all = increments(kind, seed).into_iter().enumerate();
+        all.filter(|(_, (program, solution))| {
+            solution.law == SlidingLaw::Coulomb && (8..=30).contains(&program.interactions.len())
         })
-        .map(move |(k, program)| (format!("{}, seed {seed}, {k}", kind.name), program))
+        .map(move |(k, (program, _))| (format!("{}, seed {seed}, {k}", kind.name), program))
     })
 }
 

@@ -21,7 +21,7 @@ pub fn slides(program: &ConeProgram, solution: &ConeSolution) -> bool {
     let unit = displacement_scale(program, &solution.displacements);
     program.interactions.iter().enumerate().any(|(k, c)| {
         let e = program.kinematics(c, &solution.displacements);
-        let m = multipliers(c, &e, &solution.forces[k]);
+        let m = multipliers(solution.law, c, &e, &solution.forces[k]);
         !c.limits.has_strength()
             && carrying.is_carrying(k)
             && m.slip.abs().max(m.rotation.abs() * program.scales.length) > SLIP * unit

@@ -22,10 +22,11 @@ use crate::common::settings::{Field, of_condensed, of_coulomb};
 /// Maximum residual of an increment where a program does not state another tolerance.
 const RESIDUAL: f64 = 1e-8;
 
-/// A program with the memory of the solver before it.
+/// A program with the tolerance that it is solved with and the memory of the solver before it.
 #[derive(Clone)]
 struct Posed {
     program: ConeProgram,
+    tolerance: f64,
     memory: Vec<[f64; 3]>,
 }
 
@@ -44,15 +45,23 @@ impl ConeSolver for Recorder {
         self.inner.name()
     }
 
-    fn solve(&mut self, program: &ConeProgram) -> Result<ConeSolution, MalformedProgram> {
+    fn solve(
+        &mut self,
+        program: &ConeProgram,
+        tolerance: f64,
+    ) -> Result<ConeSolution, MalformedProgram> {
         if (self.wanted)(program) {
             if self.seen >= self.skip && (self.seen - self.skip).is_multiple_of(self.every) {
                 let memory = self.inner.memory().to_vec();
-                self.kept.lock().unwrap().push(Posed { program: program.clone(), memory });
+                self.kept.lock().unwrap().push(Posed {
+                    program: program.clone(),
+                    tolerance,
+                    memory,
+                });
             }
             self.seen += 1;
         }
-        self.inner.solve(program)
+        self.inner.solve(program, tolerance)
     }
 }
 
@@ -93,25 +102,19 @@ fn random(seeds: std::ops::Range<u32>) -> Vec<Posed> {
             let mut solver = Condensed::default();
             for program in programs(kind, seed) {
                 let memory = solver.memory().to_vec();
-                let _ = solver.solve(&program).unwrap();
-                posed.push(Posed { program, memory });
+                let _ = solver.solve(&program, 0.0).unwrap();
+                posed.push(Posed { program, tolerance: 0.0, memory });
             }
         }
     }
     posed
 }
 
-/// The tolerance that a solution of a program is judged with.
-fn tolerance(program: &ConeProgram) -> f64 {
-    RESIDUAL.max(program.tolerance)
-}
-
 /// Whether a solution is one, or proves that there is none.
-fn holds(program: &ConeProgram, solution: &ConeSolution) -> bool {
+fn holds(Posed { program, tolerance, .. }: &Posed, solution: &ConeSolution) -> bool {
     match solution.status {
         SolveStatus::Solved => {
-            regularised_residuals(program, &solution.forces, &solution.displacements).worst()
-                <= tolerance(program)
+            regularised_residuals(program, solution).worst() <= RESIDUAL.max(*tolerance)
         }
         SolveStatus::Collapsed => solution.certificate.as_ref().is_some_and(proves),
         SolveStatus::Locked => true,
@@ -160,15 +163,14 @@ struct Outcome {
 fn outcome(set: &[Posed], solutions: &[ConeSolution], defaults: &[ConeSolution]) -> Outcome {
     let mut out = Outcome::default();
     for (posed, (solution, default)) in set.iter().zip(solutions.iter().zip(defaults)) {
-        let program = &posed.program;
-        out.failures += u32::from(!holds(program, solution));
+        out.failures += u32::from(!holds(posed, solution));
         out.iterations += solution.iterations;
         out.changed += u32::from(
             solution.forces != default.forces || solution.displacements != default.displacements,
         );
-        let solved = |s: &ConeSolution| s.status == SolveStatus::Solved && holds(program, s);
+        let solved = |s: &ConeSolution| s.status == SolveStatus::Solved && holds(posed, s);
         if solved(solution) && solved(default) {
-            out.difference = out.difference.max(difference(program, default, solution));
+            out.difference = out.difference.max(difference(&posed.program, default, solution));
         }
     }
     out
@@ -179,12 +181,12 @@ fn solve_all(set: &[Posed], settings: CondensedSettings) -> Vec<ConeSolution> {
     let mut solver = Condensed::new(settings);
     let solve = |posed: &Posed| {
         solver.remember(&posed.memory);
-        solver.solve(&posed.program).unwrap()
+        solver.solve(&posed.program, posed.tolerance).unwrap()
     };
     set.iter().map(solve).collect()
 }
 
-/// Solves all programs under Coulomb's law, each from its solution with dilation.
+/// Solves all programs under Coulomb's law, each from its associated solution.
 fn slide_all(
     set: &[Posed],
     starts: &[ConeSolution],
@@ -197,21 +199,11 @@ fn slide_all(
         .collect()
 }
 
-/// The programs without dilation, of those that are solved, with their solutions with dilation.
-fn without_dilation(set: &[Posed]) -> (Vec<Posed>, Vec<ConeSolution>) {
+/// The programs that are solved under the associated law, with these solutions.
+fn solved(set: &[Posed]) -> (Vec<Posed>, Vec<ConeSolution>) {
     let solutions = solve_all(set, CondensedSettings::default());
-    let slides = |(posed, solution): &(&Posed, &ConeSolution)| {
-        solution.status == SolveStatus::Solved && holds(&posed.program, solution)
-    };
-    let pairs = set.iter().zip(&solutions).filter(slides);
-    let pairs = pairs.map(|(posed, solution)| {
-        let mut posed = posed.clone();
-        for c in &mut posed.program.interactions {
-            c.dilation = f64::from(u8::from(c.limits.has_strength()));
-        }
-        (posed, solution.clone())
-    });
-    pairs.unzip()
+    let pairs = set.iter().cloned().zip(solutions);
+    pairs.filter(|(posed, s)| s.status == SolveStatus::Solved && holds(posed, s)).unzip()
 }
 
 /// Number of fields of settings, by what `Debug` writes of them: `name: number`.
@@ -259,7 +251,7 @@ fn settings_steer_the_way_and_not_the_solution() {
                 // residual itself.
                 let is_loose = name == "tolerance" && factor > 1.0;
                 let case = format!("{name} times {factor}, program {k}");
-                assert!(is_stalled || is_loose || holds(&posed.program, solution), "{case}");
+                assert!(is_stalled || is_loose || holds(posed, solution), "{case}");
             }
         }
     }
@@ -326,6 +318,6 @@ fn half_and_double_of_coulomb() {
     let moving = |program: &ConeProgram| program.is_dynamic() && !program.last_forces.is_empty();
     let mut set = random(1..2);
     set.extend(recorded("column_collapse_small", &[], moving, [60, 50, 4]));
-    let (set, starts) = without_dilation(&set);
+    let (set, starts) = solved(&set);
     print_table(&set, &of_coulomb(), |settings| slide_all(&set, &starts, settings));
 }

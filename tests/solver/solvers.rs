@@ -8,7 +8,8 @@ use clastic::cone::condensed::matrix::BodyMatrix;
 use clastic::cone::condensed::scaled::Scaled;
 use clastic::cone::condensed::settings::InteriorSettings;
 use clastic::cone::program::{
-    ConeProgram, Dof, FreeDof, Interaction, Limits, ProgramBody, ProgramSize, Scales, SolveStatus,
+    ConeProgram, ConeSolution, Dof, FreeDof, Interaction, Limits, ProgramBody, ProgramSize, Scales,
+    SolveStatus,
 };
 use clastic::cone::residuals::{displacement_scale, force_scale, residuals};
 use clastic::cone::solver::ConeSolver;
@@ -108,22 +109,12 @@ fn disk_on_plate() -> (ConeProgram, Vec<[f64; 3]>, Vec<[f64; 3]>) {
             ProgramBody { axis: DVec2::X, dofs: [Dof::Fixed(0.0); 3] },
         ],
         interactions: vec![Interaction {
-            a: 0,
-            b: 1,
             normal: DVec2::NEG_Y,
             arm_a: 0.01,
-            arm_b: 0.0,
-            normal_arm_a: 0.0,
-            normal_arm_b: 0.0,
-            offset: 0.0,
             normal_compliance: 1e-6,
             tangential_compliance: 1e-6,
-            previous_shear: 0.0,
-            rolling_compliance: 0.0,
-            previous_moment: 0.0,
             limits: Limits::new(0.0, 0.5, 0.0, 1e-3),
-            dilation: 1.0,
-            image: DVec2::ZERO,
+            ..Interaction::between(0, 1)
         }],
         scales: Scales { length: 0.01, displacement: 1e-4, force: 100.0 },
         ..Default::default()
@@ -134,17 +125,21 @@ fn disk_on_plate() -> (ConeProgram, Vec<[f64; 3]>, Vec<[f64; 3]>) {
 #[test]
 fn residuals_see_what_is_wrong() {
     let (program, forces, u) = disk_on_plate();
-    let exact = residuals(&program, &forces, &u);
+    let of = |forces: &[[f64; 3]], u: &[[f64; 3]]| {
+        let (forces, displacements) = (forces.to_vec(), u.to_vec());
+        residuals(&program, &ConeSolution { forces, displacements, ..ConeSolution::default() })
+    };
+    let exact = of(&forces, &u);
     assert!(exact.worst() <= 1e-15, "{exact:?}");
     let force = |k: usize, by: f64| {
         let mut forces = forces.clone();
         forces[0][k] += by;
-        residuals(&program, &forces, &u)
+        of(&forces, &u)
     };
     let motion = |k: usize, by: f64| {
         let mut u = u.clone();
         u[0][k] += by;
-        residuals(&program, &forces, &u)
+        of(&forces, &u)
     };
     let close = |value: f64, expected: f64| (value - expected).abs() <= 1e-9 * expected;
     // 101 N in place of 100 N: 1 N is not balanced, and the compression of the spring has an error
@@ -185,13 +180,13 @@ fn residuals_see_any_wrong_force_or_motion_of_a_specimen() {
     {
         let mut wrong = solution.clone();
         wrong.forces[k][0] += 1e-4 * force;
-        let r = residuals(&program, &wrong.forces, &wrong.displacements);
+        let r = residuals(&program, &wrong);
         assert!(r.balance > 1e-5 && r.complementarity > 1e-7, "{k}: {r:?}");
         let body = program.interactions[k].a as usize;
         for by in [1e-3 * u, -1e-3 * u] {
             let mut wrong = solution.clone();
             wrong.displacements[body][0] += by;
-            let r = residuals(&program, &wrong.forces, &wrong.displacements);
+            let r = residuals(&program, &wrong);
             assert!(r.kinematics.max(r.complementarity) > 1e-6, "{body}: {r:?}");
         }
         seen += 1;
@@ -339,8 +334,11 @@ fn a_start_that_loads_contacts_wildly_is_none() {
     assert!(started_again >= 10, "{started_again} started again");
 }
 
-/// A step of a motion: a weight, in units of the scales, on every degree of freedom, and a
-/// tolerance of its own.
+/// Tolerance of a step of a motion: larger than that of committed increments, and small enough for
+/// a comparison.
+const OF_STEP: f64 = 1e-7;
+
+/// A step of a motion: a weight, in units of the scales, on every degree of freedom.
 fn step_of_motion(program: &ConeProgram, weight: f64, last_forces: &[[f64; 3]]) -> ConeProgram {
     let mut step = program.clone();
     let Scales { length, displacement, force } = step.scales;
@@ -351,8 +349,6 @@ fn step_of_motion(program: &ConeProgram, weight: f64, last_forces: &[[f64; 3]]) 
             free.reference = 0.0;
         }
     }
-    // Larger than the tolerance of committed increments, and small enough for a comparison.
-    step.tolerance = 1e-7;
     step.last_forces = last_forces.to_vec();
     step
 }
@@ -370,7 +366,7 @@ fn a_step_of_a_motion_starts_from_the_forces_of_the_last_one() {
                 continue;
             }
             let first = step_of_motion(&program, 1e-1, &[]);
-            let before = Condensed::default().solve(&first).unwrap();
+            let before = Condensed::default().solve(&first, OF_STEP).unwrap();
             assert_eq!(before.status, SolveStatus::Solved);
             // The places after the first step; imposed motions are zero.
             let mut next = program.clone();
@@ -384,7 +380,7 @@ fn a_step_of_a_motion_starts_from_the_forces_of_the_last_one() {
                 }
             }
             let end = |last: &[[f64; 3]], solver: &mut dyn ConeSolver| {
-                let solution = solver.solve(&step_of_motion(&next, 1e-2, last)).unwrap();
+                let solution = solver.solve(&step_of_motion(&next, 1e-2, last), OF_STEP).unwrap();
                 assert_eq!(solution.status, SolveStatus::Solved, "{}", kind.name);
                 solution
             };

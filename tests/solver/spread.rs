@@ -3,7 +3,7 @@
 
 use clastic::cone::condensed::Condensed;
 use clastic::cone::coulomb::{Coulomb, Goal};
-use clastic::cone::program::{ConeProgram, ConeSolution, Dof, SolveStatus};
+use clastic::cone::program::{ConeProgram, ConeSolution, Dof, SlidingLaw, SolveStatus};
 use clastic::cone::solver::ConeSolver;
 use clastic::run::Simulation;
 use clastic::scene::format::FrictionLaw;
@@ -26,9 +26,7 @@ const SCENES: [(&str, usize); 5] = [
 /// Starts of one program: the associated solution, the last forces at rest, no forces at rest, and
 /// the associated solution with normal forces times 0.5 to 1.5 and any shear force within the limit.
 fn starts(program: &ConeProgram, seed: u64) -> Option<Vec<ConeSolution>> {
-    let mut with_dilation = program.clone();
-    with_dilation.interactions.iter_mut().for_each(|c| c.dilation = 1.0);
-    let associated = Condensed::default().solve(&with_dilation).ok()?;
+    let associated = Condensed::default().solve(program, 0.0).ok()?;
     let rest = |forces: Vec<[f64; 3]>| ConeSolution {
         forces,
         displacements: program.imposed(),
@@ -101,8 +99,7 @@ fn solutions_from_several_starts() {
             let world = simulation.world();
             let (program, solution) =
                 (world.resource::<ConeProgram>(), world.resource::<ConeSolution>());
-            if program.interactions.iter().all(|c| c.dilation == 1.0) || !slides(program, solution)
-            {
+            if solution.law == SlidingLaw::Associated || !slides(program, solution) {
                 continue;
             }
             sliding += 1;

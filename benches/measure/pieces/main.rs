@@ -139,7 +139,7 @@ fn detection_and_assembly(c: &mut Criterion) {
 fn warm(problem: &Captured) -> Condensed {
     let mut solver = Condensed::default();
     if let Some(before) = &problem.before {
-        solver.solve(before).unwrap_or_else(|e| panic!("{e}"));
+        solver.solve(before, 0.0).unwrap_or_else(|e| panic!("{e}"));
     }
     solver
 }
@@ -166,7 +166,7 @@ fn regimes(c: &mut Criterion) {
         group.bench_function(id, |b| {
             b.iter_batched_ref(
                 || warm(problem),
-                |solver| solver.solve(&problem.program),
+                |solver| solver.solve(&problem.program, 0.0),
                 BatchSize::PerIteration,
             );
         });

@@ -55,7 +55,7 @@ impl Carried<'_, '_> {
         let stiff = self.program.interactions.iter().map(|c| c.normal_compliance);
         let stiff =
             stiff.filter(|compliance| *compliance > 0.0).map(f64::recip).fold(0.0, f64::max);
-        let residual = self.acceptance.residual.max(self.program.tolerance);
+        let residual = self.acceptance.residual.max(self.solution.tolerance);
         let error = residual
             * (force_scale(&self.program, &self.solution.forces)
                 + stiff * displacement_scale(&self.program, &self.solution.displacements));

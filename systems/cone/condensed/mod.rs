@@ -66,11 +66,6 @@ impl Condensed {
     pub fn new(settings: CondensedSettings) -> Self {
         Self { settings, pairs: Vec::new(), matrix: None, last: Vec::new() }
     }
-
-    /// Maximum residual of a solution of a program.
-    fn tolerance(&self, program: &ConeProgram) -> f64 {
-        self.settings.tolerance_of(program)
-    }
 }
 
 impl ConeSolver for Condensed {
@@ -78,17 +73,22 @@ impl ConeSolver for Condensed {
         "Condensed"
     }
 
-    fn solve(&mut self, program: &ConeProgram) -> Result<ConeSolution, MalformedProgram> {
+    fn solve(
+        &mut self,
+        program: &ConeProgram,
+        tolerance: f64,
+    ) -> Result<ConeSolution, MalformedProgram> {
         if self.last.len() != program.bodies.len() {
             self.last = vec![[0.0; 3]; program.bodies.len()];
         }
         let asleep = sleeping::find(program, &self.last, &self.settings.sleep);
-        let awake = asleep.map(|asleep| self.solve_awake(program, asleep));
+        let awake = asleep.map(|asleep| self.solve_awake(program, tolerance, asleep));
         let spent = awake.as_ref().map_or(0, |solution| solution.iterations);
         let solution = match awake {
             Some(solution) if solution.status == SolveStatus::Solved => solution,
             _ => {
-                let whole = self.solve_reduced(program, vec![false; program.bodies.len()]);
+                let at_rest = vec![false; program.bodies.len()];
+                let whole = self.solve_reduced(program, tolerance, at_rest);
                 ConeSolution { iterations: spent + whole.iterations, ..whole }
             }
         };
@@ -98,8 +98,8 @@ impl ConeSolver for Condensed {
         Ok(solution)
     }
 
-    fn first_point_suffices(&self, program: &ConeProgram) -> bool {
-        Demand::of(program, &self.settings).at_once
+    fn first_point_suffices(&self, program: &ConeProgram, tolerance: f64) -> bool {
+        Demand::of(program, tolerance, &self.settings).at_once
     }
 
     // The matrix follows from the pairs alone: its order and pattern are no memory.
@@ -115,7 +115,12 @@ impl ConeSolver for Condensed {
 impl Condensed {
     /// Solves the program with the bodies `asleep` left out. The result is solved if it is a
     /// solution of the whole program.
-    fn solve_awake(&mut self, program: &ConeProgram, asleep: Vec<bool>) -> ConeSolution {
+    fn solve_awake(
+        &mut self,
+        program: &ConeProgram,
+        tolerance: f64,
+        asleep: Vec<bool>,
+    ) -> ConeSolution {
         let mut bodies = program.bodies.iter().zip(&asleep);
         let mut solution = if bodies.all(|(body, asleep)| *asleep || !body.is_free()) {
             let mut forces = program.last_forces.clone();
@@ -125,13 +130,14 @@ impl Condensed {
             let status = SolveStatus::Solved;
             ConeSolution { status, forces, displacements, message, ..Default::default() }
         } else {
-            self.solve_reduced(program, asleep)
+            self.solve_reduced(program, tolerance, asleep)
         };
         if solution.status == SolveStatus::Solved {
             // The committed motion follows from the forces, and the forces of bodies at rest are
             // not exact.
-            let r = choose_displacements(program, &mut solution, self.tolerance(program));
-            if !(r.worst() <= self.tolerance(program)) {
+            let tolerance = Demand::of(program, tolerance, &self.settings).tolerance;
+            let r = choose_displacements(program, &mut solution, tolerance);
+            if !(r.worst() <= tolerance) {
                 solution.status = SolveStatus::Stalled;
             }
         }
@@ -139,15 +145,20 @@ impl Condensed {
     }
 
     /// Solves a program without bodies at rest and without interactions whose forces are known.
-    fn solve_reduced(&mut self, program: &ConeProgram, at_rest: Vec<bool>) -> ConeSolution {
+    fn solve_reduced(
+        &mut self,
+        program: &ConeProgram,
+        tolerance: f64,
+        at_rest: Vec<bool>,
+    ) -> ConeSolution {
         match Reduced::new(program, at_rest) {
             Some(part) => {
                 let start: Vec<_> = part.bodies.iter().map(|i| self.last[*i]).collect();
-                part.expand(program, self.solve_part(&part.program, &start))
+                part.expand(program, self.solve_part(&part.program, tolerance, &start))
             }
             None => {
                 let start = std::mem::take(&mut self.last);
-                let solution = self.solve_part(program, &start);
+                let solution = self.solve_part(program, tolerance, &start);
                 self.last = start;
                 solution
             }
@@ -155,11 +166,16 @@ impl Condensed {
     }
 
     /// Solves a program from the displacements `start`, m and rad.
-    fn solve_part(&mut self, program: &ConeProgram, start: &[[f64; 3]]) -> ConeSolution {
+    fn solve_part(
+        &mut self,
+        program: &ConeProgram,
+        tolerance: f64,
+        start: &[[f64; 3]],
+    ) -> ConeSolution {
         let mut iterations = 0;
-        let demand = Demand::of(program, &self.settings);
+        let demand = Demand::of(program, tolerance, &self.settings);
         if demand.at_once
-            && let Some(solution) = self.try_warm(program, &mut iterations)
+            && let Some(solution) = self.try_warm(program, demand, &mut iterations)
         {
             return solution;
         }
@@ -177,7 +193,7 @@ impl Condensed {
             // The point where the iteration gave up is mostly a better start than the last
             // solution.
             start.displacements = result.u;
-        } else if warm::is_elastic_step(program, &posed.scaled) {
+        } else if warm::is_elastic_step(program, demand, &posed.scaled) {
             // The last step of the motion has moved the bodies to their present places: its forces
             // belong to a displacement of zero.
             start.displacements = vec![[0.0; 3]; program.bodies.len()];

@@ -33,8 +33,9 @@ pub struct Demand {
 }
 
 impl Demand {
-    pub fn of(program: &ConeProgram, settings: &CondensedSettings) -> Self {
-        let tolerance = settings.tolerance_of(program);
+    /// The requirements on the solution of a program that is asked for with this tolerance.
+    pub fn of(program: &ConeProgram, tolerance: f64, settings: &CondensedSettings) -> Self {
+        let tolerance = settings.tolerance.max(settings.safety * tolerance);
         let loose = tolerance > settings.loose_tolerance;
         let large = program.interactions.len() > settings.large;
         let at_once = program.is_dynamic() && (loose || (large && !program.has_bonds()));

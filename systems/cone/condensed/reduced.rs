@@ -62,7 +62,6 @@ impl Reduced {
                 })
                 .collect(),
             scales: program.scales,
-            tolerance: program.tolerance,
             last_forces: interactions
                 .iter()
                 .map(|k| program.last_forces.get(*k).copied().unwrap_or_default())

@@ -13,7 +13,7 @@
 //! Only programs with inertia have sleeping bodies. In statics all displacements may vanish, and
 //! relative to them the round-off of a gap is not small.
 
-use crate::program::{ConeProgram, Dof, ProgramBody, Residuals};
+use crate::program::{ConeProgram, Dof, ProgramBody, Residuals, SlidingLaw};
 
 use super::super::residuals::Units;
 use super::settings::SleepSettings;
@@ -41,7 +41,7 @@ pub fn find(
     {
         let mut left = Residuals::default();
         let e = program.kinematics(c, &still);
-        units.of_interaction(c, &e, f, &mut left);
+        units.of_interaction(SlidingLaw::Associated, c, &e, f, &mut left);
         if left.worst() <= settings.max_residual && e[1] == 0.0 && e[2] == 0.0 {
             continue;
         }

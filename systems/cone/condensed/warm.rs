@@ -7,9 +7,10 @@ use crate::program::{ConeProgram, ConeSolution, SolveStatus};
 
 use super::interior::{self, Interior};
 use super::parallel::in_pool;
+use super::posed::Demand;
 use super::scaled::{Local, Scaled};
 use super::settings::WarmSettings;
-use super::{Condensed, ROUND_OFF, checked, prepare, sweeps};
+use super::{Condensed, checked, prepare, sweeps};
 
 impl Condensed {
     /// Solves the program from the forces of the last increment. `None` where that does not apply
@@ -17,6 +18,7 @@ impl Condensed {
     pub(super) fn try_warm(
         &mut self,
         program: &ConeProgram,
+        demand: Demand,
         iterations: &mut u32,
     ) -> Option<ConeSolution> {
         // Without momentum the last forces do not belong to a continuing motion. Sweeps do not
@@ -29,9 +31,9 @@ impl Condensed {
         if !sweeps::applies(&scaled) {
             return None;
         }
-        let tolerance = self.tolerance(program);
         let evaluate = |s: &[[f64; 3]], iterations: u32, message: &str| {
-            let solution = checked(program, s, program.imposed(), tolerance, iterations, message);
+            let u = program.imposed();
+            let solution = checked(program, s, u, demand.tolerance, iterations, message);
             (solution.status == SolveStatus::Solved).then_some(solution)
         };
         let (mut s, mut u) = sweeps::sweep(&scaled, &last_forces(program), &self.settings.warm);
@@ -46,7 +48,7 @@ impl Condensed {
             gaps(&u).iter().zip(&s).map(|(gap, s)| s[0] > 0.0 || *gap < far).collect();
         for _ in 0..=self.settings.warm.max_returns {
             let is_enough = |s: &[[f64; 3]]| evaluate(s, 0, "").is_some();
-            *iterations += self.solve_kept(program, &keep, &mut s, &mut u, is_enough)?;
+            *iterations += self.solve_kept(program, demand, &keep, &mut s, &mut u, is_enough)?;
             if let Some(solution) = evaluate(&s, *iterations, "warm") {
                 return Some(solution);
             }
@@ -68,18 +70,17 @@ impl Condensed {
     fn solve_kept(
         &mut self,
         program: &ConeProgram,
+        demand: Demand,
         keep: &[bool],
         s: &mut Vec<[f64; 3]>,
         u: &mut [[f64; 3]],
         is_enough: impl Fn(&[[f64; 3]]) -> bool + Sync,
     ) -> Option<u32> {
-        let tolerance = self.tolerance(program);
         let kept: Vec<usize> = (0..keep.len()).filter(|k| keep[*k]).collect();
         let part = ConeProgram {
             bodies: program.bodies.clone(),
             interactions: kept.iter().map(|k| program.interactions[*k]).collect(),
             scales: program.scales,
-            tolerance: program.tolerance,
             last_forces: Vec::new(),
             cell: None,
         };
@@ -96,8 +97,7 @@ impl Condensed {
             }
             all
         };
-        let residual = (tolerance / self.settings.interior_margin).max(ROUND_OFF);
-        let goal = interior::Goal::enough(residual);
+        let goal = interior::Goal::enough(demand.goal(self.settings.interior_margin));
         let warm = Some(raised(&forces, &self.settings.warm));
         let judge = |point: &Interior| is_enough(&expand(&point.s));
         let (_, result) = in_pool(is_shared, || {
@@ -117,12 +117,12 @@ pub(super) fn raised<'a>(forces: &'a [[f64; 3]], settings: &WarmSettings) -> int
 }
 
 /// Whether a program is an elastic step of a followed motion: static, with a weight on every degree
-/// of freedom and a tolerance of its own. The last forces are those after the preceding step.
+/// of freedom and a loose tolerance. The last forces are those after the preceding step.
 /// Elastic interactions carry them at zero displacement, so that only the balance is violated
 /// there. Forces of rigid interactions need not be unique.
-pub(super) fn is_elastic_step(program: &ConeProgram, scaled: &Scaled) -> bool {
+pub(super) fn is_elastic_step(program: &ConeProgram, demand: Demand, scaled: &Scaled) -> bool {
     let is_elastic = || program.interactions.iter().all(|c| c.normal_compliance > 0.0);
-    program.tolerance > 0.0
+    demand.loose
         && !program.last_forces.is_empty()
         && !program.is_dynamic()
         && scaled.is_damped()

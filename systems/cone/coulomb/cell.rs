@@ -1,6 +1,6 @@
 //! Coulomb's law of one interaction, its numbers at a point, and its part of the linear system.
 
-use crate::program::Interaction;
+use crate::program::{Interaction, SlidingLaw};
 
 use super::super::condensed::interior::slack;
 use super::super::condensed::scaled::Local;
@@ -8,7 +8,8 @@ use super::super::condensed::scaled::Local;
 /// Maximum number of limits of an interaction: one of p, two of q, two of tau.
 pub const LIMITS: usize = 5;
 
-/// The law of an interaction in units of the scales. With a its dilation,
+/// The law of an interaction in units of the scales. With a its dilation under Coulomb's
+/// law,
 ///
 /// ```text
 /// g + C_n p - e_n - lambda_n - a (mu (lambda_+ + lambda_-) + m (kappa_+ + kappa_-)) = 0
@@ -68,7 +69,7 @@ impl Cell {
             slopes: [l.friction, l.rolling / length],
             strengths: [l.tension / force, l.cohesion / force, l.moment / (force * length)],
             on: [true, shear, shear, rolling, rolling],
-            dilation: c.dilation,
+            dilation: SlidingLaw::Coulomb.dilation(c),
             soft: [0.0; 3],
         }
     }

@@ -18,7 +18,7 @@ mod interior;
 mod settings;
 mod system;
 
-use crate::program::{ConeProgram, ConeSolution, SolveStatus};
+use crate::program::{ConeProgram, ConeSolution, SlidingLaw, SolveStatus};
 
 pub use self::settings::{ArcSettings, CoulombInteriorSettings, CoulombSettings};
 use self::system::System;
@@ -66,8 +66,8 @@ impl Coulomb {
         Self { settings, ..Self::default() }
     }
 
-    /// Solves a program with the dilation of its interactions, from a solution with full dilation,
-    /// in at most `max` factorisations. The result is solved if its residual is within the
+    /// Solves a program under Coulomb's law from a solution under the associated law, in at most
+    /// `max` factorisations. The result is solved if its residual is within the
     /// tolerance of the goal, otherwise the best point on the way, stalled.
     pub fn solve(
         &mut self,
@@ -79,7 +79,7 @@ impl Coulomb {
         let settings = self.settings;
         let mut trial = Trial::new(program, start, &settings, goal);
         trial.offer(&start.forces, &start.displacements);
-        let is_associated = program.interactions.iter().all(|c| c.dilation == 1.0);
+        let is_associated = program.interactions.iter().all(|c| c.limits.has_strength());
         if is_associated || trial.is_within(settings.max_start_map) || !self.prepare(program) {
             return trial.into_solution(0);
         }
@@ -155,7 +155,7 @@ impl<'a> Trial<'a> {
         settings: &'a CoulombSettings,
         goal: Goal,
     ) -> Self {
-        let best = start.clone();
+        let best = ConeSolution { law: SlidingLaw::Coulomb, ..start.clone() };
         let units = program.scales.units();
         Self {
             program,
@@ -192,8 +192,7 @@ impl<'a> Trial<'a> {
 
     /// Whether the best point is a solution whose natural map is at most `map`.
     fn is_within(&self, map: f64) -> bool {
-        self.is_solved()
-            && natural_map(self.program, &self.best.forces, &self.best.displacements) <= map
+        self.is_solved() && natural_map(self.program, &self.best) <= map
     }
 
     /// Evaluates a point with its forces clamped to their limits; whether it is a solution.
@@ -217,7 +216,7 @@ impl<'a> Trial<'a> {
     /// Evaluates forces, N, and displacements, m; whether they are a solution.
     fn offer(&mut self, forces: &[[f64; 3]], displacements: &[[f64; 3]]) -> bool {
         let mut solution = ConeSolution {
-            status: SolveStatus::Stalled,
+            law: SlidingLaw::Coulomb,
             forces: forces.to_vec(),
             displacements: displacements.to_vec(),
             ..ConeSolution::default()

@@ -24,9 +24,8 @@ impl<'a> Carrying<'a> {
     pub fn new(program: &'a ConeProgram, solution: &'a ConeSolution) -> Self {
         let force = force_scale(program, &solution.forces);
         let dynamic = program.is_dynamic();
-        let relative =
-            if dynamic { program.tolerance.max(MIN_RELATIVE_FORCE) } else { MIN_RELATIVE_FORCE };
-        let threshold = relative * force;
+        let products = if dynamic { solution.tolerance } else { 0.0 };
+        let threshold = products.max(MIN_RELATIVE_FORCE) * force;
         let units = (dynamic && solution.displacements.len() == program.bodies.len())
             .then(|| [force, displacement_scale(program, &solution.displacements)]);
         Self { program, solution, threshold, units }
@@ -40,7 +39,7 @@ impl<'a> Carrying<'a> {
         p > self.threshold
             && self.units.is_none_or(|[force, displacement]| {
                 let e = self.program.kinematics(c, &self.solution.displacements);
-                p * displacement >= multipliers(c, &e, f).tension * force
+                p * displacement >= multipliers(self.solution.law, c, &e, f).tension * force
             })
     }
 }

@@ -1,7 +1,8 @@
 //! KKT residuals of a solution, from forces and displacements alone.
 //!
 //! The multipliers of the limits follow from the displacements: with `e = (d_n, d_t, d_r)` the
-//! kinematics of an interaction and a its dilation, stationarity (equation 34 of the paper) gives
+//! kinematics of an interaction and a its [dilation](SlidingLaw::dilation), stationarity (equation
+//! 34 of the paper) gives
 //!
 //! ```text
 //! s_t = d_t - C_T (q - q_0)                       lambda_q = |s_t|, at the limit of its sign
@@ -20,7 +21,7 @@ mod units;
 pub use self::carrying::Carrying;
 pub(crate) use self::units::{Units, applied_force};
 pub use self::units::{displacement_scale, force_scale};
-use crate::program::{ConeProgram, ConeSolution, Interaction, Kinematics, Residuals};
+use crate::program::{ConeProgram, ConeSolution, Interaction, Kinematics, Residuals, SlidingLaw};
 
 /// Multipliers of the limits of one interaction, m, m, rad: tension, slip (signed), rotation
 /// (signed).
@@ -34,9 +35,10 @@ pub struct Multipliers {
     pub rotation: f64,
 }
 
-/// The multipliers that follow from the kinematics `e` and the forces `f` of an interaction.
+/// The multipliers under a law that follow from the kinematics `e` and the forces `f` of an
+/// interaction.
 #[must_use]
-pub fn multipliers(c: &Interaction, e: &Kinematics, f: &[f64; 3]) -> Multipliers {
+pub fn multipliers(law: SlidingLaw, c: &Interaction, e: &Kinematics, f: &[f64; 3]) -> Multipliers {
     let l = &c.limits;
     let slip = if l.has_shear() {
         e[1] - c.tangential_compliance * (f[1] - c.previous_shear)
@@ -50,30 +52,22 @@ pub fn multipliers(c: &Interaction, e: &Kinematics, f: &[f64; 3]) -> Multipliers
     };
     let tension = c.offset + c.normal_compliance * f[0]
         - e[0]
-        - c.dilation * (l.friction * slip.abs() + l.rolling * rotation.abs());
+        - law.dilation(c) * (l.friction * slip.abs() + l.rolling * rotation.abs());
     Multipliers { tension, slip, rotation }
 }
 
 /// The four residuals of a solution. The force of a regularisation counts as an error of the
 /// balance.
 #[must_use]
-pub fn residuals(
-    program: &ConeProgram,
-    forces: &[[f64; 3]],
-    displacements: &[[f64; 3]],
-) -> Residuals {
-    evaluate(program, forces, displacements, 0.0)
+pub fn residuals(program: &ConeProgram, solution: &ConeSolution) -> Residuals {
+    evaluate(program, solution, 0.0)
 }
 
 /// The residuals of the program that the solver was given: the force of a regularisation is part of
 /// the balance.
 #[must_use]
-pub fn regularised_residuals(
-    program: &ConeProgram,
-    forces: &[[f64; 3]],
-    displacements: &[[f64; 3]],
-) -> Residuals {
-    evaluate(program, forces, displacements, 1.0)
+pub fn regularised_residuals(program: &ConeProgram, solution: &ConeSolution) -> Residuals {
+    evaluate(program, solution, 1.0)
 }
 
 /// Residual of the balance up to which momentum counts as conserved to round-off, where displacements
@@ -94,16 +88,15 @@ pub fn choose_displacements(
     solution: &mut ConeSolution,
     tolerance: f64,
 ) -> Residuals {
-    let of = |s: &ConeSolution| regularised_residuals(program, &s.forces, &s.displacements);
     let own = solution.displacements.clone();
     program.displacements_from_forces(solution);
-    let following = of(solution);
+    let following = regularised_residuals(program, solution);
     let has_springs = program.interactions.iter().any(|c| c.normal_compliance > 0.0);
     if following.worst() <= tolerance || !has_springs || !program.is_dynamic() {
         return following;
     }
     let other = std::mem::replace(&mut solution.displacements, own);
-    let balanced = of(solution);
+    let balanced = regularised_residuals(program, solution);
     if balanced.worst() <= tolerance && balanced.balance <= MAX_BALANCE {
         return balanced;
     }
@@ -111,12 +104,8 @@ pub fn choose_displacements(
     following
 }
 
-fn evaluate(
-    program: &ConeProgram,
-    forces: &[[f64; 3]],
-    displacements: &[[f64; 3]],
-    regularisation: f64,
-) -> Residuals {
+fn evaluate(program: &ConeProgram, solution: &ConeSolution, regularisation: f64) -> Residuals {
+    let ConeSolution { law, forces, displacements, .. } = solution;
     let units = Units::of(program, forces, displacements);
     let mut out = Residuals::default();
     let mut rows = vec![[0.0; 3]; program.bodies.len()];
@@ -125,7 +114,7 @@ fn evaluate(
         units.of_balance(body, row, u, regularisation, &mut out);
     }
     for (c, f) in program.interactions.iter().zip(forces) {
-        units.of_interaction(c, &program.kinematics(c, displacements), f, &mut out);
+        units.of_interaction(*law, c, &program.kinematics(c, displacements), f, &mut out);
     }
     out
 }
@@ -135,7 +124,7 @@ fn evaluate(
 /// displacements.
 #[must_use]
 pub fn worst_bodies(program: &ConeProgram, solution: &ConeSolution) -> Option<[usize; 2]> {
-    let (forces, displacements) = (&solution.forces, &solution.displacements);
+    let ConeSolution { law, forces, displacements, .. } = solution;
     if forces.len() != program.interactions.len() || displacements.len() != program.bodies.len() {
         return None;
     }
@@ -150,7 +139,7 @@ pub fn worst_bodies(program: &ConeProgram, solution: &ConeSolution) -> Option<[u
     });
     let laws = program.interactions.iter().zip(forces).map(|(c, f)| {
         let mut out = Residuals::default();
-        units.of_interaction(c, &program.kinematics(c, displacements), f, &mut out);
+        units.of_interaction(*law, c, &program.kinematics(c, displacements), f, &mut out);
         (out.worst(), [c.a as usize, c.b as usize])
     });
     balance.chain(laws).max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, bodies)| bodies)
@@ -165,12 +154,13 @@ pub fn worst_bodies(program: &ConeProgram, solution: &ConeSolution) -> Option<[u
 ///
 /// Unlike a product of force and gap it is not small where both are small and neither vanishes.
 #[must_use]
-pub fn natural_map(program: &ConeProgram, forces: &[[f64; 3]], displacements: &[[f64; 3]]) -> f64 {
+pub fn natural_map(program: &ConeProgram, solution: &ConeSolution) -> f64 {
+    let ConeSolution { law, forces, displacements, .. } = solution;
     let units = Units::of(program, forces, displacements);
     let Units { force, length, .. } = units;
     let interactions = program.interactions.iter().zip(forces);
     let of = |(c, f): (&Interaction, &[f64; 3])| {
-        let m = multipliers(c, &program.kinematics(c, displacements), f);
+        let m = multipliers(*law, c, &program.kinematics(c, displacements), f);
         let displacement = units.displacement_of(c);
         let (p, q, t) = (f[0] / force, f[1] / force, f[2] / (force * length));
         let projected = |x: f64, step: f64, slope: f64| {

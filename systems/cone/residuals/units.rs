@@ -3,7 +3,9 @@
 use glam::DVec2;
 
 use super::multipliers;
-use crate::program::{ConeProgram, Dof, Interaction, Kinematics, ProgramBody, Residuals};
+use crate::program::{
+    ConeProgram, Dof, Interaction, Kinematics, ProgramBody, Residuals, SlidingLaw,
+};
 
 /// Maximum unit of force over the maximum of expected and applied forces. Rigid bodies that are
 /// locked into each other carry any force, and relative to that a load without balance elsewhere
@@ -145,6 +147,7 @@ impl Units {
     /// Raises the other residuals to those of an interaction.
     pub(crate) fn of_interaction(
         &self,
+        law: SlidingLaw,
         c: &Interaction,
         e: &Kinematics,
         f: &[f64; 3],
@@ -152,7 +155,7 @@ impl Units {
     ) {
         let Units { force, length, .. } = *self;
         let displacement = self.displacement_of(c);
-        let m = multipliers(c, e, f);
+        let m = multipliers(law, c, e, f);
         let l = &c.limits;
         let [p, q, tau] = *f;
         worsen(&mut out.kinematics, -m.tension / displacement);

@@ -16,7 +16,6 @@ use serde::{Deserialize, Serialize};
 pub use self::interior::InteriorSettings;
 pub use self::newton::{LineSearchSettings, LocalSettings, NewtonSettings};
 use crate::polish::PolishSettings;
-use crate::program::ConeProgram;
 
 /// Tolerance of increments by default (`acceptance.residual` of a scene).
 const DEFAULT_RESIDUAL: f64 = 1e-8;
@@ -28,7 +27,7 @@ const DEFAULT_RESIDUAL: f64 = 1e-8;
 #[serde(deny_unknown_fields, default)]
 pub struct CondensedSettings {
     /// Maximum residual of a solution, without dimension. A program may allow more
-    /// ([`ConeProgram::tolerance`](crate::program::ConeProgram::tolerance)).
+    /// ([`ConeSolver::solve`](crate::solver::ConeSolver::solve)).
     ///
     /// 0.9 times the default tolerance of increments, 1e-8.
     pub tolerance: f64,
@@ -119,11 +118,6 @@ impl CondensedSettings {
     #[must_use]
     pub fn with_tolerance(tolerance: f64) -> Self {
         Self { tolerance, ..Self::default() }
-    }
-
-    /// Maximum residual of a solution of a program.
-    pub(super) fn tolerance_of(&self, program: &ConeProgram) -> f64 {
-        self.tolerance.max(self.safety * program.tolerance)
     }
 }
 
