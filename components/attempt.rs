@@ -135,6 +135,8 @@ pub struct Attempt {
     /// Whether loads act on a specimen that carried forces before the increment. Its strain is then
     /// bounded.
     pub bounded: bool,
+    /// Whether a step of a followed motion has made the imposed motions of the trial.
+    pub is_driven: bool,
     /// Maximum displacement (m) and force (N) of the last rejected solution, which are the scales
     /// of the next attempt.
     pub magnitudes: Option<(f64, f64)>,

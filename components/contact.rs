@@ -67,8 +67,9 @@ pub struct Bodies {
     /// The periodic cell of the specimen, if it is in one. In the program its row follows those of
     /// all bodies.
     pub cell: Option<PeriodicCell>,
-    /// Whether imposed motions stand still because a motion is followed. Loads then have their
-    /// values at the end of the trial.
+    /// Whether imposed motions stand still in the trial, because a step of a followed motion has made
+    /// them or because a rupture released the motion. Loads then have their values at the end of the
+    /// trial.
     pub drives_stopped: bool,
 }
 

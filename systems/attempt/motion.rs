@@ -4,7 +4,9 @@
 //! A static solution has no path. With constant normals, a grain that has lost its support moves
 //! far away and through other grains. In a step of a motion no grain moves by more than a fraction
 //! of its radius, and contacts are detected again after each step. Loads have their values at the
-//! end of the trial, stresses act on the current distances between walls, and imposed motions stop.
+//! end of the trial, and stresses act on the current distances between walls. The first step makes the
+//! imposed motions of the trial: it may be these that destroy the equilibrium. After it, and in the
+//! equilibrium that follows, they stand still. A motion that a rupture releases has no imposed motion.
 //! Velocities are set to zero when the kinetic energy falls: the motion loses the energy that it
 //! has gained since its last maximum, and comes to rest without overshoot. Bonds that reach a limit
 //! on the way break. The equilibrium at the end contains no inertia.
@@ -72,7 +74,8 @@ pub fn begin(world: &mut World, released: bool, repeated: bool) {
     attempt.mode = Mode::Motion(motion);
     attempt.motions += 1;
     attempt.magnitudes = None;
-    world.resource_mut::<Bodies>().drives_stopped = true;
+    let stopped = released || attempt.is_driven;
+    world.resource_mut::<Bodies>().drives_stopped = stopped;
     forget_passes(world);
     forget_pairs(world);
 }
@@ -89,9 +92,10 @@ pub fn max_steps(acceptance: &Acceptance, settings: &MotionSettings) -> u32 {
     (settings.max_travel / aimed(acceptance)).ceil() as u32
 }
 
-/// Ends the motion under way.
+/// Ends the motion under way. Imposed motions that it has made are not made again.
 pub fn end(world: &mut World) {
-    world.resource_mut::<Bodies>().drives_stopped = false;
+    let stopped = world.resource::<Attempt>().is_driven;
+    world.resource_mut::<Bodies>().drives_stopped = stopped;
 }
 
 /// Drops the pairs that solutions have added from other positions: each step detects its own.
@@ -160,7 +164,8 @@ pub fn judge_rest(
         && far <= motion.length * settings.max_travel_at_rest)
         || (is_free && motion.free_steps + 1 >= settings.max_free_steps);
     let travelled = motion.travelled + far;
-    let moved = travelled > settings.min_travel * acceptance.throw;
+    // The step that makes the imposed motions moves bodies, if only those.
+    let moved = !attempt.is_driven || travelled > settings.min_travel * acceptance.throw;
     attempt.verdict = if attempt.bounded && strain > settings.max_strain * acceptance.snap {
         Verdict::GivesWay(format!(
             "the motion under constant loads strains the specimen by {:.0} % and does \
@@ -217,9 +222,11 @@ pub fn take_step(world: &mut World) {
     let mut attempt = world.resource_mut::<Attempt>();
     count_step(&mut attempt);
     attempt.motion_strain += strain;
+    attempt.is_driven |= attempt.motion().is_some_and(|motion| !motion.released);
     if let Mode::Motion(motion) = &mut attempt.mode {
         kinetic_damping::carry_on(motion, &displacements, far, &settings);
     }
+    world.resource_mut::<Bodies>().drives_stopped = true;
 }
 
 /// Moves bodies and contact memory by the solution of the step and breaks the bonds that it brings

@@ -143,6 +143,7 @@ impl Start {
 
 /// Restores the tables to the state before the first motion.
 fn put_back(world: &mut World, start: Option<&Start>) {
+    world.resource_mut::<Attempt>().is_driven = false;
     motion::end(world);
     if let Some(start) = start {
         motion::forget_pairs(world);

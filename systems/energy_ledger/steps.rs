@@ -24,11 +24,15 @@ pub(crate) fn book_step(
     let (bodies, program) = (world.resource::<Bodies>(), world.resource::<ConeProgram>());
     let (solution, analysis) = (world.resource::<ConeSolution>(), world.resource::<Analysis>());
     let mut e = Energies::default();
-    for (body, u) in program.bodies.iter().zip(&solution.displacements) {
-        for (dof, u) in body.dofs.iter().zip(u) {
-            if let Dof::Free(free) = dof {
-                e.external += (free.load - free.inertia * u) * u;
-            }
+    let mut held = vec![[0.0; 3]; program.bodies.len()];
+    program.add_forces(&solution.forces, &mut held);
+    for (i, (body, u)) in program.bodies.iter().zip(&solution.displacements).enumerate() {
+        for k in 0..3 {
+            e.external += u[k]
+                * match &body.dofs[k] {
+                    Dof::Free(free) => free.load - free.inertia * u[k],
+                    Dof::Fixed(_) => held[i][k],
+                };
         }
     }
     for (mass, u) in bodies.masses.iter().zip(moved) {
