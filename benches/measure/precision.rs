@@ -240,18 +240,12 @@ fn measure(problem: &Captured, extent: Extent) -> (Vec<Point>, Errors) {
                 Some(reference) if residual.is_finite() => errors(program, &solution, reference),
                 _ => Errors::default(),
             };
-            let method = match kind {
-                Kind::Condensed if !own_method(&solution) => {
-                    format!("handed to Clarabel: {}", solution.message)
-                }
-                _ => solution.message.clone(),
-            };
             points.push(Point {
                 solver: kind,
                 tolerance,
                 seconds,
                 errors: found.unique(&floor, UNIQUE),
-                cells: vec![solution.iterations.into(), method.into(), residual.into()],
+                cells: vec![solution.iterations.into(), solution.message.clone().into(), residual.into()],
             });
         }
     }
