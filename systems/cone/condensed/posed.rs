@@ -173,7 +173,7 @@ impl<'a> Posed<'a> {
         let (rows, variables) = (low.right.len(), low.linear.len());
         let a = std::mem::take(&mut low.matrix).matrix(rows, variables);
         polish(program, &low, &a, point, &self.settings.polish, &mut solution);
-        let r = regularised_residuals(program, &solution.forces, &solution.displacements).worst();
+        let r = regularised_residuals(program, &solution).worst();
         let is_solved = r <= self.demand.tolerance;
         solution.status = if is_solved { SolveStatus::Solved } else { SolveStatus::Stalled };
         solution
