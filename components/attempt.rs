@@ -59,7 +59,7 @@ pub enum Verdict {
     Locked,
     /// The solution moves so far that its constant normals are no longer valid.
     TooFar(
-        /// The grain and its motion, or the strain of the specimen.
+        /// The grain and the turn of its contacts, or its travel in a step of a motion.
         String,
     ),
     /// A step of a motion is accepted, and the motion goes on.
@@ -69,9 +69,9 @@ pub enum Verdict {
         /// Whether the motion has displaced the bodies.
         moved: bool,
     },
-    /// A step of a motion is accepted, and the specimen has strained too far to come to rest.
+    /// A step of a motion is accepted, and its grains have travelled too far to come to rest.
     GivesWay(
-        /// Strain of the specimen.
+        /// Their travel.
         String,
     ),
 }
@@ -129,12 +129,6 @@ pub struct Attempt {
     pub motion_steps: u32,
     /// Number of these steps that belong to motions released by ruptures.
     pub released_steps: u32,
-    /// Sum of the strains of the mean field in these motions. Motions that were undone do not
-    /// count.
-    pub motion_strain: f64,
-    /// Whether loads act on a specimen that carried forces before the increment. Its strain is then
-    /// bounded.
-    pub bounded: bool,
     /// Whether a step of a followed motion has made the imposed motions of the trial.
     pub is_driven: bool,
     /// Maximum displacement (m) and force (N) of the last rejected solution, which are the scales

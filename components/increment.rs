@@ -139,7 +139,7 @@ impl Default for RuptureRules {
 }
 
 /// What an increment must satisfy before it is committed: `acceptance` of a scene, which has
-/// `residual`, `throw`, `snap` and `halvings`.
+/// `residual`, `turn` and `halvings`.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 #[serde(deny_unknown_fields, default)]
@@ -147,12 +147,9 @@ pub struct Acceptance {
     /// Maximum residual of an accepted solution, without dimension. In dynamic increments without
     /// bonds the default solver aims at it if it is above 1e-8.
     pub residual: f64,
-    /// Maximum motion of a grain relative to the mean field in one static solution, in its radii.
-    pub throw: f64,
-    /// Maximum strain of the mean field in one static solution beyond the imposed strain. If a
-    /// loaded specimen strains further, its motion is followed. If it strains ten times as far in
-    /// that motion, it has collapsed.
-    pub snap: f64,
+    /// Maximum angle by which one static solution turns a bond or a contact that carries load, rad.
+    /// A solution that turns one further is followed as a motion, since its normals are constant.
+    pub turn: f64,
     /// Travel of the furthest grain about the mean field that a step of a followed motion aims at,
     /// in its radii; at most half of [`MAX_TRAVEL`](Self::MAX_TRAVEL).
     #[serde(skip)]
@@ -178,8 +175,7 @@ impl Default for Acceptance {
     fn default() -> Self {
         Self {
             residual: 1e-8,
-            throw: 0.3,
-            snap: 0.02,
+            turn: 0.2,
             motion_step: 0.15,
             overlap: 1e-6,
             halvings: 6,

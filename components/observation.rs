@@ -211,8 +211,6 @@ pub struct Observation {
     pub solves: u32,
     /// Number of steps of followed motions before the equilibrium of the increment was found.
     pub motion_steps: u32,
-    /// Strain of the mean field during these motions.
-    pub motion_strain: f64,
     /// Number of solver iterations in the increment.
     pub iterations: u32,
     /// KKT residuals.

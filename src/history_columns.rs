@@ -2,7 +2,7 @@
 //! names.
 
 /// Columns before those of the probes.
-pub const COLUMNS: [&str; 27] = [
+pub const COLUMNS: [&str; 26] = [
     "increment",
     "stage",
     "time_s",
@@ -28,7 +28,6 @@ pub const COLUMNS: [&str; 27] = [
     "motion_steps",
     "kinetic_energy_j",
     "coulomb_residual",
-    "motion_strain",
     "caps",
 ];
 

@@ -35,5 +35,6 @@ pub mod state;
 pub mod step_control;
 pub mod stepping;
 pub mod trial_loads;
+pub mod turns;
 pub mod update_state;
 pub mod wall_states;

@@ -1,18 +1,13 @@
-//! Motion of grains relative to the affine field that fits the motion of all grains best, and
-//! strain of that field. The strain describes the motion of the specimen as a whole, the relative
-//! motion that of single grains.
+//! Motion of grains relative to the affine field that fits the motion of all grains best.
 
 use glam::DVec2;
 
 use clastic_components::body::Drive;
 use clastic_components::contact::Bodies;
-use clastic_components::increment::Acceptance;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
 /// With fewer grains than this, the field is their mean motion instead of an affine field.
 const FEW: usize = 6;
-/// A grain that a solution moves further than this, in its radii, has no support.
-const UNSUPPORTED: f64 = 10.0;
 
 /// The grain with the maximum motion relative to the mean field, and this motion in its radii.
 #[must_use]
@@ -27,28 +22,8 @@ pub fn furthest(
         .max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-/// The grain with the maximum throw and its motion in radii, if it exceeds [`Acceptance::throw`].
-#[must_use]
-pub fn thrown(
-    bodies: &Bodies,
-    program: &ConeProgram,
-    solution: &ConeSolution,
-    acceptance: &Acceptance,
-) -> Option<(usize, f64)> {
-    furthest(bodies, program, solution).filter(|(_, far)| !(*far <= acceptance.throw))
-}
-
-/// Whether a solution moves a grain so far that the grain lacks support. Such a solution is never
-/// accepted, and the grain would cross thousands of others on its way.
-#[must_use]
-pub fn is_unsupported(bodies: &Bodies, program: &ConeProgram, solution: &ConeSolution) -> bool {
-    solution.displacements.len() == bodies.rows_in_program()
-        && furthest(bodies, program, solution).is_some_and(|(_, far)| far > UNSUPPORTED)
-}
-
 /// Motion of every grain relative to the mean field, in its radii.
-#[must_use]
-pub fn far_motions(bodies: &Bodies, program: &ConeProgram, solution: &ConeSolution) -> Vec<f64> {
+fn far_motions(bodies: &Bodies, program: &ConeProgram, solution: &ConeSolution) -> Vec<f64> {
     let n = bodies.particles;
     let motion = motions(n, program, solution);
     // With fewer than `FEW` grains the field is fitted to the free ones only, since driven grains
@@ -78,14 +53,6 @@ fn motions(particles: usize, program: &ConeProgram, solution: &ConeSolution) -> 
             DVec2::new(u[0], u[1])
         })
         .collect()
-}
-
-/// Strain of the mean field of a solution, never negative: the Frobenius norm of its symmetric
-/// gradient.
-#[must_use]
-pub fn mean_strain(bodies: &Bodies, program: &ConeProgram, solution: &ConeSolution) -> f64 {
-    let n = bodies.particles;
-    MeanField::fit(&bodies.positions[..n], &motions(n, program, solution)).strain()
 }
 
 /// An affine displacement field `u(x) = u_0 + H (x - x_0)`.
@@ -134,12 +101,6 @@ impl MeanField {
             along_y: (xx * uy - xy * ux) / det,
         });
         (Self { origin, mean, along_x: DVec2::ZERO, along_y: DVec2::ZERO }, affine)
-    }
-
-    /// Norm of the symmetric part of H.
-    fn strain(&self) -> f64 {
-        let shear = 0.5 * (self.along_x.y + self.along_y.x);
-        self.along_x.x.hypot(self.along_y.y).hypot(shear).hypot(shear)
     }
 
     fn at(&self, x: DVec2) -> DVec2 {

@@ -37,18 +37,12 @@ pub struct MotionSettings {
     /// 0.1: a step may change direction, so that the last step does not tell which pairs close. The
     /// value is below the intended travel of one step; no study.
     pub reach: f64,
-    /// Travel below which a motion is none, over
-    /// [`Acceptance::throw`](clastic_components::increment::Acceptance::throw). A fixed length would
-    /// take a motion for none that a small `throw` has asked for.
+    /// Travel of a grain, in its radii, below which a motion is none, over
+    /// [`Acceptance::turn`](clastic_components::increment::Acceptance::turn). A fixed length would
+    /// take a motion for none that a small `turn` has asked for.
     ///
-    /// 1/30: a fifteenth of the travel of one step at the default of `throw`; no study.
+    /// 1/20: a fifteenth of the travel of one step at the default of `turn`; no study.
     pub min_travel: f64,
-    /// Maximum strain under constant loads, over
-    /// [`Acceptance::snap`](clastic_components::increment::Acceptance::snap). A specimen beyond it
-    /// does not come to rest.
-    ///
-    /// 10: a specimen that strains ten times as far as a static solution may has collapsed.
-    pub max_strain: f64,
     /// Maximum travel, radii, of a step with a weight of at most [`rest_weight`](Self::rest_weight)
     /// that counts as rest.
     ///
@@ -109,8 +103,7 @@ impl Default for MotionSettings {
             max_motions: 12,
             max_failures: 10,
             reach: 0.1,
-            min_travel: 1.0 / 30.0,
-            max_strain: 10.0,
+            min_travel: 0.05,
             max_travel_at_rest: 0.05,
             max_overload: 1.0 / 3.0,
             first_weight: 1e-3,

@@ -147,7 +147,6 @@ fn record_state(
     out.kinetic_energy = kinetic_energy(moving.iter());
     out.solves = attempt.solves;
     out.motion_steps = attempt.motion_steps;
-    out.motion_strain = attempt.motion_strain;
     out.iterations = attempt.iterations;
     out.residuals = solution.residuals;
     let (ruptures, corrections, sliding) = loops;

@@ -22,7 +22,7 @@ const ELASTIC: [&str; 6] = [
      cohesion: 195.0e6, tensile_strength: 144.0e6)",
     "walls.bottom.contact=(normal_stiffness: 3.4e10, tangential_stiffness: 3.4e10, friction: 0.4)",
     "walls.top.contact=(normal_stiffness: 3.4e10, tangential_stiffness: 3.4e10, friction: 0.4)",
-    "acceptance=(throw: 1.0)",
+    "acceptance=(turn: 1.0)",
     "stages.load.increments=7",
 ];
 

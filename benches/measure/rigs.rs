@@ -21,7 +21,7 @@ const ROCK: [&str; 5] = [
      cohesion: 195.0e6, tensile_strength: 144.0e6)",
     "walls.bottom.contact=(normal_stiffness: 3.4e10, tangential_stiffness: 3.4e10, friction: 0.4)",
     "walls.top.contact=(normal_stiffness: 3.4e10, tangential_stiffness: 3.4e10, friction: 0.4)",
-    "acceptance=(throw: 1.0)",
+    "acceptance=(turn: 1.0)",
 ];
 
 impl Scenes {

@@ -246,7 +246,7 @@ struct ResumeArgs {
     /// Directory of the run
     #[arg(value_name = "DIR")]
     directory: PathBuf,
-    /// Set a field of the scene for the rest of the run, e.g. --set acceptance.throw=0.5; may be
+    /// Set a field of the scene for the rest of the run, e.g. --set acceptance.turn=0.5; may be
     /// repeated
     #[arg(long = "set", value_name = "PATH=VALUE")]
     sets: Vec<String>,

@@ -117,7 +117,7 @@ pub fn row(o: &Observation, probes: &[String]) -> Row {
         .count(o.potential_contacts as u64)
         .count(o.solves)
         .count(o.motion_steps)
-        .numbers([o.kinetic_energy, o.coulomb_residual, o.motion_strain])
+        .numbers([o.kinetic_energy, o.coulomb_residual])
         .text(&o.caps);
     for name in probes {
         // A removed wall leaves its columns empty.
@@ -169,7 +169,7 @@ mod tests {
             axial_stress_pa,lateral_stress_pa,contacts,bonds,broken_tension,broken_shear,\
             broken_rolling,solver_iterations,residual_balance,residual_kinematics,residual_cone,\
             residual_complementarity,status,fraction,potential_contacts,solves,motion_steps,kinetic_energy_j,\
-            coulomb_residual,motion_strain,caps,top.x_m,top.y_m,top.rotation_rad,top.force_x_n,top.force_y_n,\
+            coulomb_residual,caps,top.x_m,top.y_m,top.rotation_rad,top.force_x_n,top.force_y_n,\
             top.moment_nm";
         assert_eq!(header, expected);
     }

@@ -55,11 +55,8 @@ fn of_equilibrium(world: &World) -> Vec<String> {
     if let Some(worst) = nearly(world) {
         remedies.push(format!("a greater `acceptance.residual` ({worst:.1e} was reached)"));
     }
-    if acceptance.throw < Acceptance::default().throw {
-        remedies.push("a greater `acceptance.throw`".to_owned());
-    }
-    if acceptance.snap < Acceptance::default().snap {
-        remedies.push("a greater `acceptance.snap`".to_owned());
+    if acceptance.turn < Acceptance::default().turn {
+        remedies.push("a greater `acceptance.turn`".to_owned());
     }
     let of_coulomb = world.resource::<Sliding>().rejected;
     if of_coulomb {

@@ -15,7 +15,7 @@ use crate::detect_contacts::Candidates;
 use crate::detect_contacts::gaps::wall_gap;
 use crate::detect_contacts::grid::pairs_within;
 use crate::detect_contacts::periodic;
-use crate::mean_field::is_unsupported;
+use crate::turns::is_unsupported;
 
 /// Pairs that are about to close are added together with those that close. Their gap is at most
 /// this many mean radii plus this fraction of their relative motion.
@@ -38,7 +38,7 @@ pub fn judge(
 ) {
     let (acceptance, analysis) = settings;
     let is_static = analysis.kind == AnalysisKind::Static;
-    if is_static && is_unsupported(&bodies, &program, &solution) {
+    if is_static && is_unsupported(&bodies, &contacts, &program, &solution) {
         return;
     }
     let after = Moved::by(&bodies, &program, &solution.displacements, 1.0);

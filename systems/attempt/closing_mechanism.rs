@@ -28,7 +28,6 @@ pub fn judge(
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
     history: Res<DraftHistory>,
-    acceptance: Res<Acceptance>,
     mut pairs: ResMut<AddedPairs>,
     mut attempt: ResMut<Attempt>,
 ) {
@@ -50,7 +49,7 @@ pub fn judge(
     let closes = |(a, b): &(u32, u32)| {
         start.gap(&bodies, *a, *b) - after.gap(&bodies, *a, *b) > STEP * scale * maximum
     };
-    let reach = 2.0 * acceptance.throw * bodies.mean_radius;
+    let reach = 2.0 * Acceptance::MAX_TRAVEL * bodies.mean_radius;
     let near = unlisted_pairs(&bodies, &candidates, &contacts, &start, reach);
     let touched = |wall: u32| history.0.0.iter().any(|m| m.b == wall && m.p > 0.0);
     let coming = bodies.walls.iter().filter(|w| travel(w) > 0.0);

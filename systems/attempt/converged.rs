@@ -3,7 +3,7 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, Effort, Mode, Verdict};
-use clastic_components::contact::Bodies;
+use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::findings::{BestUnconverged, Centre, Unconverged};
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
 use clastic_cone::program::{Certificate, ConeProgram, ConeSolution, SolveStatus};
@@ -11,12 +11,12 @@ use clastic_cone::program::{Certificate, ConeProgram, ConeSolution, SolveStatus}
 use super::places::{moves_most, near, worst_place};
 use crate::assemble_program::regularise::max_moves;
 use crate::assemble_program::scales::MAX_MOTION;
-use crate::mean_field::thrown;
+use crate::turns::too_far;
 use clastic_cone::certificate::{certificate, proves};
 use clastic_cone::residuals::{displacement_scale, regularised_residuals};
 
 /// Accepts solved programs and proven collapses, moves the centre of the regularisation until its
-/// bias vanishes, and rejects all else. A bias together with a throw is left to
+/// bias vanishes, and rejects all else. A bias together with a far turn is left to
 /// [`closed_pairs`](super::closed_pairs) and [`too_far`](super::too_far), one of which rejects it.
 pub fn judge(
     program: Res<ConeProgram>,
@@ -24,6 +24,7 @@ pub fn judge(
     acceptance: Res<Acceptance>,
     analysis: Res<Analysis>,
     bodies: Res<Bodies>,
+    contacts: Res<Contacts>,
     mut centre: ResMut<Centre>,
     mut best: ResMut<BestUnconverged>,
     mut attempt: ResMut<Attempt>,
@@ -52,7 +53,7 @@ pub fn judge(
         },
         SolveStatus::Locked => Verdict::Locked,
         SolveStatus::Stalled if seeks_equilibrium && is_biased(&program, solution, &acceptance) => {
-            if is_static && thrown(&bodies, &program, solution, &acceptance).is_some() {
+            if is_static && too_far(&bodies, &contacts, &program, solution, &acceptance).is_some() {
                 // A grain that lacks support does not find it where the centre goes.
                 Verdict::Sound
             } else if centre.moves < max_moves(&acceptance) {

@@ -30,7 +30,7 @@ use clastic_cone::program::{ConeProgram, ConeSolution, SolveStatus};
 
 use super::places::{digits, moves_most, near};
 use crate::kinetic_damping;
-use crate::mean_field::{furthest, mean_strain};
+use crate::mean_field::furthest;
 use crate::motion_settings::MotionSettings;
 use crate::rupture_bonds::{BuiltInRule, Met, find_ruptures, most_yielding, release};
 use crate::update_state::remembered;
@@ -153,7 +153,6 @@ pub fn judge_rest(
     mut attempt: ResMut<Attempt>,
 ) {
     let far = furthest(&bodies, &program, &solution).map_or(0.0, |(_, far)| far);
-    let strain = attempt.motion_strain + mean_strain(&bodies, &program, &solution);
     let Some(motion) = attempt.motion() else { return };
     let last = || {
         moves_most(&bodies, &program, &solution.displacements)
@@ -165,16 +164,8 @@ pub fn judge_rest(
         || (is_free && motion.free_steps + 1 >= settings.max_free_steps);
     let travelled = motion.travelled + far;
     // The step that makes the imposed motions moves bodies, if only those.
-    let moved = !attempt.is_driven || travelled > settings.min_travel * acceptance.throw;
-    attempt.verdict = if attempt.bounded && strain > settings.max_strain * acceptance.snap {
-        Verdict::GivesWay(format!(
-            "the motion under constant loads strains the specimen by {:.0} % and does \
-             not come to rest{}; the threshold is {} times `acceptance.snap`",
-            100.0 * strain,
-            last(),
-            settings.max_strain,
-        ))
-    } else if at_rest {
+    let moved = !attempt.is_driven || travelled > settings.min_travel * acceptance.turn;
+    attempt.verdict = if at_rest {
         Verdict::AtRest { moved }
     } else if travelled > settings.travel_to_rest {
         Verdict::GivesWay(format!(
@@ -214,14 +205,12 @@ pub fn take_step(world: &mut World) {
     let (bodies, program) = (world.resource::<Bodies>(), world.resource::<ConeProgram>());
     let solution = world.resource::<ConeSolution>();
     let far = furthest(bodies, program, solution).map_or(0.0, |(_, far)| far);
-    let strain = mean_strain(bodies, program, solution);
     let displacements = solution.displacements.clone();
     move_tables(world);
     forget_pairs(world);
     let settings = *world.resource::<MotionSettings>();
     let mut attempt = world.resource_mut::<Attempt>();
     count_step(&mut attempt);
-    attempt.motion_strain += strain;
     attempt.is_driven |= attempt.motion().is_some_and(|motion| !motion.released);
     if let Mode::Motion(motion) = &mut attempt.mode {
         kinetic_damping::carry_on(motion, &displacements, far, &settings);

@@ -4,16 +4,16 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, Verdict};
-use clastic_components::contact::Bodies;
+use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::findings::{Bearing, Restraints};
 use clastic_components::increment::Acceptance;
 use clastic_cone::program::{Certificate, ConeProgram, ConeSolution, Interaction};
 
 use crate::assemble_program::regularise::find_loaded;
 use crate::assemble_program::taut;
-use crate::mean_field::far_motions;
+use crate::turns::turns;
 
-/// Bodies that move further than this fraction of the accepted throw, or of the maximum motion of a
+/// Bodies that move further than this fraction of the accepted turn, or of the maximum motion of a
 /// mechanism, take part in it.
 const TAKES_PART: f64 = 0.1;
 
@@ -48,15 +48,13 @@ pub fn judge(
 /// Adds the restraints that a solution with thrown grains shows. Returns whether any of them
 /// changes the program. With `all_regularised` another regularised grain does not.
 pub fn restrain(
-    bodies: &Bodies,
-    program: &ConeProgram,
-    solution: &ConeSolution,
+    (bodies, contacts, program, solution): (&Bodies, &Contacts, &ConeProgram, &ConeSolution),
     acceptance: &Acceptance,
     restraints: &mut Restraints,
     all_regularised: bool,
 ) -> bool {
-    let motions = far_motions(bodies, program, solution);
-    let far = |i: usize| motions[i] > TAKES_PART * acceptance.throw;
+    let turns = turns(bodies, contacts, program, solution);
+    let far = |i: usize| turns[i] > TAKES_PART * acceptance.turn;
     let unloaded = !all_regularised && hold_unloaded(bodies, program, solution, restraints, far);
     let swinging = pull_back(bodies, program, restraints, far);
     unloaded || swinging

@@ -1,10 +1,7 @@
 //! From attempt to attempt: the tables of an increment, and what the next action does to them.
 
 use bevy_ecs::prelude::*;
-use glam::DVec2;
-
 use clastic_components::attempt::{Attempt, IncrementStatus, Mode, Verdict};
-use clastic_components::body::Ramp;
 use clastic_components::contact::Bodies;
 use clastic_components::contact_history::DraftHistory;
 use clastic_components::energy::MotionEnergies;
@@ -12,7 +9,6 @@ use clastic_components::findings::{
     AddedPairs, BestUnconverged, EventSearch, Restraints, Ruptures, Sliding,
 };
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
-use clastic_components::loads::TrialLoads;
 use clastic_cone::program::ConeSolution;
 
 use super::next::{Budget, Next, next};
@@ -93,8 +89,7 @@ fn act(world: &mut World, next: Next, start: &mut Option<Start>) {
         }
         Next::Repeat => {
             put_back(world, start.as_ref());
-            let mut attempt = world.resource_mut::<Attempt>();
-            attempt.motion_strain = 0.0;
+            let attempt = world.resource::<Attempt>();
             let is_released = attempt.motion().is_some_and(|motion| motion.released);
             open_trial(world);
             motion::begin(world, is_released, true);
@@ -160,7 +155,6 @@ fn undo(world: &mut World, start: Option<Start>) {
     seek_equilibrium(world);
     world.insert_resource(Ruptures::default());
     let mut attempt = world.resource_mut::<Attempt>();
-    attempt.motion_strain = 0.0;
     attempt.motions = 0;
 }
 
@@ -183,8 +177,6 @@ fn begin_increment(world: &mut World) {
     progress.fraction = if progress.relaxing { 0.0 } else { progress.tried };
     events::begin(world);
     open_trial(world);
-    let bounded = carries_loads(world);
-    world.resource_mut::<Attempt>().bounded = bounded;
 }
 
 /// Options that the increment still has.
@@ -254,16 +246,4 @@ fn end_increment(world: &mut World, status: IncrementStatus, start: Option<&Star
         world.resource_mut::<ConeSolution>().residuals = best.residuals;
     }
     world.resource_mut::<Attempt>().status = status;
-}
-
-/// Whether loads, and not only imposed motions of walls, act on a specimen that carries forces
-/// already. A specimen without forces may reach its first support over any distance.
-fn carries_loads(world: &World) -> bool {
-    let bodies = world.resource::<Bodies>();
-    let acts = |ramp: &Ramp| ramp.from != 0.0 || ramp.to != 0.0;
-    world.resource::<DraftHistory>().0.0.iter().any(|m| m.p != 0.0)
-        && (world.resource::<Analysis>().gravity != DVec2::ZERO
-            || !world.resource::<TrialLoads>().is_empty()
-            || bodies.walls.iter().any(|w| w.drive.load().as_ref().is_some_and(acts))
-            || bodies.loads.iter().flatten().any(acts))
 }

@@ -3,7 +3,7 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, Mode};
-use clastic_components::contact::Bodies;
+use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::findings::Sliding;
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, FrictionLaw};
 use clastic_cone::coulomb::{Coulomb, Goal};
@@ -11,7 +11,7 @@ use clastic_cone::program::{ConeProgram, ConeSolution, SolveStatus};
 use clastic_cone::residuals;
 
 use super::Solver;
-use crate::mean_field::thrown;
+use crate::turns::too_far;
 
 /// Number of failed solves after which the other solves of the increment are quick.
 const MAX_FAILURES: u32 = 4;
@@ -67,6 +67,7 @@ pub fn solve_sliding(
     acceptance: Res<Acceptance>,
     analysis: Res<Analysis>,
     bodies: Res<Bodies>,
+    contacts: Res<Contacts>,
     associated: Res<Solver>,
     mut solver: ResMut<SlidingSolver>,
     program: Res<ConeProgram>,
@@ -81,9 +82,9 @@ pub fn solve_sliding(
         return;
     }
     let moves = attempt.motion().is_some();
-    // A throw is rejected in any case.
+    // A solution that goes too far is rejected in any case.
     let is_static = analysis.kind == AnalysisKind::Static;
-    if is_static && thrown(&bodies, &program, &solution, &acceptance).is_some() {
+    if is_static && too_far(&bodies, &contacts, &program, &solution, &acceptance).is_some() {
         return;
     }
     let enough = acceptance.residual.max(solution.tolerance);

@@ -17,7 +17,7 @@ use crate::resumed::{COULOMB, assert_same_files, copy, load, parse, resume, run}
 fn an_undecided_run_goes_on_with_other_settings() {
     // Grains move further than the limit of this scene allows, and no wall drives them.
     let sets = [
-        "acceptance.throw=1e-5",
+        "acceptance.turn=1e-5",
         "stages.confine.increments=2",
         "stages.load.increments=11",
         "stages.load.walls.top[1]=-0.2e-3",
@@ -42,7 +42,7 @@ fn an_undecided_run_goes_on_with_other_settings() {
     assert_same_files(&again, &expected, "resumed as it was");
 
     // With others it goes on to the end. The failed row is gone and the record says what happened.
-    let (outcome, state) = resume(&stalled, &["acceptance.throw=0.3"]);
+    let (outcome, state) = resume(&stalled, &["acceptance.turn=0.2"]);
     assert_eq!(outcome, Outcome::Completed);
     let last: Observation = state.get("observation").unwrap();
     assert!(last.increment >= failed.increment);
@@ -52,11 +52,11 @@ fn an_undecided_run_goes_on_with_other_settings() {
     let record = fs::read_to_string(stalled.join(directory::RUN)).unwrap();
     let record: serde_json::Value = serde_json::from_str(&record).unwrap();
     assert_eq!(record["resumed"][0]["after_increment"], failed.increment - 1);
-    assert_eq!(record["resumed"][0]["settings"][0], "acceptance.throw=0.3");
-    assert_eq!(record["settings"]["acceptance"]["throw"], 0.3);
+    assert_eq!(record["resumed"][0]["settings"][0], "acceptance.turn=0.2");
+    assert_eq!(record["settings"]["acceptance"]["turn"], 0.2);
     assert_eq!(record["increments"], last.increment);
     let scene = fs::read_to_string(stalled.join(directory::SCENE)).unwrap();
-    assert!(scene.contains("throw: 0.3"), "{scene}");
+    assert!(scene.contains("turn: 0.2"), "{scene}");
 }
 
 /// The state of [`COULOMB`] after some increments, and its scene.
@@ -84,7 +84,7 @@ fn what_may_change_depends_on_how_far_the_run_has_come() {
             .join("\n")
     };
     for free in [
-        "acceptance.throw=0.5",
+        "acceptance.turn=0.5",
         "solver=Clarabel()",
         "friction_law=Associated",
         "rupture.order=Events",

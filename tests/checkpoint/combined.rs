@@ -75,7 +75,7 @@ fn halved_increments_with_events_and_a_wall_on_a_table() {
             "rupture.order=Events",
             "rupture.density=30.0",
             "rupture.brittleness=0.0",
-            "acceptance.throw=0.007",
+            "acceptance.turn=0.007",
             "stages.confine.increments=2",
             "stages.load.increments=4",
             "stages.load.stop=[]",

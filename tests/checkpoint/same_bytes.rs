@@ -240,7 +240,7 @@ fn before_motions_that_ruptures_release() {
 fn biaxial_test_whose_motion_is_followed_and_whose_increments_are_halved() {
     // A limit of throw that grains reach in many increments.
     let sets = [
-        "acceptance.throw=0.01",
+        "acceptance.turn=0.01",
         "stages.confine.increments=2",
         "stages.load.increments=11",
         "stages.load.walls.top[1]=-0.2e-3",

@@ -275,7 +275,7 @@ fn a_small_throw_is_followed_by_small_motions() {
     for throw in [0.005, 0.003] {
         let mut loaded = common::load_with_specimen("biaxial_small");
         loaded.scene.rupture.order = RuptureOrder::Events;
-        loaded.scene.acceptance.throw = throw;
+        loaded.scene.acceptance.turn = throw;
         common::stage(&mut loaded.scene, "load").increments = 11;
         let mut simulation = Simulation::new(&loaded.scene, loaded.specimen.as_ref());
         let records: Vec<_> = std::iter::from_fn(|| common::next(&mut simulation)).collect();

@@ -69,7 +69,7 @@ fn elastic_specimen_under_stress_collapses_near_its_peak() {
 
 #[test]
 fn stress_on_a_wall_is_exact_where_grains_settle() {
-    let settings = ["acceptance.throw=0.05", "stages.load.increments=60"];
+    let settings = ["acceptance.turn=0.05", "stages.load.increments=60"];
     let (records, _) = run("biaxial_small.ron", &settings);
     let load = || records.iter().filter(|o| o.stage == "load");
     assert!(load().any(|o| o.motion_steps > 0), "no motion was followed");

@@ -3,13 +3,13 @@
 
 use bevy_ecs::prelude::*;
 use clastic::components::attempt::Attempt;
-use clastic::components::contact::Bodies;
+use clastic::components::contact::{Bodies, Contacts};
 use clastic::components::contact_history::ContactHistory;
 use clastic::components::findings::AddedPairs;
 use clastic::cone::program::{ConeProgram, ConeSolution};
 use clastic::prelude::*;
-use clastic::systems::mean_field::furthest;
 use clastic::systems::schedule::{AttemptIncrement, AttemptSystems};
+use clastic::systems::turns::furthest;
 
 use crate::common::{self, parse, step};
 use crate::followed_motion::confinement;
@@ -17,7 +17,7 @@ use crate::followed_motion::confinement;
 /// Counts of the attempts at a confinement.
 #[derive(Resource, Default)]
 struct Throws {
-    /// Solutions that moved a grain by more than ten radii while an equilibrium was sought.
+    /// Solutions that turned a contact by more than 5 rad while an equilibrium was sought.
     seen: u32,
     /// Number of added pairs before the solution at hand.
     added: usize,
@@ -26,6 +26,7 @@ struct Throws {
 /// After the judges: neither such a solution nor the beginning of a motion leaves more pairs.
 fn watch_throws(
     bodies: Res<Bodies>,
+    contacts: Res<Contacts>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
     pairs: Res<AddedPairs>,
@@ -33,11 +34,11 @@ fn watch_throws(
     mut throws: ResMut<Throws>,
 ) {
     let before = std::mem::replace(&mut throws.added, pairs.0.len());
-    let far = furthest(&bodies, &program, &solution).map_or(0.0, |(_, far)| far);
+    let far = furthest(&bodies, &contacts, &program, &solution).map_or(0.0, |(_, turn)| turn);
     // The mechanism of a collapse shows pairs near by.
-    if attempt.effort().is_some() && solution.certificate.is_none() && far > 10.0 {
+    if attempt.effort().is_some() && solution.certificate.is_none() && far > 5.0 {
         throws.seen += 1;
-        assert!(pairs.0.len() <= before, "a throw by {far} radii adds {} pairs", pairs.0.len());
+        assert!(pairs.0.len() <= before, "a turn by {far} rad adds {} pairs", pairs.0.len());
     }
     // Pairs of the step itself are within its reach.
     if attempt.motion().is_some() {

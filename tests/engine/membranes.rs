@@ -293,7 +293,7 @@ fn biaxial(change: impl Fn(&mut clastic::scene::format::Scene)) -> (Seen, usize,
 fn loads_are_fresh_in_followed_motions_and_halved_increments() {
     // A limit of throw that grains meet all the time.
     let (seen, ..) = biaxial(|scene| {
-        scene.acceptance.throw = 0.01;
+        scene.acceptance.turn = 0.01;
         stage(scene, "load").increments = 24;
         stage(scene, "load").stop.clear();
     });

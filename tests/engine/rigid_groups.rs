@@ -440,7 +440,7 @@ fn motions_are_followed_with_a_group_in_the_specimen() {
     for law in LAWS {
         let mut rig = parse(&format!(
             "(version: 1, title: \"cap\", gravity: (0.0, -9.81), output: (energy: true),
-              acceptance: (throw: 0.01),
+              acceptance: (turn: 0.01),
               materials: {{ \"m\": (density: 2000.0, contact: ({elastic})) }},
               specimen: Packing(count: 60, columns: 6, spacing: 10.0e-3, origin: (1.0e-3, 0.0),
                 sizes: Uniform(radius: (3.0e-3, 5.0e-3)), seed: 3),

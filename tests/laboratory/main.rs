@@ -95,7 +95,7 @@ fn an_undecided_increment_of_coulombs_law_has_a_place_and_remedies_that_help() {
     for what in ["worst at particle", "near (", "an `acceptance.residual` above", "Associated"] {
         assert!(message.contains(what), "no `{what}` in: {message}");
     }
-    assert!(!message.contains("`acceptance.throw`"), "{message}");
+    assert!(!message.contains("`acceptance.turn`"), "{message}");
     let mut greater = scene.clone();
     greater.acceptance.residual = 2e-4;
     let mut associated = scene;

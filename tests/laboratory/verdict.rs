@@ -81,7 +81,7 @@ pub fn check_collapse(simulation: &mut Simulation) -> Result<bool, String> {
     let program = world.resource::<ConeProgram>();
     certificate::check(program, &proof.mechanism)?;
     // Pairs that close within this motion must be in the program (section 9).
-    let reach = 2.0 * world.resource::<Acceptance>().throw * program.scales.length;
+    let reach = 2.0 * Acceptance::MAX_TRAVEL * program.scales.length;
     certificate::check_absent_pairs(simulation, &proof.mechanism, reach)?;
     Ok(true)
 }

@@ -16,8 +16,7 @@ fn random_rigs_are_solved_or_say_why_not() {
 /// The scene with a rig about it. The choices of the scene are kept.
 fn with_rig(mut scene: Scene, seed: u64) -> Scene {
     let r = &mut Random::new(!seed);
-    scene.acceptance.throw = r.pick(&[0.05, 0.3, 0.3, 3.0]);
-    scene.acceptance.snap = r.pick(&[0.002, 0.02, 0.2]);
+    scene.acceptance.turn = r.pick(&[0.05, 0.3, 0.3, 3.0]);
     for wall in &mut scene.walls {
         let stiffness = r.decades(1e5, 1e9);
         wall.bond = r.maybe(0.3, |r| bond(r, stiffness));

@@ -18,11 +18,10 @@ use crate::random_scenes::{random_scene, text};
 type Change = fn(&mut Scene, usize);
 
 /// Names of the changes. Each gets the scene and the index of the stage that was undecided.
-const REMEDIES: [(&str, Change); 10] = [
+const REMEDIES: [(&str, Change); 9] = [
     ("residual 1e-6", |scene, _| scene.acceptance.residual = 1e-6),
     ("halvings 12", |scene, _| scene.acceptance.halvings = 12),
-    ("throw 1", |scene, _| scene.acceptance.throw = 1.0),
-    ("snap 0.2", |scene, _| scene.acceptance.snap = 0.2),
+    ("turn 1", |scene, _| scene.acceptance.turn = 1.0),
     ("ten times the increments", |scene, stage| each_load(scene, stage, finer)),
     ("associated law", |scene, _| scene.friction_law = FrictionLaw::Associated),
     ("stiffness", |scene, _| stiffen(scene)),
@@ -118,7 +117,7 @@ fn finding(message: &str, stage: &Stage) -> &'static str {
         ("locked", "locked"),
         ("Coulomb's law", "no solution of Coulomb's law"),
         ("no body moves", "thrown, but a motion moves nothing"),
-        ("would be thrown", "thrown"),
+        ("turns the contacts", "turned too far"),
         ("strains the specimen", "strained"),
         ("no solution was found", "no solution"),
         ("cannot prove", "a collapse without proof"),

@@ -207,65 +207,6 @@ fn rigid_bodies_that_lock_are_named_with_remedies_that_help() {
     }
 }
 
-/// Sixteen elastic disks under a lid. Twice the stress strains them by 1 %.
-fn doubled_stress(snap: f64) -> String {
-    let disk = |k: u32| {
-        let place = |k: u32| 5.0e-3 * f64::from(2 * k + 1);
-        format!("(position: ({:?}, {:?}), radius: 5.0e-3),", place(k % 4), place(k / 4))
-    };
-    let wall = |name: &str, from: [f64; 2], to: [f64; 2]| {
-        format!(
-            "(name: \"{name}\", start: ({:?}, {:?}), end: ({:?}, {:?}), \
-             contact: (normal_stiffness: 1.0e7)),",
-            from[0], from[1], to[0], to[1]
-        )
-    };
-    let walls = [
-        wall("bottom", [0.0, 0.0], [0.04, 0.0]),
-        wall("lid", [0.04, 0.04], [0.0, 0.04]),
-        wall("left", [0.0, 0.04], [0.0, 0.0]),
-        wall("right", [0.04, 0.0], [0.04, 0.04]),
-    ];
-    let load = |name: &str, stress: f64| {
-        let lid = format!("\"lid\": Stress(stress: {stress:?})");
-        format!("Load(name: \"{name}\", increments: 1, walls: {{ {lid} }}),")
-    };
-    format!(
-        "(
-            version: 1,
-            title: \"a stress that doubles\",
-            acceptance: (snap: {snap:?}, halvings: 0),
-            materials: {{ \"steel\": (contact: (normal_stiffness: 1.0e7)) }},
-            specimen: Particles([{}]),
-            walls: [{}],
-            stages: [{}{}],
-        )",
-        (0..16).map(disk).collect::<String>(),
-        walls.concat(),
-        load("press", 100.0e3),
-        load("double", 200.0e3)
-    )
-}
-
-/// The message on a strain above `snap` named no body, and its remedy did not name `snap`.
-#[test]
-fn an_undecided_snap_names_a_body_its_place_and_a_remedy_that_helps() {
-    let directory = tempfile::tempdir().unwrap();
-    let scene = directory.path().join("snap.ron");
-    let path = scene.to_str().unwrap();
-    fs::write(&scene, doubled_stress(0.005)).unwrap();
-    let (undecided, _out) = run(path, &[]);
-    let said = stderr(&undecided.code(4));
-    for what in [
-        "strains the specimen by 1.0 % and moves wall `lid` near (2.0000e-2, 3.9",
-        "try: a greater `acceptance.snap`",
-    ] {
-        assert!(said.contains(what), "no `{what}` in\n{said}");
-    }
-    let (done, _out) = run(path, &["--set", "acceptance.snap=0.02"]);
-    done.code(0);
-}
-
 #[test]
 fn a_stall_for_want_of_digits_says_so() {
     let (stalled, _out) = run("lattice", &["--set", "acceptance.residual=1e-25"]);

@@ -90,7 +90,7 @@ pub(in crate::scene) fn unit_of(name: &str, around: Option<&'static str>) -> Opt
         "force" | "Force" => "N",
         "moment" => "N m",
         "theta" | "friction" | "rolling_friction" | "restitution" | "tolerance" | "residual"
-        | "throw" | "deviation" | "accuracy" | "agitation" | "affine" | "Porosity"
+        | "turn" | "deviation" | "accuracy" | "agitation" | "affine" | "Porosity"
         | "StressDrop" => "",
         // Lengths and areas share this name of a variant.
         "Fixed" => return around,

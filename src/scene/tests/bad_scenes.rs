@@ -242,9 +242,9 @@ fn settings() {
         ),
         (
             VERSION,
-            "version: 1, acceptance: (residual: 0.0, throw: -1.0, halvings: 99)",
+            "version: 1, acceptance: (residual: 0.0, turn: -1.0, halvings: 99)",
             "2:40: acceptance.residual: zero (0.0); give a residual above 0 and up to 1e-2
-2:52: acceptance.throw: negative (-1.0); give a number of radii greater than 0
+2:51: acceptance.turn: negative (-1.0); give an angle in rad greater than 0
 2:68: acceptance.halvings: out of range (99); give a number up to 30",
         ),
         (

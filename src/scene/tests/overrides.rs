@@ -41,8 +41,8 @@ fn later_settings_see_earlier_ones() {
 
 #[test]
 fn an_absent_field_is_inserted_with_what_is_around_it() {
-    let loaded = read(SMALL, &["acceptance.throw=0.1", "walls.top.contact.friction=0.3"]).unwrap();
-    assert_eq!(loaded.scene.acceptance.throw, 0.1);
+    let loaded = read(SMALL, &["acceptance.turn=0.1", "walls.top.contact.friction=0.3"]).unwrap();
+    assert_eq!(loaded.scene.acceptance.turn, 0.1);
     assert_eq!(loaded.scene.walls[1].contact.friction, 0.3);
 }
 

@@ -14,7 +14,7 @@ Scene(
     friction_law: Coulomb(factorisations: 20),
     rupture: (rolling: Yields, order: OneRound, density: 5.0),
     solver: Clarabel(tolerance: 1e-11, max_iterations: 100),
-    acceptance: (residual: 1e-8, throw: 0.3, halvings: 6),
+    acceptance: (residual: 1e-8, turn: 0.2, halvings: 6),
     materials: {
         "grain": Material(
             density: 2_650.0,

@@ -55,8 +55,7 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
     let acceptance = scene.acceptance;
     let what = "a residual above 0 and up to 1e-2";
     findings.number(format_args!("acceptance.residual"), acceptance.residual, allowed, what);
-    findings.positive(format_args!("acceptance.throw"), acceptance.throw, "a number of radii");
-    findings.positive(format_args!("acceptance.snap"), acceptance.snap, "a strain");
+    findings.positive(format_args!("acceptance.turn"), acceptance.turn, "an angle in rad");
     if acceptance.halvings > MOST_HALVINGS {
         let message = format!("out of range ({})", acceptance.halvings);
         let help = format!("give a number up to {MOST_HALVINGS}");

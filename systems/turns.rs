@@ -1,0 +1,122 @@
+//! How far a solution turns contacts: the measure of whether its constant normals are valid.
+//!
+//! A program has the normals of its start. An error arises where the normal of a contact that
+//! carries load, or of a bond, turns on the way. A specimen that moves, bends or strains as a whole
+//! turns none of them by more than its neighbours' relative motion says, so that its size and shape
+//! do not count. With x the way between two centres and t the tangent of their contact, it turns by
+//!
+//! ```text
+//! |t . (u_b - u_a)| / |x|                              rad
+//! ```
+//!
+//! At a wall the normal turns with the wall.
+
+use clastic_components::body::Drive;
+use clastic_components::contact::{Bodies, Contact, Contacts};
+use clastic_components::increment::Acceptance;
+use clastic_cone::program::{ConeProgram, ConeSolution};
+use glam::DVec2;
+
+/// Minimum force of a contact that carries load, over the maximum force.
+const LOADED: f64 = 1e-3;
+/// A solution that turns a contact further than this, rad, moves its grains without support. Such a
+/// solution is never accepted, and the grains would cross thousands of others on their way.
+const UNSUPPORTED: f64 = 5.0;
+
+/// The grain with the maximum turn, and this turn, rad.
+#[must_use]
+pub fn furthest(
+    bodies: &Bodies,
+    contacts: &Contacts,
+    program: &ConeProgram,
+    solution: &ConeSolution,
+) -> Option<(usize, f64)> {
+    let turns = turns(bodies, contacts, program, solution);
+    turns.into_iter().enumerate().max_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// The grain with the maximum turn, if it exceeds [`Acceptance::turn`], and this turn, rad.
+#[must_use]
+pub fn too_far(
+    bodies: &Bodies,
+    contacts: &Contacts,
+    program: &ConeProgram,
+    solution: &ConeSolution,
+    acceptance: &Acceptance,
+) -> Option<(usize, f64)> {
+    furthest(bodies, contacts, program, solution).filter(|(_, turn)| !(*turn <= acceptance.turn))
+}
+
+/// Whether a solution moves grains so far that they lack support.
+#[must_use]
+pub fn is_unsupported(
+    bodies: &Bodies,
+    contacts: &Contacts,
+    program: &ConeProgram,
+    solution: &ConeSolution,
+) -> bool {
+    solution.displacements.len() == bodies.rows_in_program()
+        && furthest(bodies, contacts, program, solution).is_some_and(|(_, turn)| turn > UNSUPPORTED)
+}
+
+/// By grain, the maximum turn of its bonds and of its contacts that carry load, rad. A grain without
+/// any has the minimum turn of its pairs, since it may lie on any of them, and a grain without pairs
+/// or with an imposed motion has none. A member of a rigid group turns by at least as much as the
+/// group.
+#[must_use]
+pub fn turns(
+    bodies: &Bodies,
+    contacts: &Contacts,
+    program: &ConeProgram,
+    solution: &ConeSolution,
+) -> Vec<f64> {
+    let n = bodies.particles;
+    let u = &solution.displacements;
+    let maximum = solution.forces.iter().map(|f| f[0].hypot(f[1])).fold(0.0, f64::max);
+    let mut loaded = vec![None::<f64>; n];
+    let mut nearest = vec![f64::INFINITY; n];
+    for (k, contact) in contacts.0.iter().enumerate() {
+        let turn = turn(bodies, program, u, contact);
+        let force = solution.forces.get(k).map_or(0.0, |f| f[0].hypot(f[1]));
+        let carries = contact.bond.is_some() || force > LOADED * maximum;
+        for i in [contact.a as usize, contact.b as usize].into_iter().filter(|i| *i < n) {
+            if carries {
+                loaded[i] = Some(loaded[i].map_or(turn, |other| other.max(turn)));
+            }
+            nearest[i] = nearest[i].min(turn);
+        }
+    }
+    let imposes = |d: &Drive| matches!(d, Drive::Imposed(_));
+    let of_grain = |i: usize| {
+        let group = bodies.group(i);
+        if bodies.drives[i][..2].iter().any(imposes)
+            || group.is_some_and(|group| group.drives.iter().any(imposes))
+        {
+            return 0.0;
+        }
+        let of_group = group.map_or(0.0, |group| u[group.body as usize][2].abs());
+        let of_pairs = loaded[i].unwrap_or(nearest[i]);
+        of_group.max(if of_pairs.is_finite() { of_pairs } else { 0.0 })
+    };
+    (0..n).map(of_grain).collect()
+}
+
+/// Angle by which a solution turns the normal of a contact, to first order, rad.
+fn turn(bodies: &Bodies, program: &ConeProgram, u: &[[f64; 3]], contact: &Contact) -> f64 {
+    let [a, b] = [contact.a as usize, contact.b as usize];
+    if b >= bodies.particles {
+        return u[b][2].abs();
+    }
+    let moved = |i: usize| {
+        let u = program.bodies[i].to_global(u[i]);
+        DVec2::new(u[0], u[1])
+    };
+    let way = bodies.way(a, b);
+    let mut relative = moved(b) - moved(a);
+    if let (Some(cell), Some(of_program)) = (&bodies.cell, &program.cell) {
+        let row = of_program.body as usize;
+        let image = bodies.shift(a, b) / cell.length();
+        relative += of_program.shift(image, program.bodies[row].to_global(u[row]));
+    }
+    (contact.normal.perp().dot(relative) / way.length()).abs()
+}
