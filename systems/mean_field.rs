@@ -39,7 +39,7 @@ pub fn thrown(
 }
 
 /// Whether a solution moves a grain so far that the grain lacks support. It ends where no accepted
-/// solution can: such a grain crosses thousands of others, and other scales do not help.
+/// solution can: such a grain crosses thousands of others.
 #[must_use]
 pub fn is_unsupported(bodies: &Bodies, program: &ConeProgram, solution: &ConeSolution) -> bool {
     solution.displacements.len() == bodies.rows_in_program()
