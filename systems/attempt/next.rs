@@ -41,7 +41,7 @@ pub enum Next {
     Halve,
     /// Restore the tables and let the bonds of this increment break in one round at its end.
     OneRound,
-    /// Restore the tables and seek a mechanism that proves the collapse.
+    /// Restore the tables and solve for a mechanism that proves the collapse.
     Prove,
     /// End the increment.
     End(IncrementStatus),
@@ -79,7 +79,7 @@ fn after_equilibrium(effort: Effort, verdict: &Verdict, budget: Budget) -> Next 
             Effort::Regularised => lost(),
         },
         Verdict::TooFar(_) | Verdict::Released => lost(),
-        // `Locked` is not tried again: other scales do not make rigid bodies movable.
+        // `Locked` is not tried again: regularisation does not make rigid bodies movable.
         _ => smaller(budget),
     }
 }

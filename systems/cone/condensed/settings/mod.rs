@@ -5,7 +5,7 @@
 //! constants beside the code that uses them.
 //!
 //! `docs/decisions/001-solver-settings.md` has the solves that fail, the iterations and the
-//! differences of solutions with half and with double of every field. A field without evidence of
+//! differences of solutions with half and with double of the fields. A field without evidence of
 //! its own refers to that table.
 
 mod interior;
@@ -20,8 +20,8 @@ use crate::polish::PolishSettings;
 /// Tolerance of increments by default (`acceptance.residual` of a scene).
 const DEFAULT_RESIDUAL: f64 = 1e-8;
 
-/// Settings of the condensed solver. serde reads and writes the fields that a scene may have: all
-/// numbers except the safety factor.
+/// Settings of the condensed solver. serde reads and writes the numbers of the solver as a whole,
+/// except the safety factor.
 #[non_exhaustive]
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
