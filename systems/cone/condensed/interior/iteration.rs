@@ -22,6 +22,9 @@ const MAX_REFINEMENTS: usize = 8;
 /// Maximum step of tau over tau. At the end of a solve the gap is round-off, and tau must not run
 /// away with it.
 const MAX_GROWTH: f64 = 1.0;
+/// Maximum sum of the products after a step, over that before it. A step that is right to first
+/// order only lets the products fall; where second-order terms dominate, the step is too long.
+const MAX_PRODUCTS: f64 = 10.0;
 /// Part of tau below which the proximal weight falls no further.
 const MIN_TAU: f64 = 1e-12;
 
@@ -352,6 +355,7 @@ impl<'a> Iteration<'a> {
         if self.is_embedded {
             ahead.add(1.0, self.k, rho, dk);
         }
+        ahead.bound_growth(MAX_PRODUCTS);
         self.make_step(ahead.length, rho, dk)
     }
 
