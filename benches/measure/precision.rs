@@ -245,7 +245,11 @@ fn measure(problem: &Captured, extent: Extent) -> (Vec<Point>, Errors) {
                 tolerance,
                 seconds,
                 errors: found.unique(&floor, UNIQUE),
-                cells: vec![solution.iterations.into(), solution.message.clone().into(), residual.into()],
+                cells: vec![
+                    solution.iterations.into(),
+                    solution.message.clone().into(),
+                    residual.into(),
+                ],
             });
         }
     }

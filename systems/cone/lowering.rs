@@ -213,8 +213,7 @@ pub(super) fn polish(
         right: &low.right,
         equalities: low.balance_rows,
     };
-    let worst =
-        |s: &ConeSolution| regularised_residuals(program, s).worst();
+    let worst = |s: &ConeSolution| regularised_residuals(program, s).worst();
     let mut best = worst(solution);
     let goal = polished(low, settings);
     // A small program is polished even if its residual is small: where a gap just closes, slack and
