@@ -74,13 +74,16 @@ pub fn of_condensed() -> Vec<Field<CondensedSettings>> {
         local.newton.line_search.min_bracket,
         interior.max_iterations, interior.max_start_force, interior.start,
         interior.max_start_compliance, interior.proximal, interior.min_proximal,
-        interior.min_compliance, interior.refined, interior.product_weight, interior.min_force,
+        interior.refined, interior.product_weight, interior.min_force,
         interior.near, interior.slow, interior.patience, interior.progress,
         warm.sweeps, warm.full_sweep_every, warm.max_gap, warm.product, warm.max_returns,
         sleep.max_residual,
         polish.max_passes, polish.residual, polish.large_residual, polish.large,
         polish.small_residual, polish.regularisation, polish.max_refinements, polish.progress,
     ];
+    fields.push(("interior.min_compliance", |s, factor| {
+        s.interior.min_compliance.iter_mut().for_each(|value| *value *= factor);
+    }));
     fields.push(("interior.step", |s, factor| scale_rest(&mut s.interior.step, factor)));
     fields.push(("local.fast_quantile", |s, factor| {
         scale_rest(std::slice::from_mut(&mut s.local.fast_quantile), factor);

@@ -10,7 +10,8 @@ use clastic::components::bond::RuptureMode;
 use clastic::components::contact::{Bodies, Contacts};
 use clastic::components::increment::{Acceptance, RollingLimit, RuptureRules};
 use clastic::components::observation::Observation;
-use clastic::cone::program::ConeSolution;
+use clastic::cone::program::{ConeProgram, ConeSolution};
+use clastic::cone::residuals::force_scale;
 use clastic::run::{Outcome, Simulation, Step};
 use clastic::scene::format::{CompactTarget, Load, Motion, Stage, WallControl};
 use clastic::systems::measures::stress::average_stress;
@@ -233,7 +234,7 @@ fn walls_carry_their_stress_exactly_and_the_specimen_carries_that_of_the_walls()
             // The average stress of bodies with out-of-balance forces r is off by the sum of r x
             // over the area. Round-off alone is some 1e-14 of the maximum force.
             let forces = &world.resource::<ConeSolution>().forces;
-            let maximum = forces.iter().map(|f| f[0].abs().max(f[1].abs())).fold(0.0, f64::max);
+            let maximum = force_scale(world.resource::<ConeProgram>(), forces);
             let balance = record.residuals.balance.max(1e-14) * maximum;
             let bodies = world.resource::<Bodies>().ids.len() as f64;
             let accepted = bodies * balance * size[0].max(size[1]) / (size[0] * size[1]);

@@ -191,7 +191,7 @@ fn rigid_bodies_that_lock_are_named_with_remedies_that_help() {
     fs::write(&scene, SQUEEZED).unwrap();
     let (stalled, _out) = run(scene.to_str().unwrap(), &[]);
     let said = stderr(&stalled.code(4));
-    for what in ["particle 0 and wall `top` near (", "a stiffness", "gives way under a force"] {
+    for what in ["particle 0 and wall `bottom` near (", "a stiffness", "gives way under a force"] {
         assert!(said.contains(what), "no `{what}` in\n{said}");
     }
     let contact = "contact: (normal_stiffness: 1.0e8)";

@@ -157,6 +157,18 @@ impl Ahead {
         let [constant, linear, quadratic] = self.products;
         (constant + self.length * (linear + self.length * quadratic)).max(0.0)
     }
+
+    /// Shortens the step to where the sum of products has grown by the factor.
+    pub fn bound_growth(&mut self, factor: f64) {
+        let [constant, linear, quadratic] = self.products;
+        if self.products_after() > factor * constant && constant > 0.0 {
+            // The positive root of quadratic x^2 + linear x = (factor - 1) constant, without
+            // cancellation.
+            let right = (factor - 1.0) * constant;
+            let root = (linear * linear + 4.0 * quadratic * right).max(0.0).sqrt();
+            self.length = self.length.min(2.0 * right / (linear + root));
+        }
+    }
 }
 
 /// What the responses A and B say about tau: their gains, and the sum of squares in the

@@ -22,6 +22,11 @@ const MAX_REFINEMENTS: usize = 8;
 /// Maximum step of tau over tau. At the end of a solve the gap is round-off, and tau must not run
 /// away with it.
 const MAX_GROWTH: f64 = 1.0;
+/// Round-off of the matrix over its stiffnesses.
+const MATRIX_ROUND_OFF: f64 = 1e-15;
+/// Maximum sum of the products after a step, over that before it. A step that is right to first
+/// order only lets the products fall; where second-order terms dominate, the step is too long.
+const MAX_PRODUCTS: f64 = 10.0;
 /// Part of tau below which the proximal weight falls no further.
 const MIN_TAU: f64 = 1e-12;
 
@@ -40,6 +45,8 @@ pub struct Iteration<'a> {
     k: f64,
     /// Number of products: those of the limits and that of tau and kappa.
     products: f64,
+    /// Minimum compliance of an interaction in a step, displacement over force.
+    min_compliance: f64,
     /// Whether tau moves. It stays 1 where a solution is known to exist or no proof is sought, and
     /// saves a solve an iteration.
     is_embedded: bool,
@@ -104,6 +111,7 @@ impl<'a> Iteration<'a> {
             tau: 1.0,
             k: 0.0,
             products: (limits + usize::from(is_embedded)).max(1) as f64,
+            min_compliance: min_compliance(program, settings),
             is_embedded,
             length: 0.0,
             balance: zeros.clone(),
@@ -218,7 +226,7 @@ impl<'a> Iteration<'a> {
         let scale = self.tau.clamp(MIN_TAU, 1.0);
         let of_products = settings.proximal * (self.mu * self.tau * self.tau).min(1.0);
         let proximal = scale * (settings.min_proximal + of_products);
-        let min_compliance = scale * (settings.min_compliance + of_products);
+        let min_compliance = scale * (self.min_compliance + of_products);
         let [of_residuals, of_products, _] = rights;
         for i in 0..n {
             for k in 0..3 {
@@ -352,6 +360,7 @@ impl<'a> Iteration<'a> {
         if self.is_embedded {
             ahead.add(1.0, self.k, rho, dk);
         }
+        ahead.bound_growth(MAX_PRODUCTS);
         self.make_step(ahead.length, rho, dk)
     }
 
@@ -425,6 +434,15 @@ impl<'a> Iteration<'a> {
             }
         }
     }
+}
+
+/// Minimum compliance of an interaction in a step, displacement over force. It bounds the stiffnesses
+/// of the matrix: their round-off must stay below the weakest stiffness that holds a body.
+fn min_compliance(program: &Scaled, settings: &InteriorSettings) -> f64 {
+    let free = program.free.iter().flatten().zip(program.weight.iter().flatten());
+    let weakest = free.filter(|(free, _)| **free).map(|(_, w)| *w).fold(f64::INFINITY, f64::min);
+    let [lower, upper] = settings.min_compliance;
+    (MATRIX_ROUND_OFF / weakest.max(settings.min_proximal)).clamp(lower, upper)
 }
 
 /// Derivative of the duality gap along a step of the bodies.
