@@ -196,7 +196,8 @@ fn increment(world: &mut World) {
 /// Makes an increment if the app is [`Running`] and has particles. Exclusive, because it runs a
 /// schedule.
 fn step(world: &mut World, particles: &mut QueryState<(), With<Particle>>) {
-    let is_empty = particles.is_empty(world, world.last_change_tick(), world.read_change_tick());
+    // `QueryState::is_empty` looks only at the archetypes that it knows, and it learns of no new ones.
+    let is_empty = particles.iter(world).next().is_none();
     if is_empty || !world.resource::<Running>().may_go_on() {
         return;
     }
