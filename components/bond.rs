@@ -95,6 +95,20 @@ impl RuptureMode {
     }
 }
 
+/// A bond has broken: the event of observers, of all bonds or of the entity of one. An increment that
+/// is undone triggers none. The message [`Rupture`] says the same to systems.
+#[derive(EntityEvent, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub struct BondBroken {
+    /// Entity of the bond.
+    #[event_target]
+    pub bond: Entity,
+    /// Entities of its bodies, a and b.
+    pub bodies: [Entity; 2],
+    /// The limit, the place, and the forces that the bond carried.
+    pub rupture: Rupture,
+}
+
 /// One rupture: the bond, the limit, the place, and the forces that the bond carried.
 #[derive(Message, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
