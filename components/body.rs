@@ -99,10 +99,25 @@ impl Ramp {
     }
 }
 
-/// Force (x, y; N) and moment (N m) that the outside world applies to a particle, without gravity.
+/// Force (x, y; N) and moment (N m) that the outside world applies to a particle over the next
+/// increment, without gravity. It follows from [`LoadControl`] and cannot be set.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
-pub struct AppliedLoad(pub [Ramp; 3]);
+pub struct AppliedLoad([Ramp; 3]);
+
+impl AppliedLoad {
+    /// The loads over the next whole increment.
+    #[must_use]
+    pub fn next(control: &LoadControl, progress: &crate::increment::Progress) -> Self {
+        Self(control.0.map(|(from, to)| progress.ramp(from, to)))
+    }
+
+    /// Force x, force y (N) and moment (N m).
+    #[must_use]
+    pub fn ramps(&self) -> [Ramp; 3] {
+        self.0
+    }
+}
 
 /// Loads of a particle over the stage: (value at the start, value at the end) of force x, force y
 /// (N) and moment (N m). [`AppliedLoad`] follows from them.

@@ -13,6 +13,7 @@ pub mod bond;
 pub mod cell;
 pub mod contact;
 pub mod contact_history;
+pub mod domain;
 pub mod energy;
 pub mod findings;
 pub mod increment;

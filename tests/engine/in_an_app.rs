@@ -150,3 +150,184 @@ fn the_end_of_a_scene_and_of_its_stages_is_told() {
     assert_eq!(stops.len(), 1, "{stops:?}");
     assert_eq!((stops[0].by, stops[0].increment), (StoppedBy::Completed, 2));
 }
+
+/// The reason for which an app halts in its next update, before it moves anything.
+fn refusal(app: &mut App) -> String {
+    app.update();
+    let world = app.world();
+    let running = *world.resource::<Running>();
+    assert_eq!(running, Running::Stopped(StoppedBy::Halted), "{:?}", world.resource::<Attempt>());
+    let Halted(reason) = world.resource();
+    assert!(reason.ends_with("then remove `Halted` and insert `Running::Always`"), "{reason}");
+    reason.clone()
+}
+
+/// `dt: NaN` was committed, `dt < 0` ran backwards, and other values blamed "body 0".
+#[test]
+fn an_analysis_without_a_meaning_is_refused_by_name() {
+    let gravity = DVec2::new(0.0, -9.81);
+    let dynamic = |dt, theta| {
+        let kind = AnalysisKind::Dynamic { dt, theta };
+        Analysis { kind, gravity, ..Analysis::default() }
+    };
+    let time_step = "give a time step in s greater than 0";
+    let theta = "give a theta above 0 and up to 1";
+    let cases = [
+        (dynamic(f64::NAN, 1.0), format!("dt = NaN: {time_step}")),
+        (dynamic(-1.0e-3, 1.0), format!("dt = -0.001: {time_step}")),
+        (dynamic(0.0, 1.0), format!("dt = 0.0: {time_step}")),
+        (dynamic(1.0e-3, -1.0), format!("theta = -1.0: {theta}")),
+        (dynamic(1.0e-3, 0.0), format!("theta = 0.0: {theta}")),
+        (dynamic(1.0e-3, 3.0), format!("theta = 3.0: {theta}")),
+        (
+            Analysis { path_theta: Some(2.0), ..dynamic(1.0e-3, 1.0) },
+            format!("path_theta = 2.0: {theta}"),
+        ),
+        (
+            Analysis { gravity: DVec2::new(0.0, f64::NAN), ..dynamic(1.0e-3, 1.0) },
+            "gravity y = NaN: give an acceleration in m/s^2".to_owned(),
+        ),
+        (
+            Analysis { thickness: -1.0, ..Analysis::default() },
+            "thickness = -1.0: give a thickness in m greater than 0".to_owned(),
+        ),
+    ];
+    for (analysis, expected) in cases {
+        let mut app = falling();
+        app.insert_resource(analysis);
+        app.world_mut().spawn(disk(0.0));
+        let reason = refusal(&mut app);
+        assert!(reason.starts_with(&format!("`Analysis` has {expected}")), "{reason}");
+        let world = app.world_mut();
+        assert_eq!(world.resource::<Progress>(), &Progress::default());
+        world.insert_resource(dynamic(1.0e-3, 1.0));
+        world.remove_resource::<Halted>();
+        world.insert_resource(Running::Always);
+        app.update();
+        assert_eq!(increments(&app), 1);
+    }
+}
+
+/// Two disks; the left one is held.
+fn two_disks(app: &mut App) -> [Entity; 2] {
+    let world = app.world_mut();
+    let held = world.spawn((disk(0.0), Drives::imposed([0.0; 3]))).id();
+    [held, world.spawn(disk(0.2)).id()]
+}
+
+/// It had no effect: only one of the two carried force, and both said that they were intact.
+#[test]
+fn a_second_bond_of_a_pair_is_refused() {
+    let mut app = falling();
+    let [a, b] = two_disks(&mut app);
+    let law = BondLaw { normal_compliance: 1.0e-7, tensile_strength: 1.0e6, ..Default::default() };
+    app.world_mut().spawn(Bond::between(a, b, law));
+    app.update();
+    let second = app.world_mut().spawn((Bond::between(b, a, law), Name::new("weld"))).id();
+    let reason = refusal(&mut app);
+    let expected = "bond 1, `weld`, of particle 0 and particle 1 has bodies = [BodyId(0), BodyId(1)]: \
+                    give one bond to a pair: bond 0 joins it already";
+    assert!(reason.starts_with(expected), "{reason}");
+    let world = app.world_mut();
+    world.despawn(second);
+    world.remove_resource::<Halted>();
+    world.insert_resource(Running::Always);
+    app.update();
+    assert_eq!(increments(&app), 2);
+}
+
+/// All of these were accepted and had no effect.
+#[test]
+fn an_input_without_an_effect_is_refused_by_name() {
+    type Fill = fn(&mut App, [Entity; 2]);
+    fn loads(app: &mut App, add: fn(ResMut<TrialLoads>)) {
+        app.add_systems(Loads, add);
+    }
+    fn wall(app: &mut App, of: impl Bundle) {
+        let wall = Wall::between(DVec2::new(-1.0, -0.3), DVec2::new(1.0, -0.3));
+        app.world_mut().spawn((wall, WallName("floor".to_owned()), of));
+    }
+    let cases: [(Fill, &str); 14] = [
+        (
+            |app, _| loads(app, |mut l| l.add_spring(BodyId(1), 7, 1.0, 1.0e3)),
+            "a load of `Loads` on particle 1, ENTITY, has degree of freedom = 7: give 0, 1 or 2",
+        ),
+        (
+            |app, _| loads(app, |mut l| l.add(BodyId(77), [1.0; 3])),
+            "a load of `Loads` has body = BodyId(77): give the identity of a body",
+        ),
+        (
+            |app, _| loads(app, |mut l| l.add_spring(BodyId(1), 0, 1.0, -1.0e3)),
+            "a load of `Loads` on particle 1, ENTITY, has stiffness = -1000.0: give N/m",
+        ),
+        (
+            |app, _| loads(app, |mut l| l.add(BodyId(1), [f64::NAN; 3])),
+            "a load of `Loads` on particle 1, ENTITY, has force = NaN: give a force in N",
+        ),
+        (
+            |app, _| wall(app, WallControl::Velocity(DVec2::Y)),
+            "wall (body 2), `floor`, has WallControl = Velocity(DVec2(0.0, 1.0)): give `Displacement`",
+        ),
+        (
+            |app, _| wall(app, WallControl::Table(TableOf::Displacement)),
+            "wall (body 2), `floor`, has WallTable = \"missing\": give the points",
+        ),
+        (
+            |app, _| wall(app, WallSlide::Displacement(1.0e-6)),
+            "wall (body 2), `floor`, has WallSlide = Displacement(1e-6): give a control by `Force`",
+        ),
+        (
+            |app, [_, b]| _ = app.world_mut().entity_mut(b).remove::<Velocity>(),
+            "ENTITY has Velocity = \"missing\": give one",
+        ),
+        (
+            |app, [_, b]| _ = app.world_mut().entity_mut(b).remove::<LoadControl>(),
+            "ENTITY has LoadControl = \"missing\": give one",
+        ),
+        (
+            |app, [_, b]| {
+                let load = LoadControl::constant([0.0, f64::INFINITY, 0.0]);
+                app.world_mut().entity_mut(b).insert(load);
+            },
+            "particle 1, ENTITY, has LoadControl = inf: give forces in N",
+        ),
+        (
+            |app, [_, b]| {
+                app.insert_resource(material::Materials(vec![material::Material {
+                    name: "sand".into(),
+                    density: 2650.0,
+                    contact: ContactLaw::default(),
+                    bond: None,
+                }]));
+                app.world_mut().entity_mut(b).insert(MaterialIndex(1));
+            },
+            "particle 1, ENTITY, has MaterialIndex = 1: give an index below 1",
+        ),
+        (
+            |app, _| {
+                let law = BondLaw::default();
+                let (a, b) = (BodyId(1), BodyId(99));
+                app.world_mut().spawn((Bond { a, b, initial_gap: 0.0, law }, Name::new("weld")));
+            },
+            "bond 0, `weld`, of bodies 1 and 99 has b = BodyId(99): give the identity of a body",
+        ),
+        (
+            |app, _| _ = app.insert_resource(Acceptance { residual: -1.0, ..Default::default() }),
+            "`Acceptance` has residual = -1.0: give a residual above 0",
+        ),
+        (
+            |app, _| _ = app.insert_resource(Corrector { passes: 3, tolerance: f64::NAN }),
+            "`Corrector` has tolerance = NaN: give a tolerance between 0 and 1",
+        ),
+    ];
+    for (fill, expected) in cases {
+        let mut app = App::new();
+        app.add_plugins(ClasticPlugins::default());
+        let bodies = two_disks(&mut app);
+        fill(&mut app, bodies);
+        let expected = expected.replace("ENTITY", &format!("entity {}", bodies[1]));
+        let reason = refusal(&mut app);
+        assert!(reason.starts_with(&expected), "{reason}\ninstead of\n{expected}");
+        assert_eq!(app.world().resource::<Progress>(), &Progress::default(), "{expected}");
+    }
+}
