@@ -7,7 +7,7 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 /// Identity of a body. A particle or wall that is inserted without an identity gets the next one.
-/// No identity is used twice.
+/// No identity is used twice: a clone of the entity gets another one.
 ///
 /// All ordered tables use the order of identities: first particles, then walls, each ascending.
 /// `Entity` values and query order depend on the history of the world, so nothing is ordered by
@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
     Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
 )]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
-#[component(immutable)]
+#[component(immutable, clone_behavior = Ignore)]
 pub struct BodyId(pub u32);
 
 /// Centre of a disk, or middle of a wall's drawn segment, m.
@@ -27,6 +27,7 @@ pub struct Position(pub DVec2);
 /// Position at the start of the stage list, m. Recorded displacements are relative to it.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
+#[component(clone_behavior = Ignore)]
 pub struct Origin(pub DVec2);
 
 /// Rotation since the start, rad, anticlockwise positive.

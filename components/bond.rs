@@ -15,7 +15,7 @@ use crate::material::BondLaw;
     Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
 )]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
-#[component(immutable)]
+#[component(immutable, clone_behavior = Ignore)]
 pub struct BondId(pub u32);
 
 /// A bond between two bodies. The bodies are plain fields and not Bevy relationships, because

@@ -236,6 +236,30 @@ fn a_second_bond_of_a_pair_is_refused() {
     assert_eq!(increments(&app), 2);
 }
 
+/// It panicked in an index of the tables.
+#[test]
+#[should_panic(expected = "is two of Particle, Wall and RigidGroup")]
+fn an_entity_that_is_two_bodies_is_refused() {
+    let mut app = falling();
+    let wall = Wall { tangent: DVec2::X, half_length: 1.0 };
+    app.world_mut().spawn((disk(0.0), wall));
+}
+
+/// The clone had the identity of its original, which panicked.
+#[test]
+fn a_clone_of_a_body_is_another_body() {
+    let mut app = falling();
+    let original = app.world_mut().spawn(disk(0.0)).id();
+    let clone = app.world_mut().entity_mut(original).clone_and_spawn();
+    app.world_mut().flush();
+    app.world_mut().entity_mut(clone).insert(body::Position(DVec2::new(9.0, 0.0)));
+    app.update();
+    let world = app.world();
+    assert_eq!(world.get::<BodyId>(clone), Some(&BodyId(1)));
+    let velocity = |body| world.get::<Velocity>(body).map(|v| v.0);
+    assert!(velocity(clone) == velocity(original) && velocity(clone) != Some(DVec2::ZERO));
+}
+
 /// All of these were accepted and had no effect.
 #[test]
 fn an_input_without_an_effect_is_refused_by_name() {
