@@ -130,9 +130,14 @@ fn body_added(mut world: DeferredWorld, context: HookContext) {
         let Ok(body) = world.get_entity(entity) else { return Ok(()) };
         let kinds =
             [body.contains::<Particle>(), body.contains::<Wall>(), body.contains::<RigidGroup>()];
-        if kinds.iter().filter(|is| **is).count() > 1 {
-            world.entity_mut(entity).remove::<(BodyId, Particle, Wall, RigidGroup)>();
-            return Err(IdentityError::TwoBodies(entity));
+        match kinds.iter().filter(|is| **is).count() {
+            // The hook of its other kind has refused it.
+            0 => return Ok(()),
+            1 => {}
+            _ => {
+                world.entity_mut(entity).remove::<(BodyId, Particle, Wall, RigidGroup)>();
+                return Err(IdentityError::TwoBodies(entity));
+            }
         }
         let place = body.get::<Position>().map_or_else(Default::default, |x| x.0);
         let (has_id, has_origin) = (body.contains::<BodyId>(), body.contains::<Origin>());
