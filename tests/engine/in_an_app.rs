@@ -355,3 +355,24 @@ fn an_input_without_an_effect_is_refused_by_name() {
         assert_eq!(app.world().resource::<Progress>(), &Progress::default(), "{expected}");
     }
 }
+
+#[derive(Resource, Default)]
+struct Moved(Vec<Entity>);
+
+/// It found every body in every increment, held ones too.
+#[test]
+fn changed_finds_the_bodies_that_move_and_no_others() {
+    let mut app = falling();
+    let [_, free] = two_disks(&mut app);
+    app.world_mut().spawn(Wall::between(DVec2::new(1.0, -9.0), DVec2::new(-1.0, -9.0)));
+    app.init_resource::<Moved>();
+    let watch = |changed: Query<Entity, Changed<body::Position>>, mut moved: ResMut<Moved>| {
+        moved.0 = changed.iter().collect();
+    };
+    app.add_systems(Update, watch.after(Stepping));
+    app.update();
+    for _ in 0..3 {
+        app.update();
+        assert_eq!(app.world().resource::<Moved>().0, [free]);
+    }
+}
