@@ -11,6 +11,7 @@ pub mod attempt;
 pub mod body;
 pub mod bond;
 pub mod cell;
+pub mod collision;
 pub mod contact;
 pub mod contact_history;
 pub mod domain;

@@ -139,7 +139,7 @@ impl Plugin for ScenePlugin {
                     forget_halted
                         .run_if(is_halted)
                         .after(AdvanceSystems::End)
-                        .before(AdvanceSystems::Output),
+                        .before(AdvanceSystems::Announce),
                     // Measures are read after all systems of plugins that come before `Stop`.
                     (read_custom.run_if(measures_of_plugins), end_increment.run_if(runs_scene))
                         .chain()

@@ -376,3 +376,37 @@ fn changed_finds_the_bodies_that_move_and_no_others() {
         assert_eq!(app.world().resource::<Moved>().0, [free]);
     }
 }
+
+/// The app was not told which bodies meet.
+#[test]
+fn an_app_that_asks_is_told_of_every_collision_once() {
+    let mut app = falling();
+    let law = ContactLaw { normal_compliance: 1.0e-7, ..Default::default() };
+    app.insert_resource(material::Materials(vec![material::Material {
+        name: "steel".into(),
+        density: 7800.0,
+        contact: law,
+        bond: None,
+    }]));
+    let ball = app.world_mut().spawn(disk(0.0)).id();
+    let floor = Wall::between(DVec2::new(-1.0, -0.11), DVec2::new(1.0, -0.11));
+    let floor = app.world_mut().spawn((floor, law)).id();
+    app.add_message::<Collision>().init_resource::<Hits>();
+    app.add_systems(Update, |mut read: MessageReader<Collision>, mut hits: ResMut<Hits>| {
+        hits.0.extend(read.read().copied());
+    });
+    app.add_observer(|hit: On<Collision>, mut hits: ResMut<Hits>| hits.1.push(*hit.event()));
+    for _ in 0..60 {
+        app.update();
+    }
+    let Hits(read, observed) = app.world().resource();
+    assert_eq!(read, observed);
+    // It falls 10 mm in 45 ms, and rebounds hardly with theta = 1.
+    let [first] = read.as_slice() else { panic!("{read:?}") };
+    assert_eq!((first.bodies, first.normal), ([ball, floor], DVec2::NEG_Y));
+    assert!((44..=47).contains(&first.increment) && first.force > 0.0, "{first:?}");
+}
+
+/// The collisions of messages and those of the observer.
+#[derive(Resource, Default)]
+struct Hits(Vec<Collision>, Vec<Collision>);
