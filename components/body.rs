@@ -7,7 +7,7 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 /// Identity of a body. A particle or wall that is inserted without an identity gets the next one.
-/// No identity is used twice.
+/// No identity is used twice: a clone of the entity gets another one.
 ///
 /// All ordered tables use the order of identities: first particles, then walls, each ascending.
 /// `Entity` values and query order depend on the history of the world, so nothing is ordered by
@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
     Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
 )]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
-#[component(immutable)]
+#[component(immutable, clone_behavior = Ignore)]
 pub struct BodyId(pub u32);
 
 /// Centre of a disk, or middle of a wall's drawn segment, m.
@@ -27,6 +27,7 @@ pub struct Position(pub DVec2);
 /// Position at the start of the stage list, m. Recorded displacements are relative to it.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
+#[component(clone_behavior = Ignore)]
 pub struct Origin(pub DVec2);
 
 /// Rotation since the start, rad, anticlockwise positive.
@@ -99,10 +100,25 @@ impl Ramp {
     }
 }
 
-/// Force (x, y; N) and moment (N m) that the outside world applies to a particle, without gravity.
+/// Force (x, y; N) and moment (N m) that the outside world applies to a particle over the next
+/// increment, without gravity. It follows from [`LoadControl`] and cannot be set.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
-pub struct AppliedLoad(pub [Ramp; 3]);
+pub struct AppliedLoad([Ramp; 3]);
+
+impl AppliedLoad {
+    /// The loads over the next whole increment.
+    #[must_use]
+    pub fn next(control: &LoadControl, progress: &crate::increment::Progress) -> Self {
+        Self(control.0.map(|(from, to)| progress.ramp(from, to)))
+    }
+
+    /// Force x, force y (N) and moment (N m).
+    #[must_use]
+    pub fn ramps(&self) -> [Ramp; 3] {
+        self.0
+    }
+}
 
 /// Loads of a particle over the stage: (value at the start, value at the end) of force x, force y
 /// (N) and moment (N m). [`AppliedLoad`] follows from them.

@@ -15,7 +15,7 @@ use crate::material::BondLaw;
     Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
 )]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
-#[component(immutable)]
+#[component(immutable, clone_behavior = Ignore)]
 pub struct BondId(pub u32);
 
 /// A bond between two bodies. The bodies are plain fields and not Bevy relationships, because
@@ -93,6 +93,20 @@ impl RuptureMode {
             Self::Rolling => "rolling",
         }
     }
+}
+
+/// A bond has broken: the event of observers, of all bonds or of the entity of one. An increment that
+/// is undone triggers none. The message [`Rupture`] says the same to systems.
+#[derive(EntityEvent, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub struct BondBroken {
+    /// Entity of the bond.
+    #[event_target]
+    pub bond: Entity,
+    /// Entities of its bodies, a and b.
+    pub bodies: [Entity; 2],
+    /// The limit, the place, and the forces that the bond carried.
+    pub rupture: Rupture,
 }
 
 /// One rupture: the bond, the limit, the place, and the forces that the bond carried.

@@ -38,8 +38,15 @@ impl TrialLoads {
 
     /// Adds a spring on degree of freedom `k` (x, y, rotation) of a particle. It acts with `force`
     /// at displacement 0 and with `force - stiffness u` at displacement u (N, N/m; N m, N m/rad).
+    /// A load on an unknown body, a degree of freedom above 2, and a negative stiffness halt the
+    /// world.
     pub fn add_spring(&mut self, body: BodyId, k: usize, force: f64, stiffness: f64) {
         self.added.push((body, k, AddedLoad { force, stiffness }));
+    }
+
+    /// The loads, in the order in which they were added: body, degree of freedom, load.
+    pub fn iter(&self) -> impl Iterator<Item = (BodyId, usize, AddedLoad)> + '_ {
+        self.added.iter().copied()
     }
 
     /// Removes all loads.

@@ -46,7 +46,7 @@ impl Particle {
 
 /// Index of a particle's material in [`Materials`](crate::material::Materials), by default 0. If
 /// the list is empty, contacts are rigid and frictionless, whatever the index. An index beyond the
-/// last material of a list panics when the particle comes near another one.
+/// last material of a list halts the world.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 pub struct MaterialIndex(pub u32);

@@ -2,7 +2,7 @@
 //! carries.
 //!
 //! The plugin of the engine's rule is left out of the group, and a system takes its place. The rule
-//! sets the state of the bond and writes a `Rupture` message, from which the record follows.
+//! sets the state of the bond and adds the rupture to the record, from which messages and events follow.
 
 use bevy_app::{App, PluginGroup};
 use bevy_ecs::prelude::*;
@@ -17,7 +17,7 @@ fn break_old_bonds(
     (contacts, bodies): (Res<Contacts>, Res<Bodies>),
     (progress, solution): (Res<Progress>, Res<ConeSolution>),
     mut bonds: Query<&mut BondState>,
-    mut ruptures: MessageWriter<Rupture>,
+    mut record: ResMut<Observation>,
 ) {
     if progress.increment < AGE {
         return;
@@ -26,7 +26,7 @@ fn break_old_bonds(
         let Some(row) = contact.bond.map(|k| bodies.bonds[k as usize]) else { continue };
         let Ok(mut state) = bonds.get_mut(row.entity) else { continue };
         *state = BondState::Broken(RuptureMode::Tension);
-        ruptures.write(Rupture {
+        record.ruptures.push(Rupture {
             increment: progress.increment,
             bond: row.id,
             a: bodies.ids[row.a as usize],

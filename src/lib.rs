@@ -56,6 +56,8 @@ pub mod tables;
 use bevy_app::{PluginGroup, PluginGroupBuilder, Update};
 use bevy_ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
 
+use clastic_systems::announce_collisions::AnnounceCollisionsPlugin;
+use clastic_systems::announce_ruptures::AnnounceRupturesPlugin;
 use clastic_systems::assemble_program::AssembleProgramPlugin;
 use clastic_systems::assign_identities::AssignIdentitiesPlugin;
 use clastic_systems::attempt::AttemptPlugin;
@@ -121,6 +123,8 @@ impl PluginGroup for ClasticPlugins {
             .add(ControlLoadsPlugin)
             .add(MembranesPlugin)
             .add(RecordPlugin)
+            .add(AnnounceRupturesPlugin)
+            .add(AnnounceCollisionsPlugin)
             .add(MaterialNamesPlugin);
         #[cfg(feature = "reflect")]
         let engine = engine.add(clastic_systems::reflect::ReflectPlugin);
@@ -139,7 +143,8 @@ pub mod prelude {
     pub use crate::components::body::{
         AngularVelocity, BodyId, Drive, Drives, ExternalForce, LoadControl, Velocity,
     };
-    pub use crate::components::bond::{Bond, BondId, BondState, Rupture, RuptureMode};
+    pub use crate::components::bond::{Bond, BondBroken, BondId, BondState, Rupture, RuptureMode};
+    pub use crate::components::collision::Collision;
     pub use crate::components::increment::{
         Acceptance, Analysis, AnalysisKind, Corrector, FrictionLaw, Progress, RuptureRules,
     };

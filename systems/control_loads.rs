@@ -25,6 +25,6 @@ pub fn control_loads(
     mut particles: Query<(&LoadControl, &mut AppliedLoad)>,
 ) {
     for (control, mut load) in &mut particles {
-        load.set_if_neq(AppliedLoad(control.0.map(|(from, to)| progress.ramp(from, to))));
+        load.set_if_neq(AppliedLoad::next(control, &progress));
     }
 }

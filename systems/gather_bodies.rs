@@ -220,7 +220,7 @@ fn gather_particles(bodies: &mut Bodies, particles: &ParticleQuery) {
         bodies.inertias[i] = particle.inertia;
         bodies.materials[i] = material.0;
         bodies.drives[i] = drives.0;
-        bodies.loads[i] = load.0;
+        bodies.loads[i] = load.ramps();
         bodies.swinging[i] = swinging;
     }
     let n = bodies.particles;

@@ -3,6 +3,8 @@
 //! bonds, record. An attempt detects contacts, assembles the cone program, solves it, and judges
 //! the solution. See [`schedule`].
 
+pub mod announce_collisions;
+pub mod announce_ruptures;
 pub mod assemble_program;
 pub mod assign_identities;
 pub mod attempt;

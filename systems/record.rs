@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use clastic_components::attempt::Attempt;
 use clastic_components::body::{BodyId, ExternalForce, Origin, Position, Probe, Rotation};
-use clastic_components::bond::{BondState, Rupture};
+use clastic_components::bond::BondState;
 use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::findings::{Corrections, EventSearch, Ruptures, Sliding};
 use clastic_components::increment::{Progress, RuptureOrder, RuptureRules};
@@ -39,9 +39,8 @@ pub struct RecordPlugin;
 
 impl Plugin for RecordPlugin {
     fn build(&self, app: &mut App) {
-        // A plugin with its own rupture rule writes the messages that are read here.
-        app.init_resource::<RuptureCount>().init_resource::<Messages<Rupture>>();
-        app.add_systems(Increment, update_messages.before(IncrementSystems::Controls));
+        app.init_resource::<RuptureCount>()
+            .add_systems(Increment, forget_ruptures.in_set(IncrementSystems::Draft));
         app.register_component::<BodyId, Probe>("probe")
             .register_resource::<Observation>(OBSERVATION)
             .register_resource::<RuptureCount>("rupture_count")
@@ -79,9 +78,9 @@ impl Plugin for RecordPlugin {
 /// Name of [`Observation`] in a state.
 pub const OBSERVATION: &str = "observation";
 
-/// Removes messages of ruptures after two increments. This works without an app as well.
-fn update_messages(mut messages: ResMut<Messages<Rupture>>) {
-    messages.update();
+/// Empties the list to which the rule of rupture adds.
+fn forget_ruptures(mut out: ResMut<Observation>) {
+    out.ruptures.clear();
 }
 
 /// Reference lengths of the strains, m: axial and lateral. The definitions of the strains are
@@ -168,15 +167,12 @@ fn record_state(
     out.status = attempt.status;
 }
 
-/// Records the ruptures since the last record, and all broken bonds, whatever rule broke them.
+/// Sorts the ruptures of the increment, and counts all broken bonds, whatever rule broke them.
 fn record_ruptures(
-    mut messages: MessageReader<Rupture>,
     bonds: Query<&BondState>,
     mut count: ResMut<RuptureCount>,
     mut out: ResMut<Observation>,
 ) {
-    out.ruptures.clear();
-    out.ruptures.extend(messages.read().copied());
     out.ruptures.sort_unstable_by_key(|r| r.bond);
     *count = RuptureCount::default();
     for state in &bonds {

@@ -3,14 +3,15 @@
 use bevy_app::{App, Plugin};
 
 use clastic_components::{
-    attempt, body, bond, contact, contact_history, energy, findings, increment, loads, material,
-    measure, membrane, observation, particle, rigid_group, step_control, wall, wall_shape,
+    attempt, body, bond, collision, contact, contact_history, energy, findings, increment, loads,
+    material, measure, membrane, observation, particle, rigid_group, step_control, wall,
+    wall_shape,
 };
 use clastic_cone::program;
 
 use crate::identities::Identities;
 use crate::motion_settings::MotionSettings;
-use crate::stepping::{Due, Halted, Running, Undone};
+use crate::stepping::{Due, Halted, Running, Stopped, Undone};
 
 /// Registers the components and resources of the engine, so that inspectors and scripts can show
 /// and set them by name. `clastic::ClasticPlugins` contains it if the feature `reflect` is on.
@@ -45,6 +46,9 @@ impl Plugin for ReflectPlugin {
             bond::Bond,
             bond::Joint,
             bond::BondState,
+            bond::BondBroken,
+            bond::Rupture,
+            collision::Collision,
             contact::Bodies,
             contact_history::KeptRows,
             contact::Contacts,
@@ -102,6 +106,7 @@ impl Plugin for ReflectPlugin {
             Due,
             Halted,
             Running,
+            Stopped,
             Undone,
         );
     }

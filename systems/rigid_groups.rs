@@ -82,7 +82,7 @@ pub fn gather(bodies: &mut Bodies, groups: &GroupQuery) {
             inertia: state.inertia,
             extent: state.extent,
             drives: drives.0,
-            loads: load.0,
+            loads: load.ramps(),
         });
     }
 }

@@ -16,6 +16,7 @@ use clastic_components::contact_history::ContactHistory;
 use clastic_components::findings::Ruptures;
 use clastic_components::increment::{Analysis, RollingLimit, RuptureRules};
 use clastic_components::material::Materials;
+use clastic_components::observation::Observation;
 use clastic_cone::program::{ConeProgram, ConeSolution, Interaction, Limits};
 
 use crate::assemble_program::interactions::{
@@ -30,7 +31,7 @@ pub struct RuptureBondsPlugin;
 impl Plugin for RuptureBondsPlugin {
     fn build(&self, app: &mut App) {
         app.insert_resource(BuiltInRule);
-        app.init_resource::<Messages<Rupture>>().add_systems(
+        app.init_resource::<Observation>().add_systems(
             Increment,
             (rupture_bonds.run_if(any_with_component::<Bond>), lap(|t| &mut t.rupture))
                 .chain()
@@ -272,7 +273,7 @@ pub fn rupture_bonds(
     materials: Res<Materials>,
     analysis: Res<Analysis>,
     mut history: ResMut<ContactHistory>,
-    mut messages: MessageWriter<Rupture>,
+    mut record: ResMut<Observation>,
     mut bonds: Query<&mut BondState>,
 ) {
     for rupture in &ruptures.list {
@@ -283,7 +284,7 @@ pub fn rupture_bonds(
         if let Ok(mut state) = bonds.get_mut(bond.entity) {
             *state = BondState::Broken(rupture.mode);
         }
-        messages.write(*rupture);
+        record.ruptures.push(*rupture);
     }
     // Bonds that broke in a followed motion have lost their shear force already.
     let last = ruptures.list.iter().skip(ruptures.on_the_way);

@@ -1,10 +1,11 @@
 //! Repeated increments: the `Advance` schedule, and when the app runs it.
 //!
 //! ```text
-//! Advance:   Begin -> Increment -> End -> Output
+//! Advance:   Begin -> Increment -> End -> Announce -> Output
 //!   Begin    work before the increment: stages end and begin
 //!   Increment    runs the Increment schedule, if one is due
 //!   End      status of the increment, and whether the stage continues
+//!   Announce     messages and events of the increment
 //!   Output   results are written
 //! ```
 
@@ -36,6 +37,8 @@ pub enum AdvanceSystems {
     Increment,
     /// Work after the increment. Runs only if an increment was due.
     End,
+    /// Messages and events to the app. Runs only if an increment was due and was not undone.
+    Announce,
     /// Output, which changes no result. Runs only if an increment was due.
     Output,
 }
@@ -95,10 +98,14 @@ pub enum StoppedBy {
     Undecided,
     /// The world has the resource [`Halted`].
     Halted,
+    /// All stages of the scene have ended.
+    Completed,
+    /// A stage of the scene cannot begin.
+    Refused,
 }
 
-/// Message of the app when it stops by itself, and [`Running`] becomes [`Running::Stopped`].
-#[derive(Message, Clone, Debug, PartialEq, Eq)]
+/// Message, and event for observers, of the app when it stops by itself, and [`Running`] becomes [`Running::Stopped`].
+#[derive(Message, Event, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Stopped {
     /// What has stopped it.
@@ -109,10 +116,11 @@ pub struct Stopped {
     pub reason: String,
 }
 
-/// Marks a world in which a plugin decides what follows an increment that was not committed, as the
-/// stages of a scene do. The app then stops by itself only if it is [`Halted`].
-#[derive(Resource, Clone, Copy, Debug, Default)]
-pub struct DecidesOnFailure;
+/// How the run has ended and the reason in words, once it has, in a world in which a plugin decides
+/// what follows an increment, as the stages of a scene do. Otherwise the app stops at an increment
+/// that was not committed.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct EndOfRun(pub Option<(StoppedBy, String)>);
 
 impl Running {
     /// Whether the app may make another increment.
@@ -169,6 +177,7 @@ impl Plugin for SteppingPlugin {
                     AdvanceSystems::Begin.run_if(not(resource_exists::<Halted>)),
                     AdvanceSystems::Increment.run_if(is_due),
                     AdvanceSystems::End.run_if(is_due),
+                    AdvanceSystems::Announce.run_if(is_due),
                     AdvanceSystems::Output.run_if(is_due),
                 )
                     .chain(),
@@ -196,7 +205,8 @@ fn increment(world: &mut World) {
 /// Makes an increment if the app is [`Running`] and has particles. Exclusive, because it runs a
 /// schedule.
 fn step(world: &mut World, particles: &mut QueryState<(), With<Particle>>) {
-    let is_empty = particles.is_empty(world, world.last_change_tick(), world.read_change_tick());
+    // `QueryState::is_empty` looks only at the archetypes that it knows, and it learns of no new ones.
+    let is_empty = particles.iter(world).next().is_none();
     if is_empty || !world.resource::<Running>().may_go_on() {
         return;
     }
@@ -205,7 +215,9 @@ fn step(world: &mut World, particles: &mut QueryState<(), With<Particle>>) {
     let increment = world.resource::<Progress>().increment;
     if let Some((by, reason)) = obstacle(world, increment != before) {
         world.insert_resource(Running::Stopped(by));
-        world.write_message(Stopped { by, increment, reason });
+        let stopped = Stopped { by, increment, reason };
+        world.write_message(stopped.clone());
+        world.trigger(stopped);
     } else if increment != before {
         world.resource_mut::<Running>().made_one();
     }
@@ -216,7 +228,10 @@ fn obstacle(world: &World, tried: bool) -> Option<(StoppedBy, String)> {
     if let Some(Halted(reason)) = world.get_resource::<Halted>() {
         return Some((StoppedBy::Halted, reason.clone()));
     }
-    if !tried || world.contains_resource::<DecidesOnFailure>() {
+    if let Some(EndOfRun(end)) = world.get_resource::<EndOfRun>() {
+        return end.clone();
+    }
+    if !tried {
         return None;
     }
     let attempt = world.get_resource::<Attempt>()?;

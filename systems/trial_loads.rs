@@ -6,7 +6,9 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::loads::TrialLoads;
 
+use crate::check_values::refused_load;
 use crate::schedule::Loads;
+use crate::stepping::Halted;
 
 /// Adds [`TrialLoads`]. Systems that only add to it may run in any order, because its sums do not
 /// depend on the order.
@@ -19,8 +21,11 @@ impl Plugin for TrialLoadsPlugin {
     }
 }
 
-/// Runs [`Loads`] on an empty table.
+/// Runs [`Loads`] on an empty table. A load without a meaning halts the world.
 pub fn ask_for_loads(world: &mut World) {
     world.resource_mut::<TrialLoads>().clear();
     world.run_schedule(Loads);
+    if let Some(message) = refused_load(world.resource(), world.resource()) {
+        world.insert_resource(Halted(message));
+    }
 }

@@ -3,7 +3,7 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::observation::{Measures, Observation};
-use clastic_systems::stepping::DecidesOnFailure;
+use clastic_systems::stepping::EndOfRun;
 
 use super::cement::bond_pairs;
 use super::key_results::{KeyResults, count_bonds};
@@ -27,5 +27,5 @@ pub(super) fn begin_script(world: &mut World, scene: &scene::Scene) {
 pub(super) fn insert_script(world: &mut World, scene: &scene::Scene) {
     world.insert_resource(Script::new(scene));
     // A collapse ends a stage, and an undecided increment the run.
-    world.insert_resource(DecidesOnFailure);
+    world.insert_resource(EndOfRun::default());
 }

@@ -15,6 +15,7 @@ pub mod densest;
 mod drive;
 mod enclosure;
 mod end_load;
+mod end_run;
 mod group_members;
 mod grow;
 mod kept_stress;

@@ -15,13 +15,14 @@ use clastic_systems::state::RegisterState;
 use clastic_systems::stepping::{Advance, AdvanceSystems, is_due};
 
 use super::before::{Before, take_down};
+use super::end_run::end_run;
 use super::group_members::{GROUP_MEMBERS, GroupMembers, are_measured, begin_increment};
 use super::grow::{are_growing, grow, keep_radii};
 use super::key_results::{KEY_RESULTS, KeyResults, is_undecided, observe_increment};
 use super::measures::{MeasureKinds, read_custom};
 use super::pour::{POURED, pour};
 use super::sanity::{self, SANITY, Sanity, UNTOUCHED, Untouched};
-use super::script::Script;
+use super::script::{Script, StageEnd};
 pub use super::stage_kinds::{BeginStage, EndStage, ProvideStage, StageKinds, StageSystems};
 use super::stages::{CurrentStage, begin_built_in, change_stages, end_built_in};
 use super::state::{
@@ -93,6 +94,7 @@ impl Plugin for ScenePlugin {
             .register_resource::<Untouched>(UNTOUCHED)
             .register_resource::<Poured>(POURED)
             .register_resource::<RigidAtStart>(RIGID_AT_START)
+            .add_message::<StageEnd>()
             .init_resource::<StageKinds>()
             .init_resource::<MeasureKinds>()
             .init_resource::<Before>()
@@ -133,10 +135,11 @@ impl Plugin for ScenePlugin {
                         .run_if(is_undecided)
                         .run_if(is_due)
                         .after(AdvanceSystems::Output),
+                    end_run.run_if(runs_scene).after(AdvanceSystems::Output),
                     forget_halted
                         .run_if(is_halted)
                         .after(AdvanceSystems::End)
-                        .before(AdvanceSystems::Output),
+                        .before(AdvanceSystems::Announce),
                     // Measures are read after all systems of plugins that come before `Stop`.
                     (read_custom.run_if(measures_of_plugins), end_increment.run_if(runs_scene))
                         .chain()

@@ -52,8 +52,8 @@ pub struct Collapse {
     pub reason: String,
 }
 
-/// A stage of a run and how it ended.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// A stage of a run and how it ended. When it ends, this is a message, and an event for observers.
+#[derive(Message, Event, Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StageEnd {
     /// Name of the stage.
     pub stage: String,

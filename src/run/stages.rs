@@ -149,6 +149,10 @@ fn end(world: &mut World, stage: Stage) {
     {
         (end.ended_by, end.stop) = (Some(EndedBy::AllIncrements), missed);
     }
+    if let Some(end) = script.ends.last().cloned() {
+        world.write_message(end.clone());
+        world.trigger(end);
+    }
 }
 
 /// Begins a stage of a built-in kind. Exclusive, because it adds and removes walls and bonds.

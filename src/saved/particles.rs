@@ -1,8 +1,8 @@
 //! The particles of a saved state.
 
 use clastic_components::body::{
-    AngularVelocity, AppliedLoad, BodyId, Drive, Drives, ExternalForce, Group, LastMotion,
-    LoadControl, Origin, Position, Probe, Ramp, Rotation, Velocity,
+    AngularVelocity, BodyId, Drive, Drives, ExternalForce, Group, LastMotion, LoadControl, Origin,
+    Position, Probe, Ramp, Rotation, Velocity,
 };
 use clastic_components::increment::Progress;
 use clastic_components::particle::{MaterialIndex, Particle, Swinging};
@@ -89,8 +89,8 @@ pub(super) fn write(state: &WorldState, tables: &mut Tables) -> Result<(), Saved
     // A load stays at what it has reached.
     let reached = |(from, to): (f64, f64)| progress.ramp(from, to).from;
     tables.put("particles.load_to", Array::vectors(loads.iter().map(|l| l.0.map(reached))));
-    let applied = each::<AppliedLoad>(state, "applied_load", ids)?;
-    let ends = |of: fn(Ramp) -> f64| Array::vectors(applied.iter().map(move |l| l.0.map(of)));
+    let applied = each::<[Ramp; 3]>(state, "applied_load", ids)?;
+    let ends = |of: fn(Ramp) -> f64| Array::vectors(applied.iter().map(move |l| l.map(of)));
     tables.put("particles.applied_from", ends(|load| load.from));
     tables.put("particles.applied_to", ends(|load| load.to));
     let drives = each::<Drives>(state, "drives", ids)?;
@@ -162,7 +162,7 @@ pub(super) fn read(
     let applied = triples("particles.applied_from")?.into_iter();
     let applied = applied
         .zip(triples("particles.applied_to")?)
-        .map(|(from, to)| Some(AppliedLoad([0, 1, 2].map(|k| Ramp { from: from[k], to: to[k] }))));
+        .map(|(from, to)| Some([0, 1, 2].map(|k| Ramp { from: from[k], to: to[k] })));
     add(state, "applied_load", ids, applied)?;
     let flags = tables.bool("particles.imposed", &[n, 3])?.as_chunks::<3>().0;
     let drives = flags.iter().zip(triples("particles.imposed_motion")?).map(|(imposed, value)| {

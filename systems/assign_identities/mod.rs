@@ -105,6 +105,12 @@ pub enum IdentityError {
         /// The entity that was refused.
         newcomer: Entity,
     },
+    /// An entity has two of `Particle`, `Wall` and `RigidGroup`.
+    #[error("entity {0} is two of Particle, Wall and RigidGroup; spawn one entity for each body")]
+    TwoBodies(
+        /// The entity.
+        Entity,
+    ),
     /// The two entities cannot be joined.
     #[error("Bond::between({a}, {b}): {what}")]
     Joint {
@@ -120,8 +126,19 @@ pub enum IdentityError {
 /// Hook of bodies: adds an identity and an origin if they are missing.
 fn body_added(mut world: DeferredWorld, context: HookContext) {
     let entity = context.entity;
-    world.commands().queue(move |world: &mut World| {
-        let Ok(body) = world.get_entity(entity) else { return };
+    world.commands().queue(move |world: &mut World| -> Result<(), IdentityError> {
+        let Ok(body) = world.get_entity(entity) else { return Ok(()) };
+        let kinds =
+            [body.contains::<Particle>(), body.contains::<Wall>(), body.contains::<RigidGroup>()];
+        match kinds.iter().filter(|is| **is).count() {
+            // The hook of its other kind has refused it.
+            0 => return Ok(()),
+            1 => {}
+            _ => {
+                world.entity_mut(entity).remove::<(BodyId, Particle, Wall, RigidGroup)>();
+                return Err(IdentityError::TwoBodies(entity));
+            }
+        }
         let place = body.get::<Position>().map_or_else(Default::default, |x| x.0);
         let (has_id, has_origin) = (body.contains::<BodyId>(), body.contains::<Origin>());
         if !has_id {
@@ -131,6 +148,7 @@ fn body_added(mut world: DeferredWorld, context: HookContext) {
         if !has_origin {
             world.entity_mut(entity).insert(Origin(place));
         }
+        Ok(())
     });
 }
 

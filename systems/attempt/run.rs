@@ -16,14 +16,22 @@ use super::{events, motion};
 use crate::control_walls::renew_stresses;
 use crate::motion_settings::MotionSettings;
 use crate::schedule::AttemptIncrement;
+use crate::stepping::Halted;
 use crate::trial_loads::ask_for_loads;
 
 /// Runs [`AttemptIncrement`] until the increment has ended.
 pub fn run_attempts(world: &mut World) {
+    let before = world.resource::<Progress>().clone();
     begin_increment(world);
     // The tables before the first motion, for restoring them.
     let mut start = None;
     loop {
+        if let Some(Halted(reason)) = world.get_resource::<Halted>() {
+            world.resource_mut::<Attempt>().complaint = reason.clone();
+            end_increment(world, IncrementStatus::Undecided, start.as_ref());
+            world.insert_resource(before);
+            return;
+        }
         world.run_schedule(AttemptIncrement);
         let budget = budget(world);
         let mut attempt = world.resource_mut::<Attempt>();

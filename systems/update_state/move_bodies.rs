@@ -85,41 +85,56 @@ pub fn move_bodies(
         AnalysisKind::Dynamic { dt, theta } => Some(Step { dt: dt * progress.fraction, theta }),
         AnalysisKind::Static | AnalysisKind::Compaction { .. } => None,
     };
-    for (id, mut x, mut rotation, mut v, mut spin, mut last) in &mut particles {
+    for (id, x, rotation, v, spin, last) in &mut particles {
         let Some(i) = bodies.row(*id) else { continue };
         let moved = committed.moved(i);
         // A followed motion has moved the table but not the entity.
-        x.0 = bodies.positions[i] + DVec2::new(moved[0], moved[1]);
-        rotation.0 = bodies.rotations[i] + moved[2];
-        last.0 = moved;
+        write(x, Position(bodies.positions[i] + DVec2::new(moved[0], moved[1])), place);
+        write(rotation, Rotation(bodies.rotations[i] + moved[2]), |rotation| [rotation.0]);
+        write(last, LastMotion(moved), |last| last.0);
         if let Some(step) = step {
-            (v.0, spin.0) = match bodies.group(i) {
+            let (velocity, turns) = match bodies.group(i) {
                 Some(group) => committed.velocity_in_group(step, i, group),
                 None => committed.velocity(step, i, v.0, spin.0),
             };
+            write(v, Velocity(velocity), |v| v.0.into());
+            write(spin, AngularVelocity(turns), |spin| [spin.0]);
         }
     }
-    for (id, mut x, mut last, mut wall, shape, rotation) in &mut walls {
+    for (id, x, last, mut wall, shape, rotation) in &mut walls {
         let Some(i) = bodies.row(*id) else { continue };
         let moved = committed.moved(i);
-        x.0 = bodies.positions[i] + DVec2::new(moved[0], moved[1]);
-        last.0 = moved;
+        write(x, Position(bodies.positions[i] + DVec2::new(moved[0], moved[1])), place);
+        write(last, LastMotion(moved), |last| last.0);
         committed.turn_wall(i, moved[2], &mut wall, shape, rotation);
     }
     if let Some(mut cell) = cell {
         committed.deform(&mut cell, analysis.thickness);
     }
-    for (id, group, mut x, mut rotation, mut last) in &mut groups {
+    for (id, group, x, rotation, last) in &mut groups {
         let Some(i) = bodies.row(*id) else { continue };
-        x.0 = bodies.positions[i] + DVec2::new(motion[i][0], motion[i][1]);
+        write(x, Position(bodies.positions[i] + DVec2::new(motion[i][0], motion[i][1])), place);
         // A followed motion has turned the members in the table.
         let first = bodies.groups.iter().find(|row| row.body as usize == i);
         let member = first.and_then(|row| row.members.first());
         if let Some(&member) = member {
-            rotation.0 = bodies.rotations[member as usize] + motion[i][2] - group.reference;
+            let turned = bodies.rotations[member as usize] + motion[i][2] - group.reference;
+            write(rotation, Rotation(turned), |rotation| [rotation.0]);
         }
-        last.0 = motion[i];
+        write(last, LastMotion(motion[i]), |last| last.0);
     }
+}
+
+/// Writes a component if its numbers change, so that `Changed` finds the bodies that move. Bits are
+/// compared, because 0 and -0 are equal and not the same state.
+fn write<C, const N: usize>(mut to: Mut<C>, new: C, numbers: fn(&C) -> [f64; N]) {
+    if numbers(&to).map(f64::to_bits) != numbers(&new).map(f64::to_bits) {
+        *to = new;
+    }
+}
+
+fn place(at: &Position) -> [f64; 2] {
+    at.0.into()
 }
 
 /// The time step of the part of an increment that is committed.

@@ -229,7 +229,7 @@ fn break_at_10_newtons(
     solution: Res<ConeSolution>,
     progress: Res<Progress>,
     mut bonds: Query<&mut BondState>,
-    mut messages: MessageWriter<Rupture>,
+    mut record: ResMut<Observation>,
 ) {
     for (contact, [p, q, tau]) in contacts.0.iter().zip(&solution.forces) {
         let Some(row) = contact.bond.map(|k| bodies.bonds[k as usize]).filter(|_| *p < -10.0)
@@ -238,7 +238,7 @@ fn break_at_10_newtons(
         };
         let mode = RuptureMode::Tension;
         *bonds.get_mut(row.entity).unwrap() = BondState::Broken(mode);
-        messages.write(Rupture {
+        record.ruptures.push(Rupture {
             increment: progress.increment,
             bond: row.id,
             a: bodies.ids[row.a as usize],

@@ -26,6 +26,7 @@ mod groups;
 mod held_bodies;
 mod hinged_walls;
 mod hopper;
+mod in_an_app;
 mod invariance;
 mod landing;
 mod language;

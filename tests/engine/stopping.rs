@@ -139,7 +139,7 @@ fn a_halted_app_says_why_once() {
 }
 
 #[test]
-fn a_collapse_ends_a_stage_of_a_scene_and_does_not_stop_its_app() {
+fn a_collapse_ends_a_stage_of_a_scene_and_the_last_stage_stops_its_app() {
     let text = r#"(
         version: 1, title: "a disk that nothing carries", gravity: (0.0, -9.81),
         materials: { "stone": (density: 2650.0) },
@@ -152,10 +152,12 @@ fn a_collapse_ends_a_stage_of_a_scene_and_does_not_stop_its_app() {
     let mut app = App::new();
     app.add_plugins((ClasticPlugins::default(), ScenePlugin));
     spawn_scene(app.world_mut(), &scene, None);
-    for _ in 0..8 {
+    for _ in 0..4 {
         app.update();
+        assert_eq!(*app.world().resource::<Running>(), Running::Always);
     }
-    assert_eq!(*app.world().resource::<Running>(), Running::Always);
+    app.update();
+    assert_eq!(*app.world().resource::<Running>(), Running::Stopped(StoppedBy::Collapsed));
     let script = app.world().resource::<Script>();
     assert!(matches!(script.outcome, Some(Outcome::Collapsed(_))), "{:?}", script.outcome);
     assert_eq!(increment(&app), 4);

@@ -3,6 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Arguments;
 
+use clastic_components::domain::Domain;
+
 use crate::scene::diagnostic::{Finding, within};
 use crate::scene::limits::{MAX_NUMBER, MIN_NUMBER};
 use crate::scene::suggest;
@@ -86,6 +88,11 @@ impl<'a> Findings<'a> {
             self.add(path, format!("{problem} ({value:?})"), &format!("give {what}{limit}"));
         }
         fine
+    }
+
+    /// Checks a number that apps can set as well.
+    pub(super) fn within(&mut self, path: Arguments, value: f64, domain: Domain) -> bool {
+        self.number(path, value, domain.contains, domain.what)
     }
 
     pub(super) fn positive(&mut self, path: Arguments, value: f64, what: &str) -> bool {

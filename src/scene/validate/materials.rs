@@ -2,6 +2,8 @@
 
 use std::fmt::Arguments;
 
+use clastic_components::domain;
+
 use crate::scene::format::{Bond, Contact, Scatter, Spread};
 use crate::scene::spans::join;
 
@@ -88,12 +90,9 @@ pub(super) fn bond(path: Arguments, bond: Option<Bond>, findings: &mut Findings)
     stiffnesses(path, (bond.normal_stiffness, bond.tangential_stiffness), findings);
     frictions(path, (bond.friction, bond.rolling_friction), findings);
     rolling(path, (bond.rolling_stiffness, bond.rolling_friction), findings);
-    findings.not_negative(format_args!("{path}.cohesion"), bond.cohesion, "a cohesion in Pa");
-    findings.not_negative(
-        format_args!("{path}.tensile_strength"),
-        bond.tensile_strength,
-        "a tensile strength in Pa",
-    );
+    findings.within(format_args!("{path}.cohesion"), bond.cohesion, domain::COHESION);
+    let path_of_strength = format_args!("{path}.tensile_strength");
+    findings.within(path_of_strength, bond.tensile_strength, domain::TENSILE_STRENGTH);
     if let Some(of) = &bond.scatter {
         scatter(format_args!("{path}.scatter"), &bond, of, findings);
     }
@@ -136,6 +135,6 @@ fn rolling(path: Arguments, (stiffness, friction): (Option<f64>, f64), findings:
 }
 
 fn frictions(path: Arguments, (friction, rolling): (f64, f64), findings: &mut Findings) {
-    findings.not_negative(format_args!("{path}.friction"), friction, "a coefficient");
-    findings.not_negative(format_args!("{path}.rolling_friction"), rolling, "a coefficient");
+    findings.within(format_args!("{path}.friction"), friction, domain::COEFFICIENT);
+    findings.within(format_args!("{path}.rolling_friction"), rolling, domain::COEFFICIENT);
 }

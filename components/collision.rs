@@ -1,0 +1,20 @@
+//! Collisions.
+
+use bevy_ecs::prelude::*;
+use glam::DVec2;
+
+/// Two bodies without a bond that carried no force carry one after this increment: a message, and
+/// an event for observers. They are looked for only in an app that asks for them with
+/// `app.add_message::<Collision>()`.
+#[derive(Message, Event, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub struct Collision {
+    /// The increment.
+    pub increment: u64,
+    /// Entities of the bodies: a particle, and a particle or a wall.
+    pub bodies: [Entity; 2],
+    /// Unit normal from the first to the second at the start of the increment.
+    pub normal: DVec2,
+    /// Normal force, N.
+    pub force: f64,
+}

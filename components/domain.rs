@@ -1,0 +1,55 @@
+//! The values that settings and laws may have. Scenes and apps are checked against this one list.
+
+/// The values that a quantity may have.
+#[derive(Clone, Copy, Debug)]
+pub struct Domain {
+    /// Completes "give ...".
+    pub what: &'static str,
+    /// Whether it contains a finite value.
+    pub contains: fn(f64) -> bool,
+}
+
+impl Domain {
+    const fn new(what: &'static str, contains: fn(f64) -> bool) -> Self {
+        Self { what, contains }
+    }
+
+    /// Whether a value is finite and in the domain. NaN is in none.
+    #[must_use]
+    pub fn has(&self, value: f64) -> bool {
+        value.is_finite() && (self.contains)(value)
+    }
+}
+
+/// [`Analysis::thickness`](crate::increment::Analysis::thickness).
+pub const THICKNESS: Domain = Domain::new("a thickness in m greater than 0", |h| h > 0.0);
+/// Components of [`Analysis::gravity`](crate::increment::Analysis::gravity).
+pub const GRAVITY: Domain = Domain::new("an acceleration in m/s^2", |_| true);
+/// `dt` of a dynamic analysis.
+pub const TIME_STEP: Domain = Domain::new("a time step in s greater than 0", |dt| dt > 0.0);
+/// `theta` of a dynamic analysis.
+pub const THETA: Domain = Domain::new("a theta above 0 and up to 1", |t| t > 0.0 && t <= 1.0);
+/// [`Acceptance::residual`](crate::increment::Acceptance::residual).
+pub const RESIDUAL: Domain =
+    Domain::new("a residual above 0 and up to 1e-2", |r| r > 0.0 && r <= 1e-2);
+/// [`Acceptance::turn`](crate::increment::Acceptance::turn).
+pub const TURN: Domain = Domain::new("an angle in rad greater than 0", |t| t > 0.0);
+/// [`Corrector::tolerance`](crate::increment::Corrector::tolerance) of a corrector with passes.
+pub const CORRECTION: Domain = Domain::new("a tolerance between 0 and 1", |t| t > 0.0 && t < 1.0);
+/// [`RuptureRules::tolerance`](crate::increment::RuptureRules::tolerance).
+pub const OVERLOAD: Domain = Domain::new("a tolerance between 0 and 0.1", |t| t > 0.0 && t <= 0.1);
+/// [`RuptureRules::density`](crate::increment::RuptureRules::density).
+pub const DENSITY_OF_RUPTURES: Domain =
+    Domain::new("a share of the bonds per relative change of force, above 0", |density| {
+        density > 0.0
+    });
+/// [`RuptureRules::brittleness`](crate::increment::RuptureRules::brittleness).
+pub const BRITTLENESS: Domain =
+    Domain::new("a multiple of the mean contact force, 0 or more", |b| b >= 0.0);
+/// Coefficients of friction and of rolling friction.
+pub const COEFFICIENT: Domain = Domain::new("a coefficient of 0 or more", |mu| mu >= 0.0);
+/// [`BondLaw::cohesion`](crate::material::BondLaw::cohesion).
+pub const COHESION: Domain = Domain::new("a cohesion in Pa of 0 or more", |c| c >= 0.0);
+/// [`BondLaw::tensile_strength`](crate::material::BondLaw::tensile_strength).
+pub const TENSILE_STRENGTH: Domain =
+    Domain::new("a tensile strength in Pa of 0 or more", |s| s >= 0.0);

@@ -1,0 +1,63 @@
+//! Tells an app that asks for it which bodies have met, once the increment stays.
+
+use bevy_app::{App, Plugin};
+use bevy_ecs::prelude::*;
+
+use clastic_components::body::BodyId;
+use clastic_components::collision::Collision;
+use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::contact_history::ContactHistory;
+use clastic_components::increment::Progress;
+
+use crate::stepping::{Advance, AdvanceSystems};
+
+/// Adds [`announce_collisions`]. It costs nothing in an app that has not added the message.
+pub struct AnnounceCollisionsPlugin;
+
+impl Plugin for AnnounceCollisionsPlugin {
+    fn build(&self, app: &mut App) {
+        app.add_systems(
+            Advance,
+            announce_collisions
+                .run_if(resource_exists::<Messages<Collision>>)
+                .in_set(AdvanceSystems::Announce),
+        );
+    }
+}
+
+/// Writes a [`Collision`] and triggers it for every pair without a bond that carries a force after
+/// this increment and carried none after the one before.
+pub fn announce_collisions(
+    bodies: Res<Bodies>,
+    contacts: Res<Contacts>,
+    history: Res<ContactHistory>,
+    progress: Res<Progress>,
+    mut touching: Local<Vec<(BodyId, BodyId)>>,
+    mut messages: MessageWriter<Collision>,
+    mut commands: Commands,
+) {
+    let mut now = Vec::new();
+    for memory in history.0.iter().filter(|memory| memory.p > 0.0) {
+        let pair = (memory.a, memory.b);
+        if bodies.bonds.binary_search_by_key(&pair, |bond| (bond.a, bond.b)).is_ok() {
+            continue;
+        }
+        let [a, b] = [memory.a, memory.b].map(|row| row as usize);
+        let ids = (bodies.ids[a], bodies.ids[b]);
+        now.push(ids);
+        let contact = contacts.0.binary_search_by_key(&pair, |contact| (contact.a, contact.b));
+        if let (Ok(k), Err(_)) = (contact, touching.binary_search(&ids)) {
+            let collision = Collision {
+                increment: progress.increment,
+                bodies: [bodies.entities[a], bodies.entities[b]],
+                normal: contacts.0[k].normal,
+                force: memory.p,
+            };
+            messages.write(collision);
+            commands.trigger(collision);
+        }
+    }
+    // By identity, since rows change when bodies come and go.
+    now.sort_unstable();
+    *touching = now;
+}

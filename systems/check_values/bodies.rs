@@ -1,0 +1,117 @@
+//! Particles, walls and rigid groups in the tables.
+
+use clastic_components::body::Drive;
+use clastic_components::cell::{CellControl, PeriodicCell};
+use clastic_components::contact::Bodies;
+use clastic_components::wall::WallDrive;
+use clastic_components::wall_shape::WallShape;
+
+use super::bad::{Bad, bad, finite, not_negative};
+use super::laws;
+
+/// A particle, where there are this number of materials. Without any all contacts are rigid.
+pub(super) fn particle(bodies: &Bodies, i: usize, materials: usize) -> Option<Bad> {
+    let radius = bodies.radii[i];
+    let is_radius = radius > 0.0 && radius.is_finite();
+    bad("radius", radius, is_radius, "a length above 0 in m")
+        .or_else(|| place(bodies, i))
+        .or_else(|| not_negative("mass", bodies.masses[i], "a mass in kg, not below 0"))
+        .or_else(|| not_negative("inertia", bodies.inertias[i], "kg m^2, not below 0"))
+        .or_else(|| finite("Rotation", bodies.rotations[i], "an angle in rad"))
+        .or_else(|| drives(&bodies.drives[i]))
+        .or_else(|| {
+            let load = bodies.loads[i].iter().flat_map(|ramp| [ramp.from, ramp.to]);
+            load.filter_map(|f| finite("LoadControl", f, "forces in N and a moment in N m")).next()
+        })
+        .or_else(|| {
+            let index = bodies.materials[i];
+            let is_known = materials == 0 || (index as usize) < materials;
+            let wanted = format!("an index below {materials}, the number of `Materials`");
+            (!is_known).then(|| Bad::new("MaterialIndex", index, wanted))
+        })
+}
+
+pub(super) fn wall(bodies: &Bodies, k: usize) -> Option<Bad> {
+    let wall = &bodies.walls[k];
+    let length = wall.half_length;
+    let drive = match wall.drive {
+        WallDrive::Imposed(u) => [u.x, u.y, 0.0],
+        WallDrive::Loaded(load) => [load.from, load.to, 0.0],
+        WallDrive::Sliding { load, along } => [load.from, load.to, along],
+        WallDrive::Turning { about, angle } => [about.x, about.y, angle],
+    };
+    bad("half_length", length, length >= 0.0, "a length in m, not below 0")
+        .or_else(|| {
+            let norm = wall.inward.length();
+            bad("length of its tangent", norm, (norm - 1.0).abs() < 1e-6, "a unit vector")
+        })
+        .or_else(|| arc(&wall.shape))
+        .or_else(|| place(bodies, wall.body as usize))
+        .or_else(|| laws::of_contact(&wall.law))
+        .or_else(|| {
+            let wanted = "displacements in m, forces in N and angles in rad";
+            drive.into_iter().filter_map(|value| finite("WallDrive", value, wanted)).next()
+        })
+}
+
+fn arc(shape: &WallShape) -> Option<Bad> {
+    let WallShape::Arc { centre, radius, axis, half_angle } = *shape else { return None };
+    let is_radius = radius > 0.0 && radius.is_finite();
+    let is_angle = half_angle > 0.0 && half_angle.is_finite();
+    bad("radius of its arc", radius, is_radius, "a length above 0 in m")
+        .or_else(|| bad("half_angle of its arc", half_angle, is_angle, "an angle above 0 in rad"))
+        .or_else(|| {
+            let all = [centre.x, centre.y, axis.x, axis.y];
+            all.into_iter().filter_map(|x| finite("WallShape", x, "a place and an axis")).next()
+        })
+}
+
+/// A rigid group.
+pub(super) fn group(bodies: &Bodies, k: usize) -> Option<Bad> {
+    let group = &bodies.groups[k];
+    let load = group.loads.iter().flat_map(|ramp| [ramp.from, ramp.to]);
+    let wanted = "forces in N and a moment in N m";
+    place(bodies, group.body as usize)
+        .or_else(|| drives(&group.drives))
+        .or_else(|| load.filter_map(|f| finite("LoadControl", f, wanted)).next())
+}
+
+/// The periodic cell.
+pub(super) fn cell(cell: &PeriodicCell) -> Option<Bad> {
+    let side =
+        |name, side: f64| bad(name, side, side > 0.0 && side.is_finite(), "a length above 0 in m");
+    side("width", cell.width)
+        .or_else(|| side("height", cell.height))
+        .or_else(|| finite("tilt", cell.tilt, "a length in m"))
+        .or_else(|| {
+            let ends = cell.controls.iter().flat_map(|control| match *control {
+                CellControl::Imposed(u) => [u, u],
+                CellControl::Stress { from, to } => [from, to],
+            });
+            let wanted = "displacements in m and stresses in Pa";
+            ends.filter_map(|value| finite("controls", value, wanted)).next()
+        })
+}
+
+/// Position, velocities and last motion of a body.
+fn place(bodies: &Bodies, row: usize) -> Option<Bad> {
+    let (at, v) = (bodies.positions[row], bodies.velocities[row]);
+    let moved = bodies.last_motion[row];
+    finite("Position x", at.x, "a coordinate in m")
+        .or_else(|| finite("Position y", at.y, "a coordinate in m"))
+        .or_else(|| finite("Velocity x", v.x, "a velocity in m/s"))
+        .or_else(|| finite("Velocity y", v.y, "a velocity in m/s"))
+        .or_else(|| finite("AngularVelocity", bodies.angular_velocities[row], "rad/s"))
+        .or_else(|| finite("LastMotion x", moved[0], "a displacement in m"))
+        .or_else(|| finite("LastMotion y", moved[1], "a displacement in m"))
+        .or_else(|| finite("rotation of LastMotion", moved[2], "an angle in rad"))
+}
+
+fn drives(drives: &[Drive; 3]) -> Option<Bad> {
+    let imposed = drives.iter().filter_map(|drive| match drive {
+        Drive::Imposed(u) => Some(*u),
+        Drive::Free => None,
+    });
+    let wanted = "displacements in m and an angle in rad";
+    imposed.filter_map(|u| finite("Drives", u, wanted)).next()
+}

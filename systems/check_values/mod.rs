@@ -1,0 +1,101 @@
+//! Checks the values of settings, bodies, bonds, controls and loads, which a program may have set
+//! since the last increment: each where it enters a table. Scenes go through the same tables; their
+//! reader checks them before, against the same [domains](clastic_components::domain), so that it
+//! can name the line.
+
+mod bad;
+mod bodies;
+mod bonds;
+mod controls;
+mod laws;
+mod loads;
+mod missing;
+mod settings;
+
+use bevy_ecs::archetype::Archetypes;
+use bevy_ecs::component::Components;
+use bevy_ecs::prelude::*;
+
+use clastic_components::bond::{Bond, BondId, BondState};
+use clastic_components::contact::Bodies;
+use clastic_components::material::Materials;
+use clastic_components::wall::{WallName, WallSlide, WallTable};
+
+use crate::stepping::Halted;
+
+pub(crate) use self::loads::refused_load;
+use self::settings::Settings;
+
+/// Halts the world at the first value that has no meaning, before an attempt works with it: a
+/// position that is not a number would otherwise come back as an increment without a solution, and
+/// a control without its table as no control. It runs in every increment: it reads what the system
+/// before it has just written.
+pub(crate) fn check_values(
+    bodies: Res<Bodies>,
+    settings: Settings,
+    materials: Option<Res<Materials>>,
+    (archetypes, components): (&Archetypes, &Components),
+    bonds: Query<(Entity, &BondId, &Bond, &BondState)>,
+    controls: Query<(Option<&WallTable>, Option<&WallSlide>)>,
+    names: Query<(Option<&Name>, Option<&WallName>)>,
+    halted: Option<Res<Halted>>,
+    mut commands: Commands,
+) {
+    if halted.is_some() {
+        return;
+    }
+    let called = |entity: Entity| match names.get(entity) {
+        Ok((Some(name), _)) => format!("`{name}`"),
+        Ok((None, Some(WallName(name)))) => format!("`{name}`"),
+        _ => format!("entity {entity}"),
+    };
+    let body = |row: usize| format!("{}, {},", bodies.name(row), called(bodies.entities[row]));
+    let of_setting = || settings.bad().map(|(name, bad)| bad.in_words(format_args!("`{name}`")));
+    let of_cell = || Some(bodies::cell(bodies.cell.as_ref()?)?.in_words("`PeriodicCell`"));
+    let lacking = || {
+        let (entity, bad) = missing::missing(archetypes, components)?;
+        Some(bad.in_words(called(entity)))
+    };
+    let list = materials.as_ref().map_or(&[][..], |materials| &materials.0);
+    let of_material = || {
+        list.iter().enumerate().find_map(|(i, material)| {
+            let bad = laws::of_material(material)?;
+            Some(bad.in_words(format_args!("material {i} (`{}`)", material.name)))
+        })
+    };
+    let of_particle = || {
+        (0..bodies.particles)
+            .find_map(|i| Some(bodies::particle(&bodies, i, list.len())?.in_words(body(i))))
+    };
+    let of_wall = || {
+        bodies.walls.iter().enumerate().find_map(|(k, wall)| {
+            let row = wall.body as usize;
+            let control = || {
+                let (table, slide) = controls.get(bodies.entities[row]).ok()?;
+                controls::control(wall, table, slide, settings.analysis.kind)
+            };
+            Some(bodies::wall(&bodies, k).or_else(control)?.in_words(body(row)))
+        })
+    };
+    let of_group = || {
+        bodies.groups.iter().enumerate().find_map(|(k, group)| {
+            Some(bodies::group(&bodies, k)?.in_words(body(group.body as usize)))
+        })
+    };
+    let of_bond = || {
+        let bad = bonds::in_tables(&bodies).or_else(|| bonds::loose(&bodies, &bonds));
+        let (id, entity, pair, bad) = bad?;
+        Some(bad.in_words(format_args!("bond {}, {}, {pair}", id.0, called(entity))))
+    };
+    let message = of_setting()
+        .or_else(of_cell)
+        .or_else(lacking)
+        .or_else(of_material)
+        .or_else(of_particle)
+        .or_else(of_wall)
+        .or_else(of_group)
+        .or_else(of_bond);
+    if let Some(message) = message {
+        commands.insert_resource(Halted(message));
+    }
+}

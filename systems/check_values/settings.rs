@@ -1,0 +1,61 @@
+//! Settings of the world: analysis, acceptance, rules of rupture, corrector.
+
+use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemParam;
+
+use clastic_components::domain::{
+    BRITTLENESS, CORRECTION, DENSITY_OF_RUPTURES, GRAVITY, OVERLOAD, RESIDUAL, THETA,
+    THICKNESS, TURN, TIME_STEP,
+};
+use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Corrector, RuptureRules};
+
+use super::bad::{Bad, outside};
+
+/// The settings with numbers that an increment depends on.
+#[derive(SystemParam)]
+pub(crate) struct Settings<'w> {
+    pub(super) analysis: Res<'w, Analysis>,
+    acceptance: Res<'w, Acceptance>,
+    rules: Res<'w, RuptureRules>,
+    corrector: Res<'w, Corrector>,
+}
+
+impl Settings<'_> {
+    /// The first value without a meaning, with the name of its resource.
+    pub(super) fn bad(&self) -> Option<(&'static str, Bad)> {
+        let of = |name, bad: Option<Bad>| bad.map(|bad| (name, bad));
+        of("Analysis", analysis(&self.analysis))
+            .or_else(|| of("Acceptance", acceptance(&self.acceptance)))
+            .or_else(|| of("RuptureRules", rules(&self.rules)))
+            .or_else(|| of("Corrector", corrector(&self.corrector)))
+    }
+}
+
+fn analysis(analysis: &Analysis) -> Option<Bad> {
+    let kind = || match analysis.kind {
+        AnalysisKind::Dynamic { dt, theta } => {
+            outside("dt", dt, TIME_STEP).or_else(|| outside("theta", theta, THETA))
+        }
+        AnalysisKind::Static | AnalysisKind::Compaction { .. } => None,
+    };
+    kind()
+        .or_else(|| outside("path_theta", analysis.path_theta?, THETA))
+        .or_else(|| outside("gravity x", analysis.gravity.x, GRAVITY))
+        .or_else(|| outside("gravity y", analysis.gravity.y, GRAVITY))
+        .or_else(|| outside("thickness", analysis.thickness, THICKNESS))
+}
+
+fn acceptance(acceptance: &Acceptance) -> Option<Bad> {
+    outside("residual", acceptance.residual, RESIDUAL)
+        .or_else(|| outside("turn", acceptance.turn, TURN))
+}
+
+fn rules(rules: &RuptureRules) -> Option<Bad> {
+    outside("tolerance", rules.tolerance, OVERLOAD)
+        .or_else(|| outside("density", rules.density, DENSITY_OF_RUPTURES))
+        .or_else(|| outside("brittleness", rules.brittleness, BRITTLENESS))
+}
+
+fn corrector(corrector: &Corrector) -> Option<Bad> {
+    if corrector.passes == 0 { None } else { outside("tolerance", corrector.tolerance, CORRECTION) }
+}

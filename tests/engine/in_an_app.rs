@@ -1,0 +1,412 @@
+//! The engine in the app of another program: what comes while it runs, and what the app is told.
+
+use std::time::Duration;
+
+use bevy_app::{App, FixedUpdate, Update};
+use bevy_ecs::prelude::*;
+use bevy_time::{Fixed, Time, TimePlugin, TimeUpdateStrategy};
+use clastic::prelude::*;
+use clastic::run::spawn::spawn_scene;
+use clastic::run::{EndedBy, StageEnd};
+use clastic::scene::LoadedScene;
+use glam::DVec2;
+
+/// An app under dynamic analysis with gravity.
+fn falling() -> App {
+    let mut app = App::new();
+    app.add_plugins(ClasticPlugins::default());
+    app.insert_resource(Analysis {
+        kind: AnalysisKind::Dynamic { dt: 1.0e-3, theta: 1.0 },
+        gravity: DVec2::new(0.0, -9.81),
+        ..Analysis::default()
+    });
+    app
+}
+
+fn disk(x: f64) -> (Particle, body::Position) {
+    (Particle::disk(0.1, 2650.0, 1.0), body::Position(DVec2::new(x, 0.0)))
+}
+
+fn increments(app: &App) -> u64 {
+    app.world().resource::<Progress>().increment
+}
+
+#[derive(Component)]
+struct Marker;
+
+/// `QueryState::is_empty` never learns of new archetypes: the app stood still, and said nothing.
+#[test]
+fn bodies_that_come_after_the_first_update_are_stepped() {
+    let mut waiting = falling();
+    waiting.update();
+    waiting.world_mut().spawn(disk(0.0));
+    let mut marked = falling();
+    let only = marked.world_mut().spawn(disk(0.0)).id();
+    marked.update();
+    marked.world_mut().entity_mut(only).insert(Marker);
+    let state = WorldState::capture(marked.world_mut()).unwrap_or_else(|e| panic!("{e}"));
+    let mut restored = falling();
+    restored.update();
+    state.restore(restored.world_mut()).unwrap_or_else(|e| panic!("{e}"));
+    for (mut app, before) in [(waiting, 0), (marked, 1), (restored, 1)] {
+        for n in 1..=10 {
+            app.update();
+            assert_eq!(increments(&app), before + n);
+        }
+    }
+}
+
+#[derive(Resource, Default)]
+struct Heard {
+    in_update: usize,
+    in_fixed: usize,
+    observed: Vec<(Entity, [Entity; 2], RuptureMode)>,
+}
+
+/// Readers in `Update` got the ruptures of the last two increments of a frame alone.
+#[test]
+fn every_rupture_is_read_and_observed_whatever_the_number_of_increments_per_frame() {
+    const PAIRS: usize = 40;
+    let dt = 1.0e-3;
+    let mut app = App::new();
+    app.add_plugins((TimePlugin, ClasticPlugins::new(FixedUpdate))).init_resource::<Heard>();
+    app.insert_resource(Time::<Fixed>::from_seconds(dt));
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(8)));
+    let kind = AnalysisKind::Dynamic { dt, theta: 1.0 };
+    app.insert_resource(Analysis { kind, ..Analysis::default() });
+    let read_fixed = |mut ruptures: MessageReader<Rupture>, mut heard: ResMut<Heard>| {
+        heard.in_fixed += ruptures.read().count();
+    };
+    let read = |mut ruptures: MessageReader<Rupture>, mut heard: ResMut<Heard>| {
+        heard.in_update += ruptures.read().count();
+    };
+    app.add_systems(FixedUpdate, read_fixed.after(Stepping)).add_systems(Update, read);
+    app.add_observer(|broken: On<BondBroken>, mut heard: ResMut<Heard>| {
+        assert!(broken.rupture.p < 0.0);
+        heard.observed.push((broken.bond, broken.bodies, broken.rupture.mode));
+    });
+    let world = app.world_mut();
+    let mut bonds = Vec::new();
+    for k in 0..PAIRS {
+        let tensile_strength = 1.0e3 * (k + 1) as f64;
+        let law = BondLaw { normal_compliance: 1.0e-7, tensile_strength, ..Default::default() };
+        let disk = |x| {
+            let place = body::Position(DVec2::new(x, 0.1 * k as f64));
+            (Particle::disk(6.0e-3, 2650.0, 1.0), place)
+        };
+        let a = world.spawn((disk(0.0), Drives::imposed([0.0; 3]))).id();
+        let b = world.spawn((disk(12.0e-3), Drives::imposed([1.5e-6, 0.0, 0.0]))).id();
+        bonds.push((world.spawn(Bond::between(a, b, law)).id(), [a, b], RuptureMode::Tension));
+    }
+    for _ in 0..10 {
+        app.update();
+    }
+    let heard = app.world().resource::<Heard>();
+    assert!(increments(&app) > 60, "{}", increments(&app));
+    assert_eq!((heard.in_update, heard.in_fixed), (PAIRS, PAIRS));
+    let mut observed = heard.observed.clone();
+    observed.sort_by_key(|(bond, ..)| bonds.iter().position(|known| known.0 == *bond));
+    assert_eq!(observed, bonds);
+}
+
+/// A scene of which two stages of one increment each end.
+fn short_scene() -> (App, LoadedScene) {
+    let text = r#"(
+        version: 1, title: "two disks",
+        materials: { "stone": () },
+        specimen: Particles([(position: (0.0, 0.0), radius: 1.0), (position: (3.0, 0.0), radius: 1.0)]),
+        stages: [Load(name: "rest", increments: 1), Load(name: "and rest", increments: 1)],
+    )"#;
+    let loaded = clastic::scene::from_str(text, "test.ron".as_ref(), "".as_ref(), &[]);
+    let loaded = loaded.unwrap_or_else(|e| panic!("{e}"));
+    let mut app = App::new();
+    app.add_plugins((ClasticPlugins::default(), ScenePlugin));
+    spawn_scene(app.world_mut(), &loaded.scene, None);
+    (app, loaded)
+}
+
+#[derive(Resource, Default)]
+struct Ends(Vec<String>, Vec<Stopped>);
+
+/// It went on for ever without an increment, and no message said so.
+#[test]
+fn the_end_of_a_scene_and_of_its_stages_is_told() {
+    let (mut app, _) = short_scene();
+    app.init_resource::<Ends>();
+    let read = |mut ends: MessageReader<StageEnd>,
+                mut stops: MessageReader<Stopped>,
+                mut to: ResMut<Ends>| {
+        to.0.extend(ends.read().map(|end| end.stage.clone()));
+        to.1.extend(stops.read().cloned());
+    };
+    app.add_systems(Update, read.after(Stepping));
+    app.add_observer(|end: On<StageEnd>| assert_eq!(end.ended_by, Some(EndedBy::AllIncrements)));
+    for _ in 0..5 {
+        app.update();
+    }
+    assert_eq!(*app.world().resource::<Running>(), Running::Stopped(StoppedBy::Completed));
+    let Ends(stages, stops) = app.world().resource();
+    assert_eq!(stages, &["rest", "and rest"]);
+    assert_eq!(stops.len(), 1, "{stops:?}");
+    assert_eq!((stops[0].by, stops[0].increment), (StoppedBy::Completed, 2));
+}
+
+/// The reason for which an app halts in its next update, before it moves anything.
+fn refusal(app: &mut App) -> String {
+    app.update();
+    let world = app.world();
+    let running = *world.resource::<Running>();
+    assert_eq!(running, Running::Stopped(StoppedBy::Halted), "{:?}", world.resource::<Attempt>());
+    let Halted(reason) = world.resource();
+    assert!(reason.ends_with("then remove `Halted` and insert `Running::Always`"), "{reason}");
+    reason.clone()
+}
+
+/// `dt: NaN` was committed, `dt < 0` ran backwards, and other values blamed "body 0".
+#[test]
+fn an_analysis_without_a_meaning_is_refused_by_name() {
+    let gravity = DVec2::new(0.0, -9.81);
+    let dynamic = |dt, theta| {
+        let kind = AnalysisKind::Dynamic { dt, theta };
+        Analysis { kind, gravity, ..Analysis::default() }
+    };
+    let time_step = "give a time step in s greater than 0";
+    let theta = "give a theta above 0 and up to 1";
+    let cases = [
+        (dynamic(f64::NAN, 1.0), format!("dt = NaN: {time_step}")),
+        (dynamic(-1.0e-3, 1.0), format!("dt = -0.001: {time_step}")),
+        (dynamic(0.0, 1.0), format!("dt = 0.0: {time_step}")),
+        (dynamic(1.0e-3, -1.0), format!("theta = -1.0: {theta}")),
+        (dynamic(1.0e-3, 0.0), format!("theta = 0.0: {theta}")),
+        (dynamic(1.0e-3, 3.0), format!("theta = 3.0: {theta}")),
+        (
+            Analysis { path_theta: Some(2.0), ..dynamic(1.0e-3, 1.0) },
+            format!("path_theta = 2.0: {theta}"),
+        ),
+        (
+            Analysis { gravity: DVec2::new(0.0, f64::NAN), ..dynamic(1.0e-3, 1.0) },
+            "gravity y = NaN: give an acceleration in m/s^2".to_owned(),
+        ),
+        (
+            Analysis { thickness: -1.0, ..Analysis::default() },
+            "thickness = -1.0: give a thickness in m greater than 0".to_owned(),
+        ),
+    ];
+    for (analysis, expected) in cases {
+        let mut app = falling();
+        app.insert_resource(analysis);
+        app.world_mut().spawn(disk(0.0));
+        let reason = refusal(&mut app);
+        assert!(reason.starts_with(&format!("`Analysis` has {expected}")), "{reason}");
+        let world = app.world_mut();
+        assert_eq!(world.resource::<Progress>(), &Progress::default());
+        world.insert_resource(dynamic(1.0e-3, 1.0));
+        world.remove_resource::<Halted>();
+        world.insert_resource(Running::Always);
+        app.update();
+        assert_eq!(increments(&app), 1);
+    }
+}
+
+/// Two disks; the left one is held.
+fn two_disks(app: &mut App) -> [Entity; 2] {
+    let world = app.world_mut();
+    let held = world.spawn((disk(0.0), Drives::imposed([0.0; 3]))).id();
+    [held, world.spawn(disk(0.2)).id()]
+}
+
+/// It had no effect: only one of the two carried force, and both said that they were intact.
+#[test]
+fn a_second_bond_of_a_pair_is_refused() {
+    let mut app = falling();
+    let [a, b] = two_disks(&mut app);
+    let law = BondLaw { normal_compliance: 1.0e-7, tensile_strength: 1.0e6, ..Default::default() };
+    app.world_mut().spawn(Bond::between(a, b, law));
+    app.update();
+    let second = app.world_mut().spawn((Bond::between(b, a, law), Name::new("weld"))).id();
+    let reason = refusal(&mut app);
+    let expected = "bond 1, `weld`, of particle 0 and particle 1 has bodies = [BodyId(0), BodyId(1)]: \
+                    give one bond to a pair: bond 0 joins it already";
+    assert!(reason.starts_with(expected), "{reason}");
+    let world = app.world_mut();
+    world.despawn(second);
+    world.remove_resource::<Halted>();
+    world.insert_resource(Running::Always);
+    app.update();
+    assert_eq!(increments(&app), 2);
+}
+
+/// It panicked in an index of the tables.
+#[test]
+#[should_panic(expected = "is two of Particle, Wall and RigidGroup")]
+fn an_entity_that_is_two_bodies_is_refused() {
+    let mut app = falling();
+    let wall = Wall { tangent: DVec2::X, half_length: 1.0 };
+    app.world_mut().spawn((disk(0.0), wall));
+}
+
+/// The clone had the identity of its original, which panicked.
+#[test]
+fn a_clone_of_a_body_is_another_body() {
+    let mut app = falling();
+    let original = app.world_mut().spawn(disk(0.0)).id();
+    let clone = app.world_mut().entity_mut(original).clone_and_spawn();
+    app.world_mut().flush();
+    app.world_mut().entity_mut(clone).insert(body::Position(DVec2::new(9.0, 0.0)));
+    app.update();
+    let world = app.world();
+    assert_eq!(world.get::<BodyId>(clone), Some(&BodyId(1)));
+    let velocity = |body| world.get::<Velocity>(body).map(|v| v.0);
+    assert!(velocity(clone) == velocity(original) && velocity(clone) != Some(DVec2::ZERO));
+}
+
+/// All of these were accepted and had no effect.
+#[test]
+fn an_input_without_an_effect_is_refused_by_name() {
+    type Fill = fn(&mut App, [Entity; 2]);
+    fn loads(app: &mut App, add: fn(ResMut<TrialLoads>)) {
+        app.add_systems(Loads, add);
+    }
+    fn wall(app: &mut App, of: impl Bundle) {
+        let wall = Wall::between(DVec2::new(-1.0, -0.3), DVec2::new(1.0, -0.3));
+        app.world_mut().spawn((wall, WallName("floor".to_owned()), of));
+    }
+    let cases: [(Fill, &str); 14] = [
+        (
+            |app, _| loads(app, |mut l| l.add_spring(BodyId(1), 7, 1.0, 1.0e3)),
+            "a load of `Loads` on particle 1, ENTITY, has degree of freedom = 7: give 0, 1 or 2",
+        ),
+        (
+            |app, _| loads(app, |mut l| l.add(BodyId(77), [1.0; 3])),
+            "a load of `Loads` has body = BodyId(77): give the identity of a body",
+        ),
+        (
+            |app, _| loads(app, |mut l| l.add_spring(BodyId(1), 0, 1.0, -1.0e3)),
+            "a load of `Loads` on particle 1, ENTITY, has stiffness = -1000.0: give N/m",
+        ),
+        (
+            |app, _| loads(app, |mut l| l.add(BodyId(1), [f64::NAN; 3])),
+            "a load of `Loads` on particle 1, ENTITY, has force = NaN: give a force in N",
+        ),
+        (
+            |app, _| wall(app, WallControl::Velocity(DVec2::Y)),
+            "wall (body 2), `floor`, has WallControl = Velocity(DVec2(0.0, 1.0)): give `Displacement`",
+        ),
+        (
+            |app, _| wall(app, WallControl::Table(TableOf::Displacement)),
+            "wall (body 2), `floor`, has WallTable = \"missing\": give the points",
+        ),
+        (
+            |app, _| wall(app, WallSlide::Displacement(1.0e-6)),
+            "wall (body 2), `floor`, has WallSlide = Displacement(1e-6): give a control by `Force`",
+        ),
+        (
+            |app, [_, b]| _ = app.world_mut().entity_mut(b).remove::<Velocity>(),
+            "ENTITY has Velocity = \"missing\": give one",
+        ),
+        (
+            |app, [_, b]| _ = app.world_mut().entity_mut(b).remove::<LoadControl>(),
+            "ENTITY has LoadControl = \"missing\": give one",
+        ),
+        (
+            |app, [_, b]| {
+                let load = LoadControl::constant([0.0, f64::INFINITY, 0.0]);
+                app.world_mut().entity_mut(b).insert(load);
+            },
+            "particle 1, ENTITY, has LoadControl = inf: give forces in N",
+        ),
+        (
+            |app, [_, b]| {
+                app.insert_resource(material::Materials(vec![material::Material {
+                    name: "sand".into(),
+                    density: 2650.0,
+                    contact: ContactLaw::default(),
+                    bond: None,
+                }]));
+                app.world_mut().entity_mut(b).insert(MaterialIndex(1));
+            },
+            "particle 1, ENTITY, has MaterialIndex = 1: give an index below 1",
+        ),
+        (
+            |app, _| {
+                let law = BondLaw::default();
+                let (a, b) = (BodyId(1), BodyId(99));
+                app.world_mut().spawn((Bond { a, b, initial_gap: 0.0, law }, Name::new("weld")));
+            },
+            "bond 0, `weld`, of bodies 1 and 99 has b = BodyId(99): give the identity of a body",
+        ),
+        (
+            |app, _| _ = app.insert_resource(Acceptance { residual: -1.0, ..Default::default() }),
+            "`Acceptance` has residual = -1.0: give a residual above 0",
+        ),
+        (
+            |app, _| _ = app.insert_resource(Corrector { passes: 3, tolerance: f64::NAN }),
+            "`Corrector` has tolerance = NaN: give a tolerance between 0 and 1",
+        ),
+    ];
+    for (fill, expected) in cases {
+        let mut app = App::new();
+        app.add_plugins(ClasticPlugins::default());
+        let bodies = two_disks(&mut app);
+        fill(&mut app, bodies);
+        let expected = expected.replace("ENTITY", &format!("entity {}", bodies[1]));
+        let reason = refusal(&mut app);
+        assert!(reason.starts_with(&expected), "{reason}\ninstead of\n{expected}");
+        assert_eq!(app.world().resource::<Progress>(), &Progress::default(), "{expected}");
+    }
+}
+
+#[derive(Resource, Default)]
+struct Moved(Vec<Entity>);
+
+/// It found every body in every increment, held ones too.
+#[test]
+fn changed_finds_the_bodies_that_move_and_no_others() {
+    let mut app = falling();
+    let [_, free] = two_disks(&mut app);
+    app.world_mut().spawn(Wall::between(DVec2::new(1.0, -9.0), DVec2::new(-1.0, -9.0)));
+    app.init_resource::<Moved>();
+    let watch = |changed: Query<Entity, Changed<body::Position>>, mut moved: ResMut<Moved>| {
+        moved.0 = changed.iter().collect();
+    };
+    app.add_systems(Update, watch.after(Stepping));
+    app.update();
+    for _ in 0..3 {
+        app.update();
+        assert_eq!(app.world().resource::<Moved>().0, [free]);
+    }
+}
+
+/// The app was not told which bodies meet.
+#[test]
+fn an_app_that_asks_is_told_of_every_collision_once() {
+    let mut app = falling();
+    let law = ContactLaw { normal_compliance: 1.0e-7, ..Default::default() };
+    app.insert_resource(material::Materials(vec![material::Material {
+        name: "steel".into(),
+        density: 7800.0,
+        contact: law,
+        bond: None,
+    }]));
+    let ball = app.world_mut().spawn(disk(0.0)).id();
+    let floor = Wall::between(DVec2::new(-1.0, -0.11), DVec2::new(1.0, -0.11));
+    let floor = app.world_mut().spawn((floor, law)).id();
+    app.add_message::<Collision>().init_resource::<Hits>();
+    app.add_systems(Update, |mut read: MessageReader<Collision>, mut hits: ResMut<Hits>| {
+        hits.0.extend(read.read().copied());
+    });
+    app.add_observer(|hit: On<Collision>, mut hits: ResMut<Hits>| hits.1.push(*hit.event()));
+    for _ in 0..60 {
+        app.update();
+    }
+    let Hits(read, observed) = app.world().resource();
+    assert_eq!(read, observed);
+    // It falls 10 mm in 45 ms, and rebounds hardly with theta = 1.
+    let [first] = read.as_slice() else { panic!("{read:?}") };
+    assert_eq!((first.bodies, first.normal), ([ball, floor], DVec2::NEG_Y));
+    assert!((44..=47).contains(&first.increment) && first.force > 0.0, "{first:?}");
+}
+
+/// The collisions of messages and those of the observer.
+#[derive(Resource, Default)]
+struct Hits(Vec<Collision>, Vec<Collision>);
