@@ -250,7 +250,7 @@ impl Bodies {
         // A wall that turns has its rotation in the table.
         for wall in &mut self.walls {
             let [_, _, angle] = self.last_motion[wall.body as usize];
-            if self.group_of.get(wall.body as usize).copied().flatten().is_some() {
+            if angle != 0.0 {
                 *wall = wall.turned(angle);
             }
         }

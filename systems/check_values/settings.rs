@@ -4,8 +4,8 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 
 use clastic_components::domain::{
-    BRITTLENESS, CORRECTION, DENSITY_OF_RUPTURES, GRAVITY, OVERLOAD, RESIDUAL, THETA,
-    THICKNESS, TURN, TIME_STEP,
+    BRITTLENESS, CORRECTION, DENSITY_OF_RUPTURES, GRAVITY, OVERLOAD, RESIDUAL, THETA, THICKNESS,
+    TIME_STEP, TURN,
 };
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Corrector, RuptureRules};
 

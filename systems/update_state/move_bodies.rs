@@ -203,8 +203,8 @@ impl Committed<'_> {
         mut rotation: Option<Mut<WallRotation>>,
     ) {
         let row = self.bodies.walls.iter().find(|row| row.body as usize == i);
-        if let Some(row) = row.filter(|_| self.bodies.group(i).is_some()) {
-            // A followed motion has turned the wall in the table.
+        if let Some(row) = row {
+            // A followed motion may have turned the wall in the table.
             wall.tangent = row.tangent();
             if let Some(shape) = &mut shape {
                 **shape = row.shape;

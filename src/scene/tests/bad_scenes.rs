@@ -245,7 +245,7 @@ fn settings() {
             "version: 1, acceptance: (residual: 0.0, turn: -1.0, halvings: 99)",
             "2:40: acceptance.residual: zero (0.0); give a residual above 0 and up to 1e-2
 2:51: acceptance.turn: negative (-1.0); give an angle in rad greater than 0
-2:68: acceptance.halvings: out of range (99); give a number up to 30",
+2:67: acceptance.halvings: out of range (99); give a number up to 30",
         ),
         (
             VERSION,

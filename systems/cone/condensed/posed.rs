@@ -14,7 +14,7 @@ use crate::certificate::{certificate, locks, proves};
 use crate::lowering::{Lowered, lower, polish};
 use crate::polish::Point;
 use crate::program::{Certificate, ConeProgram, ConeSolution, SolveStatus};
-use crate::residuals::{MAX_BALANCE, regularised_residuals};
+use crate::residuals::{MAX_BALANCE, choose_displacements};
 
 /// Requirements on a solution.
 #[derive(Clone, Copy, Debug)]
@@ -164,19 +164,21 @@ impl<'a> Posed<'a> {
         if is_polished && !self.demand.large { self.polished(&point, found) } else { found }
     }
 
-    /// The solution of an interior point, polished; it is solved if its residual is within the
-    /// tolerance.
-    fn polished(&self, point: &Interior, mut solution: ConeSolution) -> ConeSolution {
+    /// The solution of an interior point, polished; as it is if the polish is no solution.
+    fn polished(&self, point: &Interior, unpolished: ConeSolution) -> ConeSolution {
         let program = self.program;
         let mut low = lower(program);
         let point = lowered_point(&self.scaled, &self.order, &low, point);
         let (rows, variables) = (low.right.len(), low.linear.len());
         let a = std::mem::take(&mut low.matrix).matrix(rows, variables);
+        let mut solution = unpolished.clone();
         polish(program, &low, &a, point, &self.settings.polish, &mut solution);
-        let r = regularised_residuals(program, &solution).worst();
-        let is_solved = r <= self.demand.tolerance;
-        solution.status = if is_solved { SolveStatus::Solved } else { SolveStatus::Stalled };
-        solution
+        let tolerance = self.demand.tolerance;
+        if choose_displacements(program, &mut solution, tolerance).worst() <= tolerance {
+            solution.status = SolveStatus::Solved;
+            return solution;
+        }
+        unpolished
     }
 }
 
