@@ -1,0 +1,49 @@
+//! Slender specimens that bend far without breaking.
+
+use clastic::run::Outcome;
+
+use crate::common::*;
+
+/// A cantilever whose tip moved by more than 0.3 radii about the mean field, and which strained by
+/// more than 2 %, counted as collapsed, although its bonds held.
+///
+/// By hand, with m = 5 joints of the stiffness k_R at (i + 1/2) a from the root: joint i turns by
+/// P a (m - i - 1/2)/k_R, and the tip sinks by the sum of P a^2 (m - i - 1/2)^2/k_R, and by m P/k_T in
+/// shear. The sine of the turns is neglected, which is 1e-3 of it here.
+#[test]
+fn a_cantilever_that_bends_far_does_not_collapse_whatever_the_increments() {
+    let (m, a, p, k_t, k_r) = (5, 0.1, 500.0, 4.0e8, 2.0e4);
+    let joints = (0..m).map(|i| f64::from(m - i) - 0.5);
+    let bending: f64 = joints.map(|arm| p * a * a * arm * arm / k_r).sum();
+    let sinks = bending + f64::from(m) * p / k_t;
+    let disks: String = (0..=m)
+        .map(|i| {
+            let probe = if i == m { ", probe: \"tip\"" } else { "" };
+            format!("(position: ({:?}, 0.0), radius: 0.05{probe}),", a * f64::from(i))
+        })
+        .collect();
+    for increments in [1, 3, 10, 40] {
+        let scene = parse(&format!(
+            "(
+                version: 1,
+                title: \"Cantilever of disks\",
+                materials: {{ \"a\": (bond: (normal_stiffness: 1.0e9, tangential_stiffness: {k_t:e},
+                    rolling_stiffness: {k_r:e}, rolling_friction: 1.0, cohesion: 1.0e9,
+                    tensile_strength: 1.0e7)) }},
+                specimen: Particles([{disks}]),
+                stages: [
+                    Cement(name: \"bond\", length: 1.0e-6),
+                    Load(name: \"load\", increments: {increments}, particles: [
+                        (select: Index([0]), x: Held, y: Held, rotation: Held),
+                        (select: Index([{m}]), force: (0.0, {:?})),
+                    ]),
+                ],
+            )",
+            -p
+        ));
+        let (records, outcome) = run(&scene);
+        assert_eq!(outcome, Outcome::Completed, "{increments} increments");
+        let tip = probe(records.last().unwrap(), "tip").motion[1];
+        assert_relative(-tip, sinks, 1e-3);
+    }
+}
