@@ -233,7 +233,7 @@ class Landing:
         ]
         before = [r for r in history if r["stage"] not in ("hold", "shear")]
         moving = [[float(r["time_s"]), *size(r), stress(r)] for r in before if r["stage"] != "confine" or route == "ramped"]
-        motion = lambda rows: sum(float(r.get("motion_strain") or 0) for r in rows)
+        motion = lambda rows: sum(int(r.get("motion_steps") or 0) for r in rows)
         return {
             **self.landed(placed, walls),
             **self.strength(curve),
