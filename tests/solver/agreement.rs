@@ -162,22 +162,33 @@ fn is_proved(program: &ConeProgram, solution: &ConeSolution) -> bool {
     claimed.and_then(|c| certificate(program, &c.mechanism)).is_some_and(|c| proves(&c))
 }
 
-/// Maximum share of programs that our solver may leave undecided: those at the limit of arithmetic.
-const RARE: f64 = 0.002;
+/// Whether our solver found it by a method for programs at large.
+fn is_own(solution: &ConeSolution) -> bool {
+    ["newton", "interior"].iter().any(|method| solution.message.starts_with(method))
+}
 
-/// Compares the two solvers; panics where they contradict each other, or where ours leaves more than
-/// this share of the programs undecided.
-fn compare(programs: &[(String, ConeProgram)], max_undecided: f64) -> Agreement {
+/// Compares the two solvers; panics where they contradict each other, or where ours stalls.
+fn compare(programs: &[(String, ConeProgram)]) -> Agreement {
     let (mut ended, mut own, mut alone, mut doubtful) = ([0; 4], 0, 0, 0);
-    let mut undecided = Vec::new();
     let mut failures = Vec::new();
     for (name, program) in programs {
         let a = solve(&mut Condensed::default(), program);
         let b = solve(&mut Clarabel::default(), program);
         match (a.status, b.status) {
-            // The residuals of one solution show that the other is wrong.
+            // The residuals of one solution show that the other is wrong. Clarabel may find it from
+            // there.
             (SolveStatus::Solved, SolveStatus::Stalled) => {
-                alone += 1;
+                let b = solve_from(program, &a.displacements);
+                let agrees = |b: ConeSolution| {
+                    b.status == SolveStatus::Solved
+                        && differences(program, &a, &b, UNIQUE).is_empty()
+                };
+                if b.is_some_and(agrees) {
+                    ended[a.status as usize] += 1;
+                    own += usize::from(is_own(&a));
+                } else {
+                    alone += 1;
+                }
                 continue;
             }
             // So does the certificate of a collapse.
@@ -186,13 +197,9 @@ fn compare(programs: &[(String, ConeProgram)], max_undecided: f64) -> Agreement 
                 continue;
             }
             // And the forces of a lock.
-            (SolveStatus::Locked, SolveStatus::Stalled) if locks(program, &a.forces) => {
-                alone += 1;
-                continue;
-            }
+            (SolveStatus::Locked, SolveStatus::Stalled) if locks(program, &a.forces) => continue,
             (SolveStatus::Stalled, other) => {
-                undecided.push(format!("{name}: {} ({other:?})", a.message));
-                continue;
+                failures.push(format!("{name}: stalled ({}; Clarabel: {other:?})", a.message));
             }
             (a, b) if a != b => failures.push(format!("{name}: {a:?} and {b:?}")),
             _ => ended[a.status as usize] += 1,
@@ -200,7 +207,7 @@ fn compare(programs: &[(String, ConeProgram)], max_undecided: f64) -> Agreement 
         if (a.status, b.status) != (SolveStatus::Solved, SolveStatus::Solved) {
             continue;
         }
-        own += usize::from(a.message.starts_with("newton") || a.message.starts_with("interior"));
+        own += usize::from(is_own(&a));
         if differences(program, &a, &b, UNIQUE).is_empty() {
             continue;
         }
@@ -230,9 +237,7 @@ fn compare(programs: &[(String, ConeProgram)], max_undecided: f64) -> Agreement 
             ));
         }
     }
-    assert!(doubtful <= 1 + programs.len() / 500, "{doubtful} of {} differ", programs.len());
-    let max = max_undecided * programs.len() as f64;
-    assert!(undecided.len() as f64 <= max, "{} of {undecided:#?}", programs.len());
+    assert!(500 * doubtful <= programs.len(), "{doubtful} of {} differ", programs.len());
     assert!(failures.is_empty(), "{} programs\n{}", programs.len(), failures.join("\n"));
     println!(
         "{} programs: solved, collapsed, locked, stalled {ended:?}, Clarabel stalled on {alone}, {doubtful} \
@@ -246,10 +251,10 @@ fn compare(programs: &[(String, ConeProgram)], max_undecided: f64) -> Agreement 
 fn condensed_and_clarabel_agree() {
     let programs = random_programs(KINDS);
     assert!(programs.len() >= 1000, "{} programs", programs.len());
-    let Agreement { ended, own, alone } = compare(&programs, RARE);
+    let Agreement { ended, own, alone } = compare(&programs);
     let [solved, collapsed, locked, _] = ended;
     assert!(collapsed >= 3 && locked >= 3, "{ended:?}");
-    assert!(15 * alone <= programs.len(), "Clarabel stalled on {alone} of {}", programs.len());
+    assert!(20 * alone <= programs.len(), "Clarabel stalled on {alone} of {}", programs.len());
     assert!(20 * own >= 19 * solved, "{own} of {solved}");
 }
 
@@ -265,7 +270,7 @@ fn condensed_and_clarabel_agree_while_a_specimen_breaks() {
             programs.push((format!("increment {}", record.increment), program));
         }
     }
-    let agreement = compare(&programs, RARE);
+    let agreement = compare(&programs);
     assert!(programs.len() >= 10, "{} increments with ruptures", programs.len());
     assert_eq!(agreement.ended[0] + agreement.alone, programs.len());
     assert_eq!(agreement.own + agreement.alone, programs.len(), "Clarabel had to help");
@@ -275,10 +280,10 @@ fn condensed_and_clarabel_agree_while_a_specimen_breaks() {
 fn what_rolls_without_friction_is_solved_whether_clarabel_can_or_not() {
     for kind in [WHEELS, SPRUNG_WHEELS] {
         let programs = random_programs(&[kind]);
-        let Agreement { ended, own, alone } = compare(&programs, 0.04);
+        let Agreement { ended, own, alone } = compare(&programs);
         let both = ended[SolveStatus::Solved as usize];
         assert!(
-            100 * (both + alone) >= 96 * programs.len(),
+            50 * (both + alone) >= 49 * programs.len(),
             "{both}, {alone} of {}",
             programs.len()
         );

@@ -236,7 +236,7 @@ fn forces_do_not_depend_on_the_reference_points() {
                 for (k, mut solver) in solvers().into_iter().enumerate() {
                     let solution = solve(&mut *solver, &other);
                     let both = [plain.status, solution.status];
-                    if both.contains(&SolveStatus::Stalled) {
+                    if solution.status == SolveStatus::Stalled {
                         stalled[k] += 1;
                         continue;
                     }
@@ -261,7 +261,7 @@ fn forces_do_not_depend_on_the_reference_points() {
     assert!(compared[0] > 100 && compared[1] > 100, "{compared:?}");
     // A moment counts over the mean radius, and these arms are up to five times as long: a residual
     // just below the tolerance may be above it. Clarabel stalls on more of them.
-    assert!(50 * stalled[0] <= compared[0] && 8 * stalled[1] <= compared[1], "{stalled:?}");
+    assert!(100 * stalled[0] <= compared[0] && 10 * stalled[1] <= compared[1], "{stalled:?}");
     // The search for a solution of Coulomb's law may stall, about either points.
     let [both, one, other] = slides_of;
     assert!(both > 50 && 20 * one <= both && 20 * other <= both, "{slides_of:?}");

@@ -347,9 +347,15 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
 
     /// Sets up the system, adds its stiffness to the matrix, and its part to the right sides of the
     /// responses to the residuals and to the products.
-    pub fn condense(&mut self, min_compliance: f64, matrix: &mut Assembly, right: &mut [Rows; 2]) {
+    pub fn condense(
+        &mut self,
+        min_compliance: [f64; 2],
+        matrix: &mut Assembly,
+        right: &mut [Rows; 2],
+    ) {
         let Self { law, slacks, .. } = self;
-        self.system.set(law, slacks, min_compliance);
+        let has_strength = law.right.iter().any(|right| *right > 0.0);
+        self.system.set(law, slacks, min_compliance[usize::from(has_strength)]);
         matrix.add(self.number, &law.rows, &self.system.stiffness);
         let e = self.stationarity.map(|r| -r);
         let b = self.defect.map(|d| -d);

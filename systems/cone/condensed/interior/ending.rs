@@ -69,7 +69,8 @@ impl<'a> Ending<'a> {
         {
             return Some(end);
         }
-        let stalls = !iteration.diverges() && self.stalls();
+        // A method that still makes way has not stalled, however far it came before.
+        let stalls = is_slow && !iteration.diverges() && self.stalls();
         if stalls || self.iterations >= self.settings.max_iterations {
             return Some(self.limit());
         }
@@ -89,7 +90,7 @@ impl<'a> Ending<'a> {
         earlier.is_some_and(|k| self.best.merit > self.settings.progress * self.merits[k])
     }
 
-    /// Whether the point or its last step proves that there is no solution.
+    /// Whether the point or its last step is a proof that the program has no solution.
     fn proved(&mut self, iteration: &mut Iteration, judge: &impl Judge) -> Option<End> {
         for is_step in [false, true] {
             if is_step && self.iterations == 0 {

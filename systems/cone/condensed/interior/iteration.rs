@@ -45,8 +45,9 @@ pub struct Iteration<'a> {
     k: f64,
     /// Number of products: those of the limits and that of tau and kappa.
     products: f64,
-    /// Minimum compliance of an interaction in a step, displacement over force.
-    min_compliance: f64,
+    /// Minimum compliances of interactions without and with strength in a step, displacement over
+    /// force.
+    min_compliance: [f64; 2],
     /// Whether tau moves. It stays 1 where a solution is known to exist or no proof is sought, and
     /// saves a solve an iteration.
     is_embedded: bool,
@@ -226,7 +227,7 @@ impl<'a> Iteration<'a> {
         let scale = self.tau.clamp(MIN_TAU, 1.0);
         let of_products = settings.proximal * (self.mu * self.tau * self.tau).min(1.0);
         let proximal = scale * (settings.min_proximal + of_products);
-        let min_compliance = scale * (self.min_compliance + of_products);
+        let min_compliance = self.min_compliance.map(|c| scale * (c + of_products));
         let [of_residuals, of_products, _] = rights;
         for i in 0..n {
             for k in 0..3 {
@@ -436,13 +437,14 @@ impl<'a> Iteration<'a> {
     }
 }
 
-/// Minimum compliance of an interaction in a step, displacement over force. It bounds the stiffnesses
-/// of the matrix: their round-off must stay below the weakest stiffness that holds a body.
-fn min_compliance(program: &Scaled, settings: &InteriorSettings) -> f64 {
+/// Minimum compliances of interactions without and with strength in a step, displacement over force.
+/// They bound the stiffnesses of the matrix, whose round-off must stay below the weakest stiffness that
+/// holds a body.
+fn min_compliance(program: &Scaled, settings: &InteriorSettings) -> [f64; 2] {
     let free = program.free.iter().flatten().zip(program.weight.iter().flatten());
     let weakest = free.filter(|(free, _)| **free).map(|(_, w)| *w).fold(f64::INFINITY, f64::min);
     let [lower, upper] = settings.min_compliance;
-    (MATRIX_ROUND_OFF / weakest.max(settings.min_proximal)).clamp(lower, upper)
+    [lower, (MATRIX_ROUND_OFF / weakest.max(settings.min_proximal)).clamp(lower, upper)]
 }
 
 /// Derivative of the duality gap along a step of the bodies.

@@ -18,7 +18,7 @@
 //! solution, with tau kappa = 0:
 //!
 //! - tau > 0: the variables over tau solve the program;
-//! - kappa > 0: the variables are a proof that there is no solution: a *mechanism* u on which the
+//! - kappa > 0: the program has no solution, and the variables prove it: a *mechanism* u on which the
 //!   loads do more work than the limits dissipate (`f'u > b'lambda`), or forces s that *lock* rigid
 //!   bodies (`-l's > 0`).
 //!

@@ -45,7 +45,7 @@ pub trait Judge {
     /// Whether the point solves the program within its tolerance.
     fn is_solution(&self, point: &Interior) -> bool;
 
-    /// Whether proofs are sought that there is no solution.
+    /// Whether the method looks for proofs that the program has no solution.
     fn seeks_proofs(&self) -> bool {
         false
     }
