@@ -34,8 +34,6 @@ pub const RESIDUAL: Domain =
     Domain::new("a residual above 0 and up to 1e-2", |r| r > 0.0 && r <= 1e-2);
 /// [`Acceptance::turn`](crate::increment::Acceptance::turn).
 pub const TURN: Domain = Domain::new("an angle in rad greater than 0", |t| t > 0.0);
-/// [`Corrector::tolerance`](crate::increment::Corrector::tolerance) of a corrector with passes.
-pub const CORRECTION: Domain = Domain::new("a tolerance between 0 and 1", |t| t > 0.0 && t < 1.0);
 /// [`RuptureRules::tolerance`](crate::increment::RuptureRules::tolerance).
 pub const OVERLOAD: Domain = Domain::new("a tolerance between 0 and 0.1", |t| t > 0.0 && t <= 0.1);
 /// [`RuptureRules::density`](crate::increment::RuptureRules::density).

@@ -101,7 +101,7 @@ impl Sliding {
     pub const BOUND: f64 = 1e-4;
 }
 
-/// Correction of the geometry of a pair of particles by [`Corrector`](crate::increment::Corrector).
+/// Geometry of a pair of bodies about a guess of the end of the increment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Correction {
@@ -115,21 +115,44 @@ pub struct Correction {
     pub offset: f64,
     /// Slip minus its linear expression, m.
     pub slip: f64,
+    /// Motion across the normal at the guess, m, at which a [tie](crate::findings::Restraints) of
+    /// the pair has no force.
+    pub tie: f64,
 }
 
-/// Normals, gaps and slips in the geometry that the last pass of the corrector found.
+/// The geometry about the end of the increment, and how far from it the last solution is.
 #[derive(Resource, Clone, Debug, Default)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct Corrections {
-    /// Sorted by pair.
+    /// Geometry of the program, sorted by pair; empty before the first pass.
     pub list: Vec<Correction>,
     /// Number of passes so far.
     pub passes: u32,
-    /// Error of the last pass: the maximum error of gaps and slips over the maximum displacement,
-    /// or the maximum error of normals if that is larger.
-    pub residual: f64,
-    /// Whether the corrector reached its maximum number of passes.
+    /// Maximum out-of-balance force where the increment ends, over the maximum force.
+    pub imbalance: f64,
+    /// What solving the increment again about its own end would move, over its own motion. `None`
+    /// where contacts slide.
+    pub idle_motion: Option<f64>,
+    /// Whether the passes ended without agreement.
     pub capped: bool,
+    /// The guesses of the end so far.
+    pub guesses: Guesses,
+}
+
+/// The last guesses of the displacements of an increment, and what the solutions about them missed.
+#[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub struct Guesses {
+    /// The last guess, m and rad, by body in its own axes; empty before the first pass.
+    pub last: Vec<[f64; 3]>,
+    /// Solution less guess of the last pass; empty before the second pass.
+    pub missed: Vec<[f64; 3]>,
+    /// Changes of guess and miss from pass to pass, the latest last.
+    pub changes: Vec<[Vec<[f64; 3]>; 2]>,
+    /// Smallest error of a pass.
+    pub best: f64,
+    /// Number of passes since the error has fallen.
+    pub stalled: u32,
 }
 
 impl Corrections {

@@ -8,30 +8,6 @@ use serde::{Deserialize, Serialize};
 pub use crate::analysis::{Analysis, AnalysisKind, Coulomb, FrictionLaw};
 pub use crate::progress::Progress;
 
-/// The corrector of the geometry: an increment is solved again with the normals and gaps of the
-/// position to which it leads. A world without a corrector has [`OFF`](Self::OFF). The default is
-/// that of a scene with `corrector`.
-#[derive(Resource, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
-#[serde(deny_unknown_fields, default)]
-pub struct Corrector {
-    /// Maximum number of passes of one increment; 0 keeps the geometry of its start.
-    pub passes: u32,
-    /// Maximum error of a gap or slip over the maximum displacement, and of a normal.
-    pub tolerance: f64,
-}
-
-impl Corrector {
-    /// No pass: an increment keeps the geometry of its start.
-    pub const OFF: Self = Self { passes: 0, tolerance: 0.0 };
-}
-
-impl Default for Corrector {
-    fn default() -> Self {
-        Self { passes: 20, tolerance: 1e-6 }
-    }
-}
-
 /// What a bond does at its rolling limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]

@@ -215,6 +215,11 @@ pub struct Observation {
     pub iterations: u32,
     /// KKT residuals.
     pub residuals: Residuals,
+    /// Maximum out-of-balance force where the increment ends, over the maximum force.
+    pub imbalance: f64,
+    /// What solving a static increment again about its own end would move, over its own motion.
+    /// `None` where contacts slide.
+    pub idle_motion: Option<f64>,
     /// Whether the state lies within an avalanche: bonds are above their limits, so it is no
     /// equilibrium.
     pub in_avalanche: bool,
@@ -223,8 +228,7 @@ pub struct Observation {
     /// maximum overload minus 1, or the tolerance of the search if that is larger. 0 without
     /// ruptures.
     pub rupture_lag: f64,
-    /// Loops that reached their maximum number of passes: `corrector`, `coulomb`, joined by
-    /// `+`.
+    /// Loops that reached their maximum number of passes: `geometry`, `coulomb`, joined by `+`.
     pub caps: String,
     /// Maximum of the natural map of the contacts under Coulomb's law, without dimension; 0 with
     /// the associated law.

@@ -2,7 +2,7 @@
 //! names.
 
 /// Columns before those of the probes.
-pub const COLUMNS: [&str; 26] = [
+pub const COLUMNS: [&str; 28] = [
     "increment",
     "stage",
     "time_s",
@@ -21,6 +21,8 @@ pub const COLUMNS: [&str; 26] = [
     "residual_kinematics",
     "residual_cone",
     "residual_complementarity",
+    "imbalance_at_end",
+    "idle_motion",
     "status",
     "fraction",
     "potential_contacts",

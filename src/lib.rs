@@ -146,7 +146,7 @@ pub mod prelude {
     pub use crate::components::bond::{Bond, BondBroken, BondId, BondState, Rupture, RuptureMode};
     pub use crate::components::collision::Collision;
     pub use crate::components::increment::{
-        Acceptance, Analysis, AnalysisKind, Corrector, FrictionLaw, Progress, RuptureRules,
+        Acceptance, Analysis, AnalysisKind, FrictionLaw, Progress, RuptureRules,
     };
     pub use crate::components::loads::TrialLoads;
     pub use crate::components::material::{BondLaw, ContactLaw};

@@ -149,6 +149,8 @@ fn record_state(
     out.iterations = attempt.iterations;
     out.residuals = solution.residuals;
     let (ruptures, corrections, sliding) = loops;
+    out.imbalance = corrections.imbalance;
+    out.idle_motion = corrections.idle_motion;
     out.in_avalanche = order.1.in_avalanche;
     out.coulomb_residual = sliding.natural_map;
     out.rupture_lag = if ruptures.list.is_empty() {
@@ -161,7 +163,7 @@ fn record_state(
             _ => change,
         }
     };
-    let caps = [(corrections.capped, "corrector"), (sliding.capped, "coulomb")];
+    let caps = [(corrections.capped, "geometry"), (sliding.capped, "coulomb")];
     let caps: Vec<_> = caps.iter().filter(|(capped, _)| *capped).map(|(_, name)| *name).collect();
     out.caps = caps.join("+");
     out.status = attempt.status;

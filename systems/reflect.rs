@@ -69,7 +69,6 @@ impl Plugin for ReflectPlugin {
             Identities,
             increment::Analysis,
             increment::FrictionLaw,
-            increment::Corrector,
             increment::RuptureRules,
             increment::Acceptance,
             increment::Progress,

@@ -110,8 +110,10 @@ pub fn row(o: &Observation, probes: &[String]) -> Row {
         .count(o.broken[2] as u64)
         .count(o.iterations)
         .optionals(
-            [r.balance, r.kinematics, r.cone, r.complementarity].map(|r| solved.then_some(r)),
+            [r.balance, r.kinematics, r.cone, r.complementarity, o.imbalance]
+                .map(|r| solved.then_some(r)),
         )
+        .optional(o.idle_motion)
         .text(o.status.name())
         .number(o.fraction)
         .count(o.potential_contacts as u64)
@@ -168,7 +170,8 @@ mod tests {
         let expected = "increment,stage,time_s,axial_strain,lateral_strain,volumetric_strain,\
             axial_stress_pa,lateral_stress_pa,contacts,bonds,broken_tension,broken_shear,\
             broken_rolling,solver_iterations,residual_balance,residual_kinematics,residual_cone,\
-            residual_complementarity,status,fraction,potential_contacts,solves,motion_steps,kinetic_energy_j,\
+            residual_complementarity,imbalance_at_end,idle_motion,\
+            status,fraction,potential_contacts,solves,motion_steps,kinetic_energy_j,\
             coulomb_residual,caps,top.x_m,top.y_m,top.rotation_rad,top.force_x_n,top.force_y_n,\
             top.moment_nm";
         assert_eq!(header, expected);

@@ -17,8 +17,8 @@ use crate::run::{Collapse, CollapsedBy, Outcome, StageEnd};
 use crate::scene::LoadedScene;
 use crate::scene::files::read_at_most;
 use crate::scene::format::{
-    Acceptance, Analysis, Avalanche, Corrector, FrictionLaw, RollingLimit, Rupture, RuptureOrder,
-    Scene, Solver, Specimen, Stage,
+    Acceptance, Analysis, Avalanche, FrictionLaw, RollingLimit, Rupture, RuptureOrder, Scene,
+    Solver, Specimen, Stage,
 };
 
 /// Version of this program.
@@ -115,7 +115,6 @@ struct Settings {
     analysis: Analysis,
     friction_law: FrictionLaw,
     friction: FrictionOfStages,
-    corrector: Option<Corrector>,
     rupture: RuptureSettings,
     solver: Solver,
     acceptance: Acceptance,
@@ -273,7 +272,6 @@ impl RunRecord {
                 analysis: scene.analysis,
                 friction_law: scene.friction_law,
                 friction: FrictionOfStages::new(scene),
-                corrector: scene.corrector,
                 rupture: scene.rupture.into(),
                 solver: scene.solver.clone(),
                 acceptance: scene.acceptance,

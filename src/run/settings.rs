@@ -28,7 +28,6 @@ pub fn insert_settings(world: &mut World, scene: &scene::Scene, particles: u32) 
     world.insert_resource(analysis(scene, scene.analysis, scene.gravity));
     world.insert_resource(scene.friction_law.of_grains(scene.grains_are_elastic()));
     world.insert_resource(scene.rupture);
-    world.insert_resource(scene.corrector.unwrap_or(inc::Corrector::OFF));
     world.insert_resource(scene.acceptance);
     world.insert_resource(Solver(match scene.solver {
         scene::Solver::Condensed => Box::new(condensed(scene.acceptance.residual)),

@@ -136,7 +136,14 @@ fn assemble_interactions(
         &mut program.last_forces,
     );
     let interactions = &mut program.interactions;
-    taut::assemble(bodies, contacts, &settings.analysis, &found.restraints, interactions);
+    taut::assemble(
+        bodies,
+        contacts,
+        &settings.analysis,
+        &found.restraints,
+        corrections,
+        interactions,
+    );
     if found.search.active && trial.attempt.effort().is_some() {
         lift_strengths(contacts, interactions);
     }

@@ -11,12 +11,12 @@
 //! a grain, and cannot be part of a convex program. Followed motions cover this case.
 
 use clastic_components::contact::{Bodies, Contact};
-use clastic_components::findings::Restraints;
+use clastic_components::findings::{Corrections, Restraints};
 use clastic_components::increment::{Analysis, AnalysisKind};
 use clastic_cone::program::{Interaction, Limits};
 
-/// Bonds below this fraction of their strength count as slack and carry nothing.
-const MIN_TENSION: f64 = 1e-6;
+/// Elongation over the length of a bond below which it counts as slack.
+const MIN_ELONGATION: f64 = 1e-9;
 
 /// Whether a bond is taut at the start of the increment.
 #[must_use]
@@ -30,8 +30,10 @@ fn tension(bond: &Interaction) -> f64 {
     if bond.normal_compliance <= 0.0 {
         return 0.0;
     }
-    let tension = (bond.offset / bond.normal_compliance).min(bond.limits.tension);
-    if tension > MIN_TENSION * bond.limits.tension { tension } else { 0.0 }
+    if !(bond.offset > MIN_ELONGATION * (bond.arm_a + bond.arm_b)) {
+        return 0.0;
+    }
+    (bond.offset / bond.normal_compliance).min(bond.limits.tension)
 }
 
 /// Appends the ties of taut bonds at swinging bodies.
@@ -40,6 +42,7 @@ pub fn assemble(
     contacts: &[Contact],
     analysis: &Analysis,
     restraints: &Restraints,
+    corrections: &Corrections,
     interactions: &mut Vec<Interaction>,
 ) {
     if analysis.kind != AnalysisKind::Static {
@@ -58,6 +61,7 @@ pub fn assemble(
         if tension > 0.0 {
             interactions.push(Interaction {
                 normal: bond.normal.perp(),
+                offset: corrections.of((contact.a, contact.b)).map_or(0.0, |c| c.tie),
                 normal_compliance: (bond.arm_a + bond.arm_b) / tension,
                 limits: Limits { tension, ..Limits::default() },
                 image: bond.image,

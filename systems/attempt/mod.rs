@@ -1,8 +1,8 @@
 //! The attempts at one increment, and the judges that accept, extend or reject them.
 //!
 //! Judges run in this order, each only if no judge before it objects: [`converged`], [`coulomb`],
-//! [`events`], [`closed_pairs`], [`too_far`], [`closing_mechanism`], [`restraints`],
-//! [`loose_grains`], [`push_out`], [`corrector`], [`dense`]. [`one_round`] then collects the bonds
+//! [`events`], [`closed_pairs`], [`ending`], [`too_far`], [`closing_mechanism`], [`restraints`],
+//! [`loose_grains`], [`push_out`], [`dense`]. [`one_round`] then collects the bonds
 //! on a limit where no judge has chosen others. For a step of a motion only [`converged`],
 //! [`coulomb`], [`motion::judge_length`], [`closed_pairs`] and [`motion::judge_rest`] run. The
 //! tables of [`findings`](clastic_components::findings) keep their findings until the increment is
@@ -14,9 +14,9 @@
 pub mod closed_pairs;
 pub mod closing_mechanism;
 pub mod converged;
-pub mod corrector;
 pub mod coulomb;
 pub mod dense;
+pub mod ending;
 pub mod events;
 pub mod loose_grains;
 pub mod motion;
@@ -37,9 +37,7 @@ use clastic_components::energy::MotionEnergies;
 use clastic_components::findings::{
     AddedPairs, BestUnconverged, Centre, Corrections, EventSearch, Pushed, Restraints, Ruptures,
 };
-use clastic_components::increment::{
-    Acceptance, Analysis, Corrector, FrictionLaw, Progress, RuptureRules,
-};
+use clastic_components::increment::{Acceptance, Analysis, FrictionLaw, Progress, RuptureRules};
 use clastic_components::step_control::StepControl;
 use clastic_cone::program::{ConeSolution, SolveStatus};
 
@@ -53,13 +51,12 @@ pub struct AttemptPlugin;
 
 impl Plugin for AttemptPlugin {
     fn build(&self, app: &mut App) {
-        // The default of a `Corrector` is for scenes that ask for one.
-        app.world_mut().get_resource_or_insert_with(|| Corrector::OFF);
         app.init_resource::<Attempt>()
             .init_resource::<MotionSettings>()
             .init_resource::<AddedPairs>()
             .init_resource::<Ruptures>()
             .init_resource::<Corrections>()
+            .init_resource::<ending::Stiffness>()
             .init_resource::<Pushed>()
             .init_resource::<Restraints>()
             .init_resource::<Centre>()
@@ -85,6 +82,7 @@ impl Plugin for AttemptPlugin {
                     motion::judge_length.run_if(in_motion),
                     events::judge.run_if(in_equilibrium).run_if(events::searches).run_if(unbiased),
                     closed_pairs::judge.run_if(sound),
+                    ending::judge.run_if(in_equilibrium),
                     too_far::judge.run_if(in_equilibrium),
                     // The certificate belongs to the program, in which members of groups have no
                     // motion.
@@ -94,7 +92,6 @@ impl Plugin for AttemptPlugin {
                     loose_grains::judge.run_if(impossible),
                     motion::judge_rest.run_if(in_motion),
                     push_out::judge.run_if(in_equilibrium),
-                    corrector::judge.run_if(in_equilibrium),
                     dense::judge.run_if(in_equilibrium).run_if(dense::is_dense),
                     one_round::collect
                         .run_if(in_equilibrium)

@@ -1,13 +1,13 @@
-//! Settings of the world: analysis, acceptance, rules of rupture, corrector.
+//! Settings of the world: analysis, acceptance, rules of rupture.
 
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 
 use clastic_components::domain::{
-    BRITTLENESS, CORRECTION, DENSITY_OF_RUPTURES, GRAVITY, OVERLOAD, RESIDUAL, THETA, THICKNESS,
-    TIME_STEP, TURN,
+    BRITTLENESS, DENSITY_OF_RUPTURES, GRAVITY, OVERLOAD, RESIDUAL, THETA, THICKNESS, TIME_STEP,
+    TURN,
 };
-use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Corrector, RuptureRules};
+use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, RuptureRules};
 
 use super::bad::{Bad, outside};
 
@@ -17,7 +17,6 @@ pub(crate) struct Settings<'w> {
     pub(super) analysis: Res<'w, Analysis>,
     acceptance: Res<'w, Acceptance>,
     rules: Res<'w, RuptureRules>,
-    corrector: Res<'w, Corrector>,
 }
 
 impl Settings<'_> {
@@ -27,7 +26,6 @@ impl Settings<'_> {
         of("Analysis", analysis(&self.analysis))
             .or_else(|| of("Acceptance", acceptance(&self.acceptance)))
             .or_else(|| of("RuptureRules", rules(&self.rules)))
-            .or_else(|| of("Corrector", corrector(&self.corrector)))
     }
 }
 
@@ -54,8 +52,4 @@ fn rules(rules: &RuptureRules) -> Option<Bad> {
     outside("tolerance", rules.tolerance, OVERLOAD)
         .or_else(|| outside("density", rules.density, DENSITY_OF_RUPTURES))
         .or_else(|| outside("brittleness", rules.brittleness, BRITTLENESS))
-}
-
-fn corrector(corrector: &Corrector) -> Option<Bad> {
-    if corrector.passes == 0 { None } else { outside("tolerance", corrector.tolerance, CORRECTION) }
 }

@@ -20,6 +20,9 @@ pub struct Limits {
     pub moment: f64,
 }
 
+/// Part of a limit from which a force counts as on it: solutions meet limits to about 1e-8.
+const ON_LIMIT: f64 = 1.0 - 1e-6;
+
 impl Limits {
     /// The limits with these strengths: the moment follows from the tensile strength.
     #[must_use]
@@ -44,6 +47,18 @@ impl Limits {
     #[must_use]
     pub fn has_rolling(&self) -> bool {
         self.rolling > 0.0
+    }
+
+    /// Whether the shear force of `f` = (p, q, tau) is on its limit, so that the interaction slides.
+    #[must_use]
+    pub fn slides(&self, f: &[f64; 3]) -> bool {
+        self.has_shear() && f[1].abs() >= ON_LIMIT * (self.cohesion + self.friction * f[0])
+    }
+
+    /// Whether the moment of `f` = (p, q, tau) is on its limit, so that the interaction rolls.
+    #[must_use]
+    pub fn rolls(&self, f: &[f64; 3]) -> bool {
+        self.has_rolling() && f[2].abs() >= ON_LIMIT * (self.moment + self.rolling * f[0])
     }
 
     /// The minimum normal force that the limits allow, N: `-f_t`, or the apex of the shear limit or

@@ -32,7 +32,7 @@ use serde::{Deserialize, Serialize};
 
 // The scene says these as the engine has them.
 pub use clastic_components::increment::{
-    Acceptance, Avalanche, Corrector, RollingLimit, RuptureOrder, RuptureRules as Rupture,
+    Acceptance, Avalanche, RollingLimit, RuptureOrder, RuptureRules as Rupture,
 };
 pub use clastic_components::measure::{
     CrackPart as Cracks, FabricComponent, ForceComponent as Along, FragmentPart as Fragments,
@@ -100,9 +100,6 @@ pub struct Scene {
     /// Rules of rupture.
     #[serde(default)]
     pub rupture: Rupture,
-    /// Whether increments are solved again with the geometry that they lead to.
-    #[serde(default)]
-    pub corrector: Option<Corrector>,
     /// The solver.
     #[serde(default)]
     pub solver: Solver,

@@ -47,10 +47,6 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
             findings.add(path, "a restitution in a periodic cell", help);
         }
     }
-    if scene.corrector.is_some() {
-        let help = "leave it out, and take smaller increments";
-        findings.add(format_args!("corrector"), "a corrector in a periodic cell", help);
-    }
     let is_dynamic = |load: &Load| load.analysis.unwrap_or(scene.analysis) != Analysis::Static;
     if scene.output.energy && scene.stages.iter().filter_map(Stage::load).any(is_dynamic) {
         let help = "leave it out, or make all loading stages static; the measures `KineticEnergy` and \

@@ -36,11 +36,6 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
         let help = "give `order: Events`, or leave `avalanche` out";
         findings.add(format_args!("rupture.avalanche"), message, help);
     }
-    if let Some(corrector) = scene.corrector {
-        let path = format_args!("corrector.tolerance");
-        findings.within(path, corrector.tolerance, domain::CORRECTION);
-        findings.at_least_one(format_args!("corrector.passes"), corrector.passes, "a number");
-    }
     if let Solver::Clarabel { tolerance, max_iterations } = scene.solver {
         let allowed = |value| value > 0.0 && value <= 1e-2;
         let what = "a tolerance above 0 and up to 1e-2";

@@ -200,7 +200,8 @@ impl BodyMatrix {
     }
 
     /// Maximum value on the diagonal.
-    fn max_diagonal(&self) -> f64 {
+    #[must_use]
+    pub fn max_diagonal(&self) -> f64 {
         let on_diagonal = self.diagonal.iter().flat_map(|start| [0, 3, 5].map(|k| start + k));
         on_diagonal.map(|k| self.values[k]).fold(0.0, f64::max)
     }

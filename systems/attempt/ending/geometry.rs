@@ -1,0 +1,244 @@
+//! The exact geometry of contacts where an increment ends.
+//!
+//! Normals, arms and gaps of the start are accurate for small rotations: a bond of length L that
+//! turns by alpha is elongated by `L alpha^2/2`. A motion u gives the exact gap and slip of every
+//! pair of particles,
+//!
+//! ```text
+//! g_1 = |x_b + u_b - x_a - u_a| - r_a - r_b      slip = l_a alpha_a + l_b alpha_b - L phi
+//! ```
+//!
+//! with phi the rotation of the line of centres. They are linearised about u with the normal at
+//! `x + (1 - theta) u`. In static analysis (theta = 0) this is the end of the increment, where
+//! forces are in equilibrium. In dynamics it is the position about which normal impulses conserve
+//! the angular momentum, `x_1 x v_1 - x_0 x v_0 = (x_0 + (1 - theta) u) x (v_1 - v_0)`. An arc or
+//! an end point of a wall is a circle in the same sense, with L the distance of its centre.
+
+use glam::DVec2;
+
+use clastic_components::contact::{Bodies, Contact, Contacts};
+use clastic_components::findings::{Correction, Corrections};
+use clastic_components::rigid_group::GroupRow;
+use clastic_components::wall::WallDrive;
+use clastic_components::wall_shape::Curve;
+use clastic_cone::program::{ConeProgram, ConeSolution, Dof, Interaction};
+use clastic_cone::residuals::Carrying;
+
+use crate::attempt::closed_pairs::Moved;
+
+/// Tables of an increment and the place of its geometry.
+pub struct Increment<'a> {
+    /// Bodies at the start.
+    pub bodies: &'a Bodies,
+    /// Contacts at the start.
+    pub contacts: &'a Contacts,
+    /// The program that was solved.
+    pub program: &'a ConeProgram,
+    /// Place of the increment at which normals count: 0 is the start, 1 the end.
+    pub place: f64,
+}
+
+/// What the geometry at the end changes about a solution.
+pub struct Ending {
+    /// Forces that are out of balance, N and N m, by body in its own axes, without those of misfits.
+    pub loads: Vec<[f64; 3]>,
+    /// Closing and slip beyond those of the program, m, by interaction.
+    pub misfits: Vec<[f64; 2]>,
+    /// Maximum out-of-balance force of a free body, N.
+    pub imbalance: f64,
+}
+
+impl Increment<'_> {
+    /// The geometry of every pair about the motion `u`, sorted by pair.
+    pub fn about(&self, u: &[[f64; 3]]) -> Vec<Correction> {
+        let end = Moved::by(self.bodies, self.program, u, 1.0).positions;
+        let pairs = self.contacts.0.iter().zip(&self.program.interactions);
+        let correction = |(contact, c): (&Contact, &Interaction)| {
+            let (exact, moved) = self.exact(contact, c, u, &end)?;
+            Some(Correction {
+                pair: (contact.a, contact.b),
+                normal: exact.normal,
+                gap: exact.gaps[0],
+                offset: exact.gaps[1] - exact.normal.dot(moved),
+                slip: exact.slip,
+                tie: -exact.normal.perp().dot(moved),
+            })
+        };
+        pairs.filter_map(correction).collect()
+    }
+
+    /// What the geometry at the end of a solution changes about it. The program has that of
+    /// `corrections`.
+    pub fn ending(&self, solution: &ConeSolution, corrections: &Corrections) -> Ending {
+        let Self { bodies, contacts, program, .. } = self;
+        let u = &solution.displacements;
+        let end = Moved::by(bodies, program, u, 1.0).positions;
+        let carrying = Carrying::new(program, solution);
+        let mut loads = vec![[0.0; 3]; program.bodies.len()];
+        let mut all = loads.clone();
+        let mut misfits = vec![[0.0; 2]; program.interactions.len()];
+        for (k, (contact, c)) in contacts.0.iter().zip(&program.interactions).enumerate() {
+            let f = solution.forces[k];
+            let bonded = c.limits.has_strength();
+            if !bonded && !carrying.is_carrying(k) {
+                continue;
+            }
+            let Some((exact, moved)) = self.exact(contact, c, u, &end) else { continue };
+            let old = corrections.of((contact.a, contact.b));
+            let expected = old.map_or(contact.gap, |o| o.offset) + c.normal.dot(moved);
+            let turn = u[c.a as usize][2] + u[c.b as usize][2];
+            let arms = 0.5 * (exact.arms - self.arms(contact, c, old)) * turn;
+            let along = exact.normal.perp() - c.normal.perp();
+            let slip = exact.slip - old.map_or(0.0, |o| o.slip) - along.dot(moved) + arms;
+            misfits[k] = [expected - exact.gaps[1], slip];
+            let mut answer = [0.0; 2];
+            if c.normal_compliance > 0.0 {
+                answer[0] = misfits[k][0] / c.normal_compliance;
+                if !bonded {
+                    answer[0] = answer[0].max(-f[0]);
+                }
+            }
+            if c.tangential_compliance > 0.0 && !c.limits.slides(&f) {
+                answer[1] = slip / c.tangential_compliance;
+            }
+            let half = 0.5 * (exact.gaps[0] - old.map_or(contact.gap, |o| o.gap));
+            let by_turn = f[0] * (exact.normal - c.normal) + f[1] * along;
+            let by_misfit = answer[0] * exact.normal + answer[1] * exact.normal.perp();
+            for (body, sign) in [(c.a, 1.0), (c.b, -1.0)] {
+                let row = body as usize;
+                let is_particle = row < bodies.particles;
+                let moment = if is_particle { -half * f[1] } else { 0.0 };
+                add(program, &mut loads, row, -sign * by_turn, moment);
+                add(program, &mut all, row, -sign * (by_turn + by_misfit), moment);
+            }
+        }
+        // A tie represents the turned force of its bond.
+        let ties = program.interactions.iter().zip(&solution.forces).skip(contacts.0.len());
+        for (c, f) in ties {
+            for (body, sign) in [(c.a, 1.0), (c.b, -1.0)] {
+                add(program, &mut loads, body as usize, sign * f[0] * c.normal, 0.0);
+                add(program, &mut all, body as usize, sign * f[0] * c.normal, 0.0);
+            }
+        }
+        let imbalance = all.iter().map(|r| r[0].hypot(r[1])).fold(0.0, f64::max);
+        Ending { loads, misfits, imbalance }
+    }
+
+    /// Sum of the arms of the program; twice the arm of the particle at a wall. The arms of a group
+    /// are about its centre.
+    fn arms(&self, contact: &Contact, c: &Interaction, old: Option<&Correction>) -> f64 {
+        let bodies = self.bodies;
+        let (a, b) = (contact.a as usize, contact.b as usize);
+        if bodies.group(a).is_some() || bodies.group(b).is_some() {
+            let other = bodies.radii.get(b).unwrap_or(&bodies.radii[a]);
+            bodies.radii[a] + other + old.map_or(contact.gap, |o| o.gap)
+        } else if b < bodies.particles {
+            c.arm_a + c.arm_b
+        } else {
+            2.0 * c.arm_a
+        }
+    }
+
+    /// Geometry of a contact on the way to the end of the motion `u`, and the motion of b relative
+    /// to a in the program, in which a rigid group turns to first order.
+    fn exact(
+        &self,
+        contact: &Contact,
+        c: &Interaction,
+        u: &[[f64; 3]],
+        end: &[DVec2],
+    ) -> Option<(Exact, DVec2)> {
+        let Self { bodies, program, place, .. } = self;
+        let (a, b) = (contact.a as usize, contact.b as usize);
+        let is_pair = b < bodies.particles;
+        let is_grouped = bodies.group(a).is_some() || bodies.group(b).is_some();
+        let start =
+            if is_pair { bodies.way(a, b) } else { bodies.positions[b] - bodies.positions[a] };
+        let mut moved = end[b] - end[a] - (bodies.positions[b] - bodies.positions[a]);
+        if c.is_across()
+            && let Some(cell) = &program.cell
+        {
+            let row = cell.body as usize;
+            moved += cell.shift(c.image, program.bodies[row].to_global(u[row]));
+        }
+        let way = [start, start + *place * moved, start + moved];
+        let exact =
+            if is_pair { of_pair(bodies, [a, b], way) } else { of_wall(bodies, contact, way) }?;
+        if is_grouped {
+            let linear = |i: usize| -> DVec2 {
+                let Some(group) = bodies.group(i) else { return end[i] - bodies.positions[i] };
+                let u = u[group.body as usize];
+                let [x, y, _] = GroupRow::carried_linearly(u, bodies.lever(group, i));
+                DVec2::new(x, y)
+            };
+            moved = linear(b) - linear(a);
+        }
+        Some((exact, moved))
+    }
+}
+
+/// Adds a force and a moment on a body, along its free degrees of freedom.
+fn add(program: &ConeProgram, rows: &mut [[f64; 3]], body: usize, force: DVec2, moment: f64) {
+    let of = &program.bodies[body];
+    let along = [force.dot(of.axis), force.dot(of.axis.perp()), moment];
+    for k in (0..3).filter(|k| matches!(of.dofs[*k], Dof::Free(_))) {
+        rows[body][k] += along[k];
+    }
+}
+
+/// Geometry of a contact on its way from the start to the end of the increment.
+struct Exact {
+    /// Normal at the place of the increment where it counts.
+    normal: DVec2,
+    /// Gap there and at the end, m.
+    gaps: [f64; 2],
+    /// Slip minus its linear expression, m.
+    slip: f64,
+    /// Sum of the arms; twice the arm of the particle at a wall, m.
+    arms: f64,
+}
+
+/// Two particles. The three vectors are the position of b relative to a at the start, where the
+/// normal counts, and at the end.
+fn of_pair(bodies: &Bodies, [a, b]: [usize; 2], [start, at, finish]: [DVec2; 3]) -> Option<Exact> {
+    let (length, far) = (at.length(), finish.length());
+    if !(length > 0.0 && far > 0.0 && start.length() > 0.0) {
+        return None;
+    }
+    let normal = at / length;
+    let radii = bodies.radii[a] + bodies.radii[b];
+    Some(Exact {
+        normal,
+        gaps: [length - radii, far - radii],
+        slip: normal.perp().dot(finish - start) - length * start.angle_to(finish),
+        arms: length,
+    })
+}
+
+/// A particle and a wall with curves or ends. The normal of a line is constant. A wall that turns is
+/// left to [`turning`](crate::assemble_program::turning), and one in a rigid group to the frozen
+/// normals of its group.
+fn of_wall(bodies: &Bodies, contact: &Contact, way: [DVec2; 3]) -> Option<Exact> {
+    let k = bodies.walls.binary_search_by_key(&contact.b, |w| w.body).ok()?;
+    let wall = bodies.walls.get(k).filter(|wall| !wall.is_line())?;
+    let is_grouped = bodies.group(contact.b as usize).is_some();
+    if is_grouped || matches!(bodies.wall_drive(wall), WallDrive::Turning { .. }) {
+        return None;
+    }
+    let radius = bodies.radii[contact.a as usize];
+    let [start, at, finish] = way.map(|to_wall| wall.nearest(to_wall, DVec2::ZERO));
+    let normal = -at.outward;
+    let moved = way[2] - way[0];
+    // The slip along a circle is the way of the particle about its centre.
+    let turn = |centre: DVec2| {
+        let arms = way.map(|to_wall| to_wall + centre);
+        arms[1].length() * arms[0].angle_to(arms[2])
+    };
+    let slip = match (start.curve, finish.curve) {
+        (Curve::Round(c), Curve::Round(d)) if c == d => normal.perp().dot(moved) - turn(c),
+        (Curve::Hollow(c), Curve::Hollow(d)) if c == d => normal.perp().dot(moved) + turn(c),
+        _ => 0.0,
+    };
+    let gaps = [at.distance - radius, finish.distance - radius];
+    Some(Exact { normal, gaps, slip, arms: 2.0 * radius + gaps[0] })
+}

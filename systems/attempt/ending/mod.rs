@@ -1,0 +1,154 @@
+//! Judge: is the solution an equilibrium where the increment ends?
+//!
+//! The program has the geometry of the start. Its forces balance there, but the bodies are elsewhere
+//! when the increment ends. The increment is therefore solved again with the [geometry](geometry)
+//! about a guess of its end, until the end has no force out of balance by more than
+//! [`MAX_IMBALANCE`] of the maximum, and another pass would move no body by more than
+//! [`MAX_IDLE_MOTION`] of the motion of the increment.
+//!
+//! The second condition is the one that tells the error of the motion. Near a buckling load a force
+//! of 1e-7 of the maximum moves bodies by half of their motion, and in a stiff cantilever one of five
+//! times the maximum moves them by a thousandth. Before the first pass the idle motion is the linear
+//! response of the solution to what is out of balance. Where contacts slide, the forces depend on the
+//! path as much as on the end, the next increment begins with what was out of balance, and the first
+//! condition alone decides.
+
+mod energy;
+pub mod geometry;
+mod mixing;
+
+use bevy_ecs::prelude::*;
+
+use clastic_components::attempt::{Attempt, Verdict};
+use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::findings::{Corrections, Guesses};
+use clastic_components::increment::{Analysis, AnalysisKind};
+use clastic_cone::condensed::response::LinearResponse;
+use clastic_cone::program::{ConeProgram, ConeSolution};
+use clastic_cone::residuals::{Carrying, force_scale};
+
+use self::geometry::{Ending, Increment};
+use super::places::digits;
+use crate::turns::furthest;
+
+/// Maximum out-of-balance force at the end over the maximum force.
+const MAX_IMBALANCE: f64 = 1e-2;
+/// Maximum idle motion over the motion of the increment.
+const MAX_IDLE_MOTION: f64 = 1e-3;
+/// Motion, mean radii, that is no error whatever the motion of the increment is.
+const NO_MOTION: f64 = 1e-6;
+/// Part of the last maximum force that the maximum force counts as at least: a specimen that is
+/// unloaded has forces of round-off.
+const LAST_FORCE: f64 = 1e-3;
+/// Maximum turn of a contact, rad, from which a solution says where the increment ends.
+const MAX_TURN: f64 = 2.0;
+/// Maximum number of passes.
+const MAX_PASSES: u32 = 20;
+/// Maximum number of passes in which the error does not fall to [`PROGRESS`] of its minimum.
+const MAX_STALLED: u32 = 3;
+/// Part of the error to which a pass with progress reduces it.
+const PROGRESS: f64 = 0.7;
+
+/// Factor of the stiffness at the last solution.
+#[derive(Resource, Default)]
+pub struct Stiffness(LinearResponse);
+
+/// Requests another pass until the end of the increment is in equilibrium.
+pub fn judge(
+    analysis: Res<Analysis>,
+    bodies: Res<Bodies>,
+    contacts: Res<Contacts>,
+    program: Res<ConeProgram>,
+    solution: Res<ConeSolution>,
+    mut stiffness: ResMut<Stiffness>,
+    mut state: ResMut<Corrections>,
+    mut attempt: ResMut<Attempt>,
+) {
+    let place = match analysis.kind {
+        AnalysisKind::Static => 1.0,
+        AnalysisKind::Dynamic { theta, .. } => 1.0 - theta,
+        AnalysisKind::Compaction { .. } => return,
+    };
+    let is_static = analysis.kind == AnalysisKind::Static;
+    let state = &mut *state;
+    let far = furthest(&bodies, &contacts, &program, &solution);
+    if is_static && far.is_some_and(|(_, turn)| !(turn <= MAX_TURN)) {
+        return;
+    }
+    let increment = Increment { bodies: &bodies, contacts: &contacts, program: &program, place };
+    let ending = increment.ending(&solution, state);
+    let last = LAST_FORCE * force_scale(&program, &program.last_forces);
+    let unit = force_scale(&program, &solution.forces).max(last);
+    state.imbalance = if ending.imbalance > 0.0 { ending.imbalance / unit } else { 0.0 };
+    let error = if is_static {
+        state.idle_motion = if slides(&program, &solution) {
+            None
+        } else {
+            Some(idle_motion(&bodies, &program, &solution, &ending, &state.guesses, &mut stiffness))
+        };
+        let idle = state.idle_motion.unwrap_or(0.0);
+        (state.imbalance / MAX_IMBALANCE).max(idle / MAX_IDLE_MOTION)
+    } else {
+        energy::error(&program, &solution, &ending, unit * bodies.mean_radius)
+    };
+    if std::env::var("DBGE").is_ok() { eprintln!("DBGE pass {} error {:.3e} imb {:.2e} u {:.3e}", state.passes, error, state.imbalance, largest(&solution.displacements, bodies.mean_radius)); }
+    if error <= 1.0 {
+        return;
+    }
+    let guesses = &mut state.guesses;
+    if state.passes == 0 {
+        guesses.best = f64::INFINITY;
+    }
+    guesses.stalled = if error < PROGRESS * guesses.best { 0 } else { guesses.stalled + 1 };
+    guesses.best = guesses.best.min(error);
+    if state.passes >= MAX_PASSES || guesses.stalled > MAX_STALLED {
+        state.capped = true;
+        attempt.verdict = Verdict::TooFar(format!(
+            "the end of the increment is out of balance by {} of the maximum force, and the passes \
+             about it do not converge",
+            digits(state.imbalance)
+        ));
+        return;
+    }
+    let best = (guesses.best, guesses.stalled);
+    mixing::next(guesses, &solution.displacements, bodies.mean_radius);
+    (guesses.best, guesses.stalled) = best;
+    state.list = increment.about(&state.guesses.last);
+    state.passes += 1;
+    attempt.verdict = Verdict::Again;
+}
+
+/// What another pass would move, over the motion of the increment: after a pass what its guess
+/// missed, before the first one the linear response.
+fn idle_motion(
+    bodies: &Bodies,
+    program: &ConeProgram,
+    solution: &ConeSolution,
+    ending: &Ending,
+    guesses: &Guesses,
+    stiffness: &mut Stiffness,
+) -> f64 {
+    let (u, radius) = (&solution.displacements, bodies.mean_radius);
+    let idle = if guesses.last.len() == u.len() {
+        let pairs = u.iter().zip(&guesses.last);
+        Some(pairs.map(|(u, v)| [0, 1, 2].map(|k| u[k] - v[k])).collect())
+    } else {
+        stiffness.0.to(program, solution, &ending.loads, &ending.misfits)
+    };
+    let idle = idle.map_or(f64::INFINITY, |du: Vec<_>| largest(&du, radius));
+    if idle <= NO_MOTION * radius { 0.0 } else { idle / largest(u, radius) }
+}
+
+/// Whether a contact that carries a force slides.
+fn slides(program: &ConeProgram, solution: &ConeSolution) -> bool {
+    let carrying = Carrying::new(program, solution);
+    let forces = program.interactions.iter().zip(&solution.forces).enumerate();
+    forces.into_iter().any(|(k, (c, f))| {
+        !c.limits.has_strength() && carrying.is_carrying(k) && c.limits.slides(f)
+    })
+}
+
+/// Maximum motion of a body, m. A rotation counts with the length `radius`, m.
+fn largest(u: &[[f64; 3]], radius: f64) -> f64 {
+    u.iter().map(|u| u[0].hypot(u[1]).max(radius * u[2].abs())).fold(0.0, f64::max)
+}

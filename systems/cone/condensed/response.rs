@@ -1,0 +1,99 @@
+//! The linear response of a solution: how bodies move if its forces are out of balance by a little.
+//!
+//! The stiffness is that of the forces that the solution has: contacts that are open have none,
+//! and one that slides has none along itself. A rigid contact has a small compliance, so that one
+//! matrix serves all programs.
+
+use super::matrix::BodyMatrix;
+use super::scaled::{Local, Scaled, add_forces};
+use crate::program::{ConeProgram, ConeSolution};
+use crate::residuals::Carrying;
+
+/// Minimum compliance over displacement scale/force scale.
+const MIN_COMPLIANCE: f64 = 1e-6;
+/// Stiffness of bodies that nothing holds, over the maximum of the matrix.
+const MIN_STIFFNESS: f64 = 1e-12;
+
+/// The matrix of the last program, kept while its pairs stay.
+#[derive(Default)]
+pub struct LinearResponse {
+    pairs: Vec<(u32, u32)>,
+    matrix: Option<BodyMatrix>,
+}
+
+impl LinearResponse {
+    /// Displacements, m and rad, by body in its own axes, that balance the `loads`, N and N m, by
+    /// body in its own axes, and the forces with which interactions answer to a `misfit`, m, of
+    /// closing and slip. `None` where the stiffness has no factor.
+    pub fn to(
+        &mut self,
+        program: &ConeProgram,
+        solution: &ConeSolution,
+        loads: &[[f64; 3]],
+        misfits: &[[f64; 2]],
+    ) -> Option<Vec<[f64; 3]>> {
+        let matrix = super::prepare(&mut self.matrix, &mut self.pairs, program)?;
+        let order = matrix.order().to_vec();
+        let scaled = Scaled::new(program, &order);
+        matrix.set_images(&scaled.images);
+        let (du, df) = program.scales.units();
+        let carrying = Carrying::new(program, solution);
+        let mut x = vec![[0.0; 3]; scaled.places()];
+        for (x, body) in x.iter_mut().zip(&order) {
+            *x = [0, 1, 2].map(|k| loads[*body][k] / df[k]);
+        }
+        matrix.clear();
+        let mut values = matrix.assembly();
+        for (k, local) in scaled.locals.iter().enumerate() {
+            let is_loaded =
+                program.interactions[k].limits.has_strength() || carrying.is_carrying(k);
+            if is_loaded {
+                let d = stiffness(program, solution, local, k);
+                values.add(k, &local.rows, &d);
+                let e = misfits.get(k).map_or([0.0; 2], |e| [e[0] / du[0], e[1] / du[0]]);
+                let force = [d[0][0] * e[0], d[1][1] * e[1], 0.0];
+                add_forces(local.bodies.map(|i| i as u32), &local.rows, &force, -1.0, &mut x);
+            }
+        }
+        let floor = MIN_STIFFNESS * matrix.max_diagonal().max(f64::MIN_POSITIVE);
+        let mut values = matrix.assembly();
+        for (i, free) in scaled.free.iter().enumerate() {
+            for k in 0..3 {
+                values.add_diagonal(i, k, if free[k] { scaled.weight[i][k] + floor } else { 1.0 });
+            }
+        }
+        scaled.images.fold(&mut x);
+        for (x, free) in x.iter_mut().zip(&scaled.free) {
+            for k in (0..3).filter(|k| !free[*k]) {
+                x[k] = 0.0;
+            }
+        }
+        if !matrix.factorise_shifted_and_solve(&mut x[..order.len()]) {
+            return None;
+        }
+        let mut out = vec![[0.0; 3]; order.len()];
+        for ((x, body), free) in x.iter().zip(&order).zip(&scaled.free) {
+            out[*body] = [0, 1, 2].map(|k| if free[k] { x[k] * du[k] } else { 0.0 });
+        }
+        Some(out)
+    }
+}
+
+/// Stiffness of an interaction that carries a force.
+fn stiffness(
+    program: &ConeProgram,
+    solution: &ConeSolution,
+    local: &Local,
+    k: usize,
+) -> [[f64; 3]; 3] {
+    let (c, f) = (&program.interactions[k], &solution.forces[k]);
+    let slides = c.limits.slides(f);
+    let rolls = c.limits.rolls(f);
+    let mut d = [[0.0; 3]; 3];
+    for (i, gives_way) in [false, slides, rolls].into_iter().enumerate() {
+        if local.has[i] && !gives_way {
+            d[i][i] = local.compliance[i].max(MIN_COMPLIANCE).recip();
+        }
+    }
+    d
+}
