@@ -4,9 +4,8 @@
 //! of its force scale, unless a field says otherwise. Round-off limits and array sizes are
 //! constants beside the code that uses them.
 //!
-//! `docs/decisions/001-solver-settings.md` has the solves that fail, the iterations and the
-//! differences of solutions with half and with double of the fields. A field without evidence of
-//! its own refers to that table.
+//! `docs/decisions/001-solver-settings.md` says what half and double of the fields change, and how
+//! that is measured. A field without evidence of its own refers to it.
 
 mod interior;
 mod newton;
