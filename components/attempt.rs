@@ -131,6 +131,12 @@ pub struct Attempt {
     pub released_steps: u32,
     /// Whether a step of a followed motion has made the imposed motions of the trial.
     pub is_driven: bool,
+    /// Maximum turn of a contact, rad, in the last solution that turned one too far.
+    pub turn: Option<f64>,
+    /// The same in the one for which the increment was halved last.
+    pub halved_turn: Option<f64>,
+    /// Whether a mechanism has proved that the trial has no equilibrium.
+    pub is_proved: bool,
     /// Maximum displacement (m) and force (N) of the last rejected solution, which are the scales
     /// of the next attempt.
     pub magnitudes: Option<(f64, f64)>,

@@ -16,6 +16,10 @@ pub struct Budget {
     pub half: bool,
     /// Whether the increment searches for the next event.
     pub searches: bool,
+    /// Whether a far turn is that of no jump: it has shrunk with the last halving, or none was tried.
+    pub shrinks: bool,
+    /// Whether a proved mechanism has been followed.
+    pub is_proved: bool,
 }
 
 /// The next action.
@@ -72,12 +76,15 @@ fn after_equilibrium(effort: Effort, verdict: &Verdict, budget: Budget) -> Next 
         Verdict::Loose if can_follow && budget.half => Next::Follow,
         // Bonds may break at a load below the one that has no equilibrium.
         Verdict::Impossible | Verdict::Loose if budget.searches && budget.half => Next::Halve,
+        // The motion may end where the specimen finds new support.
+        Verdict::Impossible | Verdict::Loose if can_follow && !budget.is_proved => Next::Follow,
         Verdict::Impossible | Verdict::Loose => Next::End(IncrementStatus::Collapsed),
         Verdict::Again => Next::Solve,
         Verdict::Unconverged(_) => match effort {
             Effort::Usual => Next::Try(Effort::Regularised),
             Effort::Regularised => lost(),
         },
+        Verdict::TooFar(_) if budget.shrinks && budget.half => Next::Halve,
         Verdict::TooFar(_) | Verdict::Released => lost(),
         // `Locked` is not tried again: regularisation does not make rigid bodies movable.
         _ => smaller(budget),
@@ -89,7 +96,7 @@ fn after_motion(motion: &Motion, verdict: &Verdict, budget: Budget) -> Next {
         Verdict::Again => Next::Solve,
         // A specimen that does not move after a rupture is at rest where it is.
         Verdict::AtRest { moved } if *moved || motion.released => Next::Rest,
-        Verdict::GivesWay(_) if motion.repeated => Next::Prove,
+        Verdict::GivesWay(_) if motion.repeated || budget.is_proved => Next::Prove,
         Verdict::GivesWay(_) => Next::Repeat,
         Verdict::Moving if budget.step => Next::Move,
         Verdict::TooFar(_) | Verdict::Unconverged(_) | Verdict::Impossible | Verdict::Locked
@@ -97,6 +104,7 @@ fn after_motion(motion: &Motion, verdict: &Verdict, budget: Budget) -> Next {
         {
             Next::Shorten
         }
+        _ if budget.is_proved => Next::Prove,
         _ => smaller(budget),
     }
 }
@@ -115,8 +123,15 @@ fn smaller(budget: Budget) -> Next {
 mod tests {
     use super::*;
 
-    const ALL: Budget =
-        Budget { follows: true, motion: true, step: true, half: true, searches: true };
+    const ALL: Budget = Budget {
+        follows: true,
+        motion: true,
+        step: true,
+        half: true,
+        searches: true,
+        shrinks: false,
+        is_proved: false,
+    };
 
     fn modes() -> Vec<Mode> {
         let repeated = Motion { repeated: true, ..Motion::default() };
@@ -152,12 +167,14 @@ mod tests {
 
     fn budgets() -> impl Iterator<Item = Budget> {
         let is = |bits: u32, k: u32| bits & (1 << k) != 0;
-        (0..32).map(move |bits| Budget {
+        (0..128).map(move |bits| Budget {
             follows: is(bits, 0),
             motion: is(bits, 1),
             step: is(bits, 2),
             half: is(bits, 3),
             searches: is(bits, 4),
+            shrinks: is(bits, 5),
+            is_proved: is(bits, 6),
         })
     }
 
@@ -212,10 +229,8 @@ mod tests {
             }
             if next == Next::Prove {
                 let repeated = matches!(mode, Mode::Motion(motion) if motion.repeated);
-                assert!(
-                    repeated && matches!(verdict, Verdict::GivesWay(_)),
-                    "{mode:?} {verdict:?}"
-                );
+                let gives_way = repeated && matches!(verdict, Verdict::GivesWay(_));
+                assert!(gives_way || budget.is_proved, "{mode:?} {verdict:?}");
             }
         });
     }
@@ -278,10 +293,34 @@ mod tests {
         let spent = Budget { motion: false, searches: true, ..ALL };
         assert_eq!(next(&mode, &Verdict::Loose, spent), Next::Halve);
         let rest = Budget { searches: false, ..ALL };
-        for spent in [Budget { motion: false, ..rest }, Budget { half: false, ..ALL }] {
+        for spent in
+            [Budget { motion: false, ..rest }, Budget { half: false, is_proved: true, ..ALL }]
+        {
             let end = Next::End(IncrementStatus::Collapsed);
             assert_eq!(next(&mode, &Verdict::Loose, spent), end);
         }
+    }
+
+    /// A hanging bridge of unbreakable bonds was "collapsed by proof" before it could sag.
+    #[test]
+    fn a_proved_mechanism_is_followed_once() {
+        let mode = Mode::Equilibrium(Effort::Usual);
+        let whole = Budget { half: false, searches: false, ..ALL };
+        assert_eq!(next(&mode, &Verdict::Impossible, whole), Next::Follow);
+        let followed = Budget { is_proved: true, ..whole };
+        let collapsed = Next::End(IncrementStatus::Collapsed);
+        assert_eq!(next(&mode, &Verdict::Impossible, followed), collapsed);
+        let motion = Mode::Motion(Motion::default());
+        assert_eq!(next(&motion, &Verdict::GivesWay(String::new()), followed), Next::Prove);
+    }
+
+    /// Sand turned by 0.185 rad at every fraction from 1 to 1/32.
+    #[test]
+    fn a_turn_that_shrinks_with_the_increment_is_halved_and_a_jump_is_followed() {
+        let mode = Mode::Equilibrium(Effort::Usual);
+        let far = Verdict::TooFar(String::new());
+        assert_eq!(next(&mode, &far, Budget { shrinks: true, ..ALL }), Next::Halve);
+        assert_eq!(next(&mode, &far, ALL), Next::Follow);
     }
 
     #[test]

@@ -38,6 +38,7 @@ pub fn run_attempts(world: &mut World) {
         let verdict = std::mem::take(&mut attempt.verdict);
         let next = next(&attempt.mode, &verdict, budget);
         complain(&mut attempt, &verdict, next);
+        attempt.is_proved |= next == Next::Follow && verdict == Verdict::Impossible;
         if let Next::End(status) = next {
             return end_increment(world, status, start.as_ref());
         }
@@ -103,6 +104,8 @@ fn act(world: &mut World, next: Next, start: &mut Option<Start>) {
             motion::begin(world, is_released, true);
         }
         Next::Halve => {
+            let mut attempt = world.resource_mut::<Attempt>();
+            attempt.halved_turn = attempt.turn.take();
             undo(world, start.take());
             events::halve(world);
             open_trial(world);
@@ -124,6 +127,10 @@ fn act(world: &mut World, next: Next, start: &mut Option<Start>) {
         }
     }
 }
+
+/// Part of a turn to which a halving reduces it unless it is that of a jump. A turn in proportion to
+/// the increment falls to a half.
+const SHRUNK: f64 = 2.0 / 3.0;
 
 /// The tables that a motion changes.
 struct Start {
@@ -164,6 +171,7 @@ fn undo(world: &mut World, start: Option<Start>) {
     world.insert_resource(Ruptures::default());
     let mut attempt = world.resource_mut::<Attempt>();
     attempt.motions = 0;
+    attempt.is_proved = false;
 }
 
 fn begin_increment(world: &mut World) {
@@ -208,6 +216,11 @@ fn budget(world: &World) -> Budget {
             },
         half: 0.5 * world.resource::<Progress>().fraction >= finest,
         searches: world.resource::<EventSearch>().active,
+        shrinks: attempt.motions == 0
+            && attempt.turn.is_some_and(|turn| {
+                attempt.halved_turn.is_none_or(|halved| turn <= SHRUNK * halved)
+            }),
+        is_proved: attempt.is_proved,
     }
 }
 

@@ -35,6 +35,7 @@ pub fn judge(
     let Some((grain, turn)) = found else { return };
     let all_regularised = attempt.effort() == Some(Effort::Regularised);
     let tables = (&*bodies, &*contacts, &*program, &*solution);
+    attempt.turn = Some(turn);
     let is_new = restrain(tables, &acceptance, &mut restraints, all_regularised);
     attempt.verdict = if is_new {
         Verdict::Again

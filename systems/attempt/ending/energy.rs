@@ -17,12 +17,7 @@ const NO_WORK: f64 = 1e-10;
 
 /// Work that the geometry of the start does wrongly, over the work that is accepted. `work` is that of
 /// the maximum force along a mean radius, J.
-pub fn error(
-    program: &ConeProgram,
-    solution: &ConeSolution,
-    ending: &Ending,
-    work: f64,
-) -> f64 {
+pub fn error(program: &ConeProgram, solution: &ConeSolution, ending: &Ending, work: f64) -> f64 {
     let u = &solution.displacements;
     let of_turns: f64 = u.iter().zip(&ending.loads).map(|(u, r)| dot(u, r).abs()).sum();
     let (mut of_misfits, mut taken, mut energy) = (0.0, 0.0, 0.0);

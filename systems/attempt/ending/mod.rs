@@ -72,6 +72,11 @@ pub fn judge(
     let is_static = analysis.kind == AnalysisKind::Static;
     let state = &mut *state;
     let far = furthest(&bodies, &contacts, &program, &solution);
+    let at_rest =
+        largest(&solution.displacements, bodies.mean_radius) <= NO_MOTION * bodies.mean_radius;
+    if !is_static && at_rest {
+        return;
+    }
     if is_static && far.is_some_and(|(_, turn)| !(turn <= MAX_TURN)) {
         return;
     }
@@ -91,7 +96,15 @@ pub fn judge(
     } else {
         energy::error(&program, &solution, &ending, unit * bodies.mean_radius)
     };
-    if std::env::var("DBGE").is_ok() { eprintln!("DBGE pass {} error {:.3e} imb {:.2e} u {:.3e}", state.passes, error, state.imbalance, largest(&solution.displacements, bodies.mean_radius)); }
+    if std::env::var("DBGE").is_ok() {
+        eprintln!(
+            "DBGE pass {} error {:.3e} imb {:.2e} u {:.3e}",
+            state.passes,
+            error,
+            state.imbalance,
+            largest(&solution.displacements, bodies.mean_radius)
+        );
+    }
     if error <= 1.0 {
         return;
     }
@@ -103,6 +116,7 @@ pub fn judge(
     guesses.best = guesses.best.min(error);
     if state.passes >= MAX_PASSES || guesses.stalled > MAX_STALLED {
         state.capped = true;
+        attempt.turn = far.map(|(_, turn)| turn);
         attempt.verdict = Verdict::TooFar(format!(
             "the end of the increment is out of balance by {} of the maximum force, and the passes \
              about it do not converge",
