@@ -17,9 +17,9 @@ use clastic_components::findings::Guesses;
 /// Number of changes that a guess takes into account.
 const DEPTH: usize = 2;
 
-/// Takes over the solution `u` about the last guess, and makes the next guess. A rotation counts
-/// with the length `radius`, m.
-pub fn next(guesses: &mut Guesses, u: &[[f64; 3]], radius: f64) {
+/// Takes over the solution `u` about the last guess, and makes the next guess: the first one is `u`
+/// with the linear response `idle`. A rotation counts with the length `radius`, m.
+pub fn next(guesses: &mut Guesses, u: &[[f64; 3]], idle: &[[f64; 3]], radius: f64) {
     if guesses.last.len() != u.len() {
         *guesses = Guesses { last: vec![[0.0; 3]; u.len()], ..Guesses::default() };
     }
@@ -49,6 +49,11 @@ pub fn next(guesses: &mut Guesses, u: &[[f64; 3]], radius: f64) {
         }
     };
     let mut guess: Vec<[f64; 3]> = u.to_vec();
+    if guesses.changes.is_empty() {
+        for (x, du) in guess.iter_mut().zip(idle) {
+            *x = [0, 1, 2].map(|k| x[k] + du[k]);
+        }
+    }
     for (w, [dv, dr]) in weights.iter().zip(&guesses.changes) {
         for ((x, dv), dr) in guess.iter_mut().zip(dv).zip(dr) {
             *x = [0, 1, 2].map(|k| x[k] - w * (dv[k] + dr[k]));
@@ -83,10 +88,10 @@ mod tests {
         let map =
             |v: &[[f64; 3]]| vec![[0.9 * v[0][0] + 0.3 * v[0][1] + 1.0, -1.4 * v[0][1] + 2.0, 0.0]];
         let mut guesses = Guesses::default();
-        next(&mut guesses, &map(&[[0.0; 3]]), 1.0);
+        next(&mut guesses, &map(&[[0.0; 3]]), &[], 1.0);
         for _ in 0..3 {
             let u = map(&guesses.last);
-            next(&mut guesses, &u, 1.0);
+            next(&mut guesses, &u, &[], 1.0);
         }
         let end = [12.5, 2.0 / 2.4, 0.0];
         assert!((guesses.last[0][0] - end[0]).abs() < 1e-9, "{guesses:?}");

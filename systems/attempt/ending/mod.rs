@@ -32,7 +32,7 @@ use super::places::digits;
 use crate::turns::furthest;
 
 /// Maximum out-of-balance force at the end over the maximum force.
-const MAX_IMBALANCE: f64 = 1e-2;
+const MAX_IMBALANCE: f64 = 5e-2;
 /// Maximum idle motion over the motion of the increment.
 const MAX_IDLE_MOTION: f64 = 1e-3;
 /// Motion, mean radii, that is no error whatever the motion of the increment is.
@@ -85,26 +85,19 @@ pub fn judge(
     let last = LAST_FORCE * force_scale(&program, &program.last_forces);
     let unit = force_scale(&program, &solution.forces).max(last);
     state.imbalance = if ending.imbalance > 0.0 { ending.imbalance / unit } else { 0.0 };
+    let mut idle = Vec::new();
     let error = if is_static {
         state.idle_motion = if slides(&program, &solution) {
             None
         } else {
-            Some(idle_motion(&bodies, &program, &solution, &ending, &state.guesses, &mut stiffness))
+            idle = idle_motion(&program, &solution, &ending, &state.guesses, &mut stiffness);
+            Some(relative(&idle, &solution.displacements, bodies.mean_radius))
         };
         let idle = state.idle_motion.unwrap_or(0.0);
         (state.imbalance / MAX_IMBALANCE).max(idle / MAX_IDLE_MOTION)
     } else {
         energy::error(&program, &solution, &ending, unit * bodies.mean_radius)
     };
-    if std::env::var("DBGE").is_ok() {
-        eprintln!(
-            "DBGE pass {} error {:.3e} imb {:.2e} u {:.3e}",
-            state.passes,
-            error,
-            state.imbalance,
-            largest(&solution.displacements, bodies.mean_radius)
-        );
-    }
     if error <= 1.0 {
         return;
     }
@@ -125,32 +118,36 @@ pub fn judge(
         return;
     }
     let best = (guesses.best, guesses.stalled);
-    mixing::next(guesses, &solution.displacements, bodies.mean_radius);
+    mixing::next(guesses, &solution.displacements, &idle, bodies.mean_radius);
     (guesses.best, guesses.stalled) = best;
     state.list = increment.about(&state.guesses.last);
     state.passes += 1;
     attempt.verdict = Verdict::Again;
 }
 
-/// What another pass would move, over the motion of the increment: after a pass what its guess
-/// missed, before the first one the linear response.
+/// What another pass would move: after a pass what its guess missed, before the first one the linear
+/// response. Empty where the stiffness has no factor.
 fn idle_motion(
-    bodies: &Bodies,
     program: &ConeProgram,
     solution: &ConeSolution,
     ending: &Ending,
     guesses: &Guesses,
     stiffness: &mut Stiffness,
-) -> f64 {
-    let (u, radius) = (&solution.displacements, bodies.mean_radius);
-    let idle = if guesses.last.len() == u.len() {
+) -> Vec<[f64; 3]> {
+    let u = &solution.displacements;
+    if guesses.last.len() == u.len() {
         let pairs = u.iter().zip(&guesses.last);
-        Some(pairs.map(|(u, v)| [0, 1, 2].map(|k| u[k] - v[k])).collect())
+        pairs.map(|(u, v)| [0, 1, 2].map(|k| u[k] - v[k])).collect()
     } else {
-        stiffness.0.to(program, solution, &ending.loads, &ending.misfits)
-    };
-    let idle = idle.map_or(f64::INFINITY, |du: Vec<_>| largest(&du, radius));
-    if idle <= NO_MOTION * radius { 0.0 } else { idle / largest(u, radius) }
+        let Ending { loads, misfits, .. } = ending;
+        stiffness.0.to(program, solution, loads, misfits).unwrap_or_default()
+    }
+}
+
+/// An idle motion over that of the increment.
+fn relative(idle: &[[f64; 3]], u: &[[f64; 3]], radius: f64) -> f64 {
+    let size = if idle.is_empty() { f64::INFINITY } else { largest(idle, radius) };
+    if size <= NO_MOTION * radius { 0.0 } else { size / largest(u, radius) }
 }
 
 /// Whether a contact that carries a force slides.
