@@ -24,12 +24,7 @@ pub fn next(guesses: &mut Guesses, u: &[[f64; 3]], idle: &[[f64; 3]], radius: f6
         *guesses = Guesses { last: vec![[0.0; 3]; u.len()], ..Guesses::default() };
     }
     let missed = difference(u, &guesses.last);
-    let dot = |x: &[[f64; 3]], y: &[[f64; 3]]| -> f64 {
-        let of = |(x, y): (&[f64; 3], &[f64; 3])| {
-            x[0] * y[0] + x[1] * y[1] + radius * radius * x[2] * y[2]
-        };
-        x.iter().zip(y).map(of).sum()
-    };
+    let dot = |x: &[[f64; 3]], y: &[[f64; 3]]| dot(x, y, radius);
     if let Some([_, change]) = guesses.changes.last_mut() {
         // The guess of this change was made when the miss before it was known.
         *change = difference(&missed, &guesses.missed);
@@ -64,6 +59,23 @@ pub fn next(guesses: &mut Guesses, u: &[[f64; 3]], idle: &[[f64; 3]], radius: f6
     }
     guesses.changes.push([difference(&guess, &guesses.last), Vec::new()]);
     (guesses.missed, guesses.last) = (missed, guess);
+}
+
+/// Growth of the last change of the guess in the map from guess to solution, `dv . du / dv . dv`, where
+/// `u` is the solution about the last guess. Near a buckling load it is the load over the buckling load.
+/// At 1 and above, the end that the passes would find is not stable. 0 before the second pass.
+pub fn growth(guesses: &Guesses, u: &[[f64; 3]], radius: f64) -> f64 {
+    let Some([dv, _]) = guesses.changes.last() else { return 0.0 };
+    let dr = difference(&difference(u, &guesses.last), &guesses.missed);
+    let squared = dot(dv, dv, radius);
+    if squared > 0.0 { 1.0 + dot(dv, &dr, radius) / squared } else { 0.0 }
+}
+
+/// Scalar product of two motions. A rotation counts with the length `radius`, m.
+pub fn dot(x: &[[f64; 3]], y: &[[f64; 3]], radius: f64) -> f64 {
+    let of =
+        |(x, y): (&[f64; 3], &[f64; 3])| x[0] * y[0] + x[1] * y[1] + radius * radius * x[2] * y[2];
+    x.iter().zip(y).map(of).sum()
 }
 
 /// Square of the sine of two changes below which they count as one.

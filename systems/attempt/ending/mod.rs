@@ -9,7 +9,9 @@
 //! The second condition is the one that tells the error of the motion. Near a buckling load a force
 //! of 1e-7 of the maximum moves bodies by half of their motion, and in a stiff cantilever one of five
 //! times the maximum moves them by a thousandth. Before the first pass the idle motion is the linear
-//! response of the solution to what is out of balance. Where contacts slide, the forces depend on the
+//! response of the solution to what is out of balance. With a growth g from pass to pass, all further
+//! passes together move 1/(1 - g) times as much. With g = 1 the equilibrium is not stable, and a motion
+//! is followed from the start. Where contacts slide, the forces depend on the
 //! path as much as on the end, the next increment begins with what was out of balance, and the first
 //! condition alone decides.
 
@@ -42,6 +44,8 @@ const NO_MOTION: f64 = 1e-6;
 const LAST_FORCE: f64 = 1e-3;
 /// Maximum turn of a contact, rad, from which a solution says where the increment ends.
 const MAX_TURN: f64 = 2.0;
+/// Maximum growth of an idle motion that is judged before the first pass.
+const MAX_FIRST_GROWTH: f64 = 0.9;
 /// Maximum number of passes.
 const MAX_PASSES: u32 = 20;
 /// Maximum number of passes in which the error does not fall to [`PROGRESS`] of its minimum.
@@ -85,18 +89,29 @@ pub fn judge(
     let last = LAST_FORCE * force_scale(&program, &program.last_forces);
     let unit = force_scale(&program, &solution.forces).max(last);
     state.imbalance = if ending.imbalance > 0.0 { ending.imbalance / unit } else { 0.0 };
+    let (u, radius) = (&solution.displacements, bodies.mean_radius);
     let mut idle = Vec::new();
-    let error = if is_static {
-        state.idle_motion = if slides(&program, &solution) {
-            None
-        } else {
-            idle = idle_motion(&program, &solution, &ending, &state.guesses, &mut stiffness);
-            Some(relative(&idle, &solution.displacements, bodies.mean_radius))
-        };
-        let idle = state.idle_motion.unwrap_or(0.0);
-        (state.imbalance / MAX_IMBALANCE).max(idle / MAX_IDLE_MOTION)
+    let error = if !is_static {
+        energy::error(&program, &solution, &ending, unit * radius)
+    } else if slides(&program, &solution) {
+        state.idle_motion = None;
+        state.imbalance / MAX_IMBALANCE
     } else {
-        energy::error(&program, &solution, &ending, unit * bodies.mean_radius)
+        let growth;
+        (idle, growth) =
+            idle_motion(&increment, &solution, &ending, &state.guesses, &mut stiffness);
+        if growth >= 1.0 {
+            attempt.turn = None;
+            attempt.verdict = Verdict::TooFar(format!(
+                "the equilibrium where the increment ends is not stable: a motion about it grows {} \
+                 times",
+                digits(growth)
+            ));
+            return;
+        }
+        let relative = relative(&idle, u, radius) * (growth / (1.0 - growth)).max(1.0);
+        state.idle_motion = Some(relative);
+        (state.imbalance / MAX_IMBALANCE).max(relative / MAX_IDLE_MOTION)
     };
     if error <= 1.0 {
         return;
@@ -118,30 +133,34 @@ pub fn judge(
         return;
     }
     let best = (guesses.best, guesses.stalled);
-    mixing::next(guesses, &solution.displacements, &idle, bodies.mean_radius);
+    mixing::next(guesses, u, &idle, radius);
     (guesses.best, guesses.stalled) = best;
     state.list = increment.about(&state.guesses.last);
     state.passes += 1;
     attempt.verdict = Verdict::Again;
 }
 
-/// What another pass would move: after a pass what its guess missed, before the first one the linear
-/// response. Empty where the stiffness has no factor.
+/// What another pass would move, and its growth from pass to pass. After a pass it is what the guess
+/// missed, before the first one the linear response; empty where the stiffness has no factor.
 fn idle_motion(
-    program: &ConeProgram,
+    Increment { bodies, program, .. }: &Increment,
     solution: &ConeSolution,
     ending: &Ending,
     guesses: &Guesses,
     stiffness: &mut Stiffness,
-) -> Vec<[f64; 3]> {
-    let u = &solution.displacements;
+) -> (Vec<[f64; 3]>, f64) {
+    let (u, radius) = (&solution.displacements, bodies.mean_radius);
     if guesses.last.len() == u.len() {
         let pairs = u.iter().zip(&guesses.last);
-        pairs.map(|(u, v)| [0, 1, 2].map(|k| u[k] - v[k])).collect()
-    } else {
-        let Ending { loads, misfits, .. } = ending;
-        stiffness.0.to(program, solution, loads, misfits).unwrap_or_default()
+        let missed = pairs.map(|(u, v)| [0, 1, 2].map(|k| u[k] - v[k])).collect();
+        return (missed, mixing::growth(guesses, u, radius));
     }
+    let Ending { loads, misfits, .. } = ending;
+    let idle = stiffness.0.to(program, solution, loads, misfits).unwrap_or_default();
+    let squared = mixing::dot(u, u, radius);
+    let growth = if squared > 0.0 { mixing::dot(&idle, u, radius) / squared } else { 0.0 };
+    // The response is only a first order: a pass decides whether the end is stable.
+    (idle, growth.min(MAX_FIRST_GROWTH))
 }
 
 /// An idle motion over that of the increment.
