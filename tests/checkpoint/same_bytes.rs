@@ -315,12 +315,11 @@ fn rebounds_go_on() {
 }
 
 #[test]
-fn the_ledger_and_the_corrector_go_on() {
-    let sets = ["output=(energy: true)", "corrector=(passes: 20)", "stages.drop.increments=40"];
+fn the_ledger_and_the_passes_go_on() {
+    let sets = ["output=(energy: true)", "stages.drop.increments=40"];
     same_from_anywhere(&load("bounce", &sets), |k| k % 6 == 1);
     let sets = [
         "output=(energy: true)",
-        "corrector=(passes: 20)",
         "stages.confine.increments=2",
         "stages.load.increments=5",
         "stages.load.walls.top[1]=-0.16e-3",

@@ -1,4 +1,4 @@
-//! Arcs and end points where the geometry within an increment counts: corrector and impacts.
+//! Arcs and end points where the geometry within an increment counts: finite motions and impacts.
 
 use std::f64::consts::PI;
 
@@ -21,11 +21,11 @@ fn driven(wall: &str, place: DVec2, motion: DVec2, settings: &str) -> Scene {
     ))
 }
 
-/// With the corrector a disk that is carried along a curve by a finite angle, at a constant
+/// A disk that is carried along a curve by a finite angle, at a constant
 /// overlap, keeps its normal force k o and has the shear force k_T L phi, L the distance of its
 /// centre from that of the curve.
 #[test]
-fn the_corrector_follows_a_curve() {
+fn a_disk_follows_a_curve() {
     let overlap = 1e-5;
     let arc =
         "name: \"w\", shape: Arc(through: (0.0, -0.25)), start: (-0.2, -0.15), end: (0.2, -0.15)";
@@ -34,7 +34,7 @@ fn the_corrector_follows_a_curve() {
         for phi in [0.02_f64, -0.3] {
             let at = |angle: f64| distance * DVec2::new(angle.sin(), -angle.cos());
             let (start, finish) = (at(-0.1), at(-0.1 + phi));
-            let scene = driven(wall, start, finish - start, "corrector: (),");
+            let scene = driven(wall, start, finish - start, "");
             let mut simulation = Simulation::new(&scene, None);
             next(&mut simulation).unwrap();
             let [p, q, _] = simulation.world().resource::<ConeSolution>().forces[0];

@@ -10,7 +10,7 @@ use clastic::components::attempt::{Attempt, IncrementStatus};
 use clastic::components::body::{BodyId, Drive, Drives, ExternalForce, LastMotion, Position};
 use clastic::components::bond::{Bond, BondState};
 use clastic::components::contact::{Bodies, Contacts};
-use clastic::components::findings::{Pushed, Sliding};
+use clastic::components::findings::{Corrections, Pushed, Sliding};
 use clastic::components::increment::{Analysis, AnalysisKind};
 use clastic::components::observation::Observation;
 use clastic::components::particle::{MaterialIndex, Particle};
@@ -139,10 +139,10 @@ impl Oracle {
             let capped = record.status == IncrementStatus::Capped;
             let limit = if capped { Sliding::BOUND } else { RESIDUAL };
             findings.book("reported residual", record.residuals.worst(), limit, n);
-            // The corrector takes normals and gaps at the end of the increment, and the oracle
-            // knows those at its start. Such increments are checked by residuals, ledger and finite
-            // numbers only.
-            if scene.corrector.is_none() {
+            // A pass takes normals and gaps at the end of the increment, and the oracle knows those at
+            // its start. Such increments are checked by residuals, ledger and finite numbers only.
+            let passes = simulation.world().resource::<Corrections>().passes;
+            if passes == 0 {
                 self.check_committed(simulation, scene, record, &now, findings);
             }
         } else {

@@ -1,5 +1,5 @@
 //! What a rig adds to random scenes: walls that come, go and are cemented, measures, stop
-//! conditions, probes, tolerances, and the corrector.
+//! conditions, probes and tolerances.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -83,8 +83,6 @@ fn with_rig(mut scene: Scene, seed: u64) -> Scene {
         let moves = load.analysis.map_or(dynamic, |analysis| analysis != Analysis::Static);
         load.stop = stops(r, strain, stress, moves);
     }
-    scene.corrector =
-        r.maybe(0.2, |r| Corrector { passes: r.pick(&[2, 20]), tolerance: r.pick(&[1e-4, 1e-6]) });
     scene
 }
 

@@ -64,7 +64,6 @@ pub fn random_scene(seed: u64, maximum: u32) -> Scene {
             density: r.pick(&[Rupture::DENSITY, Rupture::DENSITY, 30.0]),
             ..Rupture::default()
         },
-        corrector: None,
         probes: BTreeMap::new(),
         cell: None,
         rigid_at_start: Vec::new(),

@@ -21,7 +21,7 @@ use clastic_components::findings::{Correction, Corrections};
 use clastic_components::rigid_group::GroupRow;
 use clastic_components::wall::WallDrive;
 use clastic_components::wall_shape::Curve;
-use clastic_cone::program::{ConeProgram, ConeSolution, Dof, Interaction};
+use clastic_cone::program::{ConeProgram, ConeSolution, Interaction};
 use clastic_cone::residuals::Carrying;
 
 use crate::attempt::closed_pairs::Moved;
@@ -44,7 +44,7 @@ pub struct Ending {
     pub loads: Vec<[f64; 3]>,
     /// Closing and slip beyond those of the program, m, by interaction.
     pub misfits: Vec<[f64; 2]>,
-    /// Maximum out-of-balance force of a free body, N.
+    /// Maximum out-of-balance force of a particle or rigid group, held ones included, N.
     pub imbalance: f64,
 }
 
@@ -120,7 +120,10 @@ impl Increment<'_> {
                 add(program, &mut all, body as usize, sign * f[0] * c.normal, 0.0);
             }
         }
-        let imbalance = all.iter().map(|r| r[0].hypot(r[1])).fold(0.0, f64::max);
+        // The force on a wall is the sum of many, so that it would hide what is wrong at one of them.
+        let is_wall = |row: usize| bodies.walls.iter().any(|wall| wall.body as usize == row);
+        let forces = all.iter().enumerate().filter(|(row, _)| !is_wall(*row));
+        let imbalance = forces.map(|(_, r)| r[0].hypot(r[1])).fold(0.0, f64::max);
         Ending { loads, misfits, imbalance }
     }
 
@@ -177,11 +180,11 @@ impl Increment<'_> {
     }
 }
 
-/// Adds a force and a moment on a body, along its free degrees of freedom.
+/// Adds a force and a moment on a body, in its own axes.
 fn add(program: &ConeProgram, rows: &mut [[f64; 3]], body: usize, force: DVec2, moment: f64) {
     let of = &program.bodies[body];
     let along = [force.dot(of.axis), force.dot(of.axis.perp()), moment];
-    for k in (0..3).filter(|k| matches!(of.dofs[*k], Dof::Free(_))) {
+    for k in 0..3 {
         rows[body][k] += along[k];
     }
 }
