@@ -3,6 +3,7 @@
 use bevy_ecs::prelude::*;
 #[cfg(feature = "reflect")]
 use bevy_ecs::reflect::ReflectResource;
+use clastic_cone::program::Certificate;
 use serde::{Deserialize, Serialize};
 
 use crate::motion::Motion;
@@ -131,12 +132,12 @@ pub struct Attempt {
     pub released_steps: u32,
     /// Whether a step of a followed motion has made the imposed motions of the trial.
     pub is_driven: bool,
-    /// Maximum turn of a contact, rad, in the last solution that turned one too far.
+    /// Maximum turn, rad, in the last solution that turned too far, if it is that of a bonded grain.
     pub turn: Option<f64>,
     /// The same in the one for which the increment was halved last.
     pub halved_turn: Option<f64>,
-    /// Whether a mechanism has proved that the trial has no equilibrium.
-    pub is_proved: bool,
+    /// The mechanism that has proved that the trial has no equilibrium and is followed.
+    pub proof: Option<Certificate>,
     /// Maximum displacement (m) and force (N) of the last rejected solution, which are the scales
     /// of the next attempt.
     pub magnitudes: Option<(f64, f64)>,

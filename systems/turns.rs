@@ -47,6 +47,14 @@ pub fn too_far(
     furthest(bodies, contacts, program, solution).filter(|(_, turn)| !(*turn <= acceptance.turn))
 }
 
+/// The turn of a grain that is bonded. Bonds turn in proportion to the increment as far as the specimen
+/// bends; where a contact turns, a grain jumps to other support.
+#[must_use]
+pub fn of_bonded(bodies: &Bodies, (grain, turn): (usize, f64)) -> Option<f64> {
+    let is_bonded = bodies.bonds.iter().any(|bond| [bond.a, bond.b].contains(&(grain as u32)));
+    is_bonded.then_some(turn)
+}
+
 /// Whether a solution moves grains so far that they lack support.
 #[must_use]
 pub fn is_unsupported(

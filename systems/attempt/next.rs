@@ -96,7 +96,8 @@ fn after_motion(motion: &Motion, verdict: &Verdict, budget: Budget) -> Next {
         Verdict::Again => Next::Solve,
         // A specimen that does not move after a rupture is at rest where it is.
         Verdict::AtRest { moved } if *moved || motion.released => Next::Rest,
-        Verdict::GivesWay(_) if motion.repeated || budget.is_proved => Next::Prove,
+        Verdict::GivesWay(_) if budget.is_proved => Next::End(IncrementStatus::Collapsed),
+        Verdict::GivesWay(_) if motion.repeated => Next::Prove,
         Verdict::GivesWay(_) => Next::Repeat,
         Verdict::Moving if budget.step => Next::Move,
         Verdict::TooFar(_) | Verdict::Unconverged(_) | Verdict::Impossible | Verdict::Locked
@@ -104,7 +105,7 @@ fn after_motion(motion: &Motion, verdict: &Verdict, budget: Budget) -> Next {
         {
             Next::Shorten
         }
-        _ if budget.is_proved => Next::Prove,
+        _ if budget.is_proved => Next::End(IncrementStatus::Collapsed),
         _ => smaller(budget),
     }
 }
@@ -201,7 +202,7 @@ mod tests {
             found.borrow_mut().insert((word(format!("{mode:?}")), action));
         });
         let equilibrium = "Approach Follow Halve OneRound Solve Try collapsed solved undecided";
-        let motion = "Halve Move OneRound Prove Repeat Rest Shorten Solve undecided";
+        let motion = "Halve Move OneRound Prove Repeat Rest Shorten Solve collapsed undecided";
         let modes =
             [("Equilibrium", equilibrium), ("Motion", motion), ("Proof", "Solve collapsed")];
         let drawn = modes.iter().flat_map(|(mode, actions)| {
@@ -225,12 +226,16 @@ mod tests {
             if next == Next::End(IncrementStatus::Collapsed) {
                 let proved = matches!(mode, Mode::Equilibrium(_))
                     && matches!(verdict, Verdict::Impossible | Verdict::Loose);
-                assert!(proved || *mode == Mode::Proof, "{mode:?} {verdict:?} {budget:?}");
+                let followed = matches!(mode, Mode::Motion(_)) && budget.is_proved;
+                let fails = proved || followed || *mode == Mode::Proof;
+                assert!(fails, "{mode:?} {verdict:?} {budget:?}");
             }
             if next == Next::Prove {
                 let repeated = matches!(mode, Mode::Motion(motion) if motion.repeated);
-                let gives_way = repeated && matches!(verdict, Verdict::GivesWay(_));
-                assert!(gives_way || budget.is_proved, "{mode:?} {verdict:?}");
+                assert!(
+                    repeated && matches!(verdict, Verdict::GivesWay(_)),
+                    "{mode:?} {verdict:?}"
+                );
             }
         });
     }
@@ -311,7 +316,7 @@ mod tests {
         let collapsed = Next::End(IncrementStatus::Collapsed);
         assert_eq!(next(&mode, &Verdict::Impossible, followed), collapsed);
         let motion = Mode::Motion(Motion::default());
-        assert_eq!(next(&motion, &Verdict::GivesWay(String::new()), followed), Next::Prove);
+        assert_eq!(next(&motion, &Verdict::GivesWay(String::new()), followed), collapsed);
     }
 
     /// Sand turned by 0.185 rad at every fraction from 1 to 1/32.

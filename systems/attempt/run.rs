@@ -38,7 +38,10 @@ pub fn run_attempts(world: &mut World) {
         let verdict = std::mem::take(&mut attempt.verdict);
         let next = next(&attempt.mode, &verdict, budget);
         complain(&mut attempt, &verdict, next);
-        attempt.is_proved |= next == Next::Follow && verdict == Verdict::Impossible;
+        if next == Next::Follow && verdict == Verdict::Impossible {
+            let proof = world.resource::<ConeSolution>().certificate.clone();
+            world.resource_mut::<Attempt>().proof = proof;
+        }
         if let Next::End(status) = next {
             return end_increment(world, status, start.as_ref());
         }
@@ -171,7 +174,7 @@ fn undo(world: &mut World, start: Option<Start>) {
     world.insert_resource(Ruptures::default());
     let mut attempt = world.resource_mut::<Attempt>();
     attempt.motions = 0;
-    attempt.is_proved = false;
+    attempt.proof = None;
 }
 
 fn begin_increment(world: &mut World) {
@@ -220,7 +223,7 @@ fn budget(world: &World) -> Budget {
             && attempt.turn.is_some_and(|turn| {
                 attempt.halved_turn.is_none_or(|halved| turn <= SHRUNK * halved)
             }),
-        is_proved: attempt.is_proved,
+        is_proved: attempt.proof.is_some(),
     }
 }
 
@@ -260,6 +263,9 @@ fn end_increment(world: &mut World, status: IncrementStatus, start: Option<&Star
     if matches!(status, IncrementStatus::Collapsed) {
         // A collapse does not commit the motion.
         put_back(world, start);
+        if let Some(proof) = world.resource_mut::<Attempt>().proof.take() {
+            world.resource_mut::<ConeSolution>().certificate = Some(proof);
+        }
     }
     if status == IncrementStatus::Undecided
         && let Some(best) = world.resource_mut::<BestUnconverged>().0.take()

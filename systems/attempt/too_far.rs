@@ -13,7 +13,7 @@ use clastic_cone::program::{ConeProgram, ConeSolution};
 use super::converged::impossible_or;
 use super::places::{digits, near};
 use super::restraints::restrain;
-use crate::turns::too_far;
+use crate::turns::{of_bonded, too_far};
 
 /// Rejects a static solution that [turns](crate::turns) a bond or a contact that carries load by more
 /// than [`Acceptance::turn`]. It may show [restraints](super::restraints), which the next attempt then
@@ -35,7 +35,7 @@ pub fn judge(
     let Some((grain, turn)) = found else { return };
     let all_regularised = attempt.effort() == Some(Effort::Regularised);
     let tables = (&*bodies, &*contacts, &*program, &*solution);
-    attempt.turn = Some(turn);
+    attempt.turn = of_bonded(&bodies, (grain, turn));
     let is_new = restrain(tables, &acceptance, &mut restraints, all_regularised);
     attempt.verdict = if is_new {
         Verdict::Again

@@ -180,6 +180,11 @@ impl Increment<'_> {
     }
 }
 
+/// Angle from one vector to another, rad. An arccosine would leave half of the digits of a small one.
+fn angle(from: DVec2, to: DVec2) -> f64 {
+    from.perp_dot(to).atan2(from.dot(to))
+}
+
 /// Adds a force and a moment on a body, in its own axes.
 fn add(program: &ConeProgram, rows: &mut [[f64; 3]], body: usize, force: DVec2, moment: f64) {
     let of = &program.bodies[body];
@@ -213,7 +218,7 @@ fn of_pair(bodies: &Bodies, [a, b]: [usize; 2], [start, at, finish]: [DVec2; 3])
     Some(Exact {
         normal,
         gaps: [length - radii, far - radii],
-        slip: normal.perp().dot(finish - start) - length * start.angle_to(finish),
+        slip: normal.perp().dot(finish - start) - length * angle(start, finish),
         arms: length,
     })
 }
@@ -235,7 +240,7 @@ fn of_wall(bodies: &Bodies, contact: &Contact, way: [DVec2; 3]) -> Option<Exact>
     // The slip along a circle is the way of the particle about its centre.
     let turn = |centre: DVec2| {
         let arms = way.map(|to_wall| to_wall + centre);
-        arms[1].length() * arms[0].angle_to(arms[2])
+        arms[1].length() * angle(arms[0], arms[2])
     };
     let slip = match (start.curve, finish.curve) {
         (Curve::Round(c), Curve::Round(d)) if c == d => normal.perp().dot(moved) - turn(c),

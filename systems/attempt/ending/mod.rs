@@ -10,8 +10,8 @@
 //! of 1e-7 of the maximum moves bodies by half of their motion, and in a stiff cantilever one of five
 //! times the maximum moves them by a thousandth. Before the first pass the idle motion is the linear
 //! response of the solution to what is out of balance. With a growth g from pass to pass, all further
-//! passes together move 1/(1 - g) times as much. With g = 1 the equilibrium is not stable, and a motion
-//! is followed from the start. Where contacts slide, the forces depend on the
+//! passes together move 1/(1 - g) times as much. From g = 1 on the equilibrium that the passes would
+//! find is not stable, and they end. Where contacts slide, the forces depend on the
 //! path as much as on the end, the next increment begins with what was out of balance, and the first
 //! condition alone decides.
 
@@ -31,7 +31,7 @@ use clastic_cone::residuals::{Carrying, force_scale};
 
 use self::geometry::{Ending, Increment};
 use super::places::digits;
-use crate::turns::furthest;
+use crate::turns::{furthest, of_bonded};
 
 /// Maximum out-of-balance force at the end over the maximum force where nothing slides.
 const MAX_IMBALANCE: f64 = 1e-3;
@@ -81,7 +81,8 @@ pub fn judge(
     let far = furthest(&bodies, &contacts, &program, &solution);
     let at_rest =
         largest(&solution.displacements, bodies.mean_radius) <= NO_MOTION * bodies.mean_radius;
-    if !is_static && at_rest {
+    // Impacts with restitution have normals and offsets of their own.
+    if !is_static && (at_rest || analysis.path_theta.is_some()) {
         return;
     }
     if is_static && far.is_some_and(|(_, turn)| !(turn <= MAX_TURN)) {
@@ -93,26 +94,19 @@ pub fn judge(
     let unit = force_scale(&program, &solution.forces).max(last);
     state.imbalance = if ending.imbalance > 0.0 { ending.imbalance / unit } else { 0.0 };
     let (u, radius) = (&solution.displacements, bodies.mean_radius);
-    let mut idle = Vec::new();
+    let (mut idle, mut is_stable) = (Vec::new(), true);
     let error = if !is_static {
         energy::error(&program, &solution, &ending, unit * radius)
-    } else if slides(&program, &solution) {
+    } else if !is_elastic(&program, &solution) {
         state.idle_motion = None;
         state.imbalance / MAX_IMBALANCE_OF_SLIDING
     } else {
         let growth;
         (idle, growth) =
             idle_motion(&increment, &solution, &ending, &state.guesses, &mut stiffness);
-        if growth >= 1.0 {
-            attempt.turn = None;
-            attempt.verdict = Verdict::TooFar(format!(
-                "the equilibrium where the increment ends is not stable: a motion about it grows {} \
-                 times",
-                digits(growth)
-            ));
-            return;
-        }
-        let relative = relative(&idle, u, radius) * (growth / (1.0 - growth)).max(1.0);
+        is_stable = growth < 1.0;
+        let all = if is_stable { (growth / (1.0 - growth)).max(1.0) } else { 1.0 };
+        let relative = all * relative(&idle, u, radius);
         state.idle_motion = Some(relative);
         (state.imbalance / MAX_IMBALANCE).max(relative / MAX_IDLE_MOTION)
     };
@@ -125,14 +119,16 @@ pub fn judge(
     }
     guesses.stalled = if error < PROGRESS * guesses.best { 0 } else { guesses.stalled + 1 };
     guesses.best = guesses.best.min(error);
-    if state.passes >= MAX_PASSES || guesses.stalled > MAX_STALLED {
-        state.capped = true;
-        attempt.turn = far.map(|(_, turn)| turn);
-        attempt.verdict = Verdict::TooFar(format!(
-            "the end of the increment is out of balance by {} of the maximum force, and the passes \
-             about it do not converge",
-            digits(state.imbalance)
-        ));
+    if !is_stable || state.passes >= MAX_PASSES || guesses.stalled > MAX_STALLED {
+        if !(state.imbalance <= MAX_IMBALANCE_OF_SLIDING) {
+            state.capped = true;
+            attempt.turn = far.and_then(|far| of_bonded(&bodies, far));
+            attempt.verdict = Verdict::TooFar(format!(
+                "the end of the increment is out of balance by {} of the maximum force, and passes \
+                 about it do not converge",
+                digits(state.imbalance)
+            ));
+        }
         return;
     }
     let best = (guesses.best, guesses.stalled);
@@ -172,13 +168,14 @@ fn relative(idle: &[[f64; 3]], u: &[[f64; 3]], radius: f64) -> f64 {
     if size <= NO_MOTION * radius { 0.0 } else { size / largest(u, radius) }
 }
 
-/// Whether a contact that carries a force slides.
-fn slides(program: &ConeProgram, solution: &ConeSolution) -> bool {
+/// Whether the end alone determines the forces: bonds hold the specimen, and no contact slides.
+fn is_elastic(program: &ConeProgram, solution: &ConeSolution) -> bool {
     let carrying = Carrying::new(program, solution);
-    let forces = program.interactions.iter().zip(&solution.forces).enumerate();
-    forces.into_iter().any(|(k, (c, f))| {
+    let mut forces = program.interactions.iter().zip(&solution.forces).enumerate();
+    let slides = forces.any(|(k, (c, f))| {
         !c.limits.has_strength() && carrying.is_carrying(k) && c.limits.slides(f)
-    })
+    });
+    program.has_bonds() && !slides
 }
 
 /// Maximum motion of a body, m. A rotation counts with the length `radius`, m.
