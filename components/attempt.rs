@@ -3,7 +3,6 @@
 use bevy_ecs::prelude::*;
 #[cfg(feature = "reflect")]
 use bevy_ecs::reflect::ReflectResource;
-use clastic_cone::program::Certificate;
 use serde::{Deserialize, Serialize};
 
 use crate::motion::Motion;
@@ -136,8 +135,8 @@ pub struct Attempt {
     pub turn: Option<f64>,
     /// The same in the one for which the increment was halved last.
     pub halved_turn: Option<f64>,
-    /// The mechanism that has proved that the trial has no equilibrium and is followed.
-    pub proof: Option<Certificate>,
+    /// Whether a mechanism that proves that the trial has no equilibrium is followed.
+    pub is_proved: bool,
     /// Maximum displacement (m) and force (N) of the last rejected solution, which are the scales
     /// of the next attempt.
     pub magnitudes: Option<(f64, f64)>,

@@ -2,14 +2,14 @@
 
 use bevy_ecs::prelude::*;
 use clastic_components::attempt::{Attempt, IncrementStatus, Mode, Verdict};
-use clastic_components::contact::Bodies;
+use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::contact_history::DraftHistory;
 use clastic_components::energy::MotionEnergies;
 use clastic_components::findings::{
     AddedPairs, BestUnconverged, EventSearch, Restraints, Ruptures, Sliding,
 };
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
-use clastic_cone::program::ConeSolution;
+use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use super::next::{Budget, Next, next};
 use super::{events, motion};
@@ -38,10 +38,7 @@ pub fn run_attempts(world: &mut World) {
         let verdict = std::mem::take(&mut attempt.verdict);
         let next = next(&attempt.mode, &verdict, budget);
         complain(&mut attempt, &verdict, next);
-        if next == Next::Follow && verdict == Verdict::Impossible {
-            let proof = world.resource::<ConeSolution>().certificate.clone();
-            world.resource_mut::<Attempt>().proof = proof;
-        }
+        attempt.is_proved |= next == Next::Follow && verdict == Verdict::Impossible;
         if let Next::End(status) = next {
             return end_increment(world, status, start.as_ref());
         }
@@ -141,6 +138,8 @@ struct Start {
     draft: DraftHistory,
     ruptures: Ruptures,
     energies: MotionEnergies,
+    /// What proves that the increment has no equilibrium, if something does.
+    proof: Option<(Contacts, ConeProgram, ConeSolution)>,
 }
 
 impl Start {
@@ -150,6 +149,11 @@ impl Start {
             draft: world.resource::<DraftHistory>().clone(),
             ruptures: world.resource::<Ruptures>().clone(),
             energies: world.resource::<MotionEnergies>().clone(),
+            proof: world.resource::<Attempt>().is_proved.then(|| {
+                let (contacts, program) =
+                    (world.resource::<Contacts>(), world.resource::<ConeProgram>());
+                (contacts.clone(), program.clone(), world.resource::<ConeSolution>().clone())
+            }),
         }
     }
 }
@@ -174,7 +178,7 @@ fn undo(world: &mut World, start: Option<Start>) {
     world.insert_resource(Ruptures::default());
     let mut attempt = world.resource_mut::<Attempt>();
     attempt.motions = 0;
-    attempt.proof = None;
+    attempt.is_proved = false;
 }
 
 fn begin_increment(world: &mut World) {
@@ -223,7 +227,7 @@ fn budget(world: &World) -> Budget {
             && attempt.turn.is_some_and(|turn| {
                 attempt.halved_turn.is_none_or(|halved| turn <= SHRUNK * halved)
             }),
-        is_proved: attempt.proof.is_some(),
+        is_proved: attempt.is_proved,
     }
 }
 
@@ -263,8 +267,10 @@ fn end_increment(world: &mut World, status: IncrementStatus, start: Option<&Star
     if matches!(status, IncrementStatus::Collapsed) {
         // A collapse does not commit the motion.
         put_back(world, start);
-        if let Some(proof) = world.resource_mut::<Attempt>().proof.take() {
-            world.resource_mut::<ConeSolution>().certificate = Some(proof);
+        if let Some((contacts, program, solution)) = start.and_then(|start| start.proof.clone()) {
+            world.insert_resource(contacts);
+            world.insert_resource(program);
+            world.insert_resource(solution);
         }
     }
     if status == IncrementStatus::Undecided

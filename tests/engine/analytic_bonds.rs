@@ -233,7 +233,9 @@ fn bonded_chain_fails_at_its_root_in_rolling() {
         // Driven 1.5 times as far as the elastic limit of the chain.
         let drive = 1.5 * n * limit / TANGENTIAL_STIFFNESS;
         let (records, _) = run(&chain(bonds, &format!("y: Displacement({drive:?})")));
-        assert_relative(probe(&records[0], "tip").force[1], limit, EXACT);
+        // The force is that of the turned bond, whose tilt is the deflection over the length.
+        let tilt = drive / (2.0 * RADIUS * n);
+        assert_relative(probe(&records[0], "tip").force[1], limit, EXACT + tilt);
         let modes: Vec<_> = records[0].ruptures.iter().map(|r| (r.a.0, r.mode)).collect();
         assert_eq!(modes, [(0, RuptureMode::Rolling)]);
         assert_relative(records[0].ruptures[0].tau.abs(), 0.1 * RADIUS * TENSILE_STRENGTH, EXACT);
