@@ -79,7 +79,7 @@ pub struct BondRow {
     pub a: u32,
     /// Row of the second body.
     pub b: u32,
-    /// Gap at creation, m.
+    /// Gap without normal force, m.
     pub initial_gap: f64,
     /// Law of the bond.
     pub law: BondLaw,
