@@ -50,7 +50,7 @@ impl WallRow {
     pub fn extent(&self) -> f64 {
         match self.shape {
             WallShape::Arc { centre, radius, .. } => centre.length() + radius,
-            WallShape::Line | WallShape::Segment { .. } => self.half_length,
+            WallShape::Line | WallShape::Segment => self.half_length,
         }
     }
 

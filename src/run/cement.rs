@@ -10,7 +10,7 @@ use clastic_components::contact_history::{ContactHistory, KeptRows};
 use clastic_components::increment::{Analysis, AnalysisKind};
 use clastic_components::material::{BondLaw, Materials};
 use clastic_systems::assemble_program::interactions::contact_law;
-use clastic_systems::detect_contacts::gaps::{pair_contact, wall_contact};
+use clastic_systems::detect_contacts::gaps::{pair_contact, wall_contact, wall_gap};
 use clastic_systems::detect_contacts::grid::pairs_within;
 use clastic_systems::detect_contacts::periodic;
 use clastic_systems::gather_bodies::gather_bodies;
@@ -42,10 +42,17 @@ pub fn cement(world: &mut World, stage: &Cement) {
         pairs.iter().map(|(a, b)| pair_contact(&bodies, *a, *b)).collect();
     if stage.walls {
         for wall in &bodies.walls {
-            let at = bodies.positions[wall.body as usize];
-            let is_own = |a: &u32| wall.nearest(at, bodies.positions[*a as usize]).is_own;
-            let near = (0..n as u32).filter(is_own);
-            contacts.extend(near.map(|a| wall_contact(&bodies, a, wall)));
+            let gap = |i: usize| {
+                wall_gap(
+                    &bodies.walls,
+                    &bodies.positions,
+                    wall,
+                    bodies.positions[i],
+                    bodies.radii[i],
+                )
+            };
+            let near = (0..n).filter(|i| gap(*i) < stage.length);
+            contacts.extend(near.map(|i| wall_contact(&bodies, i as u32, wall)));
         }
     }
     contacts.retain(|c| c.gap < stage.length);
