@@ -74,7 +74,7 @@ impl<'a> Starts<'a> {
     /// Forces of an interaction at the start, after bonds broke.
     fn start(&mut self, e: &mut Energies, part: &Part, memory: Option<&ContactMemory>) -> [f64; 3] {
         let c = part.law;
-        let gap = part.gaps[0];
+        let gap = part.gap;
         let by_law = if c.normal_compliance > 0.0 { -gap / c.normal_compliance } else { 0.0 };
         let by_law = if part.is_bond { by_law } else { by_law.max(0.0) };
         let mut before = memory.map_or([by_law, 0.0, 0.0], |m| [m.p, m.q, m.tau]);

@@ -33,9 +33,15 @@ pub fn before(scene: &Scene, stored: Option<&StoredSpecimen>) -> Report {
     let increment = strain
         .filter(|(load, _)| matches!(analysis(load), Analysis::Static))
         .map(|(_, strain)| strain);
-    let number = strain.and_then(|(load, strain)| match analysis(load) {
+    let shear = |load: &Load| match load.cell.as_ref()?.shear? {
+        CellTarget::Strain(strain) => Some(strain.abs() / f64::from(load.increments.max(1))),
+        _ => None,
+    };
+    let number = reference.and_then(|load| match analysis(load) {
         Analysis::Dynamic { dt, .. } => {
-            inertial(strain / dt, packed.as_ref()?.mean_mass, pressure?, scene.thickness)
+            let strain = strain.map(|(_, strain)| strain).into_iter().chain(shear(load));
+            let rate = strain.max_by(f64::total_cmp)? / dt;
+            inertial(rate, packed.as_ref()?.mean_mass, pressure?, scene.thickness)
         }
         Analysis::Static => None,
     });
