@@ -6,6 +6,7 @@ use std::f64::consts::PI;
 use std::fs;
 use std::path::PathBuf;
 
+use clastic::frames::Frame;
 use tempfile::TempDir;
 
 use crate::call::{clastic, json, rows, run, stdout};
@@ -188,4 +189,27 @@ fn the_porosity_of_a_periodic_cell_is_that_of_the_cell() {
         let found = json(out.path(), "run.json")["results"]["porosity"].as_f64().unwrap();
         assert!((found - expected).abs() < 1e-12, "{reference}: {found} {expected}");
     }
+}
+
+/// Particles that were taken away and bonds that were made without an increment.
+#[test]
+fn the_start_has_what_stages_without_increments_did() {
+    let (path, _keep) = scene(
+        r#"(version: 1, title: "t", gravity: (0.0, -9.81),
+        materials: {"m": (contact: (normal_stiffness: 1.0e7), bond: (normal_stiffness: 1.0e7, cohesion: 1e6, tensile_strength: 1e6))},
+        specimen: Particles([(position: (0.005, 0.005), radius: 0.005), (position: (0.015, 0.005), radius: 0.005),
+            (position: (0.025, 0.005), radius: 0.005)]),
+        walls: [(name: "floor", start: (-0.1, 0.0), end: (0.1, 0.0), contact: (normal_stiffness: 1.0e7))],
+        stages: [
+            Cement(name: "cement", length: 0.1e-3),
+            Remove(name: "dig", select: Index([2])),
+            Load(name: "load", increments: 2),
+        ])"#,
+    );
+    let (done, out) = run(path.to_str().unwrap(), &["--quiet"]);
+    done.code(0);
+    let start = Frame::read(&out.path().join("frames/start.npz")).unwrap();
+    assert_eq!((start.bodies.id.as_slice(), start.increment), (&[0, 1][..], 0));
+    assert_eq!(start.pairs.state, [1]);
+    assert_eq!(rows(out.path(), "specimen.csv").len(), 2);
 }
