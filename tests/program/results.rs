@@ -145,7 +145,7 @@ fn a_run_with_capped_increments_says_so_loudly() {
         "WARNING: 2 of 5 increments of stage confine are capped",
         "WARNING: all 4 increments of stage load are capped",
     ] {
-        assert!(said.lines().any(|line| line == what), "no `{what}` in\n{said}");
+        assert!(said.lines().any(|line| line.starts_with(what)), "no `{what}` in\n{said}");
     }
     let history = rows(out.path(), "history.csv");
     assert_eq!(history.iter().filter(|row| row["status"] == "capped").count(), 6);

@@ -14,6 +14,7 @@ use clastic_systems::membranes::{MEMBRANES, MembraneStates};
 use clastic_systems::wall_states::{ControlState, ControlStates, WALL_CONTROL};
 
 use super::material::{Grains, inertial};
+use super::mistakes::mistakes;
 use super::untouched::out_of_reach;
 use super::{Report, is_specimen, is_test};
 
@@ -55,6 +56,7 @@ pub fn before(scene: &Scene, stored: Option<&StoredSpecimen>) -> Report {
     .with_warnings(grains.strength > 0.0, grains.are_rock(pressure));
     report.warnings.extend(too_dense(scene, &seeds));
     report.warnings.extend(out_of_reach(scene, &seeds));
+    report.warnings.extend(mistakes(scene, &grains, &seeds, pressure, is_specimen(scene)));
     report
 }
 

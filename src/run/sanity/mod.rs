@@ -6,6 +6,7 @@ mod before;
 mod follow;
 mod heights;
 mod material;
+mod mistakes;
 #[cfg(test)]
 mod tests;
 mod untouched;
