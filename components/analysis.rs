@@ -27,9 +27,20 @@ pub enum AnalysisKind {
     Dynamic {
         /// Time step, s.
         dt: f64,
-        /// Weight of the end of the increment, 0 < theta <= 1.
+        /// Weight of the end of the increment, 1/2 to 1: below 1/2 energy grows.
         theta: f64,
     },
+}
+
+impl AnalysisKind {
+    /// Weight of the end of the increment: 1 where an increment has no duration.
+    #[must_use]
+    pub fn theta(self) -> f64 {
+        match self {
+            Self::Dynamic { theta, .. } => theta,
+            Self::Static | Self::Compaction { .. } => 1.0,
+        }
+    }
 }
 
 /// Kind of analysis, gravity and thickness.

@@ -28,7 +28,7 @@ pub struct Bond {
     pub a: BodyId,
     /// Second body, a particle or a wall.
     pub b: BodyId,
-    /// Gap at creation, `g_b0`, m. The bond is free of stress at this gap.
+    /// Gap without normal force, `g_b0`, m: that at creation, plus `C_N p` of the contact's force p.
     pub initial_gap: f64,
     /// Law of the bond.
     pub law: BondLaw,

@@ -28,7 +28,8 @@ pub const GRAVITY: Domain = Domain::new("an acceleration in m/s^2", |_| true);
 /// `dt` of a dynamic analysis.
 pub const TIME_STEP: Domain = Domain::new("a time step in s greater than 0", |dt| dt > 0.0);
 /// `theta` of a dynamic analysis.
-pub const THETA: Domain = Domain::new("a theta above 0 and up to 1", |t| t > 0.0 && t <= 1.0);
+pub const THETA: Domain =
+    Domain::new("a theta from 0.5 to 1: below, energy grows", |t| (0.5..=1.0).contains(&t));
 /// [`Acceptance::residual`](crate::increment::Acceptance::residual).
 pub const RESIDUAL: Domain =
     Domain::new("a residual above 0 and up to 1e-2", |r| r > 0.0 && r <= 1e-2);

@@ -50,7 +50,7 @@ impl WallRow {
     pub fn extent(&self) -> f64 {
         match self.shape {
             WallShape::Arc { centre, radius, .. } => centre.length() + radius,
-            WallShape::Line | WallShape::Segment { .. } => self.half_length,
+            WallShape::Line | WallShape::Segment => self.half_length,
         }
     }
 
@@ -79,7 +79,7 @@ pub struct BondRow {
     pub a: u32,
     /// Row of the second body.
     pub b: u32,
-    /// Gap at creation, m.
+    /// Gap without normal force, m.
     pub initial_gap: f64,
     /// Law of the bond.
     pub law: BondLaw,

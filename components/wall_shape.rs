@@ -22,10 +22,7 @@ pub enum WallShape {
     #[default]
     Line,
     /// The straight piece between the two ends.
-    Segment {
-        /// The start and the end.
-        ends: [WallEnd; 2],
-    },
+    Segment,
     /// A circular arc.
     Arc {
         /// Centre of the circle, m.
@@ -39,20 +36,6 @@ pub enum WallShape {
     },
 }
 
-/// An end of a [`Segment`](WallShape::Segment).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
-pub enum WallEnd {
-    /// The end of the wall: disks touch it from everywhere beyond the segment.
-    Free,
-    /// The next segment begins here. This segment has the corner: disks touch it from where they
-    /// are beyond both segments. The unit vector points along the next segment, away from the
-    /// corner.
-    Corner(DVec2),
-    /// The next segment begins here and has the corner.
-    Joined,
-}
-
 /// The point of a wall that is nearest to a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nearest {
@@ -62,9 +45,6 @@ pub struct Nearest {
     pub distance: f64,
     /// Curvature of the wall at the point.
     pub curve: Curve,
-    /// Whether the contact belongs to this wall. At a joint of two segments the disk may touch the
-    /// other one instead.
-    pub is_own: bool,
 }
 
 /// How a wall is curved at a point.
@@ -86,12 +66,9 @@ impl WallShape {
     #[must_use]
     pub fn nearest(&self, inward: DVec2, half_length: f64, place: DVec2) -> Nearest {
         match self {
-            Self::Line => Nearest {
-                outward: inward,
-                distance: place.dot(inward),
-                curve: Curve::Flat,
-                is_own: true,
-            },
+            Self::Line => {
+                Nearest { outward: inward, distance: place.dot(inward), curve: Curve::Flat }
+            }
             thin => thin.nearest_of_thin(inward, half_length, place),
         }
     }
@@ -100,21 +77,14 @@ impl WallShape {
     fn nearest_of_thin(&self, inward: DVec2, half_length: f64, place: DVec2) -> Nearest {
         match self {
             Self::Line => flat(inward, place.dot(inward)),
-            Self::Segment { ends } => {
+            Self::Segment => {
                 // The inward normal is the tangent turned by +90 degrees.
                 let tangent = -inward.perp();
                 let along = place.dot(tangent);
                 if along.abs() <= half_length {
                     return flat(inward, place.dot(inward));
                 }
-                let k = usize::from(along > 0.0);
-                let end = if k == 1 { half_length * tangent } else { -half_length * tangent };
-                let is_own = match ends[k] {
-                    WallEnd::Free => true,
-                    WallEnd::Corner(next) => (place - end).dot(next) <= 0.0,
-                    WallEnd::Joined => false,
-                };
-                Nearest { is_own, ..point(end, place, inward) }
+                point(half_length.copysign(along) * tangent, place, inward)
             }
             Self::Arc { centre, radius, axis, half_angle } => {
                 let from = place - *centre;
@@ -131,7 +101,7 @@ impl WallShape {
                 } else {
                     (out, Curve::Round(*centre))
                 };
-                Nearest { outward, distance: (far - radius).abs(), curve, is_own: true }
+                Nearest { outward, distance: (far - radius).abs(), curve }
             }
         }
     }
@@ -144,7 +114,7 @@ impl WallShape {
         let way = finish - start;
         match self {
             Self::Line => false,
-            Self::Segment { .. } => {
+            Self::Segment => {
                 let (before, after) = (start.dot(inward), finish.dot(inward));
                 if (before < 0.0) == (after < 0.0) {
                     return false;
@@ -171,13 +141,7 @@ impl WallShape {
     pub fn turned(self, by: DVec2) -> Self {
         let direction = |unit: DVec2| by.rotate(unit).normalize();
         match self {
-            Self::Line => Self::Line,
-            Self::Segment { ends } => Self::Segment {
-                ends: ends.map(|end| match end {
-                    WallEnd::Corner(next) => WallEnd::Corner(direction(next)),
-                    other => other,
-                }),
-            },
+            Self::Line | Self::Segment => self,
             Self::Arc { centre, radius, axis, half_angle } => {
                 Self::Arc { centre: by.rotate(centre), radius, axis: direction(axis), half_angle }
             }
@@ -189,7 +153,7 @@ impl WallShape {
     pub fn circle(&self) -> Option<(f64, f64)> {
         match self {
             Self::Arc { radius, half_angle, .. } => Some((*radius, *half_angle)),
-            Self::Line | Self::Segment { .. } => None,
+            Self::Line | Self::Segment => None,
         }
     }
 
@@ -217,7 +181,7 @@ fn opens(half_angle: f64, axis: DVec2, out: DVec2) -> bool {
 /// Contact with a plate, whose two sides are alike.
 fn flat(inward: DVec2, height: f64) -> Nearest {
     let outward = if height < 0.0 { -inward } else { inward };
-    Nearest { outward, distance: height.abs(), curve: Curve::Flat, is_own: true }
+    Nearest { outward, distance: height.abs(), curve: Curve::Flat }
 }
 
 /// Contact with an end point. If the centre lies on the point, any fixed normal will do.
@@ -225,7 +189,7 @@ fn point(end: DVec2, place: DVec2, inward: DVec2) -> Nearest {
     let from = place - end;
     let distance = from.length();
     let outward = if distance > 0.0 { from / distance } else { inward };
-    Nearest { outward, distance, curve: Curve::Round(end), is_own: true }
+    Nearest { outward, distance, curve: Curve::Round(end) }
 }
 
 #[cfg(test)]
@@ -235,7 +199,7 @@ mod tests {
     const UP: DVec2 = DVec2::Y;
 
     fn plate() -> WallShape {
-        WallShape::Segment { ends: [WallEnd::Free; 2] }
+        WallShape::Segment
     }
 
     fn cup() -> WallShape {
@@ -252,17 +216,6 @@ mod tests {
         assert!(end.outward.distance(DVec2::new(0.6, 0.8)) < 1e-15);
         assert_eq!(end.curve, Curve::Round(DVec2::X));
         assert_eq!(at(-1.3, 0.4).curve, Curve::Round(-DVec2::X));
-    }
-
-    #[test]
-    fn one_segment_has_a_corner() {
-        // The next segment goes down from the end: the corner sticks out.
-        let ends = [WallEnd::Free, WallEnd::Corner(-UP)];
-        let shape = WallShape::Segment { ends };
-        let is_own = |x, y| shape.nearest(UP, 1.0, DVec2::new(x, y)).is_own;
-        assert!(is_own(1.2, 0.1) && !is_own(1.2, -0.1) && is_own(0.9, 0.1));
-        let joined = WallShape::Segment { ends: [WallEnd::Joined, WallEnd::Free] };
-        assert!(!joined.nearest(UP, 1.0, DVec2::new(-1.2, 0.1)).is_own);
     }
 
     #[test]

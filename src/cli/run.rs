@@ -46,6 +46,9 @@ pub fn run(args: &RunArgs, mut app: App) -> Result<Exit, Failure> {
             return Err(Failure { exit: Exit::Usage, message });
         }
     }
+    for warning in sanity::before(&loaded.scene, loaded.specimen.as_ref()).warnings {
+        complain(format_args!("WARNING: {warning}"));
+    }
     let directory = args.out.clone().unwrap_or_else(|| default_directory(&path));
     let specimen = loaded.specimen.as_ref();
     app.add_plugins(OutputPlugin);

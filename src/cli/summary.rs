@@ -73,7 +73,12 @@ pub fn summary(of: &Summary) -> String {
     if let (Some(peak), Some(strain)) = (r.peak_stress_pa, r.strain_at_peak) {
         // The strength is the peak of a test that has passed it.
         let name = if r.strength_pa.is_some() { "strength (peak stress)" } else { "peak stress" };
-        parts.push(format!("{name} {} at a strain of {:.4} %", stress(peak), 100.0 * strain));
+        let capped = if r.peak_is_capped { " (capped)" } else { "" };
+        parts.push(format!(
+            "{name}{capped} {} at a strain of {:.4} %",
+            stress(peak),
+            100.0 * strain
+        ));
     }
     parts.extend(of.peak_force.map(PeakForce::line));
     parts.extend(r.residual_strength_pa.map(|s| format!("residual strength {}", stress(s))));
@@ -152,7 +157,7 @@ fn warnings(script: &Script) -> Vec<String> {
             line += "; in static stages Coulomb's law may have no solution near the last state";
         }
         line += "; a larger `acceptance.residual`, where the test allows it, or `friction_law: Associated` may \
-                 help. Key results leave it out";
+                 help. Tangent modulus and Poisson's ratio leave it out";
         lines.push(line);
     }
     lines

@@ -144,7 +144,8 @@ pub(super) struct Now<'w> {
 impl Now<'_> {
     /// Elastic energy of the contacts and bonds of the last solution, J.
     fn elastic_energy(&self) -> f64 {
-        elastic_energy(&self.program, &self.solution)
+        // Only static increments end avalanches.
+        elastic_energy(&self.program, &self.solution, 1.0)
     }
 }
 

@@ -102,8 +102,8 @@ pub(super) fn write_wanted(
 /// world, or are on the disk by then.
 #[derive(Resource, Debug, Default)]
 pub struct FrameMoments {
-    /// State after the last increment, until the reference stage begins.
-    before: Option<Frame>,
+    /// State at the start of the reference stage, until its first increment.
+    start: Option<Frame>,
     /// State at the peak so far, unless it is on the disk.
     pub(super) peak: Option<Frame>,
 }
@@ -111,22 +111,20 @@ pub struct FrameMoments {
 impl FrameMoments {
     /// Frames of a run whose reference stage is yet to begin, or has begun.
     pub(super) fn take(world: &mut World, has_begun: bool) -> Self {
-        let before = (ARE_ARRAYS && !has_begun).then(|| Frame::take(world));
-        Self { before, peak: None }
+        let start = (ARE_ARRAYS && !has_begun).then(|| Frame::take(world));
+        Self { start, peak: None }
     }
 }
 
-/// System: follows the specimen up to the reference stage, and writes its frame when that stage
-/// begins.
+/// System: writes the frame of the start after the first increment of the reference stage.
 pub(super) fn write_start(
     (script, progress): (Res<Script>, Res<Progress>),
-    tables: FrameTables,
     mut frames: ResMut<FrameMoments>,
     mut run: ResMut<RunDirectory>,
 ) -> Result<(), OutputError> {
-    if progress.stage < script.reference_stage() {
-        frames.before = ARE_ARRAYS.then(|| tables.frame());
-    } else if let Some(frame) = frames.before.take() {
+    if progress.stage >= script.reference_stage()
+        && let Some(frame) = frames.start.take()
+    {
         let path = run.path(names::FRAMES).join(names::FRAME_START);
         write(&mut run, &path, &frame)?;
     }

@@ -16,6 +16,7 @@ use super::{
     OutputError, dump, events, first_mechanism, frames, history, peak, states, timings, wanted,
 };
 use crate::run::key_results::is_undecided;
+use crate::run::plugin::{BeginStage, StageSystems};
 use crate::run::save::SavedStates;
 
 /// Writes the results of every increment. Its systems run after the stop conditions, so that the
@@ -37,6 +38,12 @@ impl Plugin for OutputPlugin {
             .register_resource::<PreparedSpecimen>("output.specimen")
             .register_resource::<CurrentAvalanche>("output.avalanche")
             .register_resource::<Found>("output.results")
+            .add_systems(
+                BeginStage,
+                prepared::take_start
+                    .run_if(resource_exists::<RunDirectory>)
+                    .before(StageSystems::BuiltIn),
+            )
             .add_systems(
                 Advance,
                 (

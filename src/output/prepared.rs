@@ -10,6 +10,7 @@ use clastic_components::increment::Progress;
 use clastic_components::material::Materials;
 use clastic_components::observation::{Measures, Observation};
 use clastic_components::wall::Wall;
+use clastic_systems::gather_bodies::gather_bodies;
 
 use super::found::{Found, Settled};
 use super::run_directory::RunDirectory;
@@ -22,8 +23,8 @@ use crate::scene::format::{Compact, CompactTarget, Stage};
 /// The prepared specimen.
 #[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PreparedSpecimen {
-    /// The state after the last increment, until the reference stage begins. Its reference lengths
-    /// exist only after the first increment of that stage, which moves the particles.
+    /// The state after the last increment, then that at the start of the reference stage, until its
+    /// first increment. Its reference lengths exist only after that, which moves the particles.
     pub waiting: Option<Prepared>,
     /// Moment of `specimen.csv`, if it has been written.
     pub written: Option<String>,
@@ -57,6 +58,20 @@ impl Prepared {
             snapshot: scenery.snapshot(),
             cell_area: bodies.cell.as_ref().map(PeriodicCell::area),
         }
+    }
+}
+
+/// System: takes the specimen and its frame where the reference stage begins, as earlier stages leave
+/// it: those without increments as well. Exclusive, because it gathers the tables.
+pub(super) fn take_start(world: &mut World) {
+    let is_reference =
+        world.resource::<Progress>().stage == world.resource::<Script>().reference_stage();
+    if is_reference && world.resource::<PreparedSpecimen>().waiting.is_some() {
+        let _ = world.run_system_cached(gather_bodies);
+        let prepared = Prepared::take(world);
+        world.resource_mut::<PreparedSpecimen>().waiting = Some(prepared);
+        let frames = frames::FrameMoments::take(world, false);
+        world.insert_resource(frames);
     }
 }
 

@@ -1,12 +1,16 @@
-//! Cementing (3.4.1 of the paper): bonds between pairs that are close enough, free of stress.
+//! Cementing (3.4.1 of the paper): bonds between pairs that are close enough. What a contact carries
+//! its bond goes on carrying, so that the state stays as it is.
 
 use bevy_ecs::prelude::*;
 
 use clastic_components::body::{BodyId, Origin};
 use clastic_components::bond::Bond;
 use clastic_components::contact::{Bodies, Contact};
+use clastic_components::contact_history::{ContactHistory, KeptRows};
+use clastic_components::increment::{Analysis, AnalysisKind};
 use clastic_components::material::{BondLaw, Materials};
-use clastic_systems::detect_contacts::gaps::{pair_contact, wall_contact};
+use clastic_systems::assemble_program::interactions::contact_law;
+use clastic_systems::detect_contacts::gaps::{pair_contact, wall_contact, wall_gap};
 use clastic_systems::detect_contacts::grid::pairs_within;
 use clastic_systems::detect_contacts::periodic;
 use clastic_systems::gather_bodies::gather_bodies;
@@ -22,8 +26,7 @@ use crate::scene::format::{Bond as BondOfScene, Cement};
 /// that has no intact bond. A wall with a bond law of its own bonds to every particle within the
 /// length.
 pub fn cement(world: &mut World, stage: &Cement) {
-    gather(world);
-    let bodies = world.resource::<Bodies>().clone();
+    let (bodies, history) = gathered(world);
     let n = bodies.particles;
     let mut pairs = Vec::new();
     if stage.particles {
@@ -39,10 +42,17 @@ pub fn cement(world: &mut World, stage: &Cement) {
         pairs.iter().map(|(a, b)| pair_contact(&bodies, *a, *b)).collect();
     if stage.walls {
         for wall in &bodies.walls {
-            let at = bodies.positions[wall.body as usize];
-            let is_own = |a: &u32| wall.nearest(at, bodies.positions[*a as usize]).is_own;
-            let near = (0..n as u32).filter(is_own);
-            contacts.extend(near.map(|a| wall_contact(&bodies, a, wall)));
+            let gap = |i: usize| {
+                wall_gap(
+                    &bodies.walls,
+                    &bodies.positions,
+                    wall,
+                    bodies.positions[i],
+                    bodies.radii[i],
+                )
+            };
+            let near = (0..n).filter(|i| gap(*i) < stage.length);
+            contacts.extend(near.map(|i| wall_contact(&bodies, i as u32, wall)));
         }
     }
     contacts.retain(|c| c.gap < stage.length);
@@ -59,26 +69,57 @@ pub fn cement(world: &mut World, stage: &Cement) {
     contacts.sort_unstable_by_key(|c| (c.a, c.b));
     let law = stage.bond.as_ref();
     for contact in contacts {
-        add(world, &bodies, &contact, law);
+        add(world, &bodies, &history, &contact, law);
     }
 }
 
-/// Bonds pairs of particles free of stress at their current positions.
+/// Bonds pairs of particles at their current positions.
 pub fn bond_pairs(world: &mut World, pairs: impl Iterator<Item = (u32, u32)>) {
-    gather(world);
-    let bodies = world.resource::<Bodies>().clone();
+    let (bodies, history) = gathered(world);
     for (a, b) in pairs {
         let contact = pair_contact(&bodies, a.min(b), a.max(b));
-        add(world, &bodies, &contact, None);
+        add(world, &bodies, &history, &contact, None);
     }
 }
 
-fn gather(world: &mut World) {
+/// The bodies, and the memory of their contacts by their rows.
+fn gathered(world: &mut World) -> (Bodies, ContactHistory) {
     // The system is registered once and cached, so that only one function gathers the tables.
     let _ = world.run_system_cached(gather_bodies);
+    let bodies = world.resource::<Bodies>().clone();
+    let mut history = world.resource::<ContactHistory>().clone();
+    // The rows of the memory are those of the last increment.
+    let mut rows = world.resource::<KeptRows>().clone();
+    rows.follow(&bodies);
+    if rows.is_needed() {
+        history.renumber(&rows);
+    }
+    (bodies, history)
 }
 
-fn add(world: &mut World, bodies: &Bodies, contact: &Contact, law: Option<&BondOfScene>) {
+/// Normal force of the contact before it is bonded, N. A pair that no increment has loaded carries
+/// nothing, whatever its overlap.
+fn carried(world: &World, bodies: &Bodies, history: &ContactHistory, contact: &Contact) -> f64 {
+    let Some(memory) = history.get(contact.a, contact.b) else { return 0.0 };
+    let analysis = world.resource::<Analysis>();
+    let law = contact_law(bodies, world.resource::<Materials>(), analysis, contact);
+    match analysis.kind {
+        // The memory of a time step is the mean over the step.
+        AnalysisKind::Dynamic { .. } if law.normal_compliance > 0.0 => {
+            (-contact.gap / law.normal_compliance).max(0.0)
+        }
+        // A bond that has just broken in tension carries nothing.
+        _ => memory.p.max(0.0),
+    }
+}
+
+fn add(
+    world: &mut World,
+    bodies: &Bodies,
+    history: &ContactHistory,
+    contact: &Contact,
+    law: Option<&BondOfScene>,
+) {
     let (a, b) = (contact.a, contact.b);
     if bodies.bonds.binary_search_by_key(&(a, b), |bond| (bond.a, bond.b)).is_ok() {
         return;
@@ -109,7 +150,10 @@ fn add(world: &mut World, bodies: &Bodies, contact: &Contact, law: Option<&BondO
     let law = law.map(|law| scattered(law, places)).or_else(of_bodies);
     let Some(law) = law else { return };
     let [a, b] = [a, b].map(|row| bodies.ids[row as usize]);
-    world.spawn(Bond { a, b, initial_gap: contact.gap, law });
+    // A bond carries p = -(gap - initial_gap)/C_N: at this gap what the contact carries.
+    let initial_gap =
+        contact.gap + law.normal_compliance * carried(world, bodies, history, contact);
+    world.spawn(Bond { a, b, initial_gap, law });
 }
 
 /// Bond law that the scene gives a wall.

@@ -4,13 +4,30 @@ use bevy_ecs::prelude::*;
 
 use clastic_systems::stepping::Halted;
 
+use super::script::{EndedBy, Script};
 use crate::saved;
 use crate::scene::format::Save;
+use crate::scene::shown::label;
 use crate::tables::Tables;
 
 /// States that `Save` stages have kept and nothing has written yet, with the names of their files.
 #[derive(Resource, Clone, Debug, Default, PartialEq)]
 pub struct SavedStates(pub Vec<(String, Tables)>);
+
+/// Why the state cannot be kept: the last stage with increments collapsed, so that it is not the
+/// state that this stage was to reach.
+pub(super) fn refusal(world: &World, stage: &Save) -> Option<String> {
+    let ends = &world.resource::<Script>().ends;
+    let last = ends.iter().rfind(|end| end.increments > 0)?;
+    (last.ended_by == Some(EndedBy::Collapse)).then(|| {
+        format!(
+            "stage {} cannot begin: the specimen collapsed in stage {}, so that its state is not the \
+             one to be kept; end this stage before the collapse (`final_state.npz` has the state)",
+            label(&stage.name),
+            label(&last.stage)
+        )
+    })
+}
 
 /// Keeps the state. Exclusive, because it reads everything that plugins have registered.
 pub fn save(world: &mut World, stage: &Save) {

@@ -63,16 +63,16 @@ pub struct StageEnd {
     pub capped: u64,
     /// What ended the stage; `None` for the current stage.
     pub ended_by: Option<EndedBy>,
-    /// The stop condition as the scene writes it: the one that was met with [`EndedBy::Stop`], and an
-    /// `Until` that was not reached with [`EndedBy::AllIncrements`].
+    /// The stop condition as the scene writes it: the one that was met with [`EndedBy::Stop`], and with
+    /// [`EndedBy::AllIncrements`] the first one if none was met, before others an `Until`.
     pub stop: Option<Stop>,
     /// The measure of an `Until` that has passed its value by more than the tolerance.
     pub passed: Option<f64>,
 }
 
 impl StageEnd {
-    /// Warning about capped increments, and about a measure that has passed the value on which it
-    /// should land or has not reached it; `None` if the stage has none of them.
+    /// Warning about capped increments, about a measure that has passed the value on which it
+    /// should land, and about stop conditions that never held; `None` if the stage has none of them.
     #[must_use]
     pub fn warning(&self) -> Option<String> {
         let all = [self.capped_warning(), self.passed_warning(), self.missed_warning()];

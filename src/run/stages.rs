@@ -81,7 +81,8 @@ fn refusal(world: &mut World, stage: &Stage) -> Option<String> {
         Stage::Compact(stage) => {
             grow::refusal(world, stage).or_else(|| compact::refusal(world, stage))
         }
-        Stage::Custom(_) | Stage::Cement(_) | Stage::Save(_) => None,
+        Stage::Save(stage) => save::refusal(world, stage),
+        Stage::Custom(_) | Stage::Cement(_) => None,
     }
 }
 

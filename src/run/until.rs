@@ -258,10 +258,15 @@ pub(super) fn reached(world: &mut World, stage: &Stage) -> Option<Landing> {
     None
 }
 
-/// The `Until` of a stage that has ended without landing on it, also because its measure is not
-/// defined. A measure that was at the value all the time has not missed it.
+/// The condition of a stage that has ended with the last of its increments: its `Until` if it has
+/// not landed on it, also because its measure is not defined, else the first one. A measure that
+/// was at the value of the `Until` all the time has not missed it, and a stage that pours may end
+/// with room left.
 pub(super) fn missed(world: &World, stage: &Stage) -> Option<Stop> {
-    let (name, value) = until(stage)?;
+    let Some((name, value)) = until(stage) else {
+        let stops = &stage.load()?.stop;
+        return stops.iter().find(|stop| !matches!(stop, Stop::Full(_))).cloned();
+    };
     let approach = world.resource::<Approach>();
     let is_missed = approach.side != 0.0 || approach.points.iter().all(|[_, m]| m.is_nan());
     is_missed.then(|| Stop::Until(name.to_owned(), value))

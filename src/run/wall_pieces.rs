@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use clastic_components::wall::Wall;
-use clastic_components::wall_shape::{WallEnd, WallShape};
+use clastic_components::wall_shape::WallShape;
 use glam::DVec2;
 
 use crate::scene::format as scene;
@@ -32,28 +32,15 @@ pub fn count(wall: &scene::Wall) -> u32 {
 #[must_use]
 pub fn pieces(wall: &scene::Wall) -> Vec<Piece> {
     let (start, end) = (DVec2::from(wall.start), DVec2::from(wall.end));
-    let free = WallShape::Segment { ends: [WallEnd::Free; 2] };
     match &wall.shape {
         scene::WallShape::Line => vec![straight(start, end, WallShape::Line)],
-        scene::WallShape::Segment => vec![straight(start, end, free)],
+        scene::WallShape::Segment => vec![straight(start, end, WallShape::Segment)],
         scene::WallShape::Arc { through } => vec![arc(start, DVec2::from(*through), end)],
         scene::WallShape::Polyline(corners) => {
             let corners = corners.iter().map(|corner| DVec2::from(*corner));
             let points: Vec<_> =
                 std::iter::once(start).chain(corners).chain(std::iter::once(end)).collect();
-            let mut list: Vec<_> =
-                points.windows(2).map(|ends| straight(ends[0], ends[1], free)).collect();
-            let last = list.len() - 1;
-            for k in 0..=last {
-                let next = if k < last { k + 1 } else { 0 };
-                if k == last && (start != end || last == 0) {
-                    break;
-                }
-                let along = list[next].wall.tangent;
-                set_end(&mut list[k].shape, 1, WallEnd::Corner(along));
-                set_end(&mut list[next].shape, 0, WallEnd::Joined);
-            }
-            list
+            points.windows(2).map(|ends| straight(ends[0], ends[1], WallShape::Segment)).collect()
         }
     }
 }
@@ -72,12 +59,6 @@ pub fn is_cut(wall: &scene::Wall, place: DVec2, radius: f64) -> bool {
                 piece.shape.nearest(piece.wall.inward(), half_length, place - piece.position);
             near.distance < CUT * radius
         })
-}
-
-fn set_end(shape: &mut WallShape, k: usize, end: WallEnd) {
-    if let WallShape::Segment { ends } = shape {
-        ends[k] = end;
-    }
 }
 
 /// The wall with all its points moved, from a place to another, and turned about it. `by` is the
@@ -174,20 +155,6 @@ mod tests {
             );
             let middle = 0.5 * (from + to);
             assert!(close(axis, (middle.cos(), middle.sin())));
-        }
-    }
-
-    #[test]
-    fn a_closed_polyline_has_no_free_end() {
-        let corners = vec![(1.0, 0.0), (1.0, 1.0)];
-        for (end, free) in [((0.0, 0.0), 0), ((0.0, 1.0), 2)] {
-            let list = of(scene::WallShape::Polyline(corners.clone()), (0.0, 0.0), end);
-            let is_free = |piece: &Piece| match piece.shape {
-                WallShape::Segment { ends } => ends.iter().filter(|e| **e == WallEnd::Free).count(),
-                _ => panic!("no segment"),
-            };
-            assert_eq!(list.len(), 3);
-            assert_eq!(list.iter().map(is_free).sum::<usize>(), free);
         }
     }
 }

@@ -171,10 +171,7 @@ fn interaction(
     [shear, moment]: [f64; 2],
     limits: Limits,
 ) -> Interaction {
-    let theta = match analysis.kind {
-        AnalysisKind::Dynamic { theta, .. } => theta,
-        AnalysisKind::Static | AnalysisKind::Compaction { .. } => 1.0,
-    };
+    let theta = analysis.kind.theta();
     let pair = (contact.a, contact.b);
     let correction = findings.corrections.of(pair);
     let (direction, at) = correction.map_or((contact.normal, contact.gap), |c| (c.normal, c.gap));

@@ -64,7 +64,7 @@ pub fn carry(
 
 impl Turning<'_> {
     /// Gap at the end of the trial between the turned wall and a disk that stays, less the gap to
-    /// first order, m. `None` where the disk leaves this wall or the wall passes over its centre.
+    /// first order, m. `None` where the wall passes over its centre.
     fn beyond_first_order(&self, bodies: &Bodies, contact: &Contact, lever: DVec2) -> Option<f64> {
         let (u, angle) = self.motion;
         let Self { wall, .. } = self;
@@ -77,6 +77,6 @@ impl Turning<'_> {
         }
         let near = wall.turned(angle).nearest(DVec2::ZERO, finish);
         let linear = contact.gap + contact.normal.dot(u + angle * lever.perp());
-        near.is_own.then_some(near.distance - bodies.radii[a] - linear)
+        Some(near.distance - bodies.radii[a] - linear)
     }
 }

@@ -12,7 +12,7 @@ use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use crate::detect_contacts::Candidates;
-use crate::detect_contacts::gaps::wall_gap;
+use crate::detect_contacts::gaps::{JOINT, wall_gap};
 use crate::detect_contacts::grid::pairs_within;
 use crate::detect_contacts::periodic;
 use crate::turns::is_unsupported;
@@ -115,7 +115,7 @@ impl Moved {
                     // The centre has passed through the wall: this is an overlap and not a gap.
                     -r - way[0].distance(way[1])
                 } else {
-                    wall_gap(wall, self.positions[b as usize], x, r)
+                    wall_gap(&self.walls, &self.positions, wall, x, r)
                 }
             }
             None => {
@@ -125,7 +125,39 @@ impl Moved {
             }
         }
     }
+
+    /// Whether the program has the contact of a disk with a wall already, as that with another
+    /// piece from which the disk has come: pieces in one line, or a convex corner. A second contact
+    /// would halve the force of each.
+    fn is_held(
+        &self,
+        bodies: &Bodies,
+        contacts: &Contacts,
+        a: u32,
+        wall: &WallRow,
+        gap: f64,
+    ) -> bool {
+        let (i, b) = (a as usize, wall.body as usize);
+        let near = wall.nearest(self.positions[b], self.positions[i]);
+        let point = self.positions[i] - near.distance * near.outward;
+        let motion = |i: usize| self.positions[i] - bodies.positions[i];
+        let joint = JOINT * bodies.radii[i];
+        let first = contacts.0.partition_point(|c| (c.a, c.b) < (a, bodies.particles as u32));
+        contacts.0[first..].iter().take_while(|c| c.a == a).any(|c| {
+            let other = c.b as usize;
+            let row = self.walls.iter().find(|row| row.body == c.b);
+            let moved = motion(i) - motion(other);
+            c.normal.dot(-near.outward) >= TURN
+                && c.gap - c.normal.dot(moved) <= gap + joint
+                && row.is_some_and(|row| {
+                    row.nearest(self.positions[other], point).distance <= moved.length() + joint
+                })
+        })
+    }
 }
+
+/// Cosine of the angle by which the normal of a contact may turn in an increment, 0.2 rad.
+const TURN: f64 = 0.98;
 
 /// All pairs outside the program whose gap after a motion is at most `reach`. The search
 /// for new candidates runs only if bodies have left the neighbourhood of the present ones.
@@ -157,7 +189,11 @@ pub(super) fn unlisted_pairs(
     }
     for wall in &bodies.walls {
         for pair in (0..bodies.particles as u32).map(|a| (a, wall.body)) {
-            if after.gap(bodies, pair.0, pair.1) <= reach && !is_listed(contacts, pair) {
+            let gap = after.gap(bodies, pair.0, pair.1);
+            if gap <= reach
+                && !is_listed(contacts, pair)
+                && !after.is_held(bodies, contacts, pair.0, wall, gap)
+            {
                 pairs.push(pair);
             }
         }

@@ -3,6 +3,7 @@
 use glam::DVec2;
 
 use clastic_components::contact::{Bodies, Contact, WallRow};
+use clastic_components::wall_shape::Nearest;
 
 /// Normal from a to b and gap `g_0 = |x_b - x_a| - (r_a + r_b)` of two particles; in a cell b is
 /// its nearest image.
@@ -25,11 +26,50 @@ pub fn wall_contact(bodies: &Bodies, a: u32, wall: &WallRow) -> Contact {
     Contact { a, b: wall.body, normal: -near.outward, gap, bond: None }
 }
 
-/// Gap between a disk at `place` and a wall at `position`, m; infinite where the disk touches the
-/// next segment of a polyline instead.
+/// Points of two walls that are closer than this, in radii of the disk, are one.
+///
+/// 1e-6: far above the round-off of places, and an edge of this height lifts no disk.
+pub(crate) const JOINT: f64 = 1e-6;
+
+/// Gap between a disk at `place` and a wall, m; infinite where another wall has the contact. All
+/// walls and the places of all bodies are those of one moment.
 #[inline]
 #[must_use]
-pub fn wall_gap(wall: &WallRow, position: DVec2, place: DVec2, radius: f64) -> f64 {
-    let near = wall.nearest(position, place);
-    if near.is_own { near.distance - radius } else { f64::INFINITY }
+pub fn wall_gap(
+    walls: &[WallRow],
+    positions: &[DVec2],
+    wall: &WallRow,
+    place: DVec2,
+    radius: f64,
+) -> f64 {
+    let near = wall.nearest(positions[wall.body as usize], place);
+    let gap = near.distance - radius;
+    // Far from the disk the question does not arise.
+    let is_near = !wall.is_line() && gap < radius;
+    if is_near && is_of_another(walls, positions, wall, &near, place, radius) {
+        return f64::INFINITY;
+    }
+    gap
+}
+
+/// Whether a contact belongs to another wall. A contact is a point of all walls that is nearer to
+/// the disk than the points around it. At an end that lies on another wall a thin wall has none if
+/// the other is nearer; a point of both belongs to the line, else to the first.
+fn is_of_another(
+    walls: &[WallRow],
+    positions: &[DVec2],
+    wall: &WallRow,
+    near: &Nearest,
+    place: DVec2,
+    radius: f64,
+) -> bool {
+    let point = place - near.distance * near.outward;
+    walls.iter().filter(|other| other.body != wall.body).any(|other| {
+        let of_other = |place| other.nearest(positions[other.body as usize], place);
+        let its = of_other(place);
+        if point.distance(place - its.distance * its.outward) <= JOINT * radius {
+            return other.is_line() || other.body < wall.body;
+        }
+        its.distance < near.distance && of_other(point).distance.abs() <= JOINT * radius
+    })
 }

@@ -112,8 +112,8 @@ pub fn detect_contacts(
             match bodies.walls.binary_search_by_key(&b, |w| w.body) {
                 Ok(k) => {
                     let (x, r) = (bodies.positions[a as usize], radii[a as usize]);
-                    let at = bodies.positions[b as usize];
-                    wall_gap(&bodies.walls[k], at, x, r) <= expected.pair_reach(a, b)
+                    let gap = wall_gap(&bodies.walls, &bodies.positions, &bodies.walls[k], x, r);
+                    gap <= expected.pair_reach(a, b)
                 }
                 Err(_) => false,
             }
@@ -139,7 +139,7 @@ fn merged_pairs(
         let r = bodies.radii[a as usize];
         for wall in &bodies.walls {
             // A wall that is many radii away needs no estimate of the motion.
-            let gap = wall_gap(wall, bodies.positions[wall.body as usize], x, r);
+            let gap = wall.nearest(bodies.positions[wall.body as usize], x).distance - r;
             if gap <= WALL_REACH * bodies.mean_radius.max(r) {
                 all.push((a, wall.body));
             }

@@ -9,7 +9,7 @@ use clastic_components::contact::{Bodies, Contact, Contacts};
 use clastic_components::contact_history::ContactHistory;
 use clastic_components::energy::{Changed, Energies, EnergyLedger, MotionEnergies};
 use clastic_components::findings::Corrections;
-use clastic_components::increment::{Analysis, AnalysisKind};
+use clastic_components::increment::Analysis;
 use clastic_components::material::{ContactLaw, Materials};
 use clastic_cone::program::{ConeProgram, ConeSolution, Interaction, Kinematics};
 
@@ -68,9 +68,8 @@ pub struct Part<'a> {
     pub is_bond: bool,
     /// Whether it is a bond that is broken at the end.
     pub breaks: bool,
-    /// Normal gap relative to the stress-free state, m: at the start, and at the end with the
-    /// normal of the program.
-    pub gaps: [f64; 2],
+    /// Normal gap relative to the stress-free state at the start, m.
+    pub gap: f64,
     /// Elastic energy of the normal force, J: at the start, at the end with the normal of the
     /// program, and at the end.
     pub normal: [f64; 3],
@@ -181,10 +180,7 @@ fn part<'a>(
     breaks: bool,
 ) -> Part<'a> {
     let Tables { bodies, program, solution, corrections, .. } = tables;
-    let theta = match tables.analysis.kind {
-        AnalysisKind::Dynamic { theta, .. } => theta,
-        AnalysisKind::Static | AnalysisKind::Compaction { .. } => 1.0,
-    };
+    let theta = tables.analysis.kind.theta();
     let kinematics = program.kinematics(c, &solution.displacements);
     let [p, q, tau] = forces;
     let is_bond = contact.bond.is_some();
@@ -193,7 +189,7 @@ fn part<'a>(
     // The offset of an elastic interaction is divided by theta. The remainder comes from the
     // corrector.
     let corrected = c.offset - start / theta;
-    let gaps = [start, start + corrected - kinematics[0]];
+    let with_normal = start + corrected - kinematics[0];
     let compliance = theta * c.normal_compliance;
     let normal = if breaks {
         // The stored energy follows from the force. Opening beyond it at the limit is dissipated.
@@ -201,7 +197,7 @@ fn part<'a>(
         [pressed(compliance, start, true), at_limit, at_limit]
     } else {
         let end = gap_at(tables, contact) - born;
-        [start, gaps[1], end].map(|gap| pressed(compliance, gap, is_bond))
+        [start, with_normal, end].map(|gap| pressed(compliance, gap, is_bond))
     };
     let tangential = theta * c.tangential_compliance;
     let shift = corrections.shear_shift((contact.a, contact.b), c.tangential_compliance);
@@ -223,7 +219,7 @@ fn part<'a>(
         dilation: solution.law.dilation(c),
         is_bond,
         breaks,
-        gaps,
+        gap: start,
         normal,
         shear: [sheared, at_end[0]].map(|q| 0.5 * tangential * q * q),
         rolling: [twisted, at_end[1]].map(|tau| 0.5 * rolling * tau * tau),

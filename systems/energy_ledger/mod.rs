@@ -13,8 +13,8 @@
 //! `u = dt (theta v_1 + (1 - theta) v_0)`. The work `f . u` of the loads exceeds `dt f . v` by
 //! `(theta - 1/2) dt f . (v_1 - v_0)`, which is `numerical`. For constant loads this is the change
 //! of a function of the velocities and does not accumulate. An elastic force stores the energy of
-//! its spring. The rest is `numerical` while the contact is closed (damping by theta > 1/2), and
-//! `collision` when it closes or opens.
+//! its spring. The rest is `numerical`: damping by theta > 1/2, and the error where it closes or
+//! opens within a step.
 //!
 //! **Static increments.** Forces and loads go from their values at the start to those at the end
 //! (`quasi_static`). Stationarity gives, with g and C of the program,

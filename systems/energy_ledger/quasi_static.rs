@@ -74,15 +74,10 @@ impl<'a> Starts<'a> {
     /// Forces of an interaction at the start, after bonds broke.
     fn start(&mut self, e: &mut Energies, part: &Part, memory: Option<&ContactMemory>) -> [f64; 3] {
         let c = part.law;
-        let gap = part.gaps[0];
+        let gap = part.gap;
         let by_law = if c.normal_compliance > 0.0 { -gap / c.normal_compliance } else { 0.0 };
         let by_law = if part.is_bond { by_law } else { by_law.max(0.0) };
-        // A new bond carries nothing yet, whatever its contact carried before.
-        let mut before = match memory {
-            Some(m) if !(part.is_bond && gap == 0.0) => [m.p, m.q, m.tau],
-            Some(m) => [0.0, m.q, m.tau],
-            None => [by_law, 0.0, 0.0],
-        };
+        let mut before = memory.map_or([by_law, 0.0, 0.0], |m| [m.p, m.q, m.tau]);
         let key = (part.contact.a, part.contact.b);
         let released = self.released.binary_search_by_key(&key, |r| (r.a, r.b)).ok();
         let after = if let Some(k) = released {

@@ -67,15 +67,26 @@ impl StateOf for NamedState {
     }
 }
 
-/// Elastic energy of the contacts and bonds of a solution, `1/2 sum (C_N p^2 + C_T q^2 + C_R tau^2)`,
-/// J.
+/// Elastic energy of the contacts and bonds at the end of an increment,
+/// `1/2 sum (C_N p^2 + C_T q^2 + C_R tau^2)`, J. The forces of a program are those at the point
+/// theta of it, and its compliances and offsets are divided by theta.
 #[must_use]
-pub fn elastic_energy(program: &ConeProgram, solution: &ConeSolution) -> f64 {
+pub fn elastic_energy(program: &ConeProgram, solution: &ConeSolution, theta: f64) -> f64 {
     let interactions = program.interactions.iter().zip(&solution.forces);
-    let energies = interactions.map(|(c, [p, q, tau])| {
-        0.5 * (c.normal_compliance * p * p
-            + c.tangential_compliance * q * q
-            + c.rolling_compliance * tau * tau)
+    let energies = interactions.map(|(c, &[p, q, tau])| {
+        let p = if theta < 1.0 && c.normal_compliance > 0.0 {
+            let closing = program.kinematics(c, &solution.displacements)[0];
+            let p = (closing / theta - c.offset) / c.normal_compliance;
+            if c.limits.has_strength() { p } else { p.max(0.0) }
+        } else {
+            p
+        };
+        let at_end = |force: f64, before: f64| before + (force - before) / theta;
+        let (q, tau) = (at_end(q, c.previous_shear), at_end(tau, c.previous_moment));
+        0.5 * theta
+            * (c.normal_compliance * p * p
+                + c.tangential_compliance * q * q
+                + c.rolling_compliance * tau * tau)
     });
     energies.sum()
 }
@@ -123,7 +134,9 @@ impl EndTables<'_, '_> {
     }
 
     fn read(&self, quantity: &Quantity, reference: Option<f64>) -> Option<f64> {
-        let elastic = || self.carries().then(|| elastic_energy(&self.program, &self.solution));
+        let theta = self.analysis.kind.theta();
+        let elastic =
+            || self.carries().then(|| elastic_energy(&self.program, &self.solution, theta));
         match quantity {
             Quantity::Strain(measure) => self.strains.strain(measure, reference),
             // These are read at the start, by the stages, or by the plugin.

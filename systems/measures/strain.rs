@@ -7,6 +7,7 @@ use glam::DVec2;
 use clastic_components::attempt::Attempt;
 use clastic_components::body::{BodyId, Position};
 use clastic_components::cell::PeriodicCell;
+use clastic_components::contact::Bodies;
 use clastic_components::measure::{NamedMeasures, Quantity, StrainPath, StrainReference};
 use clastic_components::membrane::MembraneShape;
 use clastic_components::observation::{Measures, Observation, StrainComponent, StrainMeasure};
@@ -95,6 +96,17 @@ impl StrainTables<'_, '_> {
             StrainComponent::Rotation => 0.5 * (field.along_x.y - field.along_y.x),
         })
     }
+}
+
+/// Shear strain of the displacement gradient that fits motions of the particles best,
+/// `du_x/dy + du_y/dx`; `None` where they lie in a line.
+#[must_use]
+pub fn shear_of(bodies: &Bodies) -> Option<f64> {
+    let n = bodies.particles;
+    let motions =
+        bodies.last_motion[..n].iter().map(|u| DVec2::new(u[0], u[1])).collect::<Vec<_>>();
+    let field = MeanField::affine(&bodies.positions[..n], &motions)?;
+    Some(field.along_x.y + field.along_y.x)
 }
 
 /// Sets distances and places at the start of the reference stage. The stages run it once.

@@ -4,7 +4,7 @@ use bevy_ecs::prelude::*;
 use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::contact_history::{ContactHistory, ContactMemory, DraftHistory};
 use clastic_components::findings::Corrections;
-use clastic_components::increment::{Analysis, AnalysisKind};
+use clastic_components::increment::Analysis;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 use clastic_cone::residuals::Carrying;
 
@@ -36,10 +36,7 @@ pub fn remembered(
     solution: &ConeSolution,
     before: &ContactHistory,
 ) -> ContactHistory {
-    let theta = match analysis.kind {
-        AnalysisKind::Dynamic { theta, .. } => theta,
-        AnalysisKind::Static | AnalysisKind::Compaction { .. } => 1.0,
-    };
+    let theta = analysis.kind.theta();
     let carrying = Carrying::new(program, solution);
     let mut history = ContactHistory(Vec::with_capacity(contacts.0.len()));
     let is_known = |body: u32| !program.bodies[body as usize].is_free();

@@ -171,7 +171,7 @@ fn an_analysis_without_a_meaning_is_refused_by_name() {
         Analysis { kind, gravity, ..Analysis::default() }
     };
     let time_step = "give a time step in s greater than 0";
-    let theta = "give a theta above 0 and up to 1";
+    let theta = "give a theta from 0.5 to 1: below, energy grows";
     let cases = [
         (dynamic(f64::NAN, 1.0), format!("dt = NaN: {time_step}")),
         (dynamic(-1.0e-3, 1.0), format!("dt = -0.001: {time_step}")),

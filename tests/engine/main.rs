@@ -12,6 +12,7 @@ mod avalanches;
 mod bending;
 mod biaxial;
 mod cell_energy;
+mod cement;
 mod changed_stress;
 mod column_collapse;
 mod coming_and_going;

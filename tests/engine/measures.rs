@@ -7,7 +7,7 @@ use clastic::run::measures::reading;
 use clastic::run::{Simulation, Step};
 use glam::DVec2;
 
-use crate::common::{assert_relative, assert_within, parse};
+use crate::common::{assert_relative, assert_within, next, parse};
 
 /// Normal stiffness, shear stiffness, N/m; strain of an increment.
 const K: [f64; 2] = [1.0e6, 0.4e6];
@@ -206,4 +206,31 @@ fn a_crack_has_the_length_and_the_direction_of_the_bond_that_broke() {
     assert_eq!((length, sheared, fragments), (4.0, 0.0, 4.0));
     assert_within(along, PI * 112.5 / 180.0, 1e-9);
     assert_within(alike, 0.5_f64.sqrt(), 1e-9);
+}
+
+/// Two bonded disks fly apart and back: their energy stays, whatever the phase, with theta = 1/2.
+#[test]
+fn the_elastic_energy_of_an_oscillator_is_that_at_the_end_of_the_increment() {
+    let scene = parse(
+        r#"(version: 1, title: "oscillator", analysis: Dynamic(dt: 1e-6, theta: 0.5),
+        materials: {"m": (density: 2500.0, contact: (normal_stiffness: 1e8, tangential_stiffness: 4e7),
+            bond: (normal_stiffness: 1e8, tangential_stiffness: 4e7, rolling_stiffness: 1e3, friction: 0.5,
+                rolling_friction: 1.0, cohesion: 1e9, tensile_strength: 1e9))},
+        specimen: Particles([
+            (position: (0.0, 0.0), radius: 5e-3, velocity: (-1e-3, 2e-3)),
+            (position: (0.01, 0.0), radius: 5e-3, velocity: (1e-3, -2e-3), angular_velocity: 0.1)]),
+        bonds: [(a: 0, b: 1)],
+        stages: [Load(name: "l", increments: 300)],
+        measures: [(name: "ke", of: KineticEnergy), (name: "ee", of: ElasticEnergy)])"#,
+    );
+    let mut simulation = Simulation::new(&scene, None);
+    let (mut start, mut most) = (None, 0.0_f64);
+    while next(&mut simulation).is_some() {
+        let [kinetic, elastic] =
+            ["ke", "ee"].map(|name| reading(simulation.world(), name).unwrap());
+        let start = *start.get_or_insert(kinetic + elastic);
+        assert_within(kinetic + elastic, start, 1e-6 * start);
+        most = most.max(elastic / start);
+    }
+    assert!(most > 0.5, "{most}");
 }

@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use crate::common::*;
 use clastic::components::attempt::IncrementStatus;
+use clastic::components::body::Velocity;
 use clastic::components::contact::{Bodies, Contacts};
 use clastic::run::Simulation;
 use clastic::scene::format::{Analysis, FrictionLaw, Scene};
@@ -296,5 +297,73 @@ fn a_whole_circle_has_no_end() {
             assert_within(force.distance(DVec2::new(0.0, -WEIGHT)), 0.0, 1e-6 * WEIGHT);
             assert_eq!(simulation.world().resource::<Bodies>().walls.len(), 1);
         });
+    }
+}
+
+/// A floor in one line: one wall, a polyline, or segments with common ends, drawn either way.
+fn floors(joints: &[f64], contact: &str) -> Vec<String> {
+    let piece = |shape: &str, k: usize, [from, to]: [f64; 2]| {
+        format!(
+            "(name: \"f{k}\", start: ({from:?}, 0.0), end: ({to:?}, 0.0), {shape} contact: ({contact}))"
+        )
+    };
+    let corners: Vec<_> = joints.iter().map(|x| format!("({x:?}, 0.0)")).collect();
+    let all: Vec<_> = [-1.0].iter().chain(joints).chain(&[2.0]).copied().collect();
+    let pieces = |turns: usize| {
+        let of = all.windows(2).enumerate().map(|(k, ends)| {
+            let ends = if k % 2 < turns { [ends[1], ends[0]] } else { [ends[0], ends[1]] };
+            piece("shape: Segment,", k, ends)
+        });
+        of.collect::<Vec<_>>().join(", ")
+    };
+    let polyline = format!("shape: Polyline([{}]),", corners.join(", "));
+    vec![piece("", 0, [-1.0, 2.0]), piece(&polyline, 0, [-1.0, 2.0]), pieces(0), pieces(1)]
+}
+
+/// A disk exactly over a joint sinks in by W/k, as on one line.
+#[test]
+fn a_joint_in_a_line_is_one_contact() {
+    let stiff = 1.0e6;
+    for x in [0.0, 1e-9, -3e-5, 0.001] {
+        for floor in floors(&[-0.5, 0.0, 0.7], &format!("normal_stiffness: {stiff:?}")) {
+            let held = "Load(name: \"rest\", increments: 3, particles: [(select: All, x: Held)])";
+            let disk = [DVec2::new(x, 0.05)];
+            every_way(&rig(&disk, &floor, "", &held.replace("3", "1")), |simulation| {
+                assert_eq!(simulation.world().resource::<Contacts>().0.len(), 1, "{floor}");
+            });
+            let mut simulation = Simulation::new(&rig(&disk, &floor, "", held), None);
+            while next(&mut simulation).is_some() {}
+            let y = states(&mut simulation)[0].position.y;
+            assert_within(y, 0.05 - WEIGHT / stiff, 1e-9);
+        }
+    }
+}
+
+/// A disk slides and then rolls over the joints of a floor as on one line.
+#[test]
+fn joints_in_a_line_are_not_felt() {
+    let contact = "normal_stiffness: 1.0e6, tangential_stiffness: 1.0e6, friction: 0.2";
+    let ends: Vec<_> = floors(&[0.13, 0.3, 0.42, 0.5], contact)
+        .iter()
+        .map(|floor| {
+            let stages = "Load(name: \"run\", increments: 1000)";
+            let mut scene = rig(&[DVec2::new(0.0, 0.05 - WEIGHT / 1e6)], floor, "", stages);
+            scene.friction_law = FrictionLaw::COULOMB;
+            scene.analysis = Analysis::Dynamic { dt: 1e-3, theta: 1.0 };
+            let mut simulation = Simulation::new(&scene, None);
+            let world = simulation.world_mut();
+            world.query::<&mut Velocity>().single_mut(world).unwrap().0 = DVec2::X;
+            while next(&mut simulation).is_some() {
+                let y = states(&mut simulation)[0].position.y;
+                assert_within(y, 0.05 - WEIGHT / 1e6, 1e-9);
+            }
+            states(&mut simulation)[0].position.x
+        })
+        .collect();
+    // Sliding until t = v/(3 mu g), then rolling at 2/3 v.
+    let slides = 1.0 / (3.0 * 0.2 * G);
+    assert_within(ends[0], slides * 5.0 / 6.0 + 2.0 / 3.0 * (1.0 - slides), 1e-3);
+    for end in &ends[1..] {
+        assert_within(*end, ends[0], 1e-4);
     }
 }

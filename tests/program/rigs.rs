@@ -6,9 +6,10 @@ use std::f64::consts::PI;
 use std::fs;
 use std::path::PathBuf;
 
+use clastic::frames::Frame;
 use tempfile::TempDir;
 
-use crate::call::{clastic, json, rows, run, stdout};
+use crate::call::{clastic, edited, json, rows, run, stderr, stdout};
 
 /// A scene in a directory of its own.
 fn scene(text: &str) -> (PathBuf, TempDir) {
@@ -188,4 +189,132 @@ fn the_porosity_of_a_periodic_cell_is_that_of_the_cell() {
         let found = json(out.path(), "run.json")["results"]["porosity"].as_f64().unwrap();
         assert!((found - expected).abs() < 1e-12, "{reference}: {found} {expected}");
     }
+}
+
+/// Pairs of a text of `uniaxial_small` and another, and what is said of it.
+const MISTAKES: [(&str, &str, &str); 4] = [
+    ("friction: 0.8,", "friction: 45,", "bond.friction is 45.0, which looks like degrees"),
+    ("195.0e6,", "195.0,", "materials.rock.bond: at its strength a bond stretches by"),
+    (
+        "0.06e-3)",
+        "0.06e-3, bond: (friction: 30, cohesion: 1e6, tensile_strength: 1e6))",
+        "stages.cement.bond.friction is 30.0",
+    ),
+    ("friction: 0.8,", "friction: 0.8,", ""),
+];
+
+#[test]
+fn likely_mistakes_are_said_by_check_and_at_the_start_of_a_run() {
+    for (from, to, said) in MISTAKES {
+        let (path, _keep) = edited("uniaxial_small.ron", from, to);
+        let text = fs::read_to_string(&path).unwrap();
+        let weak = if said.contains("stretches") { "144.0" } else { "144.0e6" };
+        fs::write(&path, text.replace("144.0e6", weak).replace("increments: 120", "increments: 1"))
+            .unwrap();
+        let path = path.to_str().unwrap();
+        let checked = stdout(&clastic(&["check", path]).code(0));
+        let is_said = ["degrees", "stretches"].iter().any(|what| checked.contains(what));
+        assert_eq!(is_said, !said.is_empty(), "{checked}");
+        assert!(checked.contains(said), "{checked}");
+        let (done, _out) = run(path, &["--quiet"]);
+        assert!(stderr(&done).contains(said), "{}", stderr(&done));
+    }
+    // Lengths in mm, a stress in kPa, disks in each other, and sides under no load.
+    let text = |radius: f64, stress: &str, apart: f64| {
+        format!(
+            r#"(version: 1, title: "t", materials: {{"m": (contact: (normal_stiffness: 1e9))}},
+            specimen: Particles([(position: (0.0, {radius:?}), radius: {radius:?}),
+                (position: (0.0, {:?}), radius: {radius:?})]),
+            walls: [
+                (name: "bottom", start: ({:?}, 0.0), end: ({radius:?}, 0.0)),
+                (name: "top", start: ({radius:?}, {:?}), end: ({:?}, {:?})),
+                (name: "left", start: ({:?}, {radius:?}), end: ({:?}, 0.0)),
+                (name: "right", start: ({radius:?}, 0.0), end: ({radius:?}, {radius:?})),
+            ],
+            stages: [Load(name: "load", increments: 1, walls: {{
+                "left": Stress(stress: {stress}), "right": Stress(stress: {stress}) }})],
+            measures: [(name: "axial_strain", of: Strain(Walls("bottom", "top"))),
+                (name: "lateral_strain", of: Strain(Walls("left", "right"))),
+                (name: "axial_stress", of: Stress(Walls(walls: ["top"], length: Fixed(1.0))))])"#,
+            radius + apart * radius,
+            -radius,
+            2.0 * radius + apart * radius,
+            -radius,
+            2.0 * radius + apart * radius,
+            -radius,
+            -radius,
+        )
+    };
+    for (text, said) in [
+        (text(0.01, "1e5", 1.9), "particle 0 and particle 1 overlap by 10 % of a radius"),
+        (text(5.0, "1e5", 2.0), "the grains of the test are 10.00 m in diameter"),
+        (text(0.01, "50.0", 2.0), "a stress of 50.0 Pa is small beside the grains"),
+        (text(0.01, "0.0", 2.0), "measured from wall left, which carries no load"),
+    ] {
+        let (path, _keep) = scene(&text);
+        let checked = stdout(&clastic(&["check", path.to_str().unwrap()]).code(0));
+        assert!(checked.contains(said), "no `{said}` in {checked}");
+    }
+}
+
+/// The press stops in front of the disk or moves away from it, and neither condition holds.
+#[test]
+fn a_stop_that_never_held_and_a_platen_that_moves_away_are_said_at_the_end() {
+    let measures = r#"], measures: [(name: "axial_strain", of: Strain(Walls("floor", "press")))], reference_stage"#;
+    for step in ["-1.0e-5", "1.0e-5"] {
+        let stages = format!(
+            r#"Load(name: "down", increments: 3, walls: {{ "press": Displacement(0.0, {step}) }},
+                stop: [Above("axial_strain", 0.5)])"#
+        );
+        let (path, _keep) = scene(&press("", &stages).replace("], reference_stage", measures));
+        let (done, out) = run(path.to_str().unwrap(), &["--quiet"]);
+        let said = stdout(&done.code(0));
+        assert!(said.contains("did not reach Above(\"axial_strain\", 0.5)"), "{said}");
+        assert!(
+            said.contains("press is moved and carries no force") && said.contains("the other way")
+        );
+        assert!(json(out.path(), "run.json")["stages"][0]["stop"]["Above"].is_array());
+    }
+}
+
+/// A rigid disk between two rigid fingers that is pushed down collapses: nothing of it is kept.
+#[test]
+fn the_state_of_a_collapsed_stage_is_not_saved() {
+    let (path, _keep) = scene(
+        r#"(version: 1, title: "t", materials: {"m": ()},
+        specimen: Particles([(position: (0.0, 0.01), radius: 0.01)]),
+        walls: [(name: "floor", start: (-0.1, 0.0), end: (0.1, 0.0))],
+        stages: [
+            Load(name: "push", increments: 1, particles: [(select: All, force: (1.0, -1.0))]),
+            Save(name: "after"),
+        ])"#,
+    );
+    let (done, out) = run(path.to_str().unwrap(), &["--quiet"]);
+    let said = stderr(&done.code(3));
+    assert!(said.contains("the specimen collapsed in stage push"), "{said}");
+    assert!(!out.path().join("state_after.npz").exists());
+    assert!(out.path().join("final_state.npz").exists());
+}
+
+/// Particles that were taken away and bonds that were made without an increment.
+#[test]
+fn the_start_has_what_stages_without_increments_did() {
+    let (path, _keep) = scene(
+        r#"(version: 1, title: "t", gravity: (0.0, -9.81),
+        materials: {"m": (contact: (normal_stiffness: 1.0e7), bond: (normal_stiffness: 1.0e7, cohesion: 1e6, tensile_strength: 1e6))},
+        specimen: Particles([(position: (0.005, 0.005), radius: 0.005), (position: (0.015, 0.005), radius: 0.005),
+            (position: (0.025, 0.005), radius: 0.005)]),
+        walls: [(name: "floor", start: (-0.1, 0.0), end: (0.1, 0.0), contact: (normal_stiffness: 1.0e7))],
+        stages: [
+            Cement(name: "cement", length: 0.1e-3),
+            Remove(name: "dig", select: Index([2])),
+            Load(name: "load", increments: 2),
+        ])"#,
+    );
+    let (done, out) = run(path.to_str().unwrap(), &["--quiet"]);
+    done.code(0);
+    let start = Frame::read(&out.path().join("frames/start.npz")).unwrap();
+    assert_eq!((start.bodies.id.as_slice(), start.increment), (&[0, 1][..], 0));
+    assert_eq!(start.pairs.state, [1]);
+    assert_eq!(rows(out.path(), "specimen.csv").len(), 2);
 }

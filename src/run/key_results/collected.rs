@@ -44,9 +44,10 @@ pub struct KeyResults {
     pub(super) seen: (u64, bool),
     /// Whether the specimen collapsed, and the increment before the collapse.
     pub(super) collapse: Option<Option<Point>>,
-    /// Whether a bond broke, the stress of the first increment with a rupture, and whether that
-    /// increment is solved.
-    pub(super) crack: Option<(Option<f64>, bool)>,
+    /// Whether a bond broke, and the stress of the first increment with a rupture.
+    pub(super) crack: Option<Option<f64>>,
+    /// Kinetic energy of a dynamic increment over the volume of the particles, J/m^3.
+    pub(super) kinetic: f64,
     pub(super) results: Results,
 }
 
@@ -59,6 +60,8 @@ pub(super) struct Point {
     pub(super) stress: f64,
     /// Whether the status is `solved`; false if a maximum number of passes was reached.
     pub(super) solved: bool,
+    /// Kinetic energy of a dynamic increment over the volume of the particles, J/m^3.
+    pub(super) kinetic: f64,
     /// Lateral strain.
     pub(super) lateral_strain: Option<f64>,
     /// Volumetric strain.
@@ -74,6 +77,7 @@ const FREE: Point = Point {
     strain: 0.0,
     stress: 0.0,
     solved: true,
+    kinetic: 0.0,
     lateral_strain: None,
     volume: None,
     lateral_stress: None,
@@ -105,6 +109,7 @@ impl KeyResults {
             seen: (0, false),
             collapse: None,
             crack: None,
+            kinetic: 0.0,
             results: Results::default(),
         }
     }
@@ -114,6 +119,12 @@ impl KeyResults {
     #[must_use]
     pub fn with_stiffness(self, stiffness: f64) -> Self {
         Self { stiffness, ..self }
+    }
+
+    /// Sets the kinetic energy of the increment that is recorded next, over the volume of the
+    /// particles, J/m^3; 0 in a static one.
+    pub fn see_motion(&mut self, kinetic: f64) {
+        self.kinetic = kinetic;
     }
 
     /// Records the number of bonds created so far.
@@ -176,7 +187,7 @@ impl KeyResults {
             self.collapse = Some(self.last);
         }
         if !o.ruptures.is_empty() && self.crack.is_none() {
-            self.crack = Some((o.axial_stress, solved));
+            self.crack = Some(o.axial_stress);
         }
         if o.in_avalanche {
             return false;
@@ -186,6 +197,7 @@ impl KeyResults {
             strain: o.axial_strain.unwrap_or_default(),
             stress,
             solved,
+            kinetic: self.kinetic,
             lateral_strain: o.lateral_strain,
             volume: o.volumetric_strain,
             lateral_stress: o.lateral_stress,
@@ -203,14 +215,14 @@ impl KeyResults {
         self.curve.push(point);
         let height = |stress: f64| (stress - self.start.stress).abs();
         let results = &mut self.results;
-        let peak =
-            solved && results.peak_stress_pa.is_none_or(|peak| height(stress) > height(peak));
+        let peak = results.peak_stress_pa.is_none_or(|peak| height(stress) > height(peak));
         if o.rupture_lag > 0.0 {
             self.lag = Some(o.rupture_lag);
         }
         if peak {
             self.peak = Some(self.curve.len() - 1);
             results.peak_stress_pa = Some(stress);
+            results.peak_is_capped = !solved;
             results.strain_at_peak = Some(point.strain);
             results.peak_error_estimate = self.lag;
         }

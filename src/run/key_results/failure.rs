@@ -1,7 +1,8 @@
 //! Definitions of the key results: Poisson's ratio, strength, thresholds of cracks, friction angle.
 
 use super::collected::{KeyResults, Point};
-use super::reasons::{CAPPED_BEFORE, LATERAL_CHANGES, NO_GAIN, NO_HALF, RESOLVED, RIGID};
+use super::definitions::moves;
+use super::reasons::{CAPPED_BEFORE, INERTIA, LATERAL_CHANGES, NO_GAIN, NO_HALF, RESOLVED, RIGID};
 
 /// Fall of the axial stress below its peak, over the rise to it, after which the peak is passed.
 /// Stresses of a specimen of some hundred grains fluctuate by less before it.
@@ -31,8 +32,11 @@ impl KeyResults {
         }
         let (from, _, _) = self.first_gain(peak).ok_or(NO_GAIN)?;
         let (before, here, part) = self.half_way(peak).ok_or(NO_HALF)?;
-        if !(from.solved && before.solved && here.solved) {
+        if !from.solved {
             return Err(CAPPED_BEFORE);
+        }
+        if moves(&from, &here) {
+            return Err(INERTIA);
         }
         if !self.lateral_stays_to(&here) {
             return Err(LATERAL_CHANGES);
@@ -113,12 +117,12 @@ impl KeyResults {
                         below twice the strain at the peak",
             );
         }
-        let after: Vec<&Point> = self.curve[place..].iter().filter(|point| point.solved).collect();
+        let after: Vec<&Point> = self.curve[place..].iter().collect();
         let mean = |from: f64, to: f64| mean_over(&after, at.strain, from, to);
         let middle = 0.5 * (begin + end);
         let (first, second) = (mean(begin, middle), mean(middle, end));
         let (Some(first), Some(second)) = (first, second) else {
-            return Err("the last fifth of the strain has too few solved increments");
+            return Err("the last fifth of the strain has too few increments");
         };
         if !((second - first).abs() <= LEVEL * (at.stress - self.start.stress).abs()) {
             return Err(
@@ -160,7 +164,7 @@ impl KeyResults {
         let initiated =
             |point: &&Point| 100 * point.broken.saturating_sub(self.start.broken) >= cracks;
         let found = self.curve[..=place].iter().find(initiated).unwrap_or(&at);
-        if found.solved { Ok(found.stress) } else { Err(CAPPED_BEFORE) }
+        Ok(found.stress)
     }
 
     pub(super) fn crack_damage(&self) -> Result<f64, &'static str> {
@@ -186,7 +190,7 @@ impl KeyResults {
         if back <= RESOLVED * most {
             return Err(CONTRACTS);
         }
-        if found.solved { Ok(found.stress) } else { Err(CAPPED_BEFORE) }
+        Ok(found.stress)
     }
 }
 

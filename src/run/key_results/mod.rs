@@ -1,7 +1,6 @@
 //! Key results of a run: moduli, peak, strength, limit load, cracks, maximum residuals.
 //!
-//! They come only from increments with the status `solved`. If a result is not defined,
-//! `not_defined` gives the reason.
+//! If a result is not defined, `not_defined` gives the reason.
 
 mod collected;
 mod definitions;

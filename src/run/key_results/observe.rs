@@ -1,10 +1,13 @@
 //! Systems: the key results follow every increment.
 
+use std::f64::consts::PI;
+
 use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::IncrementStatus;
 use clastic_components::bond::BondState;
-use clastic_components::increment::Progress;
+use clastic_components::contact::Bodies;
+use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::observation::{Observation, RuptureCount};
 use clastic_systems::identities::Identities;
 use clastic_systems::measures::kept::kept_stresses;
@@ -23,6 +26,7 @@ pub fn is_undecided(observation: Res<Observation>) -> bool {
 pub fn observe_increment(
     (script, progress): (Res<Script>, Res<Progress>),
     observation: Res<Observation>,
+    (bodies, analysis): (Res<Bodies>, Res<Analysis>),
     identities: Res<Identities>,
     mut results: ResMut<KeyResults>,
 ) {
@@ -33,6 +37,11 @@ pub fn observe_increment(
         (false, true) => Phase::Reference,
     };
     results.see_bonds(identities.next().bond as usize);
+    let area: f64 = bodies.radii.iter().map(|r| PI * r * r).sum();
+    results.see_motion(match analysis.kind {
+        AnalysisKind::Dynamic { .. } => observation.kinetic_energy / (area * analysis.thickness),
+        AnalysisKind::Static | AnalysisKind::Compaction { .. } => 0.0,
+    });
     results.observe(&observation, phase);
 }
 

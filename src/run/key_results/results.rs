@@ -12,7 +12,8 @@ pub const PEAK_ERROR: f64 = 0.02;
 pub struct Results {
     /// Tangent modulus at the start of the reference stage: the slope over the first rise of the
     /// stress by a thousandth of the peak, between two points of the curve with different strains.
-    /// Before, a platen may not have touched the specimen. `None` for a rigid specimen.
+    /// Before, a platen may not have touched the specimen. `None` for a rigid specimen, and, as all
+    /// elastic constants, where inertia carries a part of the load.
     pub youngs_modulus_pa: Option<f64>,
     /// Secant modulus from the start of the reference stage to half the peak.
     pub youngs_modulus_secant_half_peak_pa: Option<f64>,
@@ -22,6 +23,8 @@ pub struct Results {
     pub poissons_ratio: Option<f64>,
     /// Axial stress with the maximum difference from that at the start of the reference stage.
     pub peak_stress_pa: Option<f64>,
+    /// Whether the increment of the peak is capped: its residual is then up to 1e-4.
+    pub peak_is_capped: bool,
     /// Axial strain at the peak.
     pub strain_at_peak: Option<f64>,
     /// Strength: the peak, once the test has passed it under a constant lateral stress. Either the

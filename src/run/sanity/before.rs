@@ -14,6 +14,7 @@ use clastic_systems::membranes::{MEMBRANES, MembraneStates};
 use clastic_systems::wall_states::{ControlState, ControlStates, WALL_CONTROL};
 
 use super::material::{Grains, inertial};
+use super::mistakes::mistakes;
 use super::untouched::out_of_reach;
 use super::{Report, is_specimen, is_test};
 
@@ -33,9 +34,15 @@ pub fn before(scene: &Scene, stored: Option<&StoredSpecimen>) -> Report {
     let increment = strain
         .filter(|(load, _)| matches!(analysis(load), Analysis::Static))
         .map(|(_, strain)| strain);
-    let number = strain.and_then(|(load, strain)| match analysis(load) {
+    let shear = |load: &Load| match load.cell.as_ref()?.shear? {
+        CellTarget::Strain(strain) => Some(strain.abs() / f64::from(load.increments.max(1))),
+        _ => None,
+    };
+    let number = reference.and_then(|load| match analysis(load) {
         Analysis::Dynamic { dt, .. } => {
-            inertial(strain / dt, packed.as_ref()?.mean_mass, pressure?, scene.thickness)
+            let strain = strain.map(|(_, strain)| strain).into_iter().chain(shear(load));
+            let rate = strain.max_by(f64::total_cmp)? / dt;
+            inertial(rate, packed.as_ref()?.mean_mass, pressure?, scene.thickness)
         }
         Analysis::Static => None,
     });
@@ -49,6 +56,7 @@ pub fn before(scene: &Scene, stored: Option<&StoredSpecimen>) -> Report {
     .with_warnings(grains.strength > 0.0, grains.are_rock(pressure));
     report.warnings.extend(too_dense(scene, &seeds));
     report.warnings.extend(out_of_reach(scene, &seeds));
+    report.warnings.extend(mistakes(scene, &grains, &seeds, pressure, is_specimen(scene)));
     report
 }
 

@@ -8,6 +8,7 @@ use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::observation::Observation;
 use clastic_cone::program::{ConeProgram, ConeSolution};
+use clastic_systems::measures::strain::shear_of;
 
 use super::material::{Grains, inertial};
 use super::{Report, is_specimen, is_test};
@@ -28,8 +29,11 @@ pub struct Sanity {
     strain: Option<f64>,
     /// Maximum axial strain of a static increment there.
     increment: Option<f64>,
-    /// Sums over the dynamic increments there: time, strain, pressure times time.
-    dynamic: [f64; 3],
+    /// Sums over the dynamic increments there: time, axial strain, axial less lateral strain, shear
+    /// strain, pressure times time.
+    dynamic: [f64; 5],
+    /// Lateral strain after the last increment there.
+    lateral: f64,
     /// Mean mass, kg.
     mass: f64,
     /// Largest diameters across the smaller side, after the first increment there.
@@ -43,7 +47,8 @@ impl Sanity {
     #[must_use]
     pub fn report(&self, scene: &Scene) -> Report {
         let grains = Grains { strength: self.strength, ..Grains::of(scene, None) };
-        let [time, strain, pressure] = self.dynamic;
+        let [time, axial, across, shear, pressure] = self.dynamic;
+        let strain = axial.abs().max(across.abs()).hypot(shear);
         let number = || inertial(strain / time, self.mass, pressure / time, scene.thickness);
         Report {
             stiffness_over_pressure: grains.level(self.pressure),
@@ -57,9 +62,11 @@ impl Sanity {
     }
 
     /// Adds an increment of the reference stage.
-    fn see_strain(&mut self, o: &Observation, analysis: &Analysis) {
+    fn see_strain(&mut self, o: &Observation, analysis: &Analysis, bodies: &Bodies) {
         let Some(strain) = o.axial_strain else { return };
         let change = strain - self.strain.replace(strain).unwrap_or(0.0);
+        let lateral = o.lateral_strain.unwrap_or(0.0);
+        let across = change - (lateral - std::mem::replace(&mut self.lateral, lateral));
         match analysis.kind {
             AnalysisKind::Static if o.axial_stress.is_some() => {
                 let before = self.increment.unwrap_or(0.0);
@@ -68,9 +75,9 @@ impl Sanity {
             AnalysisKind::Dynamic { dt, .. } => {
                 if let Some(pressure) = confining(o) {
                     let time = dt * o.fraction;
-                    self.dynamic[0] += time;
-                    self.dynamic[1] += change;
-                    self.dynamic[2] += pressure * time;
+                    let shear = shear_of(bodies).unwrap_or(0.0);
+                    let seen = [time, change, across, shear, pressure * time];
+                    self.dynamic.iter_mut().zip(seen).for_each(|(sum, seen)| *sum += seen);
                 }
             }
             _ => {}
@@ -118,7 +125,7 @@ pub fn follow(
             let n = bodies.particles;
             sanity.mass = bodies.masses[..n].iter().sum::<f64>() / n.max(1) as f64;
         }
-        sanity.see_strain(&o, &analysis);
+        sanity.see_strain(&o, &analysis, &bodies);
     }
 }
 

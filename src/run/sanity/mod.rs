@@ -6,6 +6,7 @@ mod before;
 mod follow;
 mod heights;
 mod material;
+mod mistakes;
 #[cfg(test)]
 mod tests;
 mod untouched;
@@ -85,7 +86,8 @@ pub struct Report {
     /// Maximum overlap of two bodies in contact over the smaller radius.
     pub maximum_overlap_over_radius: Option<f64>,
     /// Inertial number `I = rate sqrt(m / (p h))` of the dynamic increments of the reference stage,
-    /// with the mean axial strain rate and the mean mass m.
+    /// with the rate of shear and the mean mass m. Its strain is `max(|a|, |a - l|)` of the axial and
+    /// the lateral one, squared and added to that of the shear of the particles.
     pub inertial_number: Option<f64>,
     /// Maximum axial strain of a static increment over the elastic strain s h/k, with s the larger
     /// one of the confining stress p and the strength of the bonds.

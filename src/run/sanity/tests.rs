@@ -95,6 +95,32 @@ fn the_inertial_number_of_a_fast_test_is_that_by_hand() {
     assert!(!slow.warnings.iter().any(|w| w.contains("inertial number")), "{:?}", slow.warnings);
 }
 
+/// A cell that is sheared at constant height has no axial strain.
+#[test]
+fn the_inertial_number_of_a_shear_is_that_of_its_rate() {
+    let text = r#"(version: 1, title: "t", analysis: Dynamic(dt: 1e-4),
+        materials: {"m": (density: 2000.0, contact: (normal_stiffness: 1e7))},
+        specimen: Packing(count: 36, columns: 6, spacing: 0.02, sizes: Uniform(radius: (0.006, 0.009)), seed: 5),
+        cell: (size: (0.12, 0.12)),
+        stages: [
+            Compact(name: "compact", target: Porosity(0.2), step: 2e-3, agitation: 0.1, seed: 1),
+            Load(name: "press", increments: 2, analysis: Static,
+                cell: (xx: Stress(10e3), yy: Stress(10e3), shear: Fixed)),
+            Load(name: "shear", increments: 100, cell: (xx: Fixed, yy: Stress(10e3), shear: Strain(0.05))),
+        ],
+        measures: [
+            (name: "axial_strain", of: Strain(Cell(Height))),
+            (name: "axial_stress", of: Stress(Average(component: Yy, area: Cell))),
+        ])"#;
+    let loaded =
+        from_str(text, Path::new("t.ron"), Path::new(""), &[]).unwrap_or_else(|e| panic!("{e}"));
+    let (first, after) = (before(&loaded.scene, None), measured(&loaded.scene));
+    // 0.05 in 0.01 s.
+    let mass = 2000.0 * std::f64::consts::PI * 0.0075 * 0.0075;
+    near(first.inertial_number, 5.0 * (mass / 10e3_f64).sqrt(), 0.05);
+    near(after.inertial_number, first.inertial_number.unwrap(), 0.3);
+}
+
 #[test]
 fn lines_have_three_digits() {
     let report = Report {

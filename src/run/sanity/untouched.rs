@@ -19,7 +19,7 @@ use crate::run::particles::ParticleSeed;
 use crate::run::script::{EndedBy, Script};
 use crate::run::wall_pieces::pieces;
 use crate::scene::format::{
-    Analysis, Load, Motion, Scene, Slide, Specimen, Stage, Table, Wall, WallControl,
+    Analysis, Load, Motion, Scene, Slide, Specimen, Stage, Strain, Table, Wall, WallControl,
 };
 use crate::scene::shown::label;
 
@@ -124,15 +124,15 @@ impl Untouched {
 fn warning(stage: &str, names: &BTreeSet<String>, what: &str) -> String {
     let names: Vec<_> = names.iter().map(|name| label(name).to_string()).collect();
     format!(
-        "stage {}: {} is moved and {what}; draw it nearer to the specimen, or bring it there in a \
-         stage that `stop: [Above(...)]` of its `WallForce` ends",
+        "stage {}: {} is moved and {what}; draw it nearer to the specimen, bring it there in a stage \
+         that `stop: [Above(...)]` of its `WallForce` ends, or move it the other way",
         label(stage),
         names.join(", ")
     )
 }
 
 /// Walls and rigid groups that a stage moves, by name. A wall that is only moved away from its
-/// inward side carries no force by intention.
+/// inward side carries no force by intention, unless the axial strain is measured from it.
 fn driven(scene: &Scene, load: &Load) -> BTreeSet<String> {
     let moves = |motion: &Motion| match motion {
         Motion::Displacement(u) | Motion::Velocity(u) => *u != 0.0,
@@ -142,7 +142,12 @@ fn driven(scene: &Scene, load: &Load) -> BTreeSet<String> {
     let wall = |name: &str| scene.walls.iter().find(|wall| wall.name == name);
     let walls = load.walls.iter().filter(|(name, control)| match control {
         WallControl::Displacement(x, y) | WallControl::Velocity(x, y) => {
-            wall(name).is_none_or(|wall| comes_near(wall, DVec2::new(*x, *y)))
+            let motion = DVec2::new(*x, *y);
+            let is_platen = || match scene.strain("axial_strain") {
+                Some(Strain::Walls(a, b)) => motion != DVec2::ZERO && (a == *name || b == *name),
+                _ => false,
+            };
+            wall(name).is_none_or(|wall| comes_near(wall, motion)) || is_platen()
         }
         WallControl::Rotation { angle: u, .. } | WallControl::Spin { angular_velocity: u, .. } => {
             *u != 0.0
@@ -190,8 +195,8 @@ pub(super) fn out_of_reach(scene: &Scene, seeds: &[ParticleSeed]) -> Option<Stri
             WallControl::Displacement(x, y) => DVec2::new(*x, *y),
             _ => return None,
         };
-        let way = u.length() * f64::from(load.increments);
         let wall = scene.walls.iter().find(|wall| wall.name == *name)?;
+        let way = if comes_near(wall, u) { u.length() * f64::from(load.increments) } else { 0.0 };
         let reaches = |seed: &ParticleSeed| {
             pieces(wall).iter().any(|piece| {
                 let (inward, half) = (piece.wall.inward(), piece.wall.half_length);

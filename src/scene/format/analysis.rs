@@ -17,7 +17,7 @@ pub enum Analysis {
     Dynamic {
         /// Time step of an increment, s.
         dt: f64,
-        /// 0 < theta <= 1: 1/2 keeps energy, 1 is plastic impact; rebound is (1 - theta)/theta.
+        /// 1/2 to 1: 1/2 keeps energy, 1 is plastic impact; rebound is (1 - theta)/theta.
         #[serde(default = "super::one")]
         theta: f64,
     },

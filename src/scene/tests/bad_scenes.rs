@@ -222,12 +222,12 @@ fn settings() {
             VERSION,
             "version: 1, analysis: Dynamic(dt: 0.0, theta: 1.5)",
             "2:39: analysis.dt: zero (0.0); give a time step in s greater than 0
-2:51: analysis.theta: out of range (1.5); give a theta above 0 and up to 1",
+2:51: analysis.theta: out of range (1.5); give a theta from 0.5 to 1: below, energy grows",
         ),
         (
             VERSION,
             "version: 1, analysis: Dynamic(dt: 1.0, theta: 0.0)",
-            "2:51: analysis.theta: zero (0.0); give a theta above 0 and up to 1",
+            "2:51: analysis.theta: zero (0.0); give a theta from 0.5 to 1: below, energy grows",
         ),
         (
             VERSION,
