@@ -166,7 +166,7 @@ fn headers_are_the_documented_ones() {
     let columns = "increment,stage,time_s,axial_strain,lateral_strain,volumetric_strain,\
         axial_stress_pa,lateral_stress_pa,contacts,bonds,broken_tension,broken_shear,\
         broken_rolling,solver_iterations,residual_balance,residual_kinematics,residual_cone,\
-        residual_complementarity,status,";
+        residual_complementarity,imbalance_at_end,idle_motion,status,";
     assert!(history.starts_with(columns), "{history}");
     let probes = "held.x_m,held.y_m,held.rotation_rad,held.force_x_n,held.force_y_n,held.moment_nm,\
         pulled.x_m,pulled.y_m,pulled.rotation_rad,pulled.force_x_n,pulled.force_y_n,pulled.moment_nm";

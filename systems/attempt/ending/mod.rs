@@ -15,7 +15,7 @@
 //! path as much as on the end, the next increment begins with what was out of balance, and the first
 //! condition alone decides.
 //!
-//! Passes are for what guides a body over many increments: bonds, and in dynamics curved walls. The
+//! Passes are for what guides a body over many increments: bonds, rigid groups and curved walls. The
 //! contacts of loose grains last for few, and with smaller increments the peaks of sand did not come
 //! closer to those with passes. There the out-of-balance force is recorded.
 
@@ -29,6 +29,7 @@ use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::contact::{Bodies, Contacts, WallRow};
 use clastic_components::findings::{Corrections, Guesses};
 use clastic_components::increment::{Analysis, AnalysisKind};
+use clastic_components::wall_shape::WallShape;
 use clastic_cone::condensed::response::LinearResponse;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 use clastic_cone::residuals::{Carrying, force_scale};
@@ -97,9 +98,14 @@ pub fn judge(
     let last = LAST_FORCE * force_scale(&program, &program.last_forces);
     let unit = force_scale(&program, &solution.forces).max(last);
     state.imbalance = if ending.imbalance > 0.0 { ending.imbalance / unit } else { 0.0 };
+    let guides = |wall: &WallRow| match wall.shape {
+        WallShape::Arc { .. } => true,
+        WallShape::Segment => is_static,
+        WallShape::Line => false,
+    };
     let is_guided =
-        program.has_bonds() || (!is_static && !bodies.walls.iter().all(WallRow::is_line));
-    if !is_guided {
+        program.has_bonds() || !bodies.groups.is_empty() || bodies.walls.iter().any(guides);
+    if !is_guided || state.capped {
         return;
     }
     let (u, radius) = (&solution.displacements, bodies.mean_radius);
@@ -129,14 +135,20 @@ pub fn judge(
     guesses.stalled = if error < PROGRESS * guesses.best { 0 } else { guesses.stalled + 1 };
     guesses.best = guesses.best.min(error);
     if !is_stable || state.passes >= MAX_PASSES || guesses.stalled > MAX_STALLED {
-        if !(state.imbalance <= MAX_IMBALANCE_OF_SLIDING) {
-            state.capped = true;
+        if state.imbalance <= MAX_IMBALANCE_OF_SLIDING {
+            return;
+        }
+        if is_elastic(&program, &solution) && attempt.halved_turn.is_none() {
             attempt.turn = far.and_then(|far| of_bonded(&bodies, far));
             attempt.verdict = Verdict::TooFar(format!(
                 "the end of the increment is out of balance by {} of the maximum force, and passes \
                  about it do not converge",
                 digits(state.imbalance)
             ));
+        } else {
+            // The solution of the first program is the best that there is.
+            *state = Corrections { capped: true, ..Corrections::default() };
+            attempt.verdict = Verdict::Again;
         }
         return;
     }
