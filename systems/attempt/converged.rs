@@ -4,7 +4,7 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, Effort, Mode, Verdict};
 use clastic_components::contact::{Bodies, Contacts};
-use clastic_components::findings::{BestUnconverged, Centre, Unconverged};
+use clastic_components::findings::{BestUnconverged, Centre, Corrections, Unconverged};
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
 use clastic_cone::program::{Certificate, ConeProgram, ConeSolution, SolveStatus};
 
@@ -26,6 +26,7 @@ pub fn judge(
     bodies: Res<Bodies>,
     contacts: Res<Contacts>,
     mut centre: ResMut<Centre>,
+    mut corrections: ResMut<Corrections>,
     mut best: ResMut<BestUnconverged>,
     mut attempt: ResMut<Attempt>,
 ) {
@@ -67,6 +68,12 @@ pub fn judge(
         }
         SolveStatus::Stalled => Verdict::Unconverged(complaint(&best, &acceptance)),
     };
+    let fails = matches!(attempt.verdict, Verdict::Impossible | Verdict::Unconverged(_));
+    if fails && corrections.passes > 0 {
+        // A guess of the end proves nothing: the solution of the first program is the best there is.
+        *corrections = Corrections { capped: true, ..Corrections::default() };
+        attempt.verdict = Verdict::Again;
+    }
     if attempt.verdict != Verdict::Impossible {
         // A solution has a certificate only if it proves a collapse.
         solution.certificate = None;

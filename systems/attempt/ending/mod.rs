@@ -1,10 +1,10 @@
 //! Judge: is the solution an equilibrium where the increment ends?
 //!
 //! The program has the geometry of the start. Its forces balance there, but the bodies are elsewhere
-//! when the increment ends. The increment is therefore solved again with the [geometry](geometry)
+//! when the increment ends. The increment is therefore solved again with the [`geometry`]
 //! about a guess of its end, until the end has no force out of balance by more than
-//! [`MAX_IMBALANCE`] of the maximum, and another pass would move no body by more than
-//! [`MAX_IDLE_MOTION`] of the motion of the increment.
+//! `MAX_IMBALANCE` of the maximum, and another pass would move no body by more than
+//! `MAX_IDLE_MOTION` of the motion of the increment.
 //!
 //! The second condition is the one that tells the error of the motion. Near a buckling load a force
 //! of 1e-7 of the maximum moves bodies by half of their motion, and in a stiff cantilever one of five
