@@ -21,6 +21,7 @@ mod curved_walls;
 mod detection;
 mod elastic_rolling;
 mod embedding;
+mod ending;
 mod events;
 mod extension;
 mod followed_motion;
