@@ -149,13 +149,29 @@ pub struct Guesses {
     pub missed: Vec<[f64; 3]>,
     /// Changes of guess and miss from pass to pass, the latest last.
     pub changes: Vec<[Vec<[f64; 3]>; 2]>,
-    /// Smallest error of a pass.
-    pub best: f64,
+    /// Smallest error of a pass; `None` before the first one.
+    pub best: Option<f64>,
     /// Number of passes since the error has fallen.
     pub stalled: u32,
 }
 
+impl Guesses {
+    /// Takes over the error of a pass; whether passes still reduce it: no more than `max` in a row have
+    /// left more than the part `progress` of the smallest.
+    pub fn makes_way(&mut self, error: f64, progress: f64, max: u32) -> bool {
+        let best = self.best.unwrap_or(f64::INFINITY);
+        self.stalled = if error < progress * best { 0 } else { self.stalled + 1 };
+        self.best = Some(best.min(error));
+        self.stalled <= max
+    }
+}
+
 impl Corrections {
+    /// Keeps the solution with the geometry of the start: no pass follows.
+    pub fn give_up(&mut self) {
+        *self = Self { capped: true, ..Self::default() };
+    }
+
     /// The correction of a pair, if it has one.
     #[must_use]
     pub fn of(&self, pair: (u32, u32)) -> Option<&Correction> {

@@ -14,11 +14,39 @@
 use clastic_components::body::Drive;
 use clastic_components::contact::{Bodies, Contact, Contacts};
 use clastic_components::increment::Acceptance;
-use clastic_cone::program::{ConeProgram, ConeSolution};
+use clastic_cone::program::{ConeProgram, ConeSolution, Interaction};
 use glam::DVec2;
 
 /// Minimum force of a contact that carries load, over the maximum force.
 const LOADED: f64 = 1e-3;
+
+/// What carries load in a solution: an interaction with a force that counts. The geometry of others is
+/// that of loose grains and fragments, whose motion depends on the weight that regularises it.
+#[derive(Clone, Copy, Debug)]
+pub struct Load {
+    minimum: f64,
+    /// Whether bonds count whatever their force is.
+    with_bonds: bool,
+}
+
+impl Load {
+    /// The load of a solution; `with_bonds` also all bonds.
+    #[must_use]
+    pub fn of(solution: &ConeSolution, with_bonds: bool) -> Self {
+        let maximum = solution.forces.iter().map(size).fold(0.0, f64::max);
+        Self { minimum: LOADED * maximum, with_bonds }
+    }
+
+    /// Whether an interaction with the force `f` = (p, q, tau) carries load.
+    #[must_use]
+    pub fn is_on(self, c: &Interaction, f: &[f64; 3]) -> bool {
+        size(f) > self.minimum || (self.with_bonds && c.limits.has_strength())
+    }
+}
+
+fn size(f: &[f64; 3]) -> f64 {
+    f[0].hypot(f[1])
+}
 /// A solution that turns a contact further than this, rad, moves its grains without support. Such a
 /// solution is never accepted, and the grains would cross thousands of others on their way.
 const UNSUPPORTED: f64 = 5.0;
@@ -80,13 +108,13 @@ pub fn turns(
 ) -> Vec<f64> {
     let n = bodies.particles;
     let u = &solution.displacements;
-    let maximum = solution.forces.iter().map(|f| f[0].hypot(f[1])).fold(0.0, f64::max);
+    let load = Load::of(solution, true);
     let mut loaded = vec![None::<f64>; n];
     let mut nearest = vec![f64::INFINITY; n];
-    for (k, contact) in contacts.0.iter().enumerate() {
+    let forces = program.interactions.iter().zip(&solution.forces);
+    for (contact, (c, f)) in contacts.0.iter().zip(forces) {
         let turn = turn(bodies, program, u, contact);
-        let force = solution.forces.get(k).map_or(0.0, |f| f[0].hypot(f[1]));
-        let carries = contact.bond.is_some() || force > LOADED * maximum;
+        let carries = load.is_on(c, f);
         for i in [contact.a as usize, contact.b as usize].into_iter().filter(|i| *i < n) {
             if carries {
                 loaded[i] = Some(loaded[i].map_or(turn, |other| other.max(turn)));

@@ -127,7 +127,7 @@ scenes! {
         ("bonds_created", 628.0),
         ("youngs_modulus_pa", 68143627.1069317),
         ("first_crack_stress_pa", -432199.8583001255),
-        ("peak_stress_pa", -893981.1832192407),
+        ("peak_stress_pa", -893983.5723207482),
         ("strain_at_peak", -0.016248066534815066),
     ];
     notched_beam: "notched_beam", COMPLETES, &[("bonds_created", 979.0)];
@@ -166,7 +166,7 @@ scenes! {
     uniaxial_small: "uniaxial_small", COMPLETES, &[
         ("porosity", 0.205),
         ("bonds_created", 812.0),
-        ("youngs_modulus_pa", 60616717115.06623),
+        ("youngs_modulus_pa", 60617350112.29649),
         ("youngs_modulus_secant_half_peak_pa", 60598554618.43161),
         ("first_crack_stress_pa", 177860819.63635805),
         ("peak_stress_pa", 179743849.43521616),

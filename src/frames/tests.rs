@@ -67,8 +67,9 @@ fn a_frame_has_the_bodies_forces_and_stresses_of_the_engine() {
         .run_system_cached(
             |bodies: Res<Bodies>,
              contacts: Res<clastic_components::contact::Contacts>,
+             program: Res<clastic_cone::program::ConeProgram>,
              solution: Res<clastic_cone::program::ConeSolution>| {
-                average_stress(&bodies, &contacts, &solution, 1.0, 1.0)
+                average_stress(&bodies, &contacts, &program, &solution, 1.0, 1.0)
             },
         )
         .unwrap();

@@ -70,8 +70,8 @@ pub fn judge(
     };
     let fails = matches!(attempt.verdict, Verdict::Impossible | Verdict::Unconverged(_));
     if fails && corrections.passes > 0 {
-        // A guess of the end proves nothing: the solution of the first program is the best there is.
-        *corrections = Corrections { capped: true, ..Corrections::default() };
+        // A guess of the end proves nothing.
+        corrections.give_up();
         attempt.verdict = Verdict::Again;
     }
     if attempt.verdict != Verdict::Impossible {

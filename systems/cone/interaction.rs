@@ -195,6 +195,12 @@ impl Interaction {
         [[n.dot(axis), t.dot(axis), 0.0], [n.dot(other), t.dot(other), 0.0], [of_normal, arm, sign]]
     }
 
+    /// Force on body b of `f` = (p, q, tau), N; that on a is opposite.
+    #[must_use]
+    pub fn force(&self, f: &[f64; 3]) -> DVec2 {
+        self.normal * f[0] + self.normal.perp() * f[1]
+    }
+
     /// The interaction with the forces of body `a` (`first`) or `b` acting on body `body` instead,
     /// whose reference point is at `-lever` from that of the body it replaces.
     #[must_use]

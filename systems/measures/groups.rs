@@ -5,7 +5,7 @@ use glam::DVec2;
 
 use clastic_components::body::BodyId;
 use clastic_components::contact::{Bodies, Contacts};
-use clastic_cone::program::ConeSolution;
+use clastic_cone::program::{ConeProgram, ConeSolution};
 
 /// Force (x, y; N) of the contacts with other bodies on the particles, and its moment about their
 /// centre of mass (N m), anticlockwise. Points and centre are those at the start of the increment,
@@ -15,6 +15,7 @@ pub fn force_on(
     members: &[BodyId],
     bodies: &Bodies,
     contacts: &Contacts,
+    program: &ConeProgram,
     solution: &ConeSolution,
 ) -> Option<[f64; 3]> {
     let rows: Vec<usize> = members.iter().filter_map(|id| bodies.row(*id)).collect();
@@ -33,17 +34,18 @@ pub fn force_on(
     // Particles without mass count alike.
     let centre = if mass > 0.0 { middle / mass } else { plain / count as f64 };
     let mut sum = [0.0; 3];
-    for (contact, [p, q, tau]) in contacts.0.iter().zip(&solution.forces) {
+    let forces = program.interactions.iter().zip(&solution.forces);
+    for (contact, (c, f)) in contacts.0.iter().zip(forces) {
         let (a, b) = (is_inside[contact.a as usize], is_inside[contact.b as usize]);
         if a == b {
             continue;
         }
         // The first body is pushed against the normal.
         let sign = if a { -1.0 } else { 1.0 };
-        let force = sign * (contact.normal * *p + contact.normal.perp() * *q);
+        let force = sign * c.force(f);
         sum[0] += force.x;
         sum[1] += force.y;
-        sum[2] += (contact.point(bodies) - centre).perp_dot(force) + sign * tau;
+        sum[2] += (contact.point(bodies) - centre).perp_dot(force) + sign * f[2];
     }
     Some(sum)
 }

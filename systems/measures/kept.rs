@@ -11,7 +11,7 @@ use clastic_components::measure::Quantity;
 use clastic_components::membrane::{Membrane, MembraneShape};
 use clastic_components::observation::Measures;
 use clastic_components::particle::Particle;
-use clastic_cone::program::ConeSolution;
+use clastic_cone::program::{ConeProgram, ConeSolution, Interaction};
 
 use super::stress::StressTables;
 use super::{EndTables, groups};
@@ -85,12 +85,16 @@ fn with_kept_forces<T>(world: &mut World, then: impl FnOnce(&mut World) -> T) ->
         // At the start of a stage the pressure is the one that the stages before have reached.
         shape.pressure = membrane.pressure.0;
     }
-    let (contacts, solution) = world.run_system_cached(kept_contacts).unwrap_or_default();
-    let contacts = std::mem::replace(&mut *world.resource_mut::<Contacts>(), contacts);
-    let solution = std::mem::replace(&mut *world.resource_mut::<ConeSolution>(), solution);
+    let (mut contacts, mut program, mut solution) =
+        world.run_system_cached(kept_contacts).unwrap_or_default();
+    let mut exchange = |world: &mut World| {
+        std::mem::swap(&mut *world.resource_mut::<Contacts>(), &mut contacts);
+        std::mem::swap(&mut *world.resource_mut::<ConeProgram>(), &mut program);
+        std::mem::swap(&mut *world.resource_mut::<ConeSolution>(), &mut solution);
+    };
+    exchange(world);
     let found = then(world);
-    *world.resource_mut::<Contacts>() = contacts;
-    *world.resource_mut::<ConeSolution>() = solution;
+    exchange(world);
     let _ = world.run_system_cached(gather_bodies);
     found
 }
@@ -107,23 +111,27 @@ fn go_back(mut bodies: ResMut<Bodies>, motions: Query<(&BodyId, &LastMotion)>) {
     }
 }
 
-/// The contacts whose forces are kept, and these forces. One with a body that is gone is left out.
+/// The contacts whose forces are kept, a program with their normals, and these forces. One with a body that is gone is left out.
 fn kept_contacts(
     bodies: Res<Bodies>,
     kept: Res<KeptRows>,
     history: Res<ContactHistory>,
-) -> (Contacts, ConeSolution) {
+) -> (Contacts, ConeProgram, ConeSolution) {
     let row = |row: u32| Some(bodies.row(*kept.ids.get(row as usize)?)? as u32);
-    let (mut contacts, mut solution) = (Contacts::default(), ConeSolution::default());
+    let (mut contacts, mut program, mut solution) =
+        (Contacts::default(), ConeProgram::default(), ConeSolution::default());
     for memory in &history.0 {
         let (Some(a), Some(b)) = (row(memory.a), row(memory.b)) else { continue };
-        contacts.0.push(match bodies.walls.iter().find(|wall| wall.body == b) {
+        let contact = match bodies.walls.iter().find(|wall| wall.body == b) {
             Some(wall) => wall_contact(&bodies, a, wall),
             None => pair_contact(&bodies, a, b),
-        });
+        };
+        contacts.0.push(contact);
+        let normal = contact.normal;
+        program.interactions.push(Interaction { normal, ..Interaction::between(a, b) });
         solution.forces.push([memory.p, memory.q, memory.tau]);
     }
-    (contacts, solution)
+    (contacts, program, solution)
 }
 
 fn read(tables: StressTables, measures: Res<Measures>) -> [Option<f64>; 2] {
@@ -136,12 +144,14 @@ fn read_force(
     tables: StressTables,
     bodies: Res<Bodies>,
     contacts: Res<Contacts>,
+    program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
 ) -> Option<f64> {
     match &quantity {
         Quantity::Stress(measure) => tables.stress_now(measure),
         Quantity::GroupForce { members, component } => {
-            groups::force_on(members, &bodies, &contacts, &solution).map(|force| force[*component])
+            groups::force_on(members, &bodies, &contacts, &program, &solution)
+                .map(|force| force[*component])
         }
         _ => None,
     }

@@ -22,17 +22,19 @@ type Geometry<'w, 's> = Query<'w, 's, (&'static Wall, &'static Position)>;
 
 /// Average stress tensor `sum (p n + q t) (x) l / V` of Love and Weber, Pa, compression positive.
 /// The branch l goes from centre to centre, and at a wall from the centre to the line of the wall.
-/// The stress then equals that of the wall forces, whatever the gap or overlap at the walls. `area`
-/// is in m^2.
+/// The stress then equals that of the wall forces, whatever the gap or overlap at the walls. Forces have
+/// the directions of the program, in which they balance, so that the sum is that of any positions.
+/// `area` is in m^2.
 #[must_use]
 pub fn average_stress(
     bodies: &Bodies,
     contacts: &Contacts,
+    program: &ConeProgram,
     solution: &ConeSolution,
     area: f64,
     thickness: f64,
 ) -> [[f64; 2]; 2] {
-    let sum = moments(bodies, contacts, solution, |_| 1.0);
+    let sum = moments(bodies, contacts, program, solution, |_| 1.0);
     sum.map(|row| row.map(|s| s / (area * thickness)))
 }
 
@@ -40,15 +42,14 @@ pub fn average_stress(
 fn moments(
     bodies: &Bodies,
     contacts: &Contacts,
+    program: &ConeProgram,
     solution: &ConeSolution,
     weight: impl Fn(&Contact) -> f64,
 ) -> [[f64; 2]; 2] {
     let mut sum = [[0.0; 2]; 2];
-    for (contact, f) in contacts.0.iter().zip(&solution.forces) {
-        let (force, l) = (
-            contact.normal * f[0] + contact.normal.perp() * f[1],
-            contact.normal * branch(bodies, contact),
-        );
+    let forces = program.interactions.iter().zip(&solution.forces);
+    for (contact, (c, f)) in contacts.0.iter().zip(forces) {
+        let (force, l) = (c.force(f), contact.normal * branch(bodies, contact));
         let weight = weight(contact);
         for i in 0..2 {
             for j in 0..2 {
@@ -118,6 +119,7 @@ fn leaning(shape: &MembraneShape, wall: BodyId) -> Option<f64> {
 pub struct StressTables<'w, 's> {
     bodies: Res<'w, Bodies>,
     contacts: Res<'w, Contacts>,
+    program: Res<'w, ConeProgram>,
     solution: Res<'w, ConeSolution>,
     analysis: Res<'w, Analysis>,
     attempt: Res<'w, Attempt>,
@@ -142,8 +144,10 @@ impl StressTables<'_, '_> {
     /// them.
     #[must_use]
     pub fn force_on(&self, members: &[BodyId]) -> Option<[f64; 3]> {
-        let Self { bodies, contacts, solution, .. } = self;
-        self.carries().then(|| groups::force_on(members, bodies, contacts, solution)).flatten()
+        let Self { bodies, contacts, program, solution, .. } = self;
+        self.carries()
+            .then(|| groups::force_on(members, bodies, contacts, program, solution))
+            .flatten()
     }
 
     /// A stress, Pa; `None` where a wall is not there or nothing carries it.
@@ -188,12 +192,20 @@ impl StressTables<'_, '_> {
                     }
                 };
                 let (bodies, contacts) = (&self.bodies, &self.contacts);
-                let stress = average_stress(bodies, contacts, &self.solution, area, thickness);
+                let stress = average_stress(
+                    bodies,
+                    contacts,
+                    &self.program,
+                    &self.solution,
+                    area,
+                    thickness,
+                );
                 Some(component(stress, *of))
             }
             StressMeasure::Region { component: of, min, max } => {
                 let inside = |contact: &Contact| part_inside(&self.bodies, contact, *min, *max);
-                let sum = moments(&self.bodies, &self.contacts, &self.solution, inside);
+                let sum =
+                    moments(&self.bodies, &self.contacts, &self.program, &self.solution, inside);
                 let volume = (*max - *min).element_product() * thickness;
                 Some(component(sum.map(|row| row.map(|s| s / volume)), *of))
             }
@@ -213,7 +225,8 @@ impl StressTables<'_, '_> {
             None => (inner, DVec2::ZERO),
         };
         let (bodies, contacts) = (&self.bodies, &self.contacts);
-        let mut stress = average_stress(bodies, contacts, &self.solution, area, thickness);
+        let mut stress =
+            average_stress(bodies, contacts, &self.program, &self.solution, area, thickness);
         let strip = shape.pressure * (area - inner) / area;
         for (i, row) in stress.iter_mut().enumerate() {
             for (j, entry) in row.iter_mut().enumerate() {

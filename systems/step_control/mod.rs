@@ -16,7 +16,7 @@ use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::contact_history::DraftHistory;
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
 use clastic_components::step_control::{StepControl, Whole};
-use clastic_cone::program::ConeSolution;
+use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use crate::attempt::run_attempts;
 use crate::measures::stress::average_stress;
@@ -108,8 +108,8 @@ fn is_committed(world: &World) -> bool {
 /// Sum of f (x) l over the contacts (xx, xy, yx, yy), N m: the mean stress times the volume.
 fn moment(world: &World) -> [f64; 4] {
     let (bodies, contacts) = (world.resource::<Bodies>(), world.resource::<Contacts>());
-    let solution = world.resource::<ConeSolution>();
-    let [[xx, xy], [yx, yy]] = average_stress(bodies, contacts, solution, 1.0, 1.0);
+    let (program, solution) = (world.resource::<ConeProgram>(), world.resource::<ConeSolution>());
+    let [[xx, xy], [yx, yy]] = average_stress(bodies, contacts, program, solution, 1.0, 1.0);
     [xx, xy, yx, yy]
 }
 

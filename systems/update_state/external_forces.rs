@@ -30,7 +30,7 @@ pub fn external_forces(
     for ((contact, c), f) in contacts.0.iter().zip(&program.interactions).zip(&solution.forces) {
         if contact.b as usize >= bodies.particles {
             let arm = contact.point(&bodies) - bodies.positions[contact.b as usize];
-            let resisted = -(c.normal * f[0] + c.normal.perp() * f[1]);
+            let resisted = -c.force(f);
             moments[contact.b as usize] += arm.perp_dot(resisted) - f[2];
             on_walls[contact.b as usize] += resisted;
         }

@@ -2,7 +2,7 @@
 
 use crate::common::*;
 use clastic::components::contact::{Bodies, Contacts};
-use clastic::cone::program::ConeSolution;
+use clastic::cone::program::{ConeProgram, ConeSolution};
 use clastic::run::Simulation;
 use clastic::scene::format::{Scene, Specimen};
 use clastic::systems::measures::stress::average_stress;
@@ -57,6 +57,7 @@ fn stress(scene: &Scene, columns: u32, gradient: [[f64; 2]; 2]) -> [[f64; 2]; 2]
     average_stress(
         world.resource::<Bodies>(),
         contacts,
+        world.resource::<ConeProgram>(),
         world.resource::<ConeSolution>(),
         per_direction * cell,
         1.0,

@@ -73,7 +73,7 @@ fn resultant(world: &World) -> DVec2 {
 
 fn mean_stress(world: &World, area: f64) -> [[f64; 2]; 2] {
     let (bodies, contacts) = (world.resource::<Bodies>(), world.resource::<Contacts>());
-    average_stress(bodies, contacts, world.resource(), area, THICKNESS)
+    average_stress(bodies, contacts, world.resource(), world.resource(), area, THICKNESS)
 }
 
 /// Places of a triangular lattice in rows from y = radius on.

@@ -130,7 +130,6 @@ fn a_wheel_keeps_its_angular_momentum_for_every_theta() {
         assert!(!simulation.world().resource::<ConeSolution>().forces.is_empty());
         let change = of(&mut simulation) / start - 1.0;
         println!("theta {theta}: {change:.1e}");
-        // 50 increments with an error of the energy of 1e-8 each.
-        assert_within(change, 0.0, 5e-7);
+        assert_within(change, 0.0, 1e-10);
     }
 }

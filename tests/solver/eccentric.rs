@@ -260,9 +260,8 @@ fn forces_do_not_depend_on_the_reference_points() {
     );
     assert!(compared[0] > 100 && compared[1] > 100, "{compared:?}");
     // A moment counts over the mean radius, and these arms are up to five times as long: a residual
-    // just below the tolerance may be above it: of the programs about the end of an increment one in a
-    // hundred. Clarabel stalls on more of them.
-    assert!(50 * stalled[0] <= compared[0] && 10 * stalled[1] <= compared[1], "{stalled:?}");
+    // just below the tolerance may be above it. Clarabel stalls on more of them.
+    assert!(100 * stalled[0] <= compared[0] && 10 * stalled[1] <= compared[1], "{stalled:?}");
     // The search for a solution of Coulomb's law may stall, about either points.
     let [both, one, other] = slides_of;
     assert!(both > 50 && 20 * one <= both && 20 * other <= both, "{slides_of:?}");

@@ -9,11 +9,11 @@ use super::geometry::Ending;
 use clastic_cone::program::{ConeProgram, ConeSolution, Dof};
 
 /// Maximum error of the energy of a step over the kinetic and the elastic energy. It is systematic:
-/// 10 000 steps add up to 1e-4.
-const MAX_ERROR: f64 = 1e-8;
+/// 10 000 steps add up to 1e-7.
+const MAX_ERROR: f64 = 1e-11;
 /// Work over that of the maximum force along a mean radius that is no error: the tolerance of the
 /// solver leaves as much. It counts where bodies turn back and have no kinetic energy.
-const NO_WORK: f64 = 1e-10;
+const NO_WORK: f64 = 1e-13;
 
 /// Work that the geometry of the start does wrongly, over the work that is accepted. `work` is that of
 /// the maximum force along a mean radius, J.

@@ -22,9 +22,9 @@ use clastic_components::rigid_group::GroupRow;
 use clastic_components::wall::WallDrive;
 use clastic_components::wall_shape::Curve;
 use clastic_cone::program::{ConeProgram, ConeSolution, Interaction};
-use clastic_cone::residuals::Carrying;
 
 use crate::attempt::closed_pairs::Moved;
+use crate::turns::Load;
 
 /// Tables of an increment and the place of its geometry.
 pub struct Increment<'a> {
@@ -67,20 +67,18 @@ impl Increment<'_> {
         pairs.filter_map(correction).collect()
     }
 
-    /// What the geometry at the end of a solution changes about it. The program has that of
-    /// `corrections`.
-    pub fn ending(&self, solution: &ConeSolution, corrections: &Corrections) -> Ending {
+    /// What the geometry at the end of a solution changes about the interactions that carry `load`.
+    /// The program has the geometry of `corrections`.
+    pub fn ending(&self, solution: &ConeSolution, corrections: &Corrections, load: Load) -> Ending {
         let Self { bodies, contacts, program, .. } = self;
         let u = &solution.displacements;
         let end = Moved::by(bodies, program, u, 1.0).positions;
-        let carrying = Carrying::new(program, solution);
         let mut loads = vec![[0.0; 3]; program.bodies.len()];
         let mut all = loads.clone();
         let mut misfits = vec![[0.0; 2]; program.interactions.len()];
         for (k, (contact, c)) in contacts.0.iter().zip(&program.interactions).enumerate() {
             let f = solution.forces[k];
-            let bonded = c.limits.has_strength();
-            if !bonded && !carrying.is_carrying(k) {
+            if !load.is_on(c, &f) {
                 continue;
             }
             let Some((exact, moved)) = self.exact(contact, c, u, &end) else { continue };
@@ -94,7 +92,7 @@ impl Increment<'_> {
             let mut answer = [0.0; 2];
             if c.normal_compliance > 0.0 {
                 answer[0] = misfits[k][0] / c.normal_compliance;
-                if !bonded {
+                if !c.limits.has_strength() {
                     answer[0] = answer[0].max(-f[0]);
                 }
             }

@@ -21,7 +21,7 @@ const DEPTH: usize = 2;
 /// with the linear response `idle`. A rotation counts with the length `radius`, m.
 pub fn next(guesses: &mut Guesses, u: &[[f64; 3]], idle: &[[f64; 3]], radius: f64) {
     if guesses.last.len() != u.len() {
-        *guesses = Guesses { last: vec![[0.0; 3]; u.len()], ..Guesses::default() };
+        guesses.last = vec![[0.0; 3]; u.len()];
     }
     let missed = difference(u, &guesses.last);
     let dot = |x: &[[f64; 3]], y: &[[f64; 3]]| dot(x, y, radius);
@@ -81,7 +81,8 @@ pub fn dot(x: &[[f64; 3]], y: &[[f64; 3]], radius: f64) -> f64 {
 /// Square of the sine of two changes below which they count as one.
 const SINGULAR: f64 = 1e-10;
 
-fn difference(x: &[[f64; 3]], y: &[[f64; 3]]) -> Vec<[f64; 3]> {
+/// `x - y`, by body.
+pub fn difference(x: &[[f64; 3]], y: &[[f64; 3]]) -> Vec<[f64; 3]> {
     x.iter().zip(y).map(|(x, y)| [0, 1, 2].map(|k| x[k] - y[k])).collect()
 }
 

@@ -15,7 +15,8 @@
 //! path as much as on the end, the next increment begins with what was out of balance, and the first
 //! condition alone decides.
 //!
-//! Passes are for what guides a body over many increments: bonds, rigid groups and curved walls. The
+//! Passes are for what guides a body over many increments: elastic bonds, rigid groups and curved walls.
+//! Rigid bonds that form a loop leave no room for gaps that the program does not have. The
 //! contacts of loose grains last for few, and with smaller increments the peaks of sand did not come
 //! closer to those with passes. There the out-of-balance force is recorded.
 
@@ -24,6 +25,7 @@ pub mod geometry;
 mod mixing;
 
 use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemParam;
 
 use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::contact::{Bodies, Contacts, WallRow};
@@ -32,11 +34,11 @@ use clastic_components::increment::{Analysis, AnalysisKind};
 use clastic_components::wall_shape::WallShape;
 use clastic_cone::condensed::response::LinearResponse;
 use clastic_cone::program::{ConeProgram, ConeSolution};
-use clastic_cone::residuals::{Carrying, force_scale};
+use clastic_cone::residuals::force_scale;
 
 use self::geometry::{Ending, Increment};
 use super::places::digits;
-use crate::turns::{furthest, of_bonded};
+use crate::turns::{Load, furthest, of_bonded};
 
 /// Maximum out-of-balance force at the end over the maximum force where nothing slides.
 const MAX_IMBALANCE: f64 = 1e-3;
@@ -65,138 +67,200 @@ const PROGRESS: f64 = 0.7;
 #[derive(Resource, Default)]
 pub struct Stiffness(LinearResponse);
 
+/// Tables of the increment.
+#[derive(SystemParam)]
+pub struct Tables<'w> {
+    analysis: Res<'w, Analysis>,
+    bodies: Res<'w, Bodies>,
+    contacts: Res<'w, Contacts>,
+    program: Res<'w, ConeProgram>,
+    solution: Res<'w, ConeSolution>,
+}
+
 /// Requests another pass until the end of the increment is in equilibrium.
 pub fn judge(
-    analysis: Res<Analysis>,
-    bodies: Res<Bodies>,
-    contacts: Res<Contacts>,
-    program: Res<ConeProgram>,
-    solution: Res<ConeSolution>,
+    tables: Tables,
     mut stiffness: ResMut<Stiffness>,
     mut state: ResMut<Corrections>,
     mut attempt: ResMut<Attempt>,
 ) {
-    let place = match analysis.kind {
-        AnalysisKind::Static => 1.0,
-        AnalysisKind::Dynamic { theta, .. } => 1.0 - theta,
-        AnalysisKind::Compaction { .. } => return,
-    };
-    let is_static = analysis.kind == AnalysisKind::Static;
+    let Tables { bodies, program, solution, .. } = &tables;
+    let far = furthest(bodies, &tables.contacts, program, solution);
+    let Some(increment) = tables.increment(far) else { return };
     let state = &mut *state;
-    let far = furthest(&bodies, &contacts, &program, &solution);
-    let at_rest =
-        largest(&solution.displacements, bodies.mean_radius) <= NO_MOTION * bodies.mean_radius;
-    // Impacts with restitution have normals and offsets of their own.
-    if !is_static && (at_rest || analysis.path_theta.is_some()) {
-        return;
-    }
-    if is_static && far.is_some_and(|(_, turn)| !(turn <= MAX_TURN)) {
-        return;
-    }
-    let increment = Increment { bodies: &bodies, contacts: &contacts, program: &program, place };
-    let ending = increment.ending(&solution, state);
-    let last = LAST_FORCE * force_scale(&program, &program.last_forces);
-    let unit = force_scale(&program, &solution.forces).max(last);
+    // In statics a bond without force is that of a loose fragment; in a time step it keeps its energy.
+    let is_static = tables.analysis.kind == AnalysisKind::Static;
+    let load = Load::of(solution, !is_static);
+    let ending = increment.ending(solution, state, load);
+    let last = LAST_FORCE * force_scale(program, &program.last_forces);
+    let unit = force_scale(program, &solution.forces).max(last);
     state.imbalance = if ending.imbalance > 0.0 { ending.imbalance / unit } else { 0.0 };
-    let guides = |wall: &WallRow| match wall.shape {
-        WallShape::Arc { .. } => true,
-        WallShape::Segment => is_static,
-        WallShape::Line => false,
-    };
-    let is_guided =
-        program.has_bonds() || !bodies.groups.is_empty() || bodies.walls.iter().any(guides);
-    if !is_guided || state.capped {
+    if !tables.is_guided() || state.capped {
         return;
     }
-    let (u, radius) = (&solution.displacements, bodies.mean_radius);
-    let (mut idle, mut is_stable) = (Vec::new(), true);
+    let motion = Motion::of(program, solution, load, bodies.mean_radius);
+    let is_elastic = is_elastic(program, solution, load);
+    let (idle, growth) = if is_elastic || !is_static {
+        motion.idle(program, solution, &ending, &state.guesses, &mut stiffness)
+    } else {
+        (Vec::new(), 0.0)
+    };
     let error = if !is_static {
-        energy::error(&program, &solution, &ending, unit * radius)
-    } else if !is_elastic(&program, &solution) {
+        energy::error(program, solution, &ending, unit * bodies.mean_radius)
+    } else if is_elastic {
+        let idle = motion.over_own(&idle, growth);
+        state.idle_motion = Some(idle);
+        (state.imbalance / MAX_IMBALANCE).max(idle / MAX_IDLE_MOTION)
+    } else {
         state.idle_motion = None;
         state.imbalance / MAX_IMBALANCE_OF_SLIDING
-    } else {
-        let growth;
-        (idle, growth) =
-            idle_motion(&increment, &solution, &ending, &state.guesses, &mut stiffness);
-        is_stable = growth < 1.0;
-        let all = if is_stable { (growth / (1.0 - growth)).max(1.0) } else { 1.0 };
-        let relative = all * relative(&idle, u, radius);
-        state.idle_motion = Some(relative);
-        (state.imbalance / MAX_IMBALANCE).max(relative / MAX_IDLE_MOTION)
     };
     if error <= 1.0 {
         return;
     }
-    let guesses = &mut state.guesses;
-    if state.passes == 0 {
-        guesses.best = f64::INFINITY;
-    }
-    guesses.stalled = if error < PROGRESS * guesses.best { 0 } else { guesses.stalled + 1 };
-    guesses.best = guesses.best.min(error);
-    if !is_stable || state.passes >= MAX_PASSES || guesses.stalled > MAX_STALLED {
-        if state.imbalance <= MAX_IMBALANCE_OF_SLIDING {
-            return;
-        }
-        if is_elastic(&program, &solution) && attempt.halved_turn.is_none() {
-            attempt.turn = far.and_then(|far| of_bonded(&bodies, far));
+    let makes_way = state.guesses.makes_way(error, PROGRESS, MAX_STALLED);
+    if makes_way && growth < 1.0 && state.passes < MAX_PASSES {
+        let guess = motion.next(&mut state.guesses, &idle, solution);
+        state.list = increment.about(&guess);
+        state.passes += 1;
+        attempt.verdict = Verdict::Again;
+    } else if !(state.imbalance <= MAX_IMBALANCE_OF_SLIDING) {
+        if is_elastic && attempt.halved_turn.is_none() {
+            attempt.turn = far.and_then(|far| of_bonded(bodies, far));
             attempt.verdict = Verdict::TooFar(format!(
                 "the end of the increment is out of balance by {} of the maximum force, and passes \
                  about it do not converge",
                 digits(state.imbalance)
             ));
         } else {
-            // The solution of the first program is the best that there is.
-            *state = Corrections { capped: true, ..Corrections::default() };
+            state.give_up();
             attempt.verdict = Verdict::Again;
         }
-        return;
     }
-    let best = (guesses.best, guesses.stalled);
-    mixing::next(guesses, u, &idle, radius);
-    (guesses.best, guesses.stalled) = best;
-    state.list = increment.about(&state.guesses.last);
-    state.passes += 1;
-    attempt.verdict = Verdict::Again;
 }
 
-/// What another pass would move, and its growth from pass to pass. After a pass it is what the guess
-/// missed, before the first one the linear response; empty where the stiffness has no factor.
-fn idle_motion(
-    Increment { bodies, program, .. }: &Increment,
-    solution: &ConeSolution,
-    ending: &Ending,
-    guesses: &Guesses,
-    stiffness: &mut Stiffness,
-) -> (Vec<[f64; 3]>, f64) {
-    let (u, radius) = (&solution.displacements, bodies.mean_radius);
-    if guesses.last.len() == u.len() {
-        let pairs = u.iter().zip(&guesses.last);
-        let missed = pairs.map(|(u, v)| [0, 1, 2].map(|k| u[k] - v[k])).collect();
-        return (missed, mixing::growth(guesses, u, radius));
+impl Tables<'_> {
+    /// The increment with the place of its geometry, if its end is judged.
+    fn increment(&self, far: Option<(usize, f64)>) -> Option<Increment<'_>> {
+        let Self { bodies, contacts, program, solution, analysis } = self;
+        let place = match analysis.kind {
+            AnalysisKind::Static => {
+                if far.is_some_and(|(_, turn)| !(turn <= MAX_TURN)) {
+                    return None;
+                }
+                1.0
+            }
+            AnalysisKind::Dynamic { theta, .. } => {
+                let motion = largest(&solution.displacements, bodies.mean_radius);
+                let at_rest = motion <= NO_MOTION * bodies.mean_radius;
+                // Impacts with restitution have normals and offsets of their own.
+                if at_rest || analysis.path_theta.is_some() {
+                    return None;
+                }
+                1.0 - theta
+            }
+            AnalysisKind::Compaction { .. } => return None,
+        };
+        Some(Increment { bodies, contacts, program, place })
     }
-    let Ending { loads, misfits, .. } = ending;
-    let idle = stiffness.0.to(program, solution, loads, misfits).unwrap_or_default();
-    let squared = mixing::dot(u, u, radius);
-    let growth = if squared > 0.0 { mixing::dot(&idle, u, radius) / squared } else { 0.0 };
-    // The response is only a first order: a pass decides whether the end is stable.
-    (idle, growth.min(MAX_FIRST_GROWTH))
+
+    /// Whether something guides bodies over many increments.
+    fn is_guided(&self) -> bool {
+        let is_static = self.analysis.kind == AnalysisKind::Static;
+        let guides = |wall: &WallRow| match wall.shape {
+            WallShape::Arc { .. } => true,
+            WallShape::Segment => is_static,
+            WallShape::Line => false,
+        };
+        let mut all = self.program.interactions.iter();
+        all.any(|c| c.limits.has_strength() && c.normal_compliance > 0.0)
+            || !self.bodies.groups.is_empty()
+            || self.bodies.walls.iter().any(guides)
+    }
 }
 
-/// An idle motion over that of the increment.
-fn relative(idle: &[[f64; 3]], u: &[[f64; 3]], radius: f64) -> f64 {
-    let size = if idle.is_empty() { f64::INFINITY } else { largest(idle, radius) };
-    if size <= NO_MOTION * radius { 0.0 } else { size / largest(u, radius) }
+/// The motion of the bodies that carry load. Where a loose grain goes tells nothing of the specimen,
+/// and depends on the weight that regularises it.
+struct Motion {
+    /// Whether a body carries load.
+    loaded: Vec<bool>,
+    /// Displacements, m and rad, by body in its own axes; zero without load.
+    own: Vec<[f64; 3]>,
+    /// Mean radius, m, with which rotations count.
+    radius: f64,
 }
 
-/// Whether the end alone determines the forces: no contact slides.
-fn is_elastic(program: &ConeProgram, solution: &ConeSolution) -> bool {
-    let carrying = Carrying::new(program, solution);
-    let mut forces = program.interactions.iter().zip(&solution.forces).enumerate();
-    let slides = forces.any(|(k, (c, f))| {
-        !c.limits.has_strength() && carrying.is_carrying(k) && c.limits.slides(f)
-    });
-    !slides
+impl Motion {
+    fn of(program: &ConeProgram, solution: &ConeSolution, load: Load, radius: f64) -> Self {
+        let mut loaded = vec![false; program.bodies.len()];
+        for (c, f) in program.interactions.iter().zip(&solution.forces) {
+            if load.is_on(c, f) {
+                (loaded[c.a as usize], loaded[c.b as usize]) = (true, true);
+            }
+        }
+        let mut motion = Self { loaded, own: Vec::new(), radius };
+        motion.own = motion.of_loaded(&solution.displacements);
+        motion
+    }
+
+    /// Displacements of the bodies that carry load, zero for others.
+    fn of_loaded(&self, u: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        u.iter().zip(&self.loaded).map(|(u, loaded)| if *loaded { *u } else { [0.0; 3] }).collect()
+    }
+
+    /// What another pass would move, and its growth from pass to pass. After a pass it is what the
+    /// guess missed, before the first one the linear response; empty where the stiffness has no
+    /// factor.
+    fn idle(
+        &self,
+        program: &ConeProgram,
+        solution: &ConeSolution,
+        ending: &Ending,
+        guesses: &Guesses,
+        stiffness: &mut Stiffness,
+    ) -> (Vec<[f64; 3]>, f64) {
+        let Self { own, radius, .. } = self;
+        if guesses.last.len() == own.len() {
+            let missed = mixing::difference(own, &guesses.last);
+            return (missed, mixing::growth(guesses, own, *radius));
+        }
+        let Ending { loads, misfits, .. } = ending;
+        let idle = stiffness.0.to(program, solution, loads, misfits).unwrap_or_default();
+        let idle = self.of_loaded(&idle);
+        let squared = mixing::dot(own, own, *radius);
+        let growth = if squared > 0.0 { mixing::dot(&idle, own, *radius) / squared } else { 0.0 };
+        // The response is only a first order: a pass decides whether the end is stable.
+        (idle, growth.min(MAX_FIRST_GROWTH))
+    }
+
+    /// An idle motion, with all that follows from it, over that of the increment.
+    fn over_own(&self, idle: &[[f64; 3]], growth: f64) -> f64 {
+        let all = if growth < 1.0 { (growth / (1.0 - growth)).max(1.0) } else { 1.0 };
+        let size = if idle.is_empty() { f64::INFINITY } else { largest(idle, self.radius) };
+        if size <= NO_MOTION * self.radius {
+            0.0
+        } else {
+            all * size / largest(&self.own, self.radius)
+        }
+    }
+
+    /// The next guess of all displacements: a body without load goes where it went.
+    fn next(
+        &self,
+        guesses: &mut Guesses,
+        idle: &[[f64; 3]],
+        solution: &ConeSolution,
+    ) -> Vec<[f64; 3]> {
+        mixing::next(guesses, &self.own, idle, self.radius);
+        let guess = guesses.last.iter().zip(&solution.displacements).zip(&self.loaded);
+        guess.map(|((guess, u), loaded)| if *loaded { *guess } else { *u }).collect()
+    }
+}
+
+/// Whether the end alone determines the forces: no contact that carries load slides.
+fn is_elastic(program: &ConeProgram, solution: &ConeSolution, load: Load) -> bool {
+    let mut forces = program.interactions.iter().zip(&solution.forces);
+    !forces.any(|(c, f)| !c.limits.has_strength() && load.is_on(c, f) && c.limits.slides(f))
 }
 
 /// Maximum motion of a body, m. A rotation counts with the length `radius`, m.
