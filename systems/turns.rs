@@ -14,34 +14,17 @@
 use clastic_components::body::Drive;
 use clastic_components::contact::{Bodies, Contact, Contacts};
 use clastic_components::increment::Acceptance;
-use clastic_cone::program::{ConeProgram, ConeSolution, Interaction};
+use clastic_cone::program::{ConeProgram, ConeSolution};
 use glam::DVec2;
 
 /// Minimum force of a contact that carries load, over the maximum force.
 const LOADED: f64 = 1e-3;
 
-/// What carries load in a solution: an interaction with a force that counts. The geometry of others is
-/// that of loose grains and fragments, whose motion depends on the weight that regularises it.
-#[derive(Clone, Copy, Debug)]
-pub struct Load {
-    minimum: f64,
-    /// Whether bonds count whatever their force is.
-    with_bonds: bool,
-}
-
-impl Load {
-    /// The load of a solution; `with_bonds` also all bonds.
-    #[must_use]
-    pub fn of(solution: &ConeSolution, with_bonds: bool) -> Self {
-        let maximum = solution.forces.iter().map(size).fold(0.0, f64::max);
-        Self { minimum: LOADED * maximum, with_bonds }
-    }
-
-    /// Whether an interaction with the force `f` = (p, q, tau) carries load.
-    #[must_use]
-    pub fn is_on(self, c: &Interaction, f: &[f64; 3]) -> bool {
-        size(f) > self.minimum || (self.with_bonds && c.limits.has_strength())
-    }
+/// Which interactions carry load, in the order of the program: those with a force that counts.
+#[must_use]
+pub fn carrying(solution: &ConeSolution) -> Vec<bool> {
+    let maximum = solution.forces.iter().map(size).fold(0.0, f64::max);
+    solution.forces.iter().map(|f| size(f) > LOADED * maximum).collect()
 }
 
 fn size(f: &[f64; 3]) -> f64 {
@@ -108,13 +91,12 @@ pub fn turns(
 ) -> Vec<f64> {
     let n = bodies.particles;
     let u = &solution.displacements;
-    let load = Load::of(solution, true);
+    let carrying = carrying(solution);
     let mut loaded = vec![None::<f64>; n];
     let mut nearest = vec![f64::INFINITY; n];
-    let forces = program.interactions.iter().zip(&solution.forces);
-    for (contact, (c, f)) in contacts.0.iter().zip(forces) {
+    for (k, contact) in contacts.0.iter().enumerate() {
         let turn = turn(bodies, program, u, contact);
-        let carries = load.is_on(c, f);
+        let carries = contact.bond.is_some() || carrying.get(k).is_some_and(|carries| *carries);
         for i in [contact.a as usize, contact.b as usize].into_iter().filter(|i| *i < n) {
             if carries {
                 loaded[i] = Some(loaded[i].map_or(turn, |other| other.max(turn)));

@@ -24,7 +24,6 @@ use clastic_components::wall_shape::Curve;
 use clastic_cone::program::{ConeProgram, ConeSolution, Interaction};
 
 use crate::attempt::closed_pairs::Moved;
-use crate::turns::Load;
 
 /// Tables of an increment and the place of its geometry.
 pub struct Increment<'a> {
@@ -67,9 +66,14 @@ impl Increment<'_> {
         pairs.filter_map(correction).collect()
     }
 
-    /// What the geometry at the end of a solution changes about the interactions that carry `load`.
+    /// What the geometry at the end of a solution changes about the interactions that `counts` names.
     /// The program has the geometry of `corrections`.
-    pub fn ending(&self, solution: &ConeSolution, corrections: &Corrections, load: Load) -> Ending {
+    pub fn ending(
+        &self,
+        solution: &ConeSolution,
+        corrections: &Corrections,
+        counts: &[bool],
+    ) -> Ending {
         let Self { bodies, contacts, program, .. } = self;
         let u = &solution.displacements;
         let end = Moved::by(bodies, program, u, 1.0).positions;
@@ -78,7 +82,7 @@ impl Increment<'_> {
         let mut misfits = vec![[0.0; 2]; program.interactions.len()];
         for (k, (contact, c)) in contacts.0.iter().zip(&program.interactions).enumerate() {
             let f = solution.forces[k];
-            if !load.is_on(c, &f) {
+            if !counts[k] {
                 continue;
             }
             let Some((exact, moved)) = self.exact(contact, c, u, &end) else { continue };

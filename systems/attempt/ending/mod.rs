@@ -33,12 +33,12 @@ use clastic_components::findings::{Corrections, Guesses};
 use clastic_components::increment::{Analysis, AnalysisKind};
 use clastic_components::wall_shape::WallShape;
 use clastic_cone::condensed::response::LinearResponse;
-use clastic_cone::program::{ConeProgram, ConeSolution};
+use clastic_cone::program::{ConeProgram, ConeSolution, Interaction};
 use clastic_cone::residuals::force_scale;
 
 use self::geometry::{Ending, Increment};
 use super::places::digits;
-use crate::turns::{Load, furthest, of_bonded};
+use crate::turns::{carrying, furthest, of_bonded};
 
 /// Maximum out-of-balance force at the end over the maximum force where nothing slides.
 const MAX_IMBALANCE: f64 = 1e-3;
@@ -49,6 +49,9 @@ const MAX_IMBALANCE_OF_SLIDING: f64 = 5e-2;
 const MAX_IDLE_MOTION: f64 = 1e-3;
 /// Motion, mean radii, that is no error whatever the motion of the increment is.
 const NO_MOTION: f64 = 1e-6;
+/// Stretch of a bond by the maximum force over the motion of the increment, below which the specimen
+/// moves almost as rigid bodies.
+const FREE: f64 = 1e-3;
 /// Part of the last maximum force that the maximum force counts as at least: a specimen that is
 /// unloaded has forces of round-off.
 const LAST_FORCE: f64 = 1e-3;
@@ -88,18 +91,17 @@ pub fn judge(
     let far = furthest(bodies, &tables.contacts, program, solution);
     let Some(increment) = tables.increment(far) else { return };
     let state = &mut *state;
-    // In statics a bond without force is that of a loose fragment; in a time step it keeps its energy.
-    let is_static = tables.analysis.kind == AnalysisKind::Static;
-    let load = Load::of(solution, !is_static);
-    let ending = increment.ending(solution, state, load);
+    let is_static = tables.is_static();
+    let counts = tables.counting();
+    let ending = increment.ending(solution, state, &counts);
     let last = LAST_FORCE * force_scale(program, &program.last_forces);
     let unit = force_scale(program, &solution.forces).max(last);
     state.imbalance = if ending.imbalance > 0.0 { ending.imbalance / unit } else { 0.0 };
     if !tables.is_guided() || state.capped {
         return;
     }
-    let motion = Motion::of(program, solution, load, bodies.mean_radius);
-    let is_elastic = is_elastic(program, solution, load);
+    let motion = Motion::of(program, solution, &counts, bodies.mean_radius);
+    let is_elastic = is_elastic(program, solution, &counts);
     let (idle, growth) = if is_elastic || !is_static {
         motion.idle(program, solution, &ending, &state.guesses, &mut stiffness)
     } else {
@@ -142,7 +144,7 @@ pub fn judge(
 impl Tables<'_> {
     /// The increment with the place of its geometry, if its end is judged.
     fn increment(&self, far: Option<(usize, f64)>) -> Option<Increment<'_>> {
-        let Self { bodies, contacts, program, solution, analysis } = self;
+        let Self { bodies, contacts, program, solution, analysis, .. } = self;
         let place = match analysis.kind {
             AnalysisKind::Static => {
                 if far.is_some_and(|(_, turn)| !(turn <= MAX_TURN)) {
@@ -164,9 +166,30 @@ impl Tables<'_> {
         Some(Increment { bodies, contacts, program, place })
     }
 
+    /// Which interactions the end is judged by: those that carry load, and in time steps all bonds. In
+    /// statics a bond without load is mostly that of a loose grain, whose place depends on the weight
+    /// that regularises it. It counts where the specimen moves almost without force: where the maximum
+    /// force stretches the bond by less than [`FREE`] of the motion.
+    fn counting(&self) -> Vec<bool> {
+        let Self { bodies, program, solution, .. } = self;
+        let maximum = force_scale(program, &solution.forces);
+        let motion = largest(&solution.displacements, bodies.mean_radius);
+        let is_free = |c: &Interaction| maximum * c.normal_compliance < FREE * motion;
+        let interactions = program.interactions.iter().zip(carrying(solution));
+        interactions
+            .map(|(c, carries)| {
+                carries || c.limits.has_strength() && (!self.is_static() || is_free(c))
+            })
+            .collect()
+    }
+
+    fn is_static(&self) -> bool {
+        self.analysis.kind == AnalysisKind::Static
+    }
+
     /// Whether something guides bodies over many increments.
     fn is_guided(&self) -> bool {
-        let is_static = self.analysis.kind == AnalysisKind::Static;
+        let is_static = self.is_static();
         let guides = |wall: &WallRow| match wall.shape {
             WallShape::Arc { .. } => true,
             WallShape::Segment => is_static,
@@ -191,10 +214,10 @@ struct Motion {
 }
 
 impl Motion {
-    fn of(program: &ConeProgram, solution: &ConeSolution, load: Load, radius: f64) -> Self {
+    fn of(program: &ConeProgram, solution: &ConeSolution, counts: &[bool], radius: f64) -> Self {
         let mut loaded = vec![false; program.bodies.len()];
-        for (c, f) in program.interactions.iter().zip(&solution.forces) {
-            if load.is_on(c, f) {
+        for (c, counts) in program.interactions.iter().zip(counts) {
+            if *counts {
                 (loaded[c.a as usize], loaded[c.b as usize]) = (true, true);
             }
         }
@@ -258,9 +281,9 @@ impl Motion {
 }
 
 /// Whether the end alone determines the forces: no contact that carries load slides.
-fn is_elastic(program: &ConeProgram, solution: &ConeSolution, load: Load) -> bool {
-    let mut forces = program.interactions.iter().zip(&solution.forces);
-    !forces.any(|(c, f)| !c.limits.has_strength() && load.is_on(c, f) && c.limits.slides(f))
+fn is_elastic(program: &ConeProgram, solution: &ConeSolution, counts: &[bool]) -> bool {
+    let mut forces = program.interactions.iter().zip(&solution.forces).zip(counts);
+    !forces.any(|((c, f), counts)| *counts && !c.limits.has_strength() && c.limits.slides(f))
 }
 
 /// Maximum motion of a body, m. A rotation counts with the length `radius`, m.
