@@ -32,6 +32,8 @@ pub struct Progress {
     pub dense: bool,
     /// Time, s.
     pub time: f64,
+    /// Gravity of the last committed increment, m/s^2.
+    pub gravity: Option<(f64, f64)>,
 }
 
 impl Default for Progress {
@@ -47,6 +49,7 @@ impl Default for Progress {
             relaxing: false,
             dense: false,
             time: 0.0,
+            gravity: None,
         }
     }
 }

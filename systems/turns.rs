@@ -89,13 +89,48 @@ pub fn turns(
     program: &ConeProgram,
     solution: &ConeSolution,
 ) -> Vec<f64> {
+    let PairTurns { loaded, nearest } = of_pairs(bodies, contacts, program, solution);
+    let of_grain = |i: usize| {
+        if is_imposed(bodies, i) {
+            return 0.0;
+        }
+        let of_group = bodies
+            .group(i)
+            .map_or(0.0, |group| solution.displacements[group.body as usize][2].abs());
+        let of_pairs = loaded[i].unwrap_or(nearest[i]);
+        of_group.max(if of_pairs.is_finite() { of_pairs } else { 0.0 })
+    };
+    (0..bodies.particles).map(of_grain).collect()
+}
+
+/// Whether a grain has an imposed motion, alone or with its rigid group.
+pub(crate) fn is_imposed(bodies: &Bodies, i: usize) -> bool {
+    let imposes = |d: &Drive| matches!(d, Drive::Imposed(_));
+    bodies.drives[i][..2].iter().any(imposes)
+        || bodies.group(i).is_some_and(|group| group.drives.iter().any(imposes))
+}
+
+/// Turns by grain, rad.
+pub(crate) struct PairTurns {
+    /// Maximum of its bonds and of its contacts that carry load, if it has any.
+    pub loaded: Vec<Option<f64>>,
+    /// Minimum of all its pairs; infinite without any.
+    pub nearest: Vec<f64>,
+}
+
+/// Turns of the pairs of each grain.
+pub(crate) fn of_pairs(
+    bodies: &Bodies,
+    contacts: &Contacts,
+    program: &ConeProgram,
+    solution: &ConeSolution,
+) -> PairTurns {
     let n = bodies.particles;
-    let u = &solution.displacements;
     let carrying = carrying(solution);
     let mut loaded = vec![None::<f64>; n];
     let mut nearest = vec![f64::INFINITY; n];
     for (k, contact) in contacts.0.iter().enumerate() {
-        let turn = turn(bodies, program, u, contact);
+        let turn = turn(bodies, program, &solution.displacements, contact);
         let carries = contact.bond.is_some() || carrying.get(k).is_some_and(|carries| *carries);
         for i in [contact.a as usize, contact.b as usize].into_iter().filter(|i| *i < n) {
             if carries {
@@ -104,19 +139,7 @@ pub fn turns(
             nearest[i] = nearest[i].min(turn);
         }
     }
-    let imposes = |d: &Drive| matches!(d, Drive::Imposed(_));
-    let of_grain = |i: usize| {
-        let group = bodies.group(i);
-        if bodies.drives[i][..2].iter().any(imposes)
-            || group.is_some_and(|group| group.drives.iter().any(imposes))
-        {
-            return 0.0;
-        }
-        let of_group = group.map_or(0.0, |group| u[group.body as usize][2].abs());
-        let of_pairs = loaded[i].unwrap_or(nearest[i]);
-        of_group.max(if of_pairs.is_finite() { of_pairs } else { 0.0 })
-    };
-    (0..n).map(of_grain).collect()
+    PairTurns { loaded, nearest }
 }
 
 /// Angle by which a solution turns the normal of a contact, to first order, rad.

@@ -30,9 +30,9 @@ use clastic_cone::program::{ConeProgram, ConeSolution, SolveStatus};
 
 use super::places::{digits, moves_most, near};
 use crate::kinetic_damping;
-use crate::mean_field::furthest;
 use crate::motion_settings::MotionSettings;
 use crate::rupture_bonds::{BuiltInRule, Met, find_ruptures, most_yielding, release};
+use crate::travel::furthest;
 use crate::update_state::remembered;
 
 /// Length of a step, in radii of the furthest grain, stiffness, N/m, and weight of the first step.
@@ -122,7 +122,7 @@ pub fn judge_length(
     mut attempt: ResMut<Attempt>,
 ) {
     let length = attempt.motion().map_or(1.0, |motion| motion.length);
-    if let Some((grain, far)) = furthest(&bodies, &program, &solution)
+    if let Some((grain, far)) = furthest(&bodies, &contacts, &program, &solution)
         && !(far <= length * Acceptance::MAX_TRAVEL)
     {
         let (grain, far) = (near(&bodies, [grain, grain]), digits(far));
@@ -146,13 +146,14 @@ pub fn judge_length(
 /// Judge: is the motion at rest after the step, or has the specimen moved too far to find rest?
 pub fn judge_rest(
     bodies: Res<Bodies>,
+    contacts: Res<Contacts>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
     acceptance: Res<Acceptance>,
     settings: Res<MotionSettings>,
     mut attempt: ResMut<Attempt>,
 ) {
-    let far = furthest(&bodies, &program, &solution).map_or(0.0, |(_, far)| far);
+    let far = furthest(&bodies, &contacts, &program, &solution).map_or(0.0, |(_, far)| far);
     let Some(motion) = attempt.motion() else { return };
     let last = || {
         moves_most(&bodies, &program, &solution.displacements)
@@ -183,7 +184,7 @@ pub fn judge_rest(
 /// Repeats the step in a shorter time.
 pub fn shorten(world: &mut World) {
     let solved = world.resource::<ConeSolution>().status == SolveStatus::Solved;
-    let far = furthest(world.resource(), world.resource(), world.resource());
+    let far = furthest(world.resource(), world.resource(), world.resource(), world.resource());
     let settings = *world.resource::<MotionSettings>();
     let mut attempt = world.resource_mut::<Attempt>();
     count_step(&mut attempt);
@@ -204,7 +205,7 @@ fn count_step(attempt: &mut Attempt) {
 pub fn take_step(world: &mut World) {
     let (bodies, program) = (world.resource::<Bodies>(), world.resource::<ConeProgram>());
     let solution = world.resource::<ConeSolution>();
-    let far = furthest(bodies, program, solution).map_or(0.0, |(_, far)| far);
+    let far = furthest(bodies, world.resource(), program, solution).map_or(0.0, |(_, far)| far);
     let displacements = solution.displacements.clone();
     move_tables(world);
     forget_pairs(world);

@@ -16,7 +16,6 @@ use clastic_components::wall::Wall;
 
 use super::principal::Principal;
 use crate::control_walls::wall_distance;
-use crate::mean_field::MeanField;
 use crate::state::StateOf;
 
 /// Where bodies are, and where the particles were at the start of the reference stage.
@@ -83,7 +82,7 @@ impl StrainTables<'_, '_> {
                 motions.push(now[k].1 - *place);
             }
         }
-        let field = MeanField::affine(&places, &motions)?;
+        let field = AffineField::fit(&places, &motions)?;
         let (xx, yy) = (-field.along_x.x, -field.along_y.y);
         let xy = -0.5 * (field.along_x.y + field.along_y.x);
         Some(match component {
@@ -105,7 +104,7 @@ pub fn shear_of(bodies: &Bodies) -> Option<f64> {
     let n = bodies.particles;
     let motions =
         bodies.last_motion[..n].iter().map(|u| DVec2::new(u[0], u[1])).collect::<Vec<_>>();
-    let field = MeanField::affine(&bodies.positions[..n], &motions)?;
+    let field = AffineField::fit(&bodies.positions[..n], &motions)?;
     Some(field.along_x.y + field.along_y.x)
 }
 
@@ -217,5 +216,37 @@ mod tests {
         assert!(dilation_angle(&constant, 0.0).unwrap().abs() < 1e-14);
         assert_eq!(dilation_angle(&[[0.0, 0.0], [0.01, 0.01]], 0.0), None);
         assert_eq!(dilation_angle(&[[0.0, 0.0]], 0.0), None);
+    }
+}
+
+/// Displacement gradient of the affine field that fits the motions of bodies best.
+struct AffineField {
+    /// `du/dx`.
+    along_x: DVec2,
+    /// `du/dy`.
+    along_y: DVec2,
+}
+
+impl AffineField {
+    /// Fits by least squares; `None` for less than three bodies, or collinear ones.
+    fn fit(x: &[DVec2], u: &[DVec2]) -> Option<Self> {
+        let n = x.len().max(1) as f64;
+        let origin = x.iter().sum::<DVec2>() / n;
+        let mean = u.iter().sum::<DVec2>() / n;
+        let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
+        let (mut ux, mut uy) = (DVec2::ZERO, DVec2::ZERO);
+        for (x, u) in x.iter().zip(u) {
+            let d = *x - origin;
+            xx += d.x * d.x;
+            xy += d.x * d.y;
+            yy += d.y * d.y;
+            ux += d.x * (*u - mean);
+            uy += d.y * (*u - mean);
+        }
+        let det = xx * yy - xy * xy;
+        (det > 1e-6 * (xx + yy) * (xx + yy)).then(|| Self {
+            along_x: (yy * ux - xy * uy) / det,
+            along_y: (xx * uy - xy * ux) / det,
+        })
     }
 }
