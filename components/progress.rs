@@ -32,8 +32,6 @@ pub struct Progress {
     pub dense: bool,
     /// Time, s.
     pub time: f64,
-    /// Gravity of the last committed increment, m/s^2.
-    pub gravity: Option<(f64, f64)>,
 }
 
 impl Default for Progress {
@@ -49,7 +47,6 @@ impl Default for Progress {
             relaxing: false,
             dense: false,
             time: 0.0,
-            gravity: None,
         }
     }
 }

@@ -32,8 +32,6 @@ pub struct Findings<'a> {
     pub corrections: &'a Corrections,
     /// Whether rigid overlaps have been pushed apart.
     pub pushed: &'a Pushed,
-    /// Whether the increment is [idle](super::idle).
-    pub is_idle: bool,
 }
 
 /// Fills `out` with one interaction per contact, in the order of the contacts, and `last` with
@@ -55,11 +53,10 @@ pub fn assemble(
         let law = contact_law(bodies, materials, analysis, contact);
         let memory = memory_of(contact.a, contact.b);
         last.push(memory.map_or([0.0; 3], |m| [m.p, m.q, m.tau]));
-        let pressed = memory.map_or(0.0, |m| m.p);
         let memory = memory.map_or([0.0; 2], |m| [m.q, m.tau]);
         match contact.bond.map(|k| &bodies.bonds[k as usize]) {
             Some(bond) => bonded(bodies, analysis, findings, contact, bond, memory),
-            None => unbonded(bodies, analysis, findings, contact, &law, pressed, memory),
+            None => unbonded(bodies, analysis, findings, contact, &law, memory),
         }
     }));
 }
@@ -144,7 +141,6 @@ fn unbonded(
     findings: Findings,
     contact: &Contact,
     law: &ContactLaw,
-    pressed: f64,
     memory: [f64; 2],
 ) -> Interaction {
     let rolling = law.rolling_friction * contact.common_radius(bodies);
@@ -152,13 +148,7 @@ fn unbonded(
     // The motion that separates overlaps is known. Forces and velocities are those of bodies that
     // just touch.
     let touches = findings.pushed.0.is_some() && law.normal_compliance == 0.0;
-    let gap = if findings.is_idle && pressed > 0.0 {
-        -law.normal_compliance * pressed
-    } else if touches {
-        contact.gap.max(0.0)
-    } else {
-        contact.gap
-    };
+    let gap = if touches { contact.gap.max(0.0) } else { contact.gap };
     interaction(
         bodies,
         analysis,

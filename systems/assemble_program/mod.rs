@@ -4,7 +4,6 @@ pub mod balance;
 pub mod cell;
 pub mod groups;
 pub mod hits;
-pub mod idle;
 pub mod interactions;
 pub mod known_pairs;
 pub mod rebounds;
@@ -25,7 +24,6 @@ use clastic_components::findings::{Centre, Corrections, EventSearch, Impacts, Pu
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
 use clastic_components::loads::TrialLoads;
 use clastic_components::material::Materials;
-use clastic_components::membrane::Membrane;
 use clastic_cone::program::ConeProgram;
 
 use self::interactions::Findings;
@@ -55,14 +53,13 @@ impl Plugin for AssembleProgramPlugin {
 
 /// Tables of the trial.
 #[derive(SystemParam)]
-pub struct Trial<'w, 's> {
+pub struct Trial<'w> {
     bodies: Res<'w, Bodies>,
     contacts: Res<'w, Contacts>,
     history: Res<'w, DraftHistory>,
     loads: Res<'w, TrialLoads>,
     progress: Res<'w, Progress>,
     attempt: Res<'w, Attempt>,
-    membranes: Query<'w, 's, &'static Membrane>,
 }
 
 /// Settings on which the program depends.
@@ -134,7 +131,7 @@ fn assemble_interactions(
         &trial.history.0,
         &settings.materials,
         &settings.analysis,
-        Findings { corrections, pushed, is_idle: is_idle(trial, settings) },
+        Findings { corrections, pushed },
         &mut program.interactions,
         &mut program.last_forces,
     );
@@ -155,16 +152,9 @@ fn assemble_interactions(
     groups::join(bodies, interactions);
 }
 
-/// Whether the increment is idle, and no motion has moved the bodies in it.
-fn is_idle(trial: &Trial, settings: &Settings) -> bool {
-    let Trial { bodies, progress, loads, attempt, membranes, .. } = trial;
-    let membranes: Vec<_> = membranes.iter().collect();
-    attempt.motions == 0 && idle::is_idle(bodies, &settings.analysis, progress, loads, &membranes)
-}
-
 /// Fills the balance rows of the bodies.
 fn assemble_bodies(trial: &Trial, settings: &Settings, program: &mut ConeProgram) {
-    let Trial { bodies, contacts, history, loads, progress, attempt, .. } = trial;
+    let Trial { bodies, contacts, history, loads, progress, attempt } = trial;
     let analysis = &settings.analysis;
     let balance = |program: &mut ConeProgram| {
         let ConeProgram { interactions, bodies: rows, .. } = program;

@@ -66,7 +66,6 @@ pub fn advance_progress(
     if (progress.done - progress.done.round()).abs() < 1e-9 {
         progress.done = progress.done.round();
     }
-    progress.gravity = Some(analysis.gravity.into());
     if let AnalysisKind::Dynamic { dt, .. } = analysis.kind {
         progress.time += dt * fraction;
     }
