@@ -164,7 +164,8 @@ fn findings(text: &str, places: &BTreeMap<String, Span>, uses: &[Use]) -> Vec<Fi
     solve(&all, &mut known);
     for (at, pairs) in &pairs {
         if let Some(conflict) = pairs.iter().find_map(|pair| conflict(pair, &known)) {
-            let message = format!("`{}`: {conflict}", text.get(at.span.clone()).unwrap_or_default());
+            let message =
+                format!("`{}`: {conflict}", text.get(at.span.clone()).unwrap_or_default());
             let help = "factors with a unit need names in `let`";
             findings.push(Finding::new(&at.path, message, help));
         }

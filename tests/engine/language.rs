@@ -326,8 +326,10 @@ fn a_value_with_a_name_is_set_once() {
 
 #[test]
 fn expressions_stand_for_numbers() {
-    let text = ROW.replace("\"down\": 1.0e-4", "\"gap\": 1.0, \"down\": gap / 1e4, \"turns\": 2 + 1");
-    let text = text.replace("normal_stiffness: k)", "normal_stiffness: 2 * k, friction: tan(pi / 6))");
+    let text =
+        ROW.replace("\"down\": 1.0e-4", "\"gap\": 1.0, \"down\": gap / 1e4, \"turns\": 2 + 1");
+    let text =
+        text.replace("normal_stiffness: k)", "normal_stiffness: 2 * k, friction: tan(pi / 6))");
     let text = text.replace("increments: 10,", "increments: turns * 2,");
     let loaded = read(&text, &["thickness=sqrt(0.25) * 3", "let.k=4.0e6 / 4"]);
     let contact = &loaded.scene.materials["m"].contact;

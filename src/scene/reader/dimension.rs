@@ -69,9 +69,8 @@ impl Dimension {
 
     /// The unit in words.
     fn said(&self) -> String {
-        const UNITS: [&str; 12] = [
-            "m", "s", "kg", "N", "Pa", "N/m", "m^2", "m/s", "m/s^2", "kg/m^3", "N m", "kg/s",
-        ];
+        const UNITS: [&str; 12] =
+            ["m", "s", "kg", "N", "Pa", "N/m", "m^2", "m/s", "m/s^2", "kg/m^3", "N m", "kg/s"];
         if self.powers == [0.0; 3] {
             return "a plain number".to_owned();
         }

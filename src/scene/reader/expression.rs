@@ -246,7 +246,8 @@ mod tests {
     use super::*;
 
     fn value(text: &str) -> f64 {
-        let names = |name: &str| [("a", 3.0), ("b", -4.0)].iter().find(|n| n.0 == name).map(|n| n.1);
+        let names =
+            |name: &str| [("a", 3.0), ("b", -4.0)].iter().find(|n| n.0 == name).map(|n| n.1);
         parse(text).unwrap_or_else(|error| panic!("{text}: {error}")).value(&names).unwrap()
     }
 
