@@ -280,6 +280,7 @@ fn biaxial(scenes: &Scenes, full: bool, seed: u64) -> Result<LoadedScene, BenchE
         rest: CompactRest::Affine,
         agitation: 0.1,
         seed,
+        stop: Vec::new(),
         record: Default::default(),
     };
     loaded.scene.stages.insert(0, Stage::Compact(compact));

@@ -16,7 +16,7 @@ use super::{
     OutputError, dump, events, first_mechanism, frames, history, peak, states, timings, wanted,
 };
 use crate::run::key_results::is_undecided;
-use crate::run::plugin::{BeginStage, StageSystems};
+use crate::run::plugin::{BeginStage, EndStage, StageSystems};
 use crate::run::save::SavedStates;
 
 /// Writes the results of every increment. Its systems run after the stop conditions, so that the
@@ -43,6 +43,10 @@ impl Plugin for OutputPlugin {
                 prepared::take_start
                     .run_if(resource_exists::<RunDirectory>)
                     .before(StageSystems::BuiltIn),
+            )
+            .add_systems(
+                EndStage,
+                prepared::write_packing.pipe(halt).run_if(can_write).after(StageSystems::Custom),
             )
             .add_systems(
                 Advance,

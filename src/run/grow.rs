@@ -13,9 +13,10 @@ use clastic_components::contact::Bodies;
 use clastic_components::increment::Progress;
 use clastic_components::particle::Particle;
 
+use super::compact::target_porosity;
 use super::enclosure::room;
 use super::script::Script;
-use crate::scene::format::{Compact, CompactBy, CompactTarget, Stage};
+use crate::scene::format::{Compact, CompactBy, Stage};
 
 /// Run condition: the stage compacts by radii.
 pub(super) fn are_growing(script: Option<Res<Script>>, progress: Res<Progress>) -> bool {
@@ -31,7 +32,7 @@ fn growing<'a>(script: &'a Script, progress: &Progress) -> Option<&'a Compact> {
 
 /// Factor that brings disks of this total area (m^2) to the porosity of the stage.
 pub(super) fn factor(world: &mut World, stage: &Compact, area: f64) -> Option<f64> {
-    let CompactTarget::Porosity(porosity) = stage.target else { return None };
+    let porosity = target_porosity(world, stage)?;
     Some(((1.0 - porosity) * room(world, stage)? / area).sqrt())
 }
 

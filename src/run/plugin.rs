@@ -22,6 +22,7 @@ use super::key_results::{KEY_RESULTS, KeyResults, is_undecided, observe_incremen
 use super::measures::{MeasureKinds, read_custom};
 use super::pour::{POURED, pour};
 use super::sanity::{self, SANITY, Sanity, UNTOUCHED, Untouched};
+use super::scale::{is_scaled, scale};
 use super::script::{Script, StageEnd};
 pub use super::stage_kinds::{BeginStage, EndStage, ProvideStage, StageKinds, StageSystems};
 use super::stages::{CurrentStage, begin_built_in, change_stages, end_built_in};
@@ -99,7 +100,12 @@ impl Plugin for ScenePlugin {
             .init_resource::<MeasureKinds>()
             .init_resource::<Before>()
             .add_systems(BeginStage, begin_built_in.in_set(StageSystems::BuiltIn))
-            .add_systems(AttemptIncrement, grow.before(AttemptSystems::Detect).run_if(are_growing))
+            .add_systems(
+                AttemptIncrement,
+                (grow.run_if(are_growing), scale.run_if(is_scaled))
+                    .chain()
+                    .before(AttemptSystems::Detect),
+            )
             .add_systems(
                 Increment,
                 keep_radii

@@ -82,7 +82,8 @@ fn refusal(world: &mut World, stage: &Stage) -> Option<String> {
             grow::refusal(world, stage).or_else(|| compact::refusal(world, stage))
         }
         Stage::Save(stage) => save::refusal(world, stage),
-        Stage::Custom(_) | Stage::Cement(_) => None,
+        Stage::Cement(stage) => cement::refusal(world, stage),
+        Stage::Custom(_) => None,
     }
 }
 
@@ -116,6 +117,7 @@ fn begin(world: &mut World, stage: Stage) {
         ended_by: None,
         stop: None,
         passed: None,
+        jammed_at: None,
     };
     script.ends.push(end);
     script.peak = 0.0;

@@ -72,8 +72,7 @@ pub struct Undoable {
 }
 
 fn until(stage: &Stage) -> Option<(&str, f64)> {
-    let stage = stage.load()?;
-    stage.stop.iter().find_map(|stop| match stop {
+    stage.stop().iter().find_map(|stop| match stop {
         Stop::Until(name, value) => Some((name.as_str(), *value)),
         _ => None,
     })
@@ -264,6 +263,7 @@ pub(super) fn reached(world: &mut World, stage: &Stage) -> Option<Landing> {
 /// with room left.
 pub(super) fn missed(world: &World, stage: &Stage) -> Option<Stop> {
     let Some((name, value)) = until(stage) else {
+        // A compaction has reached its target.
         let stops = &stage.load()?.stop;
         return stops.iter().find(|stop| !matches!(stop, Stop::Full(_))).cloned();
     };

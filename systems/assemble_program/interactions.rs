@@ -73,14 +73,17 @@ pub fn contact_law(
         return ContactLaw::rigid_frictionless();
     }
     let (a, b) = (contact.a as usize, contact.b as usize);
-    if b < bodies.particles {
+    let mut law = if b < bodies.particles {
         materials.contact(bodies.materials[a], bodies.materials[b])
     } else {
         bodies
             .walls
             .binary_search_by_key(&contact.b, |w| w.body)
             .map_or_else(|_| ContactLaw::default(), |k| bodies.walls[k].law)
-    }
+    };
+    law.friction *= analysis.strength;
+    law.rolling_friction *= analysis.strength;
+    law
 }
 
 /// Initial shear force of a contact whose bond has broken: the part that its friction can carry. It
@@ -116,12 +119,13 @@ fn bonded(
 ) -> Interaction {
     let law = &bond.law;
     let radius = contact.common_radius(bodies);
-    let area = 2.0 * radius * analysis.thickness;
+    let strength = analysis.strength;
+    let area = strength * 2.0 * radius * analysis.thickness;
     let limits = Limits::new(
         law.cohesion * area,
-        law.friction,
+        law.friction * strength,
         law.tensile_strength * area,
-        law.rolling_friction * radius,
+        law.rolling_friction * strength * radius,
     );
     interaction(
         bodies,

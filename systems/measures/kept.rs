@@ -41,6 +41,7 @@ pub fn kept_reading(world: &mut World, quantity: &Quantity, reference: Option<f6
         | Quantity::Cracks { .. }
         | Quantity::WallForce { .. }
         | Quantity::Membrane { .. }
+        | Quantity::Grains { .. }
         | Quantity::Poured { .. } => {
             let _ = world.run_system_cached(gather_bodies);
             world.run_system_cached_with(read_place, asked).ok().flatten()

@@ -49,6 +49,14 @@ impl StrainTables<'_, '_> {
         }
     }
 
+    /// Displacement of a particle since the start of the reference stage, m: none of a particle
+    /// that was not there, and `None` before this stage.
+    pub(super) fn motion(&self, id: BodyId, now: DVec2) -> Option<f64> {
+        let start = &self.start.as_ref().filter(|start| !start.0.is_empty())?.0;
+        let found = start.binary_search_by_key(&id, |(id, _)| *id);
+        Some(found.map_or(0.0, |k| now.distance(start[k].1)))
+    }
+
     /// Centres of the particles in the order of identities, m.
     fn places(&self) -> Vec<(BodyId, DVec2)> {
         let mut places: Vec<_> = self.particles.iter().map(|(id, x)| (*id, x.0)).collect();

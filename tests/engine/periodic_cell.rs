@@ -376,7 +376,8 @@ fn cemented(strength: f64, more: &str, stages: &str) -> Scene {
     let mut loaded = scene(&disks, size, 0.5, more, stages);
     let cement = clastic::scene::format::Cement {
         name: "cement".to_owned(),
-        length: 1.0e-4,
+        length: Some(1.0e-4),
+        coordination: None,
         walls: false,
         particles: true,
         select: None,

@@ -3,7 +3,7 @@
 use std::fmt::Arguments;
 
 use crate::scene::format::{
-    Area, CellStrain, Length, Measure, Quantity, ROLES, Strain, StrainComponent, Stress,
+    Amount, Area, CellStrain, Length, Measure, Quantity, ROLES, Strain, StrainComponent, Stress,
 };
 
 use super::Context;
@@ -72,6 +72,29 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
             }
             Quantity::Membrane { membrane: name, .. } => {
                 membrane(context, format_args!("{path}.membrane"), name, findings);
+            }
+            Quantity::Poured(Amount::Share) => {
+                let help = "write `Number` or `Mass`";
+                findings.add(format_args!("{path}[0]"), "a share of what is still to come", help);
+            }
+            Quantity::Grains { min, max, moved, .. } => {
+                let far = f64::MAX;
+                for (field, corner) in [("min", min), ("max", max)] {
+                    if let Some(corner) = corner {
+                        let path = format_args!("{path}.{field}");
+                        findings.vector(path, *corner, "a place in m");
+                    }
+                }
+                let corners = (min.unwrap_or((-far, -far)), max.unwrap_or((far, far)));
+                if corners.0.0 >= corners.1.0 || corners.0.1 >= corners.1.1 {
+                    let help = "give a rectangle with an area";
+                    findings.add(
+                        format_args!("{path}.max"),
+                        "not above and to the right of min",
+                        help,
+                    );
+                }
+                findings.not_negative(format_args!("{path}.moved"), *moved, "a displacement in m");
             }
             Quantity::Custom(name) if name.trim().is_empty() => {
                 let help = "name a measure that a plugin of the program provides";

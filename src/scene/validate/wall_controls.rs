@@ -186,6 +186,17 @@ fn follow(
     if !matches!(table, Table::Displacement(_) | Table::Rotation { .. }) {
         one_piece(context, format_args!("{path}"), name, ("normal", ONE_PIECE), findings);
     }
+    points_of(format_args!("{path}"), &points, what, timeless, findings);
+}
+
+/// Checks the points of a table.
+pub(super) fn points_of(
+    path: Arguments,
+    points: &[(f64, Vec<f64>)],
+    what: &str,
+    timeless: bool,
+    findings: &mut Findings,
+) {
     if points.len() < 2 {
         let help = "give two or more, in order of time or progress";
         findings.add(format_args!("{path}"), "a table of fewer than two points", help);
