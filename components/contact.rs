@@ -8,6 +8,7 @@ use glam::DVec2;
 use crate::body::{BodyId, Drive, Ramp};
 use crate::bond::BondId;
 use crate::cell::PeriodicCell;
+use crate::link::LinkRow;
 use crate::rigid_group::GroupRow;
 pub use crate::rows::{BondRow, WallRow};
 use crate::wall::WallDrive;
@@ -62,6 +63,8 @@ pub struct Bodies {
     pub bonds: Vec<BondRow>,
     /// The bonds that a motion has broken in this increment, in the order in which they broke.
     pub broken: Vec<BondRow>,
+    /// The links, by the rows of their bodies and their points.
+    pub links: Vec<LinkRow>,
     /// Mean radius of the particles, m; 1 without particles.
     pub mean_radius: f64,
     /// The periodic cell of the specimen, if it is in one. In the program its row follows those of
@@ -130,9 +133,13 @@ impl Bodies {
         self.groups.get(index as usize)
     }
 
-    /// Whether two bodies are members of one rigid group.
+    /// Whether two bodies, `a < b`, have no contact with each other: members of one rigid group, and
+    /// linked bodies.
     #[must_use]
     pub fn are_joined(&self, a: u32, b: u32) -> bool {
+        if self.links.binary_search_by_key(&[a, b], |link| link.rows).is_ok() {
+            return true;
+        }
         let of = |row: u32| self.group_of.get(row as usize).copied().flatten();
         of(a).is_some_and(|group| of(b) == Some(group))
     }

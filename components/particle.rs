@@ -33,6 +33,10 @@ pub struct Particle {
     pub mass: f64,
     /// Mass moment of inertia, kg m^2: m r^2 / 2.
     pub inertia: f64,
+    /// Thickness h, m, of which the mass is, if it is known. Another one than that of
+    /// [`Analysis`](crate::increment::Analysis), with which forces and stresses go, halts the world.
+    #[serde(skip)]
+    pub thickness: Option<f64>,
 }
 
 impl Particle {
@@ -40,7 +44,8 @@ impl Particle {
     #[must_use]
     pub fn disk(radius: f64, density: f64, thickness: f64) -> Self {
         let mass = density * std::f64::consts::PI * radius * radius * thickness;
-        Self { radius, mass, inertia: 0.5 * mass * radius * radius }
+        let inertia = 0.5 * mass * radius * radius;
+        Self { radius, mass, inertia, thickness: Some(thickness) }
     }
 }
 

@@ -66,6 +66,7 @@ use clastic_systems::control_walls::ControlWallsPlugin;
 use clastic_systems::detect_contacts::DetectContactsPlugin;
 use clastic_systems::energy_ledger::EnergyLedgerPlugin;
 use clastic_systems::gather_bodies::GatherBodiesPlugin;
+use clastic_systems::links::LinksPlugin;
 use clastic_systems::material_names::MaterialNamesPlugin;
 use clastic_systems::membranes::MembranesPlugin;
 use clastic_systems::record::RecordPlugin;
@@ -81,10 +82,14 @@ use clastic_systems::update_state::UpdateStatePlugin;
 /// program.
 ///
 /// The app makes one increment whenever `Update`, or the schedule given to [`new`](Self::new),
-/// runs. [`Running`](systems::stepping::Running) pauses it. `FixedUpdate` runs only in an app with
-/// Bevy's `TimePlugin`, once per time step that has passed; without it no increment is made. An
-/// increment that takes longer than the time step triggers further ones, so that this schedule suits
-/// short increments only.
+/// runs. [`Running`](systems::stepping::Running) pauses it.
+///
+/// `Update` is the default, and not `FixedPostUpdate` as for the physics of games. A static increment
+/// has no duration; an increment may take longer than the time step, and a fixed schedule would then
+/// ask for ever more of them; and without Bevy's `TimePlugin` a fixed schedule never runs, so that
+/// nothing would move and nothing say so. For a simulation in the time of the clock give
+/// `ClasticPlugins::new(FixedPostUpdate)`: an increment is then one time step, whose duration
+/// `Analysis` alone has (`Time<Fixed>` follows it), and `Time<Virtual>` makes it faster or slower.
 pub struct ClasticPlugins {
     schedule: InternedScheduleLabel,
 }
@@ -122,6 +127,7 @@ impl PluginGroup for ClasticPlugins {
             .add(ControlWallsPlugin)
             .add(ControlLoadsPlugin)
             .add(MembranesPlugin)
+            .add(LinksPlugin)
             .add(RecordPlugin)
             .add(AnnounceRupturesPlugin)
             .add(AnnounceCollisionsPlugin)
@@ -144,10 +150,11 @@ pub mod prelude {
         AngularVelocity, BodyId, Drive, Drives, ExternalForce, LoadControl, Velocity,
     };
     pub use crate::components::bond::{Bond, BondBroken, BondId, BondState, Rupture, RuptureMode};
-    pub use crate::components::collision::Collision;
+    pub use crate::components::collision::{BodyHit, Collision};
     pub use crate::components::increment::{
         Acceptance, Analysis, AnalysisKind, FrictionLaw, Progress, RuptureRules,
     };
+    pub use crate::components::link::{Link, LinkKind};
     pub use crate::components::loads::TrialLoads;
     pub use crate::components::material::{BondLaw, ContactLaw};
     pub use crate::components::membrane::{Course, Membrane, MembraneShape, Sides};

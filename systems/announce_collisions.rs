@@ -4,7 +4,7 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
 use clastic_components::body::BodyId;
-use clastic_components::collision::Collision;
+use clastic_components::collision::{BodyHit, Collision};
 use clastic_components::contact::{Bodies, Contacts};
 use clastic_components::contact_history::ContactHistory;
 use clastic_components::increment::Progress;
@@ -25,7 +25,7 @@ impl Plugin for AnnounceCollisionsPlugin {
     }
 }
 
-/// Writes a [`Collision`] and triggers it for every pair without a bond that carries a force after
+/// Writes a [`Collision`], and triggers [`BodyHit`] of both bodies, for every pair without a bond that carries a force after
 /// this increment and carried none after the one before.
 pub fn announce_collisions(
     bodies: Res<Bodies>,
@@ -54,7 +54,10 @@ pub fn announce_collisions(
                 force: memory.p,
             };
             messages.write(collision);
-            commands.trigger(collision);
+            let [first, second] = collision.bodies;
+            for (body, other) in [(first, second), (second, first)] {
+                commands.trigger(BodyHit { body, other, collision });
+            }
         }
     }
     // By identity, since rows change when bodies come and go.

@@ -13,6 +13,7 @@ use clastic_components::bond::{Bond, BondId, BondState};
 use clastic_components::cell::PeriodicCell;
 use clastic_components::contact::{Bodies, BondRow, WallRow};
 use clastic_components::contact_history::{ContactHistory, DraftHistory, KeptRows};
+use clastic_components::link::Link;
 use clastic_components::material::ContactLaw;
 use clastic_components::particle::{MaterialIndex, Particle, Swinging};
 use clastic_components::rigid_group::{ContactForce, RigidGroup};
@@ -20,6 +21,7 @@ use clastic_components::wall::{Wall, WallControl, WallDrive, WallRotation};
 use clastic_components::wall_shape::WallShape;
 
 use crate::check_values::check_values;
+use crate::links;
 use crate::rigid_groups::{self, GroupQuery};
 use crate::schedule::{Increment, IncrementSystems};
 use crate::state::{RegisterState, StateOf};
@@ -145,6 +147,7 @@ pub fn gather_bodies(
     walls: WallQuery,
     groups: GroupQuery,
     bonds: BondQuery,
+    links: Query<(Entity, &Link)>,
     cell: Option<Res<PeriodicCell>>,
 ) {
     let bodies = &mut *bodies;
@@ -153,6 +156,7 @@ pub fn gather_bodies(
     gather_walls(bodies, &walls);
     rigid_groups::gather(bodies, &groups);
     bodies.cell = cell.map(|cell| *cell);
+    links::gather(bodies, &links);
     bodies.broken.clear();
     bodies.drives_stopped = false;
     gather_bonds(bodies, &bonds);

@@ -3,8 +3,8 @@
 use bevy_app::{App, Plugin};
 
 use clastic_components::{
-    attempt, body, bond, collision, contact, contact_history, energy, findings, increment, loads,
-    material, measure, membrane, observation, particle, rigid_group, step_control, wall,
+    attempt, body, bond, collision, contact, contact_history, energy, findings, increment, link,
+    loads, material, measure, membrane, observation, particle, rigid_group, step_control, wall,
     wall_shape,
 };
 use clastic_cone::program;
@@ -42,12 +42,15 @@ impl Plugin for ReflectPlugin {
             body::ExternalForce,
             body::Probe,
             body::Group,
+            link::Link,
+            link::LinkBetween,
             bond::BondId,
             bond::Bond,
             bond::Joint,
             bond::BondState,
             bond::BondBroken,
             bond::Rupture,
+            collision::BodyHit,
             collision::Collision,
             contact::Bodies,
             contact_history::KeptRows,

@@ -7,7 +7,7 @@
 //!                    -> Record
 //!   Controls runs    ControlWalls: BuiltIn -> Custom, for the increment that begins
 //!   Attempts runs    AttemptIncrement, repeated until an attempt is accepted:
-//!                    Detect -> Assemble -> AssembleExtra -> Solve -> Judge
+//!                    Detect -> Assemble -> AssembleExtra -> Balance -> Solve -> Judge
 //!                    and Loads whenever a trial begins
 //! ```
 //!
@@ -83,10 +83,13 @@ pub enum IncrementSystems {
 pub enum AttemptSystems {
     /// Finds potential contacts.
     Detect,
-    /// Assembles the cone program.
+    /// Fills the interactions of [`ConeProgram`](clastic_cone::program::ConeProgram).
     Assemble,
-    /// Adds rows of an embedding program to [`ConeProgram`](clastic_cone::program::ConeProgram).
+    /// Systems of an embedding program that change these interactions, or append others.
     AssembleExtra,
+    /// Fills the rows of the bodies. Every degree of freedom on which an interaction acts is free,
+    /// unless a drive imposes its motion.
+    Balance,
     /// Solves the program.
     Solve,
     /// Accepts the attempt, tries again, or rejects it.
@@ -195,6 +198,7 @@ impl Plugin for SchedulePlugin {
                     AttemptSystems::Detect,
                     AttemptSystems::Assemble,
                     AttemptSystems::AssembleExtra,
+                    AttemptSystems::Balance,
                     AttemptSystems::Solve,
                     AttemptSystems::Judge,
                 )

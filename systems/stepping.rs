@@ -9,16 +9,22 @@
 //!   Output   results are written
 //! ```
 
-use bevy_app::{App, Plugin, Update};
+use std::time::Duration;
+
+use bevy_app::{
+    App, FixedFirst, FixedLast, FixedPostUpdate, FixedPreUpdate, FixedUpdate, Plugin,
+    RunFixedMainLoop, RunFixedMainLoopSystems, Update,
+};
 use bevy_ecs::prelude::*;
 #[cfg(feature = "reflect")]
 use bevy_ecs::reflect::ReflectResource;
 use bevy_ecs::schedule::{
     InternedScheduleLabel, LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor,
 };
+use bevy_time::{Fixed, Time};
 
 use clastic_components::attempt::{Attempt, IncrementStatus};
-use clastic_components::increment::Progress;
+use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::particle::Particle;
 
 use crate::attempt::proof::proof;
@@ -149,7 +155,8 @@ pub struct Halted(
     pub String,
 );
 
-/// Adds [`Advance`] and runs it whenever `schedule` runs and [`Running`] allows it.
+/// Adds [`Advance`] and runs it whenever `schedule` runs and [`Running`] allows it. In one of Bevy's
+/// fixed schedules an increment is one time step: `Time<Fixed>` follows `dt` of the [`Analysis`].
 pub struct SteppingPlugin {
     /// The schedule of the app that makes increments.
     pub schedule: InternedScheduleLabel,
@@ -189,6 +196,32 @@ impl Plugin for SteppingPlugin {
             .init_resource::<Running>()
             .add_message::<Stopped>()
             .add_systems(self.schedule, step.in_set(Stepping));
+        let fixed = [
+            FixedFirst.intern(),
+            FixedPreUpdate.intern(),
+            FixedUpdate.intern(),
+            FixedPostUpdate.intern(),
+            FixedLast.intern(),
+        ];
+        if fixed.contains(&self.schedule) {
+            app.add_systems(
+                RunFixedMainLoop,
+                follow_time_step
+                    .run_if(resource_exists::<Time<Fixed>>)
+                    .in_set(RunFixedMainLoopSystems::BeforeFixedMainLoop),
+            );
+        }
+    }
+}
+
+/// Gives Bevy's fixed schedules the time step of a dynamic analysis, which has it alone. In statics,
+/// where increments have no duration, the app chooses how many it wants per second.
+fn follow_time_step(analysis: Res<Analysis>, mut time: ResMut<Time<Fixed>>) {
+    let AnalysisKind::Dynamic { dt, .. } = analysis.kind else { return };
+    // Others are refused when the increment begins.
+    let step = Duration::try_from_secs_f64(dt).unwrap_or_default();
+    if step != Duration::ZERO && step != time.timestep() {
+        time.set_timestep(step);
     }
 }
 

@@ -78,6 +78,6 @@ pub(super) fn keep_radii(
         let radius = bodies.radii[row];
         let grown = (radius / disk.radius).powi(2);
         let (mass, inertia) = (disk.mass * grown, disk.inertia * grown * grown);
-        commands.entity(entity).insert(Particle { radius, mass, inertia });
+        commands.entity(entity).insert(Particle { radius, mass, inertia, ..*disk });
     }
 }

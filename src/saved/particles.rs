@@ -129,7 +129,8 @@ pub(super) fn read(
     }
     let disks = radii.iter().zip(masses).zip(scalars("particles.inertia_kg_m2")?);
     let disks = disks.map(|((radius, mass), inertia)| {
-        Some(Particle { radius: *radius, mass: *mass, inertia: *inertia })
+        let (radius, mass) = (*radius, *mass);
+        Some(Particle { radius, mass, inertia: *inertia, thickness: None })
     });
     add(state, "particle", ids, disks)?;
     let places = pairs("particles.position_m")?;

@@ -19,6 +19,7 @@ use clastic_components::rigid_group::RigidGroup;
 use clastic_components::wall::Wall;
 
 use crate::identities::{Identities, NEXT_IDENTITIES, NextIdentities};
+use crate::links::end_links_of;
 use crate::state::{RegisterState, StateOf};
 
 /// Adds the component hooks that assign identities.
@@ -165,7 +166,7 @@ fn body_named(mut world: DeferredWorld, context: HookContext) {
     });
 }
 
-/// Hook of [`BodyId`]: removes the intact bonds of the body and the memory of its contacts. Bonds
+/// Hook of [`BodyId`]: removes the intact bonds and the links of the body, and the memory of its contacts. Bonds
 /// that broke before stay in the record.
 fn body_gone(mut world: DeferredWorld, context: HookContext) {
     let entity = context.entity;
@@ -190,6 +191,7 @@ fn body_gone(mut world: DeferredWorld, context: HookContext) {
         for bond in ended {
             world.despawn(bond);
         }
+        end_links_of(world, id);
     });
 }
 

@@ -184,7 +184,7 @@ pub(super) fn unlisted_pairs(
         while listed.next_if(|listed| listed < pair).is_some() {}
         listed.peek() != Some(pair)
     });
-    if !bodies.groups.is_empty() {
+    if !bodies.groups.is_empty() || !bodies.links.is_empty() {
         pairs.retain(|(a, b)| !bodies.are_joined(*a, *b));
     }
     for wall in &bodies.walls {
@@ -192,6 +192,7 @@ pub(super) fn unlisted_pairs(
             let gap = after.gap(bodies, pair.0, pair.1);
             if gap <= reach
                 && !is_listed(contacts, pair)
+                && !bodies.are_joined(pair.0, pair.1)
                 && !after.is_held(bodies, contacts, pair.0, wall, gap)
             {
                 pairs.push(pair);

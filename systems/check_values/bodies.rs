@@ -3,17 +3,26 @@
 use clastic_components::body::Drive;
 use clastic_components::cell::{CellControl, PeriodicCell};
 use clastic_components::contact::Bodies;
+use clastic_components::domain::{PLACE, RADIUS, SPIN, VELOCITY};
+use clastic_components::increment::Analysis;
+use clastic_components::particle::Particle;
 use clastic_components::wall::WallDrive;
 use clastic_components::wall_shape::WallShape;
 
-use super::bad::{Bad, bad, finite, not_negative};
+use super::bad::{Bad, bad, finite, not_negative, outside};
 use super::laws;
+
+/// The thickness of a disk, if it is another one than that of the analysis.
+pub(super) fn thickness(disk: &Particle, analysis: &Analysis) -> Option<Bad> {
+    let h = disk.thickness.filter(|h| *h != analysis.thickness)?;
+    let wanted = format!("that of `Analysis`, {:?} m, or set that one", analysis.thickness);
+    Some(Bad::new("thickness", h, wanted))
+}
 
 /// A particle, where there are this number of materials. Without any all contacts are rigid.
 pub(super) fn particle(bodies: &Bodies, i: usize, materials: usize) -> Option<Bad> {
     let radius = bodies.radii[i];
-    let is_radius = radius > 0.0 && radius.is_finite();
-    bad("radius", radius, is_radius, "a length above 0 in m")
+    outside("radius", radius, RADIUS)
         .or_else(|| place(bodies, i))
         .or_else(|| not_negative("mass", bodies.masses[i], "a mass in kg, not below 0"))
         .or_else(|| not_negative("inertia", bodies.inertias[i], "kg m^2, not below 0"))
@@ -56,9 +65,8 @@ pub(super) fn wall(bodies: &Bodies, k: usize) -> Option<Bad> {
 
 fn arc(shape: &WallShape) -> Option<Bad> {
     let WallShape::Arc { centre, radius, axis, half_angle } = *shape else { return None };
-    let is_radius = radius > 0.0 && radius.is_finite();
     let is_angle = half_angle > 0.0 && half_angle.is_finite();
-    bad("radius of its arc", radius, is_radius, "a length above 0 in m")
+    outside("radius of its arc", radius, RADIUS)
         .or_else(|| bad("half_angle of its arc", half_angle, is_angle, "an angle above 0 in rad"))
         .or_else(|| {
             let all = [centre.x, centre.y, axis.x, axis.y];
@@ -97,11 +105,11 @@ pub(super) fn cell(cell: &PeriodicCell) -> Option<Bad> {
 fn place(bodies: &Bodies, row: usize) -> Option<Bad> {
     let (at, v) = (bodies.positions[row], bodies.velocities[row]);
     let moved = bodies.last_motion[row];
-    finite("Position x", at.x, "a coordinate in m")
-        .or_else(|| finite("Position y", at.y, "a coordinate in m"))
-        .or_else(|| finite("Velocity x", v.x, "a velocity in m/s"))
-        .or_else(|| finite("Velocity y", v.y, "a velocity in m/s"))
-        .or_else(|| finite("AngularVelocity", bodies.angular_velocities[row], "rad/s"))
+    outside("Position x", at.x, PLACE)
+        .or_else(|| outside("Position y", at.y, PLACE))
+        .or_else(|| outside("Velocity x", v.x, VELOCITY))
+        .or_else(|| outside("Velocity y", v.y, VELOCITY))
+        .or_else(|| outside("AngularVelocity", bodies.angular_velocities[row], SPIN))
         .or_else(|| finite("LastMotion x", moved[0], "a displacement in m"))
         .or_else(|| finite("LastMotion y", moved[1], "a displacement in m"))
         .or_else(|| finite("rotation of LastMotion", moved[2], "an angle in rad"))

@@ -100,9 +100,9 @@ pub fn detect_contacts(
             list.push(Contact { bond, ..contact });
         }
     };
-    let is_grouped = !bodies.groups.is_empty();
+    let has_joined = !bodies.groups.is_empty() || !bodies.links.is_empty();
     for (a, b) in merged_pairs(&bodies, &added.0, near) {
-        if is_grouped && bodies.are_joined(a, b) {
+        if has_joined && bodies.are_joined(a, b) {
             continue;
         }
         let wanted = if (b as usize) < n {

@@ -51,6 +51,9 @@ pub trait StateOf: Serialize + DeserializeOwned {
 
     /// Restores the state in a world that contains all bodies and bonds.
     fn put(self, world: &mut World);
+
+    /// Removes the state, where a world goes back to a time without it.
+    fn forget(_world: &mut World) {}
 }
 
 /// An identity that names entities in a state.
@@ -148,7 +151,7 @@ impl RegisterState for App {
                     postcard::from_bytes::<S>(bytes)?.put(world);
                     Ok(())
                 },
-                forget: |_| {},
+                forget: S::forget,
             },
         )
     }

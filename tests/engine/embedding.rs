@@ -88,11 +88,11 @@ fn a_value_without_meaning_stops_the_app_and_is_named() {
     let cases: [(Spoil, &str); 6] = [
         (
             |world, disk| spoil(world, disk, |x: &mut body::Position| x.0.y = f64::NAN),
-            "particle 1, ENTITY, has Position y = NaN: give a coordinate in m",
+            "particle 1, ENTITY, has Position y = NaN: give a place in m",
         ),
         (
             |world, disk| spoil(world, disk, |p: &mut Particle| p.radius = -6.0e-3),
-            "particle 1, ENTITY, has radius = -0.006: give a length above 0 in m",
+            "particle 1, ENTITY, has radius = -0.006: give a radius in m greater than 0",
         ),
         (
             |world, disk| spoil(world, disk, |p: &mut Particle| p.mass = f64::INFINITY),

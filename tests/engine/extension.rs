@@ -69,11 +69,13 @@ use std::path::Path;
 
 use bevy_app::PluginGroup;
 use clastic::components::contact::Contacts;
+use clastic::cone::program::{Interaction, Limits};
 use clastic::output::{self, Ending, OutputPlugin, RunOptions};
 use clastic::run::spawn::spawn_scene;
 use clastic::run::{ScenePlugin, advance};
 use clastic::scene;
 use clastic::systems::rupture_bonds::RuptureBondsPlugin;
+use clastic::systems::schedule::AttemptIncrement;
 
 const RADIUS: f64 = 6.0e-3;
 const STIFFNESS: f64 = 8.0e6;
@@ -157,6 +159,81 @@ fn extra_rows_hold_a_disk_on_springs() {
             "increment {n}: {y} m for {expected} m"
         );
     }
+}
+
+/// A parameter of the contact law in three steps: a component with it, a system that writes it into
+/// the interactions, and the line that adds this system.
+#[derive(Component)]
+struct Wet(f64);
+
+fn lubricate(
+    wet: Query<(&BodyId, &Wet)>,
+    (bodies, contacts): (Res<Bodies>, Res<Contacts>),
+    mut program: ResMut<ConeProgram>,
+) {
+    for (contact, c) in contacts.0.iter().zip(&mut program.interactions) {
+        for (id, wet) in &wet {
+            if contact.bond.is_none() && bodies.ids[contact.a as usize] == *id {
+                c.limits.friction *= wet.0;
+            }
+        }
+    }
+}
+
+/// A disk that does not turn is pushed along a floor: the floor resists by mu m g, mu halved by water.
+#[test]
+fn a_parameter_of_the_contact_law_of_a_plugin_changes_the_friction() {
+    let mut app = app();
+    app.add_systems(AttemptIncrement, lubricate.in_set(AttemptSystems::AssembleExtra));
+    app.world_mut().resource_mut::<Analysis>().gravity = DVec2::new(0.0, -9.81);
+    let law = ContactLaw {
+        normal_compliance: 1.0 / STIFFNESS,
+        tangential_compliance: 1.0 / STIFFNESS,
+        friction: 0.5,
+        ..Default::default()
+    };
+    let world = app.world_mut();
+    world.spawn((Wall::between(DVec2::new(-1.0, 0.0), DVec2::new(1.0, 0.0)), law));
+    let push = Drives([Drive::Imposed(1.0e-4), Drive::Free, Drive::Imposed(0.0)]);
+    let wet = world.spawn((Particle::disk(RADIUS, 2650.0, 1.0), push, Wet(0.5))).id();
+    world.entity_mut(wet).insert(body::Position(DVec2::new(0.0, RADIUS)));
+    let dry = world.spawn((Particle::disk(RADIUS, 2650.0, 1.0), push)).id();
+    world.entity_mut(dry).insert(body::Position(DVec2::new(0.1, RADIUS)));
+    for _ in 0..3 {
+        world.run_schedule(Increment);
+        assert_eq!(world.resource::<Observation>().status.name(), "solved");
+    }
+    let weight = world.get::<Particle>(wet).unwrap().mass * 9.81;
+    for (disk, friction) in [(wet, 0.25), (dry, 0.5)] {
+        let push = world.get::<ExternalForce>(disk).unwrap().0[0];
+        assert!((push - friction * weight).abs() < 1e-6 * weight, "{push} N with {friction}");
+    }
+}
+
+/// Rows that a plugin appends free the degrees of freedom on which they act.
+#[test]
+fn appended_interactions_free_their_bodies() {
+    fn glue(mut program: ResMut<ConeProgram>) {
+        let glue = Interaction {
+            normal: DVec2::Y,
+            normal_compliance: 1.0e-6,
+            limits: Limits { tension: 1.0e6, ..Limits::default() },
+            ..Interaction::between(0, 1)
+        };
+        program.interactions.push(glue);
+    }
+    let mut app = app();
+    app.add_systems(AttemptIncrement, glue.in_set(AttemptSystems::AssembleExtra));
+    let world = app.world_mut();
+    let free = world.spawn(disk(0.0)).id();
+    let lift = Drives::imposed([0.0, 1.0e-6, 0.0]);
+    let place = body::Position(DVec2::new(0.0, 1.0));
+    world.spawn((Particle::disk(RADIUS, 2650.0, 1.0), place, lift));
+    world.run_schedule(Increment);
+    assert_eq!(world.resource::<Observation>().status.name(), "solved");
+    // Nothing else acts on it: it follows the other disk without force.
+    let y = world.get::<body::Position>(free).unwrap().0.y;
+    assert!((y - 1.0e-6).abs() < 1e-12, "{y} m");
 }
 
 #[test]

@@ -70,7 +70,6 @@ fn every_rupture_is_read_and_observed_whatever_the_number_of_increments_per_fram
     let dt = 1.0e-3;
     let mut app = App::new();
     app.add_plugins((TimePlugin, ClasticPlugins::new(FixedUpdate))).init_resource::<Heard>();
-    app.insert_resource(Time::<Fixed>::from_seconds(dt));
     app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(8)));
     let kind = AnalysisKind::Dynamic { dt, theta: 1.0 };
     app.insert_resource(Analysis { kind, ..Analysis::default() });
@@ -102,6 +101,7 @@ fn every_rupture_is_read_and_observed_whatever_the_number_of_increments_per_fram
         app.update();
     }
     let heard = app.world().resource::<Heard>();
+    assert_eq!(app.world().resource::<Time<Fixed>>().timestep(), Duration::from_millis(1));
     assert!(increments(&app) > 60, "{}", increments(&app));
     assert_eq!((heard.in_update, heard.in_fixed), (PAIRS, PAIRS));
     let mut observed = heard.observed.clone();
@@ -271,7 +271,13 @@ fn an_input_without_an_effect_is_refused_by_name() {
         let wall = Wall::between(DVec2::new(-1.0, -0.3), DVec2::new(1.0, -0.3));
         app.world_mut().spawn((wall, WallName("floor".to_owned()), of));
     }
-    let cases: [(Fill, &str); 13] = [
+    let cases: [(Fill, &str); 14] = [
+        (
+            |app, [_, b]| {
+                app.world_mut().entity_mut(b).insert(Particle::disk(0.1, 2650.0, 0.5));
+            },
+            "particle 1, ENTITY, has thickness = 0.5: give that of `Analysis`, 1.0 m, or set that one",
+        ),
         (
             |app, _| loads(app, |mut l| l.add_spring(BodyId(1), 7, 1.0, 1.0e3)),
             "a load of `Loads` on particle 1, ENTITY, has degree of freedom = 7: give 0, 1 or 2",
@@ -391,18 +397,26 @@ fn an_app_that_asks_is_told_of_every_collision_once() {
     app.add_systems(Update, |mut read: MessageReader<Collision>, mut hits: ResMut<Hits>| {
         hits.0.extend(read.read().copied());
     });
-    app.add_observer(|hit: On<Collision>, mut hits: ResMut<Hits>| hits.1.push(*hit.event()));
+    app.add_observer(|hit: On<BodyHit>, mut hits: ResMut<Hits>| hits.1.push(*hit.event()));
+    let hear = |hit: On<BodyHit>, mut hits: ResMut<Hits>| hits.2.push(hit.other);
+    app.world_mut().entity_mut(floor).observe(hear);
     for _ in 0..60 {
         app.update();
     }
-    let Hits(read, observed) = app.world().resource();
-    assert_eq!(read, observed);
+    let Hits(read, observed, by_floor) = app.world().resource();
+    let both = read.iter().flat_map(|hit| {
+        let [body, other] = hit.bodies;
+        [(body, other), (other, body)].map(|(body, other)| BodyHit { body, other, collision: *hit })
+    });
+    assert_eq!(observed, &both.collect::<Vec<_>>());
+    assert_eq!(by_floor, &[ball]);
     // It falls 10 mm in 45 ms, and rebounds hardly with theta = 1.
     let [first] = read.as_slice() else { panic!("{read:?}") };
     assert_eq!((first.bodies, first.normal), ([ball, floor], DVec2::NEG_Y));
     assert!((44..=47).contains(&first.increment) && first.force > 0.0, "{first:?}");
 }
 
-/// The collisions of messages and those of the observer.
+/// The collisions of messages, those of an observer of all bodies, and the bodies that the observer of
+/// the floor was told of.
 #[derive(Resource, Default)]
-struct Hits(Vec<Collision>, Vec<Collision>);
+struct Hits(Vec<Collision>, Vec<BodyHit>, Vec<Entity>);

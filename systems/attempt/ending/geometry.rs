@@ -115,7 +115,8 @@ impl Increment<'_> {
             }
         }
         // A tie represents the turned force of its bond.
-        let ties = program.interactions.iter().zip(&solution.forces).skip(contacts.0.len());
+        let others = contacts.0.len() + bodies.links.len();
+        let ties = program.interactions.iter().zip(&solution.forces).skip(others);
         for (c, f) in ties {
             for (body, sign) in [(c.a, 1.0), (c.b, -1.0)] {
                 add(program, &mut loads, body as usize, sign * f[0] * c.normal, 0.0);
