@@ -5,7 +5,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::reflect::ReflectResource;
 use glam::DVec2;
 
-use crate::body::{BodyId, Drive, Ramp};
+use crate::body::{BodyDrive, BodyId, Ramp};
 use crate::bond::BondId;
 use crate::cell::PeriodicCell;
 use crate::link::LinkRow;
@@ -20,7 +20,7 @@ use crate::wall::WallDrive;
 /// followed motion changes it. Entities keep the last committed state until a trial is committed.
 #[derive(Resource, Clone, Debug, Default)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
-pub struct Bodies {
+pub struct BodyTable {
     /// Number of particles; the rows of walls begin here.
     pub particles: usize,
     /// Identity of every body, ascending among particles and among walls.
@@ -46,7 +46,7 @@ pub struct Bodies {
     /// Material indices of the particles.
     pub materials: Vec<u32>,
     /// Drives of the particles.
-    pub drives: Vec<[Drive; 3]>,
+    pub drives: Vec<[BodyDrive; 3]>,
     /// Applied loads of the particles.
     pub loads: Vec<[Ramp; 3]>,
     /// Particles that swing about their taut bonds.
@@ -76,7 +76,7 @@ pub struct Bodies {
     pub drives_stopped: bool,
 }
 
-impl Bodies {
+impl BodyTable {
     /// Name of a body in messages: its kind and its identity.
     #[must_use]
     pub fn name(&self, row: usize) -> String {
@@ -158,9 +158,9 @@ impl Bodies {
     /// Drive of degree of freedom `k` of a rigid group in the trial. Imposed displacements are
     /// those of a whole increment.
     #[must_use]
-    pub fn group_drive(&self, group: &GroupRow, k: usize) -> Drive {
+    pub fn group_drive(&self, group: &GroupRow, k: usize) -> BodyDrive {
         match group.drives[k] {
-            Drive::Imposed(_) if self.drives_stopped => Drive::Imposed(0.0),
+            BodyDrive::Imposed(_) if self.drives_stopped => BodyDrive::Imposed(0.0),
             drive => drive,
         }
     }
@@ -170,8 +170,8 @@ impl Bodies {
     #[must_use]
     pub fn imposed_motion(&self, group: &GroupRow) -> f64 {
         let [x, y, turn] = [0, 1, 2].map(|k| match self.group_drive(group, k) {
-            Drive::Imposed(u) => u,
-            Drive::Free => 0.0,
+            BodyDrive::Imposed(u) => u,
+            BodyDrive::Free => 0.0,
         });
         x.hypot(y) + turn.abs() * group.extent
     }
@@ -179,9 +179,9 @@ impl Bodies {
     /// Drive of degree of freedom `k` of particle `i` in the trial. Imposed displacements are those
     /// of a whole increment.
     #[must_use]
-    pub fn drive(&self, i: usize, k: usize) -> Drive {
+    pub fn drive(&self, i: usize, k: usize) -> BodyDrive {
         match self.drives[i][k] {
-            Drive::Imposed(_) if self.drives_stopped => Drive::Imposed(0.0),
+            BodyDrive::Imposed(_) if self.drives_stopped => BodyDrive::Imposed(0.0),
             drive => drive,
         }
     }
@@ -276,14 +276,14 @@ pub struct Contact {
     pub normal: DVec2,
     /// Gap `g_0` at the start of the increment, m; negative is overlap.
     pub gap: f64,
-    /// Index into [`Bodies::bonds`] of the intact bond that joins the two bodies.
+    /// Index into [`BodyTable::bonds`] of the intact bond that joins the two bodies.
     pub bond: Option<u32>,
 }
 
 impl Contact {
     /// The contact point, the middle of the gap, m.
     #[must_use]
-    pub fn point(&self, bodies: &Bodies) -> DVec2 {
+    pub fn point(&self, bodies: &BodyTable) -> DVec2 {
         let a = self.a as usize;
         bodies.positions[a] + self.normal * (bodies.radii[a] + 0.5 * self.gap)
     }
@@ -291,7 +291,7 @@ impl Contact {
     /// Common radius r^I, m: the smaller radius of two particles, or the radius of the particle at
     /// a wall.
     #[must_use]
-    pub fn common_radius(&self, bodies: &Bodies) -> f64 {
+    pub fn common_radius(&self, bodies: &BodyTable) -> f64 {
         let ra = bodies.radii[self.a as usize];
         bodies.radii.get(self.b as usize).map_or(ra, |rb| ra.min(*rb))
     }
@@ -300,4 +300,4 @@ impl Contact {
 /// Potential contacts of the attempt, sorted by (a, b).
 #[derive(Resource, Clone, Debug, Default)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
-pub struct Contacts(pub Vec<Contact>);
+pub struct ContactTable(pub Vec<Contact>);

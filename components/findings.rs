@@ -31,7 +31,7 @@ pub struct Ruptures {
 pub struct EventTrial {
     /// Fraction of a whole increment.
     pub fraction: f64,
-    /// Overload R of every bond, in the order of [`Bodies::bonds`](crate::contact::Bodies::bonds).
+    /// Overload R of every bond, in the order of [`BodyTable::bonds`](crate::contact::BodyTable::bonds).
     /// R is at most 1 for a bond within its limits.
     pub overloads: Vec<f64>,
     /// Change of the contact forces since the start of the increment, `sum|f - f_0| / sum|f|`.

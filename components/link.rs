@@ -89,7 +89,7 @@ pub struct LinkBetween {
     pub compliance: f64,
 }
 
-/// A link of [`Bodies`](crate::contact::Bodies).
+/// A link of [`BodyTable`](crate::contact::BodyTable).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct LinkRow {

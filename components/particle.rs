@@ -6,8 +6,8 @@ use bevy_ecs::reflect::ReflectComponent;
 use serde::{Deserialize, Serialize};
 
 use crate::body::{
-    AngularVelocity, AppliedLoad, Drives, ExternalForce, LastMotion, LoadControl, Position,
-    Rotation, Velocity,
+    AppliedLoad, BodyAngularVelocity, BodyDrives, BodyPosition, BodyRotation, BodyVelocity,
+    ExternalForce, LastMotion, LoadControl,
 };
 
 /// A rigid disk. It cannot be changed in place: insert another `Particle`.
@@ -15,12 +15,12 @@ use crate::body::{
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 #[component(immutable)]
 #[require(
-    Position,
-    Rotation,
-    Velocity,
-    AngularVelocity,
+    BodyPosition,
+    BodyRotation,
+    BodyVelocity,
+    BodyAngularVelocity,
     LastMotion,
-    Drives,
+    BodyDrives,
     LoadControl,
     AppliedLoad,
     ExternalForce,

@@ -65,7 +65,7 @@ impl Engine {
 
 /// A copy of what is drawn.
 fn picture(world: &mut World) -> Picture {
-    let mut disks = world.query_filtered::<(&BodyId, &body::Position), With<Particle>>();
+    let mut disks = world.query_filtered::<(&BodyId, &BodyPosition), With<Particle>>();
     Picture {
         increment: world.resource::<Progress>().increment,
         disks: disks.iter(world).map(|(id, position)| (*id, position.0)).collect(),

@@ -26,7 +26,7 @@ struct Shown {
 
 /// A system of yours that reads what was committed last, once per frame.
 fn show(
-    disks: Query<&Velocity, With<Particle>>,
+    disks: Query<&BodyVelocity, With<Particle>>,
     progress: Res<Progress>,
     mut shown: ResMut<Shown>,
 ) {
@@ -49,7 +49,7 @@ pub fn main() {
             ..Analysis::default()
         });
     let disk = Particle::disk(0.1, 1.0 / (0.01 * std::f64::consts::PI), 1.0);
-    app.world_mut().spawn((disk, body::Position::default()));
+    app.world_mut().spawn((disk, BodyPosition::default()));
 
     for _ in 0..50 {
         app.update();

@@ -22,7 +22,7 @@ struct Drawn(Vec<f64>);
 
 /// In `Update`, after the increments of the frame.
 fn draw(
-    disks: Query<(&body::Position, &body::LastMotion)>,
+    disks: Query<(&BodyPosition, &LastMotion)>,
     time: Res<Time<Fixed>>,
     mut drawn: ResMut<Drawn>,
 ) {
@@ -45,7 +45,7 @@ pub fn main() {
             ..Analysis::default()
         });
     let disk = Particle::disk(0.1, 2650.0, 1.0);
-    app.world_mut().spawn((disk, Velocity(DVec2::new(SPEED, 0.0))));
+    app.world_mut().spawn((disk, BodyVelocity(DVec2::new(SPEED, 0.0))));
     for _ in 0..50 {
         app.update();
     }

@@ -7,8 +7,8 @@ use bevy_ecs::world::DeferredWorld;
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
-use clastic_components::body::{BodyId, Drive, Position, Rotation};
-use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::body::{BodyDrive, BodyId, BodyPosition, BodyRotation};
+use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::increment::{Analysis, AnalysisKind};
 use clastic_components::link::{Link, LinkBetween, LinkKind, LinkRow};
 use clastic_components::particle::Particle;
@@ -17,7 +17,7 @@ use clastic_cone::program::{ConeProgram, ConeSolution, Dof, Interaction, Limits}
 
 use crate::schedule::{AttemptIncrement, AttemptSystems, Increment, IncrementSystems};
 use crate::state::{RegisterState, StateOf};
-use crate::stepping::Halted;
+use crate::stepping::ClasticHalted;
 
 /// Adds the hook that turns a [`LinkBetween`] into a [`Link`], the interactions of links, and their
 /// state.
@@ -108,8 +108,8 @@ fn resolve(between: LinkBetween, world: &World) -> Result<Link, LinkError> {
         let is_body =
             world.get::<Particle>(entity).is_some() || world.get::<Wall>(entity).is_some();
         let id = world.get::<BodyId>(entity).copied().filter(|_| is_body).ok_or(refuse(what))?;
-        let at = world.get::<Position>(entity).map_or(DVec2::ZERO, |x| x.0);
-        let turned = world.get::<Rotation>(entity).map_or(0.0, |rotation| rotation.0);
+        let at = world.get::<BodyPosition>(entity).map_or(DVec2::ZERO, |x| x.0);
+        let turned = world.get::<BodyRotation>(entity).map_or(0.0, |rotation| rotation.0);
         let turned = world.get::<WallRotation>(entity).map_or(turned, |rotation| rotation.0);
         Ok((id, DVec2::from_angle(-turned).rotate(point - at)))
     };
@@ -120,7 +120,7 @@ fn resolve(between: LinkBetween, world: &World) -> Result<Link, LinkError> {
 }
 
 /// Fills the table of links.
-pub(crate) fn gather(bodies: &mut Bodies, links: &Query<(Entity, &Link)>) {
+pub(crate) fn gather(bodies: &mut BodyTable, links: &Query<(Entity, &Link)>) {
     let mut rows = std::mem::take(&mut bodies.links);
     rows.clear();
     let mut found: Vec<_> = links.iter().collect();
@@ -157,7 +157,7 @@ pub(crate) fn end_links_of(world: &mut World, id: BodyId) {
 /// expected motion, where the change of a distance is its component along the link, and the motion of
 /// a point that turns with its body is the angle times the arm.
 pub(crate) fn assemble(
-    bodies: &Bodies,
+    bodies: &BodyTable,
     analysis: &Analysis,
     fraction: f64,
     interactions: &mut Vec<Interaction>,
@@ -203,7 +203,7 @@ pub(crate) fn assemble(
 }
 
 /// Motion (m, m, rad) of a body in a whole increment if it goes on as before.
-fn expected_motion(bodies: &Bodies, analysis: &Analysis, row: usize) -> DVec3 {
+fn expected_motion(bodies: &BodyTable, analysis: &Analysis, row: usize) -> DVec3 {
     let velocity = bodies.velocities[row].extend(bodies.angular_velocities[row]);
     let last = DVec3::from_array(bodies.last_motion[row]);
     let mut motion = match analysis.kind {
@@ -212,7 +212,7 @@ fn expected_motion(bodies: &Bodies, analysis: &Analysis, row: usize) -> DVec3 {
     };
     for k in 0..3 {
         if row < bodies.particles
-            && let Drive::Imposed(u) = bodies.drive(row, k)
+            && let BodyDrive::Imposed(u) = bodies.drive(row, k)
         {
             motion[k] = u;
         }
@@ -224,7 +224,11 @@ fn expected_motion(bodies: &Bodies, analysis: &Analysis, row: usize) -> DVec3 {
 const STRENGTH: f64 = 1e5;
 
 /// Gives links a strength that no solution reaches.
-fn set_limits(bodies: Res<Bodies>, contacts: Res<Contacts>, mut program: ResMut<ConeProgram>) {
+fn set_limits(
+    bodies: Res<BodyTable>,
+    contacts: Res<ContactTable>,
+    mut program: ResMut<ConeProgram>,
+) {
     if bodies.links.is_empty() {
         return;
     }
@@ -242,8 +246,8 @@ fn set_limits(bodies: Res<Bodies>, contacts: Res<Contacts>, mut program: ResMut<
 
 /// Halts the world where a link has reached that strength, and so has given way.
 fn refuse_overload(
-    bodies: Res<Bodies>,
-    contacts: Res<Contacts>,
+    bodies: Res<BodyTable>,
+    contacts: Res<ContactTable>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
     mut commands: Commands,
@@ -252,7 +256,7 @@ fn refuse_overload(
     for (link, (c, [p, q, _])) in bodies.links.iter().zip(forces) {
         if (-p).max(q.abs()) > 0.5 * c.limits.tension {
             let [a, b] = link.rows.map(|row| bodies.name(row as usize));
-            commands.insert_resource(Halted(format!(
+            commands.insert_resource(ClasticHalted(format!(
                 "the link of {a} and {b} carries {:.3e} N, {STRENGTH:e} times what loads and inertia \
                  give: links work against each other; give one of them a compliance, or take it away",
                 p.hypot(*q)

@@ -9,9 +9,11 @@ use clastic_components::{
 };
 use clastic_cone::program;
 
-use crate::identities::Identities;
+use crate::identities::IdentityTable;
 use crate::motion_settings::MotionSettings;
-use crate::stepping::{Due, Halted, Running, Stopped, Undone};
+use crate::stepping::{
+    ClasticHalted, ClasticRunning, ClasticStopped, IncrementDue, IncrementUndone,
+};
 
 /// Registers the components and resources of the engine, so that inspectors and scripts can show
 /// and set them by name. `clastic::ClasticPlugins` contains it if the feature `reflect` is on.
@@ -29,14 +31,14 @@ impl Plugin for ReflectPlugin {
         register!(
             app,
             attempt::Attempt,
-            body::BodyId,
-            body::Position,
-            body::Origin,
-            body::Rotation,
-            body::Velocity,
-            body::AngularVelocity,
+            BodyId,
+            BodyPosition,
+            BodyOrigin,
+            BodyRotation,
+            BodyVelocity,
+            BodyAngularVelocity,
             body::LastMotion,
-            body::Drives,
+            BodyDrives,
             body::AppliedLoad,
             body::LoadControl,
             body::ExternalForce,
@@ -52,9 +54,9 @@ impl Plugin for ReflectPlugin {
             bond::Rupture,
             collision::BodyHit,
             collision::Collision,
-            contact::Bodies,
+            contact::BodyTable,
             contact_history::KeptRows,
-            contact::Contacts,
+            contact::ContactTable,
             contact_history::DraftHistory,
             contact_history::ContactHistory,
             energy::EnergyLedger,
@@ -69,7 +71,7 @@ impl Plugin for ReflectPlugin {
             findings::Restraints,
             findings::Centre,
             findings::BestUnconverged,
-            Identities,
+            IdentityTable,
             increment::Analysis,
             increment::FrictionLaw,
             increment::RuptureRules,
@@ -105,11 +107,11 @@ impl Plugin for ReflectPlugin {
             program::ConeProgram,
             program::ConeSolution,
             MotionSettings,
-            Due,
-            Halted,
-            Running,
-            Stopped,
-            Undone,
+            IncrementDue,
+            ClasticHalted,
+            ClasticRunning,
+            ClasticStopped,
+            IncrementUndone,
         );
     }
 }
@@ -129,7 +131,7 @@ mod tests {
     fn a_position_is_read_and_set_by_name() -> Result<(), Box<dyn std::error::Error>> {
         let mut app = App::new();
         app.add_plugins(ReflectPlugin);
-        let disk = app.world_mut().spawn(body::Position(DVec2::new(1.0, 2.0))).id();
+        let disk = app.world_mut().spawn(BodyPosition(DVec2::new(1.0, 2.0))).id();
         let registry = app.world().resource::<AppTypeRegistry>().clone();
         let registry = registry.read();
         let known = registry.get_with_type_path("clastic_components::body::Position");
@@ -146,7 +148,7 @@ mod tests {
         let mut moved = DynamicTupleStruct::default();
         moved.insert(DVec2::new(3.0, 4.0));
         by_name.apply(app.world_mut().entity_mut(disk), &moved);
-        assert_eq!(app.world().get(disk), Some(&body::Position(DVec2::new(3.0, 4.0))));
+        assert_eq!(app.world().get(disk), Some(&BodyPosition(DVec2::new(3.0, 4.0))));
         Ok(())
     }
 }

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 use bevy_ecs::prelude::With;
 use clastic::components::attempt::IncrementStatus;
-use clastic::components::body::{BodyId, Position};
+use clastic::components::body::{BodyId, BodyPosition};
 use clastic::components::observation::Observation;
 use clastic::components::particle::Particle;
 use clastic::output::{self, Ending, OutputPlugin, RunOptions};
@@ -369,7 +369,7 @@ fn leaves(name: &str, stored: &str, increments: u64) {
         DVec2::new(numbers[0], numbers[1])
     });
     let world = simulation.world_mut();
-    let mut query = world.query_filtered::<(&BodyId, &Position), With<Particle>>();
+    let mut query = world.query_filtered::<(&BodyId, &BodyPosition), With<Particle>>();
     let mut found: Vec<_> = query.iter(world).map(|(id, x)| (*id, x.0)).collect();
     found.sort_by_key(|(id, _)| *id);
     for (id, x) in found {

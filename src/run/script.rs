@@ -156,7 +156,7 @@ impl Script {
     }
 }
 
-/// Result of one run of [`Advance`](clastic_systems::stepping::Advance).
+/// Result of one run of [`AdvanceIncrement`](clastic_systems::stepping::AdvanceIncrement).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Step {
     /// An increment ended; [`Observation`](clastic_components::observation::Observation) holds its

@@ -18,7 +18,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 
 use clastic_components::attempt::Attempt;
-use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::contact_history::DraftHistory;
 use clastic_components::findings::{Centre, Corrections, EventSearch, Impacts, Pushed, Restraints};
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
@@ -57,8 +57,8 @@ impl Plugin for AssembleProgramPlugin {
 /// Tables of the trial.
 #[derive(SystemParam)]
 pub struct Trial<'w> {
-    bodies: Res<'w, Bodies>,
-    contacts: Res<'w, Contacts>,
+    bodies: Res<'w, BodyTable>,
+    contacts: Res<'w, ContactTable>,
     history: Res<'w, DraftHistory>,
     loads: Res<'w, TrialLoads>,
     progress: Res<'w, Progress>,

@@ -25,7 +25,7 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::findings::{Impact, Impacts, Pushed};
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
 use clastic_components::material::Materials;
@@ -42,8 +42,8 @@ pub fn has_restitution(analysis: Res<Analysis>) -> bool {
 
 /// Sets offset and geometry of contacts with an impact, and fills [`Impacts`].
 pub fn assemble_rebounds(
-    bodies: Res<Bodies>,
-    contacts: Res<Contacts>,
+    bodies: Res<BodyTable>,
+    contacts: Res<ContactTable>,
     materials: Res<Materials>,
     analysis: Res<Analysis>,
     acceptance: Res<Acceptance>,

@@ -3,7 +3,7 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::bond::{Bond, BondId, BondState};
-use clastic_components::contact::Bodies;
+use clastic_components::contact::BodyTable;
 use clastic_components::domain::{COMPLIANCE, PLACE};
 use clastic_components::link::{Link, LinkKind};
 
@@ -11,7 +11,7 @@ use super::bad::{Bad, not_negative, outside};
 
 /// The first link without a meaning, in words.
 pub(super) fn bad(
-    bodies: &Bodies,
+    bodies: &BodyTable,
     links: &Query<(Entity, &Link)>,
     bonds: &Query<(Entity, &BondId, &Bond, &BondState)>,
 ) -> Option<String> {
@@ -26,7 +26,10 @@ pub(super) fn bad(
     loose.next().or_else(|| of_rows(bodies, bonds))
 }
 
-fn of_rows(bodies: &Bodies, bonds: &Query<(Entity, &BondId, &Bond, &BondState)>) -> Option<String> {
+fn of_rows(
+    bodies: &BodyTable,
+    bonds: &Query<(Entity, &BondId, &Bond, &BondState)>,
+) -> Option<String> {
     bodies.links.iter().find_map(|link| {
         let arms = link.arms.iter().flat_map(|arm| [arm.x, arm.y]);
         let length = || match link.kind {

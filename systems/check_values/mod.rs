@@ -19,13 +19,13 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::body::BodyId;
 use clastic_components::bond::{Bond, BondId, BondState};
-use clastic_components::contact::Bodies;
+use clastic_components::contact::BodyTable;
 use clastic_components::link::Link;
 use clastic_components::material::Materials;
 use clastic_components::particle::Particle;
 use clastic_components::wall::{WallName, WallSlide, WallTable};
 
-use crate::stepping::Halted;
+use crate::stepping::ClasticHalted;
 
 pub(crate) use self::loads::refused_load;
 use self::settings::Settings;
@@ -35,7 +35,7 @@ use self::settings::Settings;
 /// a control without its table as no control. It runs in every increment: it reads what the system
 /// before it has just written.
 pub(crate) fn check_values(
-    bodies: Res<Bodies>,
+    bodies: Res<BodyTable>,
     settings: Settings,
     materials: Option<Res<Materials>>,
     (archetypes, components): (&Archetypes, &Components),
@@ -44,7 +44,7 @@ pub(crate) fn check_values(
     links: Query<(Entity, &Link)>,
     controls: Query<(Option<&WallTable>, Option<&WallSlide>)>,
     names: Query<(Option<&Name>, Option<&WallName>)>,
-    halted: Option<Res<Halted>>,
+    halted: Option<Res<ClasticHalted>>,
     mut commands: Commands,
 ) {
     if halted.is_some() {
@@ -113,6 +113,6 @@ pub(crate) fn check_values(
         .or_else(of_bond)
         .or_else(of_link);
     if let Some(message) = message {
-        commands.insert_resource(Halted(message));
+        commands.insert_resource(ClasticHalted(message));
     }
 }

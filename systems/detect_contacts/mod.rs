@@ -19,7 +19,7 @@ use bevy_ecs::prelude::*;
 use glam::DVec2;
 
 use clastic_components::attempt::Attempt;
-use clastic_components::contact::{Bodies, Contact, Contacts};
+use clastic_components::contact::{BodyTable, Contact, ContactTable};
 use clastic_components::findings::AddedPairs;
 use clastic_components::increment::{Analysis, Progress};
 
@@ -41,7 +41,7 @@ pub struct DetectContactsPlugin;
 
 impl Plugin for DetectContactsPlugin {
     fn build(&self, app: &mut App) {
-        app.init_resource::<Contacts>()
+        app.init_resource::<ContactTable>()
             .init_resource::<Candidates>()
             .init_resource::<MotionSettings>()
             .add_systems(
@@ -55,16 +55,16 @@ impl Plugin for DetectContactsPlugin {
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Candidates(pub CandidatePairs);
 
-/// Fills [`Contacts`], sorted by (a, b): every intact bond, and every pair that may close.
+/// Fills [`ContactTable`], sorted by (a, b): every intact bond, and every pair that may close.
 pub fn detect_contacts(
-    bodies: Res<Bodies>,
+    bodies: Res<BodyTable>,
     analysis: Res<Analysis>,
     progress: Res<Progress>,
     attempt: Res<Attempt>,
     added: Res<AddedPairs>,
     settings: Res<MotionSettings>,
     mut candidates: ResMut<Candidates>,
-    mut contacts: ResMut<Contacts>,
+    mut contacts: ResMut<ContactTable>,
 ) {
     // A step of a motion may change direction: nearby pairs take part whatever the last motion was.
     let minimum = attempt.motion().map_or(0.0, |_| settings.reach * bodies.mean_radius);
@@ -124,7 +124,7 @@ pub fn detect_contacts(
 
 /// Candidates, wall pairs, bonds and added pairs, sorted by (a, b) and without repeats.
 fn merged_pairs(
-    bodies: &Bodies,
+    bodies: &BodyTable,
     added: &[(u32, u32)],
     candidates: &[(u32, u32)],
 ) -> Vec<(u32, u32)> {

@@ -5,7 +5,6 @@ use std::f64::consts::TAU;
 
 use bevy_app::App;
 use bevy_ecs::prelude::*;
-use clastic::components::contact::Bodies;
 use clastic::prelude::*;
 use glam::DVec2;
 
@@ -24,10 +23,7 @@ impl Sine {
 }
 
 /// For `ControlSystems::Custom`: what the walls do in the increment that follows.
-fn follow_sine(
-    progress: Res<Progress>,
-    mut walls: Query<(&Sine, &body::Position, &mut WallDrive)>,
-) {
+fn follow_sine(progress: Res<Progress>, mut walls: Query<(&Sine, &BodyPosition, &mut WallDrive)>) {
     for (sine, position, mut drive) in &mut walls {
         // A drive is for a whole increment. Where one had to be halved, only `left` of it is still
         // to come; measured from where the wall is, nothing adds up.
@@ -37,16 +33,16 @@ fn follow_sine(
     }
 }
 
-/// A particle on springs (N/m) that pull it back to its `Origin`.
+/// A particle on springs (N/m) that pull it back to its `BodyOrigin`.
 #[derive(Component)]
 struct Foundation(f64);
 
-/// For `Loads`: the force `-k (x + u - x_0)`, with x the place from which the trial starts.
+/// For `AddTrialLoads`: the force `-k (x + u - x_0)`, with x the place from which the trial starts.
 /// Entities still hold the last committed state where an increment is halved or a motion is
-/// followed; `Bodies` holds the trial's.
+/// followed; `BodyTable` holds the trial's.
 fn support(
-    springs: Query<(&BodyId, &Foundation, &body::Origin)>,
-    bodies: Res<Bodies>,
+    springs: Query<(&BodyId, &Foundation, &BodyOrigin)>,
+    bodies: Res<BodyTable>,
     mut loads: ResMut<TrialLoads>,
 ) {
     for (id, spring, origin) in &springs {
@@ -61,21 +57,19 @@ fn support(
 /// A plugin, added after those of the engine.
 fn custom_boundaries(app: &mut App) {
     app.add_systems(ControlWalls, follow_sine.in_set(ControlSystems::Custom));
-    app.add_systems(Loads, support);
+    app.add_systems(AddTrialLoads, support);
 }
 // [/sample]
 
 use std::path::Path;
 
 use bevy_app::PluginGroup;
-use clastic::components::contact::Contacts;
 use clastic::cone::program::{Interaction, Limits};
 use clastic::output::{self, Ending, OutputPlugin, RunOptions};
 use clastic::run::spawn::spawn_scene;
 use clastic::run::{ScenePlugin, advance};
 use clastic::scene;
 use clastic::systems::rupture_bonds::RuptureBondsPlugin;
-use clastic::systems::schedule::AttemptIncrement;
 
 const RADIUS: f64 = 6.0e-3;
 const STIFFNESS: f64 = 8.0e6;
@@ -91,12 +85,12 @@ fn app() -> App {
 
 fn disk(y: f64) -> impl Bundle {
     let place = DVec2::new(0.0, y);
-    (BodyId(0), Particle::disk(RADIUS, 2650.0, 1.0), body::Position(place), body::Origin(place))
+    (BodyId(0), Particle::disk(RADIUS, 2650.0, 1.0), BodyPosition(place), BodyOrigin(place))
 }
 
 fn wall(id: u32, tangent: DVec2, y: f64) -> impl Bundle {
     let law = ContactLaw { normal_compliance: 1.0 / STIFFNESS, ..Default::default() };
-    let place = body::Position(DVec2::new(0.0, y));
+    let place = BodyPosition(DVec2::new(0.0, y));
     (BodyId(id), Wall { tangent, half_length: 0.05 }, place, law)
 }
 
@@ -114,7 +108,7 @@ fn a_wall_follows_a_sine_and_squeezes_a_disk() {
         assert_eq!(status, "solved", "increment {n}");
         let sine = world.get::<Sine>(lid).unwrap();
         let (sought, squeezed) = (sine.height(f64::from(n)), sine.rest - sine.height(f64::from(n)));
-        let height = world.get::<body::Position>(lid).unwrap().0.y;
+        let height = world.get::<BodyPosition>(lid).unwrap().0.y;
         assert!((height - sought).abs() < 1e-16, "increment {n}: {height} for {sought}");
         // Two equal springs in series under the lid, none above it; positive pushes downwards.
         let force = -world.get::<ExternalForce>(lid).unwrap().0[1];
@@ -138,7 +132,7 @@ fn the_wall_is_in_its_place_after_a_halved_increment() {
         world.run_schedule(Increment);
         assert_eq!(world.resource::<Progress>().done, done);
     }
-    let height = world.get::<body::Position>(lid).unwrap().0.y;
+    let height = world.get::<BodyPosition>(lid).unwrap().0.y;
     assert!((height - sought).abs() < 1e-16, "{height} for {sought}");
 }
 
@@ -152,7 +146,7 @@ fn extra_rows_hold_a_disk_on_springs() {
     let disk = world.spawn((disk(0.0), Foundation(1.0e6), load)).id();
     for n in 1..=24 {
         world.run_schedule(Increment);
-        let y = world.get::<body::Position>(disk).unwrap().0.y;
+        let y = world.get::<BodyPosition>(disk).unwrap().0.y;
         let expected = -1.0e-6 * f64::from(n);
         assert!(
             (y - expected).abs() < 1e-7 * expected.abs(),
@@ -168,7 +162,7 @@ struct Wet(f64);
 
 fn lubricate(
     wet: Query<(&BodyId, &Wet)>,
-    (bodies, contacts): (Res<Bodies>, Res<Contacts>),
+    (bodies, contacts): (Res<BodyTable>, Res<ContactTable>),
     mut program: ResMut<ConeProgram>,
 ) {
     for (contact, c) in contacts.0.iter().zip(&mut program.interactions) {
@@ -194,11 +188,11 @@ fn a_parameter_of_the_contact_law_of_a_plugin_changes_the_friction() {
     };
     let world = app.world_mut();
     world.spawn((Wall::between(DVec2::new(-1.0, 0.0), DVec2::new(1.0, 0.0)), law));
-    let push = Drives([Drive::Imposed(1.0e-4), Drive::Free, Drive::Imposed(0.0)]);
+    let push = BodyDrives([BodyDrive::Imposed(1.0e-4), BodyDrive::Free, BodyDrive::Imposed(0.0)]);
     let wet = world.spawn((Particle::disk(RADIUS, 2650.0, 1.0), push, Wet(0.5))).id();
-    world.entity_mut(wet).insert(body::Position(DVec2::new(0.0, RADIUS)));
+    world.entity_mut(wet).insert(BodyPosition(DVec2::new(0.0, RADIUS)));
     let dry = world.spawn((Particle::disk(RADIUS, 2650.0, 1.0), push)).id();
-    world.entity_mut(dry).insert(body::Position(DVec2::new(0.1, RADIUS)));
+    world.entity_mut(dry).insert(BodyPosition(DVec2::new(0.1, RADIUS)));
     for _ in 0..3 {
         world.run_schedule(Increment);
         assert_eq!(world.resource::<Observation>().status.name(), "solved");
@@ -226,13 +220,13 @@ fn appended_interactions_free_their_bodies() {
     app.add_systems(AttemptIncrement, glue.in_set(AttemptSystems::AssembleExtra));
     let world = app.world_mut();
     let free = world.spawn(disk(0.0)).id();
-    let lift = Drives::imposed([0.0, 1.0e-6, 0.0]);
-    let place = body::Position(DVec2::new(0.0, 1.0));
+    let lift = BodyDrives::imposed([0.0, 1.0e-6, 0.0]);
+    let place = BodyPosition(DVec2::new(0.0, 1.0));
     world.spawn((Particle::disk(RADIUS, 2650.0, 1.0), place, lift));
     world.run_schedule(Increment);
     assert_eq!(world.resource::<Observation>().status.name(), "solved");
     // Nothing else acts on it: it follows the other disk without force.
-    let y = world.get::<body::Position>(free).unwrap().0.y;
+    let y = world.get::<BodyPosition>(free).unwrap().0.y;
     assert!((y - 1.0e-6).abs() < 1e-12, "{y} m");
 }
 
@@ -248,15 +242,15 @@ fn loads_of_several_systems_add_up_in_any_order() {
         let mut app = app();
         // Neither states an order, and the schedule accepts both.
         if reversed {
-            app.add_systems(Loads, (pull, push));
+            app.add_systems(AddTrialLoads, (pull, push));
         } else {
-            app.add_systems(Loads, (push, pull));
+            app.add_systems(AddTrialLoads, (push, pull));
         }
         let world = app.world_mut();
         let disk = world.spawn((disk(0.0), Foundation(1.0e9))).id();
         world.run_schedule(Increment);
         assert_eq!(world.resource::<Observation>().status.name(), "solved");
-        world.get::<body::Position>(disk).unwrap().0
+        world.get::<BodyPosition>(disk).unwrap().0
     };
     let found = place(false);
     assert!((found - DVec2::new(-0.2e-9, 0.07)).length() < 1e-12, "{found}");
@@ -302,7 +296,7 @@ fn the_sample_of_the_architecture_page_is_this_one() {
 
 /// A rule of rupture that replaces that of the engine: bonds break at a tension of 10 N.
 fn break_at_10_newtons(
-    (contacts, bodies): (Res<Contacts>, Res<Bodies>),
+    (contacts, bodies): (Res<ContactTable>, Res<BodyTable>),
     solution: Res<ConeSolution>,
     progress: Res<Progress>,
     mut bonds: Query<&mut BondState>,

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::fmt::Write;
 
 use clastic::components::cell::PeriodicCell;
-use clastic::components::contact::Bodies;
+use clastic::components::contact::BodyTable;
 use clastic::run::measures::reading;
 use clastic::run::{Outcome, Simulation};
 use clastic::scene::format::{
@@ -185,7 +185,7 @@ fn imposed_stresses_of_packings() {
                 let world = simulation.world();
                 let cell = *world.resource::<PeriodicCell>();
                 if record.stage == "compact" {
-                    let radii = &world.resource::<Bodies>().radii;
+                    let radii = &world.resource::<BodyTable>().radii;
                     porosity = 1.0 - radii.iter().map(|r| PI * r * r).sum::<f64>() / cell.area();
                     continue;
                 }

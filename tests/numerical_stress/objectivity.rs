@@ -1,6 +1,6 @@
 //! Objectivity: a bonded beam turned by a full turn, in few large increments and in many.
 
-use clastic::components::contact::Bodies;
+use clastic::components::contact::BodyTable;
 use clastic::cone::program::ConeSolution;
 use clastic::run::Simulation;
 use clastic::scene::format::{Motion, ParticleControl, Scene, Select, Stage};
@@ -126,7 +126,7 @@ fn a_wheel_keeps_its_angular_momentum_for_every_theta() {
         };
         let start = of(&mut simulation);
         while next(&mut simulation).is_some() {}
-        assert!(simulation.world().resource::<Bodies>().bonds.len() == 12);
+        assert!(simulation.world().resource::<BodyTable>().bonds.len() == 12);
         assert!(!simulation.world().resource::<ConeSolution>().forces.is_empty());
         let change = of(&mut simulation) / start - 1.0;
         println!("theta {theta}: {change:.1e}");
