@@ -11,7 +11,8 @@ use serde::{Deserialize, Serialize};
 ///
 /// All ordered tables use the order of identities: first particles, then walls, each ascending.
 /// `Entity` values and query order depend on the history of the world, so nothing is ordered by
-/// them. Identities may have gaps; [`BodyTable`](crate::contact::BodyTable) has one dense row per body.
+/// them. Identities may have gaps; [`BodyTable`](crate::contact::BodyTable) has one dense row per
+/// body.
 #[derive(
     Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
 )]

@@ -70,9 +70,9 @@ pub struct BodyTable {
     /// The periodic cell of the specimen, if it is in one. In the program its row follows those of
     /// all bodies.
     pub cell: Option<PeriodicCell>,
-    /// Whether imposed motions stand still in the trial, because a step of a followed motion has made
-    /// them or because a rupture released the motion. Loads then have their values at the end of the
-    /// trial.
+    /// Whether imposed motions stand still in the trial, because a step of a followed motion has
+    /// made them or because a rupture released the motion. Loads then have their values at the end
+    /// of the trial.
     pub drives_stopped: bool,
 }
 
@@ -133,8 +133,8 @@ impl BodyTable {
         self.groups.get(index as usize)
     }
 
-    /// Whether two bodies, `a < b`, have no contact with each other: members of one rigid group, and
-    /// linked bodies.
+    /// Whether two bodies, `a < b`, have no contact with each other: members of one rigid group,
+    /// and linked bodies.
     #[must_use]
     pub fn are_joined(&self, a: u32, b: u32) -> bool {
         if self.links.binary_search_by_key(&[a, b], |link| link.rows).is_ok() {

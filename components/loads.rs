@@ -18,7 +18,8 @@ pub struct AddedLoad {
     pub stiffness: f64,
 }
 
-/// Loads of the trial, which the systems of the `AddTrialLoads` schedule add. The outside world acts with
+/// Loads of the trial, which the systems of the `AddTrialLoads` schedule add. The outside world
+/// acts with
 /// `force - stiffness u` on a degree of freedom with displacement u. Contributions add up. Their
 /// sum does not depend on the order in which they were added.
 #[derive(Resource, Clone, Debug, Default)]

@@ -13,9 +13,9 @@ use crate::material::ContactLaw;
 /// A rigid wall: an infinite line for contact, drawn between its ends, unless it has another
 /// [`WallShape`](crate::wall_shape::WallShape).
 ///
-/// Its [`BodyPosition`] is the middle of the drawn segment; of an arc its middle, of a whole circle its
-/// centre. Material lies on the left of the way from start to end: the inward normal is the tangent
-/// turned by +90 degrees.
+/// Its [`BodyPosition`] is the middle of the drawn segment; of an arc its middle, of a whole circle
+/// its centre. Material lies on the left of the way from start to end: the inward normal is the
+/// tangent turned by +90 degrees.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 #[require(BodyPosition, LastMotion, ExternalForce, ContactLaw, WallDrive, WallControl)]
@@ -27,8 +27,8 @@ pub struct Wall {
 }
 
 impl Wall {
-    /// The wall between two points (m), with its [`BodyPosition`]. Material lies on the left of the way
-    /// from start to end.
+    /// The wall between two points (m), with its [`BodyPosition`]. Material lies on the left of the
+    /// way from start to end.
     ///
     /// # Panics
     /// If the points are one point or not finite, because the wall then has no direction.

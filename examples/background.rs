@@ -37,7 +37,8 @@ struct Engine {
 }
 
 impl Engine {
-    /// Starts a thread that fills an app by `fill` and makes increments until the engine is dropped.
+    /// Starts a thread that fills an app by `fill` and makes increments until the engine is
+    /// dropped.
     fn start(fill: impl FnOnce(&mut App) + Send + 'static) -> Self {
         let latest = Arc::new(Mutex::new(None));
         let (orders, received) = channel::<Order>();

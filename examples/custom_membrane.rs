@@ -1,9 +1,10 @@
 //! A boundary condition of a program's own: disks wrapped in a flexible membrane, under water.
 //!
-//! The pressure on a link of the membrane grows with its depth. A system in the public set `AddTrialLoads`
-//! finds the chain of the outermost disks wherever a trial starts, so that the forces follow the
-//! disks, in halved increments and followed motions too. One disk is held: it carries the buoyancy,
-//! the specific weight of the water times the volume within the membrane (Archimedes).
+//! The pressure on a link of the membrane grows with its depth. A system in the public set
+//! `AddTrialLoads` finds the chain of the outermost disks wherever a trial starts, so that the
+//! forces follow the disks, in halved increments and followed motions too. One disk is held: it
+//! carries the buoyancy, the specific weight of the water times the volume within the membrane
+//! (Archimedes).
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;

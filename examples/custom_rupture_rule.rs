@@ -2,7 +2,8 @@
 //! carries.
 //!
 //! The plugin of the engine's rule is left out of the group, and a system takes its place. The rule
-//! sets the state of the bond and adds the rupture to the record, from which messages and events follow.
+//! sets the state of the bond and adds the rupture to the record, from which messages and events
+//! follow.
 
 use bevy_app::{App, PluginGroup};
 use bevy_ecs::prelude::*;

@@ -1,7 +1,7 @@
 //! Several specimens: one `SubApp` each, since a world holds one specimen.
 //!
-//! Three pairs of bonded disks of different stiffness are pulled by 1 um in every update of the main
-//! app. Each carries its stiffness times the elongation.
+//! Three pairs of bonded disks of different stiffness are pulled by 1 um in every update of the
+//! main app. Each carries its stiffness times the elongation.
 
 use bevy_app::{App, AppLabel};
 use bevy_ecs::prelude::*;

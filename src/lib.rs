@@ -84,10 +84,11 @@ use clastic_systems::update_state::UpdateStatePlugin;
 /// The app makes one increment whenever `Update`, or the schedule given to [`new`](Self::new),
 /// runs. [`ClasticRunning`](systems::stepping::ClasticRunning) pauses it.
 ///
-/// `Update` is the default, and not `FixedPostUpdate` as for the physics of games. A static increment
-/// has no duration; an increment may take longer than the time step, and a fixed schedule would then
-/// ask for ever more of them; and without Bevy's `TimePlugin` a fixed schedule never runs, so that
-/// nothing would move and nothing say so. For a simulation in the time of the clock give
+/// `Update` is the default, and not `FixedPostUpdate` as for the physics of games. A static
+/// increment has no duration; an increment may take longer than the time step, and a fixed schedule
+/// would then ask for ever more of them; and without Bevy's `TimePlugin` a fixed schedule never
+/// runs, so that nothing would move and nothing say so. For a simulation in the time of the clock
+/// give
 /// `ClasticPlugins::new(FixedPostUpdate)`: an increment is then one time step, whose duration
 /// `Analysis` alone has (`Time<Fixed>` follows it), and `Time<Virtual>` makes it faster or slower.
 pub struct ClasticPlugins {

@@ -25,8 +25,8 @@ impl Plugin for AnnounceCollisionsPlugin {
     }
 }
 
-/// Writes a [`Collision`], and triggers [`BodyHit`] of both bodies, for every pair without a bond that carries a force after
-/// this increment and carried none after the one before.
+/// Writes a [`Collision`], and triggers [`BodyHit`] of both bodies, for every pair without a bond
+/// that carries a force after this increment and carried none after the one before.
 pub fn announce_collisions(
     bodies: Res<BodyTable>,
     contacts: Res<ContactTable>,

@@ -154,8 +154,8 @@ pub(crate) fn end_links_of(world: &mut World, id: BodyId) {
 }
 
 /// Appends one interaction per link, behind those of contacts. Its geometry is that halfway of the
-/// expected motion, where the change of a distance is its component along the link, and the motion of
-/// a point that turns with its body is the angle times the arm.
+/// expected motion, where the change of a distance is its component along the link, and the motion
+/// of a point that turns with its body is the angle times the arm.
 pub(crate) fn assemble(
     bodies: &BodyTable,
     analysis: &Analysis,

@@ -56,9 +56,9 @@ impl Plugin for RecordPlugin {
         app.init_resource::<Observation>().init_resource::<Measures>().add_systems(
             Increment,
             (
-                // Stress refers to the geometry at the start of the increment, which `BodyTable` still
-                // holds. Readers of the record need the geometry at its end, so `BodyTable` is
-                // gathered again.
+                // Stress refers to the geometry at the start of the increment, which `BodyTable`
+                // still holds. Readers of the record need the geometry at its end, so `BodyTable`
+                // is gathered again.
                 (record_stress, read_start),
                 gather_bodies,
                 renew_shapes,

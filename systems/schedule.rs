@@ -8,7 +8,7 @@
 //!   Controls runs    ControlWalls: BuiltIn -> Custom, for the increment that begins
 //!   Attempts runs    AttemptIncrement, repeated until an attempt is accepted:
 //!                    Detect -> Assemble -> AssembleExtra -> Balance -> Solve -> Judge
-//!                    and Loads whenever a trial begins
+//!                    and AddTrialLoads whenever a trial begins
 //! ```
 //!
 //! Attempts read and write tables that are gathered once per increment. Bodies, walls, bonds and
@@ -62,7 +62,8 @@ pub enum IncrementSystems {
     /// Computes drives of walls and loads of particles for the next increment.
     Controls,
     /// Gathers bodies, bonds, controls and contact memory into tables in the order of identities,
-    /// and checks their values. The sets after it do not run if the world is [`ClasticHalted`] by then.
+    /// and checks their values. The sets after it do not run if the world is [`ClasticHalted`] by
+    /// then.
     Gather,
     /// Updates the rows of persistent tables. Runs only if rows have changed.
     Renumber,

@@ -1,7 +1,7 @@
 //! Repeated increments: the `AdvanceIncrement` schedule, and when the app runs it.
 //!
 //! ```text
-//! Advance:   Begin -> Increment -> End -> Announce -> Output
+//! AdvanceIncrement:   Begin -> Increment -> End -> Announce -> Output
 //!   Begin    work before the increment: stages end and begin
 //!   Increment    runs the Increment schedule, if one is due
 //!   End      status of the increment, and whether the stage continues
@@ -89,8 +89,8 @@ pub enum ClasticRunning {
     /// No increments.
     Paused,
     /// No increments, because the next one would be the last one again, or because the world is
-    /// [`ClasticHalted`]. The message [`ClasticStopped`] has the reason. After you have changed what
-    /// made the increment fail, insert another `ClasticRunning`.
+    /// [`ClasticHalted`]. The message [`ClasticStopped`] has the reason. After you have changed
+    /// what made the increment fail, insert another `ClasticRunning`.
     Stopped(StoppedBy),
 }
 
@@ -157,8 +157,8 @@ pub struct ClasticHalted(
 );
 
 /// Adds [`AdvanceIncrement`] and runs it whenever `schedule` runs and [`ClasticRunning`] allows it.
-/// In one of Bevy's fixed schedules an increment is one time step: `Time<Fixed>` follows `dt` of the
-/// [`Analysis`].
+/// In one of Bevy's fixed schedules an increment is one time step: `Time<Fixed>` follows `dt` of
+/// the [`Analysis`].
 pub struct SteppingPlugin {
     /// The schedule of the app that makes increments.
     pub schedule: InternedScheduleLabel,
@@ -216,8 +216,8 @@ impl Plugin for SteppingPlugin {
     }
 }
 
-/// Gives Bevy's fixed schedules the time step of a dynamic analysis, which has it alone. In statics,
-/// where increments have no duration, the app chooses how many it wants per second.
+/// Gives Bevy's fixed schedules the time step of a dynamic analysis, which has it alone. In
+/// statics, where increments have no duration, the app chooses how many it wants per second.
 fn follow_time_step(analysis: Res<Analysis>, mut time: ResMut<Time<Fixed>>) {
     let AnalysisKind::Dynamic { dt, .. } = analysis.kind else { return };
     // Others are refused when the increment begins.
@@ -237,10 +237,11 @@ fn increment(world: &mut World) {
     world.run_schedule(Increment);
 }
 
-/// Makes an increment if the app is [`ClasticRunning`] and has particles. Exclusive, because it runs a
-/// schedule.
+/// Makes an increment if the app is [`ClasticRunning`] and has particles. Exclusive, because it
+/// runs a schedule.
 fn step(world: &mut World, particles: &mut QueryState<(), With<Particle>>) {
-    // `QueryState::is_empty` looks only at the archetypes that it knows, and it learns of no new ones.
+    // `QueryState::is_empty` looks only at the archetypes that it knows, and it learns of no new
+    // ones.
     let is_empty = particles.iter(world).next().is_none();
     if is_empty || !world.resource::<ClasticRunning>().may_go_on() {
         return;

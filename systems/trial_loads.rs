@@ -1,5 +1,5 @@
-//! Loads of an embedding program. The [`AddTrialLoads`] schedule collects them once per trial: for every
-//! tried fraction of an increment and after every step of a followed motion.
+//! Loads of an embedding program. The [`AddTrialLoads`] schedule collects them once per trial: for
+//! every tried fraction of an increment and after every step of a followed motion.
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;

@@ -58,8 +58,8 @@ pub fn too_far(
     furthest(bodies, contacts, program, solution).filter(|(_, turn)| !(*turn <= acceptance.turn))
 }
 
-/// The turn of a grain that is bonded. Bonds turn in proportion to the increment as far as the specimen
-/// bends; where a contact turns, a grain jumps to other support.
+/// The turn of a grain that is bonded. Bonds turn in proportion to the increment as far as the
+/// specimen bends; where a contact turns, a grain jumps to other support.
 #[must_use]
 pub fn of_bonded(bodies: &BodyTable, (grain, turn): (usize, f64)) -> Option<f64> {
     let is_bonded = bodies.bonds.iter().any(|bond| [bond.a, bond.b].contains(&(grain as u32)));
@@ -78,10 +78,10 @@ pub fn is_unsupported(
         && furthest(bodies, contacts, program, solution).is_some_and(|(_, turn)| turn > UNSUPPORTED)
 }
 
-/// By grain, the maximum turn of its bonds and of its contacts that carry load, rad. A grain without
-/// any has the minimum turn of its pairs, since it may lie on any of them, and a grain without pairs
-/// or with an imposed motion has none. A member of a rigid group turns by at least as much as the
-/// group.
+/// By grain, the maximum turn of its bonds and of its contacts that carry load, rad. A grain
+/// without any has the minimum turn of its pairs, since it may lie on any of them, and a grain
+/// without pairs or with an imposed motion has none. A member of a rigid group turns by at least as
+/// much as the group.
 #[must_use]
 pub fn turns(
     bodies: &BodyTable,

@@ -61,8 +61,8 @@ impl Prepared {
     }
 }
 
-/// System: takes the specimen and its frame where the reference stage begins, as earlier stages leave
-/// it: those without increments as well. Exclusive, because it gathers the tables.
+/// System: takes the specimen and its frame where the reference stage begins, as earlier stages
+/// leave it: those without increments as well. Exclusive, because it gathers the tables.
 pub(super) fn take_start(world: &mut World) {
     let is_reference =
         world.resource::<Progress>().stage == world.resource::<Script>().reference_stage();

@@ -44,7 +44,8 @@ impl Snapshot {
         self.radii.iter().map(|r| std::f64::consts::PI * r * r).sum()
     }
 
-    /// Takes a snapshot of a world whose [`BodyTable`] are up to date, as they are after an increment.
+    /// Takes a snapshot of a world whose [`BodyTable`] are up to date, as they are after an
+    /// increment.
     ///
     /// # Panics
     /// If the world lacks [`ClasticPlugins`](crate::ClasticPlugins).
@@ -54,9 +55,9 @@ impl Snapshot {
             .unwrap_or_else(|error| panic!("{error}"))
     }
 
-    /// Lower left and upper right corner of the box around the disks, without strays, and the walls,
-    /// m; none without disks. Walls that are lines count up to a quarter of the extent of the disks
-    /// beyond these.
+    /// Lower left and upper right corner of the box around the disks, without strays, and the
+    /// walls, m; none without disks. Walls that are lines count up to a quarter of the extent of
+    /// the disks beyond these.
     #[must_use]
     pub fn bounds(&self) -> Option<(DVec2, DVec2)> {
         let range = |axis: usize| {

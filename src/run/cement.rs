@@ -1,5 +1,5 @@
-//! Cementing (3.4.1 of the paper): bonds between pairs that are close enough. What a contact carries
-//! its bond goes on carrying, so that the state stays as it is.
+//! Cementing (3.4.1 of the paper): bonds between pairs that are close enough. What a contact
+//! carries its bond goes on carrying, so that the state stays as it is.
 
 use bevy_ecs::prelude::*;
 

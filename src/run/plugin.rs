@@ -41,8 +41,8 @@ pub struct WallPlugins;
 /// Registers that a plugin drives walls.
 pub trait ProvideWalls {
     /// The plugin has systems in
-    /// [`ControlSystems::Custom`](clastic_systems::schedule::ControlSystems::Custom) that drive walls
-    /// with the control `Custom`.
+    /// [`ControlSystems::Custom`](clastic_systems::schedule::ControlSystems::Custom) that drive
+    /// walls with the control `Custom`.
     fn provide_walls(&mut self) -> &mut Self;
 }
 

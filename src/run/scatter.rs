@@ -1,8 +1,8 @@
 //! Scatter of bonds: the law of one bond from that of its material.
 //!
 //! The draws of a bond depend on the seed and on where its two bodies were at the start of the run
-//! ([`BodyOrigin`]), which is stored with them. They do not depend on the order of the particles, nor
-//! on that in which bonds are made.
+//! ([`BodyOrigin`]), which is stored with them. They do not depend on the order of the particles,
+//! nor on that in which bonds are made.
 
 use glam::DVec2;
 use libm::{exp, log, pow, sqrt, tgamma};

@@ -15,8 +15,8 @@ use clastic_systems::measures::stress::as_it_carried;
 use super::walls::find_wall;
 use crate::scene::format as scene;
 
-/// Sets the controls of all walls for a loading stage. A load starts from the last load of the wall,
-/// or from the reaction of a wall that was held or driven.
+/// Sets the controls of all walls for a loading stage. A load starts from the last load of the
+/// wall, or from the reaction of a wall that was held or driven.
 pub(super) fn set(world: &mut World, stage: &scene::Load) {
     let mut query = world.query_filtered::<(Entity, &BodyId, &WallName), With<Wall>>();
     let mut walls: Vec<_> =

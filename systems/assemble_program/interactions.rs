@@ -6,7 +6,8 @@
 //! | compliances | 1/k of the bond | 1/k of the contact |
 //! | c A, f_t, mu, mu_r | of the bond | 0, 0, mu and mu_r of the contact |
 //! | previous shear q_0 | last increment's (0 where C_T = 0) | last increment's while in contact |
-//! | previous moment tau_0 | last increment's (0 where C_R = 0) | last increment's while in contact |
+//! | previous moment tau_0 | last increment's (0 where C_R = 0) | last increment's while in contact
+//! |
 //!
 //! In dynamics an elastic interaction enters with C/theta and g/theta, so that its force in the
 //! program is the average over the increment. A rigid interaction keeps g, so that it does not

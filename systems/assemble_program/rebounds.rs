@@ -8,7 +8,8 @@
 //!
 //! | contact | bound of the closing speed w at the end |
 //! |---|---|
-//! | hit at the time t, by bodies that touch nothing else | `-(e w_t - a (dt - t))`, w_t the speed then |
+//! | hit at the time t, by bodies that touch nothing else | `-(e w_t - a (dt - t))`, w_t the speed
+//! then |
 //! | not hit, by bodies that touch nothing else | none |
 //! | hit, by bodies of which one touches others | `-e w_0` |
 //! | separating at the start | `max(g_0/dt, e \|w_0\|)` |

@@ -166,8 +166,8 @@ fn body_named(mut world: DeferredWorld, context: HookContext) {
     });
 }
 
-/// Hook of [`BodyId`]: removes the intact bonds and the links of the body, and the memory of its contacts. Bonds
-/// that broke before stay in the record.
+/// Hook of [`BodyId`]: removes the intact bonds and the links of the body, and the memory of its
+/// contacts. Bonds that broke before stay in the record.
 fn body_gone(mut world: DeferredWorld, context: HookContext) {
     let entity = context.entity;
     let Some(id) = world.get::<BodyId>(entity).copied() else { return };

@@ -52,9 +52,9 @@ pub fn wall_gap(
     gap
 }
 
-/// Whether a contact belongs to another wall, since a second one would halve the force of each. Where
-/// the end of a thin wall lies on another wall, the nearer of the two has the contact. If both have the
-/// same point, a line has it, and of two thin walls the one with the lower number.
+/// Whether a contact belongs to another wall, since a second one would halve the force of each.
+/// Where the end of a thin wall lies on another wall, the nearer of the two has the contact. If
+/// both have the same point, a line has it, and of two thin walls the one with the lower number.
 fn is_of_another(
     walls: &[WallRow],
     positions: &[DVec2],

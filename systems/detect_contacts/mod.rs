@@ -1,10 +1,10 @@
 //! Contact detection: which pairs may carry force in this increment.
 //!
-//! Candidates come from an exact search by a [`grid`] of cells, whose result is kept while the disks
-//! move little ([`candidates`]). Of the candidates, those that cannot close within the increment are
-//! pruned by an estimate of the motion; the estimate may be wrong, so
-//! [`closed_pairs`](crate::attempt::closed_pairs) checks the solution against all pairs and asks for
-//! another attempt with those that it missed. No number here therefore decides which contacts
+//! Candidates come from an exact search by a [`grid`] of cells, whose result is kept while the
+//! disks move little ([`candidates`]). Of the candidates, those that cannot close within the
+//! increment are pruned by an estimate of the motion; the estimate may be wrong, so
+//! [`closed_pairs`](crate::attempt::closed_pairs) checks the solution against all pairs and asks
+//! for another attempt with those that it missed. No number here therefore decides which contacts
 //! close.
 
 pub mod candidates;

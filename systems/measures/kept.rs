@@ -112,7 +112,8 @@ fn go_back(mut bodies: ResMut<BodyTable>, motions: Query<(&BodyId, &LastMotion)>
     }
 }
 
-/// The contacts whose forces are kept, a program with their normals, and these forces. One with a body that is gone is left out.
+/// The contacts whose forces are kept, a program with their normals, and these forces. One with a
+/// body that is gone is left out.
 fn kept_contacts(
     bodies: Res<BodyTable>,
     kept: Res<KeptRows>,

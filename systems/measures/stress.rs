@@ -22,8 +22,9 @@ type Geometry<'w, 's> = Query<'w, 's, (&'static Wall, &'static BodyPosition)>;
 
 /// Average stress tensor `sum (p n + q t) (x) l / V` of Love and Weber, Pa, compression positive.
 /// The branch l goes from centre to centre, and at a wall from the centre to the line of the wall.
-/// The stress then equals that of the wall forces, whatever the gap or overlap at the walls. Forces have
-/// the directions of the program, in which they balance, so that the sum is that of any positions.
+/// The stress then equals that of the wall forces, whatever the gap or overlap at the walls. Forces
+/// have the directions of the program, in which they balance, so that the sum is that of any
+/// positions.
 /// `area` is in m^2.
 #[must_use]
 pub fn average_stress(

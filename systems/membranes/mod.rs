@@ -8,9 +8,9 @@
 //! equilibrium. The sum over a closed chain is zero, and over an open one that of the straight line
 //! from its first point to its last.
 //!
-//! The plugin uses public sets only: [`AddTrialLoads`], which runs for every trial, so that the chains and
-//! their forces are those of the place from which a halved increment or a step of a followed motion
-//! starts. It is the example of a boundary condition in `ARCHITECTURE.md`.
+//! The plugin uses public sets only: [`AddTrialLoads`], which runs for every trial, so that the
+//! chains and their forces are those of the place from which a halved increment or a step of a
+//! followed motion starts. It is the example of a boundary condition in `ARCHITECTURE.md`.
 
 mod rolling_ball;
 

@@ -174,7 +174,8 @@ fn lubricate(
     }
 }
 
-/// A disk that does not turn is pushed along a floor: the floor resists by mu m g, mu halved by water.
+/// A disk that does not turn is pushed along a floor: the floor resists by mu m g, mu halved by
+/// water.
 #[test]
 fn a_parameter_of_the_contact_law_of_a_plugin_changes_the_friction() {
     let mut app = app();

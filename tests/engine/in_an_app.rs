@@ -427,7 +427,7 @@ fn an_app_that_asks_is_told_of_every_collision_once() {
     assert!((44..=47).contains(&first.increment) && first.force > 0.0, "{first:?}");
 }
 
-/// The collisions of messages, those of an observer of all bodies, and the bodies that the observer of
-/// the floor was told of.
+/// The collisions of messages, those of an observer of all bodies, and the bodies that the observer
+/// of the floor was told of.
 #[derive(Resource, Default)]
 struct Hits(Vec<Collision>, Vec<BodyHit>, Vec<Entity>);

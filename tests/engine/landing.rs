@@ -45,8 +45,9 @@ fn of_stage<'a>(records: &'a [Observation], stage: &str) -> Vec<&'a Observation>
     records.iter().filter(|record| record.stage == stage).collect()
 }
 
-/// Two springs of 1e7 N/m in a row: 33 kPa on 0.02 m are 660 N and 132 um. The platen leaves the disk
-/// where the stress comes to zero, and the stage ends there and not where its increment would end.
+/// Two springs of 1e7 N/m in a row: 33 kPa on 0.02 m are 660 N and 132 um. The platen leaves the
+/// disk where the stress comes to zero, and the stage ends there and not where its increment would
+/// end.
 #[test]
 fn a_column_lands_where_the_springs_say_and_shortens_one_increment() {
     for law in ["Associated", "Coulomb()"] {

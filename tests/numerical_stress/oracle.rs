@@ -141,8 +141,9 @@ impl Oracle {
             let capped = record.status == IncrementStatus::Capped;
             let limit = if capped { Sliding::BOUND } else { RESIDUAL };
             findings.book("reported residual", record.residuals.worst(), limit, n);
-            // A pass takes normals and gaps at the end of the increment, and the oracle knows those at
-            // its start. Such increments are checked by residuals, ledger and finite numbers only.
+            // A pass takes normals and gaps at the end of the increment, and the oracle knows those
+            // at its start. Such increments are checked by residuals, ledger and finite numbers
+            // only.
             let passes = simulation.world().resource::<Corrections>().passes;
             if passes == 0 {
                 self.check_committed(simulation, scene, record, &now, findings);

@@ -76,8 +76,8 @@ fn arc(i: usize, wall: &Wall, through: (f64, f64), findings: &mut Findings) {
 /// Help where a control needs a wall of one piece.
 pub(super) const ONE_PIECE: &str = "name a wall of one piece";
 
-/// A wall that a control or a measure needs as one straight or curved piece. The pair completes "has
-/// no one ..." and says what helps.
+/// A wall that a control or a measure needs as one straight or curved piece. The pair completes
+/// "has no one ..." and says what helps.
 pub(super) fn one_piece(
     context: &Context,
     path: std::fmt::Arguments,
