@@ -1,5 +1,7 @@
 //! Links between bodies: their state, their rows in the tables, and their interactions.
 
+use std::cmp::Ordering;
+
 use bevy_app::{App, Plugin};
 use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
@@ -45,9 +47,7 @@ struct AllLinks(Vec<Link>);
 impl StateOf for AllLinks {
     fn take(world: &mut World) -> Option<Self> {
         let mut all: Vec<Link> = world.query::<&Link>().iter(world).copied().collect();
-        all.sort_unstable_by(|x, y| {
-            order(x).partial_cmp(&order(y)).unwrap_or(std::cmp::Ordering::Equal)
-        });
+        all.sort_unstable_by(order);
         (!all.is_empty()).then_some(Self(all))
     }
 
@@ -64,10 +64,19 @@ impl StateOf for AllLinks {
     }
 }
 
-/// What orders links, whatever the order in which a query finds them.
-fn order(link: &Link) -> ([BodyId; 2], [f64; 5]) {
-    let (p, q) = (link.on_a, link.on_b);
-    ([link.a, link.b], [p.x, p.y, q.x, q.y, link.compliance])
+/// Orders links, whatever the order in which a query finds them.
+fn order(x: &Link, y: &Link) -> Ordering {
+    let of = |link: &Link| {
+        let (p, q) = (link.on_a, link.on_b);
+        let length = match link.kind {
+            LinkKind::Hinge => -1.0,
+            LinkKind::Length(length) => length,
+        };
+        ([link.a, link.b], [p.x, p.y, q.x, q.y, length, link.compliance])
+    };
+    let ((ends, x), (others, y)) = (of(x), of(y));
+    let values = x.iter().zip(&y).map(|(x, y)| x.total_cmp(y));
+    ends.cmp(&others).then(values.fold(Ordering::Equal, Ordering::then))
 }
 
 /// Why a link is refused.
@@ -124,9 +133,7 @@ pub(crate) fn gather(bodies: &mut BodyTable, links: &Query<(Entity, &Link)>) {
     let mut rows = std::mem::take(&mut bodies.links);
     rows.clear();
     let mut found: Vec<_> = links.iter().collect();
-    found.sort_unstable_by(|x, y| {
-        order(x.1).partial_cmp(&order(y.1)).unwrap_or(std::cmp::Ordering::Equal)
-    });
+    found.sort_unstable_by(|x, y| order(x.1, y.1));
     rows.extend(found.into_iter().filter_map(|(entity, link)| {
         let row = |id| bodies.row(id).map(|row| row as u32);
         let ends = [(row(link.a)?, link.on_a), (row(link.b)?, link.on_b)];
