@@ -2,8 +2,8 @@
 
 use glam::DVec2;
 
-use clastic_components::body::Drive;
-use clastic_components::contact::Bodies;
+use clastic_components::body::BodyDrive;
+use clastic_components::contact::BodyTable;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
 /// With fewer grains than this, the field is their mean motion instead of an affine field.
@@ -12,7 +12,7 @@ const FEW: usize = 6;
 /// The grain with the maximum motion relative to the mean field, and this motion in its radii.
 #[must_use]
 pub fn furthest(
-    bodies: &Bodies,
+    bodies: &BodyTable,
     program: &ConeProgram,
     solution: &ConeSolution,
 ) -> Option<(usize, f64)> {
@@ -23,12 +23,12 @@ pub fn furthest(
 }
 
 /// Motion of every grain relative to the mean field, in its radii.
-fn far_motions(bodies: &Bodies, program: &ConeProgram, solution: &ConeSolution) -> Vec<f64> {
+fn far_motions(bodies: &BodyTable, program: &ConeProgram, solution: &ConeSolution) -> Vec<f64> {
     let n = bodies.particles;
     let motion = motions(n, program, solution);
     // With fewer than `FEW` grains the field is fitted to the free ones only, since driven grains
     // move as imposed.
-    let imposes = |d: &Drive| matches!(d, Drive::Imposed(_));
+    let imposes = |d: &BodyDrive| matches!(d, BodyDrive::Imposed(_));
     let driven = |i: usize| {
         bodies.drives[i][..2].iter().any(imposes)
             || bodies.group(i).is_some_and(|group| group.drives.iter().any(imposes))

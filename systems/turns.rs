@@ -11,8 +11,8 @@
 //!
 //! At a wall the normal turns with the wall.
 
-use clastic_components::body::Drive;
-use clastic_components::contact::{Bodies, Contact, Contacts};
+use clastic_components::body::BodyDrive;
+use clastic_components::contact::{BodyTable, Contact, ContactTable};
 use clastic_components::increment::Acceptance;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 use glam::DVec2;
@@ -37,8 +37,8 @@ const UNSUPPORTED: f64 = 5.0;
 /// The grain with the maximum turn, and this turn, rad.
 #[must_use]
 pub fn furthest(
-    bodies: &Bodies,
-    contacts: &Contacts,
+    bodies: &BodyTable,
+    contacts: &ContactTable,
     program: &ConeProgram,
     solution: &ConeSolution,
 ) -> Option<(usize, f64)> {
@@ -49,8 +49,8 @@ pub fn furthest(
 /// The grain with the maximum turn, if it exceeds [`Acceptance::turn`], and this turn, rad.
 #[must_use]
 pub fn too_far(
-    bodies: &Bodies,
-    contacts: &Contacts,
+    bodies: &BodyTable,
+    contacts: &ContactTable,
     program: &ConeProgram,
     solution: &ConeSolution,
     acceptance: &Acceptance,
@@ -58,10 +58,10 @@ pub fn too_far(
     furthest(bodies, contacts, program, solution).filter(|(_, turn)| !(*turn <= acceptance.turn))
 }
 
-/// The turn of a grain that is bonded. Bonds turn in proportion to the increment as far as the specimen
-/// bends; where a contact turns, a grain jumps to other support.
+/// The turn of a grain that is bonded. Bonds turn in proportion to the increment as far as the
+/// specimen bends; where a contact turns, a grain jumps to other support.
 #[must_use]
-pub fn of_bonded(bodies: &Bodies, (grain, turn): (usize, f64)) -> Option<f64> {
+pub fn of_bonded(bodies: &BodyTable, (grain, turn): (usize, f64)) -> Option<f64> {
     let is_bonded = bodies.bonds.iter().any(|bond| [bond.a, bond.b].contains(&(grain as u32)));
     is_bonded.then_some(turn)
 }
@@ -69,8 +69,8 @@ pub fn of_bonded(bodies: &Bodies, (grain, turn): (usize, f64)) -> Option<f64> {
 /// Whether a solution moves grains so far that they lack support.
 #[must_use]
 pub fn is_unsupported(
-    bodies: &Bodies,
-    contacts: &Contacts,
+    bodies: &BodyTable,
+    contacts: &ContactTable,
     program: &ConeProgram,
     solution: &ConeSolution,
 ) -> bool {
@@ -78,14 +78,14 @@ pub fn is_unsupported(
         && furthest(bodies, contacts, program, solution).is_some_and(|(_, turn)| turn > UNSUPPORTED)
 }
 
-/// By grain, the maximum turn of its bonds and of its contacts that carry load, rad. A grain without
-/// any has the minimum turn of its pairs, since it may lie on any of them, and a grain without pairs
-/// or with an imposed motion has none. A member of a rigid group turns by at least as much as the
-/// group.
+/// By grain, the maximum turn of its bonds and of its contacts that carry load, rad. A grain
+/// without any has the minimum turn of its pairs, since it may lie on any of them, and a grain
+/// without pairs or with an imposed motion has none. A member of a rigid group turns by at least as
+/// much as the group.
 #[must_use]
 pub fn turns(
-    bodies: &Bodies,
-    contacts: &Contacts,
+    bodies: &BodyTable,
+    contacts: &ContactTable,
     program: &ConeProgram,
     solution: &ConeSolution,
 ) -> Vec<f64> {
@@ -104,7 +104,7 @@ pub fn turns(
             nearest[i] = nearest[i].min(turn);
         }
     }
-    let imposes = |d: &Drive| matches!(d, Drive::Imposed(_));
+    let imposes = |d: &BodyDrive| matches!(d, BodyDrive::Imposed(_));
     let of_grain = |i: usize| {
         let group = bodies.group(i);
         if bodies.drives[i][..2].iter().any(imposes)
@@ -120,7 +120,7 @@ pub fn turns(
 }
 
 /// Angle by which a solution turns the normal of a contact, to first order, rad.
-fn turn(bodies: &Bodies, program: &ConeProgram, u: &[[f64; 3]], contact: &Contact) -> f64 {
+fn turn(bodies: &BodyTable, program: &ConeProgram, u: &[[f64; 3]], contact: &Contact) -> f64 {
     let [a, b] = [contact.a as usize, contact.b as usize];
     if b >= bodies.particles {
         return u[b][2].abs();

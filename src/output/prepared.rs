@@ -5,7 +5,7 @@ use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use clastic_components::cell::PeriodicCell;
-use clastic_components::contact::Bodies;
+use clastic_components::contact::BodyTable;
 use clastic_components::increment::Progress;
 use clastic_components::material::Materials;
 use clastic_components::observation::{Measures, Observation};
@@ -44,7 +44,7 @@ pub struct Prepared {
 impl Prepared {
     /// The specimen of a world whose tables are up to date.
     pub(super) fn take(world: &mut World) -> Self {
-        let now = |scenery: Scenery, bodies: Res<Bodies>, materials: Res<Materials>| {
+        let now = |scenery: Scenery, bodies: Res<BodyTable>, materials: Res<Materials>| {
             Self::now(&scenery, &bodies, &materials)
         };
         world.run_system_cached(now).unwrap_or_else(|error| panic!("{error}"))
@@ -52,7 +52,7 @@ impl Prepared {
 
     /// The specimen as it is now.
     #[must_use]
-    fn now(scenery: &Scenery, bodies: &Bodies, materials: &Materials) -> Self {
+    fn now(scenery: &Scenery, bodies: &BodyTable, materials: &Materials) -> Self {
         Self {
             rows: frames::specimen_rows(bodies, materials),
             snapshot: scenery.snapshot(),
@@ -61,8 +61,8 @@ impl Prepared {
     }
 }
 
-/// System: takes the specimen and its frame where the reference stage begins, as earlier stages leave
-/// it: those without increments as well. Exclusive, because it gathers the tables.
+/// System: takes the specimen and its frame where the reference stage begins, as earlier stages
+/// leave it: those without increments as well. Exclusive, because it gathers the tables.
 pub(super) fn take_start(world: &mut World) {
     let is_reference =
         world.resource::<Progress>().stage == world.resource::<Script>().reference_stage();
@@ -78,7 +78,7 @@ pub(super) fn take_start(world: &mut World) {
 /// Follows the specimen up to the reference stage. Writes it when that stage begins.
 pub fn prepare(
     (script, progress, observation): (Res<Script>, Res<Progress>, Res<Observation>),
-    (bodies, materials, measures): (Res<Bodies>, Res<Materials>, Res<Measures>),
+    (bodies, materials, measures): (Res<BodyTable>, Res<Materials>, Res<Measures>),
     (scenery, walls): (Scenery, Query<&Wall>),
     mut specimen: ResMut<PreparedSpecimen>,
     mut moments: ResMut<Moments>,

@@ -1,11 +1,11 @@
-//! Cementing (3.4.1 of the paper): bonds between pairs that are close enough. What a contact carries
-//! its bond goes on carrying, so that the state stays as it is.
+//! Cementing (3.4.1 of the paper): bonds between pairs that are close enough. What a contact
+//! carries its bond goes on carrying, so that the state stays as it is.
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::body::{BodyId, Origin};
+use clastic_components::body::{BodyId, BodyOrigin};
 use clastic_components::bond::Bond;
-use clastic_components::contact::{Bodies, Contact};
+use clastic_components::contact::{BodyTable, Contact};
 use clastic_components::contact_history::{ContactHistory, KeptRows};
 use clastic_components::increment::{Analysis, AnalysisKind};
 use clastic_components::material::{BondLaw, Materials};
@@ -134,10 +134,10 @@ pub fn bond_pairs(world: &mut World, pairs: impl Iterator<Item = (u32, u32)>) {
 }
 
 /// The bodies, and the memory of their contacts by their rows.
-fn gathered(world: &mut World) -> (Bodies, ContactHistory) {
+fn gathered(world: &mut World) -> (BodyTable, ContactHistory) {
     // The system is registered once and cached, so that only one function gathers the tables.
     let _ = world.run_system_cached(gather_bodies);
-    let bodies = world.resource::<Bodies>().clone();
+    let bodies = world.resource::<BodyTable>().clone();
     let mut history = world.resource::<ContactHistory>().clone();
     // The rows of the memory are those of the last increment.
     let mut rows = world.resource::<KeptRows>().clone();
@@ -150,7 +150,7 @@ fn gathered(world: &mut World) -> (Bodies, ContactHistory) {
 
 /// Normal force of the contact before it is bonded, N. A pair that no increment has loaded carries
 /// nothing, whatever its overlap.
-fn carried(world: &World, bodies: &Bodies, history: &ContactHistory, contact: &Contact) -> f64 {
+fn carried(world: &World, bodies: &BodyTable, history: &ContactHistory, contact: &Contact) -> f64 {
     let Some(memory) = history.get(contact.a, contact.b) else { return 0.0 };
     let analysis = world.resource::<Analysis>();
     let law = contact_law(bodies, world.resource::<Materials>(), analysis, contact);
@@ -166,7 +166,7 @@ fn carried(world: &World, bodies: &Bodies, history: &ContactHistory, contact: &C
 
 fn add(
     world: &mut World,
-    bodies: &Bodies,
+    bodies: &BodyTable,
     history: &ContactHistory,
     contact: &Contact,
     law: Option<&BondOfScene>,
@@ -179,7 +179,7 @@ fn add(
     // A world without a scene has no laws that scatter.
     let of_scene = world.get_resource::<BondsOfMaterials>();
     let origin = |row: u32| {
-        let origin = world.get::<Origin>(bodies.entities[row as usize]);
+        let origin = world.get::<BodyOrigin>(bodies.entities[row as usize]);
         origin.map_or(bodies.positions[row as usize], |origin| origin.0)
     };
     let places = [origin(a), origin(b)];

@@ -6,7 +6,9 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::body::{AngularVelocity, BodyId, ExternalForce, LastMotion, Velocity};
+use clastic_components::body::{
+    BodyAngularVelocity, BodyId, BodyVelocity, ExternalForce, LastMotion,
+};
 use clastic_components::cell::PeriodicCell;
 use clastic_components::contact_history::ContactHistory;
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
@@ -153,18 +155,18 @@ pub fn end(world: &mut World) {
     let mut bodies = world.query::<(
         &mut LastMotion,
         &mut ExternalForce,
-        Option<&mut Velocity>,
-        Option<&mut AngularVelocity>,
+        Option<&mut BodyVelocity>,
+        Option<&mut BodyAngularVelocity>,
     )>();
     for (mut motion, mut force, velocity, spin) in bodies.iter_mut(world) {
         *motion = LastMotion::default();
         // A later load on a wall starts from the force that the wall carries, which is zero.
         *force = ExternalForce::default();
         if let Some(mut velocity) = velocity {
-            *velocity = Velocity::default();
+            *velocity = BodyVelocity::default();
         }
         if let Some(mut spin) = spin {
-            *spin = AngularVelocity::default();
+            *spin = BodyAngularVelocity::default();
         }
     }
     hold_walls(world);

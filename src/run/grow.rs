@@ -9,7 +9,7 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::body::BodyId;
 use clastic_components::bond::BondState;
-use clastic_components::contact::Bodies;
+use clastic_components::contact::BodyTable;
 use clastic_components::increment::Progress;
 use clastic_components::particle::Particle;
 
@@ -61,7 +61,7 @@ pub(super) fn grow(world: &mut World) {
     let area = radii.iter().map(|(_, r)| std::f64::consts::PI * r * r).sum();
     let Some(to_target) = factor(world, &stage, area) else { return };
     let now = 1.0 + (to_target - 1.0) * share;
-    let mut bodies = world.resource_mut::<Bodies>();
+    let mut bodies = world.resource_mut::<BodyTable>();
     for (row, (_, radius)) in radii.iter().enumerate() {
         bodies.radii[row] = radius * now;
     }
@@ -70,7 +70,7 @@ pub(super) fn grow(world: &mut World) {
 
 /// Gives the particles the radii of a committed attempt. Their density stays.
 pub(super) fn keep_radii(
-    bodies: Res<Bodies>,
+    bodies: Res<BodyTable>,
     particles: Query<(Entity, &BodyId, &Particle)>,
     mut commands: Commands,
 ) {
@@ -79,6 +79,6 @@ pub(super) fn keep_radii(
         let radius = bodies.radii[row];
         let grown = (radius / disk.radius).powi(2);
         let (mass, inertia) = (disk.mass * grown, disk.inertia * grown * grown);
-        commands.entity(entity).insert(Particle { radius, mass, inertia });
+        commands.entity(entity).insert(Particle { radius, mass, inertia, ..*disk });
     }
 }

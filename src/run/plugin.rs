@@ -12,7 +12,7 @@ use clastic_systems::schedule::{
     AttemptIncrement, AttemptSystems, Increment, IncrementSystems, committed,
 };
 use clastic_systems::state::RegisterState;
-use clastic_systems::stepping::{Advance, AdvanceSystems, is_due};
+use clastic_systems::stepping::{AdvanceIncrement, AdvanceSystems, is_due};
 
 use super::before::{Before, take_down};
 use super::end_run::end_run;
@@ -42,8 +42,8 @@ pub struct WallPlugins;
 /// Registers that a plugin drives walls.
 pub trait ProvideWalls {
     /// The plugin has systems in
-    /// [`ControlSystems::Custom`](clastic_systems::schedule::ControlSystems::Custom) that drive walls
-    /// with the control `Custom`.
+    /// [`ControlSystems::Custom`](clastic_systems::schedule::ControlSystems::Custom) that drive
+    /// walls with the control `Custom`.
     fn provide_walls(&mut self) -> &mut Self;
 }
 
@@ -115,9 +115,9 @@ impl Plugin for ScenePlugin {
                     .run_if(committed),
             )
             .add_systems(EndStage, end_built_in.in_set(StageSystems::BuiltIn))
-            .configure_sets(Advance, StageSystems::Stop.in_set(AdvanceSystems::End))
+            .configure_sets(AdvanceIncrement, StageSystems::Stop.in_set(AdvanceSystems::End))
             .add_systems(
-                Advance,
+                AdvanceIncrement,
                 (
                     (
                         change_stages,

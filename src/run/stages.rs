@@ -6,7 +6,7 @@ use clastic_components::increment::Progress;
 use clastic_components::observation::Measures;
 use clastic_components::step_control::StepControl;
 use clastic_systems::measures::strain::take_reference;
-use clastic_systems::stepping::Due;
+use clastic_systems::stepping::IncrementDue;
 
 use super::measures::MeasureKinds;
 use super::resolve_measures::resolve_measures;
@@ -69,7 +69,7 @@ pub fn change_stages(world: &mut World) {
         }
         end(world, stage);
     };
-    world.insert_resource(Due(due));
+    world.insert_resource(IncrementDue(due));
 }
 
 /// Why a stage cannot begin.

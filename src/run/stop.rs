@@ -3,7 +3,7 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, IncrementStatus};
-use clastic_components::body::Velocity;
+use clastic_components::body::BodyVelocity;
 use clastic_components::increment::Progress;
 use clastic_components::observation::Observation;
 use clastic_components::poured::Poured;
@@ -111,7 +111,7 @@ fn error_of_stress(world: &mut World) -> f64 {
 fn stopped(world: &mut World, stage: &Stage) -> Option<Stop> {
     let stress = world.resource::<Observation>().axial_stress;
     let time = world.resource::<Progress>().time;
-    let mut velocities = world.query::<&Velocity>();
+    let mut velocities = world.query::<&BodyVelocity>();
     let maximum = velocities.iter(world).map(|v| v.0.length()).fold(0.0, f64::max);
     let mut script = world.resource_mut::<Script>();
     let last = script.speed.replace(maximum);

@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 use clastic_components::attempt::Attempt;
 use clastic_components::body::{ExternalForce, LastMotion};
 use clastic_components::bond::RuptureMode;
-use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::increment::{Analysis, AnalysisKind};
 use clastic_components::measure::{
     CrackSums, ForceComponent, GrainAmount, MembraneValue, NamedMeasures, Quantity, Readings,
@@ -111,8 +111,8 @@ pub fn read_start(tables: StressTables, named: Res<NamedMeasures>, mut out: ResM
 /// Tables from which the readings at the end of an increment follow.
 #[derive(SystemParam)]
 pub struct EndTables<'w, 's> {
-    bodies: Res<'w, Bodies>,
-    contacts: Res<'w, Contacts>,
+    bodies: Res<'w, BodyTable>,
+    contacts: Res<'w, ContactTable>,
     program: Res<'w, ConeProgram>,
     solution: Res<'w, ConeSolution>,
     analysis: Res<'w, Analysis>,

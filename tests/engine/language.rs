@@ -480,7 +480,7 @@ fn isotropic_compression_balances_solid_fraction_and_energy() {
 
 /// Sum of the squared radii, m^2.
 fn disks(simulation: &Simulation) -> f64 {
-    let bodies = simulation.world().resource::<clastic::components::contact::Bodies>();
+    let bodies = simulation.world().resource::<clastic::components::contact::BodyTable>();
     bodies.radii.iter().map(|r| r * r).sum()
 }
 

@@ -35,6 +35,7 @@ mod landing;
 mod language;
 mod lids;
 mod limit_load;
+mod links;
 mod loose_grains;
 mod measures;
 mod measures_of_ten;

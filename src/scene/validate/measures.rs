@@ -2,6 +2,8 @@
 
 use std::fmt::Arguments;
 
+use clastic_components::domain;
+
 use crate::scene::format::{
     Amount, Area, CellStrain, Length, Measure, Quantity, ROLES, Strain, StrainComponent, Stress,
 };
@@ -163,8 +165,8 @@ fn needs(context: &Context, path: Arguments, names: &[&str], findings: &mut Find
 }
 
 fn rectangle(path: Arguments, min: (f64, f64), max: (f64, f64), findings: &mut Findings) {
-    let fine = findings.vector(format_args!("{path}.min"), min, "a place in m")
-        & findings.vector(format_args!("{path}.max"), max, "a place in m");
+    let fine = findings.vector(format_args!("{path}.min"), min, domain::PLACE.what)
+        & findings.vector(format_args!("{path}.max"), max, domain::PLACE.what);
     if fine && (min.0 >= max.0 || min.1 >= max.1) {
         let message = format!("not above and to the right of min ({max:?})");
         findings.add(format_args!("{path}.max"), message, "give a rectangle with an area");
