@@ -53,8 +53,6 @@ pub const PLACE: Domain = Domain::new("a place in m", |_| true);
 pub const VELOCITY: Domain = Domain::new("a velocity in m/s", |_| true);
 /// Angular velocities.
 pub const SPIN: Domain = Domain::new("a velocity in rad/s", |_| true);
-/// Density of a material.
-pub const DENSITY: Domain = Domain::new("a density in kg/m^3 greater than 0", |rho| rho > 0.0);
 /// Coefficient of restitution.
 pub const RESTITUTION: Domain =
     Domain::new("a coefficient of restitution from 0 to 1", |e| (0.0..=1.0).contains(&e));

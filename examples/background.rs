@@ -82,6 +82,7 @@ struct Shown {
 
 /// A system of every frame: it takes what has come, and goes on with what it has otherwise.
 fn draw(engine: Res<Engine>, mut shown: ResMut<Shown>) {
+    assert!(!engine.thread.is_finished(), "the engine has stopped");
     shown.frames += 1;
     if let Ok(mut latest) = engine.latest.try_lock()
         && let Some(picture) = latest.take()
@@ -106,7 +107,8 @@ pub fn main() {
         app.world_mut().spawn(Particle::disk(0.1, 2650.0, 1.0));
         app.insert_non_send(Slow(slow));
         let wait = |slow: NonSend<Slow>| (0..FRAMES).for_each(|_| slow.0.recv().unwrap_or(()));
-        app.add_systems(Increment, wait.in_set(IncrementSystems::Attempts));
+        let before = IncrementSystems::Attempts;
+        app.add_systems(Increment, wait.after(IncrementSystems::Draft).before(before));
     });
     let mut app = App::new();
     app.add_plugins(TimePlugin)

@@ -1,7 +1,7 @@
 //! Contact and bond laws.
 
 use clastic_components::domain::{
-    COEFFICIENT, COHESION, COMPLIANCE, DENSITY, RESTITUTION, TENSILE_STRENGTH,
+    COEFFICIENT, COHESION, COMPLIANCE, RESTITUTION, TENSILE_STRENGTH,
 };
 use clastic_components::material::{BondLaw, ContactLaw, Material};
 
@@ -9,9 +9,7 @@ use super::bad::{Bad, outside};
 
 pub(super) fn of_material(material: &Material) -> Option<Bad> {
     let bond = || of_bond(material.bond.as_ref()?).map(|bad| bad.of("bond."));
-    outside("density", material.density, DENSITY)
-        .or_else(|| of_contact(&material.contact).map(|bad| bad.of("contact.")))
-        .or_else(bond)
+    of_contact(&material.contact).map(|bad| bad.of("contact.")).or_else(bond)
 }
 
 pub(super) fn of_contact(law: &ContactLaw) -> Option<Bad> {

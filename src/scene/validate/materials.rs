@@ -20,7 +20,7 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
             findings.add_at_key(format_args!("{path}"), message, "give it a name");
         }
         let density = material.density;
-        findings.within(format_args!("{path}.density"), density, domain::DENSITY);
+        findings.positive(format_args!("{path}.density"), density, "a density in kg/m^3");
         contact(format_args!("{path}.contact"), material.contact, findings);
         bond(format_args!("{path}.bond"), material.bond, findings);
     }
